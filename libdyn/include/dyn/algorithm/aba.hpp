@@ -1,0 +1,23 @@
+// Forward dynamics by the articulated-body algorithm.
+#pragma once
+
+#include <dyn/algorithm/rnea.hpp>
+
+namespace dyn {
+
+namespace detail {
+DYN_API const double* aba(const CompactModel&, Data&, VectorView q, VectorView v, VectorView tau, const Force<double>* fext, std::size_t count);
+}
+
+/// ddq [rad/s^2, m/s^2] = M^-1 (tau - C v - g - losses). q: nq; v, tau: nv; result: nv. O(n); models with coupled joints factor M
+/// instead and need Need::mass_matrix. Featherstone 2008, table 7.1, in the axes of the root body with the origin at each joint.
+/// Throws Error(size | argument), and Error(singular) naming the joint where M is singular.
+inline VectorResult aba(const CompactModel& model, Data& data, const VectorArg& q, const VectorArg& v, const VectorArg& tau) {
+  return {detail::aba(model, data, q, v, tau, nullptr, 0), model.nv()};
+}
+inline VectorResult aba(const CompactModel& model, Data& data, const VectorArg& q, const VectorArg& v, const VectorArg& tau,
+                        const ExternalForces& fext) {
+  return {detail::aba(model, data, q, v, tau, fext.data(), fext.size()), model.nv()};
+}
+
+}  // namespace dyn

@@ -1,0 +1,81 @@
+// The configuration space of a whole model: q (+) v, q1 (-) q0 and their Jacobians. v is a tangent vector as joint velocities are.
+#pragma once
+
+#include <dyn/compile/compact_model.hpp>
+#include <dyn/data/views.hpp>
+
+#include <cstdint>
+
+namespace dyn {
+
+/// Argument that a derivative is taken by.
+enum class ArgumentPosition { first, second };
+
+namespace detail {
+DYN_API void neutral(const CompactModel&, double* q);
+DYN_API void integrate(const CompactModel&, VectorView q, VectorView v, double* out);
+DYN_API void difference(const CompactModel&, VectorView q0, VectorView q1, double* v);
+DYN_API double normalize(const CompactModel&, VectorView q, double* out);
+DYN_API void randomConfiguration(const CompactModel&, std::uint64_t seed, double* q);
+DYN_API void dIntegrate(const CompactModel&, VectorView q, VectorView v, ArgumentPosition by, double* J);
+DYN_API void dDifference(const CompactModel&, VectorView q0, VectorView q1, ArgumentPosition by, double* J);
+}  // namespace detail
+
+// All O(n) but the Jacobians, O(nv^2) for writing them. Results are the caller's vectors. Throw Error(size).
+
+/// The configuration at which every joint is at its zero.
+inline Eigen::VectorXd neutral(const CompactModel& model) {
+  Eigen::VectorXd q(model.nq());
+  detail::neutral(model, q.data());
+  return q;
+}
+/// q (+) v: where q gets in unit time at constant joint velocity v.
+inline Eigen::VectorXd integrate(const CompactModel& model, const VectorArg& q, const VectorArg& v) {
+  Eigen::VectorXd out(model.nq());
+  detail::integrate(model, q, v, out.data());
+  return out;
+}
+/// The v with q0 (+) v = q1, rotations by at most pi.
+inline Eigen::VectorXd difference(const CompactModel& model, const VectorArg& q0, const VectorArg& q1) {
+  Eigen::VectorXd v(model.nv());
+  detail::difference(model, q0, q1, v.data());
+  return v;
+}
+/// q0 (+) t (q1 (-) q0).
+inline Eigen::VectorXd interpolate(const CompactModel& model, const VectorArg& q0, const VectorArg& q1, double t) {
+  return integrate(model, q0, Eigen::VectorXd(t * difference(model, q0, q1)));
+}
+/// Norm of the difference.
+inline double distance(const CompactModel& model, const VectorArg& q0, const VectorArg& q1) { return difference(model, q0, q1).norm(); }
+/// q with quaternions and (cos, sin) pairs of norm one.
+inline Eigen::VectorXd normalize(const CompactModel& model, const VectorArg& q) {
+  Eigen::VectorXd out(model.nq());
+  detail::normalize(model, q, out.data());
+  return out;
+}
+/// Whether every quaternion and pair has norm one to the given tolerance.
+inline bool isNormalized(const CompactModel& model, const VectorArg& q, double tolerance = 1e-12) {
+  Eigen::VectorXd out(model.nq());
+  return detail::normalize(model, q, out.data()) <= tolerance;
+}
+/// Uniform within the limits; unlimited coordinates in [-pi, pi], unlimited positions of groups in [-1, 1], rotations anywhere.
+/// The same seed gives the same configuration.
+inline Eigen::VectorXd randomConfiguration(const CompactModel& model, std::uint64_t seed) {
+  Eigen::VectorXd q(model.nq());
+  detail::randomConfiguration(model, seed, q.data());
+  return q;
+}
+/// nv x nv derivative of integrate by q (first) or v (second).
+inline Eigen::MatrixXd dIntegrate(const CompactModel& model, const VectorArg& q, const VectorArg& v, ArgumentPosition by) {
+  Eigen::MatrixXd J(model.nv(), model.nv());
+  detail::dIntegrate(model, q, v, by, J.data());
+  return J;
+}
+/// nv x nv derivative of difference by q0 (first) or q1 (second).
+inline Eigen::MatrixXd dDifference(const CompactModel& model, const VectorArg& q0, const VectorArg& q1, ArgumentPosition by) {
+  Eigen::MatrixXd J(model.nv(), model.nv());
+  detail::dDifference(model, q0, q1, by, J.data());
+  return J;
+}
+
+}  // namespace dyn

@@ -1,0 +1,66 @@
+// What compile() returns: immutable, cheap to copy, shareable between threads.
+#pragma once
+
+#include <dyn/export.hpp>
+#include <dyn/spatial/inertia.hpp>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace dyn {
+
+struct CompactImpl;
+
+/// One joint as the user numbers them: depth first, in the order of the description. Index 0 is the universe.
+struct JointRecord {
+  std::string name, type;
+  int parent = 0;  ///< joint that carries this one
+  int idx_q = 0, idx_v = 0, nq = 0, nv = 0;
+};
+
+/// A frame fixed to a joint's body: every body of the description, welded ones too, and the extra frames.
+struct FrameRecord {
+  std::string name;
+  int joint = 0;
+  SE3<double> placement;  ///< in the joint's frame
+};
+
+/// One line per pass of the compiler, and what it found odd.
+struct CompileReport {
+  std::vector<std::string> passes;
+  std::vector<std::string> warnings;
+};
+
+/// Limits of the whole model; infinite where the description gives none.
+struct ModelLimits {
+  std::vector<double> lower, upper;     ///< nq
+  std::vector<double> velocity, effort; ///< nv
+};
+
+class DYN_API CompactModel {
+ public:
+  explicit CompactModel(std::shared_ptr<const CompactImpl> impl);
+
+  const std::string& name() const;
+  int nq() const;
+  int nv() const;
+  /// Joints with their motion, the universe included.
+  int njoints() const;
+  const std::vector<JointRecord>& joints() const;
+  const std::vector<FrameRecord>& frames() const;
+  /// Index of a joint or frame by name, -1 if there is none.
+  int jointId(const std::string& name) const;
+  int frameId(const std::string& name) const;
+  const Vec3<double>& gravity() const;
+  double mass() const;  ///< of everything that moves [kg]
+  const ModelLimits& limits() const;
+  const CompileReport& report() const;
+
+  const CompactImpl& impl() const { return *impl_; }
+
+ private:
+  std::shared_ptr<const CompactImpl> impl_;
+};
+
+}  // namespace dyn

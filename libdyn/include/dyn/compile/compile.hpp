@@ -1,0 +1,26 @@
+// compile(): from a description to a compact model.
+#pragma once
+
+#include <dyn/compile/compact_model.hpp>
+#include <dyn/joint/registry.hpp>
+#include <dyn/model/model.hpp>
+
+namespace dyn {
+
+/// A joint held at a configuration (nq numbers; empty: neutral).
+struct LockedJoint {
+  std::string joint;
+  std::vector<double> q;
+};
+
+struct CompileOptions {
+  std::vector<LockedJoint> lock;
+  bool dissipation = true;  ///< joint damping and friction of the description act in the dynamics
+  bool armature = true;     ///< so does rotor inertia
+};
+
+/// Turns a description into an immutable model. Deterministic: same model, same options, same bytes. O(n log n).
+/// Throws Error(model | joint_type | parameter), naming the joint.
+DYN_API CompactModel compile(const Model& model, const JointRegistry& registry, const CompileOptions& options = {});
+
+}  // namespace dyn

@@ -1,0 +1,39 @@
+// Every result and intermediate of one state. All memory is taken when it is made.
+#pragma once
+
+#include <dyn/compile/compact_model.hpp>
+#include <dyn/data/views.hpp>
+
+namespace dyn {
+
+struct DataImpl;
+
+/// Results whose memory grows faster than the model are taken only when asked for.
+enum class Need : unsigned {
+  state = 0,        ///< everything of size O(n)
+  mass_matrix = 1,  ///< M, nv x nv: crba(), and aba() of models with coupled joints
+};
+constexpr Need operator|(Need a, Need b) { return static_cast<Need>(static_cast<unsigned>(a) | static_cast<unsigned>(b)); }
+constexpr bool has(Need set, Need one) { return (static_cast<unsigned>(set) & static_cast<unsigned>(one)) != 0; }
+
+/// Scratch and results for one thread. Belongs to the model it was made for.
+class DYN_API Data {
+ public:
+  explicit Data(const CompactModel& model, Need needs = Need::state);
+  ~Data();
+  Data(Data&&) noexcept;
+  Data& operator=(Data&&) noexcept;
+  Data(const Data&) = delete;
+  Data& operator=(const Data&) = delete;
+
+  /// Bytes taken.
+  std::size_t bytes() const;
+
+  DataImpl& impl() { return *impl_; }
+  const DataImpl& impl() const { return *impl_; }
+
+ private:
+  std::unique_ptr<DataImpl> impl_;
+};
+
+}  // namespace dyn

@@ -1,0 +1,10 @@
+// Everything a user of libdyn needs, without parsers.
+#pragma once
+
+#include <dyn/algorithm/aba.hpp>
+#include <dyn/algorithm/center_of_mass.hpp>
+#include <dyn/algorithm/configuration.hpp>
+#include <dyn/algorithm/crba.hpp>
+#include <dyn/algorithm/kinematics.hpp>
+#include <dyn/algorithm/rnea.hpp>
+#include <dyn/compile/compile.hpp>

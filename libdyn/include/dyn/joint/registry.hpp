@@ -1,0 +1,53 @@
+// Where joint types come from: shared objects, opened local and never unloaded.
+#pragma once
+
+#include <dyn/error.hpp>
+#include <dyn/joint/joint_type.hpp>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace dyn {
+
+/// A group- or world-writable plugin file or directory could be replaced by anyone; it is refused unless `any` is said.
+enum class Trust { owner_only, any };
+
+struct PluginRecord {
+  std::string path;
+  std::vector<std::string> types;  ///< names of joint and coupling types; empty if it failed
+  std::string problem;             ///< why it was not loaded; empty if it was
+};
+
+/// Name -> type. Reading is safe from several threads; loading is not.
+class DYN_API JointRegistry {
+ public:
+  JointRegistry();
+  ~JointRegistry();
+  JointRegistry(const JointRegistry&);
+  JointRegistry& operator=(const JointRegistry&);
+
+  /// The plugins beside the library, then those in the folders of DYN_PLUGIN_PATH (separated by ':').
+  /// A plugin that cannot be loaded is recorded in plugins() and named when a type is not found.
+  static JointRegistry standard(Trust trust = Trust::owner_only);
+
+  /// Loads one shared object (links are followed); throws Error(plugin) and leaves the registry as it was.
+  void load(const std::string& path, Trust trust = Trust::owner_only);
+  /// Loads every *.so of a folder, in the order of their names; failures are recorded, not thrown.
+  void loadDirectory(const std::string& directory, Trust trust = Trust::owner_only);
+
+  /// The type of that name; throws Error(joint_type) with every path searched and every problem met.
+  const JointType& jointType(const std::string& name, const Where& where = {}) const;
+  const CouplingType& couplingType(const std::string& name, const Where& where = {}) const;
+
+  const std::vector<const JointType*>& jointTypes() const;
+  const std::vector<const CouplingType*>& couplingTypes() const;
+  const std::vector<PluginRecord>& plugins() const;
+  const std::vector<std::string>& searched() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace dyn

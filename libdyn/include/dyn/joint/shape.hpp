@@ -1,0 +1,36 @@
+// The closed set of motion subspaces that the recursions know. A joint type declares one per joint; everything after the plugin sees
+// shapes, never types.
+#pragma once
+
+#include <cstdint>
+
+namespace dyn {
+
+/// What a plugin writes per joint (`pose` components, in this order) and what the recursions assume of S, in the moving frame.
+enum class Shape : std::int32_t {
+  revolute,        ///< pose: cos, sin.          S = e6 (rotation about z)
+  prismatic,       ///< pose: z.                 S = e3 (translation along z)
+  spherical,       ///< pose: R (9, row-major).  S = [0; 1]
+  translation,     ///< pose: p (3).             S = [1; 0], no rotation
+  planar,          ///< pose: x, y, cos, sin.    S = (e1, e2, e6)
+  free,            ///< pose: R (9), p (3).      S = identity
+  dense_constant,  ///< pose: R (9), p (3).      S given once when the joint is prepared
+  dense,           ///< pose: R (9), p (3); subspace: S (6 x nv, column after column); bias: (dS/dt) v
+};
+
+constexpr int shape_count = 8;
+constexpr int max_joint_nv = 6;
+constexpr int max_joint_nq = 7;
+
+constexpr int poseSize(Shape shape) {
+  switch (shape) {
+    case Shape::revolute: return 2;
+    case Shape::prismatic: return 1;
+    case Shape::spherical: return 9;
+    case Shape::translation: return 3;
+    case Shape::planar: return 4;
+    default: return 12;
+  }
+}
+
+}  // namespace dyn

@@ -1,0 +1,72 @@
+// SO(2) and SE(2): configurations (cos, sin) and (x, y, cos, sin), tangent (vx, vy, w) in the moving frame.
+#pragma once
+
+#include <dyn/lie/so3.hpp>
+
+namespace dyn {
+
+template <class S>
+struct SO2 {
+  S c{1}, s{};
+
+  static SO2 exp(const S& t) {
+    using std::cos, std::sin;
+    return {cos(t), sin(t)};
+  }
+  S log() const {
+    using std::atan2;
+    return atan2(s, c);
+  }
+  SO2 inverse() const { return {c, -s}; }
+  friend SO2 operator*(const SO2& a, const SO2& b) { return {a.c * b.c - a.s * b.s, a.s * b.c + a.c * b.s}; }
+  /// Divided by the norm, safe from overflow and underflow.
+  SO2 normalized() const {
+    using std::abs, std::sqrt;
+    const S m = abs(c) > abs(s) ? abs(c) : abs(s);
+    const S x = c / m, y = s / m, n = sqrt(x * x + y * y);
+    return {x / n, y / n};
+  }
+};
+
+template <class S>
+struct SE2 {
+  S x{}, y{};
+  SO2<S> r;
+
+  friend SE2 operator*(const SE2& a, const SE2& b) {
+    return {a.x + a.r.c * b.x - a.r.s * b.y, a.y + a.r.s * b.x + a.r.c * b.y, a.r * b.r};
+  }
+  SE2 inverse() const { return {-(r.c * x + r.s * y), r.s * x - r.c * y, r.inverse()}; }
+
+  /// p = V(w) v, V = [[a, -b w], [b w, a]].
+  static SE2 exp(const Vec3<S>& v) {
+    const RotationCoefficients<S> k(v.z * v.z);
+    const S bw = k.b * v.z;
+    return {k.a * v.x - bw * v.y, bw * v.x + k.a * v.y, SO2<S>::exp(v.z)};
+  }
+  Vec3<S> log() const {
+    const S w = r.log(), w2 = w * w;
+    const S d = S(1) - inverseCoefficient(w2) * w2, h = S(0.5) * w;  // V^-1 = [[d, h], [-h, d]]
+    return {d * x + h * y, d * y - h * x, w};
+  }
+  /// Matrix of the action on tangent vectors.
+  Mat3<S> action() const { return {{r.c, -r.s, y, r.s, r.c, -x, S(0), S(0), S(1)}}; }
+};
+
+/// Right Jacobian of SE2::exp and its inverse at the logarithm.
+template <class S>
+Mat3<S> Jexp2(const Vec3<S>& v) {
+  const RotationCoefficients<S> k(v.z * v.z);
+  const S bw = k.b * v.z, cw = k.c * v.z;
+  return {{k.a, bw, cw * v.x - k.b * v.y, -bw, k.a, k.b * v.x + cw * v.y, S(0), S(0), S(1)}};
+}
+template <class S>
+Mat3<S> Jlog2(const Vec3<S>& v) {
+  // Inverse of [[A, u], [0, 1]] with A = [[a, bw], [-bw, a]], A^-1 = [[d, -h], [h, d]].
+  const S w2 = v.z * v.z, d = S(1) - inverseCoefficient(w2) * w2, h = S(0.5) * v.z;
+  const Mat3<S> J = Jexp2(v);
+  const S ux = J(0, 2), uy = J(1, 2);
+  return {{d, -h, -(d * ux - h * uy), h, d, -(h * ux + d * uy), S(0), S(0), S(1)}};
+}
+
+}  // namespace dyn

@@ -1,0 +1,224 @@
+// Rotations: unit quaternions (x, y, z, w), exponential, logarithm and their Jacobians, exact to rounding at every angle.
+//
+// Where the closed forms cancel (small angles) series take over; the switch lies where both are good to a few ulp.
+#pragma once
+
+#include <dyn/scalar/dual.hpp>
+#include <dyn/spatial/vector3.hpp>
+
+#include <type_traits>
+
+namespace dyn {
+
+/// Sum of four squares, in more digits than S has where that is to be had: a rotation matrix inherits its whole error.
+template <class S>
+S sumOfSquares(const S& x, const S& y, const S& z, const S& w) {
+  if constexpr (std::is_same_v<S, double>) {
+    const long double a = x, b = y, c = z, d = w;
+    return static_cast<double>(a * a + b * b + c * c + d * d);
+  } else {
+    return x * x + y * y + z * z + w * w;
+  }
+}
+
+template <class S>
+struct Quaternion {
+  S x{}, y{}, z{}, w{1};
+
+  Vec3<S> vec() const { return {x, y, z}; }
+  Quaternion conjugate() const { return {-x, -y, -z, w}; }
+  friend Quaternion operator*(const Quaternion& a, const Quaternion& b) {
+    return {a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y, a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
+            a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z};
+  }
+  /// Divided by its norm, without overflow or underflow on the way. The zero quaternion gives NaN.
+  Quaternion normalized() const {
+    using std::abs, std::sqrt;
+    S m = abs(x);
+    for (const S& c : {abs(y), abs(z), abs(w)})
+      if (c > m) m = c;
+    const S a = x / m, b = y / m, c = z / m, d = w / m;
+    const S n = sqrt(a * a + b * b + c * c + d * d);
+    return {a / n, b / n, c / n, d / n};
+  }
+  /// Rotation matrix of a quaternion of any norm but zero. Dividing the products by the squared norm is a rounding better than
+  /// normalising first; that is done only where the square would overflow or lose digits.
+  Mat3<S> matrix() const {
+    const S n2 = sumOfSquares(x, y, z, w);
+    if (!(n2 > S(1e-30) && n2 < S(1e30))) return normalized().unitMatrix(S(2));
+    return unitMatrix(S(2) / n2);
+  }
+
+ private:
+  /// 1 + s (w [v] + [v]^2) with s = 2 / norm^2.
+  Mat3<S> unitMatrix(const S& s) const {
+    const S one(1), sx = s * x, sy = s * y, sz = s * z;
+    return {{one - (sy * y + sz * z), sx * y - sz * w, sx * z + sy * w,  //
+             sx * y + sz * w, one - (sx * x + sz * z), sy * z - sx * w,  //
+             sx * z - sy * w, sy * z + sx * w, one - (sx * x + sy * y)}};
+  }
+};
+
+/// Quaternion of a rotation matrix (Shepperd 1978: divide by the largest component), with w >= 0 unless w = 0.
+template <class S>
+Quaternion<S> quaternionOf(const Mat3<S>& R) {
+  const S t = R(0, 0) + R(1, 1) + R(2, 2);
+  Quaternion<S> q;
+  if (t >= R(0, 0) && t >= R(1, 1) && t >= R(2, 2)) {
+    q = {R(2, 1) - R(1, 2), R(0, 2) - R(2, 0), R(1, 0) - R(0, 1), S(1) + t};
+  } else {
+    S c[3];
+    const int i = R(0, 0) >= R(1, 1) ? (R(0, 0) >= R(2, 2) ? 0 : 2) : (R(1, 1) >= R(2, 2) ? 1 : 2);
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    c[i] = S(1) + R(i, i) - R(j, j) - R(k, k);
+    c[j] = R(j, i) + R(i, j);
+    c[k] = R(k, i) + R(i, k);
+    q = {c[0], c[1], c[2], R(k, j) - R(j, k)};
+  }
+  q = q.normalized();
+  if (q.w < S(0)) q = {-q.x, -q.y, -q.z, -q.w};
+  return q;
+}
+
+/// Coefficients of the series of SO(3) and SE(3) at angle t, t2 = t^2.
+template <class S>
+struct RotationCoefficients {
+  S a;  ///< sin t / t
+  S b;  ///< (1 - cos t) / t^2
+  S c;  ///< (t - sin t) / t^3
+  S d;  ///< (cos t - 1 + t^2 / 2) / t^4
+  S e;  ///< (sin t - t + t^3 / 6) / t^5
+
+  explicit RotationCoefficients(const S& t2) {
+    using std::cos, std::sin, std::sqrt;
+    if (valueOf(t2) < 4.0) {
+      // Alternating Taylor series sum (-t2)^k / (2k + m)!, Horner from the thirteenth term: below 1 ulp for t < 2.
+      a = series(t2, 1);
+      b = series(t2, 2);
+      c = series(t2, 3);
+      d = series(t2, 4);
+      e = series(t2, 5);
+    } else {
+      const S t = sqrt(t2), h = S(0.5) * t, s = sin(h) / h;
+      a = sin(t) / t;
+      b = S(0.5) * s * s;
+      c = (S(1) - a) / t2;
+      d = (S(0.5) - b) / t2;
+      e = (S(1.0 / 6.0) - c) / t2;
+    }
+  }
+
+ private:
+  static S series(const S& t2, int m) {
+    // The first term left out is t2^14 m! / (28 + m)! < 1e-20 at t2 = 4.
+    S sum(1);
+    for (int k = 13; k >= 1; --k) sum = S(1) - t2 / S(static_cast<double>((2 * k + m) * (2 * k + m - 1))) * sum;
+    double factorial = 1;
+    for (int i = 2; i <= m; ++i) factorial *= i;
+    return sum / S(factorial);
+  }
+};
+
+/// sin(x/2)^2 from x2 = x^2: half of 1 - cos x without cancellation.
+template <class S>
+S quarterVersine(const S& x2) {
+  const S a = RotationCoefficients<S>(S(0.25) * x2).a;
+  return S(0.25) * x2 * a * a;
+}
+
+/// exp: rotation vector [rad] to unit quaternion.
+template <class S>
+Quaternion<S> expQuaternion(const Vec3<S>& w) {
+  using std::cos, std::sin, std::sqrt;
+  const S t2 = dot(w, w);
+  // t2 underflows for tiny w, and then sin(t/2) / t is 1/2 as it should.
+  const S h2 = S(0.25) * t2;
+  const S s = S(0.5) * RotationCoefficients<S>(h2).a;
+  const S c = valueOf(h2) < 1 ? S(1) - S(2) * quarterVersine(h2) : cos(S(0.5) * sqrt(t2));
+  return {s * w.x, s * w.y, s * w.z, c};
+}
+
+/// exp: rotation vector to rotation matrix, 1 + a [w] + b [w]^2.
+template <class S>
+Mat3<S> exp3(const Vec3<S>& w) {
+  const RotationCoefficients<S> k(dot(w, w));
+  const S bx = k.b * w.x, by = k.b * w.y, bz = k.b * w.z;
+  const S ax = k.a * w.x, ay = k.a * w.y, az = k.a * w.z;
+  return {{S(1) - (by * w.y + bz * w.z), bx * w.y - az, bx * w.z + ay,  //
+           bx * w.y + az, S(1) - (bx * w.x + bz * w.z), by * w.z - ax,  //
+           bx * w.z - ay, by * w.z + ax, S(1) - (bx * w.x + by * w.y)}};
+}
+
+/// log of a unit quaternion: rotation vector of norm at most pi; q and -q give the same.
+template <class S>
+Vec3<S> log3(const Quaternion<S>& q) {
+  using std::atan2, std::sqrt;
+  const bool flip = valueOf(q.w) < 0;
+  const Vec3<S> v = flip ? -q.vec() : q.vec();
+  const S w = flip ? -q.w : q.w;
+  const S n2 = dot(v, v);
+  // 2 atan2(n, w) / n. For small n the vector is 2 v / w (1 - n^2 / (3 w^2) + ...), which needs no square root of an underflow.
+  if (valueOf(n2) < 1e-9) {
+    const S r = n2 / (w * w);
+    return (S(2) / w * (S(1) - r * (S(1.0 / 3.0) - r * S(0.2)))) * v;
+  }
+  const S n = sqrt(n2);
+  return (S(2) * atan2(n, w) / n) * v;
+}
+
+template <class S>
+Vec3<S> log3(const Mat3<S>& R) {
+  return log3(quaternionOf(R));
+}
+
+/// Right Jacobian of exp: exp(w + d) = exp(w) exp(J d + ...).  1 - b [w] + c [w]^2 (Sola et al. 2018, eq. 143).
+template <class S>
+Mat3<S> Jexp3(const Vec3<S>& w) {
+  const RotationCoefficients<S> k(dot(w, w));
+  Mat3<S> J;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) J(i, j) = k.c * (w[i] * w[j]);
+  for (int i = 0; i < 3; ++i) J(i, i) += k.a;  // 1 - c t^2 = a
+  const Vec3<S> bw = k.b * w;
+  J(0, 1) += bw.z;
+  J(0, 2) -= bw.y;
+  J(1, 0) -= bw.z;
+  J(1, 2) += bw.x;
+  J(2, 0) += bw.y;
+  J(2, 1) -= bw.x;
+  return J;
+}
+
+/// (1 - t/2 cot(t/2)) / t^2, the last coefficient of the inverse Jacobian; regular at 0, grows without bound at 2 pi.
+template <class S>
+S inverseCoefficient(const S& t2) {
+  using std::cos, std::sin, std::sqrt;
+  if (valueOf(t2) < 2.25) {
+    // (1 - a / (2 b)) / t2 with a = 1 - c t2 and b = 1/2 - d t2: the quotient of two series, without cancellation.
+    const RotationCoefficients<S> k(t2);
+    return (k.c - S(2) * k.d) / (S(2) * k.b);
+  }
+  const S h = S(0.5) * sqrt(t2);
+  return (S(1) - h * cos(h) / sin(h)) / t2;
+}
+
+/// Inverse of Jexp3: log(exp(w) exp(d)) = w + J d + ...  1 + [w]/2 + g [w]^2.
+template <class S>
+Mat3<S> Jlog3(const Vec3<S>& w) {
+  const S t2 = dot(w, w), g = inverseCoefficient(t2);
+  Mat3<S> J;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) J(i, j) = g * (w[i] * w[j]);
+  const S diagonal = S(1) - g * t2;
+  for (int i = 0; i < 3; ++i) J(i, i) += diagonal;
+  const Vec3<S> h = S(0.5) * w;
+  J(0, 1) -= h.z;
+  J(0, 2) += h.y;
+  J(1, 0) += h.z;
+  J(1, 2) -= h.x;
+  J(2, 0) -= h.y;
+  J(2, 1) += h.x;
+  return J;
+}
+
+}  // namespace dyn

@@ -1,0 +1,83 @@
+// Forward-mode differentiation: a value and its derivative in one direction. Nests, so Dual<Dual<double>> has second derivatives.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+
+namespace dyn {
+
+template <class T>
+struct Dual {
+  T v{}, d{};
+
+  Dual() = default;
+  Dual(const T& value) : v(value) {}  // NOLINT: a number is a constant dual
+  Dual(const T& value, const T& derivative) : v(value), d(derivative) {}
+  template <class A>
+    requires(std::is_arithmetic_v<A> && !std::is_same_v<A, T>)
+  Dual(A value) : v(static_cast<T>(value)) {}  // NOLINT
+
+  friend Dual operator+(const Dual& a, const Dual& b) { return {a.v + b.v, a.d + b.d}; }
+  friend Dual operator-(const Dual& a, const Dual& b) { return {a.v - b.v, a.d - b.d}; }
+  friend Dual operator-(const Dual& a) { return {-a.v, -a.d}; }
+  friend Dual operator*(const Dual& a, const Dual& b) { return {a.v * b.v, a.v * b.d + a.d * b.v}; }
+  friend Dual operator/(const Dual& a, const Dual& b) {
+    const T q = a.v / b.v;
+    return {q, (a.d - q * b.d) / b.v};
+  }
+  Dual& operator+=(const Dual& b) { return *this = *this + b; }
+  Dual& operator-=(const Dual& b) { return *this = *this - b; }
+  Dual& operator*=(const Dual& b) { return *this = *this * b; }
+  Dual& operator/=(const Dual& b) { return *this = *this / b; }
+
+  friend bool operator<(const Dual& a, const Dual& b) { return a.v < b.v; }
+  friend bool operator>(const Dual& a, const Dual& b) { return b.v < a.v; }
+  friend bool operator<=(const Dual& a, const Dual& b) { return a.v <= b.v; }
+  friend bool operator>=(const Dual& a, const Dual& b) { return b.v <= a.v; }
+  friend bool operator==(const Dual& a, const Dual& b) { return a.v == b.v; }
+
+  friend Dual sin(const Dual& a) {
+    using std::cos, std::sin;
+    return {sin(a.v), cos(a.v) * a.d};
+  }
+  friend Dual cos(const Dual& a) {
+    using std::cos, std::sin;
+    return {cos(a.v), -(sin(a.v) * a.d)};
+  }
+  friend Dual tan(const Dual& a) {
+    using std::tan;
+    const T t = tan(a.v);
+    return {t, (T(1) + t * t) * a.d};
+  }
+  friend Dual sqrt(const Dual& a) {
+    using std::sqrt;
+    const T r = sqrt(a.v);
+    return {r, a.d / (T(2) * r)};
+  }
+  friend Dual exp(const Dual& a) {
+    using std::exp;
+    const T e = exp(a.v);
+    return {e, e * a.d};
+  }
+  friend Dual log(const Dual& a) {
+    using std::log;
+    return {log(a.v), a.d / a.v};
+  }
+  friend Dual atan2(const Dual& y, const Dual& x) {
+    using std::atan2;
+    return {atan2(y.v, x.v), (x.v * y.d - y.v * x.d) / (x.v * x.v + y.v * y.v)};
+  }
+  friend Dual abs(const Dual& a) { return a.v < T(0) ? -a : a; }
+};
+
+/// The plain number inside any scalar, for decisions that must not be differentiated.
+inline double valueOf(double x) { return x; }
+inline double valueOf(float x) { return static_cast<double>(x); }
+template <class T>
+double valueOf(const Dual<T>& x) {
+  return valueOf(x.v);
+}
+
+}  // namespace dyn

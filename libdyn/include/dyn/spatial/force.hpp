@@ -1,0 +1,32 @@
+// Spatial forces (wrenches) and momenta, linear part first.
+#pragma once
+
+#include <dyn/spatial/motion.hpp>
+
+namespace dyn {
+
+/// Force [N] and moment about the frame's origin [N m].
+template <class S>
+struct Force {
+  Vec3<S> linear{}, angular{};
+
+  friend Force operator+(const Force& a, const Force& b) { return {a.linear + b.linear, a.angular + b.angular}; }
+  friend Force operator-(const Force& a, const Force& b) { return {a.linear - b.linear, a.angular - b.angular}; }
+  friend Force operator*(const S& s, const Force& a) { return {s * a.linear, s * a.angular}; }
+  Force& operator+=(const Force& b) { return *this = *this + b; }
+  Force& operator-=(const Force& b) { return *this = *this - b; }
+};
+
+/// Power [W] of a force on a motion.
+template <class S>
+S dot(const Motion<S>& m, const Force<S>& f) {
+  return dot(m.linear, f.linear) + dot(m.angular, f.angular);
+}
+
+/// v x* f, the derivative of a force f fixed in a frame that moves with v (Featherstone 2008, eq. 2.32).
+template <class S>
+Force<S> crossStar(const Motion<S>& v, const Force<S>& f) {
+  return {cross(v.angular, f.linear), cross(v.angular, f.angular) + cross(v.linear, f.linear)};
+}
+
+}  // namespace dyn

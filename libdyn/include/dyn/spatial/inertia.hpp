@@ -1,0 +1,105 @@
+// Rigid-body inertia and articulated-body inertia.
+#pragma once
+
+#include <dyn/spatial/se3.hpp>
+
+namespace dyn {
+
+/// Mass [kg], centre of mass in the body frame [m], rotational inertia about the centre of mass in body axes [kg m^2].
+template <class S>
+struct Inertia {
+  S mass{};
+  Vec3<S> com{};
+  Sym3<S> rotational{};
+
+  /// Momentum of the body moving with v, both at the frame's origin.
+  friend Force<S> operator*(const Inertia& Y, const Motion<S>& v) {
+    const Vec3<S> l = Y.mass * (v.linear + cross(v.angular, Y.com));
+    return {l, Y.rotational * v.angular + cross(Y.com, l)};
+  }
+  /// The inertia of the two bodies welded together, both given in one frame.
+  friend Inertia operator+(const Inertia& a, const Inertia& b) {
+    const S m = a.mass + b.mass;
+    if (!(m > S(0)) && !(m < S(0))) return {m, {}, a.rotational + b.rotational};
+    const S wa = a.mass / m, wb = b.mass / m;
+    return {m, wa * a.com + wb * b.com, a.rotational + b.rotational + (a.mass * wb) * pointInertia(a.com - b.com)};
+  }
+  /// The same inertia seen from frame a, where aMb is the pose of its own frame b.
+  Inertia transformed(const SE3<S>& aMb) const { return {mass, aMb.act(com), congruence(aMb.R, rotational)}; }
+  /// Rotational inertia about the frame's origin.
+  Sym3<S> rotationalAtOrigin() const { return rotational + mass * pointInertia(com); }
+};
+
+template <class To, class From>
+Inertia<To> cast(const Inertia<From>& Y) {
+  const auto c = [](const From& x) { return static_cast<To>(x); };
+  return {c(Y.mass),
+          {c(Y.com.x), c(Y.com.y), c(Y.com.z)},
+          {c(Y.rotational.xx), c(Y.rotational.xy), c(Y.rotational.xz), c(Y.rotational.yy), c(Y.rotational.yz), c(Y.rotational.zz)}};
+}
+
+/// Symmetric 6x6 inertia [[linear, coupling], [coupling^T, angular]] that maps an acceleration to a force, both at one origin
+/// (Featherstone 2008, ch. 7).
+template <class S>
+struct ArticulatedInertia {
+  Sym3<S> linear{};
+  Mat3<S> coupling{};
+  Sym3<S> angular{};
+
+  /// Of a rigid body with first moment h = m c and rotational inertia about the origin.
+  static ArticulatedInertia rigid(const S& mass, const Vec3<S>& h, const Sym3<S>& angularAtOrigin) {
+    return {{mass, S(0), S(0), mass, S(0), mass}, {{S(0), h.z, -h.y, -h.z, S(0), h.x, h.y, -h.x, S(0)}}, angularAtOrigin};
+  }
+
+  friend Force<S> operator*(const ArticulatedInertia& Y, const Motion<S>& a) {
+    return {Y.linear * a.linear + Y.coupling * a.angular, transposeTimes(Y.coupling, a.linear) + Y.angular * a.angular};
+  }
+  friend ArticulatedInertia operator+(const ArticulatedInertia& a, const ArticulatedInertia& b) {
+    return {a.linear + b.linear, a.coupling + b.coupling, a.angular + b.angular};
+  }
+  ArticulatedInertia& operator+=(const ArticulatedInertia& b) { return *this = *this + b; }
+
+  /// this - U W^T where U W^T is symmetric (one term of a projection).
+  void subtractOuter(const Force<S>& U, const Force<S>& W) {
+    const Vec3<S>&a = U.linear, &b = U.angular, &c = W.linear, &d = W.angular;
+    linear = linear - Sym3<S>{a.x * c.x, a.x * c.y, a.x * c.z, a.y * c.y, a.y * c.z, a.z * c.z};
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) coupling(i, j) = coupling(i, j) - a[i] * d[j];
+    angular = angular - Sym3<S>{b.x * d.x, b.x * d.y, b.x * d.z, b.y * d.y, b.y * d.z, b.z * d.z};
+  }
+
+  /// The same inertia about the point at -r: r is the vector from the new origin to the old one, axes unchanged.
+  /// With X the skew matrix of r: coupling' = coupling - linear X, angular' = angular + X coupling + (X coupling)^T - X linear X.
+  ArticulatedInertia shifted(const Vec3<S>& r) const {
+    ArticulatedInertia out;
+    out.linear = linear;
+    const Mat3<S> L = linear.matrix();
+    for (int i = 0; i < 3; ++i) {
+      // Row i of linear X is (row i of linear) x r ... as a vector identity: (l^T X) = (l x r)^T with sign of X = [r]x.
+      const Vec3<S> l = cross(L.row(i), r);
+      out.coupling(i, 0) = coupling(i, 0) - l.x;
+      out.coupling(i, 1) = coupling(i, 1) - l.y;
+      out.coupling(i, 2) = coupling(i, 2) - l.z;
+    }
+    // X coupling + (X coupling)^T - X linear X = X coupling' + (X coupling)^T.
+    Mat3<S> A;
+    for (int j = 0; j < 3; ++j) {
+      const Vec3<S> a = cross(r, out.coupling.col(j));
+      A(0, j) = a.x;
+      A(1, j) = a.y;
+      A(2, j) = a.z;
+    }
+    Mat3<S> B;
+    for (int j = 0; j < 3; ++j) {
+      const Vec3<S> b = cross(r, coupling.col(j));
+      B(j, 0) = b.x;
+      B(j, 1) = b.y;
+      B(j, 2) = b.z;
+    }
+    out.angular = angular + Sym3<S>{A(0, 0) + B(0, 0), A(0, 1) + B(0, 1), A(0, 2) + B(0, 2),
+                                    A(1, 1) + B(1, 1), A(1, 2) + B(1, 2), A(2, 2) + B(2, 2)};
+    return out;
+  }
+};
+
+}  // namespace dyn

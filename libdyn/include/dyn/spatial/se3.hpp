@@ -1,0 +1,52 @@
+// Rigid transforms. aMb maps coordinates in frame b to coordinates in frame a, so inner letters cancel: aMc = aMb * bMc.
+#pragma once
+
+#include <dyn/spatial/force.hpp>
+#include <dyn/spatial/motion.hpp>
+
+namespace dyn {
+
+/// Pose of frame b in frame a: x_a = R x_b + p. Lengths in metres.
+template <class S>
+struct SE3 {
+  Mat3<S> R = Mat3<S>::identity();
+  Vec3<S> p{};
+
+  friend SE3 operator*(const SE3& a, const SE3& b) { return {a.R * b.R, a.p + a.R * b.p}; }
+
+  SE3 inverse() const {
+    const Mat3<S> Rt = transpose(R);
+    return {Rt, -(Rt * p)};
+  }
+  /// A point's coordinates from b to a, and back.
+  Vec3<S> act(const Vec3<S>& x) const { return R * x + p; }
+  Vec3<S> actInv(const Vec3<S>& x) const { return transposeTimes(R, x - p); }
+
+  /// Plucker transform of a motion (Featherstone 2008, eq. 2.21 with the linear part first), and its inverse.
+  Motion<S> act(const Motion<S>& m) const {
+    const Vec3<S> w = R * m.angular;
+    return {R * m.linear + cross(p, w), w};
+  }
+  Motion<S> actInv(const Motion<S>& m) const {
+    return {transposeTimes(R, m.linear - cross(p, m.angular)), transposeTimes(R, m.angular)};
+  }
+  /// The dual transform of a force, and its inverse.
+  Force<S> act(const Force<S>& f) const {
+    const Vec3<S> l = R * f.linear;
+    return {l, R * f.angular + cross(p, l)};
+  }
+  Force<S> actInv(const Force<S>& f) const {
+    return {transposeTimes(R, f.linear), transposeTimes(R, f.angular - cross(p, f.linear))};
+  }
+};
+
+/// The same pose in another scalar; the compiler composes in long double and rounds once.
+template <class To, class From>
+SE3<To> cast(const SE3<From>& X) {
+  SE3<To> Y;
+  for (int i = 0; i < 9; ++i) Y.R.m[i] = static_cast<To>(X.R.m[i]);
+  for (int i = 0; i < 3; ++i) Y.p[i] = static_cast<To>(X.p[i]);
+  return Y;
+}
+
+}  // namespace dyn

@@ -1,0 +1,52 @@
+// Coupling types: y = f(x), a function templated on the scalar; its derivatives come from forward-mode differentiation.
+#pragma once
+
+#include <dyn_sdk/implementation.hpp>
+
+namespace dyn::sdk {
+
+/// Author: name, summary, parameters, `template <class S> static S value(const S& x, const Constants& c)`.
+template <class Author>
+class CouplingTypeOf final : public CouplingType {
+ public:
+  const JointTypeInfo& info() const noexcept override {
+    static constexpr JointTypeInfo description{Author::name, Author::summary, Structure::joint, closed_configuration,
+                                               Author::parameters.data(), static_cast<int>(Author::parameters.size())};
+    return description;
+  }
+  bool prepare(const ParameterArgument* args, int& count, char* message, int size) const noexcept override {
+    count = 0;
+    for (int i = 0; i < static_cast<int>(Author::parameters.size()); ++i) count += args[i].count;
+    return Author::check(args, Refusal{message, size});
+  }
+  void constants(const ParameterArgument* args, double* out) const noexcept override {
+    for (int i = 0; i < static_cast<int>(Author::parameters.size()); ++i)
+      for (int k = 0; k < args[i].count; ++k) *out++ = args[i].numbers[k];
+  }
+  void evaluate(const double* constants, int count, double x, double* f) const noexcept override {
+    using D = Dual<double>;
+    const Dual<D> y = Author::value(Dual<D>(D(x, 1.0), D(1.0, 0.0)), Constants(constants, 1, count));
+    f[0] = y.v.v;
+    f[1] = y.v.d;
+    f[2] = y.d.d;
+  }
+};
+
+template <class Author>
+const void* couplingInstance() {
+  static constexpr CouplingTypeOf<Author> type;
+  return static_cast<const CouplingType*>(&type);
+}
+
+template <class... T>
+struct TypeList {};
+
+template <class... J, class... C>
+const dyn_plugin_descriptor* describe(TypeList<J...>, TypeList<C...>) {
+  static const void* const joints[] = {instance<J>()..., nullptr};
+  static const void* const couplings[] = {couplingInstance<C>()..., nullptr};
+  static const dyn_plugin_descriptor descriptor{stamp(), sizeof...(J), sizeof...(C), joints, couplings};
+  return &descriptor;
+}
+
+}  // namespace dyn::sdk

@@ -1,0 +1,179 @@
+// From an author's class to the virtual interface: loops over the batch, closed forms where the author has them, derived ones elsewhere.
+#pragma once
+
+#include <dyn_sdk/joint_plugin.hpp>
+
+namespace dyn::sdk {
+
+template <class A>
+concept HasPose = requires(const double* q, const Constants& c) { A::pose(q, c); };
+template <class A>
+concept HasSubspace = requires(const double* q, const Constants& c, Motion<double>* S) { A::subspace(q, c, S); };
+template <class A>
+concept HasBias = requires(const double* q, const double* v, const Constants& c) { A::bias(q, v, c); };
+/// The author replaced the flat configuration space of the base class.
+template <class A>
+inline constexpr bool has_configuration = &A::integrate != &Joint<A, A::nv, A::nq>::integrate;
+
+template <class Author>
+class JointTypeOf final : public JointType {
+ public:
+  static constexpr int nv = Author::nv, nq = Author::nq;
+  static constexpr bool is_dense = Author::shape == Shape::dense;
+  static_assert(nq >= nv && nv >= 0 && nv <= max_joint_nv && nq <= max_joint_nq, "1 to 6 degrees of freedom, at most 7 coordinates");
+  static_assert(has_configuration<Author> || nq == nv, "a joint with more coordinates than velocities needs its own integrate & co.");
+  static_assert(!is_dense || nq == nv, "a dense joint has v = dq/dt");
+
+  const JointTypeInfo& info() const noexcept override {
+    static constexpr JointTypeInfo description{
+        Author::name,
+        Author::summary,
+        Author::structure,
+        (!is_dense || HasSubspace<Author> ? closed_subspace : 0u) | (!is_dense || HasBias<Author> ? closed_bias : 0u) |
+            (has_configuration<Author> ? closed_configuration : 0u),
+        Author::parameters.data(),
+        static_cast<int>(Author::parameters.size())};
+    return description;
+  }
+
+  bool prepare(const ParameterArgument* args, JointInstance& out, char* message, int size) const noexcept override {
+    out.shape = Author::shape;
+    out.nq = nq;
+    out.nv = nv;
+    out.constant_count = Author::constantCount(args);
+    return Author::check(args, out, Refusal{message, size});
+  }
+  void constants(const ParameterArgument* args, double* out) const noexcept override { Author::constants(args, out); }
+
+  void kinematics(const JointBatch<double>& batch) const noexcept override { evaluate(batch); }
+  void kinematics(const JointBatch<Dual<double>>& batch) const noexcept override { evaluate(batch); }
+
+  void neutral(const ConfigurationBatch<double>& b) const noexcept override {
+    for (int i = 0; i < b.count; ++i) {
+      double q[nq + 1] = {};
+      Author::neutral(q);
+      store<nq>(q, b.q_out, b.q_stride, i);
+    }
+  }
+
+  void integrate(const ConfigurationBatch<double>& b) const noexcept override {
+    for (int i = 0; i < b.count; ++i) {
+      double q[nq + 1], v[nv + 1], out[nq + 1];
+      load<nq>(b.q0, b.q_stride, i, q);
+      load<nv>(b.v, b.v_stride, i, v);
+      Author::integrate(q, v, out);
+      if (b.q_out) store<nq>(out, b.q_out, b.q_stride, i);
+      if (b.J_q) jacobians(b, i, q, v, &Author::dIntegrate);
+    }
+  }
+
+  void difference(const ConfigurationBatch<double>& b) const noexcept override {
+    for (int i = 0; i < b.count; ++i) {
+      double q0[nq + 1], q1[nq + 1], out[nv + 1];
+      load<nq>(b.q0, b.q_stride, i, q0);
+      load<nq>(b.q1, b.q_stride, i, q1);
+      Author::difference(q0, q1, out);
+      if (b.v_out) store<nv>(out, b.v_out, b.v_stride, i);
+      if (b.J_q) jacobians(b, i, q0, q1, &Author::dDifference);
+    }
+  }
+
+  void normalize(const ConfigurationBatch<double>& b) const noexcept override {
+    for (int i = 0; i < b.count; ++i) {
+      double q[nq + 1];
+      load<nq>(b.q0, b.q_stride, i, q);
+      const double distance = Author::normalize(q);
+      if (b.q_out) store<nq>(q, b.q_out, b.q_stride, i);
+      if (b.v_out) b.v_out[i] = distance;
+    }
+  }
+
+ private:
+  template <int N, class S>
+  static void load(const S* base, std::ptrdiff_t stride, int i, S* out) {
+    for (int k = 0; k < N; ++k) out[k] = base[k * stride + i];
+  }
+  template <int N, class S>
+  static void store(const S* in, S* base, std::ptrdiff_t stride, int i) {
+    for (int k = 0; k < N; ++k) base[k * stride + i] = in[k];
+  }
+  template <class S>
+  static Constants constantsOf(const JointBatch<S>& b, int i) {
+    return {b.constants + b.constants_step * i, b.constants_stride, b.constant_count};
+  }
+
+  static void jacobians(const ConfigurationBatch<double>& b, int i, const double* x, const double* y,
+                        void (*author)(const double*, const double*, double*, double*)) {
+    double Jq[nv * nv + 1], Jv[nv * nv + 1];
+    author(x, y, Jq, Jv);
+    store<nv * nv>(Jq, b.J_q, b.j_stride, i);
+    store<nv * nv>(Jv, b.J_v, b.j_stride, i);
+  }
+
+  template <class S>
+  static void evaluate(const JointBatch<S>& b) {
+    for (int i = 0; i < b.count; ++i) {
+      S q[nq + 1];
+      load<nq>(b.q, b.q_stride, i, q);
+      const Constants c = constantsOf(b, i);
+      if constexpr (HasPose<Author>) {
+        const SE3<S> X = Author::pose(static_cast<const S*>(q), c);
+        for (int k = 0; k < 9; ++k) b.pose[k * b.stride + i] = X.R.m[k];
+        for (int k = 0; k < 3; ++k) b.pose[(9 + k) * b.stride + i] = X.p[k];
+      } else {
+        S pose[12];
+        Author::coordinates(static_cast<const S*>(q), c, pose);
+        store<poseSize(Author::shape)>(pose, b.pose, b.stride, i);
+      }
+      if constexpr (is_dense) dense(b, i, static_cast<const S*>(q), c);
+    }
+  }
+
+  template <class S>
+  static void dense(const JointBatch<S>& b, int i, const S* q, const Constants& c) {
+    const auto pose = [&c](const auto* x) { return Author::pose(x, c); };
+    if (b.subspace) {
+      Motion<S> columns[nv];
+      if constexpr (HasSubspace<Author>) {
+        Author::subspace(q, c, columns);
+      } else {
+        for (int k = 0; k < nv; ++k) columns[k] = subspaceColumn<nv>(pose, q, k);
+      }
+      for (int k = 0; k < nv; ++k) write(columns[k], b.subspace + 6 * k * b.stride + i, b.stride);
+    }
+    if (b.v && b.bias) {
+      S v[nv];
+      load<nv>(b.v, b.v_stride, i, v);
+      if constexpr (HasBias<Author>) {
+        write(Author::bias(q, static_cast<const S*>(v), c), b.bias + i, b.stride);
+      } else {
+        write(subspaceBias<nv>(pose, q, static_cast<const S*>(v)), b.bias + i, b.stride);
+      }
+    }
+  }
+
+  template <class S>
+  static void write(const Motion<S>& m, S* out, std::ptrdiff_t stride) {
+    for (int k = 0; k < 3; ++k) {
+      out[k * stride] = m.linear[k];
+      out[(3 + k) * stride] = m.angular[k];
+    }
+  }
+};
+
+/// The one instance of a type in this plugin.
+template <class Author>
+const void* instance() {
+  static constexpr JointTypeOf<Author> type;
+  return static_cast<const JointType*>(&type);
+}
+
+}  // namespace dyn::sdk
+
+/// Exports joint types; once per shared object.
+#define DYN_EXPORT_JOINTS(...) DYN_EXPORT_PLUGIN(DYN_TYPES(__VA_ARGS__), DYN_TYPES())
+#define DYN_TYPES(...) ::dyn::sdk::TypeList<__VA_ARGS__>
+#define DYN_EXPORT_PLUGIN(JOINTS, COUPLINGS)                                                                        \
+  extern "C" __attribute__((visibility("default"))) const dyn_plugin_descriptor* dyn_plugin_descriptor_v1() {       \
+    return ::dyn::sdk::describe(JOINTS{}, COUPLINGS{});                                                             \
+  }

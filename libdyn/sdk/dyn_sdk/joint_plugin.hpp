@@ -1,0 +1,125 @@
+// The one include of a plugin author.
+//
+// A joint type is a class with a name, coordinates and a pose map, templated on the scalar:
+//
+//     struct CamFollower : dyn::sdk::Joint<CamFollower, 1> {
+//       static constexpr const char* name = "cam_follower";
+//       static constexpr const char* summary = "moves along z by h (1 - cos q)";
+//       static constexpr std::array parameters{dyn::ParameterSpec{"h", dyn::ParameterKind::number, true, "m", "half the stroke"}};
+//       template <class S> static dyn::SE3<S> pose(const S* q, const dyn::sdk::Constants& c) { ... c[0] * (1 - cos(q[0])) ... }
+//     };
+//     DYN_EXPORT_JOINTS(CamFollower)
+//
+// Optional members, detected by name; what is missing is derived (nq = nv, v = dq/dt then):
+//     shape, check(args, instance, refuse), constantCount(args), constants(args, out)
+//     coordinates(q, c, pose)     the core's pose components in the order of its Shape, for shapes other than dense
+//     subspace(q, c, S)           S for dense shapes, column after column
+//     bias(q, v, c)               (dS/dt) v
+//     neutral(q), integrate(q, v, out), difference(q0, q1, v), dIntegrate(q, v, Jq, Jv), dDifference(q0, q1, J0, J1),
+//     normalize(q) -> distance from the configuration space before
+// Jacobians are nv x nv, row-major.
+#pragma once
+
+#include <dyn_sdk/derive.hpp>
+#include <dyn_sdk/stamp.hpp>
+
+#include <array>
+#include <cstdio>
+
+namespace dyn::sdk {
+
+/// A joint's constants as the author sees them: c[k], wherever they lie.
+class Constants {
+ public:
+  Constants(const double* base, std::ptrdiff_t stride, int count) : base_(base), stride_(stride), count_(count) {}
+  double operator[](int k) const { return base_[k * stride_]; }
+  int size() const { return count_; }
+
+ private:
+  const double* base_;
+  std::ptrdiff_t stride_;
+  int count_;
+};
+
+/// Reasons for refusing parameters are written here.
+struct Refusal {
+  char* text;
+  int size;
+  bool operator()(const char* reason) const {
+    std::snprintf(text, static_cast<std::size_t>(size), "%s", reason);
+    return false;
+  }
+};
+
+/// A unit vector along (x, y, z), safe from under- and overflow; false for the zero vector. Extended precision, so that what is made
+/// of it can be rounded once.
+inline bool unitVector(const double* xyz, Vec3<long double>& out) {
+  const double m = std::fmax(std::fabs(xyz[0]), std::fmax(std::fabs(xyz[1]), std::fabs(xyz[2])));
+  if (!(m > 0) || !std::isfinite(m)) return false;
+  const Vec3<long double> a{static_cast<long double>(xyz[0]) / m, static_cast<long double>(xyz[1]) / m, static_cast<long double>(xyz[2]) / m};
+  const long double n = std::sqrt(dot(a, a));
+  out = {a.x / n, a.y / n, a.z / n};
+  return true;
+}
+
+/// A rotation whose third column is the unit vector n; a cyclic permutation when n is an axis of the frame.
+inline Mat3<double> frameWithZ(const Vec3<long double>& n) {
+  const long double ax = std::fabs(n.x), ay = std::fabs(n.y), az = std::fabs(n.z);
+  Vec3<long double> x = az >= ax && az >= ay ? Vec3<long double>{1, 0, 0}
+                                             : (ax >= ay ? Vec3<long double>{0, 1, 0} : Vec3<long double>{0, 0, 1});
+  x -= dot(x, n) * n;
+  const long double l = std::sqrt(dot(x, x));
+  x = {x.x / l, x.y / l, x.z / l};
+  const Vec3<long double> y = cross(n, x);
+  const auto d = [](long double v) { return static_cast<double>(v); };
+  return {{d(x.x), d(y.x), d(n.x), d(x.y), d(y.y), d(n.y), d(x.z), d(y.z), d(n.z)}};
+}
+
+/// Base of a joint type: Author is the class itself, NV its degrees of freedom, NQ its coordinates.
+template <class Author, int NV, int NQ = NV>
+struct Joint {
+  static constexpr int nv = NV, nq = NQ;
+  static constexpr Shape shape = Shape::dense;
+  static constexpr Structure structure = Structure::joint;
+  /// By default the numbers of all parameters, in the order of the schema, are the constants.
+  static int constantCount(const ParameterArgument* a) {
+    int n = 0;
+    for (int i = 0; i < static_cast<int>(Author::parameters.size()); ++i) n += a[i].count;
+    return n;
+  }
+  static void constants(const ParameterArgument* a, double* out) {
+    for (int i = 0; i < static_cast<int>(Author::parameters.size()); ++i)
+      for (int k = 0; k < a[i].count; ++k) *out++ = a[i].numbers[k];
+  }
+  static bool check(const ParameterArgument*, JointInstance&, const Refusal&) { return true; }
+  static constexpr std::array<ParameterSpec, 0> parameters{};
+
+  // The flat configuration space q in R^n, v = dq/dt. A joint with a space of its own hides all of these.
+  static void neutral(double* q) {
+    for (int k = 0; k < NQ; ++k) q[k] = 0;
+  }
+  static void integrate(const double* q, const double* v, double* out) {
+    for (int k = 0; k < NV; ++k) out[k] = q[k] + v[k];
+  }
+  static void difference(const double* q0, const double* q1, double* v) {
+    for (int k = 0; k < NV; ++k) v[k] = q1[k] - q0[k];
+  }
+  static void dIntegrate(const double*, const double*, double* Jq, double* Jv) {
+    diagonal(1, Jq);
+    diagonal(1, Jv);
+  }
+  static void dDifference(const double*, const double*, double* J0, double* J1) {
+    diagonal(-1, J0);
+    diagonal(1, J1);
+  }
+  static double normalize(double*) { return 0; }
+
+ private:
+  static void diagonal(double value, double* J) {
+    for (int k = 0; k < NV * NV; ++k) J[k] = k % (NV + 1) == 0 ? value : 0.0;
+  }
+};
+
+}  // namespace dyn::sdk
+
+#include <dyn_sdk/coupling.hpp>

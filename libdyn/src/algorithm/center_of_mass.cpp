@@ -1,0 +1,88 @@
+#include <dyn/algorithm/center_of_mass.hpp>
+
+#include "algorithm/inputs.hpp"
+#include "kernels/sweep.hpp"
+
+#include <dyn/algorithm/kinematics.hpp>
+
+namespace dyn::detail {
+
+namespace {
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+}  // namespace
+
+CenterOfMass centerOfMass(const CompactModel& model, Data& data, VectorView q, const VectorView* v, const VectorView* a) {
+  forwardKinematics(model, data, q, v, a);
+  const CompactImpl& m = model.impl();
+  const DataImpl& d = data.impl();
+  CenterOfMass sum;
+  for (int i = 1; i < m.bodies(); ++i) {
+    const BodyConstants& c = m.constants[at(i)];
+    const double share = c.mass / m.mass;
+    sum.position += share * d.oM[i].act(c.com);
+    if (!v) continue;
+    const Vec3<double> local = d.v[i].linear + cross(d.v[i].angular, c.com);
+    sum.velocity += share * (d.oM[i].R * local);
+    if (!a) continue;
+    const Motion<double>& acc = d.a[i];
+    sum.acceleration += share * (d.oM[i].R * (acc.linear + cross(acc.angular, c.com) + cross(d.v[i].angular, local)));
+  }
+  return sum;
+}
+
+const double* jacobianCenterOfMass(const CompactModel& model, Data& data, VectorView q) {
+  forwardKinematics(model, data, q, nullptr, nullptr);
+  const CompactImpl& m = model.impl();
+  DataImpl& d = data.impl();
+  for (int i = 1; i < m.bodies(); ++i) {
+    d.mass[i] = m.constants[at(i)].mass;
+    d.h[i] = d.oM[i].R * m.constants[at(i)].h;
+  }
+  double* J = m.couplings.empty() ? d.Jcom : d.columns;
+  kernels::backward(m, d, [&]<class Joint>(const Joint& joint, int i, int iv) {
+    // The subtree's mass and first moment about the joint's origin, world axes: a rate S moves its centre by (m S_lin + S_ang x h).
+    for (int k = 0; k < Joint::nv; ++k) {
+      const Motion<double> S = joint.column(k);
+      const Vec3<double> c = (1 / m.mass) * (d.mass[i] * (d.oM[i].R * S.linear) + cross(d.oM[i].R * S.angular, d.h[i]));
+      for (int r = 0; r < 3; ++r) J[3 * (iv + k) + r] = c[r];
+    }
+    const int p = m.index[at(i)].parent;
+    if (p == 0) return;
+    d.h[p] += d.h[i] + d.mass[i] * (d.oM[p].R * d.rel[i].p);
+    d.mass[p] += d.mass[i];
+  });
+  if (!m.couplings.empty()) {
+    for (std::size_t k = m.couplings.size(); k-- > 0;)
+      for (int r = 0; r < 3; ++r)
+        J[3 * m.index[at(m.couplings[k].master)].idx_v + r] += d.G[k] * J[3 * m.index[at(m.couplings[k].body)].idx_v + r];
+    for (std::size_t k = 0; k < m.v_of_user.size(); ++k)
+      for (std::size_t r = 0; r < 3; ++r) d.Jcom[3 * k + r] = J[3 * at(m.v_of_user[k]) + r];
+  }
+  return d.Jcom;
+}
+
+double kineticEnergy(const CompactModel& model, Data& data, VectorView q, VectorView v) {
+  forwardKinematics(model, data, q, &v, nullptr);
+  const CompactImpl& m = model.impl();
+  const DataImpl& d = data.impl();
+  double twice = 0;
+  for (int i = 1; i < m.bodies(); ++i) {
+    const BodyConstants& c = m.constants[at(i)];
+    const Vec3<double> vc = d.v[i].linear + cross(d.v[i].angular, c.com);
+    twice += c.mass * dot(vc, vc) + dot(d.v[i].angular, c.rotational * d.v[i].angular);
+  }
+  const double* vx = m.couplings.empty() ? v.data : d.vx;
+  for (std::size_t k = 0; k < m.armature.size(); ++k) twice += m.armature[k] * vx[k] * vx[k];
+  return 0.5 * twice;
+}
+
+double potentialEnergy(const CompactModel& model, Data& data, VectorView q) {
+  forwardKinematics(model, data, q, nullptr, nullptr);
+  const CompactImpl& m = model.impl();
+  const DataImpl& d = data.impl();
+  Vec3<double> moment;
+  for (int i = 1; i < m.bodies(); ++i) moment += m.constants[at(i)].mass * d.oM[i].act(m.constants[at(i)].com);
+  return -dot(m.gravity, moment);
+}
+
+}  // namespace dyn::detail

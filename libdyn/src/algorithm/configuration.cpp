@@ -1,0 +1,171 @@
+#include <dyn/algorithm/configuration.hpp>
+
+#include "algorithm/inputs.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+namespace dyn::detail {
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// Calls f(type, batch, idx_q, idx_v) for every independent joint; joints whose coordinates follow one another share a call.
+template <class F>
+void eachJoint(const CompactImpl& m, F&& f) {
+  for (const TypeBatch& batch : m.batches) {
+    const bool together = batch.contiguous && m.couplings.empty();
+    for (int k = 0; k < batch.count; k += together ? batch.count : 1) {
+      const BodyIndex& x = m.index[at(batch.bodies[at(k)])];
+      if (x.user_v < 0) continue;
+      ConfigurationBatch<double> call;
+      call.count = together ? batch.count : 1;
+      call.constants = batch.constants.data() + k;
+      call.constants_stride = batch.count;
+      call.q_stride = call.v_stride = call.j_stride = together ? batch.count : 1;
+      f(batch, call, x.user_q, x.user_v);
+    }
+  }
+}
+
+/// Scatters the nv x nv blocks that `evaluate` writes into a block-diagonal matrix.
+template <class F>
+void blockDiagonal(const CompactImpl& m, ArgumentPosition by, double* J, F&& evaluate) {
+  const std::ptrdiff_t n = m.nv;
+  std::fill(J, J + n * n, 0.0);
+  for (const TypeBatch& batch : m.batches)
+    for (int k = 0; k < batch.count; ++k) {
+      const BodyIndex& x = m.index[at(batch.bodies[at(k)])];
+      if (x.user_v < 0) continue;
+      double Jq[36], Jv[36];
+      ConfigurationBatch<double> call;
+      call.count = 1;
+      call.constants = batch.constants.data() + k;
+      call.constants_stride = batch.count;
+      call.q_stride = call.v_stride = call.j_stride = 1;
+      call.J_q = Jq;
+      call.J_v = Jv;
+      evaluate(batch, call, x.user_q, x.user_v);
+      const double* block = by == ArgumentPosition::first ? Jq : Jv;
+      for (int r = 0; r < batch.nv; ++r)
+        for (int c = 0; c < batch.nv; ++c) J[(x.user_v + c) * n + x.user_v + r] = block[r * batch.nv + c];
+    }
+}
+
+}  // namespace
+
+void neutral(const CompactModel& model, double* q) {
+  eachJoint(model.impl(), [&](const TypeBatch& batch, ConfigurationBatch<double>& call, int iq, int) {
+    call.q_out = q + iq;
+    batch.type->neutral(call);
+  });
+}
+
+void integrate(const CompactModel& model, VectorView q, VectorView v, double* out) {
+  checkSize("integrate", "q", q, model.nq());
+  checkSize("integrate", "v", v, model.nv());
+  eachJoint(model.impl(), [&](const TypeBatch& batch, ConfigurationBatch<double>& call, int iq, int iv) {
+    call.q0 = q.data + iq;
+    call.v = v.data + iv;
+    call.q_out = out + iq;
+    batch.type->integrate(call);
+  });
+}
+
+void difference(const CompactModel& model, VectorView q0, VectorView q1, double* v) {
+  checkSize("difference", "q0", q0, model.nq());
+  checkSize("difference", "q1", q1, model.nq());
+  eachJoint(model.impl(), [&](const TypeBatch& batch, ConfigurationBatch<double>& call, int iq, int iv) {
+    call.q0 = q0.data + iq;
+    call.q1 = q1.data + iq;
+    call.v_out = v + iv;
+    batch.type->difference(call);
+  });
+}
+
+double normalize(const CompactModel& model, VectorView q, double* out) {
+  checkSize("normalize", "q", q, model.nq());
+  double worst = 0;
+  const CompactImpl& m = model.impl();
+  for (const TypeBatch& batch : m.batches)
+    for (int k = 0; k < batch.count; ++k) {
+      const BodyIndex& x = m.index[at(batch.bodies[at(k)])];
+      if (x.user_v < 0) continue;
+      double off = 0;
+      ConfigurationBatch<double> call;
+      call.count = 1;
+      call.q_stride = call.v_stride = 1;
+      call.constants = batch.constants.data() + k;
+      call.constants_stride = batch.count;
+      call.q0 = q.data + x.user_q;
+      call.q_out = out + x.user_q;
+      call.v_out = &off;
+      batch.type->normalize(call);
+      if (!(off <= worst)) worst = off;  // NaN stays
+    }
+  return worst;
+}
+
+void randomConfiguration(const CompactModel& model, std::uint64_t seed, double* q) {
+  const CompactImpl& m = model.impl();
+  std::mt19937_64 generator(seed);
+  // mt19937_64 is the same everywhere; std::uniform_real_distribution is not.
+  const auto uniform = [&](double a, double b) { return a + (b - a) * (static_cast<double>(generator() >> 11) * 0x1p-53); };
+  neutral(model, q);
+  for (int i = 1; i < m.bodies(); ++i) {
+    const BodyIndex& x = m.index[at(i)];
+    if (x.user_v < 0) continue;
+    const TypeBatch& batch = m.batches[at(x.batch)];
+    if (x.nq == x.nv) {
+      for (int k = 0; k < x.nq; ++k) {
+        double lower = m.limits.lower[at(x.user_q + k)], upper = m.limits.upper[at(x.user_q + k)];
+        if (!std::isfinite(lower)) lower = std::isfinite(upper) ? std::min(-M_PI, upper - 1) : -M_PI;
+        if (!std::isfinite(upper)) upper = std::max(M_PI, lower + 1);
+        q[x.user_q + k] = uniform(lower, upper);
+      }
+      continue;
+    }
+    double v[max_joint_nv], from[max_joint_nq];
+    const bool group_with_positions = batch.shape == Shape::free || batch.shape == Shape::planar;
+    const int positions = group_with_positions ? (batch.shape == Shape::free ? 3 : 2) : 0;
+    for (int k = 0; k < x.nv; ++k) v[k] = k < positions ? 0.0 : uniform(-M_PI, M_PI);
+    std::copy(q + x.user_q, q + x.user_q + x.nq, from);
+    ConfigurationBatch<double> call;
+    call.count = 1;
+    call.q_stride = call.v_stride = 1;
+    call.constants = batch.constants.data() + x.slot;
+    call.constants_stride = batch.count;
+    call.q0 = from;
+    call.v = v;
+    call.q_out = q + x.user_q;
+    batch.type->integrate(call);
+    for (int k = 0; k < positions; ++k) {
+      const double lower = m.limits.lower[at(x.user_q + k)], upper = m.limits.upper[at(x.user_q + k)];
+      q[x.user_q + k] = uniform(std::isfinite(lower) ? lower : -1, std::isfinite(upper) ? upper : 1);
+    }
+  }
+}
+
+void dIntegrate(const CompactModel& model, VectorView q, VectorView v, ArgumentPosition by, double* J) {
+  checkSize("dIntegrate", "q", q, model.nq());
+  checkSize("dIntegrate", "v", v, model.nv());
+  blockDiagonal(model.impl(), by, J, [&](const TypeBatch& batch, ConfigurationBatch<double>& call, int iq, int iv) {
+    call.q0 = q.data + iq;
+    call.v = v.data + iv;
+    batch.type->integrate(call);
+  });
+}
+
+void dDifference(const CompactModel& model, VectorView q0, VectorView q1, ArgumentPosition by, double* J) {
+  checkSize("dDifference", "q0", q0, model.nq());
+  checkSize("dDifference", "q1", q1, model.nq());
+  blockDiagonal(model.impl(), by, J, [&](const TypeBatch& batch, ConfigurationBatch<double>& call, int iq, int) {
+    call.q0 = q0.data + iq;
+    call.q1 = q1.data + iq;
+    batch.type->difference(call);
+  });
+}
+
+}  // namespace dyn::detail

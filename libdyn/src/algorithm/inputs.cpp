@@ -1,0 +1,180 @@
+#include "algorithm/inputs.hpp"
+
+#include <dyn/error.hpp>
+
+#include <algorithm>
+#include <string>
+
+namespace dyn {
+
+namespace {
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// The one-dimensional coordinate of a coupled joint: how far it is from neutral.
+double coordinateOf(const TypeBatch& batch, int slot, const double* q) {
+  double neutral[max_joint_nq], value = 0;
+  ConfigurationBatch<double> b;
+  b.count = 1;
+  b.constants = batch.constants.data() + slot;
+  b.constants_stride = batch.count;
+  b.q_stride = b.v_stride = 1;
+  b.q_out = neutral;
+  batch.type->neutral(b);
+  b.q_out = nullptr;
+  b.q0 = neutral;
+  b.q1 = q;
+  b.v_out = &value;
+  batch.type->difference(b);
+  return value;
+}
+
+void setCoordinate(const TypeBatch& batch, int slot, double value, double* q) {
+  double neutral[max_joint_nq];
+  ConfigurationBatch<double> b;
+  b.count = 1;
+  b.constants = batch.constants.data() + slot;
+  b.constants_stride = batch.count;
+  b.q_stride = b.v_stride = 1;
+  b.q_out = neutral;
+  batch.type->neutral(b);
+  b.q0 = neutral;
+  b.v = &value;
+  b.q_out = q;
+  batch.type->integrate(b);
+}
+
+void spread(const std::vector<int>& target, const double* user, double* expanded) {
+  for (std::size_t k = 0; k < target.size(); ++k) expanded[target[k]] = user[k];
+}
+
+/// Fills the followers' entries of qx, vx, ax.
+void follow(const CompactImpl& m, DataImpl& d, bool with_v, bool with_a) {
+  for (std::size_t k = 0; k < m.couplings.size(); ++k) {
+    const PackedCoupling& c = m.couplings[k];
+    const BodyIndex& slave = m.index[at(c.body)];
+    const BodyIndex& master = m.index[at(c.master)];
+    double f[3];
+    c.type->evaluate(c.constants.data(), static_cast<int>(c.constants.size()),
+                     coordinateOf(m.batches[at(master.batch)], master.slot, d.qx + master.idx_q), f);
+    setCoordinate(m.batches[at(slave.batch)], slave.slot, f[0], d.qx + slave.idx_q);
+    d.G[k] = f[1];
+    const double vm = with_v ? d.vx[master.idx_v] : 0.0;
+    d.gamma[k] = f[2] * vm * vm;
+    if (with_v) d.vx[slave.idx_v] = f[1] * vm;
+    if (with_a) d.ax[slave.idx_v] = f[1] * d.ax[master.idx_v] + d.gamma[k];
+  }
+}
+
+}  // namespace
+
+void checkSize(const char* algorithm, const char* name, VectorView x, int wanted) {
+  if (x.size != wanted)
+    throw Error(ErrorCode::size, std::string(algorithm) + ": " + name + " has " + std::to_string(x.size) + " entries, the model wants " +
+                                     std::to_string(wanted));
+}
+
+void checkData(const char* algorithm, const CompactModel& model, const Data& data, Need need) {
+  if (data.impl().model != &model.impl())
+    throw Error(ErrorCode::argument, std::string(algorithm) + ": data was made for another model; make a Data for this one");
+  if (need != Need::state && !has(data.impl().needs, need))
+    throw Error(ErrorCode::argument, std::string(algorithm) + ": data was made without Need::mass_matrix; make it as Data(model, Need::mass_matrix)");
+}
+
+Inputs readInputs(const char* algorithm, const CompactModel& model, Data& data, VectorView q, const VectorView* v, const VectorView* a) {
+  checkData(algorithm, model, data);
+  const CompactImpl& m = model.impl();
+  DataImpl& d = data.impl();
+  checkSize(algorithm, "q", q, m.nq);
+  if (v) checkSize(algorithm, "v", *v, m.nv);
+  if (a) checkSize(algorithm, "a", *a, m.nv);
+  if (m.couplings.empty()) return {q.data, v ? v->data : d.zero, a ? a->data : d.zero};
+  spread(m.q_of_user, q.data, d.qx);
+  if (v) spread(m.v_of_user, v->data, d.vx);
+  if (a) spread(m.v_of_user, a->data, d.ax);
+  if (v && !a) {
+    for (const int k : m.v_of_user) d.ax[k] = 0;
+  }
+  follow(m, d, v != nullptr, v != nullptr);
+  return {d.qx, v ? d.vx : d.zero, v ? d.ax : d.zero};
+}
+
+void evaluateJoints(const CompactImpl& m, DataImpl& d, const double* q, const double* v) {
+  for (std::size_t b = 0; b < m.batches.size(); ++b) {
+    const TypeBatch& batch = m.batches[b];
+    const BatchMemory& memory = d.batches[b];
+    JointBatch<double> call;
+    call.count = batch.count;
+    call.constants = batch.constants.data();
+    call.constant_count = batch.constant_count;
+    call.constants_stride = batch.count;
+    call.stride = memory.stride;
+    call.q_stride = call.v_stride = batch.count;
+    if (memory.q) {
+      for (int k = 0; k < batch.count; ++k)
+        for (int c = 0; c < batch.nq; ++c) memory.q[c * batch.count + k] = q[m.index[at(batch.bodies[at(k)])].idx_q + c];
+      call.q = memory.q;
+    } else {
+      call.q = q + m.index[at(batch.bodies[0])].idx_q;
+    }
+    if (memory.v && v) {
+      for (int k = 0; k < batch.count; ++k)
+        for (int c = 0; c < batch.nv; ++c) memory.v[c * batch.count + k] = v[m.index[at(batch.bodies[at(k)])].idx_v + c];
+      call.v = memory.v;
+      call.bias = memory.bias;
+    }
+    call.pose = memory.pose;
+    call.subspace = memory.subspace;
+    batch.type->kinematics(call);
+  }
+}
+
+void evaluateSubspaceRates(const CompactImpl& m, DataImpl& d, const double* q, const double* v) {
+  for (std::size_t b = 0; b < m.batches.size(); ++b) {
+    const TypeBatch& batch = m.batches[b];
+    const DualMemory& memory = d.batches[b].dual;
+    if (batch.shape != Shape::dense) continue;
+    for (int k = 0; k < batch.count; ++k) {
+      const BodyIndex& x = m.index[at(batch.bodies[at(k)])];
+      for (int c = 0; c < batch.nq; ++c) memory.q[c * batch.count + k] = {q[x.idx_q + c], v[x.idx_v + c]};
+    }
+    JointBatch<Dual<double>> call;
+    call.count = batch.count;
+    call.constants = batch.constants.data();
+    call.constant_count = batch.constant_count;
+    call.constants_stride = call.stride = call.q_stride = batch.count;
+    call.q = memory.q;
+    call.pose = memory.pose;
+    call.subspace = memory.subspace;
+    batch.type->kinematics(call);
+  }
+}
+
+Motion<double> subspaceRate(const CompactImpl& m, const DataImpl& d, int i, int k) {
+  const BodyIndex& x = m.index[at(i)];
+  const TypeBatch& batch = m.batches[at(x.batch)];
+  if (batch.shape != Shape::dense) return {};
+  const Dual<double>* S = d.batches[at(x.batch)].dual.subspace + 6 * k * batch.count + x.slot;
+  Motion<double> rate;
+  for (int r = 0; r < 3; ++r) {
+    rate.linear[r] = S[r * batch.count].d;
+    rate.angular[r] = S[(3 + r) * batch.count].d;
+  }
+  return rate;
+}
+
+void reduceForces(const CompactImpl& m, const DataImpl& d, double* expanded, double* user) {
+  if (m.couplings.empty()) {
+    if (expanded != user) std::copy(expanded, expanded + m.nv, user);
+    return;
+  }
+  for (std::size_t k = m.couplings.size(); k-- > 0;)
+    expanded[m.index[at(m.couplings[k].master)].idx_v] += d.G[k] * expanded[m.index[at(m.couplings[k].body)].idx_v];
+  for (std::size_t k = 0; k < m.v_of_user.size(); ++k) user[k] = expanded[m.v_of_user[k]];
+}
+
+void addLosses(const CompactImpl& m, const double* v, double* tau) {
+  for (std::size_t k = 0; k < m.damping.size(); ++k) tau[k] += m.damping[k] * v[k];
+  for (std::size_t k = 0; k < m.friction.size(); ++k) tau[k] += v[k] > 0 ? m.friction[k] : (v[k] < 0 ? -m.friction[k] : 0.0);
+}
+
+}  // namespace dyn

@@ -1,0 +1,35 @@
+// What every algorithm does first: check sizes, spread coupled coordinates, ask the joint types for their poses.
+#pragma once
+
+#include "data/data_impl.hpp"
+
+namespace dyn {
+
+/// Expanded vectors: the user's own where the model has no couplings.
+struct Inputs {
+  const double *q = nullptr, *v = nullptr, *a = nullptr;
+};
+
+/// Throws Error(size) naming the argument, what it has and what it wants.
+void checkSize(const char* algorithm, const char* name, VectorView x, int wanted);
+/// Throws Error(argument) when data was made for another model, or without what the algorithm needs.
+void checkData(const char* algorithm, const CompactModel& model, const Data& data, Need need = Need::state);
+
+/// Checks and expands; v and a may be null views. Leaves G and gamma of couplings in data.
+Inputs readInputs(const char* algorithm, const CompactModel& model, Data& data, VectorView q, const VectorView* v, const VectorView* a);
+
+/// One virtual call a batch: poses, subspaces, and (with v) biases.
+void evaluateJoints(const CompactImpl& m, DataImpl& d, const double* q, const double* v);
+
+/// dS/dt along v of the joints whose subspace varies, by one differentiated call a batch.
+void evaluateSubspaceRates(const CompactImpl& m, DataImpl& d, const double* q, const double* v);
+/// Column k of dS/dt of body i in its own axes; zero for constant subspaces.
+Motion<double> subspaceRate(const CompactImpl& m, const DataImpl& d, int i, int k);
+
+/// tau_x of the expanded coordinates to the user's: each follower's share goes to its master. Works in place on `expanded`.
+void reduceForces(const CompactImpl& m, const DataImpl& d, double* expanded, double* user);
+
+/// Damping and friction of the expanded coordinates are added to tau.
+void addLosses(const CompactImpl& m, const double* v, double* tau);
+
+}  // namespace dyn

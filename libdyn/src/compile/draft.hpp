@@ -1,0 +1,74 @@
+// The compiler's working copy: bodies by index, joints resolved to types. Passes read and write this and nothing else.
+// Poses and inertias are composed in long double, so that what pack() stores has been rounded once.
+#pragma once
+
+#include <dyn/compile/compile.hpp>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace dyn {
+
+/// Parameters checked against a schema, owning what the plugin's view points at.
+struct CheckedParameters {
+  std::vector<std::vector<double>> numbers;
+  std::vector<std::string> texts;
+  std::vector<bool> given;
+  std::vector<ParameterArgument> arguments() const;
+};
+
+struct DraftCoupling {
+  const CouplingType* type = nullptr;
+  std::vector<double> constants;
+  int master = -1;  ///< draft body
+};
+
+struct DraftBody {
+  std::string name;        ///< of the body
+  JointDescription joint;
+  int user_joint = -1;     ///< index of the described body whose joint this is (a part of)
+  bool last_part = true;   ///< the body itself; false for the massless bodies between the parts of a composite
+  int parent = 0;
+  Inertia<long double> inertia;
+  const JointType* type = nullptr;
+  JointInstance instance;
+  std::vector<double> constants;
+  SE3<long double> placement;  ///< pose of the joint in the parent's frame
+  std::optional<DraftCoupling> coupling;
+};
+
+struct DraftFrame {
+  std::string name;
+  int body = 0;
+  SE3<long double> placement;
+};
+
+struct Draft {
+  std::string name;
+  Vec3<double> gravity;
+  std::vector<DraftBody> bodies;  ///< [0] is the universe; parents first
+  std::vector<DraftFrame> frames;
+  CompileReport report;
+};
+
+/// 1. Every described body in the draft, joints looked up, parameters checked, series of joints expanded into bodies without mass.
+///    Guarantees: each body has a type and an instance; couplings name their master; names of bodies, joints and frames are unique.
+Draft resolve(const Model& model, const JointRegistry& registry);
+/// 2. Depth first, children in the order of the description; frames follow their bodies.
+void orderDepthFirst(Draft& draft);
+/// 3. Locked joints become rigid at the given configuration; their names stay as frames.
+void lockJoints(Draft& draft, const std::vector<LockedJoint>& lock);
+/// 4. Joints without freedom are welded: inertias summed, frames re-based. Guarantees nv > 0 for every body but the universe.
+void weld(Draft& draft);
+/// 5. The constant parts of each joint's motion move into placements, inertias and frames: every core motion is of its shape.
+void canonicalise(Draft& draft);
+/// 6. Warnings for what would make the mass matrix singular everywhere: moving leaves without inertia.
+void inspect(Draft& draft);
+/// 7. The arrays that the recursions run over.
+std::shared_ptr<const CompactImpl> pack(Draft&& draft, const CompileOptions& options);
+
+/// Pose of a joint at q: before * core(q) * after. q has the joint's nq entries.
+SE3<double> jointPose(const DraftBody& body, const double* q);
+
+}  // namespace dyn

@@ -1,0 +1,75 @@
+#include "compile/parameters.hpp"
+
+#include <cmath>
+
+namespace dyn {
+
+namespace {
+
+const char* describe(ParameterKind kind) {
+  switch (kind) {
+    case ParameterKind::number: return "one number";
+    case ParameterKind::vector3: return "three numbers";
+    case ParameterKind::numbers: return "numbers";
+    case ParameterKind::text: return "a text";
+    case ParameterKind::joints: return "a list of joints";
+  }
+  return "nothing";
+}
+
+bool fits(const ParameterValue& value, ParameterKind kind) {
+  if (const auto* numbers = std::get_if<std::vector<double>>(&value)) {
+    for (const double x : *numbers)
+      if (!std::isfinite(x)) return false;
+    return kind == ParameterKind::numbers || (kind == ParameterKind::number && numbers->size() == 1) ||
+           (kind == ParameterKind::vector3 && numbers->size() == 3);
+  }
+  if (std::holds_alternative<std::string>(value)) return kind == ParameterKind::text;
+  return kind == ParameterKind::joints;
+}
+
+}  // namespace
+
+std::vector<ParameterArgument> CheckedParameters::arguments() const {
+  std::vector<ParameterArgument> result;
+  for (std::size_t i = 0; i < given.size(); ++i)
+    result.push_back({numbers[i].data(), static_cast<int>(numbers[i].size()), texts[i].c_str(), given[i]});
+  return result;
+}
+
+CheckedParameters checkParameters(const Parameters& parameters, const JointTypeInfo& schema, const Where& where) {
+  CheckedParameters checked;
+  std::string problems;
+  std::size_t used = 0;
+  for (int i = 0; i < schema.parameter_count; ++i) {
+    const ParameterSpec& spec = schema.parameters[i];
+    checked.numbers.emplace_back();
+    checked.texts.emplace_back();
+    const auto found = parameters.find(spec.name);
+    checked.given.push_back(found != parameters.end());
+    if (found == parameters.end()) {
+      if (spec.required) problems += std::string("; parameter '") + spec.name + "' is missing (" + describe(spec.kind) + ": " + spec.help + ")";
+      continue;
+    }
+    ++used;
+    if (!fits(found->second, spec.kind)) {
+      problems += std::string("; parameter '") + spec.name + "' must be " + describe(spec.kind) + ", all finite (" + spec.help + ")";
+      continue;
+    }
+    if (const auto* numbers = std::get_if<std::vector<double>>(&found->second)) checked.numbers.back() = *numbers;
+    if (const auto* text = std::get_if<std::string>(&found->second)) checked.texts.back() = *text;
+  }
+  if (used < parameters.size()) {
+    for (const auto& [name, value] : parameters) {
+      bool known = false;
+      for (int i = 0; i < schema.parameter_count; ++i) known = known || name == schema.parameters[i].name;
+      if (!known) problems += "; parameter '" + name + "' is unknown";
+    }
+    problems += schema.parameter_count == 0 ? "; the type takes none" : "; it takes";
+    for (int i = 0; i < schema.parameter_count; ++i) problems += std::string(i ? ", " : " ") + schema.parameters[i].name;
+  }
+  if (!problems.empty()) throw Error(ErrorCode::parameter, std::string("type '") + schema.name + "'" + problems, where);
+  return checked;
+}
+
+}  // namespace dyn

@@ -1,0 +1,235 @@
+#include "compile/compact_impl.hpp"
+#include "compile/draft.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <tuple>
+
+namespace dyn {
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+class Packer {
+ public:
+  Packer(Draft&& draft, const CompileOptions& options) : draft_(std::move(draft)), options_(options), out_(std::make_shared<CompactImpl>()) {}
+
+  std::shared_ptr<const CompactImpl> run() {
+    out_->name = draft_.name;
+    out_->gravity = draft_.gravity;
+    out_->report = std::move(draft_.report);
+    bodies();
+    batches();
+    runs();
+    couplings();
+    joints();
+    frames();
+    losses();
+    out_->report.passes.push_back("pack: " + std::to_string(out_->batches.size()) + " type batches, " + std::to_string(out_->runs.size()) +
+                                  " runs: " + std::to_string(out_->batches.size() + out_->runs.size()) + " dispatches an evaluation");
+    return out_;
+  }
+
+ private:
+  void bodies() {
+    const std::size_t n = draft_.bodies.size();
+    out_->index.resize(n);
+    out_->constants.resize(n);
+    out_->subspace_offset.assign(n, -1);
+    out_->tree_end.resize(n);
+    for (std::size_t i = 0; i < n; ++i) out_->tree_end[i] = static_cast<int>(i) + 1;
+    for (std::size_t i = 1; i < n; ++i) {
+      const DraftBody& b = draft_.bodies[i];
+      BodyIndex& x = out_->index[i];
+      x.parent = b.parent;
+      x.nq = b.instance.nq;
+      x.nv = b.instance.nv;
+      x.idx_q = out_->nqx;
+      x.idx_v = out_->nvx;
+      out_->nqx += x.nq;
+      out_->nvx += x.nv;
+      BodyConstants& c = out_->constants[i];
+      c.placement = cast<double>(b.placement);
+      const Inertia<double> Y = cast<double>(b.inertia);
+      c.mass = Y.mass;
+      c.com = Y.com;
+      c.rotational = Y.rotational;
+      // Moments about the origin are rounded once as well.
+      const Inertia<double> about = cast<double>(Inertia<long double>{b.inertia.mass, b.inertia.mass * b.inertia.com, b.inertia.rotationalAtOrigin()});
+      c.h = about.com;
+      c.origin = about.rotational;
+      out_->mass += c.mass;
+      if (b.instance.shape == Shape::dense_constant) {
+        out_->subspace_offset[i] = static_cast<int>(out_->subspaces.size());
+        out_->subspaces.insert(out_->subspaces.end(), b.instance.subspace, b.instance.subspace + 6 * b.instance.nv);
+      }
+    }
+    for (std::size_t i = n - 1; i >= 1; --i) {
+      int& end = out_->tree_end[at(out_->index[i].parent)];
+      end = std::max(end, out_->tree_end[i]);
+    }
+  }
+
+  void batches() {
+    std::map<std::tuple<const JointType*, Shape, int>, int> known;
+    for (std::size_t i = 1; i < draft_.bodies.size(); ++i) {
+      const DraftBody& b = draft_.bodies[i];
+      const auto [found, is_new] =
+          known.emplace(std::tuple(b.type, b.instance.shape, b.instance.constant_count), static_cast<int>(out_->batches.size()));
+      if (is_new) {
+        TypeBatch batch;
+        batch.type = b.type;
+        batch.shape = b.instance.shape;
+        batch.nq = b.instance.nq;
+        batch.nv = b.instance.nv;
+        batch.constant_count = b.instance.constant_count;
+        out_->batches.push_back(std::move(batch));
+      }
+      TypeBatch& batch = out_->batches[at(found->second)];
+      out_->index[i].batch = found->second;
+      out_->index[i].slot = batch.count++;
+      batch.bodies.push_back(static_cast<int>(i));
+    }
+    for (TypeBatch& batch : out_->batches) {
+      batch.contiguous = batch.nq == 1;
+      for (std::size_t k = 1; k < batch.bodies.size(); ++k)
+        batch.contiguous = batch.contiguous && out_->index[at(batch.bodies[k])].idx_q == out_->index[at(batch.bodies[k - 1])].idx_q + 1;
+      batch.constants.resize(at(batch.constant_count * batch.count));
+      for (int k = 0; k < batch.count; ++k)
+        for (int c = 0; c < batch.constant_count; ++c)
+          batch.constants[at(c * batch.count + k)] = draft_.bodies[at(batch.bodies[at(k)])].constants[at(c)];
+    }
+  }
+
+  void runs() {
+    for (std::size_t i = 1; i < out_->index.size(); ++i) {
+      const BodyIndex& x = out_->index[i];
+      if (out_->runs.empty() || out_->runs.back().batch != x.batch) {
+        const TypeBatch& batch = out_->batches[at(x.batch)];
+        out_->runs.push_back({batch.shape, batch.nv, static_cast<int>(i), 0, x.batch, x.slot});
+      }
+      ++out_->runs.back().count;
+    }
+  }
+
+  void couplings() {
+    // Masters first: repeated sweeps over what is left; checkCycles() has made sure that this ends.
+    std::vector<bool> known(draft_.bodies.size());
+    std::vector<std::size_t> left;
+    for (std::size_t i = 1; i < draft_.bodies.size(); ++i) {
+      known[i] = !draft_.bodies[i].coupling.has_value();
+      if (!known[i]) left.push_back(i);
+    }
+    while (!left.empty()) {
+      std::vector<std::size_t> next;
+      for (const std::size_t i : left) {
+        DraftCoupling& c = *draft_.bodies[i].coupling;
+        if (known[at(c.master)]) {
+          out_->couplings.push_back({c.type, static_cast<int>(i), c.master, c.constants});
+        } else {
+          next.push_back(i);
+        }
+      }
+      for (const PackedCoupling& c : out_->couplings) known[at(c.body)] = true;
+      left = std::move(next);
+    }
+    for (std::size_t i = 1; i < draft_.bodies.size() && !out_->couplings.empty(); ++i) {
+      if (draft_.bodies[i].coupling) continue;
+      const BodyIndex& x = out_->index[i];
+      for (int k = 0; k < x.nq; ++k) out_->q_of_user.push_back(x.idx_q + k);
+      for (int k = 0; k < x.nv; ++k) out_->v_of_user.push_back(x.idx_v + k);
+    }
+    out_->nq = out_->couplings.empty() ? out_->nqx : static_cast<int>(out_->q_of_user.size());
+    out_->nv = out_->couplings.empty() ? out_->nvx : static_cast<int>(out_->v_of_user.size());
+    if (!out_->couplings.empty())
+      out_->report.passes.push_back("couple: " + std::to_string(out_->couplings.size()) + " coordinates follow others");
+  }
+
+  /// One record for each described joint that still moves; the parts of a composite make one joint.
+  void joints() {
+    JointRecord universe;
+    universe.name = "universe";
+    out_->joints.push_back(universe);
+    out_->body_of_joint.push_back(0);
+    out_->user_frame.emplace_back();
+    constexpr double inf = std::numeric_limits<double>::infinity();
+    int nq = 0, nv = 0;
+    for (std::size_t i = 1; i < draft_.bodies.size(); ++i) {
+      const DraftBody& b = draft_.bodies[i];
+      const bool continues = i > 1 && draft_.bodies[i - 1].user_joint == b.user_joint;
+      if (!continues) {
+        JointRecord r;
+        r.name = b.joint.name.substr(0, b.joint.name.find('/') == std::string::npos || b.last_part ? std::string::npos : b.joint.name.find('/'));
+        r.type = b.last_part ? b.joint.type : "composite";
+        r.parent = out_->index[at(b.parent)].joint;
+        r.idx_q = nq;
+        r.idx_v = nv;
+        out_->joints.push_back(r);
+        out_->body_of_joint.push_back(0);
+        out_->user_frame.emplace_back();
+      }
+      JointRecord& r = out_->joints.back();
+      out_->index[i].joint = static_cast<int>(out_->joints.size()) - 1;
+      out_->body_of_joint.back() = static_cast<int>(i);
+      out_->user_frame.back() = b.instance.after;
+      if (b.coupling) continue;
+      const auto append = [](std::vector<double>& to, const std::vector<double>& from, int count, double otherwise) {
+        for (int k = 0; k < count; ++k) to.push_back(at(k) < from.size() ? from[at(k)] : otherwise);
+      };
+      out_->index[i].user_q = nq;
+      out_->index[i].user_v = nv;
+      r.nq += b.instance.nq;
+      r.nv += b.instance.nv;
+      nq += b.instance.nq;
+      nv += b.instance.nv;
+      append(out_->limits.lower, b.joint.limits.lower, b.instance.nq, -inf);
+      append(out_->limits.upper, b.joint.limits.upper, b.instance.nq, inf);
+      append(out_->limits.velocity, b.joint.limits.velocity, b.instance.nv, inf);
+      append(out_->limits.effort, b.joint.limits.effort, b.instance.nv, inf);
+    }
+  }
+
+  void frames() {
+    for (const DraftFrame& frame : draft_.frames) {
+      const int joint = out_->index[at(frame.body)].joint;
+      out_->frame_body.push_back(frame.body);
+      out_->frame_placement.push_back(cast<double>(frame.placement));
+      out_->frames.push_back({frame.name, joint, cast<double>(cast<long double>(out_->user_frame[at(joint)]).inverse() * frame.placement)});
+    }
+  }
+
+  void losses() {
+    const auto collect = [&](std::vector<double> JointDescription::*field) {
+      std::vector<double> all(at(out_->nvx), 0.0);
+      bool any = false;
+      for (std::size_t i = 1; i < draft_.bodies.size(); ++i) {
+        const std::vector<double>& values = draft_.bodies[i].joint.*field;
+        for (std::size_t k = 0; k < values.size() && k < at(out_->index[i].nv); ++k) {
+          all[at(out_->index[i].idx_v) + k] = values[k];
+          any = any || values[k] != 0;
+        }
+      }
+      return any ? all : std::vector<double>{};
+    };
+    if (options_.dissipation) {
+      out_->damping = collect(&JointDescription::damping);
+      out_->friction = collect(&JointDescription::friction);
+    }
+    if (options_.armature) out_->armature = collect(&JointDescription::armature);
+    const auto used = [](const std::vector<double>& values) { return values.empty() ? "none" : "used"; };
+    out_->report.passes.push_back(std::string("losses: damping ") + used(out_->damping) + ", friction " + used(out_->friction) + ", armature " +
+                                  used(out_->armature));
+  }
+
+  Draft draft_;
+  const CompileOptions& options_;
+  std::shared_ptr<CompactImpl> out_;
+};
+
+}  // namespace
+
+std::shared_ptr<const CompactImpl> pack(Draft&& draft, const CompileOptions& options) { return Packer(std::move(draft), options).run(); }
+
+}  // namespace dyn

@@ -1,0 +1,211 @@
+#include "compile/parameters.hpp"
+
+#include <cmath>
+#include <unordered_map>
+
+namespace dyn {
+
+namespace {
+
+Where whereOf(const JointDescription& joint, const std::string& name) {
+  Where where = joint.where;
+  where.joint = name;
+  return where;
+}
+
+void checkInertia(const BodyDescription& body) {
+  const Inertia<double>& Y = body.inertia;
+  const Sym3<double>& I = Y.rotational;
+  for (const double x : {Y.mass, Y.com.x, Y.com.y, Y.com.z, I.xx, I.xy, I.xz, I.yy, I.yz, I.zz})
+    if (!std::isfinite(x)) throw Error(ErrorCode::model, "body '" + body.name + "': its inertia has an entry that is not finite", body.where);
+  if (Y.mass < 0) throw Error(ErrorCode::model, "body '" + body.name + "': its mass is negative", body.where);
+}
+
+class Resolver {
+ public:
+  Resolver(const Model& model, const JointRegistry& registry) : model_(model), registry_(registry) {}
+
+  Draft run() {
+    draft_.name = model_.name;
+    draft_.gravity = model_.gravity;
+    draft_.bodies.resize(1);
+    draft_.bodies[0].name = "universe";
+    draft_.bodies[0].joint.name = "universe";
+    draft_.bodies[0].user_joint = 0;
+    last_body_.assign(model_.bodies.size(), 0);
+    checkNames();
+    for (std::size_t i = 1; i < model_.bodies.size(); ++i) addBody(static_cast<int>(i));
+    for (const FrameDescription& frame : model_.frames) {
+      if (frame.body < 0 || frame.body >= static_cast<int>(model_.bodies.size()))
+        throw Error(ErrorCode::model, "frame '" + frame.name + "' is fixed to body " + std::to_string(frame.body) + ", which does not exist");
+      draft_.frames.push_back({frame.name, last_body_[static_cast<std::size_t>(frame.body)], cast<long double>(frame.placement)});
+    }
+    resolveCouplings();
+    draft_.report.passes.push_back("resolve: " + std::to_string(model_.bodies.size() - 1) + " joints, " + std::to_string(expanded_) +
+                                   " of them made of parts (" + std::to_string(parts_) + ")");
+    return std::move(draft_);
+  }
+
+ private:
+  void checkNames() {
+    std::unordered_map<std::string, int> bodies, joints;
+    for (std::size_t i = 0; i < model_.bodies.size(); ++i) {
+      const BodyDescription& b = model_.bodies[i];
+      if (!bodies.emplace(b.name, 1).second) throw Error(ErrorCode::model, "two bodies are called '" + b.name + "'; rename one", b.where);
+      if (i > 0 && !joints.emplace(b.joint.name, 1).second)
+        throw Error(ErrorCode::model, "two joints are called '" + b.joint.name + "'; rename one", b.where);
+      if (i > 0 && (b.parent < 0 || b.parent >= static_cast<int>(i)))
+        throw Error(ErrorCode::model, "body '" + b.name + "': its parent must come before it in Model::bodies", b.where);
+    }
+    for (const FrameDescription& f : model_.frames)
+      if (!bodies.emplace(f.name, 1).second) throw Error(ErrorCode::model, "two frames are called '" + f.name + "'; rename one");
+  }
+
+  void addBody(int index) {
+    const BodyDescription& body = model_.bodies[static_cast<std::size_t>(index)];
+    checkInertia(body);
+    addJoint(body.joint, body.joint.name, last_body_[static_cast<std::size_t>(body.parent)], body.joint.placement, index, 0);
+    DraftBody& last = draft_.bodies.back();
+    last.name = body.name;
+    last.inertia = cast<long double>(body.inertia);
+    last.last_part = true;
+    last_body_[static_cast<std::size_t>(index)] = static_cast<int>(draft_.bodies.size()) - 1;
+  }
+
+  void addJoint(const JointDescription& joint, const std::string& name, int parent, const SE3<double>& placement, int user, int depth) {
+    const Where where = whereOf(joint, name);
+    const JointType& type = registry_.jointType(joint.type, where);
+    const CheckedParameters checked = checkParameters(joint.parameters, type.info(), where);
+    if (type.info().structure == Structure::series) {
+      if (depth > 8) throw Error(ErrorCode::model, "joints made of joints are nested deeper than 8", where);
+      ++expanded_;
+      expandSeries(joint, name, parent, placement, user, depth);
+      return;
+    }
+    DraftBody body;
+    body.joint = joint;
+    body.joint.name = name;
+    body.user_joint = user;
+    body.last_part = false;
+    body.parent = parent;
+    body.type = &type;
+    body.placement = cast<long double>(placement);
+    const std::vector<ParameterArgument> arguments = checked.arguments();
+    char message[256] = "";
+    if (!type.prepare(arguments.data(), body.instance, message, sizeof message))
+      throw Error(ErrorCode::parameter, "type '" + joint.type + "': " + message, where);
+    body.constants.resize(static_cast<std::size_t>(body.instance.constant_count));
+    type.constants(arguments.data(), body.constants.data());
+    draft_.bodies.push_back(std::move(body));
+  }
+
+  void expandSeries(const JointDescription& joint, const std::string& name, int parent, const SE3<double>& placement, int user, int depth) {
+    const auto& parts = std::get<std::vector<JointDescription>>(joint.parameters.at("parts"));
+    if (parts.empty()) throw Error(ErrorCode::parameter, "type '" + joint.type + "': 'parts' is empty", whereOf(joint, name));
+    std::size_t q = 0, v = 0;
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+      JointDescription part = parts[k];
+      part.where = joint.where;
+      addJoint(part, name + "/" + (part.name.empty() ? std::to_string(k) : part.name), k == 0 ? parent : static_cast<int>(draft_.bodies.size()) - 1,
+               k == 0 ? placement * part.placement : part.placement, user, depth + 1);
+      if (depth > 0) continue;
+      ++parts_;
+      // Limits and losses of the whole joint are laid out over its parts.
+      DraftBody& made = draft_.bodies.back();
+      slice(joint.limits.lower, q, made.instance.nq, made.joint.limits.lower);
+      slice(joint.limits.upper, q, made.instance.nq, made.joint.limits.upper);
+      slice(joint.limits.velocity, v, made.instance.nv, made.joint.limits.velocity);
+      slice(joint.limits.effort, v, made.instance.nv, made.joint.limits.effort);
+      slice(joint.damping, v, made.instance.nv, made.joint.damping);
+      slice(joint.friction, v, made.instance.nv, made.joint.friction);
+      slice(joint.armature, v, made.instance.nv, made.joint.armature);
+      q += static_cast<std::size_t>(made.instance.nq);
+      v += static_cast<std::size_t>(made.instance.nv);
+    }
+  }
+
+  static void slice(const std::vector<double>& all, std::size_t first, int count, std::vector<double>& part) {
+    if (all.size() < first + static_cast<std::size_t>(count)) return;
+    part.assign(all.begin() + static_cast<std::ptrdiff_t>(first), all.begin() + static_cast<std::ptrdiff_t>(first) + count);
+  }
+
+  void resolveCouplings() {
+    std::unordered_map<std::string, int> by_name;
+    for (std::size_t i = 1; i < draft_.bodies.size(); ++i) by_name[draft_.bodies[i].joint.name] = static_cast<int>(i);
+    for (std::size_t i = 1; i < draft_.bodies.size(); ++i) {
+      DraftBody& body = draft_.bodies[i];
+      const Coupling& c = body.joint.coupling;
+      if (c.type.empty()) continue;
+      const Where where = whereOf(body.joint, body.joint.name);
+      DraftCoupling coupling;
+      coupling.type = &registry_.couplingType(c.type, where);
+      const CheckedParameters checked = checkParameters(c.parameters, coupling.type->info(), where);
+      const std::vector<ParameterArgument> arguments = checked.arguments();
+      char message[256] = "";
+      int count = 0;
+      if (!coupling.type->prepare(arguments.data(), count, message, sizeof message))
+        throw Error(ErrorCode::parameter, "coupling '" + c.type + "': " + message, where);
+      coupling.constants.resize(static_cast<std::size_t>(count));
+      coupling.type->constants(arguments.data(), coupling.constants.data());
+      const auto master = by_name.find(c.master);
+      if (master == by_name.end()) throw Error(ErrorCode::model, "follows joint '" + c.master + "', which does not exist", where);
+      coupling.master = master->second;
+      const DraftBody& leader = draft_.bodies[static_cast<std::size_t>(coupling.master)];
+      if (body.instance.nv != 1 || leader.instance.nv != 1)
+        throw Error(ErrorCode::model, "follows '" + c.master + "': only joints of one degree of freedom can be coupled", where);
+      body.coupling = std::move(coupling);
+    }
+    checkCycles();
+  }
+
+  void checkCycles() {
+    for (std::size_t i = 1; i < draft_.bodies.size(); ++i) {
+      std::size_t steps = 0;
+      for (int at = static_cast<int>(i); at >= 0 && draft_.bodies[static_cast<std::size_t>(at)].coupling;
+           at = draft_.bodies[static_cast<std::size_t>(at)].coupling->master)
+        if (++steps > draft_.bodies.size())
+          throw Error(ErrorCode::model, "follows itself through a circle of couplings", whereOf(draft_.bodies[i].joint, draft_.bodies[i].joint.name));
+    }
+  }
+
+  const Model& model_;
+  const JointRegistry& registry_;
+  Draft draft_;
+  std::vector<int> last_body_;  // described body -> draft body
+  int expanded_ = 0, parts_ = 0;
+};
+
+}  // namespace
+
+Draft resolve(const Model& model, const JointRegistry& registry) { return Resolver(model, registry).run(); }
+
+SE3<double> jointPose(const DraftBody& body, const double* q) {
+  double pose[12], subspace[6 * max_joint_nv];
+  JointBatch<double> batch;
+  batch.count = 1;
+  batch.constants = body.constants.data();
+  batch.constant_count = body.instance.constant_count;
+  batch.constants_stride = 1;
+  batch.q = q;
+  batch.q_stride = 1;
+  batch.stride = 1;
+  batch.pose = pose;
+  batch.subspace = body.instance.shape == Shape::dense ? subspace : nullptr;
+  body.type->kinematics(batch);
+  SE3<double> core;
+  switch (body.instance.shape) {
+    case Shape::revolute: core.R = {{pose[0], -pose[1], 0, pose[1], pose[0], 0, 0, 0, 1}}; break;
+    case Shape::prismatic: core.p = {0, 0, pose[0]}; break;
+    case Shape::translation: core.p = {pose[0], pose[1], pose[2]}; break;
+    case Shape::planar:
+      core.R = {{pose[2], -pose[3], 0, pose[3], pose[2], 0, 0, 0, 1}};
+      core.p = {pose[0], pose[1], 0};
+      break;
+    default:
+      for (int i = 0; i < 9; ++i) core.R.m[i] = pose[i];
+      if (body.instance.shape != Shape::spherical) core.p = {pose[9], pose[10], pose[11]};
+  }
+  return body.instance.before * core * body.instance.after;
+}
+
+}  // namespace dyn

@@ -1,0 +1,155 @@
+// Passes that change which bodies there are and where: order, lock, weld, canonicalise, inspect.
+#include "compile/draft.hpp"
+
+#include <algorithm>
+#include <unordered_map>
+
+namespace dyn {
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// Puts bodies into the order of `old_of_new` and renumbers every reference to them. -1 in new_of_old would be a lost body.
+void renumber(Draft& draft, const std::vector<int>& old_of_new) {
+  std::vector<int> new_of_old(draft.bodies.size(), -1);
+  std::vector<DraftBody> bodies;
+  bodies.reserve(old_of_new.size());
+  for (std::size_t i = 0; i < old_of_new.size(); ++i) {
+    new_of_old[at(old_of_new[i])] = static_cast<int>(i);
+    bodies.push_back(std::move(draft.bodies[at(old_of_new[i])]));
+  }
+  for (std::size_t i = 1; i < bodies.size(); ++i) {
+    bodies[i].parent = new_of_old[at(bodies[i].parent)];
+    if (bodies[i].coupling) bodies[i].coupling->master = new_of_old[at(bodies[i].coupling->master)];
+  }
+  for (DraftFrame& frame : draft.frames) frame.body = new_of_old[at(frame.body)];
+  draft.bodies = std::move(bodies);
+}
+
+}  // namespace
+
+void orderDepthFirst(Draft& draft) {
+  const std::size_t n = draft.bodies.size();
+  // Children in description order; a stack instead of recursion, since chains may be long.
+  std::vector<std::vector<int>> children(n);
+  for (std::size_t i = n - 1; i >= 1; --i) children[at(draft.bodies[i].parent)].push_back(static_cast<int>(i));
+  std::vector<int> order, stack{0};
+  order.reserve(n);
+  while (!stack.empty()) {
+    const int i = stack.back();
+    stack.pop_back();
+    order.push_back(i);
+    stack.insert(stack.end(), children[at(i)].begin(), children[at(i)].end());
+  }
+  renumber(draft, order);
+  // Every body is a frame of its own, in this order; the described extra frames follow.
+  std::vector<DraftFrame> frames;
+  for (std::size_t i = 0; i < n; ++i)
+    if (i == 0 || draft.bodies[i].last_part) frames.push_back({draft.bodies[i].name, static_cast<int>(i), {}});
+  frames.insert(frames.end(), draft.frames.begin(), draft.frames.end());
+  draft.frames = std::move(frames);
+  draft.report.passes.push_back("order: depth first, " + std::to_string(draft.frames.size()) + " frames");
+}
+
+void lockJoints(Draft& draft, const std::vector<LockedJoint>& lock) {
+  std::unordered_map<std::string, const LockedJoint*> wanted;
+  for (const LockedJoint& l : lock) wanted[l.joint] = &l;
+  std::size_t locked = 0;
+  for (std::size_t i = 1; i < draft.bodies.size(); ++i) {
+    DraftBody& body = draft.bodies[i];
+    const auto found = wanted.find(body.joint.name);
+    if (found == wanted.end()) continue;
+    ++locked;
+    const LockedJoint& l = *found->second;
+    const int nq = body.instance.nq;
+    std::vector<double> q(at(std::max(nq, 1)));
+    if (l.q.empty()) {
+      ConfigurationBatch<double> batch;
+      batch.count = 1;
+      batch.q_stride = 1;
+      batch.q_out = q.data();
+      body.type->neutral(batch);
+    } else if (l.q.size() == at(nq)) {
+      q = l.q;
+    } else {
+      throw Error(ErrorCode::size, "to be locked it needs " + std::to_string(nq) + " coordinates, it was given " + std::to_string(l.q.size()),
+                  {"", 0, l.joint});
+    }
+    body.placement = body.placement * cast<long double>(jointPose(body, q.data()));
+    body.instance = JointInstance{};
+    body.instance.shape = Shape::translation;
+    body.coupling.reset();
+    wanted.erase(found);
+  }
+  if (!wanted.empty()) throw Error(ErrorCode::model, "is to be locked, but the model has no such joint", {"", 0, wanted.begin()->first});
+  for (const DraftBody& body : draft.bodies)
+    if (body.coupling && draft.bodies[at(body.coupling->master)].instance.nv == 0)
+      throw Error(ErrorCode::model, "follows '" + draft.bodies[at(body.coupling->master)].joint.name + "', which is locked; lock both",
+                  {"", 0, body.joint.name});
+  if (locked > 0) draft.report.passes.push_back("lock: " + std::to_string(locked) + " joints held");
+}
+
+void weld(Draft& draft) {
+  const std::size_t n = draft.bodies.size();
+  std::vector<int> carrier(n), kept{0};    // the moving body that carries each body
+  std::vector<SE3<long double>> pose(n);        // its pose there
+  for (std::size_t i = 1; i < n; ++i) {
+    DraftBody& body = draft.bodies[i];
+    const std::size_t parent = at(body.parent);
+    if (body.instance.nv > 0) {
+      body.placement = pose[parent] * body.placement;
+      body.parent = carrier[parent];
+      carrier[i] = static_cast<int>(i);
+      kept.push_back(static_cast<int>(i));
+    } else {
+      carrier[i] = carrier[parent];
+      pose[i] = pose[parent] * body.placement;
+      // What is welded to the world carries no part in anything.
+      if (carrier[i] != 0) {
+        DraftBody& to = draft.bodies[at(carrier[i])];
+        to.inertia = to.inertia + body.inertia.transformed(pose[i]);
+      }
+    }
+  }
+  for (DraftFrame& frame : draft.frames) {
+    frame.placement = pose[at(frame.body)] * frame.placement;
+    frame.body = carrier[at(frame.body)];
+  }
+  renumber(draft, kept);
+  draft.report.passes.push_back("weld: " + std::to_string(n - kept.size()) + " bodies welded to others, " + std::to_string(kept.size() - 1) +
+                                " move");
+}
+
+void canonicalise(Draft& draft) {
+  int turned = 0;
+  std::vector<SE3<long double>> user_in_canonical(draft.bodies.size());  // the body's described frame seen from its core frame
+  for (std::size_t i = 1; i < draft.bodies.size(); ++i) {
+    DraftBody& body = draft.bodies[i];
+    body.placement = user_in_canonical[at(body.parent)] * body.placement * cast<long double>(body.instance.before);
+    user_in_canonical[i] = cast<long double>(body.instance.after);
+    body.inertia = body.inertia.transformed(user_in_canonical[i]);
+    const Mat3<double>& R = body.instance.before.R;
+    if (R(2, 2) != 1) ++turned;
+  }
+  for (DraftFrame& frame : draft.frames) frame.placement = user_in_canonical[at(frame.body)] * frame.placement;
+  draft.report.passes.push_back("canonicalise: " + std::to_string(turned) + " joint axes turned onto z");
+}
+
+void inspect(Draft& draft) {
+  std::vector<bool> carries(draft.bodies.size(), false);
+  for (std::size_t i = draft.bodies.size() - 1; i >= 1; --i) {
+    const DraftBody& body = draft.bodies[i];
+    const Sym3<long double>& I = body.inertia.rotational;
+    if (body.inertia.mass > 0 || I.xx > 0 || I.yy > 0 || I.zz > 0) carries[i] = true;
+    if (carries[i]) carries[at(body.parent)] = true;
+  }
+  for (std::size_t i = 1; i < draft.bodies.size(); ++i) {
+    const DraftBody& body = draft.bodies[i];
+    const bool armature = std::any_of(body.joint.armature.begin(), body.joint.armature.end(), [](double x) { return x > 0; });
+    if (!carries[i] && !armature && !body.coupling)
+      draft.report.warnings.push_back("joint '" + body.joint.name + "' moves nothing that has mass: the mass matrix is singular, forward dynamics will refuse");
+  }
+}
+
+}  // namespace dyn

@@ -1,0 +1,23 @@
+#include <dyn/error.hpp>
+
+#include <utility>
+
+namespace dyn {
+
+namespace {
+std::string compose(const std::string& message, const Where& where) {
+  std::string text;
+  if (!where.file.empty()) {
+    text = where.file;
+    if (where.line > 0) text += ":" + std::to_string(where.line);
+    text += ": ";
+  }
+  if (!where.joint.empty()) text += "joint '" + where.joint + "': ";
+  return text + message;
+}
+}  // namespace
+
+Error::Error(ErrorCode code, const std::string& message, Where where)
+    : std::runtime_error(compose(message, where)), code_(code), where_(std::move(where)) {}
+
+}  // namespace dyn

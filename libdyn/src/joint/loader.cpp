@@ -1,0 +1,96 @@
+#include "joint/loader.hpp"
+
+#include <dyn_sdk/stamp.hpp>
+
+#include <boost/dll/runtime_symbol_info.hpp>
+#include <boost/dll/shared_library.hpp>
+
+#include <cstring>
+#include <deque>
+#include <filesystem>
+#include <mutex>
+
+namespace dyn {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void refuse(const std::string& path, const std::string& why) { throw Error(ErrorCode::plugin, why, {path, 0, ""}); }
+
+void checkPermissions(const fs::path& file, const std::string& path) {
+  for (const fs::path& p : {file, file.parent_path()}) {
+    std::error_code error;
+    const fs::perms perms = fs::status(p, error).permissions();
+    if (!error && (perms & (fs::perms::group_write | fs::perms::others_write)) != fs::perms::none)
+      refuse(path, "refused: '" + p.string() + "' can be written by its group or by everyone; run chmod go-w on it, or load it with Trust::any");
+  }
+}
+
+void compareStamps(const dyn_plugin_stamp& theirs, const std::string& path) {
+  const dyn_plugin_stamp ours = sdk::stamp();
+  const auto differ = [&](const char* field, const std::string& has, const std::string& wants) {
+    refuse(path, std::string("plugin was built for another libdyn: ") + field + " is " + has + ", this library has " + wants +
+                     "; rebuild the plugin against this libdyn");
+  };
+  if (theirs.magic != ours.magic) refuse(path, "its descriptor is not one of libdyn's");
+  if (theirs.abi_version != ours.abi_version) differ("ABI version", std::to_string(theirs.abi_version), std::to_string(ours.abi_version));
+  if (theirs.descriptor_size != ours.descriptor_size)
+    differ("descriptor size", std::to_string(theirs.descriptor_size), std::to_string(ours.descriptor_size));
+  if (std::strncmp(theirs.compiler_abi, ours.compiler_abi, sizeof ours.compiler_abi) != 0)
+    differ("compiler ABI", std::string(theirs.compiler_abi, strnlen(theirs.compiler_abi, sizeof theirs.compiler_abi)), ours.compiler_abi);
+  if (theirs.layout != ours.layout) differ("layout stamp", std::to_string(theirs.layout), std::to_string(ours.layout));
+}
+
+/// Libraries are never closed: types, and models made of them, may be anywhere.
+boost::dll::shared_library& keep(boost::dll::shared_library library) {
+  static std::mutex mutex;
+  static auto& all = *new std::deque<boost::dll::shared_library>;
+  const std::lock_guard lock(mutex);
+  all.push_back(std::move(library));
+  return all.back();
+}
+
+}  // namespace
+
+const dyn_plugin_descriptor& openPlugin(const std::string& path, Trust trust) {
+  std::error_code error;
+  const fs::path file = fs::canonical(path, error);
+  if (error) refuse(path, "cannot find the plugin: " + error.message());
+  if (!fs::is_regular_file(file)) refuse(path, "is not a file");
+  if (trust == Trust::owner_only) checkPermissions(file, path);
+
+  using boost::dll::load_mode::type;
+  boost::dll::fs::error_code code;
+  boost::dll::shared_library opened;
+  std::string reason;
+  try {
+    opened.load(file.string(), static_cast<type>(boost::dll::load_mode::rtld_now | boost::dll::load_mode::rtld_local));
+  } catch (const std::exception& e) {
+    reason = e.what();
+  } catch (...) {
+    reason = "a static constructor of it threw something that is no std::exception";
+  }
+  if (!reason.empty()) refuse(path, "cannot be loaded: " + reason);
+  boost::dll::shared_library& library = keep(std::move(opened));
+  if (!library.has(DYN_PLUGIN_ENTRY))
+    refuse(path, "exports no " DYN_PLUGIN_ENTRY "; a plugin ends with DYN_EXPORT_JOINTS(...)");
+  const dyn_plugin_descriptor* descriptor = nullptr;
+  try {
+    descriptor = library.get<const dyn_plugin_descriptor*()>(DYN_PLUGIN_ENTRY)();
+  } catch (const std::exception& e) {
+    refuse(path, std::string("threw while describing itself: ") + e.what());
+  } catch (...) {
+    refuse(path, "threw while describing itself");
+  }
+  if (descriptor == nullptr) refuse(path, "describes nothing");
+  compareStamps(descriptor->stamp, path);
+  return *descriptor;
+}
+
+std::string builtinPluginDirectory() {
+  const fs::path library = boost::dll::symbol_location_ptr(reinterpret_cast<const void*>(&openPlugin)).string();
+  return (fs::path(library).parent_path() / "libdyn" / "plugins").string();
+}
+
+}  // namespace dyn

@@ -1,0 +1,130 @@
+#include <dyn/joint/registry.hpp>
+
+#include "joint/loader.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <sstream>
+
+namespace dyn {
+
+struct JointRegistry::Impl {
+  std::vector<const JointType*> joints;
+  std::vector<const CouplingType*> couplings;
+  std::map<std::string, std::string> origin;  // type name -> file
+  std::vector<PluginRecord> plugins;
+  std::vector<std::string> searched;
+
+  void add(const std::string& path, Trust trust);
+};
+
+namespace {
+
+template <class Type>
+std::vector<const Type*> typesOf(const void* const* types, std::uint32_t count) {
+  std::vector<const Type*> result;
+  for (std::uint32_t i = 0; i < count; ++i) result.push_back(static_cast<const Type*>(types[i]));
+  return result;
+}
+
+template <class Type>
+const Type* find(const std::vector<const Type*>& types, const std::string& name) {
+  for (const Type* type : types)
+    if (name == type->info().name) return type;
+  return nullptr;
+}
+
+}  // namespace
+
+void JointRegistry::Impl::add(const std::string& path, Trust trust) {
+  const dyn_plugin_descriptor& d = openPlugin(path, trust);
+  const auto new_joints = typesOf<JointType>(d.joint_types, d.joint_type_count);
+  const auto new_couplings = typesOf<CouplingType>(d.coupling_types, d.coupling_type_count);
+  PluginRecord record{path, {}, {}};
+  for (const JointType* type : new_joints) record.types.emplace_back(type->info().name);
+  for (const CouplingType* type : new_couplings) record.types.emplace_back(type->info().name);
+  if (record.types.empty()) throw Error(ErrorCode::plugin, "exports no joint types", {path, 0, ""});
+  for (std::size_t i = 0; i < record.types.size(); ++i) {
+    const std::string& name = record.types[i];
+    const auto known = origin.find(name);
+    if (known != origin.end() && std::filesystem::equivalent(known->second, path)) return;  // the same file by another way
+    if (known != origin.end())
+      throw Error(ErrorCode::plugin, "joint type '" + name + "' is already provided by " + known->second + "; rename one of them", {path, 0, ""});
+    if (std::count(record.types.begin(), record.types.end(), name) > 1)
+      throw Error(ErrorCode::plugin, "exports joint type '" + name + "' twice", {path, 0, ""});
+  }
+  for (const std::string& name : record.types) origin[name] = path;
+  joints.insert(joints.end(), new_joints.begin(), new_joints.end());
+  couplings.insert(couplings.end(), new_couplings.begin(), new_couplings.end());
+  plugins.push_back(std::move(record));
+}
+
+JointRegistry::JointRegistry() : impl_(std::make_unique<Impl>()) {}
+JointRegistry::~JointRegistry() = default;
+JointRegistry::JointRegistry(const JointRegistry& other) : impl_(std::make_unique<Impl>(*other.impl_)) {}
+JointRegistry& JointRegistry::operator=(const JointRegistry& other) {
+  impl_ = std::make_unique<Impl>(*other.impl_);
+  return *this;
+}
+
+JointRegistry JointRegistry::standard(Trust trust) {
+  JointRegistry registry;
+  registry.loadDirectory(builtinPluginDirectory(), trust);
+  if (const char* path = std::getenv("DYN_PLUGIN_PATH")) {
+    std::stringstream folders(path);
+    for (std::string folder; std::getline(folders, folder, ':');)
+      if (!folder.empty()) registry.loadDirectory(folder, trust);
+  }
+  return registry;
+}
+
+void JointRegistry::load(const std::string& path, Trust trust) { impl_->add(path, trust); }
+
+void JointRegistry::loadDirectory(const std::string& directory, Trust trust) {
+  impl_->searched.push_back(directory);
+  std::vector<std::string> files;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(directory, error))
+    if (entry.path().extension() == ".so") files.push_back(entry.path().string());
+  if (error) {
+    impl_->plugins.push_back({directory, {}, "cannot read the folder: " + error.message()});
+    return;
+  }
+  std::sort(files.begin(), files.end());
+  for (const std::string& file : files) {
+    try {
+      impl_->add(file, trust);
+    } catch (const Error& problem) {
+      impl_->plugins.push_back({file, {}, problem.what()});
+    }
+  }
+}
+
+namespace {
+[[noreturn]] void notFound(const JointRegistry& registry, const char* kind, const std::string& name, const Where& where) {
+  std::string text = std::string(kind) + " type '" + name + "' is provided by no plugin; searched:";
+  for (const std::string& path : registry.searched()) text += "\n  " + path;
+  if (registry.searched().empty()) text += " nothing (the registry was given no folder)";
+  for (const PluginRecord& plugin : registry.plugins())
+    if (!plugin.problem.empty()) text += "\n  not loaded: " + plugin.problem;
+  text += "\n  set DYN_PLUGIN_PATH to the folder of the plugin that provides it; `dyn plugin list` shows what is known";
+  throw Error(ErrorCode::joint_type, text, where);
+}
+}  // namespace
+
+const JointType& JointRegistry::jointType(const std::string& name, const Where& where) const {
+  if (const JointType* type = find(impl_->joints, name)) return *type;
+  notFound(*this, "joint", name, where);
+}
+const CouplingType& JointRegistry::couplingType(const std::string& name, const Where& where) const {
+  if (const CouplingType* type = find(impl_->couplings, name)) return *type;
+  notFound(*this, "coupling", name, where);
+}
+const std::vector<const JointType*>& JointRegistry::jointTypes() const { return impl_->joints; }
+const std::vector<const CouplingType*>& JointRegistry::couplingTypes() const { return impl_->couplings; }
+const std::vector<PluginRecord>& JointRegistry::plugins() const { return impl_->plugins; }
+const std::vector<std::string>& JointRegistry::searched() const { return impl_->searched; }
+
+}  // namespace dyn

@@ -1,0 +1,200 @@
+// The joint shapes as the recursions see them. Each knows its own sparsity at compile time:
+//   rotate(E)       E times the joint's rotation
+//   translation()   of the moving frame's origin, in the joint frame
+//   times(v)        S v in the moving frame;  column(k) of S;  project(f, tau): tau = S^T f
+//   bias()          (dS/dt) v in the moving frame, where has_bias
+#pragma once
+
+#include <dyn/joint/shape.hpp>
+#include <dyn/spatial/inertia.hpp>
+
+#include <cstddef>
+
+namespace dyn::kernels {
+
+/// Where one joint's results lie; component c at [c * stride].
+template <class S>
+struct Slot {
+  const S* pose;
+  const S* subspace;
+  std::ptrdiff_t subspace_stride;
+  const S* bias;
+  std::ptrdiff_t stride;
+};
+
+template <class S>
+Mat3<S> loadMatrix(const S* p, std::ptrdiff_t stride) {
+  Mat3<S> R;
+  for (int i = 0; i < 9; ++i) R.m[i] = p[i * stride];
+  return R;
+}
+template <class S>
+Vec3<S> loadVector(const S* p, std::ptrdiff_t stride) {
+  return {p[0], p[stride], p[2 * stride]};
+}
+/// E Rz(c, s).
+template <class S>
+Mat3<S> turnZ(const Mat3<S>& E, const S& c, const S& s) {
+  Mat3<S> R;
+  for (int i = 0; i < 3; ++i) {
+    R(i, 0) = E(i, 0) * c + E(i, 1) * s;
+    R(i, 1) = E(i, 1) * c - E(i, 0) * s;
+    R(i, 2) = E(i, 2);
+  }
+  return R;
+}
+
+template <class S>
+struct Revolute {
+  static constexpr int nv = 1;
+  static constexpr bool moves_origin = false, has_linear = false, has_angular = true, has_bias = false, is_free = false;
+  S c, s;
+  explicit Revolute(const Slot<S>& slot) : c(slot.pose[0]), s(slot.pose[slot.stride]) {}
+  Mat3<S> rotate(const Mat3<S>& E) const { return turnZ(E, c, s); }
+  Vec3<S> translation() const { return {}; }
+  Motion<S> times(const S* v) const { return {{}, {S(0), S(0), v[0]}}; }
+  Motion<S> column(int) const { return {{}, {S(0), S(0), S(1)}}; }
+  void project(const Force<S>& f, S* tau) const { tau[0] = f.angular.z; }
+  Motion<S> bias() const { return {}; }
+};
+
+template <class S>
+struct Prismatic {
+  static constexpr int nv = 1;
+  static constexpr bool moves_origin = true, has_linear = true, has_angular = false, has_bias = false, is_free = false;
+  S z;
+  explicit Prismatic(const Slot<S>& slot) : z(slot.pose[0]) {}
+  Mat3<S> rotate(const Mat3<S>& E) const { return E; }
+  Vec3<S> translation() const { return {S(0), S(0), z}; }
+  Motion<S> times(const S* v) const { return {{S(0), S(0), v[0]}, {}}; }
+  Motion<S> column(int) const { return {{S(0), S(0), S(1)}, {}}; }
+  void project(const Force<S>& f, S* tau) const { tau[0] = f.linear.z; }
+  Motion<S> bias() const { return {}; }
+};
+
+template <class S>
+Vec3<S> unit(int k) {
+  Vec3<S> e{};
+  e[k] = S(1);
+  return e;
+}
+
+template <class S>
+struct Spherical {
+  static constexpr int nv = 3;
+  static constexpr bool moves_origin = false, has_linear = false, has_angular = true, has_bias = false, is_free = false;
+  Mat3<S> R;
+  explicit Spherical(const Slot<S>& slot) : R(loadMatrix(slot.pose, slot.stride)) {}
+  Mat3<S> rotate(const Mat3<S>& E) const { return E * R; }
+  Vec3<S> translation() const { return {}; }
+  Motion<S> times(const S* v) const { return {{}, {v[0], v[1], v[2]}}; }
+  Motion<S> column(int k) const { return {{}, unit<S>(k)}; }
+  void project(const Force<S>& f, S* tau) const {
+    for (int k = 0; k < 3; ++k) tau[k] = f.angular[k];
+  }
+  Motion<S> bias() const { return {}; }
+};
+
+template <class S>
+struct Translation {
+  static constexpr int nv = 3;
+  static constexpr bool moves_origin = true, has_linear = true, has_angular = false, has_bias = false, is_free = false;
+  Vec3<S> p;
+  explicit Translation(const Slot<S>& slot) : p(loadVector(slot.pose, slot.stride)) {}
+  Mat3<S> rotate(const Mat3<S>& E) const { return E; }
+  Vec3<S> translation() const { return p; }
+  Motion<S> times(const S* v) const { return {{v[0], v[1], v[2]}, {}}; }
+  Motion<S> column(int k) const { return {unit<S>(k), {}}; }
+  void project(const Force<S>& f, S* tau) const {
+    for (int k = 0; k < 3; ++k) tau[k] = f.linear[k];
+  }
+  Motion<S> bias() const { return {}; }
+};
+
+template <class S>
+struct Planar {
+  static constexpr int nv = 3;
+  static constexpr bool moves_origin = true, has_linear = true, has_angular = true, has_bias = false, is_free = false;
+  S x, y, c, s;
+  explicit Planar(const Slot<S>& slot)
+      : x(slot.pose[0]), y(slot.pose[slot.stride]), c(slot.pose[2 * slot.stride]), s(slot.pose[3 * slot.stride]) {}
+  Mat3<S> rotate(const Mat3<S>& E) const { return turnZ(E, c, s); }
+  Vec3<S> translation() const { return {x, y, S(0)}; }
+  Motion<S> times(const S* v) const { return {{v[0], v[1], S(0)}, {S(0), S(0), v[2]}}; }
+  Motion<S> column(int k) const { return k < 2 ? Motion<S>{unit<S>(k), {}} : Motion<S>{{}, unit<S>(2)}; }
+  void project(const Force<S>& f, S* tau) const {
+    tau[0] = f.linear.x;
+    tau[1] = f.linear.y;
+    tau[2] = f.angular.z;
+  }
+  Motion<S> bias() const { return {}; }
+};
+
+template <class S>
+struct Free {
+  static constexpr int nv = 6;
+  static constexpr bool moves_origin = true, has_linear = true, has_angular = true, has_bias = false, is_free = true;
+  Mat3<S> R;
+  Vec3<S> p;
+  explicit Free(const Slot<S>& slot) : R(loadMatrix(slot.pose, slot.stride)), p(loadVector(slot.pose + 9 * slot.stride, slot.stride)) {}
+  Mat3<S> rotate(const Mat3<S>& E) const { return E * R; }
+  Vec3<S> translation() const { return p; }
+  Motion<S> times(const S* v) const { return {{v[0], v[1], v[2]}, {v[3], v[4], v[5]}}; }
+  Motion<S> column(int k) const { return k < 3 ? Motion<S>{unit<S>(k), {}} : Motion<S>{{}, unit<S>(k - 3)}; }
+  void project(const Force<S>& f, S* tau) const {
+    for (int k = 0; k < 3; ++k) {
+      tau[k] = f.linear[k];
+      tau[3 + k] = f.angular[k];
+    }
+  }
+  Motion<S> bias() const { return {}; }
+};
+
+/// Any pose with a subspace given in numbers, constant or not.
+template <class S, int NV, bool Varying>
+struct Dense {
+  static constexpr int nv = NV;
+  static constexpr bool moves_origin = true, has_linear = true, has_angular = true, has_bias = Varying, is_free = false;
+  const Slot<S>& slot;
+  explicit Dense(const Slot<S>& where) : slot(where) {}
+  Mat3<S> rotate(const Mat3<S>& E) const { return E * loadMatrix(slot.pose, slot.stride); }
+  Vec3<S> translation() const { return loadVector(slot.pose + 9 * slot.stride, slot.stride); }
+  Motion<S> load(const S* p, std::ptrdiff_t stride) const { return {loadVector(p, stride), loadVector(p + 3 * stride, stride)}; }
+  Motion<S> column(int k) const { return load(slot.subspace + 6 * k * slot.subspace_stride, slot.subspace_stride); }
+  Motion<S> times(const S* v) const {
+    Motion<S> m = v[0] * column(0);
+    for (int k = 1; k < NV; ++k) m += v[k] * column(k);
+    return m;
+  }
+  void project(const Force<S>& f, S* tau) const {
+    for (int k = 0; k < NV; ++k) tau[k] = dot(column(k), f);
+  }
+  Motion<S> bias() const { return Varying ? load(slot.bias, slot.stride) : Motion<S>{}; }
+};
+
+/// Hands a kernel over to the shape of a run: `kernel.template operator()<Shape>()`. The one dispatch of a run.
+template <class S, class Kernel>
+void withShape(Shape shape, int nv, Kernel&& kernel) {
+  const auto dense = [&]<bool varying>() {
+    switch (nv) {
+      case 1: return kernel.template operator()<Dense<S, 1, varying>>();
+      case 2: return kernel.template operator()<Dense<S, 2, varying>>();
+      case 3: return kernel.template operator()<Dense<S, 3, varying>>();
+      case 4: return kernel.template operator()<Dense<S, 4, varying>>();
+      case 5: return kernel.template operator()<Dense<S, 5, varying>>();
+      default: return kernel.template operator()<Dense<S, 6, varying>>();
+    }
+  };
+  switch (shape) {
+    case Shape::revolute: return kernel.template operator()<Revolute<S>>();
+    case Shape::prismatic: return kernel.template operator()<Prismatic<S>>();
+    case Shape::spherical: return kernel.template operator()<Spherical<S>>();
+    case Shape::translation: return kernel.template operator()<Translation<S>>();
+    case Shape::planar: return kernel.template operator()<Planar<S>>();
+    case Shape::free: return kernel.template operator()<Free<S>>();
+    case Shape::dense_constant: return dense.template operator()<false>();
+    case Shape::dense: return dense.template operator()<true>();
+  }
+}
+
+}  // namespace dyn::kernels

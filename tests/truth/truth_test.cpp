@@ -1,0 +1,158 @@
+// Every algorithm against references of 25 digits that share no code with it, within the project's error budgets.
+#include "support/errors.hpp"
+#include "support/shared.hpp"
+#include "support/truth_model.hpp"
+
+#include <dyn/dyn.hpp>
+#include <dyn/parsers/urdf.hpp>
+
+#include <iostream>
+#include <map>
+
+using namespace dyn;
+using namespace dyn::test;
+
+namespace {
+
+Eigen::VectorXd vectorOf(const nlohmann::json& x) {
+  const auto v = x.get<std::vector<double>>();
+  return Eigen::Map<const Eigen::VectorXd>(v.data(), static_cast<Eigen::Index>(v.size()));
+}
+
+struct Set {
+  CompactModel model;
+  nlohmann::json document;
+};
+
+Set load(const std::string& name) {
+  const std::string shared = sharedFolder();
+  nlohmann::json document = readJson(shared + "/truth/data/" + name + ".json");
+  const std::string file = document["file"];
+  Model model;
+  if (file.ends_with(".urdf")) {
+    urdf::Options options;
+    options.root = document["root"];
+    options.mimic = urdf::Mimic::independent;
+    model = urdf::load(shared + "/models/" + file, options);
+  } else {
+    model = readTruthModel(readJson(shared + "/truth/" + file));
+  }
+  CompileOptions options;
+  options.dissipation = false;
+  return {compile(model, JointRegistry::standard(), options), document};
+}
+
+/// Worst errors of a set, by quantity; printed when DYN_SHOW_ERRORS is set.
+class Worst {
+ public:
+  explicit Worst(std::string set) : set_(std::move(set)) {}
+  ~Worst() {
+    if (!std::getenv("DYN_SHOW_ERRORS")) return;
+    for (const auto& [key, error] : errors_) std::cout << set_ << " " << key << " " << error << " u\n";
+  }
+  void check(const std::string& key, double error, double budget) {
+    errors_[key] = std::max(errors_[key], error);
+    INFO(set_ << ": " << key << " is off by " << error << " u, budget " << budget << " u");
+    CHECK(error <= budget);
+  }
+
+ private:
+  std::string set_;
+  std::map<std::string, double> errors_;
+};
+
+int depthOf(const CompactModel& model, int joint) {
+  int depth = 0;
+  for (; joint > 0; joint = model.joints()[static_cast<std::size_t>(joint)].parent) ++depth;
+  return depth;
+}
+
+void checkFrames(const CompactModel& model, Data& data, const Eigen::VectorXd& q, const Eigen::VectorXd& v, const Eigen::VectorXd& a,
+                 const nlohmann::json& truth, bool far, Worst& worst) {
+  if (!truth.contains("frames")) return;
+  Eigen::MatrixXd J(6, model.nv());
+  for (const auto& frame : truth["frames"]) {
+    const int id = model.frameId(frame["link"].get<std::string>());
+    REQUIRE(id >= 0);
+    computeFrameJacobian(model, data, q, id, ReferenceFrame::LOCAL, J);
+    worst.check("J_local", relativeError(rowMajor(J), flatten(frame["J_local"])), 15);
+    computeFrameJacobian(model, data, q, id, ReferenceFrame::LOCAL_WORLD_ALIGNED, J);
+    worst.check("J_lwa", relativeError(rowMajor(J), flatten(frame["J_lwa"])), 15);
+    computeFrameJacobian(model, data, q, id, ReferenceFrame::WORLD, J);
+    worst.check("J_world", relativeError(rowMajor(J), flatten(frame["J_world"])), far ? 100 : 15);
+    forwardKinematics(model, data, q, v, a);
+    const auto flat = [](const Motion<double>& m) {
+      return std::vector<double>{m.linear.x, m.linear.y, m.linear.z, m.angular.x, m.angular.y, m.angular.z};
+    };
+    worst.check("vel_local", relativeError(flat(frameVelocity(model, data, id, ReferenceFrame::LOCAL)), flatten(frame["vel_local"])), 15);
+    worst.check("acc_local_spatial", relativeError(flat(frameAcceleration(model, data, id, ReferenceFrame::LOCAL)), flatten(frame["acc_local_spatial"])), 30);
+    worst.check("acc_lwa_classical",
+                relativeError(flat(frameClassicalAcceleration(model, data, id, ReferenceFrame::LOCAL_WORLD_ALIGNED)), flatten(frame["acc_lwa_classical"])), 30);
+  }
+}
+
+void checkSet(const std::string& name) {
+  const Set set = load(name);
+  const CompactModel& model = set.model;
+  REQUIRE(model.nq() == set.document["nq"].get<int>());
+  REQUIRE(model.nv() == set.document["nv"].get<int>());
+  Data data(model, Need::mass_matrix);
+  Worst worst(name);
+  const bool far = name.find("far") != std::string::npos;
+  for (const auto& sample : set.document["samples"]) {
+    const nlohmann::json& truth = sample["truth"];
+    const Eigen::VectorXd q = vectorOf(sample["q"]), v = vectorOf(sample["v"]), a = vectorOf(sample["a"]), tau = vectorOf(sample["tau"]);
+    const auto vec = [](const VectorResult& x) { return rowMajor(x); };
+    const auto vec3 = [](const Vec3<double>& x) { return std::vector<double>{x.x, x.y, x.z}; };
+    if (truth.contains("rnea_scale"))
+      worst.check("rnea", scaledError(vec(rnea(model, data, q, v, a)), flatten(truth["rnea"]), flatten(truth["rnea_scale"])), 10);
+    if (truth.contains("nle") && truth.contains("rnea_scale")) {
+      worst.check("nle", scaledError(vec(nonLinearEffects(model, data, q, v)), flatten(truth["nle"]), flatten(truth["rnea_scale"])), 10);
+      worst.check("gravity", scaledError(vec(generalizedGravity(model, data, q)), flatten(truth["gravity"]), flatten(truth["rnea_scale"])), 10);
+    }
+    if (truth.contains("M")) worst.check("M", relativeError(rowMajor(crba(model, data, q)), flatten(truth["M"])), 15);
+    if (truth.contains("aba_scale")) {
+      worst.check("aba", scaledError(vec(aba(model, data, q, v, tau)), flatten(truth["aba"]), flatten(truth["aba_scale"])), 4);
+      worst.check("aba relative", relativeError(vec(aba(model, data, q, v, tau)), flatten(truth["aba"])), no_match);
+    } else if (truth.contains("M_singular")) {
+      CHECK_THROWS_AS(aba(model, data, q, v, tau), Error);
+    }
+    if (truth.contains("kinetic_energy")) {
+      worst.check("kinetic_energy", relativeError({computeKineticEnergy(model, data, q, v)}, flatten(truth["kinetic_energy"])), 20);
+      const double magnitude = 9.81 * model.mass() * (far ? 1e9 : 1.0);
+      const long double potential = flatten(truth["potential_energy"])[0];
+      const double off = static_cast<double>(std::fabs(potential - static_cast<long double>(computePotentialEnergy(model, data, q))) / unit_roundoff);
+      worst.check("potential_energy", off / std::max(magnitude, static_cast<double>(std::fabs(potential))), 20);
+      const CenterOfMass c = centerOfMass(model, data, q, v, a);
+      worst.check("com", relativeError(vec3(c.position), flatten(truth["com"])), 20);
+      // Velocities of the bodies may cancel in the mean: the yardstick is their sum without signs, |Jcom| |v|.
+      const Eigen::VectorXd terms = Eigen::MatrixXd(jacobianCenterOfMass(model, data, q)).cwiseAbs() * v.cwiseAbs();
+      const std::vector<long double> yardstick(3, std::max(static_cast<long double>(terms.maxCoeff()), 1e-300L));
+      worst.check("vcom", scaledError(vec3(c.velocity), flatten(truth["vcom"]), yardstick), 10);
+      worst.check("acom", relativeError(vec3(c.acceleration), flatten(truth["acom"])), 40);
+    }
+    if (truth.contains("oMi")) {
+      forwardKinematics(model, data, q);
+      for (int j = 1; j < model.njoints(); ++j) {
+        const SE3<double> X = jointPlacement(model, data, j);
+        std::vector<double> flat(X.R.m, X.R.m + 9);
+        flat.insert(flat.end(), {X.p.x, X.p.y, X.p.z});
+        const auto reference = flatten(truth["oMi"][static_cast<std::size_t>(j) - 1]);
+        worst.check("pose", relativeError(flat, reference), std::max(2.0, 2 * std::sqrt(depthOf(model, j))));
+      }
+    }
+    checkFrames(model, data, q, v, a, truth, far, worst);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("algorithms are within their error budgets of the 25-digit truth", "[truth]") {
+  DYN_NEEDS_SHARED();
+  const std::string name =
+      GENERATE(as<std::string>{}, "lwr", "lwr_bigangle", "lwr_tinyangle", "hyq", "hyq_far", "hyq_fast", "human", "talos", "chain_2", "chain_10", "chain_100",
+               "big_chain_200", "collinear_1e-8", "free_body_a", "free_body_b", "free_body_c", "joint_continuous", "joint_helical", "joint_planar",
+               "joint_prismatic", "joint_translation", "joint_universal", "leaf_mass_1e-12", "massless_links", "massratio_12", "pendulum_double",
+               "pendulum_simple", "rope_10", "zoo", "custom_cam", "custom_screw");
+  checkSet(name);
+}

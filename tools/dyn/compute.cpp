@@ -1,0 +1,200 @@
+// dyn compute: states in, dynamics out, as JSON with the keys of the golden data.
+#include "commands.hpp"
+#include "model_options.hpp"
+#include "states.hpp"
+
+#include <cstdio>
+#include <functional>
+#include <memory>
+#include <set>
+
+namespace dyn::tool {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json flat(const double* data, std::ptrdiff_t size) { return Json(std::vector<double>(data, data + size)); }
+Json flat(const Vec3<double>& x) { return Json{x.x, x.y, x.z}; }
+Json flat(const Mat3<double>& R) { return flat(R.m, 9); }
+Json flat(const Motion<double>& m) { return Json{m.linear.x, m.linear.y, m.linear.z, m.angular.x, m.angular.y, m.angular.z}; }
+Json flat(const Eigen::Ref<const Eigen::MatrixXd>& M) {
+  Json rows = Json::array();
+  for (Eigen::Index i = 0; i < M.rows(); ++i)
+    for (Eigen::Index j = 0; j < M.cols(); ++j) rows.push_back(M(i, j));
+  return rows;
+}
+
+/// One key of the output. `write` puts it, and keys that come with it, into the sample.
+struct Quantity {
+  const char* key;
+  std::function<void(const CompactModel&, Data&, const State&, Json&)> write;
+};
+
+const std::vector<Quantity>& quantities() {
+  static const std::vector<Quantity> all = {
+      {"rnea", [](auto& m, auto& d, auto& s, Json& out) { out["rnea"] = flat(rnea(m, d, s.q, s.v, s.a)); }},
+      {"nle", [](auto& m, auto& d, auto& s, Json& out) { out["nle"] = flat(nonLinearEffects(m, d, s.q, s.v)); }},
+      {"gravity_torque", [](auto& m, auto& d, auto& s, Json& out) { out["gravity_torque"] = flat(generalizedGravity(m, d, s.q)); }},
+      {"M", [](auto& m, auto& d, auto& s, Json& out) { out["M"] = flat(crba(m, d, s.q)); }},
+      {"aba",
+       [](auto& m, auto& d, auto& s, Json& out) {
+         try {
+           out["aba"] = flat(aba(m, d, s.q, s.v, s.tau));
+         } catch (const Error& e) {
+           if (e.code() != ErrorCode::singular) throw;
+           out["aba"] = nullptr;
+           out["aba_error"] = e.what();
+         }
+       }},
+      {"com", [](auto& m, auto& d, auto& s, Json& out) { out["com"] = flat(centerOfMass(m, d, s.q).position); }},
+      {"vcom", [](auto& m, auto& d, auto& s, Json& out) { out["vcom"] = flat(centerOfMass(m, d, s.q, s.v).velocity); }},
+      {"acom", [](auto& m, auto& d, auto& s, Json& out) { out["acom"] = flat(centerOfMass(m, d, s.q, s.v, s.a).acceleration); }},
+      {"Jcom", [](auto& m, auto& d, auto& s, Json& out) { out["Jcom"] = flat(jacobianCenterOfMass(m, d, s.q)); }},
+      {"kinetic_energy", [](auto& m, auto& d, auto& s, Json& out) { out["kinetic_energy"] = computeKineticEnergy(m, d, s.q, s.v); }},
+      {"potential_energy", [](auto& m, auto& d, auto& s, Json& out) { out["potential_energy"] = computePotentialEnergy(m, d, s.q); }},
+      {"oMf",
+       [](auto& m, auto& d, auto& s, Json& out) {
+         forwardKinematics(m, d, s.q);
+         Json frames = Json::array();
+         for (std::size_t f = 1; f < m.frames().size(); ++f) {
+           const SE3<double> X = framePlacement(m, d, static_cast<int>(f));
+           frames.push_back({{"name", m.frames()[f].name}, {"R", flat(X.R)}, {"p", flat(X.p)}});
+         }
+         out["oMf"] = frames;
+       }},
+  };
+  return all;
+}
+
+/// The Jacobian entries of a frame, named frame<index>_...
+void writeFrame(const CompactModel& m, Data& d, const State& s, int frame, const std::string& prefix, Json& out) {
+  const std::pair<const char*, ReferenceFrame> references[] = {{"local", ReferenceFrame::LOCAL},
+                                                               {"local_world_aligned", ReferenceFrame::LOCAL_WORLD_ALIGNED},
+                                                               {"world", ReferenceFrame::WORLD}};
+  Eigen::MatrixXd J(6, m.nv());
+  for (const auto& [name, reference] : references) {
+    computeFrameJacobian(m, d, s.q, frame, reference, J);
+    out[prefix + "J_" + name] = flat(J);
+  }
+  for (const auto& [name, reference] : references) {
+    computeFrameJacobianTimeVariation(m, d, s.q, s.v, frame, reference, J);
+    out[prefix + "dJ_" + name] = flat(J);
+  }
+  forwardKinematics(m, d, s.q, s.v, s.a);
+  out[prefix + "velocity_local"] = flat(frameVelocity(m, d, frame, ReferenceFrame::LOCAL));
+  out[prefix + "acceleration_local_spatial"] = flat(frameAcceleration(m, d, frame, ReferenceFrame::LOCAL));
+  out[prefix + "acceleration_world_aligned_classical"] = flat(frameClassicalAcceleration(m, d, frame, ReferenceFrame::LOCAL_WORLD_ALIGNED));
+}
+
+Json describe(const CompactModel& model, const std::string& root) {
+  Json out;
+  out["robot"] = model.name();
+  out["root"] = root;
+  out["nq"] = model.nq();
+  out["nv"] = model.nv();
+  out["gravity"] = flat(model.gravity());
+  out["joints"] = Json::array();
+  for (std::size_t j = 1; j < model.joints().size(); ++j) {
+    const JointRecord& r = model.joints()[j];
+    out["joints"].push_back({{"name", r.name},
+                             {"type", r.type},
+                             {"parent", model.joints()[static_cast<std::size_t>(r.parent)].name},
+                             {"idx_q", r.idx_q},
+                             {"idx_v", r.idx_v},
+                             {"nq", r.nq},
+                             {"nv", r.nv}});
+  }
+  return out;
+}
+
+/// Writes JSON with 17 significant digits. Results that are not finite have no JSON form; they name their sample.
+void print(const Json& value, std::string& out) {
+  if (value.is_object()) {
+    const char* separator = "{";
+    for (const auto& [key, entry] : value.items()) {
+      out += separator + Json(key).dump() + ":";
+      print(entry, out);
+      separator = ",";
+    }
+    out += *separator == '{' ? "{}" : "}";
+  } else if (value.is_array()) {
+    out += "[";
+    for (std::size_t i = 0; i < value.size(); ++i) {
+      if (i) out += ",";
+      print(value[i], out);
+    }
+    out += "]";
+  } else if (value.is_number_float()) {
+    char text[40];
+    std::snprintf(text, sizeof text, "%.17g", value.get<double>());
+    out += text;
+  } else {
+    out += value.dump();
+  }
+}
+
+bool allFinite(const Json& value) {
+  if (value.is_number_float()) return std::isfinite(value.get<double>());
+  if (value.is_structured()) {
+    for (const Json& entry : value)
+      if (!allFinite(entry)) return false;
+  }
+  return true;
+}
+
+struct Options {
+  ModelOptions model;
+  std::string states;
+  std::vector<std::string> only, frames;
+};
+
+void run(const Options& o) {
+  const CompactModel model = o.model.compile();
+  const std::vector<State> states = readStates(o.states, model);
+  std::set<std::string> only(o.only.begin(), o.only.end());
+  for (const std::string& key : only) {
+    const auto known = [&](const Quantity& q) { return key == q.key; };
+    if (std::none_of(quantities().begin(), quantities().end(), known))
+      throw Error(ErrorCode::argument, "--only " + key + ": there is no such quantity; `dyn compute --help` lists them");
+  }
+  std::vector<int> frames;
+  for (const std::string& name : o.frames) {
+    frames.push_back(model.frameId(name));
+    if (frames.back() < 0) throw Error(ErrorCode::argument, "--frames " + name + ": the model has no such frame; `dyn info` lists them");
+  }
+  Data data(model, Need::mass_matrix);
+  std::string out;
+  Json head = describe(model, o.model.root);
+  head["samples"] = Json::array();
+  print(head, out);
+  out.resize(out.size() - 2);  // the samples follow one by one: "]}" comes last
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    const State& s = states[i];
+    Json sample = {{"q", flat(s.q)}, {"v", flat(s.v)}, {"a", flat(s.a)}, {"tau", flat(s.tau)}};
+    for (const Quantity& quantity : quantities())
+      if (only.empty() || only.count(quantity.key)) quantity.write(model, data, s, sample);
+    for (std::size_t f = 0; f < frames.size(); ++f) writeFrame(model, data, s, frames[f], "frame" + std::to_string(f) + "_", sample);
+    if (!allFinite(sample)) throw Error(ErrorCode::argument, "sample " + std::to_string(i) + ": a result is not finite (overflow, or a zero quaternion?)");
+    out += i ? ",\n" : "\n";
+    print(sample, out);
+  }
+  out += "]}\n";
+  std::fputs(out.c_str(), stdout);
+}
+
+}  // namespace
+
+void addCompute(CLI::App& app) {
+  CLI::App* sub = app.add_subcommand("compute", "dynamics of given states, as JSON");
+  auto o = std::make_shared<Options>();
+  o->model.add(*sub);
+  sub->add_option("--states", o->states, "JSON file {\"samples\":[{\"q\":[],\"v\":[],\"a\":[],\"tau\":[]}, ...]}, or - for standard input")->required();
+  std::string keys;
+  for (const Quantity& q : quantities()) keys += std::string(keys.empty() ? "" : ", ") + q.key;
+  sub->add_option("--only", o->only, "quantities to compute: " + keys)->delimiter(',');
+  sub->add_option("--frames", o->frames, "frames whose Jacobians are wanted")->delimiter(',');
+  sub->callback([o] { run(*o); });
+}
+
+}  // namespace dyn::tool

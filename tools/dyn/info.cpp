@@ -1,0 +1,83 @@
+// dyn info: what was loaded, what the compiler made of it, and the tree.
+#include "commands.hpp"
+#include "model_options.hpp"
+
+#include <map>
+#include <memory>
+
+namespace dyn::tool {
+
+namespace {
+
+void printTree(const CompactModel& model) {
+  const auto& joints = model.joints();
+  std::vector<std::vector<std::size_t>> children(joints.size());
+  for (std::size_t j = 1; j < joints.size(); ++j) children[static_cast<std::size_t>(joints[j].parent)].push_back(j);
+  // A stack of (joint, prefix, last child) instead of recursion: chains may be long.
+  struct Entry {
+    std::size_t joint;
+    std::string prefix;
+    bool last;
+  };
+  std::vector<Entry> stack{{0, "", true}};
+  while (!stack.empty()) {
+    const Entry e = stack.back();
+    stack.pop_back();
+    const JointRecord& r = joints[e.joint];
+    const bool root = e.joint == 0;
+    std::printf("%s%s%s", e.prefix.c_str(), root ? "" : (e.last ? "`- " : "|- "), r.name.c_str());
+    if (!root) std::printf("  (%s, q %d..%d, v %d..%d)", r.type.c_str(), r.idx_q, r.idx_q + r.nq - 1, r.idx_v, r.idx_v + r.nv - 1);
+    std::printf("\n");
+    const std::string below = root ? "" : (e.prefix.size() > 200 ? e.prefix : e.prefix + (e.last ? "   " : "|  "));
+    const auto& c = children[e.joint];
+    for (std::size_t k = c.size(); k-- > 0;) stack.push_back({c[k], below, k + 1 == c.size()});
+  }
+}
+
+void printTypes(const CompactModel& model, const JointRegistry& registry) {
+  std::map<std::string, int> count;
+  for (std::size_t j = 1; j < model.joints().size(); ++j) ++count[model.joints()[j].type];
+  for (const auto& [type, n] : count) {
+    const std::uint32_t closed = registry.jointType(type).info().closed_forms;
+    std::printf("  %-14s %3d  subspace %s, bias %s, configuration %s\n", type.c_str(), n, closed & closed_subspace ? "closed form" : "derived",
+                closed & closed_bias ? "closed form" : "derived", closed & closed_configuration ? "closed form" : "flat");
+  }
+}
+
+void run(const ModelOptions& o) {
+  const JointRegistry registry = o.registry();
+  const Model description = o.description();
+  const CompactModel model = dyn::compile(description, registry, o.compileOptions());
+  std::printf("%s: %d joints, nq %d, nv %d, %zu frames, %.17g kg\n", model.name().c_str(), model.njoints() - 1, model.nq(), model.nv(),
+              model.frames().size(), model.mass());
+  std::printf("\nplugins\n");
+  for (const PluginRecord& p : registry.plugins()) {
+    if (p.problem.empty()) {
+      std::printf("  %s: %zu types\n", p.path.c_str(), p.types.size());
+    } else {
+      std::printf("  not loaded: %s\n", p.problem.c_str());
+    }
+  }
+  std::printf("\njoint types\n");
+  printTypes(model, registry);
+  std::printf("\ncompiler\n");
+  for (const std::string& line : model.report().passes) std::printf("  %s\n", line.c_str());
+  const Data data(model);
+  std::printf("  data: %zu bytes\n", data.bytes());
+  for (const std::string& line : model.report().warnings) std::printf("  warning: %s\n", line.c_str());
+  if (!description.notes.empty()) std::printf("\nnotes of the parser\n");
+  for (const std::string& line : description.notes) std::printf("  %s\n", line.c_str());
+  std::printf("\ntree\n");
+  printTree(model);
+}
+
+}  // namespace
+
+void addInfo(CLI::App& app) {
+  CLI::App* sub = app.add_subcommand("info", "what a model is made of, and what the compiler made of it");
+  auto o = std::make_shared<ModelOptions>();
+  o->add(*sub);
+  sub->callback([o] { run(*o); });
+}
+
+}  // namespace dyn::tool

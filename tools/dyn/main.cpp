@@ -1,0 +1,32 @@
+// The command dyn. Exit codes: 0 done, 1 the model, the input or the answer is wrong, 2 the command line is wrong.
+#include "commands.hpp"
+
+#include <dyn/error.hpp>
+
+#include <cstdio>
+#include <exception>
+
+int main(int argc, char** argv) {
+  CLI::App app{"Kinematics and dynamics of robots; joints come from plugins."};
+  app.require_subcommand(1);
+  dyn::tool::addInfo(app);
+  dyn::tool::addCheck(app);
+  dyn::tool::addCompute(app);
+  dyn::tool::addDemo(app);
+  dyn::tool::addBench(app);
+  dyn::tool::addPlugin(app);
+  try {
+    app.parse(argc, argv);
+  } catch (const dyn::tool::ExitCode& exit) {
+    return exit.code;
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : 2;
+  } catch (const dyn::Error& e) {
+    std::fprintf(stderr, "dyn: %s\n", e.what());
+    return 1;
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "dyn: %s\n", e.what());
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,44 @@
+#include "model_options.hpp"
+
+namespace dyn::tool {
+
+void ModelOptions::add(CLI::App& app) {
+  app.add_option("MODEL", path, "URDF file")->required();
+  app.add_option("--root", root, "joint between the world and the root link: fixed, free_flyer, or any joint type")->capture_default_str();
+  app.add_option("--mimic", mimic, "mimic joints move on their own, or follow their masters")
+      ->check(CLI::IsMember({"independent", "coupled"}))
+      ->capture_default_str();
+  app.add_option("--order", order, "siblings by joint name, or as in the file")->check(CLI::IsMember({"name", "file"}))->capture_default_str();
+  app.add_option("--continuous", continuous, "continuous joints have q = (cos, sin), or one angle")
+      ->check(CLI::IsMember({"unit_circle", "angle"}))
+      ->capture_default_str();
+  app.add_option("--plugin", plugins, "load this shared object too (repeatable)");
+  app.add_option("--lock", lock, "hold this joint at neutral (repeatable)");
+  app.add_flag("--losses", losses, "joint damping and friction of the model act in the dynamics");
+  app.add_flag("--any-plugin", any_plugin, "load plugins that others can write, too");
+}
+
+JointRegistry ModelOptions::registry() const {
+  const Trust trust = any_plugin ? Trust::any : Trust::owner_only;
+  JointRegistry registry = JointRegistry::standard(trust);
+  for (const std::string& plugin : plugins) registry.load(plugin, trust);
+  return registry;
+}
+
+Model ModelOptions::description() const {
+  urdf::Options options;
+  options.root = root;
+  options.mimic = mimic == "coupled" ? urdf::Mimic::coupled : urdf::Mimic::independent;
+  options.order = order == "file" ? urdf::Order::file : urdf::Order::name;
+  options.continuous = continuous == "angle" ? urdf::Continuous::angle : urdf::Continuous::unit_circle;
+  return urdf::load(path, options);
+}
+
+CompileOptions ModelOptions::compileOptions() const {
+  CompileOptions options;
+  options.dissipation = losses;
+  for (const std::string& joint : lock) options.lock.push_back({joint, {}});
+  return options;
+}
+
+}  // namespace dyn::tool

@@ -1,0 +1,32 @@
+// What every subcommand that reads a model takes: the file, its root joint, and how the file is read.
+#pragma once
+
+#include <dyn/dyn.hpp>
+#include <dyn/parsers/urdf.hpp>
+
+#include <CLI/CLI.hpp>
+
+#include <string>
+#include <vector>
+
+namespace dyn::tool {
+
+struct ModelOptions {
+  std::string path;
+  std::string root = "fixed";
+  std::string mimic = "independent";
+  std::string order = "name";
+  std::string continuous = "unit_circle";
+  std::vector<std::string> plugins;
+  std::vector<std::string> lock;
+  bool losses = false;
+  bool any_plugin = false;
+
+  void add(CLI::App& app);
+  JointRegistry registry() const;
+  Model description() const;
+  CompileOptions compileOptions() const;
+  CompactModel compile() const { return dyn::compile(description(), registry(), compileOptions()); }
+};
+
+}  // namespace dyn::tool

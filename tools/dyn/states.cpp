@@ -1,0 +1,86 @@
+#include "states.hpp"
+
+#include <dyn/algorithm/configuration.hpp>
+#include <dyn/error.hpp>
+
+#include <cmath>
+#include <fstream>
+#include <iostream>
+#include <random>
+
+namespace dyn::tool {
+
+namespace {
+
+Eigen::VectorXd readVector(const nlohmann::json& sample, const char* key, int size, const Where& where, std::size_t index, bool required, bool& given) {
+  const std::string place = "sample " + std::to_string(index) + ": " + key;
+  const auto found = sample.find(key);
+  given = found != sample.end() && !found->is_null();
+  if (!given) {
+    if (required) throw Error(ErrorCode::syntax, place + " is missing", where);
+    return Eigen::VectorXd::Zero(size);
+  }
+  if (!found->is_array()) throw Error(ErrorCode::syntax, place + " is not an array", where);
+  if (static_cast<int>(found->size()) != size)
+    throw Error(ErrorCode::size, place + " has " + std::to_string(found->size()) + " entries, the model wants " + std::to_string(size), where);
+  Eigen::VectorXd x(size);
+  for (int i = 0; i < size; ++i) {
+    const nlohmann::json& entry = (*found)[static_cast<std::size_t>(i)];
+    if (!entry.is_number()) throw Error(ErrorCode::syntax, place + "[" + std::to_string(i) + "] is not a number", where);
+    x[i] = entry.get<double>();
+    if (!std::isfinite(x[i])) throw Error(ErrorCode::argument, place + "[" + std::to_string(i) + "] is not finite", where);
+  }
+  return x;
+}
+
+}  // namespace
+
+std::vector<State> readStates(const std::string& path, const CompactModel& model) {
+  const Where where{path == "-" ? "standard input" : path, 0, ""};
+  nlohmann::json document;
+  try {
+    if (path == "-") {
+      document = nlohmann::json::parse(std::cin);
+    } else {
+      std::ifstream file(path);
+      if (!file) throw Error(ErrorCode::file, "cannot be opened", where);
+      document = nlohmann::json::parse(file);
+    }
+  } catch (const nlohmann::json::exception& e) {
+    throw Error(ErrorCode::syntax, std::string("is not JSON: ") + e.what(), where);
+  }
+  if (!document.is_object() || !document.contains("samples") || !document["samples"].is_array())
+    throw Error(ErrorCode::syntax, "has no array \"samples\"", where);
+  std::vector<State> states;
+  for (const nlohmann::json& sample : document["samples"]) {
+    const std::size_t i = states.size();
+    if (!sample.is_object()) throw Error(ErrorCode::syntax, "sample " + std::to_string(i) + " is not an object", where);
+    State s;
+    bool given = false;
+    s.q = readVector(sample, "q", model.nq(), where, i, true, given);
+    s.v = readVector(sample, "v", model.nv(), where, i, false, s.has_v);
+    s.a = readVector(sample, "a", model.nv(), where, i, false, s.has_a);
+    s.tau = readVector(sample, "tau", model.nv(), where, i, false, s.has_tau);
+    states.push_back(std::move(s));
+  }
+  return states;
+}
+
+std::vector<State> randomStates(const CompactModel& model, int count, std::uint64_t seed) {
+  std::mt19937_64 generator(seed);
+  const auto uniform = [&](double bound) {
+    Eigen::VectorXd x(model.nv());
+    for (Eigen::Index i = 0; i < x.size(); ++i) x[i] = bound * (static_cast<double>(generator() >> 11) * 0x1p-52 - 1);
+    return x;
+  };
+  std::vector<State> states(static_cast<std::size_t>(count));
+  for (State& s : states) {
+    s.q = randomConfiguration(model, generator());
+    s.v = uniform(1);
+    s.a = uniform(1);
+    s.tau = uniform(5);
+  }
+  return states;
+}
+
+}  // namespace dyn::tool
