@@ -106,9 +106,16 @@ void checkSet(const std::string& name) {
     const auto vec3 = [](const Vec3<double>& x) { return std::vector<double>{x.x, x.y, x.z}; };
     if (truth.contains("rnea_scale"))
       worst.check("rnea", scaledError(vec(rnea(model, data, q, v, a)), flatten(truth["rnea"]), flatten(truth["rnea_scale"])), 10);
-    if (truth.contains("nle") && truth.contains("rnea_scale")) {
+    if (truth.contains("rnea_scale"))
       worst.check("nle", scaledError(vec(nonLinearEffects(model, data, q, v)), flatten(truth["nle"]), flatten(truth["rnea_scale"])), 10);
+    if (truth.contains("gravity"))
       worst.check("gravity", scaledError(vec(generalizedGravity(model, data, q)), flatten(truth["gravity"]), flatten(truth["rnea_scale"])), 10);
+    if (truth.contains("M_entries")) {
+      const Eigen::MatrixXd M = crba(model, data, q);
+      for (const auto& entry : truth["M_entries"]) {
+        const double x = M(entry[0].get<int>(), entry[1].get<int>());
+        worst.check("M entry", scaledError({x}, flatten(nlohmann::json::array({entry[2]})), flatten(nlohmann::json::array({truth["M_max"]}))), 15);
+      }
     }
     if (truth.contains("M")) worst.check("M", relativeError(rowMajor(crba(model, data, q)), flatten(truth["M"])), 15);
     if (truth.contains("aba_scale")) {

@@ -50,12 +50,13 @@ struct Quaternion {
   }
 
  private:
-  /// 1 + s (w [v] + [v]^2) with s = 2 / norm^2.
+  /// With s = 2 / norm^2. The diagonal as a difference of sums of squares keeps every summand below one.
   Mat3<S> unitMatrix(const S& s) const {
-    const S one(1), sx = s * x, sy = s * y, sz = s * z;
-    return {{one - (sy * y + sz * z), sx * y - sz * w, sx * z + sy * w,  //
-             sx * y + sz * w, one - (sx * x + sz * z), sy * z - sx * w,  //
-             sx * z - sy * w, sy * z + sx * w, one - (sx * x + sy * y)}};
+    const S sx = s * x, sy = s * y, sz = s * z, h = S(0.5) * s;
+    const S xx = x * x, yy = y * y, zz = z * z, ww = w * w;
+    return {{h * ((ww + xx) - (yy + zz)), sx * y - sz * w, sx * z + sy * w,  //
+             sx * y + sz * w, h * ((ww + yy) - (xx + zz)), sy * z - sx * w,  //
+             sx * z - sy * w, sy * z + sx * w, h * ((ww + zz) - (xx + yy))}};
   }
 };
 
