@@ -26,7 +26,7 @@ void outward(const CompactImpl& m, DataImpl& d, const double* v, const Force<dou
   kernels::forward(m, d, [&]<class Joint>(const Joint& joint, int i, int iv) {
     const BodyConstants& c = m.constants[at(i)];
     const int p = m.index[at(i)].parent;
-    kernels::placeAligned(joint, c.placement, i, p, d);
+    kernels::placeAligned(joint, c.placement, i, m.index[at(i)], d);
     const Mat3<double>& R = d.R[i];
     const Vec3<double>& wp = d.w[p];
     const Motion<double> s = joint.times(v + iv);

@@ -24,7 +24,7 @@ void expandedMassMatrix(const CompactImpl& m, DataImpl& d, double* M) {
   std::fill(M, M + static_cast<std::ptrdiff_t>(n) * n, 0.0);
   kernels::forward(m, d, [&]<class Joint>(const Joint& joint, int i, int iv) {
     const BodyConstants& c = m.constants[at(i)];
-    kernels::placeAligned(joint, c.placement, i, m.index[at(i)].parent, d);
+    kernels::placeAligned(joint, c.placement, i, m.index[at(i)], d);
     const Mat3<double>& R = d.R[i];
     d.mass[i] = c.mass;
     d.h[i] = R * c.h;

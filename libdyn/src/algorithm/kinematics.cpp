@@ -26,6 +26,12 @@ FrameOnBody frameOf(const CompactModel& model, int frame) {
   return {m.frame_body[at(frame)], m.frame_placement[at(frame)]};
 }
 
+void placeInWorld(const CompactImpl& m, DataImpl& d, int i) {
+  const BodyIndex& x = m.index[at(i)];
+  const SE3<double>& parent = d.oM[x.parent];
+  d.oM[i] = {kernels::composedRotation(parent.R, d.rel[i].R, x.depth), parent.act(d.rel[i].p)};
+}
+
 /// A motion given in the frame's axes at its origin, expressed as asked.
 Motion<double> express(const Motion<double>& local, const SE3<double>& oMf, ReferenceFrame reference) {
   switch (reference) {
@@ -57,7 +63,7 @@ void forwardKinematics(const CompactModel& model, Data& data, VectorView q, cons
     const int p = m.index[at(i)].parent;
     SE3<double>& rel = d.rel[i];
     kernels::placeInParent(joint, m.constants[at(i)].placement, rel);
-    d.oM[i] = d.oM[p] * rel;
+    placeInWorld(m, d, i);
     if (!v) return;
     const Motion<double> s = joint.times(in.v + iv);
     const Motion<double> carried = rel.actInv(d.v[p]);
@@ -119,7 +125,7 @@ void walkSupports(const CompactImpl& m, const DataImpl& d, const FrameOnBody& fr
 void place(const CompactImpl& m, DataImpl& d) {
   kernels::forward(m, d, [&]<class Joint>(const Joint& joint, int i, int) {
     kernels::placeInParent(joint, m.constants[at(i)].placement, d.rel[i]);
-    d.oM[i] = d.oM[m.index[at(i)].parent] * d.rel[i];
+    placeInWorld(m, d, i);
   });
 }
 

@@ -25,6 +25,7 @@ struct BodyIndex {
   int user_q = -1, user_v = -1;  ///< in the user's vectors; -1 for a coupled joint
   int batch = 0, slot = 0;
   int joint = 0;  ///< user's joint
+  int depth = 0;  ///< moving bodies up to the world
 };
 
 /// All joints of one type and shape: one virtual call.

@@ -44,6 +44,7 @@ class Packer {
       const DraftBody& b = draft_.bodies[i];
       BodyIndex& x = out_->index[i];
       x.parent = b.parent;
+      x.depth = out_->index[at(b.parent)].depth + 1;
       x.nq = b.instance.nq;
       x.nv = b.instance.nv;
       x.idx_q = out_->nqx;

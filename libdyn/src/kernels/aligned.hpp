@@ -16,14 +16,14 @@ bool isFlyingRoot(int parent) {
 
 /// Writes d.rel, d.R and d.r of body i.
 template <class Joint>
-void placeAligned(const Joint& joint, const SE3<double>& placement, int i, int parent, DataImpl& d) {
+void placeAligned(const Joint& joint, const SE3<double>& placement, int i, const BodyIndex& index, DataImpl& d) {
   placeInParent(joint, placement, d.rel[i]);
-  if (isFlyingRoot<Joint>(parent)) {
+  if (isFlyingRoot<Joint>(index.parent)) {
     d.R[i] = Mat3<double>::identity();
     d.r[i] = {};
   } else {
-    d.R[i] = d.R[parent] * d.rel[i].R;
-    d.r[i] = d.R[parent] * d.rel[i].p;
+    d.R[i] = composedRotation(d.R[index.parent], d.rel[i].R, index.depth);
+    d.r[i] = d.R[index.parent] * d.rel[i].p;
   }
 }
 

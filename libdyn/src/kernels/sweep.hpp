@@ -49,4 +49,16 @@ void placeInParent(const Joint& joint, const SE3<double>& placement, SE3<double>
   if constexpr (Joint::moves_origin) rel.p += placement.R * joint.translation();
 }
 
+/// A matrix that rounding has moved off the rotations, brought back: one Newton step of the polar decomposition (Higham 1986).
+template <class S>
+Mat3<S> orthonormalized(const Mat3<S>& R) {
+  return S(0.5) * (R * (S(3) * Mat3<S>::identity() - transpose(R) * R));
+}
+
+/// R_parent R_rel. Long products drift off the rotations, and inertias turned by them grow or shrink; every 16 joints that is undone.
+inline Mat3<double> composedRotation(const Mat3<double>& parent, const Mat3<double>& rel, int depth) {
+  const Mat3<double> R = parent * rel;
+  return depth % 16 == 0 ? orthonormalized(R) : R;
+}
+
 }  // namespace dyn::kernels
