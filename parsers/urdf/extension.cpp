@@ -1,0 +1,104 @@
+#include "extension.hpp"
+
+#include <cmath>
+#include <cstring>
+
+namespace dyn::urdf {
+
+namespace {
+
+using tinyxml2::XMLElement;
+
+/// Attributes that describe the joint itself and are no parameters of its type.
+bool readCommon(const Document& document, const XMLElement& e, const char* attribute, JointDescription& joint) {
+  const std::pair<const char*, std::vector<double>*> fields[] = {{"armature", &joint.armature},       {"damping", &joint.damping},
+                                                                 {"friction", &joint.friction},       {"lower", &joint.limits.lower},
+                                                                 {"upper", &joint.limits.upper},      {"effort", &joint.limits.effort},
+                                                                 {"velocity", &joint.limits.velocity}};
+  for (const auto& [name, field] : fields) {
+    if (std::strcmp(name, attribute) != 0) continue;
+    *field = document.numbers(e, attribute);
+    return true;
+  }
+  return false;
+}
+
+void readParameters(const Document& document, const XMLElement& e, std::initializer_list<const char*> reserved, Parameters& parameters, JointDescription* joint) {
+  for (const tinyxml2::XMLAttribute* a = e.FirstAttribute(); a; a = a->Next()) {
+    bool skip = false;
+    for (const char* name : reserved) skip = skip || std::strcmp(a->Name(), name) == 0;
+    if (skip || (joint && readCommon(document, e, a->Name(), *joint))) continue;
+    std::vector<double> numbers;
+    if (onlyNumbers(a->Value(), numbers)) {
+      parameters[a->Name()] = numbers;
+    } else {
+      parameters[a->Name()] = std::string(a->Value());
+    }
+  }
+}
+
+JointDescription readPart(const Document& document, const XMLElement& e, int depth) {
+  if (depth > 8) document.fail(e, "joints made of joints are nested deeper than 8");
+  JointDescription part;
+  part.type = document.text(e, "type");
+  if (const char* name = e.Attribute("name")) part.name = name;
+  part.placement = poseOf(document, e);
+  part.where = document.where(e, part.name);
+  readParameters(document, e, {"type", "name", "xyz", "rpy"}, part.parameters, &part);
+  std::vector<JointDescription> parts;
+  for (const XMLElement* p = e.FirstChildElement("part"); p; p = p->NextSiblingElement("part")) parts.push_back(readPart(document, *p, depth + 1));
+  if (!parts.empty()) part.parameters["parts"] = std::move(parts);
+  return part;
+}
+
+}  // namespace
+
+SE3<double> poseOf(const Document& document, const XMLElement& e) {
+  SE3<double> X;
+  if (e.Attribute("xyz")) X.p = document.vector3(e, "xyz");
+  if (!e.Attribute("rpy")) return X;
+  const Vec3<double> a = document.vector3(e, "rpy");
+  const auto c = [](double x) { return std::cos(static_cast<long double>(x)); };
+  const auto s = [](double x) { return std::sin(static_cast<long double>(x)); };
+  const long double cr = c(a.x), sr = s(a.x), cp = c(a.y), sp = s(a.y), cy = c(a.z), sy = s(a.z);
+  const long double R[9] = {cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr,  //
+                            sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr,  //
+                            -sp,     cp * sr,                cp * cr};
+  for (int i = 0; i < 9; ++i) X.R.m[i] = static_cast<double>(R[i]);
+  return X;
+}
+
+Extensions readExtensions(const Document& document, const Outline& outline) {
+  Extensions extensions;
+  for (const XMLElement* block = document.robot().FirstChildElement("libdyn"); block; block = block->NextSiblingElement("libdyn"))
+    for (const XMLElement* e = block->FirstChildElement(); e; e = e->NextSiblingElement()) {
+      if (std::strcmp(e->Name(), "joint") != 0) document.fail(*e, std::string("<libdyn> has no <") + e->Name() + ">; it has <joint>");
+      const std::string name = document.text(*e, "name");
+      if (!outline.joint.count(name)) document.fail(*e, "<libdyn> describes joint '" + name + "', which the robot does not have");
+      if (!extensions.emplace(name, e).second) document.fail(*e, "<libdyn> describes joint '" + name + "' twice");
+      document.text(*e, "type");
+    }
+  return extensions;
+}
+
+void applyExtension(const Document& document, const XMLElement& extension, JointDescription& joint) {
+  const JointDescription before = joint;
+  joint = readPart(document, extension, 0);
+  joint.name = before.name;
+  joint.placement = before.placement;
+  joint.where = document.where(extension, before.name);
+  // What the <joint> element says stays where the extension is silent.
+  for (auto field : {&JointDescription::armature, &JointDescription::damping, &JointDescription::friction})
+    if ((joint.*field).empty()) joint.*field = before.*field;
+  for (auto field : {&JointLimits::lower, &JointLimits::upper, &JointLimits::velocity, &JointLimits::effort})
+    if ((joint.limits.*field).empty()) joint.limits.*field = before.limits.*field;
+  joint.coupling = before.coupling;
+  if (const XMLElement* coupling = extension.FirstChildElement("coupling")) {
+    joint.coupling = {};
+    joint.coupling.type = document.text(*coupling, "type");
+    joint.coupling.master = document.text(*coupling, "master");
+    readParameters(document, *coupling, {"type", "master"}, joint.coupling.parameters, nullptr);
+  }
+}
+
+}  // namespace dyn::urdf

@@ -1,0 +1,23 @@
+// Joints that URDF has no words for: <libdyn><joint name="..." type="..." parameter="..."/></libdyn> under <robot>.
+#pragma once
+
+#include "validate.hpp"
+
+#include <dyn/model/model.hpp>
+
+#include <unordered_map>
+
+namespace dyn::urdf {
+
+/// What the extension says of each joint, by name. Values made of numbers become numbers, others texts; <part> children become the
+/// list "parts"; a <coupling> child makes the joint follow another. Throws Error for joints that the robot does not have.
+using Extensions = std::unordered_map<std::string, const tinyxml2::XMLElement*>;
+Extensions readExtensions(const Document& document, const Outline& outline);
+
+/// Replaces type and parameters of `joint` by what the extension says; keeps its placement.
+void applyExtension(const Document& document, const tinyxml2::XMLElement& extension, JointDescription& joint);
+
+/// Pose of an <origin xyz rpy>, or of xyz and rpy attributes: R = Rz(y) Ry(p) Rx(r), rounded once.
+SE3<double> poseOf(const Document& document, const tinyxml2::XMLElement& e);
+
+}  // namespace dyn::urdf

@@ -1,0 +1,144 @@
+#include <dyn/parsers/urdf.hpp>
+
+#include "extension.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+namespace dyn::urdf {
+
+namespace {
+
+using tinyxml2::XMLElement;
+
+class Reader {
+ public:
+  Reader(const Document& document, const Options& options)
+      : d_(document), options_(options), outline_(validate(document)), extensions_(readExtensions(document, outline_)) {}
+
+  Model run() {
+    model_.name = d_.robot().Attribute("name") ? d_.robot().Attribute("name") : "robot";
+    // Depth first with a stack: a chain of any length must not use up the machine's.
+    struct Entry {
+      const XMLElement* joint;
+      int parent;
+    };
+    std::vector<Entry> stack;
+    const auto pushBelow = [&](const std::string& link, int body) {
+      const auto below = outline_.joints_below.find(link);
+      if (below == outline_.joints_below.end()) return;
+      std::vector<const XMLElement*> joints = below->second;
+      if (options_.order == Order::name)
+        std::sort(joints.begin(), joints.end(),
+                  [](const XMLElement* a, const XMLElement* b) { return std::strcmp(a->Attribute("name"), b->Attribute("name")) < 0; });
+      for (auto e = joints.rbegin(); e != joints.rend(); ++e) stack.push_back({*e, body});
+    };
+    pushBelow(outline_.root, addLink(outline_.root, 0, rootJoint()));
+    while (!stack.empty()) {
+      const Entry e = stack.back();
+      stack.pop_back();
+      const std::string link = linkOf(d_, *e.joint, "child");
+      pushBelow(link, addLink(link, e.parent, joint(*e.joint)));
+    }
+    if (mimics_ > 0)
+      d_.notes().push_back(std::to_string(mimics_) + (options_.mimic == Mimic::coupled ? " mimic joints follow their masters" : " mimic joints move on their own"));
+    model_.notes = d_.notes();
+    return std::move(model_);
+  }
+
+ private:
+  int addLink(const std::string& name, int parent, JointDescription joint) {
+    const XMLElement& link = *outline_.link.at(name);
+    const int body = model_.addBody(name, parent, std::move(joint), inertia(link));
+    model_.bodies.back().where = d_.where(link);
+    return body;
+  }
+
+  JointDescription rootJoint() const {
+    JointDescription joint;
+    joint.name = "root_joint";
+    joint.type = options_.root;
+    joint.where = {d_.file(), 0, joint.name};
+    return joint;
+  }
+
+  SE3<double> origin(const XMLElement& parent) const {
+    const XMLElement* e = parent.FirstChildElement("origin");
+    return e ? poseOf(d_, *e) : SE3<double>{};
+  }
+
+  /// In the link's axes, rotated in extended precision and rounded once.
+  Inertia<double> inertia(const XMLElement& link) const {
+    const XMLElement* e = link.FirstChildElement("inertial");
+    if (e == nullptr) return {};
+    const XMLElement& m = *e->FirstChildElement("mass");
+    const XMLElement& i = *e->FirstChildElement("inertia");
+    Inertia<double> Y;
+    Y.mass = d_.number(m, "value");
+    Y.rotational = {d_.number(i, "ixx"),    d_.number(i, "ixy", 0), d_.number(i, "ixz", 0),
+                    d_.number(i, "iyy"),    d_.number(i, "iyz", 0), d_.number(i, "izz")};
+    return cast<double>(cast<long double>(Y).transformed(cast<long double>(origin(*e))));
+  }
+
+  JointDescription joint(const XMLElement& e) {
+    JointDescription j;
+    j.name = e.Attribute("name");
+    j.where = d_.where(e, j.name);
+    j.placement = origin(e);
+    const std::string type = e.Attribute("type");
+    j.type = type == "floating" ? "free_flyer" : type;
+    if (type == "continuous" && options_.continuous == Continuous::angle) j.type = "revolute";
+    if (type != "fixed" && type != "floating") {
+      const XMLElement* axis = e.FirstChildElement("axis");
+      const Vec3<double> n = axis ? d_.vector3(*axis, "xyz") : Vec3<double>{1, 0, 0};
+      j.parameters["axis"] = std::vector<double>{n.x, n.y, n.z};
+    }
+    readLimits(e, type, j);
+    readMimic(e, j);
+    if (const auto extension = extensions_.find(j.name); extension != extensions_.end()) applyExtension(d_, *extension->second, j);
+    return j;
+  }
+
+  void readLimits(const XMLElement& e, const std::string& type, JointDescription& j) const {
+    if (const XMLElement* limit = e.FirstChildElement("limit")) {
+      if (type == "revolute" || type == "prismatic") {
+        j.limits.lower = {d_.number(*limit, "lower", 0)};
+        j.limits.upper = {d_.number(*limit, "upper", 0)};
+      }
+      if (limit->Attribute("effort")) j.limits.effort = {d_.number(*limit, "effort")};
+      if (limit->Attribute("velocity")) j.limits.velocity = {d_.number(*limit, "velocity")};
+    }
+    if (const XMLElement* dynamics = e.FirstChildElement("dynamics")) {
+      if (dynamics->Attribute("damping")) j.damping = {d_.number(*dynamics, "damping")};
+      if (dynamics->Attribute("friction")) j.friction = {d_.number(*dynamics, "friction")};
+    }
+  }
+
+  void readMimic(const XMLElement& e, JointDescription& j) {
+    const XMLElement* mimic = e.FirstChildElement("mimic");
+    if (mimic == nullptr) return;
+    ++mimics_;
+    if (options_.mimic == Mimic::independent) return;
+    j.coupling.type = "mimic";
+    j.coupling.master = d_.text(*mimic, "joint");
+    j.coupling.parameters["coefficients"] = std::vector<double>{d_.number(*mimic, "offset", 0), d_.number(*mimic, "multiplier", 1)};
+  }
+
+  const Document& d_;
+  const Options& options_;
+  Outline outline_;
+  Extensions extensions_;
+  Model model_;
+  int mimics_ = 0;
+};
+
+}  // namespace
+
+Model parse(const std::string& text, const std::string& name, const Options& options) {
+  const Document document(text, name);
+  return Reader(document, options).run();
+}
+
+Model load(const std::string& path, const Options& options) { return parse(readFile(path), path, options); }
+
+}  // namespace dyn::urdf

@@ -1,0 +1,201 @@
+#include "validate.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <unordered_set>
+
+namespace dyn::urdf {
+
+namespace {
+
+using tinyxml2::XMLElement;
+
+constexpr const char* joint_types[] = {"fixed", "revolute", "continuous", "prismatic", "planar", "floating"};
+
+class Validator {
+ public:
+  explicit Validator(const Document& document) : d_(document) {}
+
+  Outline run() {
+    collect();
+    tree();
+    for (const XMLElement* link : out_.links) checkLink(*link);
+    for (const XMLElement* joint : out_.joints) checkJoint(*joint);
+    checkMimics();
+    reportIgnored();
+    return std::move(out_);
+  }
+
+ private:
+  void collect() {
+    for (const XMLElement* e = d_.robot().FirstChildElement(); e; e = e->NextSiblingElement()) {
+      const bool is_link = std::strcmp(e->Name(), "link") == 0;
+      if (!is_link && std::strcmp(e->Name(), "joint") != 0) continue;
+      const std::string name = d_.text(*e, "name");
+      if (name.empty()) d_.fail(*e, std::string("<") + e->Name() + "> has an empty name");
+      auto& known = is_link ? out_.link : out_.joint;
+      if (const auto [first, is_new] = known.emplace(name, e); !is_new)
+        d_.fail(*e, std::string("two ") + e->Name() + "s are called '" + name + "'; the other is at line " + std::to_string(first->second->GetLineNum()));
+      (is_link ? out_.links : out_.joints).push_back(e);
+    }
+    if (out_.links.empty()) d_.fail(d_.robot(), "has no <link>");
+  }
+
+  void tree() {
+    std::unordered_map<std::string, const XMLElement*> carrier;  // link -> the joint whose child it is
+    for (const XMLElement* joint : out_.joints) {
+      const std::string name = joint->Attribute("name"), parent = linkOf(d_, *joint, "parent"), child = linkOf(d_, *joint, "child");
+      for (const std::string& link : {parent, child})
+        if (!out_.link.count(link)) d_.fail(*joint, "joint '" + name + "' names link '" + link + "', which does not exist");
+      if (parent == child) d_.fail(*joint, "joint '" + name + "' joins link '" + parent + "' to itself");
+      if (const auto [first, is_new] = carrier.emplace(child, joint); !is_new)
+        d_.fail(*joint, "link '" + child + "' has two parents: joints '" + first->second->Attribute("name") + "' and '" + name +
+                            "'; URDF describes trees only");
+      out_.joints_below[parent].push_back(joint);
+    }
+    for (const XMLElement* link : out_.links) {
+      const std::string name = link->Attribute("name");
+      if (carrier.count(name)) continue;
+      if (!out_.root.empty()) d_.fail(*link, "links '" + out_.root + "' and '" + name + "' both have no parent; a robot has one root");
+      out_.root = name;
+    }
+    if (out_.root.empty()) d_.fail(d_.robot(), "has no root link: its joints form a circle");
+    std::vector<const std::string*> stack{&out_.root};
+    std::unordered_set<std::string> reached{out_.root};
+    while (!stack.empty()) {
+      const auto below = out_.joints_below.find(*stack.back());
+      stack.pop_back();
+      if (below == out_.joints_below.end()) continue;
+      for (const XMLElement* joint : below->second) stack.push_back(&*reached.insert(linkOf(d_, *joint, "child")).first);
+    }
+    for (const XMLElement* link : out_.links)
+      if (!reached.count(link->Attribute("name")))
+        d_.fail(*link, "link '" + std::string(link->Attribute("name")) + "' is not reached from the root '" + out_.root + "': joints form a circle");
+  }
+
+  void checkOrigin(const XMLElement& parent) const {
+    const XMLElement* e = parent.FirstChildElement("origin");
+    if (e == nullptr) return;
+    for (const char* attribute : {"xyz", "rpy"})
+      if (e->Attribute(attribute)) d_.vector3(*e, attribute);
+  }
+
+  void checkLink(const XMLElement& link) const {
+    const XMLElement* inertial = link.FirstChildElement("inertial");
+    if (inertial == nullptr) return;
+    checkOrigin(*inertial);
+    const std::string name = link.Attribute("name");
+    const XMLElement* mass = inertial->FirstChildElement("mass");
+    const XMLElement* inertia = inertial->FirstChildElement("inertia");
+    if (mass == nullptr) d_.fail(*inertial, "link '" + name + "': <inertial> has no <mass>");
+    if (inertia == nullptr) d_.fail(*inertial, "link '" + name + "': <inertial> has no <inertia>");
+    if (d_.number(*mass, "value") < 0) d_.fail(*mass, "link '" + name + "': its mass is negative");
+    const double xx = d_.number(*inertia, "ixx"), xy = d_.number(*inertia, "ixy", 0), xz = d_.number(*inertia, "ixz", 0);
+    const double yy = d_.number(*inertia, "iyy"), yz = d_.number(*inertia, "iyz", 0), zz = d_.number(*inertia, "izz");
+    // Positive semi-definite by its principal minors, up to the rounding of numbers written with a few digits.
+    const double scale = std::max({std::fabs(xx), std::fabs(yy), std::fabs(zz), std::fabs(xy), std::fabs(xz), std::fabs(yz)});
+    const double slack = 1e-6 * scale;
+    const double minors[] = {(xx + slack) * (yy + slack) - xy * xy, (xx + slack) * (zz + slack) - xz * xz, (yy + slack) * (zz + slack) - yz * yz};
+    const double determinant = (xx + slack) * ((yy + slack) * (zz + slack) - yz * yz) - xy * (xy * (zz + slack) - yz * xz) + xz * (xy * yz - (yy + slack) * xz);
+    if (xx < 0 || yy < 0 || zz < 0 || *std::min_element(minors, minors + 3) < 0 || determinant < 0)
+      d_.fail(*inertia, "link '" + name + "': its inertia is not positive semi-definite; no body has it");
+    checkTriangle(*inertia, name, xx, yy, zz, xy, xz, yz, slack);
+  }
+
+  /// Principal moments of a body satisfy A + B >= C. Their largest against half the trace, by the trace's invariants.
+  void checkTriangle(const XMLElement& e, const std::string& name, double xx, double yy, double zz, double xy, double xz, double yz, double slack) const {
+    const double half = 0.5 * (xx + yy + zz) + slack;
+    // half * 1 - I must be positive semi-definite.
+    const double a = half - xx, b = half - yy, c = half - zz;
+    const double determinant = a * (b * c - yz * yz) - xy * (xy * c + yz * xz) - xz * (xy * yz + b * xz);
+    if (a < 0 || b < 0 || c < 0 || a * b < xy * xy || a * c < xz * xz || b * c < yz * yz || determinant < 0)
+      d_.notes().push_back("line " + std::to_string(e.GetLineNum()) + ": link '" + name +
+                           "': its inertia violates the triangle inequality; no real body has it");
+  }
+
+  void checkJoint(const XMLElement& joint) const {
+    const std::string name = joint.Attribute("name"), type = d_.text(joint, "type");
+    if (std::find(std::begin(joint_types), std::end(joint_types), type) == std::end(joint_types))
+      d_.fail(joint, "joint '" + name + "': unknown type '" + type +
+                         "'; URDF has fixed, revolute, continuous, prismatic, planar, floating (in small letters), and <libdyn> names those of plugins");
+    checkOrigin(joint);
+    if (const XMLElement* axis = joint.FirstChildElement("axis")) {
+      const Vec3<double> n = d_.vector3(*axis, "xyz");
+      if (n.x == 0 && n.y == 0 && n.z == 0 && type != "fixed" && type != "floating")
+        d_.fail(*axis, "joint '" + name + "': its axis is zero; give it a direction");
+    }
+    if (const XMLElement* limit = joint.FirstChildElement("limit")) {
+      const double lower = d_.number(*limit, "lower", 0), upper = d_.number(*limit, "upper", 0);
+      if (lower > upper && (type == "revolute" || type == "prismatic"))
+        d_.fail(*limit, "joint '" + name + "': its lower limit is above its upper one");
+      for (const char* attribute : {"effort", "velocity"})
+        if (d_.number(*limit, attribute, 0) < 0) d_.notes().push_back("joint '" + name + "': its " + attribute + " limit is negative");
+    } else if (type == "revolute" || type == "prismatic") {
+      d_.notes().push_back("joint '" + name + "' (" + type + ") has no <limit>: taken as unlimited");
+    }
+    if (const XMLElement* dynamics = joint.FirstChildElement("dynamics"))
+      for (const char* attribute : {"damping", "friction"})
+        if (d_.number(*dynamics, attribute, 0) < 0) d_.fail(*dynamics, "joint '" + name + "': its " + attribute + " is negative");
+  }
+
+  void checkMimics() const {
+    for (const XMLElement* joint : out_.joints) {
+      const XMLElement* mimic = joint->FirstChildElement("mimic");
+      if (mimic == nullptr) continue;
+      for (const char* attribute : {"multiplier", "offset"}) d_.number(*mimic, attribute, 0);
+      std::size_t steps = 0;
+      for (const XMLElement* at = mimic; at;) {
+        const std::string master = d_.text(*at, "joint");
+        const auto found = out_.joint.find(master);
+        if (found == out_.joint.end()) d_.fail(*at, "mimics joint '" + master + "', which does not exist");
+        at = found->second->FirstChildElement("mimic");
+        if (++steps > out_.joints.size())
+          d_.fail(*mimic, "joint '" + std::string(joint->Attribute("name")) + "' mimics itself through a circle of mimics");
+      }
+    }
+  }
+
+  /// Every tag that no pass reads is said once, with how often and where first.
+  void reportIgnored() const {
+    static const std::map<std::string, std::unordered_set<std::string>> read = {
+        {"robot", {"link", "joint", "libdyn"}},
+        {"link", {"inertial"}},
+        {"joint", {"origin", "parent", "child", "axis", "limit", "dynamics", "mimic"}},
+        {"inertial", {"origin", "mass", "inertia"}}};
+    std::map<std::string, std::pair<int, int>> ignored;  // tag -> count, first line
+    const auto scan = [&](const XMLElement& parent) {
+      const auto known = read.find(parent.Name());
+      for (const XMLElement* e = parent.FirstChildElement(); e; e = e->NextSiblingElement()) {
+        if (known == read.end() || known->second.count(e->Name())) continue;
+        auto& [count, line] = ignored[std::string("<") + e->Name() + "> in <" + parent.Name() + ">"];
+        if (count++ == 0) line = e->GetLineNum();
+      }
+    };
+    scan(d_.robot());
+    for (const XMLElement* link : out_.links) {
+      scan(*link);
+      if (const XMLElement* inertial = link->FirstChildElement("inertial")) scan(*inertial);
+    }
+    for (const XMLElement* joint : out_.joints) scan(*joint);
+    for (const auto& [tag, seen] : ignored)
+      d_.notes().push_back("ignored: " + tag + ", " + std::to_string(seen.first) + (seen.first == 1 ? " time" : " times") + ", first at line " +
+                           std::to_string(seen.second));
+  }
+
+  const Document& d_;
+  Outline out_;
+};
+
+}  // namespace
+
+std::string linkOf(const Document& document, const XMLElement& joint, const char* which) {
+  const XMLElement* e = joint.FirstChildElement(which);
+  if (e == nullptr) document.fail(joint, "joint '" + document.text(joint, "name") + "' has no <" + which + ">");
+  return document.text(*e, "link");
+}
+
+Outline validate(const Document& document) { return Validator(document).run(); }
+
+}  // namespace dyn::urdf
