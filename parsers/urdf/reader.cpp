@@ -14,7 +14,7 @@ using tinyxml2::XMLElement;
 class Reader {
  public:
   Reader(const Document& document, const Options& options)
-      : d_(document), options_(options), outline_(validate(document)), extensions_(readExtensions(document, outline_)) {}
+      : d_(document), options_(options), outline_(validate(document, options.inertias)), extensions_(readExtensions(document, outline_)) {}
 
   Model run() {
     model_.name = d_.robot().Attribute("name") ? d_.robot().Attribute("name") : "robot";

@@ -16,7 +16,7 @@ constexpr const char* joint_types[] = {"fixed", "revolute", "continuous", "prism
 
 class Validator {
  public:
-  explicit Validator(const Document& document) : d_(document) {}
+  Validator(const Document& document, Inertias inertias) : d_(document), inertias_(inertias) {}
 
   Outline run() {
     collect();
@@ -94,14 +94,22 @@ class Validator {
     if (d_.number(*mass, "value") < 0) d_.fail(*mass, "link '" + name + "': its mass is negative");
     const double xx = d_.number(*inertia, "ixx"), xy = d_.number(*inertia, "ixy", 0), xz = d_.number(*inertia, "ixz", 0);
     const double yy = d_.number(*inertia, "iyy"), yz = d_.number(*inertia, "iyz", 0), zz = d_.number(*inertia, "izz");
-    // Positive semi-definite by its principal minors, up to the rounding of numbers written with a few digits.
+    // Positive semi-definite by its principal minors, up to the rounding of numbers written with a few digits, and up to what is
+    // rounding beside the same body's inertia about the link's origin.
     const double scale = std::max({std::fabs(xx), std::fabs(yy), std::fabs(zz), std::fabs(xy), std::fabs(xz), std::fabs(yz)});
-    const double slack = 1e-6 * scale;
+    const XMLElement* origin = inertial->FirstChildElement("origin");
+    const Vec3<double> com = origin && origin->Attribute("xyz") ? d_.vector3(*origin, "xyz") : Vec3<double>{};
+    const double slack = 1e-6 * scale + 1e-15 * d_.number(*mass, "value") * dot(com, com);
     const double minors[] = {(xx + slack) * (yy + slack) - xy * xy, (xx + slack) * (zz + slack) - xz * xz, (yy + slack) * (zz + slack) - yz * yz};
     const double determinant = (xx + slack) * ((yy + slack) * (zz + slack) - yz * yz) - xy * (xy * (zz + slack) - yz * xz) + xz * (xy * yz - (yy + slack) * xz);
-    if (xx < 0 || yy < 0 || zz < 0 || *std::min_element(minors, minors + 3) < 0 || determinant < 0)
-      d_.fail(*inertia, "link '" + name + "': its inertia is not positive semi-definite; no body has it");
+    if (xx < -slack || yy < -slack || zz < -slack || *std::min_element(minors, minors + 3) < 0 || determinant < 0)
+      indefinite(*inertia, "link '" + name + "': its inertia is not positive semi-definite; no body has it");
     checkTriangle(*inertia, name, xx, yy, zz, xy, xz, yz, slack);
+  }
+
+  void indefinite(const XMLElement& e, const std::string& what) const {
+    if (inertias_ == Inertias::physical) d_.fail(e, what + " (urdf::Inertias::any, --inertia any, loads it all the same)");
+    d_.notes().push_back("line " + std::to_string(e.GetLineNum()) + ": " + what);
   }
 
   /// Principal moments of a body satisfy A + B >= C. Their largest against half the trace, by the trace's invariants.
@@ -185,6 +193,7 @@ class Validator {
   }
 
   const Document& d_;
+  Inertias inertias_;
   Outline out_;
 };
 
@@ -196,6 +205,6 @@ std::string linkOf(const Document& document, const XMLElement& joint, const char
   return document.text(*e, "link");
 }
 
-Outline validate(const Document& document) { return Validator(document).run(); }
+Outline validate(const Document& document, Inertias inertias) { return Validator(document, inertias).run(); }
 
 }  // namespace dyn::urdf

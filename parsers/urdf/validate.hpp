@@ -3,6 +3,8 @@
 
 #include "document.hpp"
 
+#include <dyn/parsers/urdf.hpp>
+
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -19,7 +21,7 @@ struct Outline {
 };
 
 /// Throws Error(syntax | model) with file and line; notes go into the document.
-Outline validate(const Document& document);
+Outline validate(const Document& document, Inertias inertias);
 
 /// Name of the link that a joint's <parent> or <child> gives.
 std::string linkOf(const Document& document, const tinyxml2::XMLElement& joint, const char* which);

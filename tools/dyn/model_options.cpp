@@ -12,6 +12,9 @@ void ModelOptions::add(CLI::App& app) {
   app.add_option("--continuous", continuous, "continuous joints have q = (cos, sin), or one angle")
       ->check(CLI::IsMember({"unit_circle", "angle"}))
       ->capture_default_str();
+  app.add_option("--inertia", inertia, "refuse inertias that no body has, or load them as they are")
+      ->check(CLI::IsMember({"physical", "any"}))
+      ->capture_default_str();
   app.add_option("--plugin", plugins, "load this shared object too (repeatable)");
   app.add_option("--lock", lock, "hold this joint at neutral (repeatable)");
   app.add_flag("--losses", losses, "joint damping and friction of the model act in the dynamics");
@@ -31,6 +34,7 @@ Model ModelOptions::description() const {
   options.mimic = mimic == "coupled" ? urdf::Mimic::coupled : urdf::Mimic::independent;
   options.order = order == "file" ? urdf::Order::file : urdf::Order::name;
   options.continuous = continuous == "angle" ? urdf::Continuous::angle : urdf::Continuous::unit_circle;
+  options.inertias = inertia == "any" ? urdf::Inertias::any : urdf::Inertias::physical;
   return urdf::load(path, options);
 }
 

@@ -17,6 +17,7 @@ struct ModelOptions {
   std::string mimic = "independent";
   std::string order = "name";
   std::string continuous = "unit_circle";
+  std::string inertia = "physical";
   std::vector<std::string> plugins;
   std::vector<std::string> lock;
   bool losses = false;

@@ -151,8 +151,12 @@ class Resolver {
       if (master == by_name.end()) throw Error(ErrorCode::model, "follows joint '" + c.master + "', which does not exist", where);
       coupling.master = master->second;
       const DraftBody& leader = draft_.bodies[static_cast<std::size_t>(coupling.master)];
-      if (body.instance.nv != 1 || leader.instance.nv != 1)
+      if (body.instance.nv > 1 || leader.instance.nv > 1)
         throw Error(ErrorCode::model, "follows '" + c.master + "': only joints of one degree of freedom can be coupled", where);
+      if (body.instance.nv == 0) {
+        draft_.report.warnings.push_back("joint '" + body.joint.name + "' is rigid: that it follows '" + c.master + "' has no effect");
+        continue;
+      }
       body.coupling = std::move(coupling);
     }
     checkCycles();

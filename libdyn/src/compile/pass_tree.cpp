@@ -52,42 +52,92 @@ void orderDepthFirst(Draft& draft) {
   draft.report.passes.push_back("order: depth first, " + std::to_string(draft.frames.size()) + " frames");
 }
 
+namespace {
+
+std::vector<double> neutralOf(const DraftBody& body) {
+  std::vector<double> q(at(std::max(body.instance.nq, 1)));
+  ConfigurationBatch<double> batch;
+  batch.count = 1;
+  batch.q_stride = 1;
+  batch.q_out = q.data();
+  body.type->neutral(batch);
+  return q;
+}
+
+/// How far q is from neutral, and back; for joints of one degree of freedom.
+double coordinateOf(const DraftBody& body, const std::vector<double>& q) {
+  const std::vector<double> from = neutralOf(body);
+  double x = 0;
+  ConfigurationBatch<double> batch;
+  batch.count = 1;
+  batch.q_stride = batch.v_stride = 1;
+  batch.q0 = from.data();
+  batch.q1 = q.data();
+  batch.v_out = &x;
+  body.type->difference(batch);
+  return x;
+}
+std::vector<double> configurationAt(const DraftBody& body, double x) {
+  const std::vector<double> from = neutralOf(body);
+  std::vector<double> q(from.size());
+  ConfigurationBatch<double> batch;
+  batch.count = 1;
+  batch.q_stride = batch.v_stride = 1;
+  batch.q0 = from.data();
+  batch.v = &x;
+  batch.q_out = q.data();
+  body.type->integrate(batch);
+  return q;
+}
+
+void makeRigid(DraftBody& body, const std::vector<double>& q) {
+  body.placement = body.placement * cast<long double>(jointPose(body, q.data()));
+  body.instance = JointInstance{};
+  body.instance.shape = Shape::translation;
+  body.coupling.reset();
+}
+
+/// Followers of joints that do not move stand still, too, where their masters hold them.
+void holdFollowers(Draft& draft, std::vector<double>& coordinate) {
+  for (bool found = true; found;) {
+    found = false;
+    for (std::size_t i = 1; i < draft.bodies.size(); ++i) {
+      DraftBody& body = draft.bodies[i];
+      if (!body.coupling || draft.bodies[at(body.coupling->master)].instance.nv > 0) continue;
+      const DraftCoupling& c = *body.coupling;
+      double f[3];
+      c.type->evaluate(c.constants.data(), static_cast<int>(c.constants.size()), coordinate[at(c.master)], f);
+      coordinate[i] = f[0];
+      makeRigid(body, configurationAt(body, f[0]));
+      found = true;
+    }
+  }
+}
+
+}  // namespace
+
 void lockJoints(Draft& draft, const std::vector<LockedJoint>& lock) {
   std::unordered_map<std::string, const LockedJoint*> wanted;
   for (const LockedJoint& l : lock) wanted[l.joint] = &l;
-  std::size_t locked = 0;
+  std::vector<double> coordinate(draft.bodies.size(), 0.0);  // of rigid joints that others may follow
   for (std::size_t i = 1; i < draft.bodies.size(); ++i) {
     DraftBody& body = draft.bodies[i];
     const auto found = wanted.find(body.joint.name);
     if (found == wanted.end()) continue;
-    ++locked;
-    const LockedJoint& l = *found->second;
-    const int nq = body.instance.nq;
-    std::vector<double> q(at(std::max(nq, 1)));
-    if (l.q.empty()) {
-      ConfigurationBatch<double> batch;
-      batch.count = 1;
-      batch.q_stride = 1;
-      batch.q_out = q.data();
-      body.type->neutral(batch);
-    } else if (l.q.size() == at(nq)) {
-      q = l.q;
-    } else {
-      throw Error(ErrorCode::size, "to be locked it needs " + std::to_string(nq) + " coordinates, it was given " + std::to_string(l.q.size()),
-                  {"", 0, l.joint});
+    std::vector<double> q = found->second->q;
+    if (q.empty()) {
+      q = neutralOf(body);
+    } else if (q.size() != at(body.instance.nq)) {
+      throw Error(ErrorCode::size, "to be locked it needs " + std::to_string(body.instance.nq) + " coordinates, it was given " + std::to_string(q.size()),
+                  {"", 0, body.joint.name});
     }
-    body.placement = body.placement * cast<long double>(jointPose(body, q.data()));
-    body.instance = JointInstance{};
-    body.instance.shape = Shape::translation;
-    body.coupling.reset();
+    if (body.instance.nv == 1) coordinate[i] = coordinateOf(body, q);
+    makeRigid(body, q);
     wanted.erase(found);
   }
   if (!wanted.empty()) throw Error(ErrorCode::model, "is to be locked, but the model has no such joint", {"", 0, wanted.begin()->first});
-  for (const DraftBody& body : draft.bodies)
-    if (body.coupling && draft.bodies[at(body.coupling->master)].instance.nv == 0)
-      throw Error(ErrorCode::model, "follows '" + draft.bodies[at(body.coupling->master)].joint.name + "', which is locked; lock both",
-                  {"", 0, body.joint.name});
-  if (locked > 0) draft.report.passes.push_back("lock: " + std::to_string(locked) + " joints held");
+  holdFollowers(draft, coordinate);
+  if (!lock.empty()) draft.report.passes.push_back("lock: " + std::to_string(lock.size()) + " joints held");
 }
 
 void weld(Draft& draft) {

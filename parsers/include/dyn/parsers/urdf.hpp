@@ -10,12 +10,14 @@ namespace dyn::urdf {
 enum class Mimic { coupled, independent };
 enum class Order { name, file };
 enum class Continuous { unit_circle, angle };
+enum class Inertias { physical, any };
 
 struct Options {
   std::string root = "fixed";                            ///< joint type between world and root link, e.g. "free_flyer"
   Mimic mimic = Mimic::coupled;                          ///< obey <mimic>, or leave those joints independent
   Order order = Order::name;                             ///< siblings sorted by joint name (as urdfdom and Pinocchio) or as in the file
   Continuous continuous = Continuous::unit_circle;       ///< q = (cos, sin), or one unbounded angle
+  Inertias inertias = Inertias::physical;                ///< refuse inertias that are not positive semi-definite, or note them
 };
 
 /// Reads a robot. Root link's joint is called "root_joint"; every link is a body; fixed joints stay joints of type "fixed".
