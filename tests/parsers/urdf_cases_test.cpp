@@ -38,7 +38,7 @@ void checkNumbers(const std::string& path, const Model& model, const nlohmann::j
       const Vec3<double>& p = model.bodies.back().joint.placement.p;
       CHECK(std::vector<double>{p.x, p.y, p.z} == value.get<std::vector<double>>());
     } else if (key == "R22") {
-      CHECK(model.bodies.back().joint.placement.R(2, 2) == Approx(value.get<double>()).epsilon(1e-15));
+      CHECK(model.bodies.back().joint.placement.R(2, 2) == approx(value.get<double>()).epsilon(1e-15));
     } else if (key == "order") {
       for (std::size_t i = 0; i < value.size(); ++i) CHECK(compact.joints()[i + 1].name == value[i].get<std::string>());
     } else if (key == "mass_fixed") {

@@ -1,4 +1,4 @@
-// Catch2, version 2 or 3.
+// Catch2, version 2 or 3, under the same names.
 #pragma once
 
 #if __has_include(<catch2/catch_all.hpp>)
@@ -6,3 +6,27 @@
 #else
 #include <catch2/catch.hpp>
 #endif
+
+#include <string>
+
+namespace dyn::test {
+
+/// Equal to a relative error; .epsilon() and .margin() set it.
+inline auto approx(double x) {
+#if __has_include(<catch2/catch_all.hpp>)
+  return Catch::Approx(x);
+#else
+  return Catch::Detail::Approx(x);
+#endif
+}
+
+/// Matcher of strings that contain `text`.
+inline auto containing(const std::string& text) {
+#if __has_include(<catch2/catch_all.hpp>)
+  return Catch::Matchers::ContainsSubstring(text);
+#else
+  return Catch::Matchers::Contains(text);
+#endif
+}
+
+}  // namespace dyn::test

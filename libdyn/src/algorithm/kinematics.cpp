@@ -130,12 +130,15 @@ void place(const CompactImpl& m, DataImpl& d) {
 }
 
 /// Columns of the expanded coordinates into the user's: a follower's column is added to its master's.
-/// With rates, also the follower's own column times dG/dt.
-void reduceColumns(const CompactImpl& m, const DataImpl& d, double* expanded, const double* base, double* user) {
+/// With rates in `expanded` and the columns themselves in `base`, d(G J) = G dJ + dG J.
+void reduceColumns(const CompactImpl& m, const DataImpl& d, double* expanded, double* base, double* user) {
   for (std::size_t k = m.couplings.size(); k-- > 0;) {
     const int s = m.index[at(m.couplings[k].body)].idx_v, t = m.index[at(m.couplings[k].master)].idx_v;
     const double vm = d.vx[t], dG = base && vm != 0 ? d.gamma[k] / vm : 0.0;
-    for (int r = 0; r < 6; ++r) expanded[6 * t + r] += d.G[k] * expanded[6 * s + r] + (base ? dG * base[6 * s + r] : 0.0);
+    for (int r = 0; r < 6; ++r) {
+      expanded[6 * t + r] += d.G[k] * expanded[6 * s + r] + (base ? dG * base[6 * s + r] : 0.0);
+      if (base) base[6 * t + r] += d.G[k] * base[6 * s + r];
+    }
   }
   for (std::size_t k = 0; k < m.v_of_user.size(); ++k)
     for (std::size_t r = 0; r < 6; ++r) user[6 * k + r] = expanded[6 * at(m.v_of_user[k]) + r];

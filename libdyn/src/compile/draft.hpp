@@ -57,18 +57,13 @@ struct Draft {
 Draft resolve(const Model& model, const JointRegistry& registry);
 /// 2. Depth first, children in the order of the description; frames follow their bodies.
 void orderDepthFirst(Draft& draft);
-/// 3. Locked joints become rigid at the given configuration; their names stay as frames.
-void lockJoints(Draft& draft, const std::vector<LockedJoint>& lock);
-/// 4. Joints without freedom are welded: inertias summed, frames re-based. Guarantees nv > 0 for every body but the universe.
+/// 3. Joints without freedom are welded: inertias summed, frames re-based. Guarantees nv > 0 for every body but the universe.
 void weld(Draft& draft);
-/// 5. The constant parts of each joint's motion move into placements, inertias and frames: every core motion is of its shape.
+/// 4. The constant parts of each joint's motion move into placements, inertias and frames: every core motion is of its shape.
 void canonicalise(Draft& draft);
-/// 6. Warnings for what would make the mass matrix singular everywhere: moving leaves without inertia.
+/// 5. Warnings for what would make the mass matrix singular everywhere: moving leaves without inertia.
 void inspect(Draft& draft);
-/// 7. The arrays that the recursions run over.
+/// 6. The arrays that the recursions run over.
 std::shared_ptr<const CompactImpl> pack(Draft&& draft, const CompileOptions& options);
-
-/// Pose of a joint at q: before * core(q) * after. q has the joint's nq entries.
-SE3<double> jointPose(const DraftBody& body, const double* q);
 
 }  // namespace dyn

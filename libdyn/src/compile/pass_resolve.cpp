@@ -183,33 +183,4 @@ class Resolver {
 
 Draft resolve(const Model& model, const JointRegistry& registry) { return Resolver(model, registry).run(); }
 
-SE3<double> jointPose(const DraftBody& body, const double* q) {
-  double pose[12], subspace[6 * max_joint_nv];
-  JointBatch<double> batch;
-  batch.count = 1;
-  batch.constants = body.constants.data();
-  batch.constant_count = body.instance.constant_count;
-  batch.constants_stride = 1;
-  batch.q = q;
-  batch.q_stride = 1;
-  batch.stride = 1;
-  batch.pose = pose;
-  batch.subspace = body.instance.shape == Shape::dense ? subspace : nullptr;
-  body.type->kinematics(batch);
-  SE3<double> core;
-  switch (body.instance.shape) {
-    case Shape::revolute: core.R = {{pose[0], -pose[1], 0, pose[1], pose[0], 0, 0, 0, 1}}; break;
-    case Shape::prismatic: core.p = {0, 0, pose[0]}; break;
-    case Shape::translation: core.p = {pose[0], pose[1], pose[2]}; break;
-    case Shape::planar:
-      core.R = {{pose[2], -pose[3], 0, pose[3], pose[2], 0, 0, 0, 1}};
-      core.p = {pose[0], pose[1], 0};
-      break;
-    default:
-      for (int i = 0; i < 9; ++i) core.R.m[i] = pose[i];
-      if (body.instance.shape != Shape::spherical) core.p = {pose[9], pose[10], pose[11]};
-  }
-  return body.instance.before * core * body.instance.after;
-}
-
 }  // namespace dyn

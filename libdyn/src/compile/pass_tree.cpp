@@ -1,8 +1,7 @@
-// Passes that change which bodies there are and where: order, lock, weld, canonicalise, inspect.
+// Passes that change which bodies there are and where: order, weld, canonicalise, inspect.
 #include "compile/draft.hpp"
 
 #include <algorithm>
-#include <unordered_map>
 
 namespace dyn {
 
@@ -50,94 +49,6 @@ void orderDepthFirst(Draft& draft) {
   frames.insert(frames.end(), draft.frames.begin(), draft.frames.end());
   draft.frames = std::move(frames);
   draft.report.passes.push_back("order: depth first, " + std::to_string(draft.frames.size()) + " frames");
-}
-
-namespace {
-
-std::vector<double> neutralOf(const DraftBody& body) {
-  std::vector<double> q(at(std::max(body.instance.nq, 1)));
-  ConfigurationBatch<double> batch;
-  batch.count = 1;
-  batch.q_stride = 1;
-  batch.q_out = q.data();
-  body.type->neutral(batch);
-  return q;
-}
-
-/// How far q is from neutral, and back; for joints of one degree of freedom.
-double coordinateOf(const DraftBody& body, const std::vector<double>& q) {
-  const std::vector<double> from = neutralOf(body);
-  double x = 0;
-  ConfigurationBatch<double> batch;
-  batch.count = 1;
-  batch.q_stride = batch.v_stride = 1;
-  batch.q0 = from.data();
-  batch.q1 = q.data();
-  batch.v_out = &x;
-  body.type->difference(batch);
-  return x;
-}
-std::vector<double> configurationAt(const DraftBody& body, double x) {
-  const std::vector<double> from = neutralOf(body);
-  std::vector<double> q(from.size());
-  ConfigurationBatch<double> batch;
-  batch.count = 1;
-  batch.q_stride = batch.v_stride = 1;
-  batch.q0 = from.data();
-  batch.v = &x;
-  batch.q_out = q.data();
-  body.type->integrate(batch);
-  return q;
-}
-
-void makeRigid(DraftBody& body, const std::vector<double>& q) {
-  body.placement = body.placement * cast<long double>(jointPose(body, q.data()));
-  body.instance = JointInstance{};
-  body.instance.shape = Shape::translation;
-  body.coupling.reset();
-}
-
-/// Followers of joints that do not move stand still, too, where their masters hold them.
-void holdFollowers(Draft& draft, std::vector<double>& coordinate) {
-  for (bool found = true; found;) {
-    found = false;
-    for (std::size_t i = 1; i < draft.bodies.size(); ++i) {
-      DraftBody& body = draft.bodies[i];
-      if (!body.coupling || draft.bodies[at(body.coupling->master)].instance.nv > 0) continue;
-      const DraftCoupling& c = *body.coupling;
-      double f[3];
-      c.type->evaluate(c.constants.data(), static_cast<int>(c.constants.size()), coordinate[at(c.master)], f);
-      coordinate[i] = f[0];
-      makeRigid(body, configurationAt(body, f[0]));
-      found = true;
-    }
-  }
-}
-
-}  // namespace
-
-void lockJoints(Draft& draft, const std::vector<LockedJoint>& lock) {
-  std::unordered_map<std::string, const LockedJoint*> wanted;
-  for (const LockedJoint& l : lock) wanted[l.joint] = &l;
-  std::vector<double> coordinate(draft.bodies.size(), 0.0);  // of rigid joints that others may follow
-  for (std::size_t i = 1; i < draft.bodies.size(); ++i) {
-    DraftBody& body = draft.bodies[i];
-    const auto found = wanted.find(body.joint.name);
-    if (found == wanted.end()) continue;
-    std::vector<double> q = found->second->q;
-    if (q.empty()) {
-      q = neutralOf(body);
-    } else if (q.size() != at(body.instance.nq)) {
-      throw Error(ErrorCode::size, "to be locked it needs " + std::to_string(body.instance.nq) + " coordinates, it was given " + std::to_string(q.size()),
-                  {"", 0, body.joint.name});
-    }
-    if (body.instance.nv == 1) coordinate[i] = coordinateOf(body, q);
-    makeRigid(body, q);
-    wanted.erase(found);
-  }
-  if (!wanted.empty()) throw Error(ErrorCode::model, "is to be locked, but the model has no such joint", {"", 0, wanted.begin()->first});
-  holdFollowers(draft, coordinate);
-  if (!lock.empty()) draft.report.passes.push_back("lock: " + std::to_string(lock.size()) + " joints held");
 }
 
 void weld(Draft& draft) {

@@ -4,9 +4,8 @@
 namespace dyn {
 
 CompactModel compile(const Model& model, const JointRegistry& registry, const CompileOptions& options) {
-  Draft draft = resolve(model, registry);
+  Draft draft = resolve(options.lock.empty() ? model : reduce(model, registry, options.lock), registry);
   orderDepthFirst(draft);
-  lockJoints(draft, options.lock);
   weld(draft);
   canonicalise(draft);
   inspect(draft);

@@ -2,19 +2,12 @@
 #pragma once
 
 #include <dyn/compile/compact_model.hpp>
-#include <dyn/joint/registry.hpp>
-#include <dyn/model/model.hpp>
+#include <dyn/model/edit.hpp>
 
 namespace dyn {
 
-/// A joint held at a configuration (nq numbers; empty: neutral).
-struct LockedJoint {
-  std::string joint;
-  std::vector<double> q;
-};
-
 struct CompileOptions {
-  std::vector<LockedJoint> lock;
+  std::vector<LockedJoint> lock;  ///< joints to hold, as reduce() does
   bool dissipation = true;  ///< joint damping and friction of the description act in the dynamics
   bool armature = true;     ///< so does rotor inertia
 };

@@ -1,0 +1,158 @@
+#include <dyn/model/edit.hpp>
+
+#include <dyn/algorithm/configuration.hpp>
+#include <dyn/algorithm/kinematics.hpp>
+#include <dyn/compile/compile.hpp>
+
+#include <algorithm>
+#include <unordered_map>
+#include <unordered_set>
+
+namespace dyn {
+
+namespace {
+
+/// Poses that a held joint gives itself and, through couplings, others: a model of nothing but these joints, each on the world.
+class Holder {
+ public:
+  Holder(const Model& model, const JointRegistry& registry) : model_(model), registry_(registry) {
+    for (std::size_t i = 1; i < model.bodies.size(); ++i) {
+      const JointDescription& joint = model.bodies[i].joint;
+      if (!joint.coupling.type.empty()) followers_[joint.coupling.master].push_back(static_cast<int>(i));
+    }
+  }
+
+  /// Makes body `index` and its followers rigid in `out`.
+  void hold(int index, const std::vector<double>& q, Model& out) const {
+    std::vector<int> held{index};
+    for (std::size_t k = 0; k < held.size(); ++k) {
+      const auto found = followers_.find(model_.bodies[static_cast<std::size_t>(held[k])].joint.name);
+      if (found != followers_.end()) held.insert(held.end(), found->second.begin(), found->second.end());
+      if (held.size() > model_.bodies.size())
+        throw Error(ErrorCode::model, "follows itself through a circle of couplings", {"", 0, model_.bodies[static_cast<std::size_t>(index)].joint.name});
+    }
+    Model alone;
+    for (const int i : held) {
+      JointDescription joint = model_.bodies[static_cast<std::size_t>(i)].joint;
+      joint.placement = {};
+      if (i == index) joint.coupling = {};
+      alone.addBody(joint.name + " body", 0, joint);
+    }
+    const CompactModel compact = compile(alone, registry_);
+    Eigen::VectorXd at = neutral(compact);
+    if (!q.empty()) {
+      if (static_cast<Eigen::Index>(q.size()) != at.size())
+        throw Error(ErrorCode::size, "to be held it needs " + std::to_string(at.size()) + " coordinates, it was given " + std::to_string(q.size()),
+                    {"", 0, alone.bodies[1].joint.name});
+      at = Eigen::Map<const Eigen::VectorXd>(q.data(), at.size());
+    }
+    Data data(compact);
+    forwardKinematics(compact, data, at);
+    for (std::size_t k = 0; k < held.size(); ++k) {
+      JointDescription& joint = out.bodies[static_cast<std::size_t>(held[k])].joint;
+      JointDescription rigid;
+      rigid.name = joint.name;
+      rigid.where = joint.where;
+      rigid.placement = joint.placement * framePlacement(compact, data, compact.frameId(alone.bodies[k + 1].name));
+      joint = std::move(rigid);
+    }
+  }
+
+ private:
+  const Model& model_;
+  const JointRegistry& registry_;
+  std::unordered_map<std::string, std::vector<int>> followers_;
+};
+
+}  // namespace
+
+Model reduce(const Model& model, const JointRegistry& registry, const std::vector<LockedJoint>& lock) {
+  Model out = model;
+  std::unordered_map<std::string, int> by_name;
+  for (std::size_t i = 1; i < model.bodies.size(); ++i) by_name[model.bodies[i].joint.name] = static_cast<int>(i);
+  const Holder holder(model, registry);
+  for (const LockedJoint& l : lock) {
+    const auto found = by_name.find(l.joint);
+    if (found == by_name.end()) throw Error(ErrorCode::model, "is to be held, but the model has no such joint", {"", 0, l.joint});
+    holder.hold(found->second, l.q, out);
+  }
+  return out;
+}
+
+Model keepOnly(const Model& model, const JointRegistry& registry, const std::vector<std::string>& keep) {
+  std::unordered_set<std::string> kept(keep.begin(), keep.end());
+  std::vector<std::string> open = keep;
+  while (!open.empty()) {
+    const int i = model.findJoint(open.back());
+    if (i < 0) throw Error(ErrorCode::model, "is to be kept, but the model has no such joint", {"", 0, open.back()});
+    open.pop_back();
+    const std::string& master = model.bodies[static_cast<std::size_t>(i)].joint.coupling.master;
+    if (!master.empty() && kept.insert(master).second) open.push_back(master);
+  }
+  std::vector<LockedJoint> lock;
+  for (std::size_t i = 1; i < model.bodies.size(); ++i) {
+    const JointDescription& joint = model.bodies[i].joint;
+    // Followers of held joints are held with them.
+    if (!kept.count(joint.name) && joint.coupling.type.empty()) lock.push_back({joint.name, {}});
+  }
+  // Followers of a kept joint that are not kept themselves stand still at their neutral.
+  Model uncoupled = model;
+  for (BodyDescription& body : uncoupled.bodies) {
+    if (kept.count(body.joint.name) || !kept.count(body.joint.coupling.master)) continue;
+    body.joint.coupling = {};
+    lock.push_back({body.joint.name, {}});
+  }
+  return reduce(uncoupled, registry, lock);
+}
+
+Model append(const Model& model, const Model& other, const std::string& at, const SE3<double>& placement, const std::string& prefix) {
+  Model out = model;
+  int carrier = out.findBody(at);
+  SE3<double> pose = placement;
+  for (const FrameDescription& frame : model.frames) {
+    if (carrier >= 0 || frame.name != at) continue;
+    carrier = frame.body;
+    pose = frame.placement * placement;
+  }
+  if (carrier < 0) throw Error(ErrorCode::model, "append: there is no body or frame '" + at + "'");
+  std::unordered_set<std::string> bodies, joints;
+  for (const BodyDescription& b : out.bodies) {
+    bodies.insert(b.name);
+    joints.insert(b.joint.name);
+  }
+  for (const FrameDescription& f : out.frames) bodies.insert(f.name);
+  const auto unique = [](std::unordered_set<std::string>& names, const std::string& name) {
+    if (!names.insert(name).second) throw Error(ErrorCode::model, "append: '" + name + "' would be there twice; give the copy a prefix");
+  };
+  const int offset = static_cast<int>(out.bodies.size()) - 1;
+  for (std::size_t i = 1; i < other.bodies.size(); ++i) {
+    BodyDescription body = other.bodies[i];
+    body.name = prefix + body.name;
+    body.joint.name = prefix + body.joint.name;
+    if (!body.joint.coupling.type.empty()) body.joint.coupling.master = prefix + body.joint.coupling.master;
+    unique(bodies, body.name);
+    unique(joints, body.joint.name);
+    if (body.parent == 0) {
+      body.parent = carrier;
+      body.joint.placement = pose * body.joint.placement;
+    } else {
+      body.parent += offset;
+    }
+    out.bodies.push_back(std::move(body));
+  }
+  for (FrameDescription frame : other.frames) {
+    frame.name = prefix + frame.name;
+    unique(bodies, frame.name);
+    if (frame.body == 0) {
+      frame.placement = pose * frame.placement;
+      frame.body = carrier;
+    } else {
+      frame.body += offset;
+    }
+    out.frames.push_back(std::move(frame));
+  }
+  for (const std::string& note : other.notes) out.notes.push_back(note);
+  return out;
+}
+
+}  // namespace dyn

@@ -1,0 +1,105 @@
+// After Data exists no algorithm allocates. malloc itself is watched: Eigen does not go through operator new.
+#include "support/catch.hpp"
+#include "support/random_model.hpp"
+
+#include <dlfcn.h>
+
+#include <atomic>
+#include <cstdlib>
+
+namespace {
+std::atomic<bool> watching{false};
+std::atomic<long> allocations{0};
+
+void* next(const char* name) { return dlsym(RTLD_NEXT, name); }
+}  // namespace
+
+extern "C" {
+void* malloc(std::size_t size) {
+  static auto* real = reinterpret_cast<void* (*)(std::size_t)>(next("malloc"));
+  if (watching) ++allocations;
+  return real(size);
+}
+void* realloc(void* p, std::size_t size) {
+  static auto* real = reinterpret_cast<void* (*)(void*, std::size_t)>(next("realloc"));
+  if (watching) ++allocations;
+  return real(p, size);
+}
+int posix_memalign(void** p, std::size_t alignment, std::size_t size) {
+  static auto* real = reinterpret_cast<int (*)(void**, std::size_t, std::size_t)>(next("posix_memalign"));
+  if (watching) ++allocations;
+  return real(p, alignment, size);
+}
+void* aligned_alloc(std::size_t alignment, std::size_t size) {
+  static auto* real = reinterpret_cast<void* (*)(std::size_t, std::size_t)>(next("aligned_alloc"));
+  if (watching) ++allocations;
+  return real(alignment, size);
+}
+}
+
+using namespace dyn;
+using namespace dyn::test;
+
+namespace {
+template <class F>
+long allocationsOf(F&& f) {
+  allocations = 0;
+  watching = true;
+  f();
+  watching = false;
+  return allocations;
+}
+}  // namespace
+
+TEST_CASE("the watch sees an allocation by Eigen", "[no_alloc]") {
+  double* volatile keep = nullptr;
+  CHECK(allocationsOf([&] {
+          Eigen::VectorXd x(100);
+          keep = x.data();
+        }) > 0);
+}
+
+TEST_CASE("no algorithm allocates once Data exists", "[no_alloc]") {
+  const JointRegistry registry = JointRegistry::standard();
+  const bool coupled = GENERATE(false, true);
+  Model description = randomTree(registry, 25, 5, true);
+  if (coupled) {
+    JointDescription follower;
+    follower.name = "follower";
+    follower.type = "revolute";
+    follower.parameters["axis"] = std::vector<double>{0, 1, 0};
+    for (const BodyDescription& b : description.bodies)
+      if (b.joint.type == "revolute") follower.coupling = {"mimic", b.joint.name, {{"coefficients", std::vector<double>{0.1, 2}}}};
+    REQUIRE(!follower.coupling.master.empty());
+    Random random(9);
+    description.addBody("followed", 3, follower, random.inertia());
+  }
+  const CompactModel model = compile(description, registry);
+  Data data(model, Need::mass_matrix);
+  const Eigen::VectorXd q = integrate(model, neutral(model), Eigen::VectorXd::Constant(model.nv(), 0.7));
+  const Eigen::VectorXd v = Eigen::VectorXd::Constant(model.nv(), 0.2), a = v, tau = v;
+  Eigen::MatrixXd J(6, model.nv());
+  const int tool = model.frameId("tool");
+  const ExternalForces fext(model.joints().size());
+
+  CHECK(allocationsOf([&] { forwardKinematics(model, data, q, v, a); }) == 0);
+  CHECK(allocationsOf([&] { framePlacement(model, data, tool); }) == 0);
+  CHECK(allocationsOf([&] { rnea(model, data, q, v, a); }) == 0);
+  CHECK(allocationsOf([&] { rnea(model, data, q, v, a, fext); }) == 0);
+  CHECK(allocationsOf([&] { nonLinearEffects(model, data, q, v); }) == 0);
+  CHECK(allocationsOf([&] { generalizedGravity(model, data, q); }) == 0);
+  CHECK(allocationsOf([&] { crba(model, data, q); }) == 0);
+  CHECK(allocationsOf([&] { aba(model, data, q, v, tau); }) == 0);
+  CHECK(allocationsOf([&] { centerOfMass(model, data, q, v, a); }) == 0);
+  CHECK(allocationsOf([&] { jacobianCenterOfMass(model, data, q); }) == 0);
+  CHECK(allocationsOf([&] { computeKineticEnergy(model, data, q, v); }) == 0);
+  CHECK(allocationsOf([&] { computePotentialEnergy(model, data, q); }) == 0);
+  CHECK(allocationsOf([&] { computeFrameJacobian(model, data, q, tool, ReferenceFrame::LOCAL, J); }) == 0);
+  CHECK(allocationsOf([&] { computeFrameJacobianTimeVariation(model, data, q, v, tool, ReferenceFrame::WORLD, J); }) == 0);
+}
+
+TEST_CASE("memory grows with the model, not with its square", "[no_alloc]") {
+  const JointRegistry registry = JointRegistry::standard();
+  const auto bytes = [&](int n) { return Data(compile(randomTree(registry, n, 3), registry)).bytes(); };
+  CHECK(static_cast<double>(bytes(2000)) < 2.1 * static_cast<double>(bytes(1000)));
+}
