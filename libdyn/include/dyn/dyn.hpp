@@ -8,3 +8,4 @@
 #include <dyn/algorithm/kinematics.hpp>
 #include <dyn/algorithm/rnea.hpp>
 #include <dyn/compile/compile.hpp>
+#include <dyn/model/layout.hpp>

@@ -13,7 +13,7 @@ template <class A>
 concept HasBias = requires(const double* q, const double* v, const Constants& c) { A::bias(q, v, c); };
 /// The author replaced the flat configuration space of the base class.
 template <class A>
-inline constexpr bool has_configuration = &A::integrate != &Joint<A, A::nv, A::nq>::integrate;
+inline constexpr bool has_configuration = requires { sizeof(decltype(&A::integrate)); };
 
 template <class Author>
 class JointTypeOf final : public JointType {

@@ -94,11 +94,13 @@ struct Joint {
   static bool check(const ParameterArgument*, JointInstance&, const Refusal&) { return true; }
   static constexpr std::array<ParameterSpec, 0> parameters{};
 
-  // The flat configuration space q in R^n, v = dq/dt. A joint with a space of its own hides all of these.
+  // The flat configuration space q in R^n, v = dq/dt. A joint with a space of its own hides all of these. (That they are templates
+  // is how an author's plain functions are told from them.)
   static void neutral(double* q) {
     for (int k = 0; k < NQ; ++k) q[k] = 0;
   }
-  static void integrate(const double* q, const double* v, double* out) {
+  template <class S>
+  static void integrate(const S* q, const S* v, S* out) {
     for (int k = 0; k < NV; ++k) out[k] = q[k] + v[k];
   }
   static void difference(const double* q0, const double* q1, double* v) {
