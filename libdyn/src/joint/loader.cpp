@@ -61,7 +61,6 @@ const dyn_plugin_descriptor& openPlugin(const std::string& path, Trust trust) {
   if (trust == Trust::owner_only) checkPermissions(file, path);
 
   using boost::dll::load_mode::type;
-  boost::dll::fs::error_code code;
   boost::dll::shared_library opened;
   std::string reason;
   try {
