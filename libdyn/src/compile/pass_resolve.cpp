@@ -1,4 +1,5 @@
 #include "compile/parameters.hpp"
+#include "joint/pose_components.hpp"
 
 #include <cmath>
 #include <unordered_map>
@@ -192,19 +193,7 @@ SE3<double> jointPose(const DraftBody& body, const double* q) {
   batch.pose = pose;
   batch.subspace = body.instance.shape == Shape::dense ? subspace : nullptr;
   body.type->kinematics(batch);
-  SE3<double> core;
-  switch (body.instance.shape) {
-    case Shape::revolute: core.R = {{pose[0], -pose[1], 0, pose[1], pose[0], 0, 0, 0, 1}}; break;
-    case Shape::prismatic: core.p = {0, 0, pose[0]}; break;
-    case Shape::translation: core.p = {pose[0], pose[1], pose[2]}; break;
-    case Shape::planar:
-      core.R = {{pose[2], -pose[3], 0, pose[3], pose[2], 0, 0, 0, 1}};
-      core.p = {pose[0], pose[1], 0};
-      break;
-    default:
-      for (int i = 0; i < 9; ++i) core.R.m[i] = pose[i];
-      if (body.instance.shape != Shape::spherical) core.p = {pose[9], pose[10], pose[11]};
-  }
+  const SE3<double> core = poseFromComponents(body.instance.shape, pose);
   return body.instance.before * core * body.instance.after;
 }
 
