@@ -1,6 +1,7 @@
 #include "joint/trial_load.hpp"
 
 #include <cerrno>
+#include <cstdint>
 #include <cstring>
 #include <dlfcn.h>
 #include <elf.h>
@@ -17,28 +18,35 @@ namespace dyn {
 
 namespace {
 
-/// Number of bytes of the constructor table; the compiler's own start files put one entry there. A file that is not understood counts
-/// as one that has constructors.
-bool hasConstructors(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
+/// What the file's own tables say. One that is not understood counts as having constructors: dlopen will judge it, in the child first.
+struct Anatomy {
+  bool constructors = true;
+  bool cut_short = false;  ///< mapped as its tables say, it would be read beyond its end, which kills the process
+};
+
+Anatomy examine(const std::string& path) {
+  std::ifstream file(path, std::ios::binary | std::ios::ate);
+  const auto end = static_cast<std::uint64_t>(file.tellg());
   const auto read = [&](std::uint64_t offset, void* to, std::size_t size) {
     file.seekg(static_cast<std::streamoff>(offset));
     return static_cast<bool>(file.read(static_cast<char*>(to), static_cast<std::streamsize>(size)));
   };
   Elf64_Ehdr header;
-  if (!read(0, &header, sizeof header) || std::memcmp(header.e_ident, ELFMAG, SELFMAG) != 0 || header.e_ident[EI_CLASS] != ELFCLASS64) return true;
+  if (!read(0, &header, sizeof header) || std::memcmp(header.e_ident, ELFMAG, SELFMAG) != 0 || header.e_ident[EI_CLASS] != ELFCLASS64) return {};
+  bool constructors = false;
   for (unsigned i = 0; i < header.e_phnum; ++i) {
     Elf64_Phdr segment;
-    if (!read(header.e_phoff + std::uint64_t(i) * header.e_phentsize, &segment, sizeof segment)) return true;
-    if (segment.p_type != PT_DYNAMIC) continue;
-    for (std::uint64_t at = 0; at + sizeof(Elf64_Dyn) <= segment.p_filesz; at += sizeof(Elf64_Dyn)) {
+    if (!read(header.e_phoff + std::uint64_t(i) * header.e_phentsize, &segment, sizeof segment)) return {};
+    if (segment.p_offset > end || segment.p_filesz > end - segment.p_offset) return {true, true};
+    for (std::uint64_t at = 0; segment.p_type == PT_DYNAMIC && at + sizeof(Elf64_Dyn) <= segment.p_filesz; at += sizeof(Elf64_Dyn)) {
       Elf64_Dyn entry;
-      if (!read(segment.p_offset + at, &entry, sizeof entry)) return true;
-      if (entry.d_tag == DT_NULL) return false;
-      if (entry.d_tag == DT_INIT_ARRAYSZ && entry.d_un.d_val > sizeof(void*)) return true;
+      if (!read(segment.p_offset + at, &entry, sizeof entry)) return {};
+      if (entry.d_tag == DT_NULL) break;
+      // One entry is put there by the compiler's own start files.
+      constructors = constructors || (entry.d_tag == DT_INIT_ARRAYSZ && entry.d_un.d_val > sizeof(void*));
     }
   }
-  return true;
+  return {constructors, false};
 }
 
 /// The child's whole life. Reports one line: "" for opened or refused by dlopen, or what was thrown.
@@ -90,7 +98,9 @@ std::string readReport(int pipe, bool& answered, bool& ended) {
 }  // namespace
 
 std::string trialLoad(const std::string& path) {
-  if (!hasConstructors(path)) return "";
+  const Anatomy anatomy = examine(path);
+  if (anatomy.cut_short) return "the file is cut short";
+  if (!anatomy.constructors) return "";
   if (void* loaded = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NOLOAD)) {
     dlclose(loaded);  // one reference back; it has been opened before and stays
     return "";
@@ -111,7 +121,7 @@ std::string trialLoad(const std::string& path) {
   while (waited < 0 && errno == EINTR);
   if (answered || !ended) return report;
   // It ended without a word. Someone else may have reaped it; then how is not known.
-  if (waited == child && WIFSIGNALED(status)) return std::string("a static constructor of it crashed: ") + strsignal(WTERMSIG(status));
+  if (waited == child && WIFSIGNALED(status)) return std::string("opening it, or a static constructor of it, crashes: ") + strsignal(WTERMSIG(status));
   return "a static constructor of it ended the process";
 }
 

@@ -9,7 +9,7 @@
 
 namespace dyn {
 
-/// What was wrong: the exception's text, or the signal. Empty if the file can be opened, if dlopen will report the error itself, or if the
+/// What was wrong: the exception's text, the signal, or that the file is cut short. Empty if the file can be opened, if dlopen will report the error itself, or if the
 /// trial was not possible (no fork, or no answer within ten seconds).
 std::string trialLoad(const std::string& path);
 
