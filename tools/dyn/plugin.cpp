@@ -1,5 +1,5 @@
-// dyn plugin: what is loaded.
-#include "commands.hpp"
+// dyn plugin: what is loaded; the other subcommands have files of their own.
+#include "plugin.hpp"
 
 #include <dyn/joint/registry.hpp>
 
@@ -38,6 +38,8 @@ void addPlugin(CLI::App& app) {
   CLI::App* sub = app.add_subcommand("plugin", "joint plugins");
   sub->require_subcommand(1);
   sub->add_subcommand("list", "the folders searched, the plugins found, their types and parameters")->callback([] { list(); });
+  addPluginCheck(*sub);
+  addPluginNew(*sub);
 }
 
 }  // namespace dyn::tool

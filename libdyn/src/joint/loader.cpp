@@ -1,4 +1,5 @@
 #include "joint/loader.hpp"
+#include "joint/trial_load.hpp"
 
 #include <dyn_sdk/stamp.hpp>
 
@@ -62,13 +63,11 @@ const dyn_plugin_descriptor& openPlugin(const std::string& path, Trust trust) {
 
   using boost::dll::load_mode::type;
   boost::dll::shared_library opened;
-  std::string reason;
-  try {
+  std::string reason = trialLoad(file.string());
+  if (reason.empty()) try {
     opened.load(file.string(), static_cast<type>(boost::dll::load_mode::rtld_now | boost::dll::load_mode::rtld_local));
   } catch (const std::exception& e) {
     reason = e.what();
-  } catch (...) {
-    reason = "a static constructor of it threw something that is no std::exception";
   }
   if (!reason.empty()) refuse(path, "cannot be loaded: " + reason);
   boost::dll::shared_library& library = keep(std::move(opened));

@@ -13,7 +13,7 @@ namespace dyn {
 struct JointRegistry::Impl {
   std::vector<const JointType*> joints;
   std::vector<const CouplingType*> couplings;
-  std::map<std::string, std::string> origin;  // type name -> file
+  std::map<std::string, std::string> origin;  // type name -> file; empty: the program itself
   std::vector<PluginRecord> plugins;
   std::vector<std::string> searched;
 
@@ -49,9 +49,12 @@ void JointRegistry::Impl::add(const std::string& path, Trust trust) {
   for (std::size_t i = 0; i < record.types.size(); ++i) {
     const std::string& name = record.types[i];
     const auto known = origin.find(name);
-    if (known != origin.end() && std::filesystem::equivalent(known->second, path)) return;  // the same file by another way
-    if (known != origin.end())
-      throw Error(ErrorCode::plugin, "joint type '" + name + "' is already provided by " + known->second + "; rename one of them", {path, 0, ""});
+    std::error_code ignored;
+    if (known != origin.end() && std::filesystem::equivalent(known->second, path, ignored)) return;  // the same file by another way
+    if (known != origin.end()) {
+      const std::string provider = known->second.empty() ? "the program" : known->second;
+      throw Error(ErrorCode::plugin, "joint type '" + name + "' is already provided by " + provider + "; rename one of them", {path, 0, ""});
+    }
     if (std::count(record.types.begin(), record.types.end(), name) > 1)
       throw Error(ErrorCode::plugin, "exports joint type '" + name + "' twice", {path, 0, ""});
   }
@@ -81,6 +84,15 @@ JointRegistry JointRegistry::standard(Trust trust) {
 }
 
 void JointRegistry::load(const std::string& path, Trust trust) { impl_->add(path, trust); }
+
+void JointRegistry::add(const JointType& type) {
+  const std::string name = type.info().name;
+  const auto [known, fresh] = impl_->origin.emplace(name, "");
+  if (!fresh)
+    throw Error(ErrorCode::plugin, "joint type '" + name + "' is already provided by " +
+                                       (known->second.empty() ? std::string("the program") : known->second) + "; rename one of them");
+  impl_->joints.push_back(&type);
+}
 
 void JointRegistry::loadDirectory(const std::string& directory, Trust trust) {
   impl_->searched.push_back(directory);

@@ -36,6 +36,9 @@ class DYN_API JointRegistry {
   /// Loads every *.so of a folder, in the order of their names; failures are recorded, not thrown.
   void loadDirectory(const std::string& directory, Trust trust = Trust::owner_only);
 
+  /// A joint type of the program itself, which must outlive every copy of the registry. Throws Error(plugin) if its name is taken.
+  void add(const JointType& type);
+
   /// The type of that name; throws Error(joint_type) with every path searched and every problem met.
   const JointType& jointType(const std::string& name, const Where& where = {}) const;
   const CouplingType& couplingType(const std::string& name, const Where& where = {}) const;

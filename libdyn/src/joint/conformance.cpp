@@ -1,0 +1,80 @@
+#include "joint/conformance_checks.hpp"
+
+#include <cstdio>
+
+namespace dyn {
+
+namespace conformance {
+
+std::string show(const char* name, const Eigen::VectorXd& x) {
+  std::string text = std::string(name) + " = (";
+  for (Eigen::Index i = 0; i < x.size(); ++i) {
+    char number[32];
+    std::snprintf(number, sizeof number, "%s%.6g", i ? ", " : "", x[i]);
+    text += number;
+  }
+  return text + ")";
+}
+
+namespace {
+
+ConformanceFinding failure(const std::string& check, const std::string& why) {
+  return {check, false, std::numeric_limits<double>::infinity(), 0, why};
+}
+
+/// Runs a group; what it throws is a finding.
+template <class Group>
+void guarded(const char* name, Findings& findings, const Group& group) {
+  try {
+    group();
+  } catch (const std::exception& e) {
+    findings.push_back(failure(name, e.what()));
+  } catch (...) {
+    findings.push_back(failure(name, "threw something that is no std::exception"));
+  }
+}
+
+/// Why the numbers of coordinates cannot be those of the shape; empty if they can.
+std::string shapeProblem(const JointInstance& joint) {
+  const auto wants = [&](int nv) {
+    return joint.nv == nv || joint.nv == 0 ? std::string() : "its shape has nv = " + std::to_string(nv) + ", it says " + std::to_string(joint.nv);
+  };
+  switch (joint.shape) {
+    case Shape::revolute:
+    case Shape::prismatic: return wants(1);
+    case Shape::spherical:
+    case Shape::translation:
+    case Shape::planar: return wants(3);
+    case Shape::free: return wants(6);
+    case Shape::dense_constant: return "";
+    case Shape::dense: return joint.nq == joint.nv ? "" : "a dense joint has nq = nv, as v = dq/dt";
+  }
+  return "it names no shape";
+}
+
+}  // namespace
+
+}  // namespace conformance
+
+std::vector<ConformanceFinding> checkJointType(const JointType& type, const Parameters& example, const JointRegistry& registry,
+                                               std::uint64_t seed, const AllocationCount& allocations) {
+  using namespace conformance;
+  Findings findings;
+  guarded("parameters", findings, [&] {
+    const JointProbe joint(type, example);
+    const std::string problem = shapeProblem(joint.instance());
+    if (!problem.empty()) throw Error(ErrorCode::parameter, problem);
+    findings.push_back({"parameters are accepted", true, 0, 0,
+                        "nq = " + std::to_string(joint.nq()) + ", nv = " + std::to_string(joint.nv())});
+    // A joint made of others has no motion of its own.
+    if (type.info().structure == Structure::joint) {
+      guarded("motion", findings, [&] { checkMotion(joint, seed, findings); });
+      guarded("configuration", findings, [&] { checkConfiguration(joint, seed + 1, findings); });
+      guarded("calls", findings, [&] { checkCalls(joint, seed + 2, allocations, findings); });
+    }
+    guarded("dynamics", findings, [&] { checkDynamics(type, example, registry, seed + 3, findings); });
+  });
+  return findings;
+}
+
+}  // namespace dyn

@@ -1,0 +1,52 @@
+// A coupling's derivatives against differences of its function.
+#include "compile/parameters.hpp"
+#include "joint/conformance_support.hpp"
+
+namespace dyn {
+
+std::vector<ConformanceFinding> checkCouplingType(const CouplingType& type, const Parameters& example, std::uint64_t seed,
+                                                  const AllocationCount& allocations) {
+  using namespace conformance;
+  Findings findings;
+  try {
+    const CheckedParameters checked = checkParameters(example, type.info(), {});
+    const std::vector<ParameterArgument> arguments = checked.arguments();
+    char message[256] = "";
+    int count = 0;
+    if (!type.prepare(arguments.data(), count, message, sizeof message)) throw Error(ErrorCode::parameter, std::string("refused: ") + message);
+    if (count < 0) throw Error(ErrorCode::parameter, "its number of constants is negative");
+    std::vector<double> constants(static_cast<std::size_t>(count));
+    type.constants(arguments.data(), constants.data());
+    findings.push_back({"parameters are accepted", true, 0, 0, std::to_string(count) + " constants"});
+
+    const auto evaluate = [&](double x) {
+      Eigen::Vector3d f;
+      type.evaluate(constants.data(), count, x, f.data());
+      return f;
+    };
+    Random random(seed);
+    Worst first("f' is the derivative of f", 1e-8), second("f'' is the derivative of f'", 1e-8);
+    for (int i = 0; i < 16; ++i) {
+      const double x = random.uniform(-2, 2);
+      const std::string where = "x = " + std::to_string(x);
+      const Eigen::Vector3d f = evaluate(x);
+      const Eigen::VectorXd rates = derivativeAtZero([&](double h) { return Eigen::VectorXd(evaluate(x + h).head(2)); });
+      first.compare(f.segment(1, 1), rates.segment(0, 1), where);
+      second.compare(f.segment(2, 1), rates.segment(1, 1), where);
+    }
+    first.into(findings);
+    second.into(findings);
+    if (allocations) {
+      const long before = allocations();
+      double f[3];
+      type.evaluate(constants.data(), count, 0.5, f);
+      const long made = allocations() - before;
+      findings.push_back({"no allocation", made == 0, static_cast<double>(made), 0, made == 0 ? "" : "heap allocations in one call"});
+    }
+  } catch (const std::exception& e) {
+    findings.push_back({"parameters", false, std::numeric_limits<double>::infinity(), 0, e.what()});
+  }
+  return findings;
+}
+
+}  // namespace dyn

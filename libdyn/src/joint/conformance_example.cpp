@@ -1,0 +1,64 @@
+// Parameters made up from a schema.
+#include "joint/conformance_support.hpp"
+
+namespace dyn {
+
+namespace {
+
+using conformance::Random;
+
+std::vector<double> toNumbers(const Vec3<double>& x) { return {x.x, x.y, x.z}; }
+
+/// A direction that makes a fair angle with all before it.
+Vec3<double> newDirection(Random& random, const std::vector<Vec3<double>>& others) {
+  while (true) {
+    const Vec3<double> n = random.direction();
+    bool apart = true;
+    for (const Vec3<double>& m : others) apart = apart && std::fabs(dot(m, n)) < 0.9;
+    if (apart) return n;
+  }
+}
+
+JointDescription part(const char* type, Random& random) {
+  JointDescription joint;
+  joint.name = type;
+  joint.type = type;
+  joint.parameters["axis"] = toNumbers(random.direction());
+  joint.placement.p = random.direction();
+  return joint;
+}
+
+}  // namespace
+
+Parameters exampleParameters(const JointTypeInfo& info, std::uint64_t seed) {
+  Random random(seed);
+  Parameters parameters;
+  std::vector<Vec3<double>> directions;
+  const auto size = [&] { return random.uniform(0.1, 0.5); };
+  for (int i = 0; i < info.parameter_count; ++i) {
+    const ParameterSpec& spec = info.parameters[i];
+    if (!spec.required && seed % 2 == 1) continue;
+    switch (spec.kind) {
+      case ParameterKind::number: parameters[spec.name] = std::vector<double>{size()}; break;
+      case ParameterKind::vector3:
+        // With a unit it is no direction but three sizes, which may have to be positive (radii).
+        if (*spec.unit != '\0') {
+          parameters[spec.name] = std::vector<double>{size(), size(), size()};
+        } else if (directions.size() < 3) {
+          directions.push_back(newDirection(random, directions));
+          parameters[spec.name] = toNumbers(directions.back());
+        } else {
+          parameters[spec.name] = toNumbers(random.direction());
+        }
+        break;
+      case ParameterKind::numbers: parameters[spec.name] = std::vector<double>{size(), size(), size()}; break;
+      case ParameterKind::text: parameters[spec.name] = std::string("example"); break;
+      case ParameterKind::joints:
+        parameters[spec.name] = std::vector<JointDescription>{part("revolute", random), part("prismatic", random)};
+        break;
+    }
+  }
+  return parameters;
+}
+
+}  // namespace dyn

@@ -1,0 +1,62 @@
+// One joint of a type, asked one configuration at a time. What a batch would answer, unpacked.
+#pragma once
+
+#include "compile/parameters.hpp"
+#include "joint/pose_components.hpp"
+#include "kernels/shapes.hpp"
+
+#include <Eigen/Core>
+
+namespace dyn::conformance {
+
+/// Core motion: the pose, the columns of S in the moving frame, (dS/dt) v where a velocity was given.
+template <class S>
+struct JointMotion {
+  SE3<S> pose;
+  Motion<S> columns[max_joint_nv];
+  Motion<S> bias;
+};
+
+class JointProbe {
+ public:
+  /// Throws Error(parameter) when the parameters do not fit the schema or the type refuses them.
+  JointProbe(const JointType& type, const Parameters& parameters);
+
+  const JointType& type() const { return type_; }
+  const JointInstance& instance() const { return instance_; }
+  const std::vector<ParameterArgument>& arguments() const { return arguments_; }
+  const std::vector<double>& constants() const { return constants_; }
+  int nq() const { return instance_.nq; }
+  int nv() const { return instance_.nv; }
+  /// v = dq/dt: the coordinates can be differentiated by themselves.
+  bool flat() const;
+
+  /// v may be null.
+  template <class S>
+  JointMotion<S> motion(const S* q, const S* v) const;
+  JointMotion<double> motion(const Eigen::VectorXd& q) const { return motion<double>(q.data(), nullptr); }
+  SE3<double> pose(const Eigen::VectorXd& q) const { return motion(q).pose; }
+
+  Eigen::VectorXd neutral() const;
+  Eigen::VectorXd integrate(const Eigen::VectorXd& q, const Eigen::VectorXd& v) const;
+  Eigen::VectorXd difference(const Eigen::VectorXd& q0, const Eigen::VectorXd& q1) const;
+  /// By the first and by the second argument.
+  struct Jacobians {
+    Eigen::MatrixXd first, second;
+  };
+  Jacobians dIntegrate(const Eigen::VectorXd& q, const Eigen::VectorXd& v) const;
+  Jacobians dDifference(const Eigen::VectorXd& q0, const Eigen::VectorXd& q1) const;
+  /// The distance from the configuration space before goes to `distance`.
+  Eigen::VectorXd normalize(const Eigen::VectorXd& q, double& distance) const;
+
+ private:
+  ConfigurationBatch<double> batch() const;
+
+  const JointType& type_;
+  CheckedParameters checked_;
+  std::vector<ParameterArgument> arguments_;
+  JointInstance instance_;
+  std::vector<double> constants_;
+};
+
+}  // namespace dyn::conformance

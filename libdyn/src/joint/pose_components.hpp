@@ -1,0 +1,29 @@
+// From the components a joint type writes to a transform: the one place, beside the kernels' own sparse forms, that knows their order.
+#pragma once
+
+#include <dyn/joint/shape.hpp>
+#include <dyn/spatial/se3.hpp>
+
+namespace dyn {
+
+/// Core motion of a joint of that shape; `c` has poseSize(shape) components.
+template <class S>
+SE3<S> poseFromComponents(Shape shape, const S* c) {
+  const S zero(0), one(1);
+  SE3<S> core;
+  switch (shape) {
+    case Shape::revolute: core.R = {{c[0], -c[1], zero, c[1], c[0], zero, zero, zero, one}}; break;
+    case Shape::prismatic: core.p = {zero, zero, c[0]}; break;
+    case Shape::translation: core.p = {c[0], c[1], c[2]}; break;
+    case Shape::planar:
+      core.R = {{c[2], -c[3], zero, c[3], c[2], zero, zero, zero, one}};
+      core.p = {c[0], c[1], zero};
+      break;
+    default:
+      for (int i = 0; i < 9; ++i) core.R.m[i] = c[i];
+      if (shape != Shape::spherical) core.p = {c[9], c[10], c[11]};
+  }
+  return core;
+}
+
+}  // namespace dyn

@@ -1,0 +1,172 @@
+// Shared objects that are wrong in every way known: each is an Error that names the file, and the registry stays as it was.
+#include "support/catch.hpp"
+
+#include <dyn/joint/registry.hpp>
+
+#include <filesystem>
+#include <fstream>
+#include <thread>
+#include <unistd.h>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path bad_plugins = fs::path(DYN_BINARY_DIR) / "bad_plugins";
+
+/// A folder that only the owner can write; gone afterwards.
+struct Folder {
+  fs::path path;
+  Folder() {
+    std::string pattern = (fs::temp_directory_path() / "dyn_loader_XXXXXX").string();
+    REQUIRE(mkdtemp(pattern.data()) != nullptr);
+    path = pattern;
+  }
+  ~Folder() { fs::remove_all(path); }
+  fs::path copy(const std::string& file, fs::perms perms = fs::perms::owner_all) const {
+    const fs::path to = path / file;
+    fs::copy_file(bad_plugins / file, to);
+    fs::permissions(to, perms);
+    return to;
+  }
+};
+
+struct Counts {
+  std::size_t joints, couplings, plugins;
+  explicit Counts(const dyn::JointRegistry& r) : joints(r.jointTypes().size()), couplings(r.couplingTypes().size()), plugins(r.plugins().size()) {}
+  bool operator==(const Counts&) const = default;
+};
+
+/// Loading fails as it should, with all of these words; returns nothing else.
+void requireRefused(const std::string& path, const std::vector<std::string>& words, dyn::Trust trust = dyn::Trust::any) {
+  dyn::JointRegistry registry = dyn::JointRegistry::standard();
+  const Counts before(registry);
+  INFO(path);
+  try {
+    registry.load(path, trust);
+    FAIL("was loaded");
+  } catch (const dyn::Error& e) {
+    INFO(e.what());
+    CHECK(e.code() == dyn::ErrorCode::plugin);
+    CHECK(e.where().file == path);
+    CHECK(std::string(e.what()).find(path) != std::string::npos);
+    for (const std::string& word : words) CHECK(std::string(e.what()).find(word) != std::string::npos);
+  }
+  CHECK(Counts(registry) == before);
+  CHECK_NOTHROW(registry.jointType("revolute"));
+}
+
+std::string bad(const char* name) { return (bad_plugins / name).string(); }
+
+}  // namespace
+
+TEST_CASE("a file that is not there") { requireRefused("/nowhere/at_all.so", {"cannot find"}); }
+
+TEST_CASE("a folder instead of a file") {
+  const Folder folder;
+  requireRefused(folder.path.string(), {"is not a file"});
+}
+
+TEST_CASE("a file that is no shared object, an empty one, a truncated one") {
+  const Folder folder;
+  const fs::path text = folder.path / "text.so", empty = folder.path / "empty.so", cut = folder.path / "cut.so";
+  std::ofstream(text) << "this is no ELF file\n";
+  std::ofstream(empty).flush();
+  requireRefused(text.string(), {"cannot be loaded"});
+  requireRefused(empty.string(), {"cannot be loaded"});
+  fs::copy_file(bad("sound.so"), cut);
+  fs::permissions(cut, fs::perms::owner_all);
+  const std::uintmax_t whole = fs::file_size(cut);
+  for (const std::uintmax_t size : {std::uintmax_t(3), std::uintmax_t(64), std::uintmax_t(100), std::uintmax_t(600), whole / 4, whole / 2}) {
+    fs::resize_file(cut, size);
+    requireRefused(cut.string(), {"cannot be loaded"});
+    fs::copy_file(bad("sound.so"), cut, fs::copy_options::overwrite_existing);
+  }
+}
+
+TEST_CASE("stamps of another library") {
+  requireRefused(bad("wrong_abi_version.so"), {"ABI version is 99", "rebuild"});
+  requireRefused(bad("wrong_layout.so"), {"layout stamp", "rebuild"});
+}
+
+TEST_CASE("a static constructor that throws, or ends the process") {
+  for (int i = 0; i < 2; ++i) {  // the second time as the first
+    requireRefused(bad("throws_in_constructor.so"), {"static constructor", "no licence found"});
+    requireRefused(bad("crashes_in_constructor.so"), {"static constructor"});
+  }
+  // The dynamic loader is not left locked: another thread can still use it.
+  std::thread([] { dyn::JointRegistry().load(bad("sound.so"), dyn::Trust::any); }).join();
+}
+
+TEST_CASE("an entry point that throws, or is missing, or describes nothing") {
+  requireRefused(bad("throws_in_entry.so"), {"threw while describing itself", "not today"});
+  requireRefused(bad("exports_nothing.so"), {"exports no dyn_plugin_descriptor_v1"});
+  requireRefused(bad("exports_no_types.so"), {"exports no joint types"});
+}
+
+TEST_CASE("a type that another plugin provides: the whole file is refused") {
+  requireRefused(bad("duplicates_a_type.so"), {"'revolute' is already provided by", "dyn_standard.so"});
+  dyn::JointRegistry registry = dyn::JointRegistry::standard();
+  CHECK_THROWS_AS(registry.load(bad("duplicates_a_type.so"), dyn::Trust::any), dyn::Error);
+  CHECK_THROWS_AS(registry.jointType("an_original"), dyn::Error);
+}
+
+TEST_CASE("a file or folder that others can write is refused unless trusted") {
+  const Folder folder;
+  const std::string file = folder.copy("sound.so").string();
+  fs::permissions(file, fs::perms::group_write, fs::perm_options::add);
+  requireRefused(file, {"can be written by", "chmod go-w"}, dyn::Trust::owner_only);
+  fs::permissions(file, fs::perms::group_write, fs::perm_options::remove);
+  fs::permissions(folder.path, fs::perms::others_write, fs::perm_options::add);
+  requireRefused(file, {"can be written by", "chmod go-w"}, dyn::Trust::owner_only);
+  dyn::JointRegistry trusting;
+  CHECK_NOTHROW(trusting.load(file, dyn::Trust::any));
+  fs::permissions(folder.path, fs::perms::others_write, fs::perm_options::remove);
+  dyn::JointRegistry registry;
+  CHECK_NOTHROW(registry.load(file));
+}
+
+TEST_CASE("links are followed, and it is the file behind them that is judged") {
+  const Folder folder, elsewhere;
+  const fs::path file = folder.copy("sound.so"), link = elsewhere.path / "link.so";
+  fs::create_symlink(file, link);
+  dyn::JointRegistry registry;
+  registry.load(link.string());
+  CHECK_NOTHROW(registry.jointType("sound_slider"));
+  registry.load(file.string());  // the same file by another way
+  CHECK(registry.jointTypes().size() == 1);
+  fs::permissions(file, fs::perms::group_write, fs::perm_options::add);
+  requireRefused(link.string(), {"can be written by"}, dyn::Trust::owner_only);
+  const fs::path dangling = elsewhere.path / "dangling.so";
+  fs::create_symlink(folder.path / "gone.so", dangling);
+  requireRefused(dangling.string(), {"cannot find"});
+}
+
+TEST_CASE("folders: empty ones, missing ones, and bad files among good ones") {
+  const Folder folder;
+  dyn::JointRegistry registry;
+  registry.loadDirectory(folder.path.string());
+  CHECK(registry.plugins().empty());
+  CHECK(registry.searched() == std::vector<std::string>{folder.path.string()});
+  registry.loadDirectory((folder.path / "missing").string());
+  REQUIRE(registry.plugins().size() == 1);
+  CHECK(registry.plugins()[0].problem.find("cannot read the folder") != std::string::npos);
+
+  folder.copy("exports_nothing.so");
+  folder.copy("throws_in_constructor.so");
+  folder.copy("sound.so");
+  std::ofstream(folder.path / "notes.txt") << "not looked at";
+  dyn::JointRegistry mixed;
+  mixed.loadDirectory(folder.path.string());
+  REQUIRE(mixed.plugins().size() == 3);
+  CHECK_NOTHROW(mixed.jointType("sound_slider"));
+  try {
+    mixed.jointType("absent");
+    FAIL("found a type that does not exist");
+  } catch (const dyn::Error& e) {
+    const std::string text = e.what();
+    CHECK(e.code() == dyn::ErrorCode::joint_type);
+    for (const char* word : {"absent", "exports_nothing.so", "throws_in_constructor.so", "no licence found"}) CHECK(text.find(word) != std::string::npos);
+    CHECK(text.find(folder.path.string()) != std::string::npos);
+  }
+}

@@ -1,0 +1,11 @@
+// The subcommands of `dyn plugin`.
+#pragma once
+
+#include "commands.hpp"
+
+namespace dyn::tool {
+
+void addPluginCheck(CLI::App& plugin);
+void addPluginNew(CLI::App& plugin);
+
+}  // namespace dyn::tool
