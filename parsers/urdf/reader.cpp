@@ -42,6 +42,8 @@ class Reader {
     }
     if (mimics_ > 0)
       d_.notes().push_back(std::to_string(mimics_) + (options_.mimic == Mimic::coupled ? " mimic joints follow their masters" : " mimic joints move on their own"));
+    if (limits_without_use_ > 0)
+      d_.notes().push_back(std::to_string(limits_without_use_) + " fixed, floating or planar joints have a <limit> or <dynamics>, which is ignored");
     model_.notes = d_.notes();
     return std::move(model_);
   }
@@ -99,7 +101,11 @@ class Reader {
     return j;
   }
 
-  void readLimits(const XMLElement& e, const std::string& type, JointDescription& j) const {
+  void readLimits(const XMLElement& e, const std::string& type, JointDescription& j) {
+    if (type == "fixed" || type == "floating" || type == "planar") {
+      limits_without_use_ += e.FirstChildElement("limit") || e.FirstChildElement("dynamics") ? 1 : 0;
+      return;
+    }
     if (const XMLElement* limit = e.FirstChildElement("limit")) {
       if (type == "revolute" || type == "prismatic") {
         j.limits.lower = {d_.number(*limit, "lower", 0)};
@@ -130,6 +136,7 @@ class Reader {
   Extensions extensions_;
   Model model_;
   int mimics_ = 0;
+  int limits_without_use_ = 0;
 };
 
 }  // namespace

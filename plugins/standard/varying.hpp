@@ -94,7 +94,7 @@ struct SphericalZYX : sdk::Joint<SphericalZYX, 3> {
 struct Ellipsoid : sdk::Joint<Ellipsoid, 3> {
   static constexpr const char* name = "ellipsoid";
   static constexpr const char* summary = "rotation Rx(q[0]) Ry(q[1]) Rz(q[2]) [rad], the origin on the ellipsoid where its normal-like z points";
-  static constexpr std::array parameters{ParameterSpec{"radii", ParameterKind::vector3, true, "m", "half axes of the ellipsoid, not negative"}};
+  static constexpr std::array parameters{ParameterSpec{"radii", ParameterKind::vector3, true, "m", "half axes of the ellipsoid, not negative", "0.1 0.2 0.15"}};
   static bool check(const ParameterArgument* a, JointInstance&, const sdk::Refusal& refuse) {
     for (int i = 0; i < 3; ++i)
       if (!(a[0].numbers[i] >= 0)) return refuse("radii must not be negative");

@@ -1,6 +1,8 @@
 // Every type there is passes the conformance kit; joints broken in one place each are caught by the check that looks there.
 #include "support/catch.hpp"
 
+#include <alloc_guard.hpp>
+
 #include <dyn/dyn.hpp>
 #include <dyn/joint/conformance.hpp>
 #include <dyn_sdk/joint_plugin.hpp>
@@ -168,12 +170,19 @@ struct WrongCoupling {
 
 }  // namespace
 
+namespace {
+/// None where a sanitizer owns malloc.
+dyn::AllocationCount allocationCount() {
+  return dyn::tool::canCountAllocations() ? dyn::AllocationCount(dyn::tool::allocationCount) : dyn::AllocationCount();
+}
+}  // namespace
+
 TEST_CASE("every registered joint type passes the conformance kit") {
   REQUIRE(registry().jointTypes().size() >= 14);
   for (const dyn::JointType* type : registry().jointTypes())
     for (std::uint64_t seed = 1; seed <= 6; ++seed) {
       INFO(type->info().name << ", seed " << seed);
-      requireAllPass(dyn::checkJointType(*type, dyn::exampleParameters(type->info(), seed), registry(), seed));
+      requireAllPass(dyn::checkJointType(*type, dyn::exampleParameters(type->info(), seed), registry(), seed, allocationCount()));
     }
 }
 
@@ -182,7 +191,7 @@ TEST_CASE("every registered coupling type passes the conformance kit") {
   for (const dyn::CouplingType* type : registry().couplingTypes())
     for (std::uint64_t seed = 1; seed <= 6; ++seed) {
       INFO(type->info().name << ", seed " << seed);
-      requireAllPass(dyn::checkCouplingType(*type, dyn::exampleParameters(type->info(), seed), seed));
+      requireAllPass(dyn::checkCouplingType(*type, dyn::exampleParameters(type->info(), seed), seed, allocationCount()));
     }
 }
 

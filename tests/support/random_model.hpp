@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dyn/dyn.hpp>
+#include <dyn/joint/conformance.hpp>
 #include <dyn/lie/se3.hpp>
 
 #include <random>
@@ -38,34 +39,10 @@ class Random {
   std::mt19937_64 generator_;
 };
 
-/// Parameters that fit a type's schema.
-inline Parameters plausibleParameters(const JointTypeInfo& info, Random& random) {
-  Parameters parameters;
-  for (int i = 0; i < info.parameter_count; ++i) {
-    const ParameterSpec& spec = info.parameters[i];
-    if (!spec.required) continue;
-    const Vec3<double> x = random.vector();
-    switch (spec.kind) {
-      case ParameterKind::number: parameters[spec.name] = std::vector<double>{random.uniform(0.05, 0.3)}; break;
-      case ParameterKind::vector3:
-        parameters[spec.name] = std::string(spec.name) == "radii" ? std::vector<double>{0.1 + 0.1 * std::fabs(x.x), 0.2, 0.15} : std::vector<double>{x.x, x.y, x.z};
-        break;
-      case ParameterKind::numbers: parameters[spec.name] = std::vector<double>{0.3, 0.5, 0.4, -0.7}; break;
-      case ParameterKind::text: parameters[spec.name] = std::string("text"); break;
-      case ParameterKind::joints: {
-        JointDescription first, second;
-        first.type = "revolute";
-        first.parameters["axis"] = std::vector<double>{x.x, x.y, 1};
-        first.placement = random.pose();
-        second.type = "prismatic";
-        second.parameters["axis"] = std::vector<double>{1, x.z, x.y};
-        second.placement = random.pose();
-        parameters[spec.name] = std::vector<JointDescription>{first, second};
-        break;
-      }
-    }
-  }
-  return parameters;
+inline int degreesOfFreedom(const JointDescription& joint, const JointRegistry& registry) {
+  Model alone;
+  alone.addBody("body", 0, joint);
+  return compile(alone, registry).nv();
 }
 
 /// n moving bodies; types cycle through the registry from a random start, so that a few seeds meet them all. Some fixed joints between.
@@ -81,12 +58,13 @@ inline Model randomTree(const JointRegistry& registry, int n, std::uint64_t seed
     const JointTypeInfo& info = types[static_cast<std::size_t>(start + i) % types.size()]->info();
     joint.name = "j" + std::to_string(i);
     joint.type = info.name;
-    joint.parameters = plausibleParameters(info, random);
+    joint.parameters = exampleParameters(info, seed + static_cast<std::uint64_t>(i));
     joint.placement = random.pose();
     if (losses) {
-      joint.damping.assign(max_joint_nv, random.uniform(0, 1));
-      joint.friction.assign(max_joint_nv, random.uniform(0, 0.5));
-      joint.armature.assign(max_joint_nv, random.uniform(0, 0.2));
+      const auto nv = static_cast<std::size_t>(degreesOfFreedom(joint, registry));
+      joint.damping.assign(nv, random.uniform(0, 1));
+      joint.friction.assign(nv, random.uniform(0, 0.5));
+      joint.armature.assign(nv, random.uniform(0, 0.2));
     }
     model.addBody("b" + std::to_string(i), random.below(3) == 0 ? random.below(i + 1) : i, joint, random.inertia());
   }

@@ -162,8 +162,8 @@ class Packer {
       const bool continues = i > 1 && draft_.bodies[i - 1].user_joint == b.user_joint;
       if (!continues) {
         JointRecord r;
-        r.name = b.joint.name.substr(0, b.joint.name.find('/') == std::string::npos || b.last_part ? std::string::npos : b.joint.name.find('/'));
-        r.type = b.last_part ? b.joint.type : "composite";
+        r.name = b.user_name;
+        r.type = b.user_type;
         r.parent = out_->index[at(b.parent)].joint;
         r.idx_q = nq;
         r.idx_v = nv;

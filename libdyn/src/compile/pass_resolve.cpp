@@ -64,7 +64,9 @@ class Resolver {
   void addBody(int index) {
     const BodyDescription& body = model_.bodies[static_cast<std::size_t>(index)];
     checkInertia(body);
+    const std::size_t first = draft_.bodies.size();
     addJoint(body.joint, body.joint.name, last_body_[static_cast<std::size_t>(body.parent)], body.joint.placement, index, 0);
+    layOut(body.joint, first);
     DraftBody& last = draft_.bodies.back();
     last.name = body.name;
     last.inertia = cast<long double>(body.inertia);
@@ -102,26 +104,46 @@ class Resolver {
   void expandSeries(const JointDescription& joint, const std::string& name, int parent, const SE3<double>& placement, int user, int depth) {
     const auto& parts = std::get<std::vector<JointDescription>>(joint.parameters.at("parts"));
     if (parts.empty()) throw Error(ErrorCode::parameter, "type '" + joint.type + "': 'parts' is empty", whereOf(joint, name));
-    std::size_t q = 0, v = 0;
     for (std::size_t k = 0; k < parts.size(); ++k) {
       JointDescription part = parts[k];
       part.where = joint.where;
       addJoint(part, name + "/" + (part.name.empty() ? std::to_string(k) : part.name), k == 0 ? parent : static_cast<int>(draft_.bodies.size()) - 1,
                k == 0 ? placement * part.placement : part.placement, user, depth + 1);
-      if (depth > 0) continue;
-      ++parts_;
-      // Limits and losses of the whole joint are laid out over its parts.
-      DraftBody& made = draft_.bodies.back();
-      slice(joint.limits.lower, q, made.instance.nq, made.joint.limits.lower);
-      slice(joint.limits.upper, q, made.instance.nq, made.joint.limits.upper);
-      slice(joint.limits.velocity, v, made.instance.nv, made.joint.limits.velocity);
-      slice(joint.limits.effort, v, made.instance.nv, made.joint.limits.effort);
-      slice(joint.damping, v, made.instance.nv, made.joint.damping);
-      slice(joint.friction, v, made.instance.nv, made.joint.friction);
-      slice(joint.armature, v, made.instance.nv, made.joint.armature);
-      q += static_cast<std::size_t>(made.instance.nq);
-      v += static_cast<std::size_t>(made.instance.nv);
+      if (depth == 0) ++parts_;
     }
+  }
+
+  /// Limits and losses of a described joint are shared out over the bodies that it became, from `first` on.
+  void layOut(const JointDescription& joint, std::size_t first) {
+    std::size_t nq = 0, nv = 0;
+    for (std::size_t i = first; i < draft_.bodies.size(); ++i) {
+      DraftBody& made = draft_.bodies[i];
+      made.user_name = joint.name;
+      made.user_type = joint.type;
+      slice(joint.limits.lower, nq, made.instance.nq, made.joint.limits.lower);
+      slice(joint.limits.upper, nq, made.instance.nq, made.joint.limits.upper);
+      slice(joint.limits.velocity, nv, made.instance.nv, made.joint.limits.velocity);
+      slice(joint.limits.effort, nv, made.instance.nv, made.joint.limits.effort);
+      slice(joint.damping, nv, made.instance.nv, made.joint.damping);
+      slice(joint.friction, nv, made.instance.nv, made.joint.friction);
+      slice(joint.armature, nv, made.instance.nv, made.joint.armature);
+      nq += static_cast<std::size_t>(made.instance.nq);
+      nv += static_cast<std::size_t>(made.instance.nv);
+    }
+    const Where where = whereOf(joint, joint.name);
+    const auto wants = [&](const char* name, const std::vector<double>& values, std::size_t size, bool signs) {
+      if (!values.empty() && values.size() != size)
+        throw Error(ErrorCode::size, std::string(name) + " has " + std::to_string(values.size()) + " entries, the joint wants " + std::to_string(size) + " or none", where);
+      for (const double x : values)
+        if (std::isnan(x) || (!signs && x < 0)) throw Error(ErrorCode::model, std::string(name) + " has an entry that is negative or no number", where);
+    };
+    wants("lower", joint.limits.lower, nq, true);
+    wants("upper", joint.limits.upper, nq, true);
+    wants("velocity", joint.limits.velocity, nv, true);
+    wants("effort", joint.limits.effort, nv, true);
+    wants("damping", joint.damping, nv, true);
+    wants("friction", joint.friction, nv, true);
+    wants("armature", joint.armature, nv, false);
   }
 
   static void slice(const std::vector<double>& all, std::size_t first, int count, std::vector<double>& part) {
@@ -153,6 +175,8 @@ class Resolver {
       const DraftBody& leader = draft_.bodies[static_cast<std::size_t>(coupling.master)];
       if (body.instance.nv > 1 || leader.instance.nv > 1)
         throw Error(ErrorCode::model, "follows '" + c.master + "': only joints of one degree of freedom can be coupled", where);
+      if (body.instance.nv > 0 && leader.instance.nv == 0)
+        throw Error(ErrorCode::model, "follows '" + c.master + "', which is rigid; follow a joint that moves, or make this one rigid, too", where);
       if (body.instance.nv == 0) {
         draft_.report.warnings.push_back("joint '" + body.joint.name + "' is rigid: that it follows '" + c.master + "' has no effect");
         continue;

@@ -1,6 +1,9 @@
 // Parameters made up from a schema.
 #include "joint/conformance_support.hpp"
 
+#include <charconv>
+#include <cstring>
+
 namespace dyn {
 
 namespace {
@@ -28,6 +31,21 @@ JointDescription part(const char* type, Random& random) {
   return joint;
 }
 
+/// What the type's author gives as an example.
+ParameterValue exampleValue(const ParameterSpec& spec) {
+  if (spec.kind == ParameterKind::text) return std::string(spec.example);
+  std::vector<double> numbers;
+  for (const char *p = spec.example, *end = p + std::strlen(p); p != end;) {
+    double x = 0;
+    const auto [next, error] = std::from_chars(p, end, x);
+    if (error != std::errc()) throw Error(ErrorCode::parameter, std::string("the example of parameter '") + spec.name + "' is not made of numbers");
+    numbers.push_back(x);
+    p = next;
+    while (p != end && *p == ' ') ++p;
+  }
+  return numbers;
+}
+
 }  // namespace
 
 Parameters exampleParameters(const JointTypeInfo& info, std::uint64_t seed) {
@@ -37,6 +55,10 @@ Parameters exampleParameters(const JointTypeInfo& info, std::uint64_t seed) {
   const auto size = [&] { return random.uniform(0.1, 0.5); };
   for (int i = 0; i < info.parameter_count; ++i) {
     const ParameterSpec& spec = info.parameters[i];
+    if (spec.example) {
+      if (*spec.example != '\0') parameters[spec.name] = exampleValue(spec);
+      continue;
+    }
     if (!spec.required && seed % 2 == 1) continue;
     switch (spec.kind) {
       case ParameterKind::number: parameters[spec.name] = std::vector<double>{size()}; break;

@@ -23,8 +23,9 @@ struct ConformanceFinding {
 /// Heap allocations of the calling thread so far; a library cannot count them, the program can.
 using AllocationCount = std::function<long()>;
 
-/// Plausible parameters made up from a type's schema: for a vector without unit any direction, no two nearly parallel; positive numbers
-/// otherwise; two joints for a list of joints. Optional parameters are given for every other seed.
+/// Plausible parameters made up from a type's schema: the author's example where there is one; else for a vector without unit any
+/// direction, no two nearly parallel; positive numbers otherwise; two joints for a list of joints. Optional parameters without an example
+/// are given for every other seed. Throws Error(parameter) for an example that is not what its kind says.
 DYN_API Parameters exampleParameters(const JointTypeInfo& info, std::uint64_t seed);
 
 /// Runs every check on the joint of these parameters. `registry` provides the joints around it in the model of the dynamics checks (and

@@ -19,6 +19,7 @@ struct ParameterSpec {
   bool required;
   const char* unit;
   const char* help;
+  const char* example = nullptr;  ///< a value that the type accepts, for tests: numbers separated by spaces, or a text; "": leave it out
 };
 
 /// A checked parameter, in the order of the schema. `given` is false for an optional one that the model leaves out.

@@ -75,6 +75,7 @@ struct Dual {
 /// The plain number inside any scalar, for decisions that must not be differentiated.
 inline double valueOf(double x) { return x; }
 inline double valueOf(float x) { return static_cast<double>(x); }
+inline double valueOf(long double x) { return static_cast<double>(x); }
 template <class T>
 double valueOf(const Dual<T>& x) {
   return valueOf(x.v);
