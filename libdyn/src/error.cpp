@@ -1,5 +1,4 @@
 #include <dyn/error.hpp>
-
 #include <utility>
 
 namespace dyn {

@@ -28,8 +28,9 @@ Parsed parseNumber(const char* first, const char* last, double& out) {
     // Too large or too small: extended precision has the range to tell, beyond that the exponent's sign.
     long double wide = 0;
     const auto [wide_end, wide_error] = std::from_chars(first, last, wide);
-    const bool small = wide_error == std::errc() ? std::fabs(wide) < 1 : std::string(first, last).find_first_of("eE") != std::string::npos &&
-                                                                             std::string(first, last).find('-', 1) != std::string::npos;
+    const bool small = wide_error == std::errc() ? std::fabs(wide) < 1
+                                                 : std::string(first, last).find_first_of("eE") != std::string::npos &&
+                                                       std::string(first, last).find('-', 1) != std::string::npos;
     if (!small) return Parsed::wrong;
     out = static_cast<double>(wide);
     return Parsed::underflow;
@@ -74,7 +75,8 @@ Document::Document(const std::string& text, std::string file) : file_(std::move(
     refuse("has a document type, which URDF does not use and this reader refuses", static_cast<int>(lineOf(text, type)));
   if (xml_.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
     const bool deep = xml_.ErrorID() == tinyxml2::XML_ELEMENT_DEPTH_EXCEEDED;
-    refuse(deep ? "nests elements too deep; URDF lists links and joints side by side" : std::string("is not XML: ") + xml_.ErrorStr(), xml_.ErrorLineNum());
+    refuse(deep ? "nests elements too deep; URDF lists links and joints side by side" : std::string("is not XML: ") + xml_.ErrorStr(),
+           xml_.ErrorLineNum());
   }
   robot_ = xml_.RootElement();
   if (robot_ == nullptr || std::strcmp(robot_->Name(), "robot") != 0)
@@ -102,9 +104,14 @@ std::vector<double> Document::numbers(const tinyxml2::XMLElement& e, const char*
     while (last != end && !isSpace(*last)) ++last;
     double x = 0;
     switch (parseNumber(p, last, x)) {
-      case Parsed::number: break;
-      case Parsed::underflow: notes_.push_back("line " + std::to_string(e.GetLineNum()) + ": " + described() + " is too small for a double and became " + std::to_string(x)); break;
-      case Parsed::wrong: fail(e, described() + ": '" + std::string(p, last) + "' is not a finite number (decimal point, no unit)", ErrorCode::syntax);
+      case Parsed::number:
+        break;
+      case Parsed::underflow:
+        notes_.push_back("line " + std::to_string(e.GetLineNum()) + ": " + described() + " is too small for a double and became " +
+                         std::to_string(x));
+        break;
+      case Parsed::wrong:
+        fail(e, described() + ": '" + std::string(p, last) + "' is not a finite number (decimal point, no unit)", ErrorCode::syntax);
     }
     out.push_back(x);
     p = last;

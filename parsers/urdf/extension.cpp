@@ -11,10 +11,9 @@ using tinyxml2::XMLElement;
 
 /// Attributes that describe the joint itself and are no parameters of its type.
 bool readCommon(const Document& document, const XMLElement& e, const char* attribute, JointDescription& joint) {
-  const std::pair<const char*, std::vector<double>*> fields[] = {{"armature", &joint.armature},       {"damping", &joint.damping},
-                                                                 {"friction", &joint.friction},       {"lower", &joint.limits.lower},
-                                                                 {"upper", &joint.limits.upper},      {"effort", &joint.limits.effort},
-                                                                 {"velocity", &joint.limits.velocity}};
+  const std::pair<const char*, std::vector<double>*> fields[] = {
+      {"armature", &joint.armature},  {"damping", &joint.damping},      {"friction", &joint.friction},       {"lower", &joint.limits.lower},
+      {"upper", &joint.limits.upper}, {"effort", &joint.limits.effort}, {"velocity", &joint.limits.velocity}};
   for (const auto& [name, field] : fields) {
     if (std::strcmp(name, attribute) != 0) continue;
     *field = document.numbers(e, attribute);
@@ -23,7 +22,8 @@ bool readCommon(const Document& document, const XMLElement& e, const char* attri
   return false;
 }
 
-void readParameters(const Document& document, const XMLElement& e, std::initializer_list<const char*> reserved, Parameters& parameters, JointDescription* joint) {
+void readParameters(const Document& document, const XMLElement& e, std::initializer_list<const char*> reserved, Parameters& parameters,
+                    JointDescription* joint) {
   for (const tinyxml2::XMLAttribute* a = e.FirstAttribute(); a; a = a->Next()) {
     bool skip = false;
     for (const char* name : reserved) skip = skip || std::strcmp(a->Name(), name) == 0;
@@ -61,9 +61,15 @@ SE3<double> poseOf(const Document& document, const XMLElement& e) {
   const auto c = [](double x) { return std::cos(static_cast<long double>(x)); };
   const auto s = [](double x) { return std::sin(static_cast<long double>(x)); };
   const long double cr = c(a.x), sr = s(a.x), cp = c(a.y), sp = s(a.y), cy = c(a.z), sy = s(a.z);
-  const long double R[9] = {cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr,  //
-                            sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr,  //
-                            -sp,     cp * sr,                cp * cr};
+  const long double R[9] = {cy * cp,
+                            cy * sp * sr - sy * cr,
+                            cy * sp * cr + sy * sr,  //
+                            sy * cp,
+                            sy * sp * sr + cy * cr,
+                            sy * sp * cr - cy * sr,  //
+                            -sp,
+                            cp * sr,
+                            cp * cr};
   for (int i = 0; i < 9; ++i) X.R.m[i] = static_cast<double>(R[i]);
   return X;
 }

@@ -1,11 +1,10 @@
 // Joints that URDF has no words for: <libdyn><joint name="..." type="..." parameter="..."/></libdyn> under <robot>.
 #pragma once
 
-#include "validate.hpp"
-
 #include <dyn/model/model.hpp>
-
 #include <unordered_map>
+
+#include "validate.hpp"
 
 namespace dyn::urdf {
 

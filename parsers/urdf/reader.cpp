@@ -1,9 +1,8 @@
+#include <algorithm>
+#include <cstring>
 #include <dyn/parsers/urdf.hpp>
 
 #include "extension.hpp"
-
-#include <algorithm>
-#include <cstring>
 
 namespace dyn::urdf {
 
@@ -41,7 +40,8 @@ class Reader {
       pushBelow(link, addLink(link, e.parent, joint(*e.joint)));
     }
     if (mimics_ > 0)
-      d_.notes().push_back(std::to_string(mimics_) + (options_.mimic == Mimic::coupled ? " mimic joints follow their masters" : " mimic joints move on their own"));
+      d_.notes().push_back(std::to_string(mimics_) +
+                           (options_.mimic == Mimic::coupled ? " mimic joints follow their masters" : " mimic joints move on their own"));
     if (limits_without_use_ > 0)
       d_.notes().push_back(std::to_string(limits_without_use_) + " fixed, floating or planar joints have a <limit> or <dynamics>, which is ignored");
     model_.notes = d_.notes();
@@ -77,8 +77,8 @@ class Reader {
     const XMLElement& i = *e->FirstChildElement("inertia");
     Inertia<double> Y;
     Y.mass = d_.number(m, "value");
-    Y.rotational = {d_.number(i, "ixx"),    d_.number(i, "ixy", 0), d_.number(i, "ixz", 0),
-                    d_.number(i, "iyy"),    d_.number(i, "iyz", 0), d_.number(i, "izz")};
+    Y.rotational = {d_.number(i, "ixx"), d_.number(i, "ixy", 0), d_.number(i, "ixz", 0),
+                    d_.number(i, "iyy"), d_.number(i, "iyz", 0), d_.number(i, "izz")};
     return cast<double>(cast<long double>(Y).transformed(cast<long double>(origin(*e))));
   }
 

@@ -37,7 +37,8 @@ class Validator {
       if (name.empty()) d_.fail(*e, std::string("<") + e->Name() + "> has an empty name");
       auto& known = is_link ? out_.link : out_.joint;
       if (const auto [first, is_new] = known.emplace(name, e); !is_new)
-        d_.fail(*e, std::string("two ") + e->Name() + "s are called '" + name + "'; the other is at line " + std::to_string(first->second->GetLineNum()));
+        d_.fail(*e,
+                std::string("two ") + e->Name() + "s are called '" + name + "'; the other is at line " + std::to_string(first->second->GetLineNum()));
       (is_link ? out_.links : out_.joints).push_back(e);
     }
     if (out_.links.empty()) d_.fail(d_.robot(), "has no <link>");
@@ -101,7 +102,8 @@ class Validator {
     const Vec3<double> com = origin && origin->Attribute("xyz") ? d_.vector3(*origin, "xyz") : Vec3<double>{};
     const double slack = 1e-6 * scale + 1e-15 * d_.number(*mass, "value") * dot(com, com);
     const double minors[] = {(xx + slack) * (yy + slack) - xy * xy, (xx + slack) * (zz + slack) - xz * xz, (yy + slack) * (zz + slack) - yz * yz};
-    const double determinant = (xx + slack) * ((yy + slack) * (zz + slack) - yz * yz) - xy * (xy * (zz + slack) - yz * xz) + xz * (xy * yz - (yy + slack) * xz);
+    const double determinant =
+        (xx + slack) * ((yy + slack) * (zz + slack) - yz * yz) - xy * (xy * (zz + slack) - yz * xz) + xz * (xy * yz - (yy + slack) * xz);
     if (xx < -slack || yy < -slack || zz < -slack || *std::min_element(minors, minors + 3) < 0 || determinant < 0)
       indefinite(*inertia, "link '" + name + "': its inertia is not positive semi-definite; no body has it");
     checkTriangle(*inertia, name, xx, yy, zz, xy, xz, yz, slack);
@@ -113,7 +115,8 @@ class Validator {
   }
 
   /// Principal moments of a body satisfy A + B >= C. Their largest against half the trace, by the trace's invariants.
-  void checkTriangle(const XMLElement& e, const std::string& name, double xx, double yy, double zz, double xy, double xz, double yz, double slack) const {
+  void checkTriangle(const XMLElement& e, const std::string& name, double xx, double yy, double zz, double xy, double xz, double yz,
+                     double slack) const {
     const double half = 0.5 * (xx + yy + zz) + slack;
     // half * 1 - I must be positive semi-definite.
     const double a = half - xx, b = half - yy, c = half - zz;
@@ -126,8 +129,9 @@ class Validator {
   void checkJoint(const XMLElement& joint) const {
     const std::string name = joint.Attribute("name"), type = d_.text(joint, "type");
     if (std::find(std::begin(joint_types), std::end(joint_types), type) == std::end(joint_types))
-      d_.fail(joint, "joint '" + name + "': unknown type '" + type +
-                         "'; URDF has fixed, revolute, continuous, prismatic, planar, floating (in small letters), and <libdyn> names those of plugins");
+      d_.fail(joint,
+              "joint '" + name + "': unknown type '" + type +
+                  "'; URDF has fixed, revolute, continuous, prismatic, planar, floating (in small letters), and <libdyn> names those of plugins");
     checkOrigin(joint);
     if (const XMLElement* axis = joint.FirstChildElement("axis")) {
       const Vec3<double> n = d_.vector3(*axis, "xyz");

@@ -1,13 +1,12 @@
 // What urdfdom lets pass and a robot must not have; see the README of this folder for the list.
 #pragma once
 
-#include "document.hpp"
-
 #include <dyn/parsers/urdf.hpp>
-
 #include <string>
 #include <unordered_map>
 #include <vector>
+
+#include "document.hpp"
 
 namespace dyn::urdf {
 

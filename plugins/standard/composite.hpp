@@ -22,9 +22,7 @@ struct Mimic {
   static constexpr const char* summary = "polynomial in the master's coordinate: c0 + c1 q + c2 q^2 + ...";
   static constexpr std::array parameters{
       ParameterSpec{"coefficients", ParameterKind::numbers, true, "", "constant term first: offset, multiplier, ..."}};
-  static bool check(const ParameterArgument* a, const sdk::Refusal& refuse) {
-    return a[0].count > 0 || refuse("coefficients must not be empty");
-  }
+  static bool check(const ParameterArgument* a, const sdk::Refusal& refuse) { return a[0].count > 0 || refuse("coefficients must not be empty"); }
   template <class S>
   static S value(const S& x, const sdk::Constants& c) {
     S y(0);

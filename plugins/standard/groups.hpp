@@ -1,9 +1,9 @@
 // Joints whose configuration space is a Lie group: spherical, free_flyer, planar; and the flat translation.
 #pragma once
 
-#include "one_axis.hpp"
-
 #include <dyn/lie/se3.hpp>
+
+#include "one_axis.hpp"
 
 namespace dyn::standard {
 
@@ -25,9 +25,7 @@ inline double normalizeQuaternion(double* q) {
   return std::fabs(n - 1);
 }
 /// q1 (-) q0 of two unit quaternions; exactly zero for q1 = -q0.
-inline Vec3<double> quaternionDifference(const Quaternion<double>& q0, const Quaternion<double>& q1) {
-  return log3(q0.conjugate() * q1);
-}
+inline Vec3<double> quaternionDifference(const Quaternion<double>& q0, const Quaternion<double>& q1) { return log3(q0.conjugate() * q1); }
 inline void writeMatrix(const Mat3<double>& M, double* out) {
   for (int i = 0; i < 9; ++i) out[i] = M.m[i];
 }
@@ -147,9 +145,7 @@ struct Planar : sdk::Joint<Planar, 3, 4> {
     pose[3] = X.r.s;
   }
   static void neutral(double* q) { write({}, q); }
-  static void integrate(const double* q, const double* v, double* out) {
-    write(at(q) * SE2<double>::exp({v[0], v[1], v[2]}), out);
-  }
+  static void integrate(const double* q, const double* v, double* out) { write(at(q) * SE2<double>::exp({v[0], v[1], v[2]}), out); }
   static Vec3<double> minus(const double* a, const double* b) {
     const SE2<double> A = at(a), B = at(b);
     // The difference of positions first: A^-1 * B would cancel far from the origin.
@@ -170,9 +166,7 @@ struct Planar : sdk::Joint<Planar, 3, 4> {
     writeMatrix(Jlog2(d), J1);
     writeMatrix(-1.0 * Jlog2(-d), J0);
   }
-  static double normalize(double* q) {
-    return Continuous::normalize(q + 2);
-  }
+  static double normalize(double* q) { return Continuous::normalize(q + 2); }
 };
 
 struct Translation : sdk::Joint<Translation, 3> {

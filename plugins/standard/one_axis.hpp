@@ -34,9 +34,7 @@ struct Revolute : sdk::Joint<Revolute, 1> {
   static constexpr std::array parameters{axis_parameter};
   static int constantCount(const ParameterArgument*) { return 0; }
   static void constants(const ParameterArgument*, double*) {}
-  static bool check(const ParameterArgument* a, JointInstance& out, const sdk::Refusal& refuse) {
-    return alignZ(a[0].numbers, out, refuse);
-  }
+  static bool check(const ParameterArgument* a, JointInstance& out, const sdk::Refusal& refuse) { return alignZ(a[0].numbers, out, refuse); }
   template <class S>
   static void coordinates(const S* q, const sdk::Constants&, S* pose) {
     using std::cos, std::sin;
@@ -52,9 +50,7 @@ struct Continuous : sdk::Joint<Continuous, 1, 2> {
   static constexpr std::array parameters{axis_parameter};
   static int constantCount(const ParameterArgument*) { return 0; }
   static void constants(const ParameterArgument*, double*) {}
-  static bool check(const ParameterArgument* a, JointInstance& out, const sdk::Refusal& refuse) {
-    return alignZ(a[0].numbers, out, refuse);
-  }
+  static bool check(const ParameterArgument* a, JointInstance& out, const sdk::Refusal& refuse) { return alignZ(a[0].numbers, out, refuse); }
   template <class S>
   static void coordinates(const S* q, const sdk::Constants&, S* pose) {
     const SO2<S> r = SO2<S>{q[0], q[1]}.normalized();
@@ -94,9 +90,7 @@ struct Prismatic : sdk::Joint<Prismatic, 1> {
   static constexpr std::array parameters{axis_parameter};
   static int constantCount(const ParameterArgument*) { return 0; }
   static void constants(const ParameterArgument*, double*) {}
-  static bool check(const ParameterArgument* a, JointInstance& out, const sdk::Refusal& refuse) {
-    return alignZ(a[0].numbers, out, refuse);
-  }
+  static bool check(const ParameterArgument* a, JointInstance& out, const sdk::Refusal& refuse) { return alignZ(a[0].numbers, out, refuse); }
   template <class S>
   static void coordinates(const S* q, const sdk::Constants&, S* pose) {
     pose[0] = q[0];
@@ -113,8 +107,8 @@ struct Helical : sdk::Joint<Helical, 1> {
   static constexpr const char* name = "helical";
   static constexpr const char* summary = "rotation about an axis by q [rad] with a translation pitch q along it";
   static constexpr Shape shape = Shape::dense_constant;
-  static constexpr std::array parameters{
-      axis_parameter, ParameterSpec{"pitch", ParameterKind::number, true, "m/rad", "translation along the axis per radian"}};
+  static constexpr std::array parameters{axis_parameter,
+                                         ParameterSpec{"pitch", ParameterKind::number, true, "m/rad", "translation along the axis per radian"}};
   static int constantCount(const ParameterArgument*) { return 1; }
   static void constants(const ParameterArgument* a, double* out) { out[0] = a[1].numbers[0]; }
   static bool check(const ParameterArgument* a, JointInstance& out, const sdk::Refusal& refuse) {

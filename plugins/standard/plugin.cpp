@@ -4,8 +4,8 @@
 #include "varying.hpp"
 
 namespace dyn::standard {
-using Joints = sdk::TypeList<Fixed, Revolute, Continuous, Prismatic, Helical, Cylindrical, Universal, Spherical, SphericalZYX, Translation,
-                             Planar, FreeFlyer, Ellipsoid, Composite>;
+using Joints = sdk::TypeList<Fixed, Revolute, Continuous, Prismatic, Helical, Cylindrical, Universal, Spherical, SphericalZYX, Translation, Planar,
+                             FreeFlyer, Ellipsoid, Composite>;
 using Couplings = sdk::TypeList<Mimic>;
 }  // namespace dyn::standard
 

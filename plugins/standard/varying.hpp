@@ -94,7 +94,8 @@ struct SphericalZYX : sdk::Joint<SphericalZYX, 3> {
 struct Ellipsoid : sdk::Joint<Ellipsoid, 3> {
   static constexpr const char* name = "ellipsoid";
   static constexpr const char* summary = "rotation Rx(q[0]) Ry(q[1]) Rz(q[2]) [rad], the origin on the ellipsoid where its normal-like z points";
-  static constexpr std::array parameters{ParameterSpec{"radii", ParameterKind::vector3, true, "m", "half axes of the ellipsoid, not negative", "0.1 0.2 0.15"}};
+  static constexpr std::array parameters{
+      ParameterSpec{"radii", ParameterKind::vector3, true, "m", "half axes of the ellipsoid, not negative", "0.1 0.2 0.15"}};
   static bool check(const ParameterArgument* a, JointInstance&, const sdk::Refusal& refuse) {
     for (int i = 0; i < 3; ++i)
       if (!(a[0].numbers[i] >= 0)) return refuse("radii must not be negative");
@@ -104,7 +105,7 @@ struct Ellipsoid : sdk::Joint<Ellipsoid, 3> {
   static SE3<S> pose(const S* q, const sdk::Constants& c) {
     using std::cos, std::sin;
     const S cx = cos(q[0]), sx = sin(q[0]), cy = cos(q[1]), sy = sin(q[1]), cz = cos(q[2]), sz = sin(q[2]);
-    return {{{cy * cz, -(cy * sz), sy,  //
+    return {{{cy * cz, -(cy * sz), sy,                                     //
               cx * sz + sx * sy * cz, cx * cz - sx * sy * sz, -(sx * cy),  //
               sx * sz - cx * sy * cz, sx * cz + cx * sy * sz, cx * cy}},
             {c[0] * sy, -(c[1] * sx * cy), c[2] * cx * cy}};

@@ -1,13 +1,12 @@
 // Broken files: an Error that says what and where, within seconds and bounded memory; long chains do not use up the stack.
-#include "support/catch.hpp"
-
+#include <clocale>
 #include <dyn/dyn.hpp>
 #include <dyn/parsers/urdf.hpp>
-
-#include <clocale>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+
+#include "support/catch.hpp"
 
 using namespace dyn;
 using namespace dyn::test;
@@ -20,7 +19,7 @@ std::string linkText(const std::string& name, const std::string& mass = "1", con
          "\" iyz=\"0\" izz=\"" + inertia + "\"/></inertial></link>\n";
 }
 std::string jointText(const std::string& name, const std::string& parent, const std::string& child, const std::string& type = "revolute",
-                  const std::string& inside = "<limit lower=\"-1\" upper=\"1\" effort=\"1\" velocity=\"1\"/>") {
+                      const std::string& inside = "<limit lower=\"-1\" upper=\"1\" effort=\"1\" velocity=\"1\"/>") {
   return "<joint name=\"" + name + "\" type=\"" + type + "\"><parent link=\"" + parent + "\"/><child link=\"" + child +
          "\"/><origin xyz=\"0 0 0.1\"/><axis xyz=\"0 1 0\"/>" + inside + "</joint>\n";
 }
@@ -43,10 +42,12 @@ TEST_CASE("a broken file is refused with what is wrong and where", "[fault]") {
   CHECK_THROWS_WITH(read(robot(linkText("a") + linkText("b") + jointText("j", "a", "b") + jointText("k", "b", "a"))), containing("circle"));
   CHECK_THROWS_WITH(read(robot(linkText("a") + linkText("b"))), containing("'a'") && containing("'b'") && containing("one root"));
   CHECK_THROWS_WITH(read(robot(linkText("a") + linkText("a"))), containing("two links are called 'a'") && containing(":4:"));
-  CHECK_THROWS_WITH(read(robot(linkText("a") + linkText("b") + jointText("j", "a", "b", "hinge"))), containing("unknown type 'hinge'") && containing(":5"));
+  CHECK_THROWS_WITH(read(robot(linkText("a") + linkText("b") + jointText("j", "a", "b", "hinge"))),
+                    containing("unknown type 'hinge'") && containing(":5"));
   CHECK_THROWS_WITH(read(robot(linkText("a", "nan"))), containing("nan") && containing(":3"));
   CHECK_THROWS_WITH(read(robot(linkText("a", "-1"))), containing("negative"));
-  CHECK_THROWS_WITH(read(robot(linkText("a") + linkText("b") + jointText("j", "a", "b", "revolute", "<mimic joint=\"j\"/>"))), containing("mimics itself"));
+  CHECK_THROWS_WITH(read(robot(linkText("a") + linkText("b") + jointText("j", "a", "b", "revolute", "<mimic joint=\"j\"/>"))),
+                    containing("mimics itself"));
   urdf::Options options;
   options.root = "no_such_joint";
   CHECK_THROWS_WITH(read(robot(linkText("a")), options), containing("no_such_joint") && containing("searched") && containing("DYN_PLUGIN_PATH"));
@@ -68,7 +69,8 @@ TEST_CASE("noise of 100 MB and elements nested 10^5 deep are refused", "[fault]"
 
 TEST_CASE("a chain of 50,000 links loads and computes", "[fault]") {
   std::string text = linkText("l0");
-  for (int i = 1; i <= 50000; ++i) text += linkText("l" + std::to_string(i)) + jointText("j" + std::to_string(i), "l" + std::to_string(i - 1), "l" + std::to_string(i));
+  for (int i = 1; i <= 50000; ++i)
+    text += linkText("l" + std::to_string(i)) + jointText("j" + std::to_string(i), "l" + std::to_string(i - 1), "l" + std::to_string(i));
   const CompactModel model = read(robot(text));
   REQUIRE(model.nv() == 50000);
   Data data(model);
@@ -118,16 +120,19 @@ TEST_CASE("vectors of wrong sizes are named with what they have and what is want
 }
 
 TEST_CASE("a plugin joint is described by the extension element", "[parser]") {
-  const std::string text = robot(linkText("a") + linkText("b") + jointText("screw", "a", "b", "floating", "") +
-                                 "<libdyn><joint name=\"screw\" type=\"helical\" axis=\"0 0 1\" pitch=\"0.01\" damping=\"0.5\" armature=\"0.1\"/></libdyn>\n");
+  const std::string text =
+      robot(linkText("a") + linkText("b") + jointText("screw", "a", "b", "floating", "") +
+            "<libdyn><joint name=\"screw\" type=\"helical\" axis=\"0 0 1\" pitch=\"0.01\" damping=\"0.5\" armature=\"0.1\"/></libdyn>\n");
   const Model model = urdf::parse(text, "robot.urdf");
   CHECK(model.bodies[2].joint.type == "helical");
   CHECK(model.bodies[2].joint.damping == std::vector<double>{0.5});
   CHECK(compile(model, JointRegistry::standard()).nv() == 1);
   const auto with = [&](const std::string& attributes) {
-    return read(robot(linkText("a") + linkText("b") + jointText("screw", "a", "b", "floating", "") + "<libdyn><joint " + attributes + "/></libdyn>\n"));
+    return read(
+        robot(linkText("a") + linkText("b") + jointText("screw", "a", "b", "floating", "") + "<libdyn><joint " + attributes + "/></libdyn>\n"));
   };
-  CHECK_THROWS_WITH(with("name=\"screw\" type=\"helical\" axis=\"0 0 1\""), containing("'pitch' is missing") && containing("screw") && containing(":6"));
+  CHECK_THROWS_WITH(with("name=\"screw\" type=\"helical\" axis=\"0 0 1\""),
+                    containing("'pitch' is missing") && containing("screw") && containing(":6"));
   CHECK_THROWS_WITH(with("name=\"screw\" type=\"helical\" axis=\"0 0 1\" pitch=\"1\" speed=\"3\""), containing("'speed' is unknown"));
   CHECK_THROWS_WITH(with("name=\"screw\" type=\"helical\" axis=\"0 0\" pitch=\"1\""), containing("'axis' must be three numbers"));
   CHECK_THROWS_WITH(with("name=\"nobody\" type=\"helical\""), containing("'nobody'"));
@@ -141,7 +146,10 @@ TEST_CASE("ignored tags are reported once each", "[parser]") {
 }
 
 TEST_CASE("losses of the description act in the dynamics, unless they are switched off", "[parser]") {
-  const std::string text = robot(linkText("a") + linkText("b") + jointText("j", "a", "b", "revolute", "<limit lower=\"-1\" upper=\"1\" effort=\"1\" velocity=\"1\"/><dynamics damping=\"0.5\" friction=\"0.25\"/>"));
+  const std::string text =
+      robot(linkText("a") + linkText("b") +
+            jointText("j", "a", "b", "revolute",
+                      "<limit lower=\"-1\" upper=\"1\" effort=\"1\" velocity=\"1\"/><dynamics damping=\"0.5\" friction=\"0.25\"/>"));
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(1), v = Eigen::VectorXd::Constant(1, 2.0);
   const CompactModel with = read(text);
   CompileOptions options;

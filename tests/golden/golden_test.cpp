@@ -1,9 +1,9 @@
 // Real robots against reference results made by another library in extended precision (shared/golden), by way of the public API.
-#include "support/errors.hpp"
-#include "support/shared.hpp"
-
 #include <dyn/dyn.hpp>
 #include <dyn/parsers/urdf.hpp>
+
+#include "support/errors.hpp"
+#include "support/shared.hpp"
 
 using namespace dyn;
 using namespace dyn::test;
@@ -25,7 +25,8 @@ class Checker {
     const double stated = errors_.contains(key) ? errors_[key].get<double>() : 1e-15;
     const double error = relativeError(x, flatten(sample[key])) * 0x1p-53;
     INFO(robot_ << " " << key << ": relative error " << error << ", the file states " << stated);
-    if (std::getenv("DYN_SHOW_ERRORS") && error > 3 * std::max(stated, 3e-16)) WARN(robot_ << " " << key << ": " << error << ", the file states " << stated);
+    if (std::getenv("DYN_SHOW_ERRORS") && error > 3 * std::max(stated, 3e-16))
+      WARN(robot_ << " " << key << ": " << error << ", the file states " << stated);
     CHECK(error <= 5 * std::max(stated, 3e-16));
   }
 
@@ -41,9 +42,8 @@ void checkFrames(const CompactModel& model, Data& data, const nlohmann::json& do
     const std::string prefix = "frame" + std::to_string(f) + "_";
     const int frame = model.frameId(document["jacobian_frames"][f]["name"].get<std::string>());
     REQUIRE(frame >= 0);
-    const std::pair<const char*, ReferenceFrame> references[] = {{"local", ReferenceFrame::LOCAL},
-                                                                 {"local_world_aligned", ReferenceFrame::LOCAL_WORLD_ALIGNED},
-                                                                 {"world", ReferenceFrame::WORLD}};
+    const std::pair<const char*, ReferenceFrame> references[] = {
+        {"local", ReferenceFrame::LOCAL}, {"local_world_aligned", ReferenceFrame::LOCAL_WORLD_ALIGNED}, {"world", ReferenceFrame::WORLD}};
     for (const auto& [name, reference] : references) {
       computeFrameJacobian(model, data, q, frame, reference, J);
       check(s, prefix + "J_" + name, rowMajor(J));
@@ -54,7 +54,8 @@ void checkFrames(const CompactModel& model, Data& data, const nlohmann::json& do
     forwardKinematics(model, data, q, v, a);
     check(s, prefix + "velocity_local", flat(frameVelocity(model, data, frame, ReferenceFrame::LOCAL)));
     check(s, prefix + "acceleration_local_spatial", flat(frameAcceleration(model, data, frame, ReferenceFrame::LOCAL)));
-    check(s, prefix + "acceleration_world_aligned_classical", flat(frameClassicalAcceleration(model, data, frame, ReferenceFrame::LOCAL_WORLD_ALIGNED)));
+    check(s, prefix + "acceleration_world_aligned_classical",
+          flat(frameClassicalAcceleration(model, data, frame, ReferenceFrame::LOCAL_WORLD_ALIGNED)));
   }
 }
 
@@ -69,7 +70,8 @@ TEST_CASE("robots agree with the golden data", "[golden]") {
   options.mimic = urdf::Mimic::independent;
   CompileOptions compile_options;
   compile_options.dissipation = false;
-  const CompactModel model = compile(urdf::load(sharedFolder() + "/models/" + document["file"].get<std::string>(), options), JointRegistry::standard(), compile_options);
+  const CompactModel model =
+      compile(urdf::load(sharedFolder() + "/models/" + document["file"].get<std::string>(), options), JointRegistry::standard(), compile_options);
 
   REQUIRE(model.nq() == document["nq"].get<int>());
   REQUIRE(model.njoints() == static_cast<int>(document["joints"].size()) + 1);

@@ -1,12 +1,12 @@
 // Shared objects that are wrong in every way known: each is an Error that names the file, and the registry stays as it was.
-#include "support/catch.hpp"
+#include <unistd.h>
 
 #include <dyn/joint/registry.hpp>
-
 #include <filesystem>
 #include <fstream>
 #include <thread>
-#include <unistd.h>
+
+#include "support/catch.hpp"
 
 namespace {
 
@@ -24,7 +24,7 @@ struct Folder {
   }
   ~Folder() { fs::remove_all(path); }
   fs::path copy(const std::string& file, fs::perms perms = fs::perms::owner_all) const {
-    const fs::path to = path / file;
+    fs::path to = path / file;
     fs::copy_file(bad_plugins / file, to);
     fs::permissions(to, perms);
     return to;
@@ -166,7 +166,8 @@ TEST_CASE("folders: empty ones, missing ones, and bad files among good ones") {
   } catch (const dyn::Error& e) {
     const std::string text = e.what();
     CHECK(e.code() == dyn::ErrorCode::joint_type);
-    for (const char* word : {"absent", "exports_nothing.so", "throws_in_constructor.so", "no licence found"}) CHECK(text.find(word) != std::string::npos);
+    for (const char* word : {"absent", "exports_nothing.so", "throws_in_constructor.so", "no licence found"})
+      CHECK(text.find(word) != std::string::npos);
     CHECK(text.find(folder.path.string()) != std::string::npos);
   }
 }

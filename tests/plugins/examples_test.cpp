@@ -1,12 +1,10 @@
 // The example plugins against closed forms of their own geometry, and the robots that come with them.
-#include "support/catch.hpp"
-
+#include <Eigen/Dense>
 #include <dyn/dyn.hpp>
 #include <dyn/parsers/urdf.hpp>
-
-#include <Eigen/Dense>
-
 #include <filesystem>
+
+#include "support/catch.hpp"
 
 using namespace dyn;
 using namespace dyn::test;
@@ -73,7 +71,8 @@ TEST_CASE("a carriage keeps its speed along an arc without a force, and needs it
   const Inertia<double> Y{3, {}, {1, 0, 0, 1, 0, 0.5}};
   const CompactModel rail = carry("planar_rail", {{"segments", Numbers{10, 0.5}}}, Y);
   Data data(rail);
-  const Eigen::VectorXd q = Eigen::VectorXd::Constant(1, 2), v = Eigen::VectorXd::Constant(1, 4), zero = Eigen::VectorXd::Zero(1), one = Eigen::VectorXd::Ones(1);
+  const Eigen::VectorXd q = Eigen::VectorXd::Constant(1, 2), v = Eigen::VectorXd::Constant(1, 4), zero = Eigen::VectorXd::Zero(1),
+                        one = Eigen::VectorXd::Ones(1);
   CHECK(rnea(rail, data, q, v, zero)[0] == approx(0).margin(1e-12));
   CHECK(rnea(rail, data, q, v, one)[0] == approx(3 + 0.5 * 0.25));
 }
@@ -82,7 +81,8 @@ TEST_CASE("a function joint's spline is the natural cubic through its knots and 
   const Numbers x{-1, -0.2, 0.5, 1.5, 1.8}, y{0.3, 0.1, 0.4, -0.2, 0.6};
   Numbers knots;
   for (std::size_t k = 0; k < x.size(); ++k) knots.insert(knots.end(), {x[k], y[k]});
-  const CompactModel joint = carry("function_joint", {{"tx_spline", knots}, {"tz_polynomial", Numbers{0.5, -1, 2}}, {"r2_polynomial", Numbers{0, 1}}});
+  const CompactModel joint =
+      carry("function_joint", {{"tx_spline", knots}, {"tz_polynomial", Numbers{0.5, -1, 2}}, {"r2_polynomial", Numbers{0, 1}}});
   // The same spline as sum of a line and of truncated cubes: s(t) = a + b t + sum_k c_k (t - x_k)_+^3 with sum c_k = sum c_k x_k = 0.
   const auto n = static_cast<Eigen::Index>(x.size());
   const auto at = [](Eigen::Index i) { return static_cast<std::size_t>(i); };
@@ -109,7 +109,8 @@ TEST_CASE("a function joint's spline is the natural cubic through its knots and 
 }
 
 TEST_CASE("a function joint of two coordinates takes each function of the coordinate that is named", "[examples]") {
-  const CompactModel joint = carry("function_joint2", {{"tx_polynomial", Numbers{0, 1}}, {"ty_polynomial", Numbers{0, 0, 3}}, {"ty_coordinate", Numbers{1}}});
+  const CompactModel joint =
+      carry("function_joint2", {{"tx_polynomial", Numbers{0, 1}}, {"ty_polynomial", Numbers{0, 0, 3}}, {"ty_coordinate", Numbers{1}}});
   REQUIRE(joint.nv() == 2);
   const SE3<double> X = poseAt(joint, Eigen::Vector2d(0.5, 2));
   CHECK(X.p.x == approx(0.5));
@@ -120,7 +121,9 @@ TEST_CASE("parameters that describe no rail or function are refused with the rea
   CHECK_THROWS_WITH(carry("planar_rail", {{"segments", Numbers{1, 0, 2}}}), containing("pairs"));
   CHECK_THROWS_WITH(carry("planar_rail", {{"segments", Numbers{1, 0, 0, 1}}}), containing("greater than 0"));
   CHECK_THROWS_WITH(carry("function_joint", {{"tx_spline", Numbers{0, 1, 0, 2}}}), containing("tx") && containing("growing x"));
-  CHECK_THROWS_WITH(carry("function_joint", {{"r1_spline", Numbers{0, 1, 1, 2}}, {"r1_polynomial", Numbers{1}}}), containing("r1") && containing("not both"));
-  CHECK_THROWS_WITH(carry("function_joint", {{"tz_polynomial", Numbers{0, 1}}, {"tz_coordinate", Numbers{1}}}), containing("tz") && containing("no coordinate"));
+  CHECK_THROWS_WITH(carry("function_joint", {{"r1_spline", Numbers{0, 1, 1, 2}}, {"r1_polynomial", Numbers{1}}}),
+                    containing("r1") && containing("not both"));
+  CHECK_THROWS_WITH(carry("function_joint", {{"tz_polynomial", Numbers{0, 1}}, {"tz_coordinate", Numbers{1}}}),
+                    containing("tz") && containing("no coordinate"));
   CHECK_THROWS_WITH(carry("function_joint", {{"axis2", Numbers{0, 0, 0}}}), containing("axis"));
 }

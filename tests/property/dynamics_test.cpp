@@ -1,8 +1,8 @@
 // What must hold between the algorithms, on random trees of all joint types.
+#include <Eigen/Cholesky>
+
 #include "support/catch.hpp"
 #include "support/random_model.hpp"
-
-#include <Eigen/Cholesky>
 
 using namespace dyn;
 using namespace dyn::test;
@@ -20,7 +20,7 @@ struct Scene {
   Data data;
   Eigen::VectorXd q, v, a, tau;
 
-  explicit Scene(const Model& description, std::uint64_t seed, CompileOptions options = {})
+  explicit Scene(const Model& description, std::uint64_t seed, const CompileOptions& options = {})
       : model(compile(description, registry(), options)), data(model, Need::mass_matrix) {
     Random random(seed + 1000);
     // Far enough from neutral that subspaces that vanish there (a cam's) do not.
@@ -38,7 +38,9 @@ double relative(const Eigen::Ref<const Eigen::MatrixXd>& x, const Eigen::Ref<con
 /// Derivative of f along q(t) = q (+) t v, by Richardson's extrapolation of central differences.
 template <class F>
 Eigen::MatrixXd alongMotion(const CompactModel& model, const Eigen::VectorXd& q, const Eigen::VectorXd& v, F&& f) {
-  const auto central = [&](double h) { return Eigen::MatrixXd((f(integrate(model, q, Eigen::VectorXd(h * v))) - f(integrate(model, q, Eigen::VectorXd(-h * v)))) / (2 * h)); };
+  const auto central = [&](double h) {
+    return Eigen::MatrixXd((f(integrate(model, q, Eigen::VectorXd(h * v))) - f(integrate(model, q, Eigen::VectorXd(-h * v)))) / (2 * h));
+  };
   constexpr double h = 1e-3;
   const Eigen::MatrixXd d1 = central(h), d2 = central(h / 2), d3 = central(h / 4);
   const Eigen::MatrixXd e1 = (4 * d2 - d1) / 3, e2 = (4 * d3 - d2) / 3;
@@ -112,7 +114,8 @@ TEST_CASE("the centre of mass moves as its Jacobian says", "[property]") {
   const CenterOfMass c = centerOfMass(s.model, s.data, s.q, s.v, s.a);
   const Eigen::Vector3d velocity(c.velocity.x, c.velocity.y, c.velocity.z);
   CHECK(relative(J * s.v, velocity) < 1e-11);
-  const Eigen::MatrixXd rate = alongMotion(s.model, s.q, s.v, [&](const Eigen::VectorXd& q) { return Eigen::MatrixXd(jacobianCenterOfMass(s.model, s.data, q) * s.v); });
+  const Eigen::MatrixXd rate =
+      alongMotion(s.model, s.q, s.v, [&](const Eigen::VectorXd& q) { return Eigen::MatrixXd(jacobianCenterOfMass(s.model, s.data, q) * s.v); });
   const Eigen::Vector3d acceleration(c.acceleration.x, c.acceleration.y, c.acceleration.z);
   CHECK(relative(Eigen::MatrixXd(J * s.a + rate), acceleration) < 1e-8);
 }
@@ -206,7 +209,8 @@ TEST_CASE("a reduced model moves as the full one with those joints held", "[prop
   forwardKinematics(s.model, s.data, s.q);
   forwardKinematics(reduced, data, q);
   for (int f = 0; f < static_cast<int>(reduced.frames().size()); ++f) {
-    const SE3<double> X = framePlacement(reduced, data, f), Y = framePlacement(s.model, s.data, s.model.frameId(reduced.frames()[static_cast<std::size_t>(f)].name));
+    const SE3<double> X = framePlacement(reduced, data, f),
+                      Y = framePlacement(s.model, s.data, s.model.frameId(reduced.frames()[static_cast<std::size_t>(f)].name));
     for (int k = 0; k < 9; ++k) CHECK(X.R.m[k] == approx(Y.R.m[k]).margin(1e-13));
     for (int k = 0; k < 3; ++k) CHECK(X.p[k] == approx(Y.p[k]).margin(1e-13));
   }

@@ -2,11 +2,10 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <nlohmann/json.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 

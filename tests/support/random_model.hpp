@@ -1,10 +1,9 @@
 // Random trees of every joint type that is loaded, the same for the same seed.
 #pragma once
 
+#include <dyn/conformance/conformance.hpp>
 #include <dyn/dyn.hpp>
-#include <dyn/joint/conformance.hpp>
 #include <dyn/lie/se3.hpp>
-
 #include <random>
 #include <string>
 

@@ -1,12 +1,10 @@
 // Models of the reference data's own JSON form.
 #pragma once
 
-#include <dyn/model/model.hpp>
-
-#include <nlohmann/json.hpp>
-
 #include <cmath>
+#include <dyn/model/model.hpp>
 #include <map>
+#include <nlohmann/json.hpp>
 
 namespace dyn::test {
 

@@ -1,13 +1,12 @@
 // Every algorithm against references of 25 digits that share no code with it, within the project's error budgets.
+#include <dyn/dyn.hpp>
+#include <dyn/parsers/urdf.hpp>
+#include <iostream>
+#include <map>
+
 #include "support/errors.hpp"
 #include "support/shared.hpp"
 #include "support/truth_model.hpp"
-
-#include <dyn/dyn.hpp>
-#include <dyn/parsers/urdf.hpp>
-
-#include <iostream>
-#include <map>
 
 using namespace dyn;
 using namespace dyn::test;
@@ -85,9 +84,12 @@ void checkFrames(const CompactModel& model, Data& data, const Eigen::VectorXd& q
       return std::vector<double>{m.linear.x, m.linear.y, m.linear.z, m.angular.x, m.angular.y, m.angular.z};
     };
     worst.check("vel_local", relativeError(flat(frameVelocity(model, data, id, ReferenceFrame::LOCAL)), flatten(frame["vel_local"])), 15);
-    worst.check("acc_local_spatial", relativeError(flat(frameAcceleration(model, data, id, ReferenceFrame::LOCAL)), flatten(frame["acc_local_spatial"])), 30);
-    worst.check("acc_lwa_classical",
-                relativeError(flat(frameClassicalAcceleration(model, data, id, ReferenceFrame::LOCAL_WORLD_ALIGNED)), flatten(frame["acc_lwa_classical"])), 30);
+    worst.check("acc_local_spatial",
+                relativeError(flat(frameAcceleration(model, data, id, ReferenceFrame::LOCAL)), flatten(frame["acc_local_spatial"])), 30);
+    worst.check(
+        "acc_lwa_classical",
+        relativeError(flat(frameClassicalAcceleration(model, data, id, ReferenceFrame::LOCAL_WORLD_ALIGNED)), flatten(frame["acc_lwa_classical"])),
+        30);
   }
 }
 
@@ -157,9 +159,9 @@ void checkSet(const std::string& name) {
 TEST_CASE("algorithms are within their error budgets of the 25-digit truth", "[truth]") {
   DYN_NEEDS_SHARED();
   const std::string name =
-      GENERATE(as<std::string>{}, "lwr", "lwr_bigangle", "lwr_tinyangle", "hyq", "hyq_far", "hyq_fast", "human", "talos", "chain_2", "chain_10", "chain_100",
-               "big_chain_200", "collinear_1e-8", "free_body_a", "free_body_b", "free_body_c", "joint_continuous", "joint_helical", "joint_planar",
-               "joint_prismatic", "joint_translation", "joint_universal", "leaf_mass_1e-12", "massless_links", "massratio_12", "pendulum_double",
-               "pendulum_simple", "rope_10", "zoo", "custom_cam", "custom_screw");
+      GENERATE(as<std::string>{}, "lwr", "lwr_bigangle", "lwr_tinyangle", "hyq", "hyq_far", "hyq_fast", "human", "talos", "chain_2", "chain_10",
+               "chain_100", "big_chain_200", "collinear_1e-8", "free_body_a", "free_body_b", "free_body_c", "joint_continuous", "joint_helical",
+               "joint_planar", "joint_prismatic", "joint_translation", "joint_universal", "leaf_mass_1e-12", "massless_links", "massratio_12",
+               "pendulum_double", "pendulum_simple", "rope_10", "zoo", "custom_cam", "custom_screw");
   checkSet(name);
 }

@@ -1,12 +1,12 @@
 // dyn bench: ns a call of each algorithm, median of repetitions over random states.
-#include "commands.hpp"
-#include "model_options.hpp"
-#include "states.hpp"
-
 #include <algorithm>
 #include <chrono>
 #include <functional>
 #include <memory>
+
+#include "commands.hpp"
+#include "model_options.hpp"
+#include "states.hpp"
 
 namespace dyn::tool {
 
@@ -67,8 +67,8 @@ void run(const Options& o) {
   const std::vector<State> states = randomStates(model, 256, 1);
   Data data(model, Need::mass_matrix);
   if (!o.json)
-    std::printf("%s, %d degrees of freedom, 256 random states, median of 11\n%-26s %-8s %12s   %s\n", model.name().c_str(), model.nv(), "algorithm", "mode",
-                "ns a call", "quartiles");
+    std::printf("%s, %d degrees of freedom, 256 random states, median of 11\n%-26s %-8s %12s   %s\n", model.name().c_str(), model.nv(), "algorithm",
+                "mode", "ns a call", "quartiles");
   for (const Algorithm& algorithm : algorithms()) {
     try {
       const Timing t = measure(algorithm, model, data, states);

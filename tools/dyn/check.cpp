@@ -1,9 +1,9 @@
 // dyn check: finds what is wrong or suspicious in a model. Exit code 1 when there are errors.
-#include "commands.hpp"
-#include "model_options.hpp"
-
 #include <cmath>
 #include <memory>
+
+#include "commands.hpp"
+#include "model_options.hpp"
 
 namespace dyn::tool {
 

@@ -1,12 +1,12 @@
 // dyn compute: states in, dynamics out, as JSON with the keys of the golden data.
-#include "commands.hpp"
-#include "model_options.hpp"
-#include "states.hpp"
-
 #include <cstdio>
 #include <functional>
 #include <memory>
 #include <set>
+
+#include "commands.hpp"
+#include "model_options.hpp"
+#include "states.hpp"
 
 namespace dyn::tool {
 
@@ -69,9 +69,8 @@ const std::vector<Quantity>& quantities() {
 
 /// The Jacobian entries of a frame, named frame<index>_...
 void writeFrame(const CompactModel& m, Data& d, const State& s, int frame, const std::string& prefix, Json& out) {
-  const std::pair<const char*, ReferenceFrame> references[] = {{"local", ReferenceFrame::LOCAL},
-                                                               {"local_world_aligned", ReferenceFrame::LOCAL_WORLD_ALIGNED},
-                                                               {"world", ReferenceFrame::WORLD}};
+  const std::pair<const char*, ReferenceFrame> references[] = {
+      {"local", ReferenceFrame::LOCAL}, {"local_world_aligned", ReferenceFrame::LOCAL_WORLD_ALIGNED}, {"world", ReferenceFrame::WORLD}};
   Eigen::MatrixXd J(6, m.nv());
   for (const auto& [name, reference] : references) {
     computeFrameJacobian(m, d, s.q, frame, reference, J);
@@ -175,7 +174,8 @@ void run(const Options& o) {
     for (const Quantity& quantity : quantities())
       if (only.empty() || only.count(quantity.key)) quantity.write(model, data, s, sample);
     for (std::size_t f = 0; f < frames.size(); ++f) writeFrame(model, data, s, frames[f], "frame" + std::to_string(f) + "_", sample);
-    if (!allFinite(sample)) throw Error(ErrorCode::argument, "sample " + std::to_string(i) + ": a result is not finite (overflow, or a zero quaternion?)");
+    if (!allFinite(sample))
+      throw Error(ErrorCode::argument, "sample " + std::to_string(i) + ": a result is not finite (overflow, or a zero quaternion?)");
     out += i ? ",\n" : "\n";
     print(sample, out);
   }
@@ -189,7 +189,8 @@ void addCompute(CLI::App& app) {
   CLI::App* sub = app.add_subcommand("compute", "dynamics of given states, as JSON");
   auto o = std::make_shared<Options>();
   o->model.add(*sub);
-  sub->add_option("--states", o->states, "JSON file {\"samples\":[{\"q\":[],\"v\":[],\"a\":[],\"tau\":[]}, ...]}, or - for standard input")->required();
+  sub->add_option("--states", o->states, "JSON file {\"samples\":[{\"q\":[],\"v\":[],\"a\":[],\"tau\":[]}, ...]}, or - for standard input")
+      ->required();
   std::string keys;
   for (const Quantity& q : quantities()) keys += std::string(keys.empty() ? "" : ", ") + q.key;
   sub->add_option("--only", o->only, "quantities to compute: " + keys)->delimiter(',');

@@ -1,11 +1,9 @@
 // What every subcommand that reads a model takes: the file, its root joint, and how the file is read.
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <dyn/dyn.hpp>
 #include <dyn/parsers/urdf.hpp>
-
-#include <CLI/CLI.hpp>
-
 #include <string>
 #include <vector>
 

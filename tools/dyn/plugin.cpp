@@ -1,9 +1,8 @@
 // dyn plugin: what is loaded; the other subcommands have files of their own.
 #include "plugin.hpp"
 
-#include <dyn/joint/registry.hpp>
-
 #include <cstdio>
+#include <dyn/joint/registry.hpp>
 
 namespace dyn::tool {
 

@@ -1,14 +1,13 @@
 // dyn plugin check: the conformance kit on every type of a shared object. Exit code 1 on a failure.
-#include "alloc_guard.hpp"
-#include "plugin.hpp"
-
-#include <dyn/joint/conformance.hpp>
-
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <dyn/conformance/conformance.hpp>
 #include <filesystem>
 #include <memory>
+
+#include "alloc_guard.hpp"
+#include "plugin.hpp"
 
 namespace dyn::tool {
 
@@ -116,14 +115,12 @@ void run(const CheckOptions& o) {
     ++types;
     for (const JointType* type : registry.jointTypes())
       if (name == type->info().name)
-        failures += checkType(*type, o, [&](const JointType& t, const Parameters& p, std::uint64_t seed) {
-          return checkJointType(t, p, registry, seed, allocations);
-        });
+        failures += checkType(
+            *type, o, [&](const JointType& t, const Parameters& p, std::uint64_t seed) { return checkJointType(t, p, registry, seed, allocations); });
     for (const CouplingType* type : registry.couplingTypes())
       if (name == type->info().name)
-        failures += checkType(*type, o, [&](const CouplingType& t, const Parameters& p, std::uint64_t seed) {
-          return checkCouplingType(t, p, seed, allocations);
-        });
+        failures += checkType(
+            *type, o, [&](const CouplingType& t, const Parameters& p, std::uint64_t seed) { return checkCouplingType(t, p, seed, allocations); });
   }
   if (types == 0) {
     std::string known;

@@ -1,15 +1,14 @@
 // dyn plugin new: a folder with a joint type to start from.
-#include "plugin.hpp"
-
-#include <dyn/error.hpp>
-
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <cstdio>
+#include <dyn/error.hpp>
 #include <filesystem>
 #include <fstream>
 #include <memory>
+
+#include "plugin.hpp"
 
 namespace dyn::tool {
 
@@ -29,7 +28,8 @@ find_package(libdyn REQUIRED COMPONENTS sdk)
 libdyn_add_joint_plugin(@NAME@ @NAME@.cpp)
 )";
 
-const char* const source_text = R"(// A follower on an eccentric cam: it moves along z by h (1 - cos q) as the cam turns by q. Replace parameters and pose by your joint's.
+const char* const source_text =
+    R"(// A follower on an eccentric cam: it moves along z by h (1 - cos q) as the cam turns by q. Replace parameters and pose by your joint's.
 #include <dyn_sdk/joint_plugin.hpp>
 
 struct @CLASS@ : dyn::sdk::Joint<@CLASS@, 1> {  // 1: degrees of freedom
@@ -85,14 +85,18 @@ const char* const urdf_text = R"(<?xml version="1.0"?>
 )";
 
 // Words that are no names in C++ although they look like them.
-constexpr std::array keywords{"alignas", "alignof", "and", "and_eq", "asm", "auto", "bitand", "bitor", "bool", "break", "case", "catch", "char",
-    "char16_t", "char32_t", "char8_t", "class", "co_await", "co_return", "co_yield", "compl", "concept", "const", "const_cast", "consteval",
-    "constexpr", "constinit", "continue", "decltype", "default", "delete", "do", "double", "dynamic_cast", "else", "enum", "explicit", "export",
-    "extern", "false", "float", "for", "friend", "goto", "if", "inline", "int", "long", "mutable", "namespace", "new", "noexcept", "not",
-    "not_eq", "nullptr", "operator", "or", "or_eq", "private", "protected", "public", "register", "reinterpret_cast", "requires", "restrict",
-    "return", "short", "signed", "sizeof", "static", "static_assert", "static_cast", "struct", "switch", "template", "this", "thread_local",
-    "throw", "true", "try", "typedef", "typeid", "typename", "union", "unsigned", "using", "virtual", "void", "volatile", "wchar_t", "while",
-    "xor", "xor_eq"};
+constexpr std::array keywords{
+    "alignas",   "alignof",  "and",      "and_eq",   "asm",          "auto",       "bitand",       "bitor",         "bool",
+    "break",     "case",     "catch",    "char",     "char16_t",     "char32_t",   "char8_t",      "class",         "co_await",
+    "co_return", "co_yield", "compl",    "concept",  "const",        "const_cast", "consteval",    "constexpr",     "constinit",
+    "continue",  "decltype", "default",  "delete",   "do",           "double",     "dynamic_cast", "else",          "enum",
+    "explicit",  "export",   "extern",   "false",    "float",        "for",        "friend",       "goto",          "if",
+    "inline",    "int",      "long",     "mutable",  "namespace",    "new",        "noexcept",     "not",           "not_eq",
+    "nullptr",   "operator", "or",       "or_eq",    "private",      "protected",  "public",       "register",      "reinterpret_cast",
+    "requires",  "restrict", "return",   "short",    "signed",       "sizeof",     "static",       "static_assert", "static_cast",
+    "struct",    "switch",   "template", "this",     "thread_local", "throw",      "true",         "try",           "typedef",
+    "typeid",    "typename", "union",    "unsigned", "using",        "virtual",    "void",         "volatile",      "wchar_t",
+    "while",     "xor",      "xor_eq"};
 
 bool isIdentifier(const std::string& name) {
   const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
@@ -135,9 +139,9 @@ void create(const std::string& name, const std::string& directory) {
     throw Error(ErrorCode::argument, "'" + name + "' cannot name a joint type: use letters, digits and _, no digit first, no keyword of C++");
   const fs::path folder = fs::path(directory) / name;
   std::error_code error;
-  if (fs::exists(fs::symlink_status(folder, error))) throw Error(ErrorCode::file, "exists already; choose another name or --directory", {folder.string(), 0, ""});
-  if (!fs::create_directories(folder, error) || error)
-    throw Error(ErrorCode::file, "cannot be made: " + error.message(), {folder.string(), 0, ""});
+  if (fs::exists(fs::symlink_status(folder, error)))
+    throw Error(ErrorCode::file, "exists already; choose another name or --directory", {folder.string(), 0, ""});
+  if (!fs::create_directories(folder, error) || error) throw Error(ErrorCode::file, "cannot be made: " + error.message(), {folder.string(), 0, ""});
   writeFile(folder / "CMakeLists.txt", cmake_text, name);
   writeFile(folder / (name + ".cpp"), source_text, name);
   writeFile(folder / "README.md", readme_text, name);

@@ -1,9 +1,8 @@
 #include "states.hpp"
 
+#include <cmath>
 #include <dyn/algorithm/configuration.hpp>
 #include <dyn/error.hpp>
-
-#include <cmath>
 #include <fstream>
 #include <iostream>
 #include <random>
@@ -12,7 +11,8 @@ namespace dyn::tool {
 
 namespace {
 
-Eigen::VectorXd readVector(const nlohmann::json& sample, const char* key, int size, const Where& where, std::size_t index, bool required, bool& given) {
+Eigen::VectorXd readVector(const nlohmann::json& sample, const char* key, int size, const Where& where, std::size_t index, bool required,
+                           bool& given) {
   const std::string place = "sample " + std::to_string(index) + ": " + key;
   const auto found = sample.find(key);
   given = found != sample.end() && !found->is_null();

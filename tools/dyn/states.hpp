@@ -1,11 +1,9 @@
 // States from a JSON file, and results back: numbers with 17 significant digits, sizes checked, NaN and Inf refused.
 #pragma once
 
-#include <dyn/compile/compact_model.hpp>
-
 #include <Eigen/Core>
+#include <dyn/compile/compact_model.hpp>
 #include <nlohmann/json.hpp>
-
 #include <string>
 #include <vector>
 

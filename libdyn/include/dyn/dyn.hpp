@@ -6,6 +6,6 @@
 #include <dyn/algorithm/configuration.hpp>
 #include <dyn/algorithm/crba.hpp>
 #include <dyn/algorithm/kinematics.hpp>
+#include <dyn/algorithm/layout.hpp>
 #include <dyn/algorithm/rnea.hpp>
 #include <dyn/compile/compile.hpp>
-#include <dyn/model/layout.hpp>

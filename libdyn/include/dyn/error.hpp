@@ -2,7 +2,6 @@
 #pragma once
 
 #include <dyn/export.hpp>
-
 #include <stdexcept>
 #include <string>
 

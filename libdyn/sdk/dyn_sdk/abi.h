@@ -13,7 +13,7 @@ struct dyn_plugin_stamp {
   uint32_t magic;
   uint32_t abi_version;
   uint32_t descriptor_size;
-  uint32_t layout;      /* see dyn::sdk::layoutStamp */
+  uint32_t layout;       /* see dyn::sdk::layoutStamp */
   char compiler_abi[32]; /* e.g. "itanium-x86_64-lp64" */
 };
 

@@ -10,8 +10,8 @@ template <class Author>
 class CouplingTypeOf final : public CouplingType {
  public:
   const JointTypeInfo& info() const noexcept override {
-    static constexpr JointTypeInfo description{Author::name, Author::summary, Structure::joint, closed_configuration,
-                                               Author::parameters.data(), static_cast<int>(Author::parameters.size())};
+    static constexpr JointTypeInfo description{Author::name,         Author::summary,           Structure::joint,
+                                               closed_configuration, Author::parameters.data(), static_cast<int>(Author::parameters.size())};
     return description;
   }
   bool prepare(const ParameterArgument* args, int& count, char* message, int size) const noexcept override {

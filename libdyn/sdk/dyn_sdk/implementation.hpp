@@ -25,14 +25,14 @@ class JointTypeOf final : public JointType {
   static_assert(!is_dense || nq == nv, "a dense joint has v = dq/dt");
 
   const JointTypeInfo& info() const noexcept override {
-    static constexpr JointTypeInfo description{
-        Author::name,
-        Author::summary,
-        Author::structure,
-        (!is_dense || HasSubspace<Author> ? closed_subspace : 0u) | (!is_dense || HasBias<Author> ? closed_bias : 0u) |
-            (has_configuration<Author> ? closed_configuration : 0u),
-        Author::parameters.data(),
-        static_cast<int>(Author::parameters.size())};
+    static constexpr JointTypeInfo description{Author::name,
+                                               Author::summary,
+                                               Author::structure,
+                                               (!is_dense || HasSubspace<Author> ? closed_subspace : 0u) |
+                                                   (!is_dense || HasBias<Author> ? closed_bias : 0u) |
+                                                   (has_configuration<Author> ? closed_configuration : 0u),
+                                               Author::parameters.data(),
+                                               static_cast<int>(Author::parameters.size())};
     return description;
   }
 
@@ -173,7 +173,7 @@ const void* instance() {
 /// Exports joint types; once per shared object.
 #define DYN_EXPORT_JOINTS(...) DYN_EXPORT_PLUGIN(DYN_TYPES(__VA_ARGS__), DYN_TYPES())
 #define DYN_TYPES(...) ::dyn::sdk::TypeList<__VA_ARGS__>
-#define DYN_EXPORT_PLUGIN(JOINTS, COUPLINGS)                                                                        \
-  extern "C" __attribute__((visibility("default"))) const dyn_plugin_descriptor* dyn_plugin_descriptor_v1() {       \
-    return ::dyn::sdk::describe(JOINTS{}, COUPLINGS{});                                                             \
+#define DYN_EXPORT_PLUGIN(JOINTS, COUPLINGS)                                                                  \
+  extern "C" __attribute__((visibility("default"))) const dyn_plugin_descriptor* dyn_plugin_descriptor_v1() { \
+    return ::dyn::sdk::describe(JOINTS{}, COUPLINGS{});                                                       \
   }

@@ -20,11 +20,10 @@
 // Jacobians are nv x nv, row-major.
 #pragma once
 
-#include <dyn_sdk/derive.hpp>
-#include <dyn_sdk/stamp.hpp>
-
 #include <array>
 #include <cstdio>
+#include <dyn_sdk/derive.hpp>
+#include <dyn_sdk/stamp.hpp>
 
 namespace dyn::sdk {
 
@@ -65,8 +64,7 @@ inline bool unitVector(const double* xyz, Vec3<long double>& out) {
 /// A rotation whose third column is the unit vector n; a cyclic permutation when n is an axis of the frame.
 inline Mat3<double> frameWithZ(const Vec3<long double>& n) {
   const long double ax = std::fabs(n.x), ay = std::fabs(n.y), az = std::fabs(n.z);
-  Vec3<long double> x = az >= ax && az >= ay ? Vec3<long double>{1, 0, 0}
-                                             : (ax >= ay ? Vec3<long double>{0, 1, 0} : Vec3<long double>{0, 0, 1});
+  Vec3<long double> x = az >= ax && az >= ay ? Vec3<long double>{1, 0, 0} : (ax >= ay ? Vec3<long double>{0, 1, 0} : Vec3<long double>{0, 0, 1});
   x -= dot(x, n) * n;
   const long double l = std::sqrt(dot(x, x));
   x = {x.x / l, x.y / l, x.z / l};

@@ -1,18 +1,18 @@
 // The stamp both sides compute from their own headers; a plugin whose stamp differs is refused before any of its code is called.
 #pragma once
 
-#include <dyn/joint/joint_type.hpp>
 #include <dyn_sdk/abi.h>
 
+#include <dyn/joint/joint_type.hpp>
 #include <initializer_list>
 
 namespace dyn::sdk {
 
 constexpr std::uint32_t layoutStamp() {
   std::uint32_t h = 2166136261u;
-  for (const std::size_t size : {sizeof(ParameterSpec), sizeof(ParameterArgument), sizeof(JointTypeInfo), sizeof(JointInstance),
-                                 sizeof(JointBatch<double>), sizeof(ConfigurationBatch<double>), sizeof(SE3<double>),
-                                 alignof(SE3<double>), sizeof(Dual<double>), alignof(JointInstance)})
+  for (const std::size_t size :
+       {sizeof(ParameterSpec), sizeof(ParameterArgument), sizeof(JointTypeInfo), sizeof(JointInstance), sizeof(JointBatch<double>),
+        sizeof(ConfigurationBatch<double>), sizeof(SE3<double>), alignof(SE3<double>), sizeof(Dual<double>), alignof(JointInstance)})
     h = (h ^ static_cast<std::uint32_t>(size)) * 16777619u;
   return h;
 }

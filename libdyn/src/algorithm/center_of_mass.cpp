@@ -1,9 +1,8 @@
 #include <dyn/algorithm/center_of_mass.hpp>
+#include <dyn/algorithm/kinematics.hpp>
 
 #include "algorithm/inputs.hpp"
 #include "kernels/sweep.hpp"
-
-#include <dyn/algorithm/kinematics.hpp>
 
 namespace dyn::detail {
 
@@ -53,8 +52,7 @@ const double* jacobianCenterOfMass(const CompactModel& model, Data& data, Vector
   });
   if (!m.couplings.empty()) {
     for (std::size_t k = m.couplings.size(); k-- > 0;)
-      for (int r = 0; r < 3; ++r)
-        J[3 * m.index[at(m.couplings[k].master)].idx_v + r] += d.G[k] * J[3 * m.index[at(m.couplings[k].body)].idx_v + r];
+      for (int r = 0; r < 3; ++r) J[3 * m.index[at(m.couplings[k].master)].idx_v + r] += d.G[k] * J[3 * m.index[at(m.couplings[k].body)].idx_v + r];
     for (std::size_t k = 0; k < m.v_of_user.size(); ++k)
       for (std::size_t r = 0; r < 3; ++r) d.Jcom[3 * k + r] = J[3 * at(m.v_of_user[k]) + r];
   }

@@ -1,10 +1,9 @@
-#include <dyn/algorithm/configuration.hpp>
-
-#include "algorithm/inputs.hpp"
-
 #include <algorithm>
 #include <cmath>
+#include <dyn/algorithm/configuration.hpp>
 #include <random>
+
+#include "algorithm/inputs.hpp"
 
 namespace dyn::detail {
 

@@ -1,9 +1,9 @@
-#include <dyn/algorithm/crba.hpp>
-
 #include "algorithm/crba.hpp"
-#include "kernels/aligned.hpp"
 
 #include <algorithm>
+#include <dyn/algorithm/crba.hpp>
+
+#include "kernels/aligned.hpp"
 
 namespace dyn {
 
@@ -14,8 +14,8 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 Sym3<double> shiftedInertia(const Sym3<double>& I, double mass, const Vec3<double>& h, const Vec3<double>& r) {
   const Vec3<double> k = h + 0.5 * mass * r;  // I + [..] = I - (h r^T + r h^T + m r r^T) + trace part, symmetric in h + m r / 2
   const double t = 2 * dot(k, r);
-  return I + Sym3<double>{t - 2 * k.x * r.x, -(k.x * r.y + r.x * k.y), -(k.x * r.z + r.x * k.z), t - 2 * k.y * r.y,
-                          -(k.y * r.z + r.y * k.z), t - 2 * k.z * r.z};
+  return I + Sym3<double>{t - 2 * k.x * r.x, -(k.x * r.y + r.x * k.y), -(k.x * r.z + r.x * k.z),
+                          t - 2 * k.y * r.y, -(k.y * r.z + r.y * k.z), t - 2 * k.z * r.z};
 }
 
 /// M of the expanded coordinates, column-major n x n, lower triangle's blocks mirrored.

@@ -1,16 +1,16 @@
 // External forces from the user's joint frames into the bodies' core frames.
 #pragma once
 
-#include "data/data_impl.hpp"
-
 #include <dyn/error.hpp>
-
 #include <string>
+
+#include "data/data_impl.hpp"
 
 namespace dyn {
 
 /// Null when there are none; else d.fext, an entry a body.
-inline const Force<double>* readExternalForces(const char* algorithm, const CompactImpl& m, DataImpl& d, const Force<double>* fext, std::size_t count) {
+inline const Force<double>* readExternalForces(const char* algorithm, const CompactImpl& m, DataImpl& d, const Force<double>* fext,
+                                               std::size_t count) {
   if (count == 0) return nullptr;
   if (count != m.joints.size())
     throw Error(ErrorCode::size, std::string(algorithm) + ": fext has " + std::to_string(count) + " entries, the model wants " +

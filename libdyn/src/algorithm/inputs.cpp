@@ -1,47 +1,15 @@
 #include "algorithm/inputs.hpp"
 
-#include <dyn/error.hpp>
-
 #include <algorithm>
+#include <dyn/error.hpp>
 #include <string>
+
+#include "joint/coordinate.hpp"
 
 namespace dyn {
 
 namespace {
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-/// The one-dimensional coordinate of a coupled joint: how far it is from neutral.
-double coordinateOf(const TypeBatch& batch, int slot, const double* q) {
-  double neutral[max_joint_nq], value = 0;
-  ConfigurationBatch<double> b;
-  b.count = 1;
-  b.constants = batch.constants.data() + slot;
-  b.constants_stride = batch.count;
-  b.q_stride = b.v_stride = 1;
-  b.q_out = neutral;
-  batch.type->neutral(b);
-  b.q_out = nullptr;
-  b.q0 = neutral;
-  b.q1 = q;
-  b.v_out = &value;
-  batch.type->difference(b);
-  return value;
-}
-
-void setCoordinate(const TypeBatch& batch, int slot, double value, double* q) {
-  double neutral[max_joint_nq];
-  ConfigurationBatch<double> b;
-  b.count = 1;
-  b.constants = batch.constants.data() + slot;
-  b.constants_stride = batch.count;
-  b.q_stride = b.v_stride = 1;
-  b.q_out = neutral;
-  batch.type->neutral(b);
-  b.q0 = neutral;
-  b.v = &value;
-  b.q_out = q;
-  batch.type->integrate(b);
-}
 
 void spread(const std::vector<int>& target, const double* user, double* expanded) {
   for (std::size_t k = 0; k < target.size(); ++k) expanded[target[k]] = user[k];
@@ -51,12 +19,12 @@ void spread(const std::vector<int>& target, const double* user, double* expanded
 void follow(const CompactImpl& m, DataImpl& d, bool with_v, bool with_a) {
   for (std::size_t k = 0; k < m.couplings.size(); ++k) {
     const PackedCoupling& c = m.couplings[k];
-    const BodyIndex& slave = m.index[at(c.body)];
-    const BodyIndex& master = m.index[at(c.master)];
+    const BodyIndex &slave = m.index[at(c.body)], &master = m.index[at(c.master)];
+    const TypeBatch &mine = m.batches[at(slave.batch)], &masters = m.batches[at(master.batch)];
     double f[3];
-    c.type->evaluate(c.constants.data(), static_cast<int>(c.constants.size()),
-                     coordinateOf(m.batches[at(master.batch)], master.slot, d.qx + master.idx_q), f);
-    setCoordinate(m.batches[at(slave.batch)], slave.slot, f[0], d.qx + slave.idx_q);
+    const double x = coordinateOf(*masters.type, masters.constants.data() + master.slot, masters.count, d.qx + master.idx_q);
+    c.type->evaluate(c.constants.data(), static_cast<int>(c.constants.size()), x, f);
+    setCoordinate(*mine.type, mine.constants.data() + slave.slot, mine.count, f[0], d.qx + slave.idx_q);
     d.G[k] = f[1];
     const double vm = with_v ? d.vx[master.idx_v] : 0.0;
     d.gamma[k] = f[2] * vm * vm;
@@ -69,8 +37,8 @@ void follow(const CompactImpl& m, DataImpl& d, bool with_v, bool with_a) {
 
 void checkSize(const char* algorithm, const char* name, VectorView x, int wanted) {
   if (x.size != wanted)
-    throw Error(ErrorCode::size, std::string(algorithm) + ": " + name + " has " + std::to_string(x.size) + " entries, the model wants " +
-                                     std::to_string(wanted));
+    throw Error(ErrorCode::size,
+                std::string(algorithm) + ": " + name + " has " + std::to_string(x.size) + " entries, the model wants " + std::to_string(wanted));
 }
 
 void checkData(const char* algorithm, const CompactModel& model, const Data& data, Need need) {

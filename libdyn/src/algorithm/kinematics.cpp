@@ -1,12 +1,10 @@
+#include <algorithm>
 #include <dyn/algorithm/kinematics.hpp>
+#include <dyn/error.hpp>
+#include <string>
 
 #include "algorithm/inputs.hpp"
 #include "kernels/sweep.hpp"
-
-#include <dyn/error.hpp>
-
-#include <algorithm>
-#include <string>
 
 namespace dyn {
 
@@ -35,9 +33,12 @@ void placeInWorld(const CompactImpl& m, DataImpl& d, int i) {
 /// A motion given in the frame's axes at its origin, expressed as asked.
 Motion<double> express(const Motion<double>& local, const SE3<double>& oMf, ReferenceFrame reference) {
   switch (reference) {
-    case ReferenceFrame::LOCAL: return local;
-    case ReferenceFrame::WORLD: return oMf.act(local);
-    case ReferenceFrame::LOCAL_WORLD_ALIGNED: return {oMf.R * local.linear, oMf.R * local.angular};
+    case ReferenceFrame::LOCAL:
+      return local;
+    case ReferenceFrame::WORLD:
+      return oMf.act(local);
+    case ReferenceFrame::LOCAL_WORLD_ALIGNED:
+      return {oMf.R * local.linear, oMf.R * local.angular};
   }
   return local;
 }
@@ -46,8 +47,7 @@ Motion<double> express(const Motion<double>& local, const SE3<double>& oMf, Refe
 
 namespace detail {
 
-void wantSize(const char* algorithm, const char* name, std::ptrdiff_t rows, std::ptrdiff_t cols, std::ptrdiff_t want_rows,
-              std::ptrdiff_t want_cols) {
+void wantSize(const char* algorithm, const char* name, std::ptrdiff_t rows, std::ptrdiff_t cols, std::ptrdiff_t want_rows, std::ptrdiff_t want_cols) {
   if (rows != want_rows || cols != want_cols)
     throw Error(ErrorCode::size, std::string(algorithm) + ": " + name + " is " + std::to_string(rows) + " x " + std::to_string(cols) +
                                      ", it must be " + std::to_string(want_rows) + " x " + std::to_string(want_cols));
@@ -86,9 +86,7 @@ struct Walk {
 };
 
 /// Columns of one joint seen from the frame: S moved to the frame's origin.
-Motion<double> seen(const Walk& walk, const Motion<double>& S) {
-  return {walk.Q * (S.linear + cross(S.angular, walk.x)), walk.Q * S.angular};
-}
+Motion<double> seen(const Walk& walk, const Motion<double>& S) { return {walk.Q * (S.linear + cross(S.angular, walk.x)), walk.Q * S.angular}; }
 
 /// Their time derivative, where dS is the derivative of S in the body's axes.
 Motion<double> seenRate(const Walk& walk, const Motion<double>& S, const Motion<double>& dS) {
@@ -168,17 +166,22 @@ void frameJacobian(const CompactModel& model, Data& data, VectorView q, int fram
     const SE3<double>& oMi = d.oM[i];
     Motion<double> column;
     switch (reference) {
-      case ReferenceFrame::LOCAL: column = seen(walk, S); break;
-      case ReferenceFrame::WORLD: column = oMi.act(S); break;
-      case ReferenceFrame::LOCAL_WORLD_ALIGNED: column = {oMi.R * (S.linear + cross(S.angular, walk.x)), oMi.R * S.angular}; break;
+      case ReferenceFrame::LOCAL:
+        column = seen(walk, S);
+        break;
+      case ReferenceFrame::WORLD:
+        column = oMi.act(S);
+        break;
+      case ReferenceFrame::LOCAL_WORLD_ALIGNED:
+        column = {oMi.R * (S.linear + cross(S.angular, walk.x)), oMi.R * S.angular};
+        break;
     }
     write(column, out + 6 * iv);
   });
   if (!m.couplings.empty()) reduceColumns(m, d, out, nullptr, J);
 }
 
-void frameJacobianTimeVariation(const CompactModel& model, Data& data, VectorView q, VectorView v, int frame, ReferenceFrame reference,
-                                double* dJ) {
+void frameJacobianTimeVariation(const CompactModel& model, Data& data, VectorView q, VectorView v, int frame, ReferenceFrame reference, double* dJ) {
   const FrameOnBody f = frameOf(model, frame);
   const CompactImpl& m = model.impl();
   DataImpl& d = data.impl();
@@ -236,7 +239,8 @@ Motion<double> frameAcceleration(const CompactModel& model, const Data& data, in
 
 Motion<double> frameClassicalAcceleration(const CompactModel& model, const Data& data, int frame, ReferenceFrame reference) {
   if (reference == ReferenceFrame::WORLD)
-    throw Error(ErrorCode::argument, "frameClassicalAcceleration: the acceleration of the frame's origin has no WORLD form; use LOCAL or LOCAL_WORLD_ALIGNED");
+    throw Error(ErrorCode::argument,
+                "frameClassicalAcceleration: the acceleration of the frame's origin has no WORLD form; use LOCAL or LOCAL_WORLD_ALIGNED");
   const FrameOnBody f = frameOf(model, frame);
   const Motion<double> v = f.placement.actInv(data.impl().v[f.body]);
   Motion<double> a = f.placement.actInv(data.impl().a[f.body]);

@@ -3,14 +3,13 @@
 
 #include <dyn/compile/compact_model.hpp>
 #include <dyn/joint/joint_type.hpp>
-
 #include <vector>
 
 namespace dyn {
 
 /// What the sweeps read of a body, 30 doubles side by side.
 struct BodyConstants {
-  SE3<double> placement;    ///< joint frame before its motion, in the parent body's frame
+  SE3<double> placement;  ///< joint frame before its motion, in the parent body's frame
   double mass = 0;
   Vec3<double> com;
   Sym3<double> rotational;  ///< about the centre of mass
@@ -34,7 +33,7 @@ struct TypeBatch {
   Shape shape = Shape::dense;
   int nq = 0, nv = 0, count = 0;
   std::vector<int> bodies;
-  bool contiguous = false;        ///< nq = 1 and coordinates follow one another, so q needs no gathering
+  bool contiguous = false;  ///< nq = 1 and coordinates follow one another, so q needs no gathering
   int constant_count = 0;
   std::vector<double> constants;  ///< component-major, stride = count
 };
@@ -59,13 +58,13 @@ struct CompactImpl {
   int nqx = 0, nvx = 0;  ///< expanded; equal to the user's without couplings
   double mass = 0;
 
-  std::vector<BodyIndex> index;        ///< [0] is the universe
+  std::vector<BodyIndex> index;  ///< [0] is the universe
   std::vector<BodyConstants> constants;
-  std::vector<double> subspaces;       ///< dense_constant: 36 doubles a body that needs them
-  std::vector<int> subspace_offset;    ///< into subspaces, -1 without
+  std::vector<double> subspaces;     ///< dense_constant: 36 doubles a body that needs them
+  std::vector<int> subspace_offset;  ///< into subspaces, -1 without
   std::vector<TypeBatch> batches;
   std::vector<Run> runs;
-  std::vector<int> tree_end;           ///< one past the last body of each body's subtree
+  std::vector<int> tree_end;  ///< one past the last body of each body's subtree
 
   std::vector<PackedCoupling> couplings;
   std::vector<int> q_of_user, v_of_user;  ///< user's index -> expanded index; empty without couplings
@@ -75,7 +74,7 @@ struct CompactImpl {
   std::vector<JointRecord> joints;
   std::vector<SE3<double>> user_frame;  ///< user's joint frame in its body's core frame
   std::vector<int> body_of_joint;
-  std::vector<FrameRecord> frames;      ///< placements in the user's joint frame
+  std::vector<FrameRecord> frames;  ///< placements in the user's joint frame
   std::vector<int> frame_body;
   std::vector<SE3<double>> frame_placement;  ///< in the body's core frame
   ModelLimits limits;

@@ -1,8 +1,7 @@
 #include <dyn/compile/compact_model.hpp>
+#include <utility>
 
 #include "compile/compact_impl.hpp"
-
-#include <utility>
 
 namespace dyn {
 

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <dyn/compile/compile.hpp>
-
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,11 +24,11 @@ struct DraftCoupling {
 };
 
 struct DraftBody {
-  std::string name;        ///< of the body
+  std::string name;  ///< of the body
   JointDescription joint;
-  int user_joint = -1;     ///< index of the described body whose joint this is (a part of)
+  int user_joint = -1;               ///< index of the described body whose joint this is (a part of)
   std::string user_name, user_type;  ///< of that joint
-  bool last_part = true;   ///< the body itself; false for the massless bodies between the parts of a composite
+  bool last_part = true;             ///< the body itself; false for the massless bodies between the parts of a composite
   int parent = 0;
   Inertia<long double> inertia;
   const JointType* type = nullptr;

@@ -8,11 +8,16 @@ namespace {
 
 const char* describe(ParameterKind kind) {
   switch (kind) {
-    case ParameterKind::number: return "one number";
-    case ParameterKind::vector3: return "three numbers";
-    case ParameterKind::numbers: return "numbers";
-    case ParameterKind::text: return "a text";
-    case ParameterKind::joints: return "a list of joints";
+    case ParameterKind::number:
+      return "one number";
+    case ParameterKind::vector3:
+      return "three numbers";
+    case ParameterKind::numbers:
+      return "numbers";
+    case ParameterKind::text:
+      return "a text";
+    case ParameterKind::joints:
+      return "a list of joints";
   }
   return "nothing";
 }

@@ -1,10 +1,10 @@
-#include "compile/compact_impl.hpp"
-#include "compile/draft.hpp"
-
 #include <algorithm>
 #include <limits>
 #include <map>
 #include <tuple>
+
+#include "compile/compact_impl.hpp"
+#include "compile/draft.hpp"
 
 namespace dyn {
 
@@ -58,7 +58,8 @@ class Packer {
       c.com = Y.com;
       c.rotational = Y.rotational;
       // Moments about the origin are rounded once as well.
-      const Inertia<double> about = cast<double>(Inertia<long double>{b.inertia.mass, b.inertia.mass * b.inertia.com, b.inertia.rotationalAtOrigin()});
+      const Inertia<double> about =
+          cast<double>(Inertia<long double>{b.inertia.mass, b.inertia.mass * b.inertia.com, b.inertia.rotationalAtOrigin()});
       c.h = about.com;
       c.origin = about.rotational;
       out_->mass += c.mass;
@@ -144,8 +145,7 @@ class Packer {
     }
     out_->nq = out_->couplings.empty() ? out_->nqx : static_cast<int>(out_->q_of_user.size());
     out_->nv = out_->couplings.empty() ? out_->nvx : static_cast<int>(out_->v_of_user.size());
-    if (!out_->couplings.empty())
-      out_->report.passes.push_back("couple: " + std::to_string(out_->couplings.size()) + " coordinates follow others");
+    if (!out_->couplings.empty()) out_->report.passes.push_back("couple: " + std::to_string(out_->couplings.size()) + " coordinates follow others");
   }
 
   /// One record for each described joint that still moves; the parts of a composite make one joint.

@@ -1,7 +1,7 @@
-#include "compile/parameters.hpp"
-
 #include <cmath>
 #include <unordered_map>
+
+#include "compile/parameters.hpp"
 
 namespace dyn {
 
@@ -133,9 +133,12 @@ class Resolver {
     const Where where = whereOf(joint, joint.name);
     const auto wants = [&](const char* name, const std::vector<double>& values, std::size_t size, bool signs) {
       if (!values.empty() && values.size() != size)
-        throw Error(ErrorCode::size, std::string(name) + " has " + std::to_string(values.size()) + " entries, the joint wants " + std::to_string(size) + " or none", where);
+        throw Error(ErrorCode::size,
+                    std::string(name) + " has " + std::to_string(values.size()) + " entries, the joint wants " + std::to_string(size) + " or none",
+                    where);
       for (const double x : values)
-        if (std::isnan(x) || (!signs && x < 0)) throw Error(ErrorCode::model, std::string(name) + " has an entry that is negative or no number", where);
+        if (std::isnan(x) || (!signs && x < 0))
+          throw Error(ErrorCode::model, std::string(name) + " has an entry that is negative or no number", where);
     };
     wants("lower", joint.limits.lower, nq, true);
     wants("upper", joint.limits.upper, nq, true);

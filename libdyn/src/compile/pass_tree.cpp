@@ -1,7 +1,7 @@
 // Passes that change which bodies there are and where: order, weld, canonicalise, inspect.
-#include "compile/draft.hpp"
-
 #include <algorithm>
+
+#include "compile/draft.hpp"
 
 namespace dyn {
 
@@ -53,8 +53,8 @@ void orderDepthFirst(Draft& draft) {
 
 void weld(Draft& draft) {
   const std::size_t n = draft.bodies.size();
-  std::vector<int> carrier(n), kept{0};    // the moving body that carries each body
-  std::vector<SE3<long double>> pose(n);        // its pose there
+  std::vector<int> carrier(n), kept{0};   // the moving body that carries each body
+  std::vector<SE3<long double>> pose(n);  // its pose there
   for (std::size_t i = 1; i < n; ++i) {
     DraftBody& body = draft.bodies[i];
     const std::size_t parent = at(body.parent);
@@ -109,7 +109,8 @@ void inspect(Draft& draft) {
     const DraftBody& body = draft.bodies[i];
     const bool armature = std::any_of(body.joint.armature.begin(), body.joint.armature.end(), [](double x) { return x > 0; });
     if (!carries[i] && !armature && !body.coupling)
-      draft.report.warnings.push_back("joint '" + body.joint.name + "' moves nothing that has mass: the mass matrix is singular, forward dynamics will refuse");
+      draft.report.warnings.push_back("joint '" + body.joint.name +
+                                      "' moves nothing that has mass: the mass matrix is singular, forward dynamics will refuse");
   }
 }
 

@@ -1,12 +1,11 @@
 // The arena behind Data: one block, carved into arrays. Each field: meaning, frame, writer.
 #pragma once
 
-#include "compile/compact_impl.hpp"
-
 #include <dyn/data/data.hpp>
-
 #include <memory>
 #include <vector>
+
+#include "compile/compact_impl.hpp"
 
 namespace dyn {
 
@@ -45,22 +44,22 @@ struct DataImpl {
   std::vector<BatchMemory> batches;
 
   // Per body (universe included), written by the stage in brackets.
-  SE3<double>* rel = nullptr;        ///< pose in the parent body's frame [placements]
-  SE3<double>* oM = nullptr;         ///< pose in the world [world placements]
-  Motion<double>* v = nullptr;       ///< spatial velocity, body axes at its origin [velocities]
-  Motion<double>* a = nullptr;       ///< spatial acceleration, same [accelerations]; in rnea: classical acceleration, body axes
-  Vec3<double>* w = nullptr;         ///< angular velocity: body axes in rnea, aligned axes in aba
-  Force<double>* f = nullptr;        ///< force through the joint [rnea]
-  Mat3<double>* R = nullptr;         ///< body axes in aligned axes [aligned]
-  Vec3<double>* r = nullptr;         ///< from the parent's origin to the joint's, aligned axes [aligned]
-  Motion<double>* beta = nullptr;    ///< velocity-dependent acceleration, aligned [aba]
+  SE3<double>* rel = nullptr;                ///< pose in the parent body's frame [placements]
+  SE3<double>* oM = nullptr;                 ///< pose in the world [world placements]
+  Motion<double>* v = nullptr;               ///< spatial velocity, body axes at its origin [velocities]
+  Motion<double>* a = nullptr;               ///< spatial acceleration, same [accelerations]; in rnea: classical acceleration, body axes
+  Vec3<double>* w = nullptr;                 ///< angular velocity: body axes in rnea, aligned axes in aba
+  Force<double>* f = nullptr;                ///< force through the joint [rnea]
+  Mat3<double>* R = nullptr;                 ///< body axes in aligned axes [aligned]
+  Vec3<double>* r = nullptr;                 ///< from the parent's origin to the joint's, aligned axes [aligned]
+  Motion<double>* beta = nullptr;            ///< velocity-dependent acceleration, aligned [aba]
   ArticulatedInertia<double>* IA = nullptr;  ///< [aba]
-  Force<double>* pA = nullptr;       ///< [aba]
-  Motion<double>* acc = nullptr;     ///< classical acceleration, aligned [aba]
-  double* mass = nullptr;            ///< of the subtree [crba, com]
-  Vec3<double>* h = nullptr;         ///< first moment of the subtree about the joint's origin, aligned [crba]
-  Sym3<double>* Io = nullptr;        ///< rotational inertia of the subtree about the joint's origin, aligned [crba]
-  Force<double>* fext = nullptr;     ///< external forces in core frames
+  Force<double>* pA = nullptr;               ///< [aba]
+  Motion<double>* acc = nullptr;             ///< classical acceleration, aligned [aba]
+  double* mass = nullptr;                    ///< of the subtree [crba, com]
+  Vec3<double>* h = nullptr;                 ///< first moment of the subtree about the joint's origin, aligned [crba]
+  Sym3<double>* Io = nullptr;                ///< rotational inertia of the subtree about the joint's origin, aligned [crba]
+  Force<double>* fext = nullptr;             ///< external forces in core frames
 
   DofFactor* dof = nullptr;  ///< nvx
 
@@ -72,7 +71,7 @@ struct DataImpl {
   double *tau = nullptr, *nle = nullptr, *g = nullptr, *ddq = nullptr;
   double *M = nullptr, *Mx = nullptr, *Jcom = nullptr;
   double* columns = nullptr;  ///< 6 x nvx, twice: Jacobians before couplings are folded
-  double *zero = nullptr;  ///< max(nvx, 1) zeros
+  double* zero = nullptr;     ///< max(nvx, 1) zeros
   Vec3<double> com, vcom, acom;
   double kinetic = 0, potential = 0;
 };

@@ -1,15 +1,14 @@
 #include "joint/loader.hpp"
-#include "joint/trial_load.hpp"
-
-#include <dyn_sdk/stamp.hpp>
 
 #include <boost/dll/runtime_symbol_info.hpp>
 #include <boost/dll/shared_library.hpp>
-
 #include <cstring>
 #include <deque>
+#include <dyn_sdk/stamp.hpp>
 #include <filesystem>
 #include <mutex>
+
+#include "joint/trial_load.hpp"
 
 namespace dyn {
 
@@ -65,14 +64,13 @@ const dyn_plugin_descriptor& openPlugin(const std::string& path, Trust trust) {
   boost::dll::shared_library opened;
   std::string reason = trialLoad(file.string());
   if (reason.empty()) try {
-    opened.load(file.string(), static_cast<type>(boost::dll::load_mode::rtld_now | boost::dll::load_mode::rtld_local));
-  } catch (const std::exception& e) {
-    reason = e.what();
-  }
+      opened.load(file.string(), static_cast<type>(boost::dll::load_mode::rtld_now | boost::dll::load_mode::rtld_local));
+    } catch (const std::exception& e) {
+      reason = e.what();
+    }
   if (!reason.empty()) refuse(path, "cannot be loaded: " + reason);
   boost::dll::shared_library& library = keep(std::move(opened));
-  if (!library.has(DYN_PLUGIN_ENTRY))
-    refuse(path, "exports no " DYN_PLUGIN_ENTRY "; a plugin ends with DYN_EXPORT_JOINTS(...)");
+  if (!library.has(DYN_PLUGIN_ENTRY)) refuse(path, "exports no " DYN_PLUGIN_ENTRY "; a plugin ends with DYN_EXPORT_JOINTS(...)");
   const dyn_plugin_descriptor* descriptor = nullptr;
   try {
     descriptor = library.get<const dyn_plugin_descriptor*()>(DYN_PLUGIN_ENTRY)();

@@ -1,8 +1,9 @@
 // Opens a shared object and shakes hands with it. The only file pair that knows Boost.DLL.
 #pragma once
 
-#include <dyn/joint/registry.hpp>
 #include <dyn_sdk/abi.h>
+
+#include <dyn/joint/registry.hpp>
 
 namespace dyn {
 

@@ -12,9 +12,15 @@ SE3<S> poseFromComponents(Shape shape, const S* c) {
   const S zero(0), one(1);
   SE3<S> core;
   switch (shape) {
-    case Shape::revolute: core.R = {{c[0], -c[1], zero, c[1], c[0], zero, zero, zero, one}}; break;
-    case Shape::prismatic: core.p = {zero, zero, c[0]}; break;
-    case Shape::translation: core.p = {c[0], c[1], c[2]}; break;
+    case Shape::revolute:
+      core.R = {{c[0], -c[1], zero, c[1], c[0], zero, zero, zero, one}};
+      break;
+    case Shape::prismatic:
+      core.p = {zero, zero, c[0]};
+      break;
+    case Shape::translation:
+      core.p = {c[0], c[1], c[2]};
+      break;
     case Shape::planar:
       core.R = {{c[2], -c[3], zero, c[3], c[2], zero, zero, zero, one}};
       core.p = {c[0], c[1], zero};

@@ -1,12 +1,11 @@
-#include <dyn/joint/registry.hpp>
-
-#include "joint/loader.hpp"
-
 #include <algorithm>
 #include <cstdlib>
+#include <dyn/joint/registry.hpp>
 #include <filesystem>
 #include <map>
 #include <sstream>
+
+#include "joint/loader.hpp"
 
 namespace dyn {
 

@@ -1,17 +1,18 @@
 #include "joint/trial_load.hpp"
 
-#include <cerrno>
-#include <cstdint>
-#include <cstring>
 #include <dlfcn.h>
 #include <elf.h>
-#include <exception>
 #include <fcntl.h>
-#include <fstream>
 #include <poll.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
+#include <exception>
+#include <fstream>
 #include <vector>
 
 namespace dyn {
@@ -111,7 +112,7 @@ std::string trialLoad(const std::string& path) {
   if (child == 0) openInChild(path, ends[1]);
   close(ends[1]);
   bool answered = false, ended = false;
-  const std::string report = child > 0 ? readReport(ends[0], answered, ended) : std::string();
+  std::string report = child > 0 ? readReport(ends[0], answered, ended) : std::string();
   close(ends[0]);
   if (child < 0) return "";
   if (!ended) kill(child, SIGKILL);
@@ -121,7 +122,8 @@ std::string trialLoad(const std::string& path) {
   while (waited < 0 && errno == EINTR);
   if (answered || !ended) return report;
   // It ended without a word. Someone else may have reaped it; then how is not known.
-  if (waited == child && WIFSIGNALED(status)) return std::string("opening it, or a static constructor of it, crashes: ") + strsignal(WTERMSIG(status));
+  if (waited == child && WIFSIGNALED(status))
+    return std::string("opening it, or a static constructor of it, crashes: ") + strsignal(WTERMSIG(status));
   return "a static constructor of it ended the process";
 }
 

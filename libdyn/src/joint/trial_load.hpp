@@ -9,8 +9,8 @@
 
 namespace dyn {
 
-/// What was wrong: the exception's text, the signal, or that the file is cut short. Empty if the file can be opened, if dlopen will report the error itself, or if the
-/// trial was not possible (no fork, or no answer within ten seconds).
+/// What was wrong: the exception's text, the signal, or that the file is cut short. Empty if the file can be opened, if dlopen will report the error
+/// itself, or if the trial was not possible (no fork, or no answer within ten seconds).
 std::string trialLoad(const std::string& path);
 
 }  // namespace dyn

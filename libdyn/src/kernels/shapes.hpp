@@ -5,10 +5,9 @@
 //   bias()          (dS/dt) v in the moving frame, where has_bias
 #pragma once
 
+#include <cstddef>
 #include <dyn/joint/shape.hpp>
 #include <dyn/spatial/inertia.hpp>
-
-#include <cstddef>
 
 namespace dyn::kernels {
 
@@ -116,8 +115,7 @@ struct Planar {
   static constexpr int nv = 3;
   static constexpr bool moves_origin = true, has_linear = true, has_angular = true, has_bias = false, is_free = false;
   S x, y, c, s;
-  explicit Planar(const Slot<S>& slot)
-      : x(slot.pose[0]), y(slot.pose[slot.stride]), c(slot.pose[2 * slot.stride]), s(slot.pose[3 * slot.stride]) {}
+  explicit Planar(const Slot<S>& slot) : x(slot.pose[0]), y(slot.pose[slot.stride]), c(slot.pose[2 * slot.stride]), s(slot.pose[3 * slot.stride]) {}
   Mat3<S> rotate(const Mat3<S>& E) const { return turnZ(E, c, s); }
   Vec3<S> translation() const { return {x, y, S(0)}; }
   Motion<S> times(const S* v) const { return {{v[0], v[1], S(0)}, {S(0), S(0), v[2]}}; }
@@ -177,23 +175,37 @@ template <class S, class Kernel>
 void withShape(Shape shape, int nv, Kernel&& kernel) {
   const auto dense = [&]<bool varying>() {
     switch (nv) {
-      case 1: return kernel.template operator()<Dense<S, 1, varying>>();
-      case 2: return kernel.template operator()<Dense<S, 2, varying>>();
-      case 3: return kernel.template operator()<Dense<S, 3, varying>>();
-      case 4: return kernel.template operator()<Dense<S, 4, varying>>();
-      case 5: return kernel.template operator()<Dense<S, 5, varying>>();
-      default: return kernel.template operator()<Dense<S, 6, varying>>();
+      case 1:
+        return kernel.template operator()<Dense<S, 1, varying>>();
+      case 2:
+        return kernel.template operator()<Dense<S, 2, varying>>();
+      case 3:
+        return kernel.template operator()<Dense<S, 3, varying>>();
+      case 4:
+        return kernel.template operator()<Dense<S, 4, varying>>();
+      case 5:
+        return kernel.template operator()<Dense<S, 5, varying>>();
+      default:
+        return kernel.template operator()<Dense<S, 6, varying>>();
     }
   };
   switch (shape) {
-    case Shape::revolute: return kernel.template operator()<Revolute<S>>();
-    case Shape::prismatic: return kernel.template operator()<Prismatic<S>>();
-    case Shape::spherical: return kernel.template operator()<Spherical<S>>();
-    case Shape::translation: return kernel.template operator()<Translation<S>>();
-    case Shape::planar: return kernel.template operator()<Planar<S>>();
-    case Shape::free: return kernel.template operator()<Free<S>>();
-    case Shape::dense_constant: return dense.template operator()<false>();
-    case Shape::dense: return dense.template operator()<true>();
+    case Shape::revolute:
+      return kernel.template operator()<Revolute<S>>();
+    case Shape::prismatic:
+      return kernel.template operator()<Prismatic<S>>();
+    case Shape::spherical:
+      return kernel.template operator()<Spherical<S>>();
+    case Shape::translation:
+      return kernel.template operator()<Translation<S>>();
+    case Shape::planar:
+      return kernel.template operator()<Planar<S>>();
+    case Shape::free:
+      return kernel.template operator()<Free<S>>();
+    case Shape::dense_constant:
+      return dense.template operator()<false>();
+    case Shape::dense:
+      return dense.template operator()<true>();
   }
 }
 

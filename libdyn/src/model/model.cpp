@@ -1,5 +1,4 @@
 #include <dyn/model/model.hpp>
-
 #include <utility>
 
 namespace dyn {

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <dyn_sdk/joint_plugin.hpp>
-
 #include <vector>
 
 namespace function {

@@ -1,9 +1,9 @@
 // A joint whose six pose coordinates are functions of one to six coordinates q, as users of OpenSim describe knees and shoulders:
 // rotations r1, r2, r3 about axis1, axis2, axis3 (each fixed to the frame that the rotations before it have turned), translations tx, ty,
 // tz in the joint frame. Each function is a polynomial or a natural cubic spline of one q; it is 0 where nothing is given.
-#include "function.hpp"
-
 #include <dyn_sdk/joint_plugin.hpp>
+
+#include "function.hpp"
 
 namespace {
 
@@ -89,7 +89,8 @@ struct FunctionJoint : dyn::sdk::Joint<FunctionJoint<N>, N> {
       const dyn::ParameterArgument &polynomial = a[polynomialOf(f)], &spline = a[splineOf(f)], &coordinate = a[coordinateOf(f)];
       if (polynomial.given && spline.given) return wrong(f, "is a polynomial or a spline, not both");
       if (spline.given && !function::isKnots(spline.numbers, spline.count)) return wrong(f, "a spline needs two knots x y or more, with growing x");
-      if (coordinate.given && !(coordinate.numbers[0] >= 0 && coordinate.numbers[0] < N && coordinate.numbers[0] == std::floor(coordinate.numbers[0])))
+      if (coordinate.given &&
+          !(coordinate.numbers[0] >= 0 && coordinate.numbers[0] < N && coordinate.numbers[0] == std::floor(coordinate.numbers[0])))
         return wrong(f, "the joint has no coordinate of that number");
     }
     dyn::Vec3<long double> n;

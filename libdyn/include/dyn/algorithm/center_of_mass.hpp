@@ -38,8 +38,6 @@ inline double computeKineticEnergy(const CompactModel& model, Data& data, const 
   return detail::kineticEnergy(model, data, q, v);
 }
 /// - sum m g . c over the moving bodies [J]. O(n).
-inline double computePotentialEnergy(const CompactModel& model, Data& data, const VectorArg& q) {
-  return detail::potentialEnergy(model, data, q);
-}
+inline double computePotentialEnergy(const CompactModel& model, Data& data, const VectorArg& q) { return detail::potentialEnergy(model, data, q); }
 
 }  // namespace dyn

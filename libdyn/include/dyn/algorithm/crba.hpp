@@ -11,8 +11,6 @@ DYN_API const double* crba(const CompactModel&, Data&, VectorView q);
 
 /// M(q), nv x nv, both triangles filled, armature on the diagonal. Needs Need::mass_matrix. O(n depth).
 /// Featherstone 2008, table 6.2, in the axes of the root body with the origin at each joint. Throws Error(size | argument).
-inline MatrixResult crba(const CompactModel& model, Data& data, const VectorArg& q) {
-  return {detail::crba(model, data, q), model.nv(), model.nv()};
-}
+inline MatrixResult crba(const CompactModel& model, Data& data, const VectorArg& q) { return {detail::crba(model, data, q), model.nv(), model.nv()}; }
 
 }  // namespace dyn

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <dyn/data/data.hpp>
-
 #include <vector>
 
 namespace dyn {

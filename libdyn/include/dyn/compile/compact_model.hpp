@@ -3,7 +3,6 @@
 
 #include <dyn/export.hpp>
 #include <dyn/spatial/inertia.hpp>
-
 #include <memory>
 #include <string>
 #include <vector>
@@ -34,8 +33,8 @@ struct CompileReport {
 
 /// Limits of the whole model; infinite where the description gives none.
 struct ModelLimits {
-  std::vector<double> lower, upper;     ///< nq
-  std::vector<double> velocity, effort; ///< nv
+  std::vector<double> lower, upper;      ///< nq
+  std::vector<double> velocity, effort;  ///< nv
 };
 
 class DYN_API CompactModel {

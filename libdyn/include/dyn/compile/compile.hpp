@@ -2,14 +2,14 @@
 #pragma once
 
 #include <dyn/compile/compact_model.hpp>
-#include <dyn/model/edit.hpp>
+#include <dyn/compile/edit.hpp>
 
 namespace dyn {
 
 struct CompileOptions {
   std::vector<LockedJoint> lock;  ///< joints to hold, as reduce() does
-  bool dissipation = true;  ///< joint damping and friction of the description act in the dynamics
-  bool armature = true;     ///< so does rotor inertia
+  bool dissipation = true;        ///< joint damping and friction of the description act in the dynamics
+  bool armature = true;           ///< so does rotor inertia
 };
 
 /// Turns a description into an immutable model. Deterministic: same model, same options, same bytes. O(n log n).

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <Eigen/Core>
-
 #include <cstddef>
 
 namespace dyn {
@@ -19,8 +18,8 @@ class VectorArg {
   VectorArg(const double* data, std::ptrdiff_t size) : view_{data, size} {}
   template <class Derived>
   VectorArg(const Eigen::DenseBase<Derived>& x) {  // NOLINT: meant to convert
-    constexpr bool direct = (Derived::Flags & Eigen::DirectAccessBit) && int(Derived::InnerStrideAtCompileTime) == 1 &&
-                            (int(Derived::IsVectorAtCompileTime));
+    constexpr bool direct =
+        (Derived::Flags & Eigen::DirectAccessBit) && int(Derived::InnerStrideAtCompileTime) == 1 && (int(Derived::IsVectorAtCompileTime));
     if constexpr (direct) {
       view_ = {x.derived().data(), x.size()};
     } else {

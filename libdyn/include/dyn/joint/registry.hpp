@@ -3,7 +3,6 @@
 
 #include <dyn/error.hpp>
 #include <dyn/joint/joint_type.hpp>
-
 #include <memory>
 #include <string>
 #include <vector>

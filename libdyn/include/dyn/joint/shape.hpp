@@ -24,12 +24,18 @@ constexpr int max_joint_nq = 7;
 
 constexpr int poseSize(Shape shape) {
   switch (shape) {
-    case Shape::revolute: return 2;
-    case Shape::prismatic: return 1;
-    case Shape::spherical: return 9;
-    case Shape::translation: return 3;
-    case Shape::planar: return 4;
-    default: return 12;
+    case Shape::revolute:
+      return 2;
+    case Shape::prismatic:
+      return 1;
+    case Shape::spherical:
+      return 9;
+    case Shape::translation:
+      return 3;
+    case Shape::planar:
+      return 4;
+    default:
+      return 12;
   }
 }
 

@@ -33,9 +33,7 @@ struct SE2 {
   S x{}, y{};
   SO2<S> r;
 
-  friend SE2 operator*(const SE2& a, const SE2& b) {
-    return {a.x + a.r.c * b.x - a.r.s * b.y, a.y + a.r.s * b.x + a.r.c * b.y, a.r * b.r};
-  }
+  friend SE2 operator*(const SE2& a, const SE2& b) { return {a.x + a.r.c * b.x - a.r.s * b.y, a.y + a.r.s * b.x + a.r.c * b.y, a.r * b.r}; }
   SE2 inverse() const { return {-(r.c * x + r.s * y), r.s * x - r.c * y, r.inverse()}; }
 
   /// p = V(w) v, V = [[a, -b w], [b w, a]].

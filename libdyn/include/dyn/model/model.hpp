@@ -3,7 +3,6 @@
 
 #include <dyn/error.hpp>
 #include <dyn/spatial/inertia.hpp>
-
 #include <limits>
 #include <map>
 #include <string>
@@ -27,8 +26,8 @@ struct JointLimits {
 
 /// A relation that makes a joint's coordinate a function of another joint's: a coupling type of a plugin with its parameters.
 struct Coupling {
-  std::string type;      ///< e.g. "mimic"; empty: the joint is independent
-  std::string master;    ///< name of the joint that leads
+  std::string type;    ///< e.g. "mimic"; empty: the joint is independent
+  std::string master;  ///< name of the joint that leads
   Parameters parameters;
 };
 
@@ -37,13 +36,13 @@ struct JointDescription {
   std::string name;
   std::string type = "fixed";
   Parameters parameters;
-  SE3<double> placement;            ///< pose of the joint at its zero in the parent body's frame
+  SE3<double> placement;  ///< pose of the joint at its zero in the parent body's frame
   JointLimits limits;
-  std::vector<double> damping;      ///< viscous [N m s/rad or N s/m], a value a degree of freedom; empty: none
-  std::vector<double> friction;     ///< Coulomb [N m or N]
-  std::vector<double> armature;     ///< rotor inertia seen by the joint [kg m^2 or kg]
+  std::vector<double> damping;   ///< viscous [N m s/rad or N s/m], a value a degree of freedom; empty: none
+  std::vector<double> friction;  ///< Coulomb [N m or N]
+  std::vector<double> armature;  ///< rotor inertia seen by the joint [kg m^2 or kg]
   Coupling coupling;
-  Where where;                      ///< where it was read, for messages
+  Where where;  ///< where it was read, for messages
 };
 
 /// A body and the joint that carries it. The body's frame is the joint's frame after its motion.

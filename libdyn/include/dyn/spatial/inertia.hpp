@@ -96,8 +96,7 @@ struct ArticulatedInertia {
       B(j, 1) = b.y;
       B(j, 2) = b.z;
     }
-    out.angular = angular + Sym3<S>{A(0, 0) + B(0, 0), A(0, 1) + B(0, 1), A(0, 2) + B(0, 2),
-                                    A(1, 1) + B(1, 1), A(1, 2) + B(1, 2), A(2, 2) + B(2, 2)};
+    out.angular = angular + Sym3<S>{A(0, 0) + B(0, 0), A(0, 1) + B(0, 1), A(0, 2) + B(0, 2), A(1, 1) + B(1, 1), A(1, 2) + B(1, 2), A(2, 2) + B(2, 2)};
     return out;
   }
 };

@@ -16,9 +16,7 @@ struct Motion {
   Motion& operator+=(const Motion& b) { return *this = *this + b; }
 
   /// v x m, the derivative of a motion m fixed in a frame that moves with v (Featherstone 2008, eq. 2.31).
-  Motion cross(const Motion& m) const {
-    return {dyn::cross(angular, m.linear) + dyn::cross(linear, m.angular), dyn::cross(angular, m.angular)};
-  }
+  Motion cross(const Motion& m) const { return {dyn::cross(angular, m.linear) + dyn::cross(linear, m.angular), dyn::cross(angular, m.angular)}; }
 };
 
 }  // namespace dyn

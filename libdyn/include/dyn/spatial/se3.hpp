@@ -27,17 +27,13 @@ struct SE3 {
     const Vec3<S> w = R * m.angular;
     return {R * m.linear + cross(p, w), w};
   }
-  Motion<S> actInv(const Motion<S>& m) const {
-    return {transposeTimes(R, m.linear - cross(p, m.angular)), transposeTimes(R, m.angular)};
-  }
+  Motion<S> actInv(const Motion<S>& m) const { return {transposeTimes(R, m.linear - cross(p, m.angular)), transposeTimes(R, m.angular)}; }
   /// The dual transform of a force, and its inverse.
   Force<S> act(const Force<S>& f) const {
     const Vec3<S> l = R * f.linear;
     return {l, R * f.angular + cross(p, l)};
   }
-  Force<S> actInv(const Force<S>& f) const {
-    return {transposeTimes(R, f.linear), transposeTimes(R, f.angular - cross(p, f.linear))};
-  }
+  Force<S> actInv(const Force<S>& f) const { return {transposeTimes(R, f.linear), transposeTimes(R, f.angular - cross(p, f.linear))}; }
 };
 
 /// The same pose in another scalar; the compiler composes in long double and rounds once.

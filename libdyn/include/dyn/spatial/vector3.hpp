@@ -44,8 +44,7 @@ struct Mat3 {
   Vec3<S> row(int r) const { return {m[3 * r], m[3 * r + 1], m[3 * r + 2]}; }
 
   friend Vec3<S> operator*(const Mat3& a, const Vec3<S>& b) {
-    return {a.m[0] * b.x + a.m[1] * b.y + a.m[2] * b.z, a.m[3] * b.x + a.m[4] * b.y + a.m[5] * b.z,
-            a.m[6] * b.x + a.m[7] * b.y + a.m[8] * b.z};
+    return {a.m[0] * b.x + a.m[1] * b.y + a.m[2] * b.z, a.m[3] * b.x + a.m[4] * b.y + a.m[5] * b.z, a.m[6] * b.x + a.m[7] * b.y + a.m[8] * b.z};
   }
   friend Mat3 operator*(const Mat3& a, const Mat3& b) {
     Mat3 c;
@@ -78,8 +77,7 @@ Mat3<S> transpose(const Mat3<S>& a) {
 /// a^T b without forming the transpose.
 template <class S>
 Vec3<S> transposeTimes(const Mat3<S>& a, const Vec3<S>& b) {
-  return {a.m[0] * b.x + a.m[3] * b.y + a.m[6] * b.z, a.m[1] * b.x + a.m[4] * b.y + a.m[7] * b.z,
-          a.m[2] * b.x + a.m[5] * b.y + a.m[8] * b.z};
+  return {a.m[0] * b.x + a.m[3] * b.y + a.m[6] * b.z, a.m[1] * b.x + a.m[4] * b.y + a.m[7] * b.z, a.m[2] * b.x + a.m[5] * b.y + a.m[8] * b.z};
 }
 
 /// The matrix of b -> a x b.
@@ -105,18 +103,11 @@ struct Sym3 {
     return {a.m[0], S(0.5) * (a.m[1] + a.m[3]), S(0.5) * (a.m[2] + a.m[6]), a.m[4], S(0.5) * (a.m[5] + a.m[7]), a.m[8]};
   }
   friend Vec3<S> operator*(const Sym3& a, const Vec3<S>& b) {
-    return {a.xx * b.x + a.xy * b.y + a.xz * b.z, a.xy * b.x + a.yy * b.y + a.yz * b.z,
-            a.xz * b.x + a.yz * b.y + a.zz * b.z};
+    return {a.xx * b.x + a.xy * b.y + a.xz * b.z, a.xy * b.x + a.yy * b.y + a.yz * b.z, a.xz * b.x + a.yz * b.y + a.zz * b.z};
   }
-  friend Sym3 operator+(const Sym3& a, const Sym3& b) {
-    return {a.xx + b.xx, a.xy + b.xy, a.xz + b.xz, a.yy + b.yy, a.yz + b.yz, a.zz + b.zz};
-  }
-  friend Sym3 operator-(const Sym3& a, const Sym3& b) {
-    return {a.xx - b.xx, a.xy - b.xy, a.xz - b.xz, a.yy - b.yy, a.yz - b.yz, a.zz - b.zz};
-  }
-  friend Sym3 operator*(const S& s, const Sym3& a) {
-    return {s * a.xx, s * a.xy, s * a.xz, s * a.yy, s * a.yz, s * a.zz};
-  }
+  friend Sym3 operator+(const Sym3& a, const Sym3& b) { return {a.xx + b.xx, a.xy + b.xy, a.xz + b.xz, a.yy + b.yy, a.yz + b.yz, a.zz + b.zz}; }
+  friend Sym3 operator-(const Sym3& a, const Sym3& b) { return {a.xx - b.xx, a.xy - b.xy, a.xz - b.xz, a.yy - b.yy, a.yz - b.yz, a.zz - b.zz}; }
+  friend Sym3 operator*(const S& s, const Sym3& a) { return {s * a.xx, s * a.xy, s * a.xz, s * a.yy, s * a.yz, s * a.zz}; }
 };
 
 /// R a R^T for a symmetric a: the two products share their symmetric half.

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <dyn/model/model.hpp>
-
 #include <string>
 
 namespace dyn::urdf {
@@ -13,11 +12,11 @@ enum class Continuous { unit_circle, angle };
 enum class Inertias { physical, any };
 
 struct Options {
-  std::string root = "fixed";                            ///< joint type between world and root link, e.g. "free_flyer"
-  Mimic mimic = Mimic::coupled;                          ///< obey <mimic>, or leave those joints independent
-  Order order = Order::name;                             ///< siblings sorted by joint name (as urdfdom and Pinocchio) or as in the file
-  Continuous continuous = Continuous::unit_circle;       ///< q = (cos, sin), or one unbounded angle
-  Inertias inertias = Inertias::physical;                ///< refuse inertias that are not positive semi-definite, or note them
+  std::string root = "fixed";                       ///< joint type between world and root link, e.g. "free_flyer"
+  Mimic mimic = Mimic::coupled;                     ///< obey <mimic>, or leave those joints independent
+  Order order = Order::name;                        ///< siblings sorted by joint name (as urdfdom and Pinocchio) or as in the file
+  Continuous continuous = Continuous::unit_circle;  ///< q = (cos, sin), or one unbounded angle
+  Inertias inertias = Inertias::physical;           ///< refuse inertias that are not positive semi-definite, or note them
 };
 
 /// Reads a robot. Root link's joint is called "root_joint"; every link is a body; fixed joints stay joints of type "fixed".

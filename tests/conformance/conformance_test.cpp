@@ -1,15 +1,13 @@
 // Every type there is passes the conformance kit; joints broken in one place each are caught by the check that looks there.
-#include "support/catch.hpp"
-
-#include <alloc_guard.hpp>
-
-#include <dyn/dyn.hpp>
-#include <dyn/joint/conformance.hpp>
-#include <dyn_sdk/joint_plugin.hpp>
-
 #include <algorithm>
+#include <alloc_guard.hpp>
 #include <atomic>
+#include <dyn/conformance/conformance.hpp>
+#include <dyn/dyn.hpp>
+#include <dyn_sdk/joint_plugin.hpp>
 #include <limits>
+
+#include "support/catch.hpp"
 
 namespace {
 

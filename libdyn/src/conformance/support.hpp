@@ -1,11 +1,9 @@
 // What the conformance checks share: random numbers, differences, and the worst error met.
 #pragma once
 
-#include <dyn/joint/conformance.hpp>
-
 #include <Eigen/Core>
-
 #include <cmath>
+#include <dyn/conformance/conformance.hpp>
 #include <limits>
 #include <random>
 
@@ -16,9 +14,7 @@ using Findings = std::vector<ConformanceFinding>;
 class Random {
  public:
   explicit Random(std::uint64_t seed) : engine_(seed) {}
-  double uniform(double low, double high) {
-    return low + (high - low) * static_cast<double>(engine_() >> 11) * 0x1p-53;
-  }
+  double uniform(double low, double high) { return low + (high - low) * static_cast<double>(engine_() >> 11) * 0x1p-53; }
   Eigen::VectorXd vector(Eigen::Index size, double magnitude) {
     Eigen::VectorXd x(size);
     for (double& entry : x) entry = uniform(-magnitude, magnitude);

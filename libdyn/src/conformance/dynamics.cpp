@@ -1,7 +1,7 @@
 // The joint in a mechanism: between two revolutes the algorithms must agree with each other and with the energy.
-#include "joint/conformance_checks.hpp"
-
 #include <dyn/dyn.hpp>
+
+#include "conformance/checks.hpp"
 
 namespace dyn::conformance {
 
@@ -19,7 +19,8 @@ SE3<double> randomPlacement(Random& random) {
 
 /// Of a ball with three points on it: positive definite and obeying the triangle inequalities.
 Inertia<double> randomInertia(Random& random) {
-  Inertia<double> Y{random.uniform(1, 3), {random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2)}, {0.02, 0, 0, 0.02, 0, 0.02}};
+  Inertia<double> Y{
+      random.uniform(1, 3), {random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2)}, {0.02, 0, 0, 0.02, 0, 0.02}};
   for (int i = 0; i < 3; ++i) Y.rotational = Y.rotational + random.uniform(0.01, 0.1) * pointInertia(random.direction());
   return Y;
 }

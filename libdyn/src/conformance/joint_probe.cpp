@@ -1,4 +1,4 @@
-#include "joint/joint_probe.hpp"
+#include "conformance/joint_probe.hpp"
 
 namespace dyn::conformance {
 
@@ -18,8 +18,7 @@ std::size_t squareSize(int n) { return static_cast<std::size_t>(n * n + 1); }
 JointProbe::JointProbe(const JointType& type, const Parameters& parameters)
     : type_(type), checked_(checkParameters(parameters, type.info(), {})), arguments_(checked_.arguments()) {
   char message[256] = "";
-  if (!type.prepare(arguments_.data(), instance_, message, sizeof message))
-    throw Error(ErrorCode::parameter, std::string("refused: ") + message);
+  if (!type.prepare(arguments_.data(), instance_, message, sizeof message)) throw Error(ErrorCode::parameter, std::string("refused: ") + message);
   if (instance_.nv < 0 || instance_.nv > max_joint_nv || instance_.nq < instance_.nv || instance_.nq > max_joint_nq)
     throw Error(ErrorCode::parameter, "nq = " + std::to_string(instance_.nq) + ", nv = " + std::to_string(instance_.nv) +
                                           "; a joint has nv <= nq, at most 6 velocities and 7 coordinates");
@@ -28,9 +27,7 @@ JointProbe::JointProbe(const JointType& type, const Parameters& parameters)
   type.constants(arguments_.data(), constants_.data());
 }
 
-bool JointProbe::flat() const {
-  return nq() == nv() && (instance_.shape == Shape::dense || (type_.info().closed_forms & closed_configuration) == 0);
-}
+bool JointProbe::flat() const { return nq() == nv() && (instance_.shape == Shape::dense || (type_.info().closed_forms & closed_configuration) == 0); }
 
 template <class S>
 JointMotion<S> JointProbe::motion(const S* q, const S* v) const {

@@ -1,7 +1,7 @@
 // A joint's pose map against what it says of its motion.
-#include "joint/conformance_checks.hpp"
-
 #include <Eigen/SVD>
+
+#include "conformance/checks.hpp"
 
 namespace dyn::conformance {
 
@@ -154,6 +154,7 @@ void reportRank(const JointProbe& joint, const Eigen::VectorXd& q, Findings& fin
 void checkMotion(const JointProbe& joint, std::uint64_t seed, Findings& findings) {
   Random random(seed);
   std::vector<Eigen::VectorXd> samples;
+  samples.reserve(sample_count);
   for (int i = 0; i < sample_count; ++i) samples.push_back(randomConfiguration(joint, random));
   checkPose(joint, samples, findings);
   if (joint.nv() == 0) return;

@@ -1,8 +1,8 @@
 // How a type answers the calls themselves, whatever the numbers mean.
-#include "joint/conformance_checks.hpp"
-
 #include <cstring>
 #include <thread>
+
+#include "conformance/checks.hpp"
 
 namespace dyn::conformance {
 
@@ -160,10 +160,10 @@ class BatchCalls {
   int nq_, nv_;
   Array<double> constants_;
   Array<double> q_{count, nq_}, v_{count, nv_}, pose_{count, poseSize(joint_.instance().shape)}, subspace_{count, 6 * nv_}, bias_{count, 6};
-  Array<Dual<double>> dual_q_{count, nq_}, dual_v_{count, nv_}, dual_pose_{count, poseSize(joint_.instance().shape)},
-      dual_subspace_{count, 6 * nv_}, dual_bias_{count, 6};
+  Array<Dual<double>> dual_q_{count, nq_}, dual_v_{count, nv_}, dual_pose_{count, poseSize(joint_.instance().shape)}, dual_subspace_{count, 6 * nv_},
+      dual_bias_{count, 6};
   Array<double> neutral_{count, nq_}, end_{count, nq_}, difference_{count, nv_}, normal_{count, nq_}, distance_{count, 1};
-  Array<double> J_q_{count, nv_ * nv_}, J_v_{count, nv_ * nv_}, J_0_{count, nv_ * nv_}, J_1_{count, nv_ * nv_};
+  Array<double> J_q_{count, nv_* nv_}, J_v_{count, nv_* nv_}, J_0_{count, nv_* nv_}, J_1_{count, nv_* nv_};
 
  public:
   std::vector<Eigen::VectorXd> samples, velocities;

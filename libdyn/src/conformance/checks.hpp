@@ -1,8 +1,8 @@
 // The groups of checks, one source file each. Every function appends its findings.
 #pragma once
 
-#include "joint/conformance_support.hpp"
-#include "joint/joint_probe.hpp"
+#include "conformance/joint_probe.hpp"
+#include "conformance/support.hpp"
 
 namespace dyn::conformance {
 

@@ -1,8 +1,8 @@
 // Parameters made up from a schema.
-#include "joint/conformance_support.hpp"
-
 #include <charconv>
 #include <cstring>
+
+#include "conformance/support.hpp"
 
 namespace dyn {
 
@@ -61,7 +61,9 @@ Parameters exampleParameters(const JointTypeInfo& info, std::uint64_t seed) {
     }
     if (!spec.required && seed % 2 == 1) continue;
     switch (spec.kind) {
-      case ParameterKind::number: parameters[spec.name] = std::vector<double>{size()}; break;
+      case ParameterKind::number:
+        parameters[spec.name] = std::vector<double>{size()};
+        break;
       case ParameterKind::vector3:
         // With a unit it is no direction but three sizes, which may have to be positive (radii).
         if (*spec.unit != '\0') {
@@ -73,8 +75,12 @@ Parameters exampleParameters(const JointTypeInfo& info, std::uint64_t seed) {
           parameters[spec.name] = toNumbers(random.direction());
         }
         break;
-      case ParameterKind::numbers: parameters[spec.name] = std::vector<double>{size(), size(), size()}; break;
-      case ParameterKind::text: parameters[spec.name] = std::string("example"); break;
+      case ParameterKind::numbers:
+        parameters[spec.name] = std::vector<double>{size(), size(), size()};
+        break;
+      case ParameterKind::text:
+        parameters[spec.name] = std::string("example");
+        break;
       case ParameterKind::joints:
         parameters[spec.name] = std::vector<JointDescription>{part("revolute", random), part("prismatic", random)};
         break;

@@ -1,11 +1,9 @@
-#include <dyn/model/layout.hpp>
-
-#include "algorithm/inputs.hpp"
-
-#include <dyn/lie/so3.hpp>
-
 #include <algorithm>
 #include <cmath>
+#include <dyn/algorithm/layout.hpp>
+#include <dyn/lie/so3.hpp>
+
+#include "algorithm/inputs.hpp"
 
 namespace dyn::detail {
 
@@ -28,11 +26,16 @@ Kind kindOf(const TypeBatch& batch) {
 int widthOf(Kind kind, int nq, Layout layout) {
   if (layout == Layout::pinocchio) return nq;
   switch (kind) {
-    case Kind::free: return layout == Layout::rbdl ? 6 : 7;
-    case Kind::spherical: return layout == Layout::rbdl ? 3 : 4;
-    case Kind::planar: return 3;
-    case Kind::pair: return 1;
-    case Kind::plain: return nq;
+    case Kind::free:
+      return layout == Layout::rbdl ? 6 : 7;
+    case Kind::spherical:
+      return layout == Layout::rbdl ? 3 : 4;
+    case Kind::planar:
+      return 3;
+    case Kind::pair:
+      return 1;
+    case Kind::plain:
+      return nq;
   }
   return nq;
 }
@@ -65,10 +68,13 @@ struct QuaternionPlace {
 };
 QuaternionPlace quaternionPlace(Layout layout, int first, int w) {
   switch (layout) {
-    case Layout::rbdl: return {first, first + 1, first + 2, w};
+    case Layout::rbdl:
+      return {first, first + 1, first + 2, w};
     case Layout::mujoco:
-    case Layout::drake: return {first + 1, first + 2, first + 3, first};
-    case Layout::pinocchio: break;
+    case Layout::drake:
+      return {first + 1, first + 2, first + 3, first};
+    case Layout::pinocchio:
+      break;
   }
   return {first, first + 1, first + 2, first + 3};
 }

@@ -1,18 +1,34 @@
-#include <dyn/model/edit.hpp>
-
-#include <dyn/algorithm/configuration.hpp>
-#include <dyn/algorithm/kinematics.hpp>
-#include <dyn/compile/compile.hpp>
-
 #include <algorithm>
+#include <dyn/compile/edit.hpp>
 #include <unordered_map>
 #include <unordered_set>
+
+#include "compile/draft.hpp"
+#include "joint/coordinate.hpp"
+#include "joint/pose_components.hpp"
 
 namespace dyn {
 
 namespace {
 
-/// Poses that a held joint gives itself and, through couplings, others: a model of nothing but these joints, each on the world.
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// Pose of one joint that is not made of others, at q.
+SE3<double> poseOf(const DraftBody& body, const double* q) {
+  double pose[12], subspace[6 * max_joint_nv];
+  JointBatch<double> batch;
+  batch.count = 1;
+  batch.constants = body.constants.data();
+  batch.constant_count = body.instance.constant_count;
+  batch.constants_stride = batch.q_stride = batch.stride = 1;
+  batch.q = q;
+  batch.pose = pose;
+  batch.subspace = body.instance.shape == Shape::dense ? subspace : nullptr;
+  body.type->kinematics(batch);
+  return body.instance.before * poseFromComponents(body.instance.shape, pose) * body.instance.after;
+}
+
+/// Makes joints rigid, and with them those that follow them.
 class Holder {
  public:
   Holder(const Model& model, const JointRegistry& registry) : model_(model), registry_(registry) {
@@ -26,39 +42,60 @@ class Holder {
   void hold(int index, const std::vector<double>& q, Model& out) const {
     std::vector<int> held{index};
     for (std::size_t k = 0; k < held.size(); ++k) {
-      const auto found = followers_.find(model_.bodies[static_cast<std::size_t>(held[k])].joint.name);
+      const auto found = followers_.find(model_.bodies[at(held[k])].joint.name);
       if (found != followers_.end()) held.insert(held.end(), found->second.begin(), found->second.end());
       if (held.size() > model_.bodies.size())
-        throw Error(ErrorCode::model, "follows itself through a circle of couplings", {"", 0, model_.bodies[static_cast<std::size_t>(index)].joint.name});
+        throw Error(ErrorCode::model, "follows itself through a circle of couplings", {"", 0, model_.bodies[at(index)].joint.name});
     }
-    Model alone;
+    Model alone;  // the held joints, each on the world, masters before followers
     for (const int i : held) {
-      JointDescription joint = model_.bodies[static_cast<std::size_t>(i)].joint;
+      JointDescription joint = model_.bodies[at(i)].joint;
       joint.placement = {};
       if (i == index) joint.coupling = {};
-      alone.addBody(joint.name + " body", 0, joint);
+      alone.addBody(model_.bodies[at(i)].name, 0, joint);
     }
-    const CompactModel compact = compile(alone, registry_);
-    Eigen::VectorXd at = neutral(compact);
-    if (!q.empty()) {
-      if (static_cast<Eigen::Index>(q.size()) != at.size())
-        throw Error(ErrorCode::size, "to be held it needs " + std::to_string(at.size()) + " coordinates, it was given " + std::to_string(q.size()),
-                    {"", 0, alone.bodies[1].joint.name});
-      at = Eigen::Map<const Eigen::VectorXd>(q.data(), at.size());
-    }
-    Data data(compact);
-    forwardKinematics(compact, data, at);
+    const std::vector<SE3<double>> poses = heldPoses(resolve(alone, registry_), held.size(), q);
     for (std::size_t k = 0; k < held.size(); ++k) {
-      JointDescription& joint = out.bodies[static_cast<std::size_t>(held[k])].joint;
+      JointDescription& joint = out.bodies[at(held[k])].joint;
       JointDescription rigid;
       rigid.name = joint.name;
       rigid.where = joint.where;
-      rigid.placement = joint.placement * framePlacement(compact, data, compact.frameId(alone.bodies[k + 1].name));
+      rigid.placement = joint.placement * poses[k];
       joint = std::move(rigid);
     }
   }
 
  private:
+  /// Poses of the described joints of a draft: the first at q (or neutral), the others where the couplings put them.
+  static std::vector<SE3<double>> heldPoses(const Draft& draft, std::size_t joints, const std::vector<double>& q) {
+    std::vector<SE3<double>> poses(joints);
+    std::vector<std::vector<double>> q_of(draft.bodies.size());
+    std::size_t used = 0;
+    for (std::size_t i = 1; i < draft.bodies.size(); ++i) {
+      const DraftBody& body = draft.bodies[i];
+      const auto nq = static_cast<std::size_t>(body.instance.nq);
+      q_of[i].assign(nq + 1, 0.0);
+      if (body.coupling) {
+        const DraftBody& master = draft.bodies[at(body.coupling->master)];
+        double f[3];
+        const double x = coordinateOf(*master.type, master.constants.data(), 1, q_of[at(body.coupling->master)].data());
+        body.coupling->type->evaluate(body.coupling->constants.data(), static_cast<int>(body.coupling->constants.size()), x, f);
+        setCoordinate(*body.type, body.constants.data(), 1, f[0], q_of[i].data());
+      } else if (body.user_joint == 1 && !q.empty()) {
+        for (std::size_t k = 0; k < nq && used + k < q.size(); ++k) q_of[i][k] = q[used + k];
+        used += nq;
+      } else {
+        neutralOf(*body.type, body.constants.data(), 1, q_of[i].data());
+      }
+      SE3<double>& pose = poses[at(body.user_joint) - 1];
+      pose = pose * cast<double>(body.placement) * poseOf(body, q_of[i].data());
+    }
+    if (used != q.size())
+      throw Error(ErrorCode::size, "to be held it needs " + std::to_string(used) + " coordinates, it was given " + std::to_string(q.size()),
+                  {"", 0, draft.bodies[1].user_name});
+    return poses;
+  }
+
   const Model& model_;
   const JointRegistry& registry_;
   std::unordered_map<std::string, std::vector<int>> followers_;
@@ -86,7 +123,7 @@ Model keepOnly(const Model& model, const JointRegistry& registry, const std::vec
     const int i = model.findJoint(open.back());
     if (i < 0) throw Error(ErrorCode::model, "is to be kept, but the model has no such joint", {"", 0, open.back()});
     open.pop_back();
-    const std::string& master = model.bodies[static_cast<std::size_t>(i)].joint.coupling.master;
+    const std::string& master = model.bodies[at(i)].joint.coupling.master;
     if (!master.empty() && kept.insert(master).second) open.push_back(master);
   }
   std::vector<LockedJoint> lock;

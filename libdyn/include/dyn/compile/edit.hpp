@@ -22,6 +22,7 @@ DYN_API Model keepOnly(const Model& model, const JointRegistry& registry, const 
 
 /// `model` with a copy of `other` carried by the body or frame called `at`, at `placement` in it. Names of the copy get `prefix`.
 /// Gravity and name are the first model's. Throws Error(model) if `at` does not exist or a name would be used twice.
-DYN_API Model append(const Model& model, const Model& other, const std::string& at, const SE3<double>& placement = {}, const std::string& prefix = "");
+DYN_API Model append(const Model& model, const Model& other, const std::string& at, const SE3<double>& placement = {},
+                     const std::string& prefix = "");
 
 }  // namespace dyn

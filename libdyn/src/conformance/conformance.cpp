@@ -1,6 +1,6 @@
-#include "joint/conformance_checks.hpp"
-
 #include <cstdio>
+
+#include "conformance/checks.hpp"
 
 namespace dyn {
 
@@ -41,13 +41,18 @@ std::string shapeProblem(const JointInstance& joint) {
   };
   switch (joint.shape) {
     case Shape::revolute:
-    case Shape::prismatic: return wants(1);
+    case Shape::prismatic:
+      return wants(1);
     case Shape::spherical:
     case Shape::translation:
-    case Shape::planar: return wants(3);
-    case Shape::free: return wants(6);
-    case Shape::dense_constant: return "";
-    case Shape::dense: return joint.nq == joint.nv ? "" : "a dense joint has nq = nv, as v = dq/dt";
+    case Shape::planar:
+      return wants(3);
+    case Shape::free:
+      return wants(6);
+    case Shape::dense_constant:
+      return "";
+    case Shape::dense:
+      return joint.nq == joint.nv ? "" : "a dense joint has nq = nv, as v = dq/dt";
   }
   return "it names no shape";
 }
@@ -56,16 +61,15 @@ std::string shapeProblem(const JointInstance& joint) {
 
 }  // namespace conformance
 
-std::vector<ConformanceFinding> checkJointType(const JointType& type, const Parameters& example, const JointRegistry& registry,
-                                               std::uint64_t seed, const AllocationCount& allocations) {
+std::vector<ConformanceFinding> checkJointType(const JointType& type, const Parameters& example, const JointRegistry& registry, std::uint64_t seed,
+                                               const AllocationCount& allocations) {
   using namespace conformance;
   Findings findings;
   guarded("parameters", findings, [&] {
     const JointProbe joint(type, example);
     const std::string problem = shapeProblem(joint.instance());
     if (!problem.empty()) throw Error(ErrorCode::parameter, problem);
-    findings.push_back({"parameters are accepted", true, 0, 0,
-                        "nq = " + std::to_string(joint.nq()) + ", nv = " + std::to_string(joint.nv())});
+    findings.push_back({"parameters are accepted", true, 0, 0, "nq = " + std::to_string(joint.nq()) + ", nv = " + std::to_string(joint.nv())});
     // A joint made of others has no motion of its own.
     if (type.info().structure == Structure::joint) {
       guarded("motion", findings, [&] { checkMotion(joint, seed, findings); });

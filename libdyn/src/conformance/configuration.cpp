@@ -1,5 +1,5 @@
 // The configuration space of a joint: integrate and difference undo each other, their Jacobians are derivatives, normalize stays put.
-#include "joint/conformance_checks.hpp"
+#include "conformance/checks.hpp"
 
 namespace dyn::conformance {
 
@@ -30,8 +30,7 @@ void checkRoundTrips(const JointProbe& joint, Random& random, Findings& findings
     stay.compare(joint.integrate(q0, still), q0, show("q", q0));
     self.compare(joint.difference(q0, q0), still, show("q", q0));
     there.compare(joint.difference(q0, joint.integrate(q0, v)), v, show("q", q0) + ", " + show("v", v));
-    back.compare(flatten(joint.pose(joint.integrate(q0, joint.difference(q0, q1)))), flatten(joint.pose(q1)),
-                 show("q0", q0) + ", " + show("q1", q1));
+    back.compare(flatten(joint.pose(joint.integrate(q0, joint.difference(q0, q1)))), flatten(joint.pose(q1)), show("q0", q0) + ", " + show("q1", q1));
   }
   stay.into(findings);
   self.into(findings);
@@ -55,16 +54,20 @@ void checkJacobians(const JointProbe& joint, Random& random, Findings& findings)
     const std::string where = show("q", q) + ", " + show("v", v);
     const JointProbe::Jacobians I = joint.dIntegrate(q, v), D = joint.dDifference(q, end);
     const auto from_end = [&](const Eigen::VectorXd& x) { return joint.difference(end, x); };
-    integrate_q.compare(I.first, jacobianByDifferences(nv, [&](const Eigen::VectorXd& d) { return from_end(joint.integrate(joint.integrate(q, d), v)); }), where);
+    integrate_q.compare(
+        I.first, jacobianByDifferences(nv, [&](const Eigen::VectorXd& d) { return from_end(joint.integrate(joint.integrate(q, d), v)); }), where);
     integrate_v.compare(I.second, jacobianByDifferences(nv, [&](const Eigen::VectorXd& d) { return from_end(joint.integrate(q, v + d)); }), where);
-    difference_0.compare(D.first, jacobianByDifferences(nv, [&](const Eigen::VectorXd& d) { return joint.difference(joint.integrate(q, d), end); }), where);
-    difference_1.compare(D.second, jacobianByDifferences(nv, [&](const Eigen::VectorXd& d) { return joint.difference(q, joint.integrate(end, d)); }), where);
+    difference_0.compare(D.first, jacobianByDifferences(nv, [&](const Eigen::VectorXd& d) { return joint.difference(joint.integrate(q, d), end); }),
+                         where);
+    difference_1.compare(D.second, jacobianByDifferences(nv, [&](const Eigen::VectorXd& d) { return joint.difference(q, joint.integrate(end, d)); }),
+                         where);
   }
   for (Worst* w : {&integrate_q, &integrate_v, &difference_0, &difference_1}) w->into(findings);
 }
 
 void checkNormalize(const JointProbe& joint, Random& random, Findings& findings) {
-  Worst neutral("neutral is normalised", 1e-15), fixed("normalize leaves normalised q alone", 1e-15), again("normalize twice is normalize once", 1e-15);
+  Worst neutral("neutral is normalised", 1e-15), fixed("normalize leaves normalised q alone", 1e-15),
+      again("normalize twice is normalize once", 1e-15);
   double distance = 0;
   const Eigen::VectorXd zero = joint.neutral();
   neutral.compare(joint.normalize(zero, distance), zero, show("q", zero));

@@ -1,6 +1,6 @@
 // A coupling's derivatives against differences of its function.
 #include "compile/parameters.hpp"
-#include "joint/conformance_support.hpp"
+#include "conformance/support.hpp"
 
 namespace dyn {
 
