@@ -1,4 +1,5 @@
 #include <dyn/error.hpp>
+
 #include <utility>
 
 namespace dyn {

@@ -1,10 +1,11 @@
 // A URDF file as checked XML: bytes, syntax, and attributes read the same under every locale.
 #pragma once
 
-#include <tinyxml2.h>
-
 #include <dyn/error.hpp>
 #include <dyn/spatial/vector3.hpp>
+
+#include <tinyxml2.h>
+
 #include <string>
 #include <vector>
 

@@ -1,10 +1,11 @@
 // Joints that URDF has no words for: <libdyn><joint name="..." type="..." parameter="..."/></libdyn> under <robot>.
 #pragma once
 
-#include <dyn/model/model.hpp>
-#include <unordered_map>
-
 #include "validate.hpp"
+
+#include <dyn/model/model.hpp>
+
+#include <unordered_map>
 
 namespace dyn::urdf {
 

@@ -1,8 +1,9 @@
-#include <algorithm>
-#include <cstring>
+#include "extension.hpp"
+
 #include <dyn/parsers/urdf.hpp>
 
-#include "extension.hpp"
+#include <algorithm>
+#include <cstring>
 
 namespace dyn::urdf {
 
@@ -12,8 +13,8 @@ using tinyxml2::XMLElement;
 
 class Reader {
  public:
-  Reader(const Document& document, const Options& options)
-      : d_(document), options_(options), outline_(validate(document, options.inertias)), extensions_(readExtensions(document, outline_)) {}
+  Reader(const Document& document, const Options& options, Outline outline)
+      : d_(document), options_(options), outline_(std::move(outline)), extensions_(readExtensions(document, outline_)) {}
 
   Model run() {
     model_.name = d_.robot().Attribute("name") ? d_.robot().Attribute("name") : "robot";
@@ -143,9 +144,24 @@ class Reader {
 
 Model parse(const std::string& text, const std::string& name, const Options& options) {
   const Document document(text, name);
-  return Reader(document, options).run();
+  std::vector<Error> errors;
+  Outline outline = validate(document, options.inertias, errors);
+  if (!errors.empty()) throw errors.front();
+  return Reader(document, options, std::move(outline)).run();
 }
 
 Model load(const std::string& path, const Options& options) { return parse(readFile(path), path, options); }
+
+std::vector<Error> check(const std::string& path, const Options& options) {
+  std::vector<Error> errors;
+  try {
+    const Document document(readFile(path), path);
+    Outline outline = validate(document, options.inertias, errors);
+    if (errors.empty()) Reader(document, options, std::move(outline)).run();
+  } catch (const Error& e) {
+    errors.push_back(e);
+  }
+  return errors;
+}
 
 }  // namespace dyn::urdf

@@ -16,35 +16,42 @@ constexpr const char* joint_types[] = {"fixed", "revolute", "continuous", "prism
 
 class Validator {
  public:
-  Validator(const Document& document, Inertias inertias) : d_(document), inertias_(inertias) {}
+  Validator(const Document& document, Inertias inertias, std::vector<Error>& errors) : d_(document), inertias_(inertias), errors_(errors) {}
 
   Outline run() {
-    collect();
-    tree();
-    for (const XMLElement* link : out_.links) checkLink(*link);
-    for (const XMLElement* joint : out_.joints) checkJoint(*joint);
-    checkMimics();
+    for (const XMLElement* e = d_.robot().FirstChildElement(); e; e = e->NextSiblingElement()) guarded([&] { collect(*e); });
+    guarded([&] { tree(); });
+    for (const XMLElement* link : out_.links) guarded([&] { checkLink(*link); });
+    for (const XMLElement* joint : out_.joints) guarded([&] { checkJoint(*joint); });
+    for (const XMLElement* joint : out_.joints) guarded([&] { checkMimic(*joint); });
     reportIgnored();
     return std::move(out_);
   }
 
  private:
-  void collect() {
-    for (const XMLElement* e = d_.robot().FirstChildElement(); e; e = e->NextSiblingElement()) {
-      const bool is_link = std::strcmp(e->Name(), "link") == 0;
-      if (!is_link && std::strcmp(e->Name(), "joint") != 0) continue;
-      const std::string name = d_.text(*e, "name");
-      if (name.empty()) d_.fail(*e, std::string("<") + e->Name() + "> has an empty name");
-      auto& known = is_link ? out_.link : out_.joint;
-      if (const auto [first, is_new] = known.emplace(name, e); !is_new)
-        d_.fail(*e,
-                std::string("two ") + e->Name() + "s are called '" + name + "'; the other is at line " + std::to_string(first->second->GetLineNum()));
-      (is_link ? out_.links : out_.joints).push_back(e);
+  /// What one check throws does not keep the others from looking.
+  template <class Check>
+  void guarded(const Check& check) {
+    try {
+      check();
+    } catch (const Error& e) {
+      errors_.push_back(e);
     }
-    if (out_.links.empty()) d_.fail(d_.robot(), "has no <link>");
+  }
+
+  void collect(const XMLElement& e) {
+    const bool is_link = std::strcmp(e.Name(), "link") == 0;
+    if (!is_link && std::strcmp(e.Name(), "joint") != 0) return;
+    const std::string name = d_.text(e, "name");
+    if (name.empty()) d_.fail(e, std::string("<") + e.Name() + "> has an empty name");
+    auto& known = is_link ? out_.link : out_.joint;
+    if (const auto [first, is_new] = known.emplace(name, &e); !is_new)
+      d_.fail(e, std::string("two ") + e.Name() + "s are called '" + name + "'; the other is at line " + std::to_string(first->second->GetLineNum()));
+    (is_link ? out_.links : out_.joints).push_back(&e);
   }
 
   void tree() {
+    if (out_.links.empty()) d_.fail(d_.robot(), "has no <link>");
     std::unordered_map<std::string, const XMLElement*> carrier;  // link -> the joint whose child it is
     for (const XMLElement* joint : out_.joints) {
       const std::string name = joint->Attribute("name"), parent = linkOf(d_, *joint, "parent"), child = linkOf(d_, *joint, "child");
@@ -92,15 +99,18 @@ class Validator {
     const XMLElement* inertia = inertial->FirstChildElement("inertia");
     if (mass == nullptr) d_.fail(*inertial, "link '" + name + "': <inertial> has no <mass>");
     if (inertia == nullptr) d_.fail(*inertial, "link '" + name + "': <inertial> has no <inertia>");
-    if (d_.number(*mass, "value") < 0) d_.fail(*mass, "link '" + name + "': its mass is negative");
+    const double m = d_.number(*mass, "value");
+    if (m < 0) d_.fail(*mass, "link '" + name + "': its mass is negative");
     const double xx = d_.number(*inertia, "ixx"), xy = d_.number(*inertia, "ixy", 0), xz = d_.number(*inertia, "ixz", 0);
     const double yy = d_.number(*inertia, "iyy"), yz = d_.number(*inertia, "iyz", 0), zz = d_.number(*inertia, "izz");
     // Positive semi-definite by its principal minors, up to the rounding of numbers written with a few digits, and up to what is
     // rounding beside the same body's inertia about the link's origin.
+    note(*inertial, m == 0 && (xx != 0 || yy != 0 || zz != 0), "link '" + name + "': it has an inertia but no mass");
+    note(*inertial, m > 0 && xx == 0 && yy == 0 && zz == 0, "link '" + name + "': it has a mass but no inertia, as a point has");
     const double scale = std::max({std::fabs(xx), std::fabs(yy), std::fabs(zz), std::fabs(xy), std::fabs(xz), std::fabs(yz)});
     const XMLElement* origin = inertial->FirstChildElement("origin");
     const Vec3<double> com = origin && origin->Attribute("xyz") ? d_.vector3(*origin, "xyz") : Vec3<double>{};
-    const double slack = 1e-6 * scale + 1e-15 * d_.number(*mass, "value") * dot(com, com);
+    const double slack = 1e-6 * scale + 1e-15 * m * dot(com, com);
     const double minors[] = {(xx + slack) * (yy + slack) - xy * xy, (xx + slack) * (zz + slack) - xz * xz, (yy + slack) * (zz + slack) - yz * yz};
     const double determinant =
         (xx + slack) * ((yy + slack) * (zz + slack) - yz * yz) - xy * (xy * (zz + slack) - yz * xz) + xz * (xy * yz - (yy + slack) * xz);
@@ -109,9 +119,13 @@ class Validator {
     checkTriangle(*inertia, name, xx, yy, zz, xy, xz, yz, slack);
   }
 
+  void note(const XMLElement& e, bool condition, const std::string& what) const {
+    if (condition) d_.notes().push_back("line " + std::to_string(e.GetLineNum()) + ": " + what);
+  }
+
   void indefinite(const XMLElement& e, const std::string& what) const {
     if (inertias_ == Inertias::physical) d_.fail(e, what + " (urdf::Inertias::any, --inertia any, loads it all the same)");
-    d_.notes().push_back("line " + std::to_string(e.GetLineNum()) + ": " + what);
+    note(e, true, what);
   }
 
   /// Principal moments of a body satisfy A + B >= C. Their largest against half the trace, by the trace's invariants.
@@ -121,9 +135,8 @@ class Validator {
     // half * 1 - I must be positive semi-definite.
     const double a = half - xx, b = half - yy, c = half - zz;
     const double determinant = a * (b * c - yz * yz) - xy * (xy * c + yz * xz) - xz * (xy * yz + b * xz);
-    if (a < 0 || b < 0 || c < 0 || a * b < xy * xy || a * c < xz * xz || b * c < yz * yz || determinant < 0)
-      d_.notes().push_back("line " + std::to_string(e.GetLineNum()) + ": link '" + name +
-                           "': its inertia violates the triangle inequality; no real body has it");
+    note(e, a < 0 || b < 0 || c < 0 || a * b < xy * xy || a * c < xz * xz || b * c < yz * yz || determinant < 0,
+         "link '" + name + "': its inertia violates the triangle inequality; no real body has it");
   }
 
   void checkJoint(const XMLElement& joint) const {
@@ -143,29 +156,28 @@ class Validator {
       if (lower > upper && (type == "revolute" || type == "prismatic"))
         d_.fail(*limit, "joint '" + name + "': its lower limit is above its upper one");
       for (const char* attribute : {"effort", "velocity"})
-        if (d_.number(*limit, attribute, 0) < 0) d_.notes().push_back("joint '" + name + "': its " + attribute + " limit is negative");
+        note(*limit, d_.number(*limit, attribute, 0) < 0, "joint '" + name + "': its " + attribute + " limit is negative");
     } else if (type == "revolute" || type == "prismatic") {
-      d_.notes().push_back("joint '" + name + "' (" + type + ") has no <limit>: taken as unlimited");
+      note(joint, true, "joint '" + name + "' (" + type + ") has no <limit>: taken as unlimited");
     }
     if (const XMLElement* dynamics = joint.FirstChildElement("dynamics"))
       for (const char* attribute : {"damping", "friction"})
         if (d_.number(*dynamics, attribute, 0) < 0) d_.fail(*dynamics, "joint '" + name + "': its " + attribute + " is negative");
   }
 
-  void checkMimics() const {
-    for (const XMLElement* joint : out_.joints) {
-      const XMLElement* mimic = joint->FirstChildElement("mimic");
-      if (mimic == nullptr) continue;
-      for (const char* attribute : {"multiplier", "offset"}) d_.number(*mimic, attribute, 0);
-      std::size_t steps = 0;
-      for (const XMLElement* at = mimic; at;) {
-        const std::string master = d_.text(*at, "joint");
-        const auto found = out_.joint.find(master);
-        if (found == out_.joint.end()) d_.fail(*at, "mimics joint '" + master + "', which does not exist");
-        at = found->second->FirstChildElement("mimic");
-        if (++steps > out_.joints.size())
-          d_.fail(*mimic, "joint '" + std::string(joint->Attribute("name")) + "' mimics itself through a circle of mimics");
-      }
+  void checkMimic(const XMLElement& joint) const {
+    const XMLElement* mimic = joint.FirstChildElement("mimic");
+    if (mimic == nullptr) return;
+    const std::string name = joint.Attribute("name");
+    for (const char* attribute : {"multiplier", "offset"}) d_.number(*mimic, attribute, 0);
+    std::size_t steps = 0;
+    for (const XMLElement* at = mimic; at;) {
+      const std::string master = d_.text(*at, "joint");
+      const auto found = out_.joint.find(master);
+      if (found == out_.joint.end()) d_.fail(*at, "mimics joint '" + master + "', which does not exist");
+      at = found->second->FirstChildElement("mimic");
+      note(*mimic, at != nullptr && steps == 0, "joint '" + name + "' mimics '" + master + "', which mimics another joint itself");
+      if (++steps > out_.joints.size()) d_.fail(*mimic, "joint '" + name + "' mimics itself through a circle of mimics");
     }
   }
 
@@ -198,6 +210,7 @@ class Validator {
 
   const Document& d_;
   Inertias inertias_;
+  std::vector<Error>& errors_;
   Outline out_;
 };
 
@@ -209,6 +222,6 @@ std::string linkOf(const Document& document, const XMLElement& joint, const char
   return document.text(*e, "link");
 }
 
-Outline validate(const Document& document, Inertias inertias) { return Validator(document, inertias).run(); }
+Outline validate(const Document& document, Inertias inertias, std::vector<Error>& errors) { return Validator(document, inertias, errors).run(); }
 
 }  // namespace dyn::urdf

@@ -1,12 +1,13 @@
 // What urdfdom lets pass and a robot must not have; see the README of this folder for the list.
 #pragma once
 
+#include "document.hpp"
+
 #include <dyn/parsers/urdf.hpp>
+
 #include <string>
 #include <unordered_map>
 #include <vector>
-
-#include "document.hpp"
 
 namespace dyn::urdf {
 
@@ -19,8 +20,9 @@ struct Outline {
   std::string root;
 };
 
-/// Throws Error(syntax | model) with file and line; notes go into the document.
-Outline validate(const Document& document, Inertias inertias);
+/// Every Error(syntax | model) found, with file and line, goes into `errors`; the outline is usable only if there are none. Notes go into
+/// the document.
+Outline validate(const Document& document, Inertias inertias, std::vector<Error>& errors);
 
 /// Name of the link that a joint's <parent> or <child> gives.
 std::string linkOf(const Document& document, const tinyxml2::XMLElement& joint, const char* which);

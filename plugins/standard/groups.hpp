@@ -1,9 +1,9 @@
 // Joints whose configuration space is a Lie group: spherical, free_flyer, planar; and the flat translation.
 #pragma once
 
-#include <dyn/lie/se3.hpp>
-
 #include "one_axis.hpp"
+
+#include <dyn/lie/se3.hpp>
 
 namespace dyn::standard {
 

@@ -1,8 +1,8 @@
 // States in other libraries' layouts: written out by hand for one model, and there and back for many.
-#include <dyn/algorithm/layout.hpp>
-
 #include "support/catch.hpp"
 #include "support/random_model.hpp"
+
+#include <dyn/algorithm/layout.hpp>
 
 using namespace dyn;
 using namespace dyn::test;

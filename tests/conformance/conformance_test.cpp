@@ -1,13 +1,15 @@
 // Every type there is passes the conformance kit; joints broken in one place each are caught by the check that looks there.
-#include <algorithm>
-#include <alloc_guard.hpp>
-#include <atomic>
+#include "support/catch.hpp"
+
 #include <dyn/conformance/conformance.hpp>
 #include <dyn/dyn.hpp>
 #include <dyn_sdk/joint_plugin.hpp>
-#include <limits>
 
-#include "support/catch.hpp"
+#include <alloc_guard.hpp>
+
+#include <algorithm>
+#include <atomic>
+#include <limits>
 
 namespace {
 

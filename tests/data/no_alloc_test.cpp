@@ -1,8 +1,8 @@
 // After Data exists no algorithm allocates. malloc itself is watched: Eigen does not go through operator new.
-#include <alloc_guard.hpp>
-
 #include "support/catch.hpp"
 #include "support/random_model.hpp"
+
+#include <alloc_guard.hpp>
 
 using namespace dyn;
 using namespace dyn::test;

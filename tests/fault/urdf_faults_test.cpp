@@ -1,12 +1,13 @@
 // Broken files: an Error that says what and where, within seconds and bounded memory; long chains do not use up the stack.
-#include <clocale>
+#include "support/catch.hpp"
+
 #include <dyn/dyn.hpp>
 #include <dyn/parsers/urdf.hpp>
+
+#include <clocale>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
-
-#include "support/catch.hpp"
 
 using namespace dyn;
 using namespace dyn::test;

@@ -1,9 +1,9 @@
 // Real robots against reference results made by another library in extended precision (shared/golden), by way of the public API.
-#include <dyn/dyn.hpp>
-#include <dyn/parsers/urdf.hpp>
-
 #include "support/errors.hpp"
 #include "support/shared.hpp"
+
+#include <dyn/dyn.hpp>
+#include <dyn/parsers/urdf.hpp>
 
 using namespace dyn;
 using namespace dyn::test;

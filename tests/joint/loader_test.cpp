@@ -1,12 +1,13 @@
 // Shared objects that are wrong in every way known: each is an Error that names the file, and the registry stays as it was.
-#include <unistd.h>
+#include "support/catch.hpp"
 
 #include <dyn/joint/registry.hpp>
+
+#include <unistd.h>
+
 #include <filesystem>
 #include <fstream>
 #include <thread>
-
-#include "support/catch.hpp"
 
 namespace {
 

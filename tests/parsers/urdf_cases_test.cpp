@@ -1,9 +1,10 @@
 // The parser cases of the reference data: what must be read, what must be read with a note, what must be refused.
+#include "support/shared.hpp"
+
 #include <dyn/dyn.hpp>
 #include <dyn/parsers/urdf.hpp>
-#include <filesystem>
 
-#include "support/shared.hpp"
+#include <filesystem>
 
 using namespace dyn;
 using namespace dyn::test;

@@ -1,10 +1,12 @@
 // The example plugins against closed forms of their own geometry, and the robots that come with them.
-#include <Eigen/Dense>
+#include "support/catch.hpp"
+
 #include <dyn/dyn.hpp>
 #include <dyn/parsers/urdf.hpp>
-#include <filesystem>
 
-#include "support/catch.hpp"
+#include <Eigen/Dense>
+
+#include <filesystem>
 
 using namespace dyn;
 using namespace dyn::test;

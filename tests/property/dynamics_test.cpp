@@ -1,8 +1,8 @@
 // What must hold between the algorithms, on random trees of all joint types.
-#include <Eigen/Cholesky>
-
 #include "support/catch.hpp"
 #include "support/random_model.hpp"
+
+#include <Eigen/Cholesky>
 
 using namespace dyn;
 using namespace dyn::test;

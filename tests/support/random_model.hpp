@@ -4,6 +4,7 @@
 #include <dyn/conformance/conformance.hpp>
 #include <dyn/dyn.hpp>
 #include <dyn/lie/se3.hpp>
+
 #include <random>
 #include <string>
 

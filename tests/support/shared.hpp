@@ -1,13 +1,14 @@
 // Reference data beside the project. Tests that need it skip, with a message, where it is not.
 #pragma once
 
+#include "support/catch.hpp"
+
+#include <nlohmann/json.hpp>
+
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <string>
-
-#include "support/catch.hpp"
 
 namespace dyn::test {
 

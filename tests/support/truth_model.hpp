@@ -1,10 +1,12 @@
 // Models of the reference data's own JSON form.
 #pragma once
 
-#include <cmath>
 #include <dyn/model/model.hpp>
-#include <map>
+
 #include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <map>
 
 namespace dyn::test {
 

@@ -1,12 +1,13 @@
 // Every algorithm against references of 25 digits that share no code with it, within the project's error budgets.
-#include <dyn/dyn.hpp>
-#include <dyn/parsers/urdf.hpp>
-#include <iostream>
-#include <map>
-
 #include "support/errors.hpp"
 #include "support/shared.hpp"
 #include "support/truth_model.hpp"
+
+#include <dyn/dyn.hpp>
+#include <dyn/parsers/urdf.hpp>
+
+#include <iostream>
+#include <map>
 
 using namespace dyn;
 using namespace dyn::test;

@@ -1,12 +1,12 @@
 // dyn bench: ns a call of each algorithm, median of repetitions over random states.
+#include "commands.hpp"
+#include "model_options.hpp"
+#include "states.hpp"
+
 #include <algorithm>
 #include <chrono>
 #include <functional>
 #include <memory>
-
-#include "commands.hpp"
-#include "model_options.hpp"
-#include "states.hpp"
 
 namespace dyn::tool {
 

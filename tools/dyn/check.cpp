@@ -1,9 +1,9 @@
 // dyn check: finds what is wrong or suspicious in a model. Exit code 1 when there are errors.
-#include <cmath>
-#include <memory>
-
 #include "commands.hpp"
 #include "model_options.hpp"
+
+#include <cstdio>
+#include <memory>
 
 namespace dyn::tool {
 
@@ -12,7 +12,7 @@ namespace {
 class Findings {
  public:
   void error(const std::string& text) {
-    std::printf("error: %s\n", text.c_str());
+    std::fprintf(stderr, "error: %s\n", text.c_str());
     ++errors_;
   }
   void warning(const std::string& text) {
@@ -26,27 +26,6 @@ class Findings {
   int errors_ = 0, warnings_ = 0;
 };
 
-void checkLimits(const CompactModel& model, const Model& description, Findings& findings) {
-  for (std::size_t i = 1; i < description.bodies.size(); ++i) {
-    const JointDescription& j = description.bodies[i].joint;
-    const int id = model.jointId(j.name);
-    if (id < 0) continue;
-    const JointRecord& r = model.joints()[static_cast<std::size_t>(id)];
-    if (r.nq == 1 && j.limits.lower.empty() && j.coupling.type.empty())
-      findings.warning("joint '" + j.name + "' (" + j.type + ") has no position limits");
-  }
-}
-
-void checkMimic(const Model& description, Findings& findings) {
-  for (const BodyDescription& body : description.bodies) {
-    const Coupling& c = body.joint.coupling;
-    if (c.type.empty()) continue;
-    const int master = description.findJoint(c.master);
-    if (master > 0 && !description.bodies[static_cast<std::size_t>(master)].joint.coupling.type.empty())
-      findings.warning("joint '" + body.joint.name + "' mimics '" + c.master + "', which mimics another joint itself");
-  }
-}
-
 void checkMassMatrix(const CompactModel& model, Findings& findings) {
   Data data(model, Need::mass_matrix);
   try {
@@ -59,16 +38,17 @@ void checkMassMatrix(const CompactModel& model, Findings& findings) {
 
 void run(const ModelOptions& o) {
   Findings findings;
-  try {
-    const Model description = o.description();
-    for (const std::string& note : description.notes) findings.warning(note);
-    const CompactModel model = dyn::compile(description, o.registry(), o.compileOptions());
-    for (const std::string& warning : model.report().warnings) findings.warning(warning);
-    checkLimits(model, description, findings);
-    checkMimic(description, findings);
-    checkMassMatrix(model, findings);
-  } catch (const Error& e) {
-    findings.error(e.what());
+  for (const Error& e : urdf::check(o.path, o.urdfOptions())) findings.error(e.what());
+  if (findings.errors() == 0) {
+    try {
+      const Model description = o.description();
+      for (const std::string& note : description.notes) findings.warning(note);
+      const CompactModel model = dyn::compile(description, o.registry(), o.compileOptions());
+      for (const std::string& warning : model.report().warnings) findings.warning(warning);
+      checkMassMatrix(model, findings);
+    } catch (const Error& e) {
+      findings.error(e.what());
+    }
   }
   std::printf("%d errors, %d warnings\n", findings.errors(), findings.warnings());
   if (findings.errors() > 0) throw ExitCode{1};

@@ -1,12 +1,12 @@
 // dyn compute: states in, dynamics out, as JSON with the keys of the golden data.
+#include "commands.hpp"
+#include "model_options.hpp"
+#include "states.hpp"
+
 #include <cstdio>
 #include <functional>
 #include <memory>
 #include <set>
-
-#include "commands.hpp"
-#include "model_options.hpp"
-#include "states.hpp"
 
 namespace dyn::tool {
 
@@ -181,6 +181,10 @@ void run(const Options& o) {
   }
   out += "]}\n";
   std::fputs(out.c_str(), stdout);
+  if (only.count("aba") && out.find("\"aba_error\"") != std::string::npos) {
+    std::fprintf(stderr, "dyn: the mass matrix is singular at some samples: aba is null there, and aba_error says why\n");
+    throw ExitCode{1};
+  }
 }
 
 }  // namespace

@@ -1,9 +1,9 @@
 // dyn demo: inverse dynamics, mass matrix and forward dynamics at one random state, for reading.
-#include <memory>
-
 #include "commands.hpp"
 #include "model_options.hpp"
 #include "states.hpp"
+
+#include <memory>
 
 namespace dyn::tool {
 

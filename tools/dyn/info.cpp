@@ -1,9 +1,9 @@
 // dyn info: what was loaded, what the compiler made of it, and the tree.
-#include <map>
-#include <memory>
-
 #include "commands.hpp"
 #include "model_options.hpp"
+
+#include <map>
+#include <memory>
 
 namespace dyn::tool {
 

@@ -1,9 +1,10 @@
 // The command dyn. Exit codes: 0 done, 1 the model, the input or the answer is wrong, 2 the command line is wrong.
-#include <cstdio>
-#include <dyn/error.hpp>
-#include <exception>
-
 #include "commands.hpp"
+
+#include <dyn/error.hpp>
+
+#include <cstdio>
+#include <exception>
 
 int main(int argc, char** argv) {
   CLI::App app{"Kinematics and dynamics of robots; joints come from plugins."};

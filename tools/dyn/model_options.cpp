@@ -28,15 +28,17 @@ JointRegistry ModelOptions::registry() const {
   return registry;
 }
 
-Model ModelOptions::description() const {
+urdf::Options ModelOptions::urdfOptions() const {
   urdf::Options options;
   options.root = root;
   options.mimic = mimic == "coupled" ? urdf::Mimic::coupled : urdf::Mimic::independent;
   options.order = order == "file" ? urdf::Order::file : urdf::Order::name;
   options.continuous = continuous == "angle" ? urdf::Continuous::angle : urdf::Continuous::unit_circle;
   options.inertias = inertia == "any" ? urdf::Inertias::any : urdf::Inertias::physical;
-  return urdf::load(path, options);
+  return options;
 }
+
+Model ModelOptions::description() const { return urdf::load(path, urdfOptions()); }
 
 CompileOptions ModelOptions::compileOptions() const {
   CompileOptions options;

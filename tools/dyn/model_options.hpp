@@ -1,9 +1,11 @@
 // What every subcommand that reads a model takes: the file, its root joint, and how the file is read.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <dyn/dyn.hpp>
 #include <dyn/parsers/urdf.hpp>
+
+#include <CLI/CLI.hpp>
+
 #include <string>
 #include <vector>
 
@@ -23,6 +25,7 @@ struct ModelOptions {
 
   void add(CLI::App& app);
   JointRegistry registry() const;
+  urdf::Options urdfOptions() const;
   Model description() const;
   CompileOptions compileOptions() const;
   CompactModel compile() const { return dyn::compile(description(), registry(), compileOptions()); }

@@ -1,8 +1,9 @@
 // dyn plugin: what is loaded; the other subcommands have files of their own.
 #include "plugin.hpp"
 
-#include <cstdio>
 #include <dyn/joint/registry.hpp>
+
+#include <cstdio>
 
 namespace dyn::tool {
 

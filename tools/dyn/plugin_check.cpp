@@ -1,13 +1,14 @@
 // dyn plugin check: the conformance kit on every type of a shared object. Exit code 1 on a failure.
+#include "alloc_guard.hpp"
+#include "plugin.hpp"
+
+#include <dyn/conformance/conformance.hpp>
+
 #include <charconv>
 #include <cmath>
 #include <cstdio>
-#include <dyn/conformance/conformance.hpp>
 #include <filesystem>
 #include <memory>
-
-#include "alloc_guard.hpp"
-#include "plugin.hpp"
 
 namespace dyn::tool {
 

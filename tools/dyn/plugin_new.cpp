@@ -1,14 +1,15 @@
 // dyn plugin new: a folder with a joint type to start from.
+#include "plugin.hpp"
+
+#include <dyn/error.hpp>
+
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <cstdio>
-#include <dyn/error.hpp>
 #include <filesystem>
 #include <fstream>
 #include <memory>
-
-#include "plugin.hpp"
 
 namespace dyn::tool {
 

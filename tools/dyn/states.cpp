@@ -1,11 +1,14 @@
 #include "states.hpp"
 
-#include <cmath>
 #include <dyn/algorithm/configuration.hpp>
 #include <dyn/error.hpp>
+
+#include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <random>
+#include <sstream>
 
 namespace dyn::tool {
 
@@ -35,20 +38,54 @@ Eigen::VectorXd readVector(const nlohmann::json& sample, const char* key, int si
 
 }  // namespace
 
+namespace {
+
+std::string readAll(const std::string& path, const Where& where) {
+  std::ostringstream text;
+  if (path == "-") {
+    text << std::cin.rdbuf();
+  } else {
+    std::ifstream file(path);
+    if (!file || std::filesystem::is_directory(path)) throw Error(ErrorCode::file, "cannot be opened", where);
+    text << file.rdbuf();
+  }
+  return text.str();
+}
+
+/// The sample that position `end` of a text lies in: objects of depth two before it, less one.
+std::ptrdiff_t sampleAt(const std::string& text, std::size_t end) {
+  std::ptrdiff_t sample = -1;
+  int depth = 0;
+  bool quoted = false;
+  for (std::size_t i = 0; i < std::min(end, text.size()); ++i) {
+    if (text[i] == '"' && (i == 0 || text[i - 1] != '\\')) quoted = !quoted;
+    if (quoted) continue;
+    if (text[i] == '{' && ++depth == 2) ++sample;
+    if (text[i] == '}') --depth;
+  }
+  return sample;
+}
+
+nlohmann::json parseJson(const std::string& text, const Where& where) {
+  try {
+    return nlohmann::json::parse(text);
+  } catch (const nlohmann::json::parse_error& e) {
+    // Programs write NaN and Infinity although JSON has neither; the reader stops at their second letter or sign.
+    const std::size_t from = e.byte > 12 ? e.byte - 12 : 0;
+    const std::string near = text.substr(from, 24);
+    const bool not_finite = near.find("NaN") != std::string::npos || near.find("nan") != std::string::npos || near.find("Inf") != std::string::npos;
+    if (not_finite) throw Error(ErrorCode::argument, "sample " + std::to_string(sampleAt(text, e.byte)) + ": a number is not finite", where);
+    throw Error(ErrorCode::syntax, std::string("is not JSON: ") + e.what(), where);
+  } catch (const nlohmann::json::exception& e) {
+    throw Error(ErrorCode::syntax, std::string("is not JSON that can be used: ") + e.what(), where);
+  }
+}
+
+}  // namespace
+
 std::vector<State> readStates(const std::string& path, const CompactModel& model) {
   const Where where{path == "-" ? "standard input" : path, 0, ""};
-  nlohmann::json document;
-  try {
-    if (path == "-") {
-      document = nlohmann::json::parse(std::cin);
-    } else {
-      std::ifstream file(path);
-      if (!file) throw Error(ErrorCode::file, "cannot be opened", where);
-      document = nlohmann::json::parse(file);
-    }
-  } catch (const nlohmann::json::exception& e) {
-    throw Error(ErrorCode::syntax, std::string("is not JSON: ") + e.what(), where);
-  }
+  const nlohmann::json document = parseJson(readAll(path, where), where);
   if (!document.is_object() || !document.contains("samples") || !document["samples"].is_array())
     throw Error(ErrorCode::syntax, "has no array \"samples\"", where);
   std::vector<State> states;

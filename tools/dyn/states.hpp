@@ -1,9 +1,11 @@
 // States from a JSON file, and results back: numbers with 17 significant digits, sizes checked, NaN and Inf refused.
 #pragma once
 
-#include <Eigen/Core>
 #include <dyn/compile/compact_model.hpp>
+
+#include <Eigen/Core>
 #include <nlohmann/json.hpp>
+
 #include <string>
 #include <vector>
 

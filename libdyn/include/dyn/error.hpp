@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dyn/export.hpp>
+
 #include <stdexcept>
 #include <string>
 

@@ -20,10 +20,11 @@
 // Jacobians are nv x nv, row-major.
 #pragma once
 
-#include <array>
-#include <cstdio>
 #include <dyn_sdk/derive.hpp>
 #include <dyn_sdk/stamp.hpp>
+
+#include <array>
+#include <cstdio>
 
 namespace dyn::sdk {
 

@@ -1,9 +1,9 @@
 // The stamp both sides compute from their own headers; a plugin whose stamp differs is refused before any of its code is called.
 #pragma once
 
+#include <dyn/joint/joint_type.hpp>
 #include <dyn_sdk/abi.h>
 
-#include <dyn/joint/joint_type.hpp>
 #include <initializer_list>
 
 namespace dyn::sdk {

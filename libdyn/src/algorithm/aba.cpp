@@ -1,10 +1,11 @@
-#include <cmath>
-#include <dyn/algorithm/aba.hpp>
-#include <limits>
-
 #include "algorithm/crba.hpp"
 #include "algorithm/external.hpp"
 #include "kernels/aligned.hpp"
+
+#include <dyn/algorithm/aba.hpp>
+
+#include <cmath>
+#include <limits>
 
 namespace dyn::detail {
 

@@ -1,8 +1,8 @@
-#include <dyn/algorithm/center_of_mass.hpp>
-#include <dyn/algorithm/kinematics.hpp>
-
 #include "algorithm/inputs.hpp"
 #include "kernels/sweep.hpp"
+
+#include <dyn/algorithm/center_of_mass.hpp>
+#include <dyn/algorithm/kinematics.hpp>
 
 namespace dyn::detail {
 

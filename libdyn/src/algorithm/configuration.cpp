@@ -1,9 +1,10 @@
+#include "algorithm/inputs.hpp"
+
+#include <dyn/algorithm/configuration.hpp>
+
 #include <algorithm>
 #include <cmath>
-#include <dyn/algorithm/configuration.hpp>
 #include <random>
-
-#include "algorithm/inputs.hpp"
 
 namespace dyn::detail {
 

@@ -1,9 +1,10 @@
 #include "algorithm/crba.hpp"
 
-#include <algorithm>
+#include "kernels/aligned.hpp"
+
 #include <dyn/algorithm/crba.hpp>
 
-#include "kernels/aligned.hpp"
+#include <algorithm>
 
 namespace dyn {
 

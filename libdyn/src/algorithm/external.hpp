@@ -1,10 +1,11 @@
 // External forces from the user's joint frames into the bodies' core frames.
 #pragma once
 
-#include <dyn/error.hpp>
-#include <string>
-
 #include "data/data_impl.hpp"
+
+#include <dyn/error.hpp>
+
+#include <string>
 
 namespace dyn {
 

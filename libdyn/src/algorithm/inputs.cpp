@@ -1,10 +1,11 @@
 #include "algorithm/inputs.hpp"
 
-#include <algorithm>
-#include <dyn/error.hpp>
-#include <string>
-
 #include "joint/coordinate.hpp"
+
+#include <dyn/error.hpp>
+
+#include <algorithm>
+#include <string>
 
 namespace dyn {
 

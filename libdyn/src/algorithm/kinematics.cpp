@@ -1,10 +1,11 @@
-#include <algorithm>
-#include <dyn/algorithm/kinematics.hpp>
-#include <dyn/error.hpp>
-#include <string>
-
 #include "algorithm/inputs.hpp"
 #include "kernels/sweep.hpp"
+
+#include <dyn/algorithm/kinematics.hpp>
+#include <dyn/error.hpp>
+
+#include <algorithm>
+#include <string>
 
 namespace dyn {
 

@@ -1,9 +1,10 @@
-#include <algorithm>
-#include <cmath>
+#include "algorithm/inputs.hpp"
+
 #include <dyn/algorithm/layout.hpp>
 #include <dyn/lie/so3.hpp>
 
-#include "algorithm/inputs.hpp"
+#include <algorithm>
+#include <cmath>
 
 namespace dyn::detail {
 

@@ -1,8 +1,8 @@
-#include <dyn/algorithm/rnea.hpp>
-
 #include "algorithm/external.hpp"
 #include "algorithm/inputs.hpp"
 #include "kernels/sweep.hpp"
+
+#include <dyn/algorithm/rnea.hpp>
 
 namespace dyn::detail {
 

@@ -3,6 +3,7 @@
 
 #include <dyn/compile/compact_model.hpp>
 #include <dyn/joint/joint_type.hpp>
+
 #include <vector>
 
 namespace dyn {

@@ -1,7 +1,8 @@
-#include <dyn/compile/compact_model.hpp>
-#include <utility>
-
 #include "compile/compact_impl.hpp"
+
+#include <dyn/compile/compact_model.hpp>
+
+#include <utility>
 
 namespace dyn {
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <dyn/compile/compile.hpp>
+
 #include <optional>
 #include <string>
 #include <vector>

@@ -1,11 +1,12 @@
-#include <algorithm>
-#include <dyn/compile/edit.hpp>
-#include <unordered_map>
-#include <unordered_set>
-
 #include "compile/draft.hpp"
 #include "joint/coordinate.hpp"
 #include "joint/pose_components.hpp"
+
+#include <dyn/compile/edit.hpp>
+
+#include <algorithm>
+#include <unordered_map>
+#include <unordered_set>
 
 namespace dyn {
 

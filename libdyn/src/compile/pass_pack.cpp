@@ -1,10 +1,10 @@
+#include "compile/compact_impl.hpp"
+#include "compile/draft.hpp"
+
 #include <algorithm>
 #include <limits>
 #include <map>
 #include <tuple>
-
-#include "compile/compact_impl.hpp"
-#include "compile/draft.hpp"
 
 namespace dyn {
 

@@ -1,7 +1,7 @@
+#include "compile/parameters.hpp"
+
 #include <cmath>
 #include <unordered_map>
-
-#include "compile/parameters.hpp"
 
 namespace dyn {
 

@@ -1,7 +1,7 @@
 // Passes that change which bodies there are and where: order, weld, canonicalise, inspect.
-#include <algorithm>
-
 #include "compile/draft.hpp"
+
+#include <algorithm>
 
 namespace dyn {
 

@@ -1,8 +1,8 @@
 // How a type answers the calls themselves, whatever the numbers mean.
+#include "conformance/checks.hpp"
+
 #include <cstring>
 #include <thread>
-
-#include "conformance/checks.hpp"
 
 namespace dyn::conformance {
 

@@ -1,6 +1,6 @@
-#include <cstdio>
-
 #include "conformance/checks.hpp"
+
+#include <cstdio>
 
 namespace dyn {
 

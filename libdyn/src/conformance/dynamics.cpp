@@ -1,7 +1,7 @@
 // The joint in a mechanism: between two revolutes the algorithms must agree with each other and with the energy.
-#include <dyn/dyn.hpp>
-
 #include "conformance/checks.hpp"
+
+#include <dyn/dyn.hpp>
 
 namespace dyn::conformance {
 

@@ -1,8 +1,8 @@
 // Parameters made up from a schema.
+#include "conformance/support.hpp"
+
 #include <charconv>
 #include <cstring>
-
-#include "conformance/support.hpp"
 
 namespace dyn {
 

@@ -1,11 +1,11 @@
 // One joint of a type, asked one configuration at a time. What a batch would answer, unpacked.
 #pragma once
 
-#include <Eigen/Core>
-
 #include "compile/parameters.hpp"
 #include "joint/pose_components.hpp"
 #include "kernels/shapes.hpp"
+
+#include <Eigen/Core>
 
 namespace dyn::conformance {
 

@@ -1,7 +1,7 @@
 // A joint's pose map against what it says of its motion.
-#include <Eigen/SVD>
-
 #include "conformance/checks.hpp"
+
+#include <Eigen/SVD>
 
 namespace dyn::conformance {
 

@@ -1,9 +1,11 @@
 // What the conformance checks share: random numbers, differences, and the worst error met.
 #pragma once
 
-#include <Eigen/Core>
-#include <cmath>
 #include <dyn/conformance/conformance.hpp>
+
+#include <Eigen/Core>
+
+#include <cmath>
 #include <limits>
 #include <random>
 

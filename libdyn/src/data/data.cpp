@@ -1,7 +1,7 @@
+#include "data/data_impl.hpp"
+
 #include <algorithm>
 #include <cstring>
-
-#include "data/data_impl.hpp"
 
 namespace dyn {
 

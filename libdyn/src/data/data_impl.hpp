@@ -1,11 +1,12 @@
 // The arena behind Data: one block, carved into arrays. Each field: meaning, frame, writer.
 #pragma once
 
+#include "compile/compact_impl.hpp"
+
 #include <dyn/data/data.hpp>
+
 #include <memory>
 #include <vector>
-
-#include "compile/compact_impl.hpp"
 
 namespace dyn {
 

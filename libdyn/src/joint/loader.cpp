@@ -1,14 +1,16 @@
 #include "joint/loader.hpp"
 
+#include "joint/trial_load.hpp"
+
+#include <dyn_sdk/stamp.hpp>
+
 #include <boost/dll/runtime_symbol_info.hpp>
 #include <boost/dll/shared_library.hpp>
+
 #include <cstring>
 #include <deque>
-#include <dyn_sdk/stamp.hpp>
 #include <filesystem>
 #include <mutex>
-
-#include "joint/trial_load.hpp"
 
 namespace dyn {
 

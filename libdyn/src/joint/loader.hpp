@@ -1,9 +1,8 @@
 // Opens a shared object and shakes hands with it. The only file pair that knows Boost.DLL.
 #pragma once
 
-#include <dyn_sdk/abi.h>
-
 #include <dyn/joint/registry.hpp>
+#include <dyn_sdk/abi.h>
 
 namespace dyn {
 

@@ -1,11 +1,12 @@
+#include "joint/loader.hpp"
+
+#include <dyn/joint/registry.hpp>
+
 #include <algorithm>
 #include <cstdlib>
-#include <dyn/joint/registry.hpp>
 #include <filesystem>
 #include <map>
 #include <sstream>
-
-#include "joint/loader.hpp"
 
 namespace dyn {
 

@@ -5,9 +5,10 @@
 //   bias()          (dS/dt) v in the moving frame, where has_bias
 #pragma once
 
-#include <cstddef>
 #include <dyn/joint/shape.hpp>
 #include <dyn/spatial/inertia.hpp>
+
+#include <cstddef>
 
 namespace dyn::kernels {
 

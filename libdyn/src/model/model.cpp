@@ -1,4 +1,5 @@
 #include <dyn/model/model.hpp>
+
 #include <utility>
 
 namespace dyn {

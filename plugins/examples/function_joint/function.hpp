@@ -3,6 +3,7 @@
 #pragma once
 
 #include <dyn_sdk/joint_plugin.hpp>
+
 #include <vector>
 
 namespace function {

@@ -1,5 +1,6 @@
 // Nothing is wrong with it, and it has a static constructor that does not throw.
 #include <dyn_sdk/joint_plugin.hpp>
+
 #include <string>
 
 namespace {

@@ -1,9 +1,10 @@
 // The configuration space of a whole model: q (+) v, q1 (-) q0 and their Jacobians. v is a tangent vector as joint velocities are.
 #pragma once
 
-#include <cstdint>
 #include <dyn/compile/compact_model.hpp>
 #include <dyn/data/views.hpp>
+
+#include <cstdint>
 
 namespace dyn {
 

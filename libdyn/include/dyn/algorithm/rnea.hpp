@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dyn/data/data.hpp>
+
 #include <vector>
 
 namespace dyn {

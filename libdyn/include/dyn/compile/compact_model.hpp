@@ -3,6 +3,7 @@
 
 #include <dyn/export.hpp>
 #include <dyn/spatial/inertia.hpp>
+
 #include <memory>
 #include <string>
 #include <vector>

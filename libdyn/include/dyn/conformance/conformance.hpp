@@ -2,9 +2,10 @@
 // says in another (a subspace with differences of poses, a Jacobian with differences of integrate, ...), at random configurations.
 #pragma once
 
-#include <cstdint>
 #include <dyn/joint/registry.hpp>
 #include <dyn/model/model.hpp>
+
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>

@@ -3,6 +3,7 @@
 
 #include <dyn/error.hpp>
 #include <dyn/joint/joint_type.hpp>
+
 #include <memory>
 #include <string>
 #include <vector>

@@ -5,6 +5,7 @@
 
 #include <dyn/scalar/dual.hpp>
 #include <dyn/spatial/vector3.hpp>
+
 #include <type_traits>
 
 namespace dyn {

@@ -3,6 +3,7 @@
 
 #include <dyn/error.hpp>
 #include <dyn/spatial/inertia.hpp>
+
 #include <limits>
 #include <map>
 #include <string>

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <dyn/model/model.hpp>
+
 #include <string>
+#include <vector>
 
 namespace dyn::urdf {
 
@@ -24,5 +26,8 @@ struct Options {
 DYN_API Model load(const std::string& path, const Options& options = {});
 /// The same from text; `name` stands for the file in messages.
 DYN_API Model parse(const std::string& text, const std::string& name, const Options& options = {});
+
+/// All that is wrong with a file, where load() stops at the first; empty if it loads.
+DYN_API std::vector<Error> check(const std::string& path, const Options& options = {});
 
 }  // namespace dyn::urdf
