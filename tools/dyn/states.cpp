@@ -66,16 +66,24 @@ std::ptrdiff_t sampleAt(const std::string& text, std::size_t end) {
   return sample;
 }
 
+[[noreturn]] void notFinite(const std::string& text, std::size_t position, const Where& where) {
+  throw Error(ErrorCode::argument, "sample " + std::to_string(sampleAt(text, position)) + ": a number is not finite", where);
+}
+
 nlohmann::json parseJson(const std::string& text, const Where& where) {
   try {
     return nlohmann::json::parse(text);
   } catch (const nlohmann::json::parse_error& e) {
-    // Programs write NaN and Infinity although JSON has neither; the reader stops at their second letter or sign.
-    const std::size_t from = e.byte > 12 ? e.byte - 12 : 0;
-    const std::string near = text.substr(from, 24);
-    const bool not_finite = near.find("NaN") != std::string::npos || near.find("nan") != std::string::npos || near.find("Inf") != std::string::npos;
-    if (not_finite) throw Error(ErrorCode::argument, "sample " + std::to_string(sampleAt(text, e.byte)) + ": a number is not finite", where);
+    // Programs write NaN and Infinity although JSON has neither; the reader stops within the word.
+    const std::string near = text.substr(e.byte > 12 ? e.byte - 12 : 0, 24);
+    for (const char* word : {"NaN", "nan", "Inf", "inf"})
+      if (near.find(word) != std::string::npos) notFinite(text, e.byte, where);
     throw Error(ErrorCode::syntax, std::string("is not JSON: ") + e.what(), where);
+  } catch (const nlohmann::json::out_of_range& e) {
+    const std::string what = e.what();  // quotes the number that no double can hold
+    const std::size_t first = what.find('\''), last = what.rfind('\'');
+    if (last > first) notFinite(text, text.find(what.substr(first + 1, last - first - 1)), where);
+    throw Error(ErrorCode::syntax, "is not JSON that can be used: " + what, where);
   } catch (const nlohmann::json::exception& e) {
     throw Error(ErrorCode::syntax, std::string("is not JSON that can be used: ") + e.what(), where);
   }

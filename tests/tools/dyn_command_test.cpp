@@ -1,0 +1,241 @@
+// The command dyn as a user runs it: exit codes, keys, messages; every subcommand on good and on broken input.
+#include "support/errors.hpp"
+#include "support/shared.hpp"
+
+#include <sys/wait.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+using namespace dyn::test;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string biped = DYN_SOURCE_DIR "/models/biped.urdf";
+
+/// A folder that goes with the test.
+struct Folder {
+  fs::path path;
+  Folder() {
+    std::string pattern = (fs::temp_directory_path() / "dyn_command_XXXXXX").string();
+    REQUIRE(mkdtemp(pattern.data()) != nullptr);
+    path = pattern;
+  }
+  ~Folder() { fs::remove_all(path); }
+  std::string write(const std::string& name, const std::string& text) const {
+    std::ofstream(path / name) << text;
+    return (path / name).string();
+  }
+};
+
+std::string textOf(const fs::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+struct Answer {
+  int code;
+  std::string out, err;
+};
+
+Answer run(const std::string& arguments) {
+  const Folder folder;
+  const fs::path out = folder.path / "out", err = folder.path / "err";
+  const std::string command = "'" DYN_BINARY_DIR "/bin/dyn' " + arguments + " >'" + out.string() + "' 2>'" + err.string() + "' </dev/null";
+  const int status = std::system(command.c_str());
+  REQUIRE(WIFEXITED(status));
+  return {WEXITSTATUS(status), textOf(out), textOf(err)};
+}
+
+const std::string zero_state = R"({"samples":[{"q":[0,0,0,0,0,0,1)" + [] {
+  std::string rest;
+  for (int i = 0; i < 16; ++i) rest += ",0.1";
+  return rest;
+}() + "]}]}";
+
+}  // namespace
+
+TEST_CASE("help is there for every subcommand, and a wrong command line exits with 2", "[command]") {
+  for (const char* sub : {"", "info", "check", "compute", "demo", "bench", "plugin", "plugin list", "plugin check", "plugin new"}) {
+    const Answer a = run(std::string(sub) + " --help");
+    INFO(sub << a.err);
+    CHECK(a.code == 0);
+    CHECK_THAT(a.out, containing("--help"));
+  }
+  for (const char* line : {"", "fly", "info", "info '" DYN_SOURCE_DIR "/models/biped.urdf' --order backwards", "compute x.urdf", "plugin", "plugin check",
+                           "bench x.urdf --unknown-option"}) {
+    const Answer a = run(line);
+    INFO(line);
+    CHECK(a.code == 2);
+    CHECK(!a.err.empty());
+    CHECK(a.out.empty());
+  }
+}
+
+TEST_CASE("a robot that cannot be read exits with 1 and says file and reason, in every subcommand", "[command]") {
+  const Folder folder;
+  const std::string broken = folder.write("broken.urdf", "<robot name='r'>\n<link name='a'/>\n<link name='a'/>\n</robot>\n");
+  const std::string states = folder.write("states.json", R"({"samples":[]})");
+  for (const std::string sub : {"info", "check", "compute", "demo", "bench"}) {
+    INFO(sub);
+    const std::string extra = sub == "compute" ? " --states " + states : "";
+    const Answer missing = run(sub + " /nowhere/robot.urdf" + extra), bad = run(sub + " " + broken + extra);
+    CHECK(missing.code == 1);
+    CHECK_THAT(missing.err, containing("/nowhere/robot.urdf") && containing("does not exist"));
+    CHECK(bad.code == 1);
+    CHECK_THAT(bad.err, containing("broken.urdf:3") && containing("two links are called 'a'"));
+    const Answer root = run(sub + " " + biped + " --root no_such_joint" + extra);
+    CHECK(root.code == 1);
+    CHECK_THAT(root.err, containing("no_such_joint"));
+  }
+}
+
+TEST_CASE("info tells plugins, types, passes and the tree", "[command]") {
+  const Answer a = run("info " + biped + " --root free_flyer");
+  CHECK(a.code == 0);
+  for (const char* part : {"dyn_standard.so", "revolute", "closed form", "weld:", "canonicalise:", "data:", "root_joint", "|- "}) CHECK_THAT(a.out, containing(part));
+}
+
+TEST_CASE("check reports all errors of a file and exits with 1; a sound robot exits with 0", "[command]") {
+  CHECK(run("check " + biped).code == 0);
+  const Folder folder;
+  const std::string robot = folder.write("robot.urdf", R"(<robot name="r">
+<link name="a"/>
+<link name="b"><inertial><mass value="-1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>
+<link name="c"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="9"/></inertial></link>
+<link name="c"/>
+<joint name="j" type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 0 0"/></joint>
+<joint name="k" type="revolute"><parent link="b"/><child link="c"/><axis xyz="0 0 1"/></joint>
+<link name="island"/>
+</robot>
+)");
+  const Answer a = run("check " + robot);
+  CHECK(a.code == 1);
+  for (const char* part : {"robot.urdf:3", "mass is negative", "robot.urdf:5", "two links are called 'c'", "robot.urdf:6", "axis is zero", "'island'"})
+    CHECK_THAT(a.err, containing(part));
+
+  const std::string odd = folder.write("odd.urdf", R"(<robot name="r">
+<link name="a"/>
+<link name="b"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="9"/></inertial></link>
+<link name="c"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>
+<link name="d"/>
+<joint name="j" type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/></joint>
+<joint name="k" type="continuous"><parent link="b"/><child link="c"/><axis xyz="0 0 1"/><mimic joint="j"/></joint>
+<joint name="l" type="continuous"><parent link="c"/><child link="d"/><axis xyz="0 0 1"/><mimic joint="k"/></joint>
+</robot>
+)");
+  const Answer b = run("check " + odd);
+  CHECK(b.code == 1);  // link d has no mass, so M is singular
+  CHECK_THAT(b.err, containing("singular") && containing("'l'"));
+  for (const char* part : {"triangle", "has no <limit>", "mimics another joint", "moves nothing that has mass"}) CHECK_THAT(b.out, containing(part));
+}
+
+TEST_CASE("states that cannot be used are refused with the sample's number", "[command]") {
+  const Folder folder;
+  const auto compute = [&](const std::string& states) { return run("compute " + biped + " --root free_flyer --states " + folder.write("states.json", states)); };
+  const auto refused = [&](const std::string& states, const std::string& why) {
+    const Answer a = compute(states);
+    INFO(states << "\n" << a.err);
+    CHECK(a.code == 1);
+    CHECK(a.out.empty());
+    CHECK_THAT(a.err, containing(why) && containing("states.json"));
+  };
+  CHECK(compute(zero_state).code == 0);
+  refused("", "not JSON");
+  refused("[1,2", "not JSON");
+  refused("{}", "samples");
+  refused(R"({"samples":[1]})", "sample 0");
+  refused(R"({"samples":[{"v":[]}]})", "sample 0: q is missing");
+  refused(R"({"samples":[{"q":[1,2]}]})", "sample 0: q has 2 entries");
+  refused(R"({"samples":[{"q":"x"}]})", "sample 0: q is not an array");
+  std::string second = zero_state;
+  second.insert(second.rfind("]}"), "," + zero_state.substr(zero_state.find("{\"q\""), zero_state.rfind("]}") - zero_state.find("{\"q\"")));
+  CHECK(compute(second).code == 0);
+  for (const char* number : {"NaN", "Infinity", "-Infinity", "1e999"}) {
+    std::string bad = second;
+    bad.replace(bad.rfind("0.1"), 3, number);
+    INFO(number);
+    const Answer a = compute(bad);
+    CHECK(a.code == 1);
+    CHECK_THAT(a.err, containing("sample 1") && containing("not finite"));
+  }
+  CHECK(run("compute " + biped + " --states /nowhere.json").code == 1);
+  const std::string fine = folder.write("fine.json", zero_state);
+  CHECK_THAT(run("compute " + biped + " --root free_flyer --states " + fine + " --only speed").err, containing("speed"));
+  CHECK_THAT(run("compute " + biped + " --root free_flyer --states " + fine + " --frames nose").err, containing("nose"));
+}
+
+TEST_CASE("compute takes a golden file as it is and answers with its keys", "[command]") {
+  DYN_NEEDS_SHARED();
+  const std::string file = sharedFolder() + "/golden/hyq.json";
+  const nlohmann::json golden = readJson(file);
+  std::string frames;
+  for (const auto& frame : golden["jacobian_frames"]) frames += (frames.empty() ? "" : ",") + frame["name"].get<std::string>();
+  const Answer a = run("compute " + sharedFolder() + "/models/" + golden["file"].get<std::string>() + " --root " + golden["root"].get<std::string>() +
+                       " --states " + file + " --frames " + frames);
+  REQUIRE(a.code == 0);
+  const nlohmann::json answer = nlohmann::json::parse(a.out);
+  for (const char* key : {"robot", "root", "nq", "nv", "gravity"}) CHECK(answer[key] == golden[key]);
+  REQUIRE(answer["joints"].size() == golden["joints"].size());
+  for (std::size_t j = 0; j < golden["joints"].size(); ++j)
+    for (const char* key : {"name", "parent", "idx_q", "idx_v", "nq", "nv"}) CHECK(answer["joints"][j][key] == golden["joints"][j][key]);
+  REQUIRE(answer["samples"].size() == golden["samples"].size());
+  const nlohmann::json &x = answer["samples"][3], &y = golden["samples"][3];
+  for (const char* key : {"rnea", "nle", "gravity_torque", "M", "aba", "com", "vcom", "acom", "Jcom", "frame0_J_local", "frame1_dJ_local", "frame0_J_world",
+                          "frame1_velocity_local", "frame0_acceleration_world_aligned_classical"}) {
+    INFO(key);
+    CHECK(relativeError(x[key].get<std::vector<double>>(), flatten(y[key])) < 200);
+  }
+  for (std::size_t f = 0; f < y["oMf"].size(); ++f) CHECK(x["oMf"][f]["name"] == y["oMf"][f]["name"]);
+
+  const Answer only = run("compute " + sharedFolder() + "/models/" + golden["file"].get<std::string>() + " --root free_flyer --only M,rnea --states " + file);
+  const nlohmann::json sample = nlohmann::json::parse(only.out)["samples"][0];
+  CHECK(sample.contains("M"));
+  CHECK(!sample.contains("aba"));
+}
+
+TEST_CASE("where the mass matrix is singular aba says so", "[command]") {
+  DYN_NEEDS_SHARED();
+  const Folder folder;
+  const std::string robot = sharedFolder() + "/models/romeo.urdf";
+  const Answer info = run("info " + robot);
+  REQUIRE(info.code == 0);
+  const Answer bench = run("bench " + robot + " --json");
+  CHECK_THAT(bench.err, containing("aba") && containing("singular"));
+  CHECK_THAT(bench.out, !containing("\"aba\""));
+}
+
+TEST_CASE("bench prints one JSON object a line", "[command]") {
+  const Answer a = run("bench " + biped + " --json");
+  REQUIRE(a.code == 0);
+  std::istringstream lines(a.out);
+  int count = 0;
+  for (std::string line; std::getline(lines, line); ++count) {
+    const nlohmann::json row = nlohmann::json::parse(line);
+    for (const char* key : {"robot", "algorithm", "scalar", "mode", "ns"}) CHECK(row.contains(key));
+    CHECK(row["ns"].get<double>() > 0);
+  }
+  CHECK(count >= 9);
+}
+
+TEST_CASE("plugins are listed, checked, and begun", "[command]") {
+  const Answer list = run("plugin list");
+  CHECK(list.code == 0);
+  for (const char* part : {"searched", "dyn_standard.so", "cam_follower", "h [m]", "mimic"}) CHECK_THAT(list.out, containing(part));
+  const Answer check = run("plugin check '" DYN_BINARY_DIR "/examples/ball_screw.so' --rounds 1");
+  CHECK(check.code == 0);
+  CHECK_THAT(check.out, containing("subspace"));
+  CHECK(run("plugin check /nowhere.so").code == 1);
+  CHECK(run("plugin check " + biped).code == 1);
+  const Folder folder;
+  const std::string there = " --directory " + folder.path.string();
+  CHECK(run("plugin new my_joint" + there).code == 0);
+  for (const char* file : {"CMakeLists.txt", "my_joint.cpp", "my_joint.urdf", "README.md"}) CHECK(fs::exists(folder.path / "my_joint" / file));
+  CHECK(run("plugin new my_joint" + there).code == 1);  // is there already
+  CHECK(run("plugin new 7up" + there).code == 1);
+}
