@@ -1,6 +1,9 @@
 // After Data exists no algorithm allocates. malloc itself is watched: Eigen does not go through operator new.
 #include "support/catch.hpp"
 #include "support/random_model.hpp"
+#include "support/shared.hpp"
+
+#include <dyn/parsers/urdf.hpp>
 
 #include <alloc_guard.hpp>
 
@@ -65,6 +68,14 @@ TEST_CASE("no algorithm allocates once Data exists", "[no_alloc]") {
   CHECK(allocationsOf([&] { computePotentialEnergy(model, data, q); }) == 0);
   CHECK(allocationsOf([&] { computeFrameJacobian(model, data, q, tool, ReferenceFrame::LOCAL, J); }) == 0);
   CHECK(allocationsOf([&] { computeFrameJacobianTimeVariation(model, data, q, v, tool, ReferenceFrame::WORLD, J); }) == 0);
+}
+
+TEST_CASE("a humanoid's Data takes at most 150 kB", "[no_alloc]") {
+  DYN_NEEDS_SHARED();
+  urdf::Options options;
+  options.root = "free_flyer";
+  const CompactModel talos = compile(urdf::load(sharedFolder() + "/models/talos.urdf", options), JointRegistry::standard());
+  CHECK(Data(talos).bytes() <= 150000);
 }
 
 TEST_CASE("memory grows with the model, not with its square", "[no_alloc]") {

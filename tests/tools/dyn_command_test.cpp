@@ -67,8 +67,8 @@ TEST_CASE("help is there for every subcommand, and a wrong command line exits wi
     CHECK(a.code == 0);
     CHECK_THAT(a.out, containing("--help"));
   }
-  for (const char* line : {"", "fly", "info", "info '" DYN_SOURCE_DIR "/models/biped.urdf' --order backwards", "compute x.urdf", "plugin", "plugin check",
-                           "bench x.urdf --unknown-option"}) {
+  for (const char* line : {"", "fly", "info", "info '" DYN_SOURCE_DIR "/models/biped.urdf' --order backwards", "compute x.urdf", "plugin",
+                           "plugin check", "bench x.urdf --unknown-option"}) {
     const Answer a = run(line);
     INFO(line);
     CHECK(a.code == 2);
@@ -98,7 +98,8 @@ TEST_CASE("a robot that cannot be read exits with 1 and says file and reason, in
 TEST_CASE("info tells plugins, types, passes and the tree", "[command]") {
   const Answer a = run("info " + biped + " --root free_flyer");
   CHECK(a.code == 0);
-  for (const char* part : {"dyn_standard.so", "revolute", "closed form", "weld:", "canonicalise:", "data:", "root_joint", "|- "}) CHECK_THAT(a.out, containing(part));
+  for (const char* part : {"dyn_standard.so", "revolute", "closed form", "weld:", "canonicalise:", "data:", "root_joint", "|- "})
+    CHECK_THAT(a.out, containing(part));
 }
 
 TEST_CASE("check reports all errors of a file and exits with 1; a sound robot exits with 0", "[command]") {
@@ -116,7 +117,8 @@ TEST_CASE("check reports all errors of a file and exits with 1; a sound robot ex
 )");
   const Answer a = run("check " + robot);
   CHECK(a.code == 1);
-  for (const char* part : {"robot.urdf:3", "mass is negative", "robot.urdf:5", "two links are called 'c'", "robot.urdf:6", "axis is zero", "'island'"})
+  for (const char* part :
+       {"robot.urdf:3", "mass is negative", "robot.urdf:5", "two links are called 'c'", "robot.urdf:6", "axis is zero", "'island'"})
     CHECK_THAT(a.err, containing(part));
 
   const std::string odd = folder.write("odd.urdf", R"(<robot name="r">
@@ -137,7 +139,9 @@ TEST_CASE("check reports all errors of a file and exits with 1; a sound robot ex
 
 TEST_CASE("states that cannot be used are refused with the sample's number", "[command]") {
   const Folder folder;
-  const auto compute = [&](const std::string& states) { return run("compute " + biped + " --root free_flyer --states " + folder.write("states.json", states)); };
+  const auto compute = [&](const std::string& states) {
+    return run("compute " + biped + " --root free_flyer --states " + folder.write("states.json", states));
+  };
   const auto refused = [&](const std::string& states, const std::string& why) {
     const Answer a = compute(states);
     INFO(states << "\n" << a.err);
@@ -186,14 +190,15 @@ TEST_CASE("compute takes a golden file as it is and answers with its keys", "[co
     for (const char* key : {"name", "parent", "idx_q", "idx_v", "nq", "nv"}) CHECK(answer["joints"][j][key] == golden["joints"][j][key]);
   REQUIRE(answer["samples"].size() == golden["samples"].size());
   const nlohmann::json &x = answer["samples"][3], &y = golden["samples"][3];
-  for (const char* key : {"rnea", "nle", "gravity_torque", "M", "aba", "com", "vcom", "acom", "Jcom", "frame0_J_local", "frame1_dJ_local", "frame0_J_world",
-                          "frame1_velocity_local", "frame0_acceleration_world_aligned_classical"}) {
+  for (const char* key : {"rnea", "nle", "gravity_torque", "M", "aba", "com", "vcom", "acom", "Jcom", "frame0_J_local", "frame1_dJ_local",
+                          "frame0_J_world", "frame1_velocity_local", "frame0_acceleration_world_aligned_classical"}) {
     INFO(key);
     CHECK(relativeError(x[key].get<std::vector<double>>(), flatten(y[key])) < 200);
   }
   for (std::size_t f = 0; f < y["oMf"].size(); ++f) CHECK(x["oMf"][f]["name"] == y["oMf"][f]["name"]);
 
-  const Answer only = run("compute " + sharedFolder() + "/models/" + golden["file"].get<std::string>() + " --root free_flyer --only M,rnea --states " + file);
+  const Answer only =
+      run("compute " + sharedFolder() + "/models/" + golden["file"].get<std::string>() + " --root free_flyer --only M,rnea --states " + file);
   const nlohmann::json sample = nlohmann::json::parse(only.out)["samples"][0];
   CHECK(sample.contains("M"));
   CHECK(!sample.contains("aba"));

@@ -27,6 +27,7 @@ const std::vector<Algorithm>& algorithms() {
       {"gravity", [](auto& m, auto& d, auto& s) { generalizedGravity(m, d, s.q); }},
       {"crba", [](auto& m, auto& d, auto& s) { crba(m, d, s.q); }},
       {"aba", [](auto& m, auto& d, auto& s) { aba(m, d, s.q, s.v, s.tau); }},
+      {"make_data", [](auto& m, auto&, auto&) { const Data made(m); }},
       {"center_of_mass_jacobian", [](auto& m, auto& d, auto& s) { jacobianCenterOfMass(m, d, s.q); }},
   };
   return all;
