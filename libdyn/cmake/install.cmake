@@ -1,0 +1,23 @@
+# What `cmake --install` puts where. The tree can be moved: libraries and the command find one another by $ORIGIN, plugins lie beside
+# the library.
+include(CMakePackageConfigHelpers)
+
+set(DYN_CMAKE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/libdyn)
+install(TARGETS libdyn dyn_sdk libdyn_parsers EXPORT libdynTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(EXPORT libdynTargets NAMESPACE libdyn:: DESTINATION ${DYN_CMAKE_DIR})
+install(DIRECTORY libdyn/include/dyn libdyn/sdk/dyn_sdk parsers/include/dyn DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(TARGETS dyn_standard LIBRARY DESTINATION ${DYN_PLUGIN_DIR})
+
+configure_package_config_file(libdyn/cmake/libdynConfig.cmake.in ${CMAKE_BINARY_DIR}/libdynConfig.cmake INSTALL_DESTINATION ${DYN_CMAKE_DIR})
+write_basic_package_version_file(${CMAKE_BINARY_DIR}/libdynConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${CMAKE_BINARY_DIR}/libdynConfig.cmake ${CMAKE_BINARY_DIR}/libdynConfigVersion.cmake libdyn/cmake/libdynPlugin.cmake
+  DESTINATION ${DYN_CMAKE_DIR})
+
+# pkg-config files name places relative to themselves.
+file(RELATIVE_PATH DYN_PC_PREFIX ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX})
+function(dyn_pkg_config DYN_PC_NAME DYN_PC_LIBRARY DYN_PC_REQUIRES DYN_PC_DESCRIPTION)
+  configure_file(libdyn/cmake/libdyn.pc.in ${CMAKE_BINARY_DIR}/${DYN_PC_NAME}.pc @ONLY)
+  install(FILES ${CMAKE_BINARY_DIR}/${DYN_PC_NAME}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+endfunction()
+dyn_pkg_config(libdyn dyn eigen3 "Kinematics and dynamics of robots; joints come from plugins")
+dyn_pkg_config(libdyn-parsers dyn_parsers libdyn "Robots from URDF, for libdyn")

@@ -1,0 +1,56 @@
+#!/usr/bin/env bash
+# install.sh BUILD SOURCE: installs libdyn, builds example plugins and a user's program out of tree, and runs them with a `dyn` that is not
+# rebuilt; then moves the installed tree elsewhere and runs it again.
+set -euo pipefail
+umask 022
+build=$1 source=$2
+work=$build/install-test
+rm -rf "$work"
+mkdir -p "$work"
+say() { printf '== %s\n' "$*"; }
+
+say "installing to $work/first"
+cmake --install "$build" --prefix "$work/first" >/dev/null
+prefix=$work/first
+robot=$work/examples/cam_follower/cam_follower.urdf
+
+say "building the examples out of tree"
+cp -r "$source/plugins/examples" "$work/examples"
+for folder in "$work"/examples/*/; do
+  name=$(basename "$folder")
+  cmake -S "$folder" -B "$folder/build" -G Ninja -DCMAKE_PREFIX_PATH="$prefix" >/dev/null
+  cmake --build "$folder/build" >/dev/null
+  "$prefix/bin/dyn" plugin check "$folder/build/$name.so" --rounds 1 | tail -1
+  for urdf in "$folder"/*.urdf; do DYN_PLUGIN_PATH=$folder/build "$prefix/bin/dyn" demo "$urdf" | tail -1; done
+done
+
+say "a plugin begun with dyn plugin new"
+"$prefix/bin/dyn" plugin new my_joint --directory "$work" >/dev/null
+cmake -S "$work/my_joint" -B "$work/my_joint/build" -G Ninja -DCMAKE_PREFIX_PATH="$prefix" >/dev/null
+cmake --build "$work/my_joint/build" >/dev/null
+"$prefix/bin/dyn" plugin check "$work/my_joint/build/my_joint.so" --rounds 1 | tail -1
+DYN_PLUGIN_PATH=$work/my_joint/build "$prefix/bin/dyn" check "$work/my_joint/my_joint.urdf" >/dev/null 2>&1 && { echo "a cam without inertia is singular at neutral" >&2; exit 1; }
+
+export DYN_PLUGIN_PATH=$work/examples/cam_follower/build
+say "a user's program with find_package"
+cp -r "$source/tests/install/user" "$work/user"
+cmake -S "$work/user" -B "$work/user/build" -G Ninja -DCMAKE_PREFIX_PATH="$prefix" >/dev/null
+cmake --build "$work/user/build" >/dev/null
+"$work/user/build/user" "$robot"
+say "the same with pkg-config"
+export PKG_CONFIG_PATH=$prefix/lib/pkgconfig:$(dirname "$(find "$prefix" -name libdyn.pc)")
+g++ -std=c++20 -O1 "$work/user/main.cpp" -o "$work/user/plain" $(pkg-config --cflags --libs libdyn-parsers) \
+  -Wl,-rpath,"$(pkg-config --variable=libdir libdyn)"
+"$work/user/plain" "$robot"
+
+say "a component that is not there is refused by name"
+printf 'cmake_minimum_required(VERSION 3.25)\nproject(p LANGUAGES CXX)\nfind_package(libdyn REQUIRED COMPONENTS geometry)\n' >"$work/CMakeLists.txt"
+if cmake -S "$work" -B "$work/none" -DCMAKE_PREFIX_PATH="$prefix" >"$work/none.log" 2>&1; then
+  echo "find_package accepted the component geometry" >&2
+  exit 1
+fi
+grep -q "geometry is not part" "$work/none.log"
+
+say "the installed tree moved"
+mv "$work/first" "$work/second"
+"$work/second/bin/dyn" info "$robot" | head -4

@@ -1,0 +1,50 @@
+#!/usr/bin/env bash
+# user_flags.sh BUILD SOURCE: a user's program and a plugin, each compiled with flags of its own (alignment, instruction sets, assertions,
+# another compiler), against the libdyn that install.sh has installed; all of them run under AddressSanitizer and agree.
+set -euo pipefail
+umask 022
+build=$1 source=$2
+prefix=$build/install-test/second
+work=$build/install-test/flags
+rm -rf "$work"
+mkdir -p "$work"
+export PKG_CONFIG_PATH=$(dirname "$(find "$prefix" -name libdyn.pc)")
+read -r -a libdyn <<<"$(pkg-config --cflags --libs libdyn-parsers) -Wl,-rpath,$(pkg-config --variable=libdir libdyn)"
+
+variants=("g++ -O1" "g++ -O2 -march=native" "g++ -O1 -DNDEBUG" "g++ -O0 -DEIGEN_MAX_ALIGN_BYTES=0" "g++ -O1 -DEIGEN_MAX_ALIGN_BYTES=64 -march=native")
+if echo 'int main() {}' | clang++-16 -fsanitize=address -x c++ - -o "$work/probe" 2>/dev/null; then
+  variants+=("clang++-16 -O1" "clang++-16 -O2 -march=native -DNDEBUG")
+else
+  echo "skipped: clang++-16 with its AddressSanitizer is not installed, so there is no other compiler"
+fi
+
+# The two runtimes of AddressSanitizer do not mix in one process: a program runs with plugins of its own compiler sanitized, and with
+# plain ones of the other.
+plugin() {  # index, suffix, extra flags
+  mkdir -p "$work/plugin$1$2"
+  ${variants[$1]} $3 -std=c++20 -fPIC -shared -fvisibility=hidden "${libdyn[0]}" "$source/plugins/examples/cam_follower/cam_follower.cpp" \
+    -o "$work/plugin$1$2/cam_follower.so"
+}
+for i in "${!variants[@]}"; do
+  ${variants[$i]} -fsanitize=address -fno-omit-frame-pointer -std=c++20 "$source/tests/install/user/main.cpp" -o "$work/user$i" "${libdyn[@]}" &
+  plugin "$i" "" "" &
+  plugin "$i" "-asan" "-fsanitize=address" &
+  wait
+done
+
+expected=
+runs=0
+for i in "${!variants[@]}"; do
+  for k in "${!variants[@]}"; do
+    suffix=
+    [ "${variants[$i]%% *}" = "${variants[$k]%% *}" ] && suffix=-asan
+    answer=$(DYN_PLUGIN_PATH=$work/plugin$k$suffix "$work/user$i" "$source/plugins/examples/cam_follower/cam_follower.urdf") ||
+      { echo "program '${variants[$i]}' with plugin '${variants[$k]}' failed" >&2; exit 1; }
+    # Sums in another order, or fused, may differ in the last digits.
+    rounded=$(awk '{printf "%.11e %.11e", $2, $4}' <<<"$answer")
+    [ "${expected:=$rounded}" = "$rounded" ] ||
+      { echo "program '${variants[$i]}' with plugin '${variants[$k]}' says $rounded, not $expected" >&2; exit 1; }
+    runs=$((runs + 1))
+  done
+done
+echo "$runs combinations of ${#variants[@]} sets of flags agree: $expected"
