@@ -1,4 +1,5 @@
 #include "algorithm/inputs.hpp"
+#include "joint/coordinate.hpp"
 
 #include <dyn/algorithm/configuration.hpp>
 
@@ -27,6 +28,18 @@ void eachJoint(const CompactImpl& m, F&& f) {
       call.q_stride = call.v_stride = call.j_stride = together ? batch.count : 1;
       f(batch, call, x.user_q, x.user_v);
     }
+  }
+}
+
+/// A quaternion or (cos, sin) pair that is zero stands for no rotation: an error, where NaN and infinity just spread.
+void checkConfiguration(const char* argument, const CompactImpl& m, const double* q) {
+  for (int i = 1; i < m.bodies(); ++i) {
+    const BodyIndex& x = m.index[at(i)];
+    if (x.user_v < 0 || x.nq == x.nv) continue;
+    const TypeBatch& batch = m.batches[at(x.batch)];
+    double normal[max_joint_nq];
+    normalizeJoint(*batch.type, batch.constants.data() + x.slot, batch.count, q + x.user_q, normal);
+    if (std::any_of(normal, normal + x.nq, [](double c) { return std::isnan(c); }) && allFinite(q + x.user_q, x.nq)) refuseZero(argument, m, i);
   }
 }
 
@@ -66,6 +79,7 @@ void neutral(const CompactModel& model, double* q) {
 void integrate(const CompactModel& model, VectorView q, VectorView v, double* out) {
   checkSize("integrate", "q", q, model.nq());
   checkSize("integrate", "v", v, model.nv());
+  checkConfiguration("q", model.impl(), q.data);
   eachJoint(model.impl(), [&](const TypeBatch& batch, ConfigurationBatch<double>& call, int iq, int iv) {
     call.q0 = q.data + iq;
     call.v = v.data + iv;
@@ -77,6 +91,8 @@ void integrate(const CompactModel& model, VectorView q, VectorView v, double* ou
 void difference(const CompactModel& model, VectorView q0, VectorView q1, double* v) {
   checkSize("difference", "q0", q0, model.nq());
   checkSize("difference", "q1", q1, model.nq());
+  checkConfiguration("q0", model.impl(), q0.data);
+  checkConfiguration("q1", model.impl(), q1.data);
   eachJoint(model.impl(), [&](const TypeBatch& batch, ConfigurationBatch<double>& call, int iq, int iv) {
     call.q0 = q0.data + iq;
     call.q1 = q1.data + iq;
@@ -85,26 +101,28 @@ void difference(const CompactModel& model, VectorView q0, VectorView q1, double*
   });
 }
 
-double normalize(const CompactModel& model, VectorView q, double* out) {
+void normalize(const CompactModel& model, VectorView q, double* out) {
   checkSize("normalize", "q", q, model.nq());
-  double worst = 0;
   const CompactImpl& m = model.impl();
-  for (const TypeBatch& batch : m.batches)
-    for (int k = 0; k < batch.count; ++k) {
-      const BodyIndex& x = m.index[at(batch.bodies[at(k)])];
-      if (x.user_v < 0) continue;
-      double off = 0;
-      ConfigurationBatch<double> call;
-      call.count = 1;
-      call.q_stride = call.v_stride = 1;
-      call.constants = batch.constants.data() + k;
-      call.constants_stride = batch.count;
-      call.q0 = q.data + x.user_q;
-      call.q_out = out + x.user_q;
-      call.v_out = &off;
-      batch.type->normalize(call);
-      if (!(off <= worst)) worst = off;  // NaN stays
-    }
+  eachJoint(m, [&](const TypeBatch& batch, ConfigurationBatch<double>& call, int iq, int) {
+    call.q0 = q.data + iq;
+    call.q_out = out + iq;
+    batch.type->normalize(call);
+  });
+  checkConfiguration("q", m, q.data);
+}
+
+double distanceFromSpace(const CompactModel& model, VectorView q) {
+  checkSize("isNormalized", "q", q, model.nq());
+  const CompactImpl& m = model.impl();
+  double worst = 0;
+  for (int i = 1; i < m.bodies(); ++i) {
+    const BodyIndex& x = m.index[at(i)];
+    if (x.user_v < 0 || x.nq == x.nv) continue;
+    const TypeBatch& batch = m.batches[at(x.batch)];
+    const double distance = normalizeJoint(*batch.type, batch.constants.data() + x.slot, batch.count, q.data + x.user_q, nullptr);
+    if (!(distance <= worst)) worst = distance;  // NaN stays
+  }
   return worst;
 }
 
@@ -151,6 +169,7 @@ void randomConfiguration(const CompactModel& model, std::uint64_t seed, double* 
 void dIntegrate(const CompactModel& model, VectorView q, VectorView v, ArgumentPosition by, double* J) {
   checkSize("dIntegrate", "q", q, model.nq());
   checkSize("dIntegrate", "v", v, model.nv());
+  checkConfiguration("q", model.impl(), q.data);
   blockDiagonal(model.impl(), by, J, [&](const TypeBatch& batch, ConfigurationBatch<double>& call, int iq, int iv) {
     call.q0 = q.data + iq;
     call.v = v.data + iv;
@@ -161,6 +180,8 @@ void dIntegrate(const CompactModel& model, VectorView q, VectorView v, ArgumentP
 void dDifference(const CompactModel& model, VectorView q0, VectorView q1, ArgumentPosition by, double* J) {
   checkSize("dDifference", "q0", q0, model.nq());
   checkSize("dDifference", "q1", q1, model.nq());
+  checkConfiguration("q0", model.impl(), q0.data);
+  checkConfiguration("q1", model.impl(), q1.data);
   blockDiagonal(model.impl(), by, J, [&](const TypeBatch& batch, ConfigurationBatch<double>& call, int iq, int) {
     call.q0 = q0.data + iq;
     call.q1 = q1.data + iq;

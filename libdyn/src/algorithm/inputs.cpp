@@ -5,6 +5,7 @@
 #include <dyn/error.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 namespace dyn {
@@ -67,6 +68,29 @@ Inputs readInputs(const char* algorithm, const CompactModel& model, Data& data, 
   return {d.qx, v ? d.vx : d.zero, v ? d.ax : d.zero};
 }
 
+bool allFinite(const double* x, int n) {
+  return std::all_of(x, x + n, [](double c) { return std::isfinite(c); });
+}
+
+void refuseZero(const char* argument, const CompactImpl& m, int i) {
+  throw Error(ErrorCode::argument,
+              std::string(argument) + ": the quaternion or (cos, sin) pair of a joint is zero, which is no rotation; neutral() gives the identity",
+              {"", 0, m.joints[at(m.index[at(i)].joint)].name});
+}
+
+namespace {
+/// Types with more coordinates than velocities normalise them; where there is nothing to normalise, their pose is NaN.
+void checkRotations(const CompactImpl& m, const TypeBatch& batch, const BatchMemory& memory, const double* q) {
+  for (int k = 0; k < batch.count; ++k) {
+    double sum = 0;
+    for (int c = 0; c < poseSize(batch.shape); ++c) sum += memory.pose[c * memory.stride + k];
+    if (!std::isnan(sum)) continue;
+    const int body = batch.bodies[at(k)];
+    if (allFinite(q + m.index[at(body)].idx_q, batch.nq)) refuseZero("q", m, body);
+  }
+}
+}  // namespace
+
 void evaluateJoints(const CompactImpl& m, DataImpl& d, const double* q, const double* v) {
   for (std::size_t b = 0; b < m.batches.size(); ++b) {
     const TypeBatch& batch = m.batches[b];
@@ -94,6 +118,7 @@ void evaluateJoints(const CompactImpl& m, DataImpl& d, const double* q, const do
     call.pose = memory.pose;
     call.subspace = memory.subspace;
     batch.type->kinematics(call);
+    if (batch.nq != batch.nv) checkRotations(m, batch, memory, q);
   }
 }
 

@@ -15,13 +15,15 @@ namespace detail {
 DYN_API void neutral(const CompactModel&, double* q);
 DYN_API void integrate(const CompactModel&, VectorView q, VectorView v, double* out);
 DYN_API void difference(const CompactModel&, VectorView q0, VectorView q1, double* v);
-DYN_API double normalize(const CompactModel&, VectorView q, double* out);
+DYN_API void normalize(const CompactModel&, VectorView q, double* out);
+DYN_API double distanceFromSpace(const CompactModel&, VectorView q);
 DYN_API void randomConfiguration(const CompactModel&, std::uint64_t seed, double* q);
 DYN_API void dIntegrate(const CompactModel&, VectorView q, VectorView v, ArgumentPosition by, double* J);
 DYN_API void dDifference(const CompactModel&, VectorView q0, VectorView q1, ArgumentPosition by, double* J);
 }  // namespace detail
 
-// All O(n) but the Jacobians, O(nv^2) for writing them. Results are the caller's vectors. Throw Error(size).
+// All O(n) but the Jacobians, O(nv^2) for writing them. Results are the caller's vectors. Quaternions and pairs are normalised where
+// they are read. Throw Error(size), and all but isNormalized Error(argument) for one that is zero.
 
 /// The configuration at which every joint is at its zero.
 inline Eigen::VectorXd neutral(const CompactModel& model) {
@@ -55,8 +57,7 @@ inline Eigen::VectorXd normalize(const CompactModel& model, const VectorArg& q) 
 }
 /// Whether every quaternion and pair has norm one to the given tolerance.
 inline bool isNormalized(const CompactModel& model, const VectorArg& q, double tolerance = 1e-12) {
-  Eigen::VectorXd out(model.nq());
-  return detail::normalize(model, q, out.data()) <= tolerance;
+  return detail::distanceFromSpace(model, q) <= tolerance;
 }
 /// Uniform within the limits; unlimited coordinates in [-pi, pi], unlimited positions of groups in [-1, 1], rotations anywhere.
 /// The same seed gives the same configuration.

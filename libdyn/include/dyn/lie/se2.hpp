@@ -38,7 +38,7 @@ struct SE2 {
 
   /// p = V(w) v, V = [[a, -b w], [b w, a]].
   static SE2 exp(const Vec3<S>& v) {
-    const RotationCoefficients<S> k(v.z * v.z);
+    const RotationCoefficients<S> k = rotationCoefficients(Vec3<S>{S(0), S(0), v.z});
     const S bw = k.b * v.z;
     return {k.a * v.x - bw * v.y, bw * v.x + k.a * v.y, SO2<S>::exp(v.z)};
   }
@@ -54,7 +54,7 @@ struct SE2 {
 /// Right Jacobian of SE2::exp and its inverse at the logarithm.
 template <class S>
 Mat3<S> Jexp2(const Vec3<S>& v) {
-  const RotationCoefficients<S> k(v.z * v.z);
+  const RotationCoefficients<S> k = rotationCoefficients(Vec3<S>{S(0), S(0), v.z});
   const S bw = k.b * v.z, cw = k.c * v.z;
   return {{k.a, bw, cw * v.x - k.b * v.y, -bw, k.a, k.b * v.x + cw * v.y, S(0), S(0), S(1)}};
 }

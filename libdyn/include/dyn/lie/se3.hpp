@@ -28,15 +28,20 @@ Motion<S> log6(const SE3<S>& X) {
   return log6(log3(X.R), X.p);
 }
 
-/// Right Jacobian of exp6 (Barfoot 2017, eq. 7.86, with the signs of both arguments turned).
+/// Right Jacobian of exp6 (Barfoot 2017, eq. 7.86, with the signs of both arguments turned). His products of up to four matrices are
+/// written out with s = v . w, which takes the high powers of the angle out and with them the cancellation at large ones:
+/// Q = -b [v] + c (v w' + w v') + s ((c - b) 1 - f [w] - g w w').
 template <class S>
 Jacobian6<S> Jexp6(const Motion<S>& m) {
-  const RotationCoefficients<S> k(dot(m.angular, m.angular));
-  const Mat3<S> P = skew(-m.linear), W = skew(-m.angular);
-  const Mat3<S> WP = W * P, PW = P * W, WPW = W * PW;
-  const S e = S(0.5) * (k.d - S(3) * k.e);
-  const Mat3<S> Q = S(0.5) * P + k.c * (WP + PW + WPW) + k.d * (W * WP + PW * W - S(3) * WPW) + e * (WPW * W + W * WPW);
-  return {Jexp3(m.angular), Q};
+  const Vec3<S>&v = m.linear, &w = m.angular;
+  const RotationCoefficients<S> k = rotationCoefficients(w);
+  const S s = dot(v, w);
+  Mat3<S> Q = skew(-k.b * v - (s * k.f) * w);
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) Q(i, j) += k.c * (v[i] * w[j] + w[i] * v[j]) - (s * k.g) * (w[i] * w[j]);
+    Q(i, i) += s * (k.c - k.b);
+  }
+  return {Jexp3(w), Q};
 }
 
 /// Inverse of Jexp6 at m = log6(X).

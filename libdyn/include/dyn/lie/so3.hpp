@@ -87,25 +87,28 @@ struct RotationCoefficients {
   S a;  ///< sin t / t
   S b;  ///< (1 - cos t) / t^2
   S c;  ///< (t - sin t) / t^3
-  S d;  ///< (cos t - 1 + t^2 / 2) / t^4
-  S e;  ///< (sin t - t + t^3 / 6) / t^5
+  S f;  ///< (a - 2 b) / t^2
+  S g;  ///< (3 c - b) / t^2
 
+  RotationCoefficients(const S& a_, const S& b_, const S& c_, const S& f_, const S& g_) : a(a_), b(b_), c(c_), f(f_), g(g_) {}
   explicit RotationCoefficients(const S& t2) {
     using std::cos, std::sin, std::sqrt;
     if (valueOf(t2) < 4.0) {
-      // Alternating Taylor series sum (-t2)^k / (2k + m)!, Horner from the thirteenth term: below 1 ulp for t < 2.
+      // Alternating Taylor series sum (-t2)^k / (2k + m)!, Horner from the thirteenth term: below 1 ulp for t < 2. With the sums of
+      // m = 4 and 5, b = 1/2 - t2 d and c = 1/6 - t2 e, which turns f and g into differences that do not cancel.
       a = series(t2, 1);
       b = series(t2, 2);
       c = series(t2, 3);
-      d = series(t2, 4);
-      e = series(t2, 5);
+      const S d = series(t2, 4), e = series(t2, 5);
+      f = S(2) * d - c;
+      g = d - S(3) * e;
     } else {
       const S t = sqrt(t2), h = S(0.5) * t, s = sin(h) / h;
       a = sin(t) / t;
       b = S(0.5) * s * s;
       c = (S(1) - a) / t2;
-      d = (S(0.5) - b) / t2;
-      e = (S(1.0 / 6.0) - c) / t2;
+      f = (a - S(2) * b) / t2;
+      g = (S(3) * c - b) / t2;
     }
   }
 
@@ -127,9 +130,32 @@ S quarterVersine(const S& x2) {
   return S(0.25) * x2 * a * a;
 }
 
+// Beyond two radians the roundings of |w| alone are several of the result's: there |w| and its sine are taken in extended precision.
+inline bool isLargeRotation(const Vec3<double>& w) { return dot(w, w) >= 4; }
+inline Vec3<long double> extended(const Vec3<double>& w) { return {w.x, w.y, w.z}; }
+
+/// Coefficients at the angle |w|.
+template <class S>
+RotationCoefficients<S> rotationCoefficients(const Vec3<S>& w) {
+  if constexpr (std::is_same_v<S, double>) {
+    if (isLargeRotation(w)) {
+      const RotationCoefficients<long double> k(dot(extended(w), extended(w)));
+      const auto rounded = [](long double x) { return static_cast<double>(x); };
+      return {rounded(k.a), rounded(k.b), rounded(k.c), rounded(k.f), rounded(k.g)};
+    }
+  }
+  return RotationCoefficients<S>(dot(w, w));
+}
+
 /// exp: rotation vector [rad] to unit quaternion.
 template <class S>
 Quaternion<S> expQuaternion(const Vec3<S>& w) {
+  if constexpr (std::is_same_v<S, double>) {
+    if (isLargeRotation(w)) {
+      const Quaternion<long double> q = expQuaternion(extended(w));
+      return {static_cast<double>(q.x), static_cast<double>(q.y), static_cast<double>(q.z), static_cast<double>(q.w)};
+    }
+  }
   using std::cos, std::sin, std::sqrt;
   const S t2 = dot(w, w);
   // t2 underflows for tiny w, and then sin(t/2) / t is 1/2 as it should.
@@ -142,7 +168,7 @@ Quaternion<S> expQuaternion(const Vec3<S>& w) {
 /// exp: rotation vector to rotation matrix, 1 + a [w] + b [w]^2.
 template <class S>
 Mat3<S> exp3(const Vec3<S>& w) {
-  const RotationCoefficients<S> k(dot(w, w));
+  const RotationCoefficients<S> k = rotationCoefficients(w);
   const S bx = k.b * w.x, by = k.b * w.y, bz = k.b * w.z;
   const S ax = k.a * w.x, ay = k.a * w.y, az = k.a * w.z;
   return {{S(1) - (by * w.y + bz * w.z), bx * w.y - az, bx * w.z + ay,  //
@@ -175,7 +201,7 @@ Vec3<S> log3(const Mat3<S>& R) {
 /// Right Jacobian of exp: exp(w + d) = exp(w) exp(J d + ...).  1 - b [w] + c [w]^2 (Sola et al. 2018, eq. 143).
 template <class S>
 Mat3<S> Jexp3(const Vec3<S>& w) {
-  const RotationCoefficients<S> k(dot(w, w));
+  const RotationCoefficients<S> k = rotationCoefficients(w);
   Mat3<S> J;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) J(i, j) = k.c * (w[i] * w[j]);
@@ -195,9 +221,9 @@ template <class S>
 S inverseCoefficient(const S& t2) {
   using std::cos, std::sin, std::sqrt;
   if (valueOf(t2) < 2.25) {
-    // (1 - a / (2 b)) / t2 with a = 1 - c t2 and b = 1/2 - d t2: the quotient of two series, without cancellation.
+    // (1 - a / (2 b)) / t2 = -f / (2 b): a quotient of two series, without cancellation.
     const RotationCoefficients<S> k(t2);
-    return (k.c - S(2) * k.d) / (S(2) * k.b);
+    return -k.f / (S(2) * k.b);
   }
   const S h = S(0.5) * sqrt(t2);
   return (S(1) - h * cos(h) / sin(h)) / t2;
