@@ -52,6 +52,8 @@ TEST_CASE("no algorithm allocates once Data exists", "[no_alloc]") {
   const Eigen::VectorXd v = Eigen::VectorXd::Constant(model.nv(), 0.2), a = v, tau = v;
   Eigen::MatrixXd J(6, model.nv());
   const int tool = model.frameId("tool");
+  Eigen::MatrixXd stacked(12, model.nv()), square(model.nv(), model.nv());
+  Eigen::VectorXd next(model.nq()), dv(model.nv());
   const ExternalForces fext(model.joints().size());
 
   CHECK(allocationsOf([&] { forwardKinematics(model, data, q, v, a); }) == 0);
@@ -68,6 +70,12 @@ TEST_CASE("no algorithm allocates once Data exists", "[no_alloc]") {
   CHECK(allocationsOf([&] { computePotentialEnergy(model, data, q); }) == 0);
   CHECK(allocationsOf([&] { computeFrameJacobian(model, data, q, tool, ReferenceFrame::LOCAL, J); }) == 0);
   CHECK(allocationsOf([&] { computeFrameJacobianTimeVariation(model, data, q, v, tool, ReferenceFrame::WORLD, J); }) == 0);
+  CHECK(allocationsOf([&] { getJointJacobian(model, data, 1, ReferenceFrame::LOCAL, stacked.topRows(6)); }) == 0);
+  CHECK(allocationsOf([&] { integrate(model, q, v, next); }) == 0);
+  CHECK(allocationsOf([&] { difference(model, q, next, dv); }) == 0);
+  CHECK(allocationsOf([&] { normalize(model, next, next); }) == 0);
+  CHECK(allocationsOf([&] { dIntegrate(model, q, v, ArgumentPosition::ARG1, square); }) == 0);
+  CHECK(allocationsOf([&] { dDifference(model, q, next, ArgumentPosition::ARG0, square); }) == 0);
 }
 
 TEST_CASE("a humanoid's Data takes at most 150 kB", "[no_alloc]") {

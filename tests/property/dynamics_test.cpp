@@ -92,6 +92,10 @@ TEST_CASE("Jacobians map v to velocities, and their rates are their derivatives"
     Eigen::MatrixXd J(6, s.model.nv()), dJ(6, s.model.nv());
     computeFrameJacobian(s.model, s.data, s.q, tool, reference, J);
     forwardKinematics(s.model, s.data, s.q, s.v, s.a);
+    Eigen::MatrixXd stacked = Eigen::MatrixXd::Zero(12, s.model.nv());
+    getFrameJacobian(s.model, s.data, tool, reference, stacked.bottomRows(6));
+    CHECK(stacked.bottomRows(6) == J);
+    CHECK(stacked.topRows(6).isZero(0));
     const Motion<double> m = frameVelocity(s.model, s.data, tool, reference);
     Eigen::VectorXd velocity(6);
     velocity << m.linear.x, m.linear.y, m.linear.z, m.angular.x, m.angular.y, m.angular.z;
@@ -105,6 +109,29 @@ TEST_CASE("Jacobians map v to velocities, and their rates are their derivatives"
     });
     CHECK((dJ - difference).cwiseAbs().maxCoeff() < 1e-9 * (dJ.cwiseAbs().maxCoeff() + J.cwiseAbs().maxCoeff()));
   }
+}
+
+TEST_CASE("joints have velocities, accelerations and Jacobians as frames do", "[property]") {
+  const int seed = GENERATE(range(1, 8));
+  Scene s(randomTree(registry(), 3 + seed % 12, static_cast<std::uint64_t>(seed)), static_cast<std::uint64_t>(seed));
+  Eigen::MatrixXd J(6, s.model.nv()), dJ(6, s.model.nv()), again(6, s.model.nv());
+  const auto six = [](const Motion<double>& m) {
+    return Eigen::Matrix<double, 6, 1>{m.linear.x, m.linear.y, m.linear.z, m.angular.x, m.angular.y, m.angular.z};
+  };
+  for (int j = 1; j < s.model.njoints(); ++j)
+    for (const auto reference : {ReferenceFrame::LOCAL, ReferenceFrame::WORLD, ReferenceFrame::LOCAL_WORLD_ALIGNED}) {
+      computeJointJacobian(s.model, s.data, s.q, j, reference, J);
+      computeJointJacobianTimeVariation(s.model, s.data, s.q, s.v, j, reference, dJ);
+      forwardKinematics(s.model, s.data, s.q, s.v, s.a);
+      getJointJacobian(s.model, s.data, j, reference, again);
+      CHECK(J == again);
+      CHECK(relative(J * s.v, six(jointVelocity(s.model, s.data, j, reference))) < 1e-12);
+      // Of a moving frame, the derivative of the velocity's coordinates is the spatial acceleration but for its own turning.
+      Eigen::Matrix<double, 6, 1> rate = six(jointAcceleration(s.model, s.data, j, reference));
+      if (reference == ReferenceFrame::LOCAL_WORLD_ALIGNED) rate = six(jointClassicalAcceleration(s.model, s.data, j, reference));
+      CHECK((J * s.a + dJ * s.v - rate).norm() < 1e-11 * (1 + rate.norm() + (dJ.cwiseAbs() * s.v.cwiseAbs()).norm()));
+    }
+  CHECK_THROWS_WITH(computeJointJacobian(s.model, s.data, s.q, s.model.njoints(), ReferenceFrame::LOCAL, J), containing("does not exist"));
 }
 
 TEST_CASE("the centre of mass moves as its Jacobian says", "[property]") {

@@ -45,9 +45,9 @@ void checkConfiguration(const char* argument, const CompactImpl& m, const double
 
 /// Scatters the nv x nv blocks that `evaluate` writes into a block-diagonal matrix.
 template <class F>
-void blockDiagonal(const CompactImpl& m, ArgumentPosition by, double* J, F&& evaluate) {
-  const std::ptrdiff_t n = m.nv;
-  std::fill(J, J + n * n, 0.0);
+void blockDiagonal(const char* algorithm, const CompactImpl& m, ArgumentPosition by, const MatrixOut& J, F&& evaluate) {
+  checkShape(algorithm, "J", J, m.nv, m.nv);
+  for (int k = 0; k < m.nv; ++k) std::fill_n(J.column(k), m.nv, 0.0);
   for (const TypeBatch& batch : m.batches)
     for (int k = 0; k < batch.count; ++k) {
       const BodyIndex& x = m.index[at(batch.bodies[at(k)])];
@@ -61,9 +61,9 @@ void blockDiagonal(const CompactImpl& m, ArgumentPosition by, double* J, F&& eva
       call.J_q = Jq;
       call.J_v = Jv;
       evaluate(batch, call, x.user_q, x.user_v);
-      const double* block = by == ArgumentPosition::first ? Jq : Jv;
+      const double* block = by == ArgumentPosition::ARG0 ? Jq : Jv;
       for (int r = 0; r < batch.nv; ++r)
-        for (int c = 0; c < batch.nv; ++c) J[(x.user_v + c) * n + x.user_v + r] = block[r * batch.nv + c];
+        for (int c = 0; c < batch.nv; ++c) J.column(x.user_v + c)[x.user_v + r] = block[r * batch.nv + c];
     }
 }
 
@@ -76,40 +76,43 @@ void neutral(const CompactModel& model, double* q) {
   });
 }
 
-void integrate(const CompactModel& model, VectorView q, VectorView v, double* out) {
+void integrate(const CompactModel& model, VectorView q, VectorView v, const VectorOut& out) {
   checkSize("integrate", "q", q, model.nq());
   checkSize("integrate", "v", v, model.nv());
+  checkSize("integrate", "the result", {out.data(), out.size()}, model.nq());
   checkConfiguration("q", model.impl(), q.data);
   eachJoint(model.impl(), [&](const TypeBatch& batch, ConfigurationBatch<double>& call, int iq, int iv) {
     call.q0 = q.data + iq;
     call.v = v.data + iv;
-    call.q_out = out + iq;
+    call.q_out = out.data() + iq;
     batch.type->integrate(call);
   });
 }
 
-void difference(const CompactModel& model, VectorView q0, VectorView q1, double* v) {
+void difference(const CompactModel& model, VectorView q0, VectorView q1, const VectorOut& v) {
   checkSize("difference", "q0", q0, model.nq());
   checkSize("difference", "q1", q1, model.nq());
+  checkSize("difference", "the result", {v.data(), v.size()}, model.nv());
   checkConfiguration("q0", model.impl(), q0.data);
   checkConfiguration("q1", model.impl(), q1.data);
   eachJoint(model.impl(), [&](const TypeBatch& batch, ConfigurationBatch<double>& call, int iq, int iv) {
     call.q0 = q0.data + iq;
     call.q1 = q1.data + iq;
-    call.v_out = v + iv;
+    call.v_out = v.data() + iv;
     batch.type->difference(call);
   });
 }
 
-void normalize(const CompactModel& model, VectorView q, double* out) {
+void normalize(const CompactModel& model, VectorView q, const VectorOut& out) {
   checkSize("normalize", "q", q, model.nq());
+  checkSize("normalize", "the result", {out.data(), out.size()}, model.nq());
   const CompactImpl& m = model.impl();
+  checkConfiguration("q", m, q.data);
   eachJoint(m, [&](const TypeBatch& batch, ConfigurationBatch<double>& call, int iq, int) {
     call.q0 = q.data + iq;
-    call.q_out = out + iq;
+    call.q_out = out.data() + iq;
     batch.type->normalize(call);
   });
-  checkConfiguration("q", m, q.data);
 }
 
 double distanceFromSpace(const CompactModel& model, VectorView q) {
@@ -166,23 +169,23 @@ void randomConfiguration(const CompactModel& model, std::uint64_t seed, double* 
   }
 }
 
-void dIntegrate(const CompactModel& model, VectorView q, VectorView v, ArgumentPosition by, double* J) {
+void dIntegrate(const CompactModel& model, VectorView q, VectorView v, ArgumentPosition by, const MatrixOut& J) {
   checkSize("dIntegrate", "q", q, model.nq());
   checkSize("dIntegrate", "v", v, model.nv());
   checkConfiguration("q", model.impl(), q.data);
-  blockDiagonal(model.impl(), by, J, [&](const TypeBatch& batch, ConfigurationBatch<double>& call, int iq, int iv) {
+  blockDiagonal("dIntegrate", model.impl(), by, J, [&](const TypeBatch& batch, ConfigurationBatch<double>& call, int iq, int iv) {
     call.q0 = q.data + iq;
     call.v = v.data + iv;
     batch.type->integrate(call);
   });
 }
 
-void dDifference(const CompactModel& model, VectorView q0, VectorView q1, ArgumentPosition by, double* J) {
+void dDifference(const CompactModel& model, VectorView q0, VectorView q1, ArgumentPosition by, const MatrixOut& J) {
   checkSize("dDifference", "q0", q0, model.nq());
   checkSize("dDifference", "q1", q1, model.nq());
   checkConfiguration("q0", model.impl(), q0.data);
   checkConfiguration("q1", model.impl(), q1.data);
-  blockDiagonal(model.impl(), by, J, [&](const TypeBatch& batch, ConfigurationBatch<double>& call, int iq, int) {
+  blockDiagonal("dDifference", model.impl(), by, J, [&](const TypeBatch& batch, ConfigurationBatch<double>& call, int iq, int) {
     call.q0 = q0.data + iq;
     call.q1 = q1.data + iq;
     batch.type->difference(call);

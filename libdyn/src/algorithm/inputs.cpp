@@ -43,6 +43,12 @@ void checkSize(const char* algorithm, const char* name, VectorView x, int wanted
                 std::string(algorithm) + ": " + name + " has " + std::to_string(x.size) + " entries, the model wants " + std::to_string(wanted));
 }
 
+void checkShape(const char* algorithm, const char* name, const MatrixOut& x, int rows, int cols) {
+  if (x.rows() != rows || x.cols() != cols)
+    throw Error(ErrorCode::size, std::string(algorithm) + ": " + name + " is " + std::to_string(x.rows()) + " x " + std::to_string(x.cols()) +
+                                     ", it must be " + std::to_string(rows) + " x " + std::to_string(cols));
+}
+
 void checkData(const char* algorithm, const CompactModel& model, const Data& data, Need need) {
   if (data.impl().model != &model.impl())
     throw Error(ErrorCode::argument, std::string(algorithm) + ": data was made for another model; make a Data for this one");

@@ -12,6 +12,7 @@ struct Inputs {
 
 /// Throws Error(size) naming the argument, what it has and what it wants.
 void checkSize(const char* algorithm, const char* name, VectorView x, int wanted);
+void checkShape(const char* algorithm, const char* name, const MatrixOut& x, int rows, int cols);
 /// Throws Error(argument) when data was made for another model, or without what the algorithm needs.
 void checkData(const char* algorithm, const CompactModel& model, const Data& data, Need need = Need::state);
 

@@ -3,7 +3,9 @@
 
 #include <Eigen/Core>
 
+#include <concepts>
 #include <cstddef>
+#include <type_traits>
 
 namespace dyn {
 
@@ -35,6 +37,53 @@ class VectorArg {
  private:
   VectorView view_;
   Eigen::VectorXd copy_;
+};
+
+namespace detail {
+/// Where results may be written: numbers of a matrix that is neither const nor about to vanish, columns one after the other.
+template <class T>
+concept Writable = requires(T& x) {
+  { x.data() } -> std::same_as<double*>;
+  x.outerStride();
+} && !(std::is_rvalue_reference_v<T&&> && std::is_base_of_v<Eigen::PlainObjectBase<std::remove_cvref_t<T>>, std::remove_cvref_t<T>>);
+}  // namespace detail
+
+/// The caller's vector for a result: a vector, a segment of one, a column, a Map, or a pointer with a size.
+class VectorOut {
+ public:
+  VectorOut(double* data, std::ptrdiff_t size) : data_(data), size_(size) {}
+  template <detail::Writable T>
+  VectorOut(T&& x) : data_(x.data()), size_(x.size()) {  // NOLINT: meant to convert
+    using Plain = std::remove_cvref_t<T>;
+    static_assert(int(Plain::IsVectorAtCompileTime), "a vector");
+    static_assert(int(Plain::InnerStrideAtCompileTime) == 1, "entries must follow one another");
+  }
+  double* data() const { return data_; }
+  std::ptrdiff_t size() const { return size_; }
+
+ private:
+  double* data_;
+  std::ptrdiff_t size_;
+};
+
+/// The caller's matrix for a result: column-major, or a block of one.
+class MatrixOut {
+ public:
+  MatrixOut(double* data, std::ptrdiff_t rows, std::ptrdiff_t cols) : MatrixOut(data, rows, cols, rows) {}
+  MatrixOut(double* data, std::ptrdiff_t rows, std::ptrdiff_t cols, std::ptrdiff_t stride) : data_(data), rows_(rows), cols_(cols), stride_(stride) {}
+  template <detail::Writable T>
+  MatrixOut(T&& x) : MatrixOut(x.data(), x.rows(), x.cols(), x.outerStride()) {  // NOLINT: meant to convert
+    using Plain = std::remove_cvref_t<T>;
+    static_assert(!Plain::IsRowMajor, "results are written column after column");
+    static_assert(int(Plain::InnerStrideAtCompileTime) == 1, "entries of a column must follow one another");
+  }
+  double* column(std::ptrdiff_t k) const { return data_ + k * stride_; }
+  std::ptrdiff_t rows() const { return rows_; }
+  std::ptrdiff_t cols() const { return cols_; }
+
+ private:
+  double* data_;
+  std::ptrdiff_t rows_, cols_, stride_;
 };
 
 /// Results: views of memory that the Data owns, valid until it is destroyed, overwritten by the next call.

@@ -27,9 +27,10 @@ struct Quaternion {
 
   Vec3<S> vec() const { return {x, y, z}; }
   Quaternion conjugate() const { return {-x, -y, -z, w}; }
+  /// Summed in pairs that cancel exactly in conj(q) q.
   friend Quaternion operator*(const Quaternion& a, const Quaternion& b) {
-    return {a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y, a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
-            a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z};
+    return {(a.w * b.x + a.x * b.w) + (a.y * b.z - a.z * b.y), (a.w * b.y + a.y * b.w) + (a.z * b.x - a.x * b.z),
+            (a.w * b.z + a.z * b.w) + (a.x * b.y - a.y * b.x), (a.w * b.w - a.x * b.x) - (a.y * b.y + a.z * b.z)};
   }
   /// Divided by its norm, without overflow or underflow on the way. The zero quaternion gives NaN.
   Quaternion normalized() const {
