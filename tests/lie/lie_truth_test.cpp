@@ -137,3 +137,25 @@ TEST_CASE("the Jacobians are the derivatives that dual numbers find", "[lie]") {
     for (int i = 0; i < 3; ++i) CHECK(one[i] == approx(direction[i]).margin(1e-14));
   }
 }
+
+TEMPLATE_TEST_CASE("every scalar has the same functions to its own precision", "[lie]", float, double) {
+  using S = TestType;
+  const S u = std::numeric_limits<S>::epsilon() / 2;
+  for (const double angle : {0.0, 1e-20, 1e-6, 1e-3, 0.1, 1.0, 1.49, 1.51, 1.99, 2.01, 3.0, 3.14}) {
+    const Vec3<S> w{static_cast<S>(angle * 0.48), static_cast<S>(angle * -0.6), static_cast<S>(angle * 0.64)};
+    const Vec3<long double> wl{w.x, w.y, w.z}, vl{0.3L, -1, 0.5L};
+    const Vec3<S> v{static_cast<S>(vl.x), static_cast<S>(vl.y), static_cast<S>(vl.z)};
+    const Mat3<S> J = Jexp3(w), inverse = Jlog3(w), Q = Jexp6(Motion<S>{v, w}).upper;
+    const Mat3<long double> Jl = Jexp3(wl), inverse_l = Jlog3(wl), Ql = Jexp6(Motion<long double>{{v.x, v.y, v.z}, wl}).upper;
+    for (int i = 0; i < 9; ++i) {
+      CHECK(std::fabs(static_cast<long double>(J.m[i]) - Jl.m[i]) <= 6 * u);
+      CHECK(std::fabs(static_cast<long double>(inverse.m[i]) - inverse_l.m[i]) <= 10 * u);
+      CHECK(std::fabs(static_cast<long double>(Q.m[i]) - Ql.m[i]) <= 10 * u);
+    }
+    const Motion<S> back = log6(exp6(Motion<S>{v, w}));
+    for (int i = 0; i < 3; ++i) {
+      CHECK(std::fabs(back.angular[i] - w[i]) <= 20 * u);
+      CHECK(std::fabs(back.linear[i] - v[i]) <= 20 * u);
+    }
+  }
+}

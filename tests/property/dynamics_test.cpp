@@ -96,10 +96,7 @@ TEST_CASE("Jacobians map v to velocities, and their rates are their derivatives"
     getFrameJacobian(s.model, s.data, tool, reference, stacked.bottomRows(6));
     CHECK(stacked.bottomRows(6) == J);
     CHECK(stacked.topRows(6).isZero(0));
-    const Motion<double> m = frameVelocity(s.model, s.data, tool, reference);
-    Eigen::VectorXd velocity(6);
-    velocity << m.linear.x, m.linear.y, m.linear.z, m.angular.x, m.angular.y, m.angular.z;
-    CHECK(relative(J * s.v, velocity) < 1e-12);
+    CHECK(relative(J * s.v, toEigen(frameVelocity(s.model, s.data, tool, reference))) < 1e-12);
 
     computeFrameJacobianTimeVariation(s.model, s.data, s.q, s.v, tool, reference, dJ);
     const Eigen::MatrixXd difference = alongMotion(s.model, s.q, s.v, [&](const Eigen::VectorXd& q) {
@@ -115,9 +112,6 @@ TEST_CASE("joints have velocities, accelerations and Jacobians as frames do", "[
   const int seed = GENERATE(range(1, 8));
   Scene s(randomTree(registry(), 3 + seed % 12, static_cast<std::uint64_t>(seed)), static_cast<std::uint64_t>(seed));
   Eigen::MatrixXd J(6, s.model.nv()), dJ(6, s.model.nv()), again(6, s.model.nv());
-  const auto six = [](const Motion<double>& m) {
-    return Eigen::Matrix<double, 6, 1>{m.linear.x, m.linear.y, m.linear.z, m.angular.x, m.angular.y, m.angular.z};
-  };
   for (int j = 1; j < s.model.njoints(); ++j)
     for (const auto reference : {ReferenceFrame::LOCAL, ReferenceFrame::WORLD, ReferenceFrame::LOCAL_WORLD_ALIGNED}) {
       computeJointJacobian(s.model, s.data, s.q, j, reference, J);
@@ -125,10 +119,10 @@ TEST_CASE("joints have velocities, accelerations and Jacobians as frames do", "[
       forwardKinematics(s.model, s.data, s.q, s.v, s.a);
       getJointJacobian(s.model, s.data, j, reference, again);
       CHECK(J == again);
-      CHECK(relative(J * s.v, six(jointVelocity(s.model, s.data, j, reference))) < 1e-12);
+      CHECK(relative(J * s.v, toEigen(jointVelocity(s.model, s.data, j, reference))) < 1e-12);
       // Of a moving frame, the derivative of the velocity's coordinates is the spatial acceleration but for its own turning.
-      Eigen::Matrix<double, 6, 1> rate = six(jointAcceleration(s.model, s.data, j, reference));
-      if (reference == ReferenceFrame::LOCAL_WORLD_ALIGNED) rate = six(jointClassicalAcceleration(s.model, s.data, j, reference));
+      Vector6<double> rate = toEigen(jointAcceleration(s.model, s.data, j, reference));
+      if (reference == ReferenceFrame::LOCAL_WORLD_ALIGNED) rate = toEigen(jointClassicalAcceleration(s.model, s.data, j, reference));
       CHECK((J * s.a + dJ * s.v - rate).norm() < 1e-11 * (1 + rate.norm() + (dJ.cwiseAbs() * s.v.cwiseAbs()).norm()));
     }
   CHECK_THROWS_WITH(computeJointJacobian(s.model, s.data, s.q, s.model.njoints(), ReferenceFrame::LOCAL, J), containing("does not exist"));
@@ -139,12 +133,10 @@ TEST_CASE("the centre of mass moves as its Jacobian says", "[property]") {
   Scene s(randomTree(registry(), 3 + seed % 15, static_cast<std::uint64_t>(seed)), static_cast<std::uint64_t>(seed));
   const Eigen::MatrixXd J = jacobianCenterOfMass(s.model, s.data, s.q);
   const CenterOfMass c = centerOfMass(s.model, s.data, s.q, s.v, s.a);
-  const Eigen::Vector3d velocity(c.velocity.x, c.velocity.y, c.velocity.z);
-  CHECK(relative(J * s.v, velocity) < 1e-11);
+  CHECK(relative(J * s.v, toEigen(c.velocity)) < 1e-11);
   const Eigen::MatrixXd rate =
       alongMotion(s.model, s.q, s.v, [&](const Eigen::VectorXd& q) { return Eigen::MatrixXd(jacobianCenterOfMass(s.model, s.data, q) * s.v); });
-  const Eigen::Vector3d acceleration(c.acceleration.x, c.acceleration.y, c.acceleration.z);
-  CHECK(relative(Eigen::MatrixXd(J * s.a + rate), acceleration) < 1e-8);
+  CHECK(relative(Eigen::MatrixXd(J * s.a + rate), toEigen(c.acceleration)) < 1e-8);
 }
 
 TEST_CASE("external forces act as J^T f, in rnea and in aba", "[property]") {
@@ -161,10 +153,8 @@ TEST_CASE("external forces act as J^T f, in rnea and in aba", "[property]") {
     REQUIRE(frame >= 0);
     Eigen::MatrixXd J(6, s.model.nv());
     computeFrameJacobian(s.model, s.data, s.q, frame, ReferenceFrame::LOCAL, J);
-    const Force<double> f = s.model.frames()[static_cast<std::size_t>(frame)].placement.actInv(fext[static_cast<std::size_t>(j)]);
-    Eigen::VectorXd wrench(6);
-    wrench << f.linear.x, f.linear.y, f.linear.z, f.angular.x, f.angular.y, f.angular.z;
-    generalised += J.transpose() * wrench;
+    const SE3<double>& jMf = s.model.frames()[static_cast<std::size_t>(frame)].placement;
+    generalised += J.transpose() * toEigen(jMf.actInv(fext[static_cast<std::size_t>(j)]));
   }
   const Eigen::VectorXd without = rnea(s.model, s.data, s.q, s.v, s.a);
   const Eigen::VectorXd with = rnea(s.model, s.data, s.q, s.v, s.a, fext);

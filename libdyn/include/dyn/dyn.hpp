@@ -10,3 +10,4 @@
 #include <dyn/algorithm/layout.hpp>
 #include <dyn/algorithm/rnea.hpp>
 #include <dyn/compile/compile.hpp>
+#include <dyn/spatial/eigen.hpp>

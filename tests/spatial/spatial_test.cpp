@@ -1,0 +1,165 @@
+// Spatial algebra against dense 6x6 matrices, in every scalar it is used with.
+#include "support/catch.hpp"
+#include "support/random_model.hpp"
+
+#include <dyn/scalar/dual.hpp>
+#include <dyn/spatial/eigen.hpp>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+using namespace dyn;
+using namespace dyn::test;
+
+namespace {
+
+template <class S>
+struct Sample {
+  explicit Sample(std::uint64_t seed) : random(seed) {}
+  Random random;
+  Vec3<S> vector() {
+    const Vec3<double> x = random.vector();
+    return {static_cast<S>(x.x), static_cast<S>(x.y), static_cast<S>(x.z)};
+  }
+  SE3<S> pose() { return {exp3(vector()), vector()}; }
+  Motion<S> motion() { return {vector(), vector()}; }
+  Force<S> force() { return {vector(), vector()}; }
+  Inertia<S> inertia() { return cast<S>(random.inertia()); }
+};
+
+template <class S>
+constexpr S tolerance = S(40) * std::numeric_limits<S>::epsilon();
+
+/// v x as a 6x6 matrix on motions; its negative transpose acts on forces.
+template <class S>
+Matrix6<S> crossMatrix(const Motion<S>& v) {
+  Matrix6<S> X = Matrix6<S>::Zero();
+  X.template topLeftCorner<3, 3>() = X.template bottomRightCorner<3, 3>() = toEigen(skew(v.angular));
+  X.template topRightCorner<3, 3>() = toEigen(skew(v.linear));
+  return X;
+}
+
+template <class S>
+ArticulatedInertia<S> articulated(const Inertia<S>& Y) {
+  return ArticulatedInertia<S>::rigid(Y.mass, Y.mass * Y.com, Y.rotationalAtOrigin());
+}
+
+template <class S>
+Matrix6<S> dense(const ArticulatedInertia<S>& Y) {
+  Matrix6<S> M;
+  M << toEigen(Y.linear), toEigen(Y.coupling), toEigen(Y.coupling).transpose(), toEigen(Y.angular);
+  return M;
+}
+
+}  // namespace
+
+#define CHECK_NEAR(a, b) CHECK(((a) - (b)).cwiseAbs().maxCoeff() < tolerance<S>)
+
+TEMPLATE_TEST_CASE("poses compose, invert and act as homogeneous matrices do", "[spatial]", float, double, long double) {
+  using S = TestType;
+  Sample<S> s(1);
+  for (int i = 0; i < 20; ++i) {
+    const SE3<S> a = s.pose(), b = s.pose();
+    const Vec3<S> x = s.vector();
+    CHECK_NEAR(toEigen(a * b), toEigen(a) * toEigen(b));
+    CHECK_NEAR(toEigen(a.inverse()), toEigen(a).inverse());
+    CHECK_NEAR(toEigen(a.act(x)), (toEigen(a) * toEigen(x).homogeneous()).template head<3>());
+    CHECK_NEAR(toEigen(a.actInv(a.act(x))), toEigen(x));
+  }
+}
+
+TEMPLATE_TEST_CASE("motions and forces transform by dual 6x6 matrices, and power is invariant", "[spatial]", float, double, long double) {
+  using S = TestType;
+  Sample<S> s(2);
+  for (int i = 0; i < 20; ++i) {
+    const SE3<S> aMb = s.pose();
+    const Matrix6<S> X = actionMatrix6(aMb);
+    const Motion<S> v = s.motion();
+    const Force<S> f = s.force();
+    CHECK_NEAR(toEigen(aMb.act(v)), X * toEigen(v));
+    CHECK_NEAR(toEigen(aMb.actInv(v)), X.inverse() * toEigen(v));
+    CHECK_NEAR(toEigen(aMb.act(f)), X.inverse().transpose() * toEigen(f));
+    CHECK_NEAR(toEigen(aMb.actInv(f)), X.transpose() * toEigen(f));
+    CHECK(std::fabs(dot(aMb.act(v), aMb.act(f)) - dot(v, f)) < tolerance<S>);
+  }
+}
+
+TEMPLATE_TEST_CASE("cross products are the 6x6 ones, dual to each other, and obey Jacobi's identity", "[spatial]", float, double, long double) {
+  using S = TestType;
+  Sample<S> s(3);
+  for (int i = 0; i < 20; ++i) {
+    const Motion<S> u = s.motion(), v = s.motion(), w = s.motion();
+    const Force<S> f = s.force();
+    CHECK_NEAR(toEigen(u.cross(v)), crossMatrix(u) * toEigen(v));
+    CHECK_NEAR(toEigen(crossStar(u, f)), -crossMatrix(u).transpose() * toEigen(f));
+    CHECK(std::fabs(dot(u.cross(v), f) + dot(v, crossStar(u, f))) < tolerance<S>);
+    CHECK_NEAR(toEigen(u.cross(v.cross(w))) + toEigen(v.cross(w.cross(u))), -toEigen(w.cross(u.cross(v))));
+    const SE3<S> X = s.pose();
+    CHECK_NEAR(toEigen(X.act(u.cross(v))), toEigen(X.act(u).cross(X.act(v))));
+  }
+}
+
+TEMPLATE_TEST_CASE("inertias are symmetric 6x6 matrices that transform by congruence and add when welded", "[spatial]", float, double, long double) {
+  using S = TestType;
+  Sample<S> s(4);
+  for (int i = 0; i < 20; ++i) {
+    const Inertia<S> Y = s.inertia(), Z = s.inertia();
+    const SE3<S> aMb = s.pose();
+    const Motion<S> v = s.motion();
+    const Matrix6<S> M = toEigen(Y), X = actionMatrix6(aMb);
+    CHECK_NEAR(M, M.transpose());
+    CHECK_NEAR(toEigen(Y * v), M * toEigen(v));
+    CHECK_NEAR(toEigen(Y + Z), M + toEigen(Z));
+    CHECK_NEAR(toEigen(Y.transformed(aMb)), X.inverse().transpose() * M * X.inverse());
+  }
+  // Massless bodies add without dividing by zero.
+  const Inertia<S> nothing = Inertia<S>{} + Inertia<S>{};
+  CHECK(nothing.mass == 0);
+  CHECK(nothing.com.x == 0);
+}
+
+TEMPLATE_TEST_CASE("articulated inertias act, add, shift and project as 6x6 matrices do", "[spatial]", float, double, long double) {
+  using S = TestType;
+  Sample<S> s(5);
+  for (int i = 0; i < 20; ++i) {
+    const Inertia<S> Y = s.inertia();
+    const ArticulatedInertia<S> A = articulated(Y);
+    const Motion<S> v = s.motion();
+    CHECK_NEAR(dense(A), toEigen(Y));
+    CHECK_NEAR(toEigen(A * v), toEigen(Y) * toEigen(v));
+    CHECK_NEAR(dense(A + A), S(2) * toEigen(Y));
+    const Vec3<S> r = s.vector();
+    CHECK_NEAR(dense(A.shifted(r)), toEigen(Y.transformed({Mat3<S>::identity(), r})));
+    const Force<S> W = A * v;
+    ArticulatedInertia<S> projected = A;
+    projected.subtractOuter((S(1) / dot(v, W)) * W, W);
+    const Vector6<S> w = toEigen(W);
+    CHECK_NEAR(dense(projected), dense(A) - w * w.transpose() / toEigen(v).dot(w));
+    CHECK_NEAR(toEigen(projected * v), Vector6<S>::Zero());
+  }
+}
+
+TEST_CASE("poses carry derivatives: a dual pose moves with its velocity", "[spatial]") {
+  using S = double;
+  using D = Dual<double>;
+  Sample<double> s(6);
+  for (int i = 0; i < 10; ++i) {
+    const SE3<double> X = s.pose();
+    const Motion<double> v = s.motion();
+    // X(t) = X exp(v t): in the body's axes the point x moves with v.linear + v.angular x x.
+    Motion<D> step;
+    for (int k = 0; k < 3; ++k) {
+      step.linear[k] = D(0, v.linear[k]);
+      step.angular[k] = D(0, v.angular[k]);
+    }
+    const SE3<D> moving = cast<D>(X) * exp6(step);
+    const Vec3<double> x = s.vector(), rate = X.R * (v.linear + cross(v.angular, x));
+    const Vec3<D> y = moving.act(Vec3<D>{D(x.x), D(x.y), D(x.z)});
+    for (int k = 0; k < 3; ++k) {
+      CHECK(y[k].v == approx(X.act(x)[k]).margin(1e-15));
+      CHECK(y[k].d == approx(rate[k]).margin(1e-14));
+    }
+    CHECK_NEAR(toEigen(fromEigen3(toEigen(x))), toEigen(x));
+    CHECK_NEAR(toEigen(rotationFromEigen(toEigen(X.R))), toEigen(X.R));
+  }
+}
