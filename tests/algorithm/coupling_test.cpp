@@ -1,16 +1,12 @@
 // Joints that follow others, joints made of joints: the same mechanics as what they stand for.
 #include "support/catch.hpp"
 #include "support/random_model.hpp"
+#include "support/registry.hpp"
 
 using namespace dyn;
 using namespace dyn::test;
 
 namespace {
-
-const JointRegistry& registry() {
-  static const JointRegistry r = JointRegistry::standard();
-  return r;
-}
 
 JointDescription jointOf(const std::string& name, const std::string& type, Random& random) {
   JointDescription joint;

@@ -1,6 +1,7 @@
 // States in other libraries' layouts: written out by hand for one model, and there and back for many.
 #include "support/catch.hpp"
 #include "support/random_model.hpp"
+#include "support/registry.hpp"
 
 #include <dyn/algorithm/layout.hpp>
 
@@ -8,11 +9,6 @@ using namespace dyn;
 using namespace dyn::test;
 
 namespace {
-
-const JointRegistry& registry() {
-  static const JointRegistry r = JointRegistry::standard();
-  return r;
-}
 
 /// A flying base, an elbow, a ball and a wheel.
 CompactModel robot() {

@@ -1,6 +1,7 @@
 // Configuration-space functions: free flyer, spherical and planar against 60-digit references, and what holds for every joint type.
 #include "support/errors.hpp"
 #include "support/random_model.hpp"
+#include "support/registry.hpp"
 #include "support/shared.hpp"
 
 #include <iostream>
@@ -9,11 +10,6 @@ using namespace dyn;
 using namespace dyn::test;
 
 namespace {
-
-const JointRegistry& registry() {
-  static const JointRegistry r = JointRegistry::standard();
-  return r;
-}
 
 CompactModel single(const std::string& type, Parameters parameters = {}) {
   Model model;

@@ -1,5 +1,6 @@
 // The example plugins against closed forms of their own geometry, and the robots that come with them.
 #include "support/catch.hpp"
+#include "support/registry.hpp"
 
 #include <dyn/dyn.hpp>
 #include <dyn/parsers/urdf.hpp>
@@ -12,11 +13,6 @@ using namespace dyn;
 using namespace dyn::test;
 
 namespace {
-
-const JointRegistry& registry() {
-  static const JointRegistry r = JointRegistry::standard();
-  return r;
-}
 
 CompactModel carry(const std::string& type, const Parameters& parameters, const Inertia<double>& inertia = {1, {}, {1, 0, 0, 1, 0, 1}}) {
   Model model;

@@ -1,6 +1,7 @@
 // What must hold between the algorithms, on random trees of all joint types.
 #include "support/catch.hpp"
 #include "support/random_model.hpp"
+#include "support/registry.hpp"
 
 #include <Eigen/Cholesky>
 
@@ -8,11 +9,6 @@ using namespace dyn;
 using namespace dyn::test;
 
 namespace {
-
-const JointRegistry& registry() {
-  static const JointRegistry r = JointRegistry::standard();
-  return r;
-}
 
 /// A compiled tree with a state away from singular configurations of its joints.
 struct Scene {

@@ -22,6 +22,7 @@ struct DraftCoupling {
   const CouplingType* type = nullptr;
   std::vector<double> constants;
   int master = -1;  ///< draft body
+  int rank = 1;     ///< how many masters are above, one after the other
 };
 
 struct DraftBody {

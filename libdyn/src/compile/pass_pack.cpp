@@ -117,25 +117,15 @@ class Packer {
   }
 
   void couplings() {
-    // Masters first: repeated sweeps over what is left; checkCycles() has made sure that this ends.
-    std::vector<bool> known(draft_.bodies.size());
-    std::vector<std::size_t> left;
-    for (std::size_t i = 1; i < draft_.bodies.size(); ++i) {
-      known[i] = !draft_.bodies[i].coupling.has_value();
-      if (!known[i]) left.push_back(i);
-    }
-    while (!left.empty()) {
-      std::vector<std::size_t> next;
-      for (const std::size_t i : left) {
-        DraftCoupling& c = *draft_.bodies[i].coupling;
-        if (known[at(c.master)]) {
-          out_->couplings.push_back({c.type, static_cast<int>(i), c.master, c.constants});
-        } else {
-          next.push_back(i);
-        }
-      }
-      for (const PackedCoupling& c : out_->couplings) known[at(c.body)] = true;
-      left = std::move(next);
+    std::vector<std::size_t> followers;
+    for (std::size_t i = 1; i < draft_.bodies.size(); ++i)
+      if (draft_.bodies[i].coupling) followers.push_back(i);
+    // Masters first.
+    std::stable_sort(followers.begin(), followers.end(),
+                     [&](std::size_t a, std::size_t b) { return draft_.bodies[a].coupling->rank < draft_.bodies[b].coupling->rank; });
+    for (const std::size_t i : followers) {
+      const DraftCoupling& c = *draft_.bodies[i].coupling;
+      out_->couplings.push_back({c.type, static_cast<int>(i), c.master, c.constants});
     }
     for (std::size_t i = 1; i < draft_.bodies.size() && !out_->couplings.empty(); ++i) {
       if (draft_.bodies[i].coupling) continue;

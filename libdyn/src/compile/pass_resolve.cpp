@@ -7,6 +7,8 @@ namespace dyn {
 
 namespace {
 
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
 Where whereOf(const JointDescription& joint, const std::string& name) {
   Where where = joint.where;
   where.joint = name;
@@ -38,7 +40,7 @@ class Resolver {
     for (const FrameDescription& frame : model_.frames) {
       if (frame.body < 0 || frame.body >= static_cast<int>(model_.bodies.size()))
         throw Error(ErrorCode::model, "frame '" + frame.name + "' is fixed to body " + std::to_string(frame.body) + ", which does not exist");
-      draft_.frames.push_back({frame.name, last_body_[static_cast<std::size_t>(frame.body)], cast<long double>(frame.placement)});
+      draft_.frames.push_back({frame.name, last_body_[at(frame.body)], cast<long double>(frame.placement)});
     }
     resolveCouplings();
     draft_.report.passes.push_back("resolve: " + std::to_string(model_.bodies.size() - 1) + " joints, " + std::to_string(expanded_) +
@@ -62,16 +64,16 @@ class Resolver {
   }
 
   void addBody(int index) {
-    const BodyDescription& body = model_.bodies[static_cast<std::size_t>(index)];
+    const BodyDescription& body = model_.bodies[at(index)];
     checkInertia(body);
     const std::size_t first = draft_.bodies.size();
-    addJoint(body.joint, body.joint.name, last_body_[static_cast<std::size_t>(body.parent)], body.joint.placement, index, 0);
+    addJoint(body.joint, body.joint.name, last_body_[at(body.parent)], body.joint.placement, index, 0);
     layOut(body.joint, first);
     DraftBody& last = draft_.bodies.back();
     last.name = body.name;
     last.inertia = cast<long double>(body.inertia);
     last.last_part = true;
-    last_body_[static_cast<std::size_t>(index)] = static_cast<int>(draft_.bodies.size()) - 1;
+    last_body_[at(index)] = static_cast<int>(draft_.bodies.size()) - 1;
   }
 
   void addJoint(const JointDescription& joint, const std::string& name, int parent, const SE3<double>& placement, int user, int depth) {
@@ -175,7 +177,7 @@ class Resolver {
       const auto master = by_name.find(c.master);
       if (master == by_name.end()) throw Error(ErrorCode::model, "follows joint '" + c.master + "', which does not exist", where);
       coupling.master = master->second;
-      const DraftBody& leader = draft_.bodies[static_cast<std::size_t>(coupling.master)];
+      const DraftBody& leader = draft_.bodies[at(coupling.master)];
       if (body.instance.nv > 1 || leader.instance.nv > 1)
         throw Error(ErrorCode::model, "follows '" + c.master + "': only joints of one degree of freedom can be coupled", where);
       if (body.instance.nv > 0 && leader.instance.nv == 0)
@@ -186,16 +188,28 @@ class Resolver {
       }
       body.coupling = std::move(coupling);
     }
-    checkCycles();
+    rankCouplings();
   }
 
-  void checkCycles() {
+  /// Counts the masters above each follower. Each body is visited once, however long the chains are.
+  void rankCouplings() {
+    constexpr int unknown = -1, open = -2;
+    std::vector<int> rank(draft_.bodies.size(), unknown);
+    std::vector<int> path;
     for (std::size_t i = 1; i < draft_.bodies.size(); ++i) {
-      std::size_t steps = 0;
-      for (int at = static_cast<int>(i); at >= 0 && draft_.bodies[static_cast<std::size_t>(at)].coupling;
-           at = draft_.bodies[static_cast<std::size_t>(at)].coupling->master)
-        if (++steps > draft_.bodies.size())
-          throw Error(ErrorCode::model, "follows itself through a circle of couplings", whereOf(draft_.bodies[i].joint, draft_.bodies[i].joint.name));
+      int k = static_cast<int>(i);
+      for (; rank[at(k)] == unknown && draft_.bodies[at(k)].coupling; k = draft_.bodies[at(k)].coupling->master) {
+        rank[at(k)] = open;
+        path.push_back(k);
+      }
+      if (rank[at(k)] == open)
+        throw Error(ErrorCode::model, "follows itself through a circle of couplings",
+                    whereOf(draft_.bodies[at(k)].joint, draft_.bodies[at(k)].joint.name));
+      if (rank[at(k)] == unknown) rank[at(k)] = 0;
+      for (int above = rank[at(k)]; !path.empty(); path.pop_back()) {
+        rank[at(path.back())] = ++above;
+        draft_.bodies[at(path.back())].coupling->rank = above;
+      }
     }
   }
 

@@ -1,0 +1,251 @@
+// What each pass of the compiler guarantees, seen from outside.
+#include "support/catch.hpp"
+#include "support/random_model.hpp"
+#include "support/registry.hpp"
+
+#include <dyn/spatial/eigen.hpp>
+
+using namespace dyn;
+using namespace dyn::test;
+
+namespace {
+
+JointDescription revolute(const std::string& name, const Vec3<double>& axis = {0, 0, 1}, const SE3<double>& placement = {}) {
+  JointDescription joint;
+  joint.name = name;
+  joint.type = "revolute";
+  joint.parameters["axis"] = std::vector<double>{axis.x, axis.y, axis.z};
+  joint.placement = placement;
+  return joint;
+}
+
+JointDescription rigid(const std::string& name, const SE3<double>& placement = {}) {
+  JointDescription joint;
+  joint.name = name;
+  joint.placement = placement;
+  return joint;
+}
+
+const std::string* passOf(const CompactModel& model, const std::string& pass) {
+  for (const std::string& line : model.report().passes)
+    if (line.rfind(pass + ":", 0) == 0) return &line;
+  return nullptr;
+}
+
+bool warns(const CompactModel& model, const std::string& text) {
+  for (const std::string& line : model.report().warnings)
+    if (line.find(text) != std::string::npos) return true;
+  return false;
+}
+
+double off(const SE3<double>& a, const SE3<double>& b) { return (toEigen(a) - toEigen(b)).cwiseAbs().maxCoeff(); }
+
+}  // namespace
+
+TEST_CASE("resolve: names are unique, parents come first, values are finite", "[compile]") {
+  Model model;
+  model.addBody("a", 0, revolute("j"), {1, {}, {1, 0, 0, 1, 0, 1}});
+  model.addBody("b", 1, revolute("k"), {1, {}, {1, 0, 0, 1, 0, 1}});
+  const auto refused = [&](const char* text) { CHECK_THROWS_WITH(compile(model, registry()), containing(text)); };
+  SECTION("bodies") {
+    model.bodies[2].name = "a";
+    refused("'a'");
+  }
+  SECTION("joints") {
+    model.bodies[2].joint.name = "j";
+    refused("'j'");
+  }
+  SECTION("frames and bodies share their names") {
+    model.addFrame("b", 1, {});
+    refused("'b'");
+  }
+  SECTION("parents") {
+    model.bodies[1].parent = 2;
+    refused("parent");
+  }
+  SECTION("a frame on a body that does not exist") {
+    model.addFrame("f", 1, {});
+    model.frames[0].body = 9;
+    refused("'f'");
+  }
+  SECTION("mass") {
+    model.bodies[1].inertia.mass = -1;
+    refused("negative");
+  }
+  SECTION("inertia") {
+    model.bodies[1].inertia.rotational.xy = std::nan("");
+    refused("not finite");
+  }
+  SECTION("types") {
+    model.bodies[1].joint.type = "hinge";
+    refused("'hinge'");
+  }
+  SECTION("sizes") {
+    model.bodies[1].joint.damping = {1, 2};
+    refused("damping has 2 entries");
+  }
+  SECTION("armature") {
+    model.bodies[1].joint.armature = {-1};
+    refused("armature");
+  }
+  SECTION("a rigid master") {
+    model.bodies[1].joint = rigid("j");
+    model.bodies[2].joint.coupling = {"mimic", "j", {{"coefficients", std::vector<double>{0, 1}}}};
+    refused("rigid");
+  }
+}
+
+TEST_CASE("resolve: a rigid joint that follows another is rigid, with a warning", "[compile]") {
+  Model model;
+  model.addBody("a", 0, revolute("j"), {1, {}, {1, 0, 0, 1, 0, 1}});
+  JointDescription follower = rigid("k");
+  follower.coupling = {"mimic", "j", {{"coefficients", std::vector<double>{0, 1}}}};
+  model.addBody("b", 1, follower, {1, {}, {1, 0, 0, 1, 0, 1}});
+  const CompactModel compact = compile(model, registry());
+  CHECK(compact.nv() == 1);
+  CHECK(warns(compact, "'k'"));
+}
+
+TEST_CASE("order: depth first, children as described, frames behind the bodies", "[compile]") {
+  Model model;
+  const Inertia<double> Y{1, {}, {1, 0, 0, 1, 0, 1}};
+  const int a = model.addBody("a", 0, revolute("ja"), Y), b = model.addBody("b", 0, revolute("jb"), Y);
+  model.addBody("b1", b, revolute("jb1"), Y);
+  model.addBody("a1", a, revolute("ja1"), Y);
+  model.addBody("a2", a, revolute("ja2"), Y);
+  model.addFrame("tool", b, {});
+  const CompactModel compact = compile(model, registry());
+  std::vector<std::string> joints, frames;
+  for (const JointRecord& r : compact.joints()) joints.push_back(r.name);
+  for (const FrameRecord& f : compact.frames()) frames.push_back(f.name);
+  CHECK(joints == std::vector<std::string>{"universe", "ja", "ja1", "ja2", "jb", "jb1"});
+  CHECK(frames == std::vector<std::string>{"universe", "a", "a1", "a2", "b", "b1", "tool"});
+  CHECK(compact.joints()[5].parent == 4);
+  CHECK(compact.joints()[3].parent == 1);
+  CHECK(compact.joints()[4].parent == 0);
+}
+
+TEST_CASE("weld: bodies on rigid joints are summed into their carriers, and keep their frames", "[compile]") {
+  Random random(4);
+  Model model;
+  const Inertia<double> ground = random.inertia(), arm = random.inertia(), motor = random.inertia(), hand = random.inertia();
+  const SE3<double> G = random.pose(), M = random.pose(), H = random.pose();
+  model.addBody("ground", 0, rigid("g", G), ground);
+  model.addBody("arm", 1, revolute("j", random.vector(), random.pose()), arm);
+  model.addBody("motor", 2, rigid("m", M), motor);
+  model.addBody("hand", 3, rigid("h", H), hand);
+  model.addFrame("tip", 4, M);
+  const CompactModel welded = compile(model, registry());
+  Model summed;
+  summed.addBody("arm", 0, model.bodies[2].joint, arm + (motor + hand.transformed(H)).transformed(M));
+  summed.bodies[1].joint.placement = G * summed.bodies[1].joint.placement;
+  const CompactModel one = compile(summed, registry());
+  CHECK(welded.njoints() == 2);
+  CHECK(*passOf(welded, "weld") == "weld: 3 bodies welded to others, 1 move");
+  // What is welded to the world does not count.
+  CHECK(welded.mass() == approx(arm.mass + motor.mass + hand.mass).epsilon(1e-15));
+  Data data(welded), other(one);
+  const Eigen::VectorXd q = random.vector(1, 2), v = random.vector(1, 2), a = random.vector(1, 2);
+  CHECK(rnea(welded, data, q, v, a)[0] == approx(rnea(one, other, q, v, a)[0]).epsilon(1e-13));
+  forwardKinematics(welded, data, q);
+  const SE3<double> armPose = framePlacement(welded, data, welded.frameId("arm"));
+  CHECK(off(framePlacement(welded, data, welded.frameId("motor")), armPose * M) < 1e-15);
+  CHECK(off(framePlacement(welded, data, welded.frameId("hand")), armPose * M * H) < 2e-15);
+  CHECK(off(framePlacement(welded, data, welded.frameId("tip")), armPose * M * H * M) < 2e-15);
+  CHECK(off(framePlacement(welded, data, welded.frameId("ground")), G) == 0);
+  CHECK(welded.frames()[static_cast<std::size_t>(welded.frameId("tip"))].joint == 1);
+}
+
+TEST_CASE("canonicalise: axes of every direction share a batch, and nothing of it shows", "[compile]") {
+  Random random(5);
+  Model model;
+  model.addBody("b0", 0, revolute("j0", {1, 0, 0}, random.pose()), random.inertia());
+  model.addBody("b1", 1, revolute("j1", {0, 1, 0}, random.pose()), random.inertia());
+  model.addBody("b2", 2, revolute("j2", {0, 0, 1}, random.pose()), random.inertia());
+  model.addBody("b3", 3, revolute("j3", {0.3, -2, 0.5}, random.pose()), random.inertia());
+  const CompactModel compact = compile(model, registry());
+  CHECK(*passOf(compact, "canonicalise") == "canonicalise: 3 joint axes turned onto z");
+  CHECK(passOf(compact, "pack")->find("1 type batches, 1 runs") != std::string::npos);
+  Data data(compact);
+  const Eigen::VectorXd q = random.vector(4, 2);
+  forwardKinematics(compact, data, q);
+  SE3<double> pose;
+  for (int i = 0; i < 4; ++i) {
+    const JointDescription& joint = model.bodies[static_cast<std::size_t>(i + 1)].joint;
+    const auto& n = std::get<std::vector<double>>(joint.parameters.at("axis"));
+    const Eigen::Vector3d axis = Eigen::Vector3d(n[0], n[1], n[2]).normalized() * q[i];
+    pose = pose * joint.placement * SE3<double>{exp3(fromEigen3(axis)), {}};
+    CHECK(off(jointPlacement(compact, data, i + 1), pose) < 4e-15);
+    CHECK(off(framePlacement(compact, data, i + 1), pose) < 4e-15);
+  }
+}
+
+TEST_CASE("inspect: what moves no mass is reported, never divided by", "[compile]") {
+  Model model;
+  model.addBody("a", 0, revolute("j"), {1, {0.1, 0, 0}, {1, 0, 0, 1, 0, 1}});
+  model.addBody("b", 1, revolute("k"));
+  model.addBody("c", 2, revolute("l"));
+  const CompactModel compact = compile(model, registry());
+  CHECK(warns(compact, "'k'"));
+  CHECK(warns(compact, "'l'"));
+  CHECK(!warns(compact, "'j'"));
+  Data data(compact);
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(3);
+  CHECK(rnea(compact, data, zero, zero, zero).allFinite());
+  CHECK_THROWS_WITH(aba(compact, data, zero, zero, zero), containing("singular"));
+  // With rotors it is not singular.
+  for (BodyDescription& b : model.bodies) b.joint.armature = {0.1};
+  model.bodies[0].joint.armature.clear();
+  const CompactModel geared = compile(model, registry());
+  CHECK(geared.report().warnings.empty());
+  Data geared_data(geared);
+  CHECK(aba(geared, geared_data, zero, zero, Eigen::VectorXd::Ones(3)).allFinite());
+}
+
+TEST_CASE("options: losses and rotors act unless they are turned off", "[compile]") {
+  Model model;
+  JointDescription joint = revolute("j");
+  joint.damping = {0.5};
+  joint.friction = {0.25};
+  joint.armature = {2};
+  model.addBody("a", 0, joint, {1, {}, {1, 0, 0, 1, 0, 1}});
+  const auto torque = [&](const CompileOptions& options, double v, double a) {
+    const CompactModel m = compile(model, registry(), options);
+    Data data(m);
+    return rnea(m, data, Eigen::VectorXd::Zero(1), Eigen::VectorXd::Constant(1, v), Eigen::VectorXd::Constant(1, a))[0];
+  };
+  CHECK(torque({}, 2, 1) == 1 + 0.25 + 1 + 2);
+  CHECK(torque({}, -2, 0) == -1 - 0.25);
+  CHECK(torque({}, 0, 0) == 0);
+  CompileOptions bare;
+  bare.dissipation = bare.armature = false;
+  CHECK(torque(bare, 2, 1) == 1);
+}
+
+TEST_CASE("the same model with the same options gives the same results, bit for bit", "[compile]") {
+  const Model model = randomTree(registry(), 20, 6, true);
+  const CompactModel a = compile(model, registry()), b = compile(model, registry());
+  CHECK(a.report().passes == b.report().passes);
+  Data da(a, Need::mass_matrix), db(b, Need::mass_matrix);
+  const Eigen::VectorXd q = randomConfiguration(a, 1), v = Eigen::VectorXd::Ones(a.nv());
+  CHECK(rnea(a, da, q, v, v) == rnea(b, db, q, v, v));
+  CHECK(crba(a, da, q) == crba(b, db, q));
+}
+
+TEST_CASE("a chain of couplings described last to first compiles in one pass", "[compile]") {
+  // Quadratic work would show here as a test that does not end.
+  constexpr int n = 30000;
+  Model model;
+  for (int i = 0; i < n; ++i) {
+    JointDescription joint = revolute("j" + std::to_string(i));
+    if (i < n - 1) joint.coupling = {"mimic", "j" + std::to_string(i + 1), {{"coefficients", std::vector<double>{0, 1}}}};
+    model.addBody("b" + std::to_string(i), 0, joint, {1, {}, {1, 0, 0, 1, 0, 1}});
+  }
+  const CompactModel compact = compile(model, registry());
+  CHECK(compact.nv() == 1);
+  Data data(compact);
+  const Eigen::VectorXd one = Eigen::VectorXd::Ones(1);
+  CHECK(rnea(compact, data, one, one, one)[0] == n);
+  model.bodies.back().joint.coupling = {"mimic", "j0", {{"coefficients", std::vector<double>{0, 1}}}};
+  CHECK_THROWS_WITH(compile(model, registry()), containing("circle"));
+}

@@ -1,0 +1,176 @@
+// New models from old ones: nothing is lost on the way.
+#include "support/catch.hpp"
+#include "support/random_model.hpp"
+#include "support/registry.hpp"
+
+#include <dyn/spatial/eigen.hpp>
+
+using namespace dyn;
+using namespace dyn::test;
+
+namespace {
+
+/// Three links with a rigid one between, everything a description can carry.
+Model arm(std::uint64_t seed) {
+  Random random(seed);
+  Model model;
+  model.name = "arm";
+  model.notes = {"a note"};
+  const char* types[] = {"revolute", "fixed", "prismatic", "revolute"};
+  for (int i = 0; i < 4; ++i) {
+    JointDescription joint;
+    joint.name = "j" + std::to_string(i);
+    joint.type = types[i];
+    joint.placement = random.pose();
+    if (joint.type != "fixed") {
+      joint.parameters["axis"] = std::vector<double>{random.uniform(), 1, random.uniform()};
+      joint.limits = {{-1.0 - i}, {1.0 + i}, {2.0 + i}, {10.0 + i}};
+      joint.damping = {0.1 * (i + 1)};
+      joint.friction = {0.01 * (i + 1)};
+      joint.armature = {0.2 * (i + 1)};
+    }
+    model.addBody("link" + std::to_string(i), i, joint, random.inertia());
+  }
+  model.addFrame("tool", 4, random.pose());
+  return model;
+}
+
+double off(const SE3<double>& a, const SE3<double>& b) { return (toEigen(a) - toEigen(b)).cwiseAbs().maxCoeff(); }
+
+/// M, rnea and every frame of `part` are those of `whole`, joint by joint, when joints of `whole` that `part` lacks stand still.
+void checkSame(const CompactModel& whole, const CompactModel& part, const Eigen::VectorXd& held_q, const std::string& prefix = "") {
+  Random random(77);
+  Data wd(whole, Need::mass_matrix), pd(part, Need::mass_matrix);
+  const Eigen::VectorXd pq = integrate(part, neutral(part), Eigen::VectorXd(random.vector(part.nv(), 1))), pv = random.vector(part.nv(), 1),
+                        pa = random.vector(part.nv(), 1);
+  Eigen::VectorXd wq = held_q, wv = Eigen::VectorXd::Zero(whole.nv()), wa = wv;
+  std::vector<int> rows;
+  for (const JointRecord& p : part.joints()) {
+    if (p.nv == 0) continue;
+    const int id = whole.jointId(prefix + p.name);
+    REQUIRE(id > 0);
+    const JointRecord& w = whole.joints()[static_cast<std::size_t>(id)];
+    REQUIRE(w.nv == p.nv);
+    wq.segment(w.idx_q, w.nq) = pq.segment(p.idx_q, p.nq);
+    wv.segment(w.idx_v, w.nv) = pv.segment(p.idx_v, p.nv);
+    wa.segment(w.idx_v, w.nv) = pa.segment(p.idx_v, p.nv);
+    for (int k = 0; k < w.nv; ++k) {
+      const auto at = [](int i) { return static_cast<std::size_t>(i); };
+      rows.push_back(w.idx_v + k);
+      CHECK(whole.limits().lower[at(w.idx_q + k)] == part.limits().lower[at(p.idx_q + k)]);
+      CHECK(whole.limits().upper[at(w.idx_q + k)] == part.limits().upper[at(p.idx_q + k)]);
+      CHECK(whole.limits().velocity[at(w.idx_v + k)] == part.limits().velocity[at(p.idx_v + k)]);
+      CHECK(whole.limits().effort[at(w.idx_v + k)] == part.limits().effort[at(p.idx_v + k)]);
+    }
+  }
+  const Eigen::VectorXd wtau = rnea(whole, wd, wq, wv, wa), ptau = rnea(part, pd, pq, pv, pa);
+  const Eigen::MatrixXd wM = crba(whole, wd, wq), pM = crba(part, pd, pq);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    CHECK(ptau[k] == approx(wtau[rows[i]]).epsilon(1e-12).margin(1e-12));
+    for (std::size_t j = 0; j < rows.size(); ++j)
+      CHECK(pM(k, static_cast<Eigen::Index>(j)) == approx(wM(rows[i], rows[j])).epsilon(1e-12).margin(1e-12));
+  }
+  forwardKinematics(whole, wd, wq);
+  forwardKinematics(part, pd, pq);
+  for (const FrameRecord& f : part.frames()) {
+    if (f.name == "universe") continue;
+    REQUIRE(whole.frameId(prefix + f.name) >= 0);
+    CHECK(off(framePlacement(whole, wd, whole.frameId(prefix + f.name)), framePlacement(part, pd, part.frameId(f.name))) < 1e-14);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("a held joint leaves the model; its body, frames and mass stay, and the other joints keep all they had", "[edit]") {
+  const Model model = arm(1);
+  const CompactModel whole = compile(model, registry());
+  const CompactModel reduced = compile(reduce(model, registry(), {{"j2", {0.3}}}), registry());
+  CHECK(reduced.nv() == 2);
+  CHECK(reduced.mass() == approx(whole.mass()).epsilon(1e-15));
+  CHECK(reduced.frames().size() == whole.frames().size());
+  Eigen::VectorXd held = Eigen::VectorXd::Zero(3);
+  held[1] = 0.3;
+  checkSame(whole, reduced, held);
+
+  CompileOptions options;
+  options.lock = {{"j2", {0.3}}};
+  const CompactModel locked = compile(model, registry(), options);
+  CHECK(locked.nv() == 2);
+  checkSame(whole, locked, held);
+}
+
+TEST_CASE("keepOnly holds all others at neutral, and keeps masters with their followers", "[edit]") {
+  Model model = arm(2);
+  const CompactModel whole = compile(model, registry());
+  checkSame(whole, compile(keepOnly(model, registry(), {"j0", "j3"}), registry()), Eigen::VectorXd::Zero(3));
+  model.bodies[4].joint.coupling = {"mimic", "j0", {{"coefficients", std::vector<double>{0.1, 2}}}};
+  const CompactModel follower = compile(keepOnly(model, registry(), {"j3"}), registry());
+  CHECK(follower.nv() == 1);
+  CHECK(follower.joints()[1].name == "j0");
+  CHECK(follower.jointId("j3") > 0);
+}
+
+TEST_CASE("followers of a held joint are held where it puts them", "[edit]") {
+  Model model = arm(3);
+  model.bodies[4].joint.coupling = {"mimic", "j0", {{"coefficients", std::vector<double>{0.1, 2, 0.5}}}};
+  const CompactModel held = compile(reduce(model, registry(), {{"j0", {0.4}}}), registry());
+  CHECK(held.nv() == 1);
+  Model free = arm(3);
+  const CompactModel whole = compile(free, registry());
+  Eigen::VectorXd q = Eigen::VectorXd::Zero(3);
+  q[0] = 0.4;
+  q[2] = 0.1 + 2 * 0.4 + 0.5 * 0.16;
+  checkSame(whole, held, q);
+}
+
+TEST_CASE("joints of every kind can be held anywhere", "[edit]") {
+  const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 6)));
+  const Model model = randomTree(registry(), 12, seed);
+  const CompactModel whole = compile(model, registry());
+  Random random(seed);
+  const Eigen::VectorXd q = integrate(whole, neutral(whole), Eigen::VectorXd(random.vector(whole.nv(), 0.7)));
+  std::vector<LockedJoint> lock;
+  for (const JointRecord& r : whole.joints())
+    if (r.nv > 0 && random.below(2) == 0) lock.push_back({r.name, std::vector<double>(q.data() + r.idx_q, q.data() + r.idx_q + r.nq)});
+  checkSame(whole, compile(reduce(model, registry(), lock), registry()), q);
+}
+
+TEST_CASE("what cannot be held is refused by name, and the model is untouched", "[edit]") {
+  const Model model = arm(4);
+  CHECK_THROWS_WITH(reduce(model, registry(), {{"nobody", {}}}), containing("'nobody'"));
+  CHECK_THROWS_WITH(reduce(model, registry(), {{"j2", {1, 2}}}), containing("'j2'") && containing("1 coordinates"));
+  CHECK_THROWS_WITH(keepOnly(model, registry(), {"nobody"}), containing("'nobody'"));
+  CHECK(compile(model, registry()).nv() == 3);
+}
+
+TEST_CASE("an appended model moves on its carrier as it moves alone, and keeps all it had", "[edit]") {
+  const Model base = arm(5), tool = arm(6);
+  Random random(8);
+  const SE3<double> P = random.pose();
+  const CompactModel both = compile(append(base, tool, "tool", P, "tool_"), registry());
+  CHECK(both.nv() == 6);
+  CHECK(both.mass() == approx(compile(base, registry()).mass() + compile(tool, registry()).mass()).epsilon(1e-14));
+  // The copy alone, put by hand where the carrier's frame is with the first arm at neutral.
+  const CompactModel alone = compile(base, registry());
+  Data data(alone);
+  forwardKinematics(alone, data, neutral(alone));
+  const SE3<double> carrier = framePlacement(alone, data, alone.frameId("tool")) * P;
+  Model moved = tool;
+  moved.bodies[1].joint.placement = carrier * moved.bodies[1].joint.placement;
+  checkSame(both, compile(moved, registry()), neutral(both), "tool_");
+  CHECK(append(base, tool, "link3", {}, "x_").notes.size() == 2);
+}
+
+TEST_CASE("couplings of an appended model follow its own joints", "[edit]") {
+  Model tool = arm(6);
+  tool.bodies[4].joint.coupling = {"mimic", "j0", {{"coefficients", std::vector<double>{0, 1}}}};
+  const Model both = append(arm(5), tool, "link3", {}, "tool_");
+  CHECK(both.bodies.back().joint.coupling.master == "tool_j0");
+  CHECK(compile(both, registry()).nv() == 5);
+}
+
+TEST_CASE("append refuses carriers that do not exist and names that would be there twice", "[edit]") {
+  CHECK_THROWS_WITH(append(arm(1), arm(2), "nobody", {}, "x_"), containing("'nobody'"));
+  CHECK_THROWS_WITH(append(arm(1), arm(2), "tool"), containing("twice"));
+}

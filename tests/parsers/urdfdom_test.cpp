@@ -1,0 +1,130 @@
+// The reader against urdfdom, which shares no code with it, on every robot at hand; and why libdyn has a reader of its own.
+#include "support/catch.hpp"
+#include "support/registry.hpp"
+#include "support/shared.hpp"
+
+#include <dyn/compile/compile.hpp>
+#include <dyn/lie/so3.hpp>
+#include <dyn/parsers/urdf.hpp>
+#include <dyn/spatial/eigen.hpp>
+
+#include <console_bridge/console.h>
+#include <urdf_parser/urdf_parser.h>
+
+#include <filesystem>
+#include <iostream>
+
+using namespace dyn;
+using namespace dyn::test;
+
+namespace {
+
+Vec3<double> vec3(const ::urdf::Vector3& x) { return {x.x, x.y, x.z}; }
+
+SE3<double> pose(const ::urdf::Pose& p) {
+  const Quaternion<double> q{p.rotation.x, p.rotation.y, p.rotation.z, p.rotation.w};
+  return {q.normalized().matrix(), vec3(p.position)};
+}
+
+double off(const SE3<double>& a, const SE3<double>& b) { return (toEigen(a) - toEigen(b)).cwiseAbs().maxCoeff(); }
+
+void checkLink(const BodyDescription& body, const ::urdf::Link& link) {
+  if (!link.inertial) {
+    CHECK(body.inertia.mass == 0);
+    return;
+  }
+  const ::urdf::Inertial& i = *link.inertial;
+  Inertia<double> Y{i.mass, {}, {i.ixx, i.ixy, i.ixz, i.iyy, i.iyz, i.izz}};
+  Y = Y.transformed(pose(i.origin));
+  CHECK(body.inertia.mass == i.mass);
+  CHECK((toEigen(body.inertia.com) - toEigen(Y.com)).norm() == 0);
+  const Eigen::Matrix3d ours = toEigen(body.inertia.rotational), theirs = toEigen(Y.rotational);
+  CHECK((ours - theirs).norm() <= 8e-16 * theirs.norm());
+}
+
+void checkJoint(const JointDescription& joint, const ::urdf::Joint& other) {
+  INFO("joint " << other.name);
+  CHECK(joint.name == other.name);
+  const SE3<double> placement = pose(other.parent_to_joint_origin_transform);
+  CHECK(off({joint.placement.R, {}}, {placement.R, {}}) < 1e-15);
+  CHECK((toEigen(joint.placement.p) - toEigen(placement.p)).norm() == 0);
+  if (other.type == ::urdf::Joint::FIXED) {
+    CHECK(joint.type == "fixed");
+    return;
+  }
+  const Vec3<double> axis = vec3(other.axis);
+  CHECK(std::get<std::vector<double>>(joint.parameters.at("axis")) == std::vector<double>{axis.x, axis.y, axis.z});
+  if (other.limits && other.type != ::urdf::Joint::CONTINUOUS) {
+    CHECK(joint.limits.lower.at(0) == other.limits->lower);
+    CHECK(joint.limits.upper.at(0) == other.limits->upper);
+  }
+  if (other.limits) {
+    CHECK(joint.limits.effort.at(0) == other.limits->effort);
+    CHECK(joint.limits.velocity.at(0) == other.limits->velocity);
+  }
+  // urdfdom gives 0 for what is not there.
+  CHECK((joint.damping.empty() ? 0 : joint.damping[0]) == (other.dynamics ? other.dynamics->damping : 0));
+  CHECK((joint.friction.empty() ? 0 : joint.friction[0]) == (other.dynamics ? other.dynamics->friction : 0));
+  CHECK(joint.coupling.type.empty() == !other.mimic);
+  if (other.mimic) {
+    CHECK(joint.coupling.master == other.mimic->joint_name);
+    CHECK(std::get<std::vector<double>>(joint.coupling.parameters.at("coefficients")) ==
+          std::vector<double>{other.mimic->offset, other.mimic->multiplier});
+  }
+}
+
+/// Bodies in the order in which urdfdom's tree is walked depth first.
+void walk(const Model& model, const ::urdf::Link& link, std::size_t& next) {
+  const BodyDescription& body = model.bodies.at(next++);
+  INFO("link " << link.name);
+  CHECK(body.name == link.name);
+  checkLink(body, link);
+  if (link.parent_joint) checkJoint(body.joint, *link.parent_joint);
+  for (const auto& child : link.child_links) walk(model, *child, next);
+}
+
+const char* revolute_without_limits = R"(<robot name="r"><link name="a"/><link name="b"/>
+  <joint name="j" type="revolute"><parent link="a"/><child link="b"/></joint></robot>)";
+const char* speed_limit_only = R"(<robot name="r"><link name="a"/><link name="b"/>
+  <joint name="j" type="revolute"><parent link="a"/><child link="b"/><limit lower="-1" upper="1" velocity="2"/></joint></robot>)";
+const char* mass_with_comma = R"(<robot name="r"><link name="a"><inertial><mass value="1,5"/>
+  <inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link></robot>)";
+
+}  // namespace
+
+TEST_CASE("the reader agrees with urdfdom on every robot that both can read", "[urdf]") {
+  DYN_NEEDS_SHARED();
+  console_bridge::setLogLevel(console_bridge::CONSOLE_BRIDGE_LOG_NONE);
+  int compared = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(sharedFolder() + "/models")) {
+    const std::string path = entry.path().string();
+    const auto theirs = ::urdf::parseURDFFile(path);
+    if (!theirs) continue;
+    dyn::urdf::Options options;
+    options.inertias = dyn::urdf::Inertias::any;
+    const Model model = dyn::urdf::load(path, options);
+    INFO(path);
+    REQUIRE(model.bodies.size() == theirs->links_.size() + 1);
+    std::size_t next = 1;
+    walk(model, *theirs->getRoot(), next);
+    ++compared;
+  }
+  if (std::getenv("DYN_SHOW_ERRORS")) std::cout << compared << " robots compared\n";
+  CHECK(compared >= 18);
+}
+
+TEST_CASE("the reader takes what urdfdom refuses, and refuses what urdfdom lets pass", "[urdf]") {
+  console_bridge::setLogLevel(console_bridge::CONSOLE_BRIDGE_LOG_NONE);
+  // Joints without limits are unlimited; urdfdom has no model for a file with one.
+  CHECK(::urdf::parseURDF(revolute_without_limits) == nullptr);
+  CHECK(::urdf::parseURDF(speed_limit_only) == nullptr);
+  const CompactModel unlimited = compile(dyn::urdf::parse(revolute_without_limits, "text"), registry());
+  CHECK(unlimited.limits().upper.at(0) == std::numeric_limits<double>::infinity());
+  const CompactModel fast = compile(dyn::urdf::parse(speed_limit_only, "text"), registry());
+  CHECK(fast.limits().velocity.at(0) == 2);
+  CHECK(fast.limits().effort.at(0) == std::numeric_limits<double>::infinity());
+  // A decimal comma is a link without a mass to urdfdom, an error with its line to us.
+  const auto silent = ::urdf::parseURDF(mass_with_comma);
+  REQUIRE(silent);
+  CHECK_THROWS_WITH(dyn::urdf::parse(mass_with_comma, "text"), containing("text:1") && containing("1,5"));
+}
