@@ -165,20 +165,22 @@ class Validator {
         if (d_.number(*dynamics, attribute, 0) < 0) d_.fail(*dynamics, "joint '" + name + "': its " + attribute + " is negative");
   }
 
-  void checkMimic(const XMLElement& joint) const {
+  void checkMimic(const XMLElement& joint) {
     const XMLElement* mimic = joint.FirstChildElement("mimic");
     if (mimic == nullptr) return;
     const std::string name = joint.Attribute("name");
     for (const char* attribute : {"multiplier", "offset"}) d_.number(*mimic, attribute, 0);
-    std::size_t steps = 0;
-    for (const XMLElement* at = mimic; at;) {
+    std::vector<const XMLElement*> path;
+    for (const XMLElement* at = mimic; at && !ends_.count(at);) {
+      path.push_back(at);
       const std::string master = d_.text(*at, "joint");
       const auto found = out_.joint.find(master);
       if (found == out_.joint.end()) d_.fail(*at, "mimics joint '" + master + "', which does not exist");
       at = found->second->FirstChildElement("mimic");
-      note(*mimic, at != nullptr && steps == 0, "joint '" + name + "' mimics '" + master + "', which mimics another joint itself");
-      if (++steps > out_.joints.size()) d_.fail(*mimic, "joint '" + name + "' mimics itself through a circle of mimics");
+      note(*mimic, at != nullptr && path.size() == 1, "joint '" + name + "' mimics '" + master + "', which mimics another joint itself");
+      if (path.size() > out_.joints.size()) d_.fail(*mimic, "joint '" + name + "' mimics itself through a circle of mimics");
     }
+    ends_.insert(path.begin(), path.end());
   }
 
   /// Every tag that no pass reads is said once, with how often and where first.
@@ -212,6 +214,7 @@ class Validator {
   Inertias inertias_;
   std::vector<Error>& errors_;
   Outline out_;
+  std::unordered_set<const XMLElement*> ends_;  ///< mimics whose masters have been followed to one that moves on its own
 };
 
 }  // namespace

@@ -200,7 +200,7 @@ TEST_CASE("a sound joint that no plugin provides passes, so what follows is caug
 }
 
 TEST_CASE("broken joints are caught by the check that looks there") {
-  const std::uint64_t seed = GENERATE(range(1, 4));
+  const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 4)));
   CHECK(caughtBy(check<WrongSubspace>(seed), "subspace: S is the velocity of the pose (differences)"));
   CHECK(caughtBy(check<WrongSubspace>(seed), "subspace: S is the velocity of the pose (duals)"));
   CHECK(caughtBy(check<WrongConstantSubspace>(seed), "subspace"));

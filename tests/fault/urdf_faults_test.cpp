@@ -92,6 +92,16 @@ TEST_CASE("100,000 nested fixed joints are welded into one body", "[fault]") {
   CHECK(model.mass() == 100001);
 }
 
+TEST_CASE("a chain of 30000 mimics is followed once", "[fault]") {
+  constexpr int n = 30000;
+  std::string text = linkText("base");
+  for (int i = 0; i < n; ++i) {
+    const std::string k = std::to_string(i), mimic = i < n - 1 ? "<mimic joint=\"j" + std::to_string(i + 1) + "\"/>" : "";
+    text += linkText("l" + k) + jointText("j" + k, "base", "l" + k, "continuous", mimic);
+  }
+  CHECK(read(robot(text)).nv() == 1);
+}
+
 TEST_CASE("numbers are read the same under a locale with decimal commas", "[fault]") {
   const std::string before = std::setlocale(LC_ALL, nullptr);
   if (!std::setlocale(LC_ALL, "de_DE.UTF-8") && !std::setlocale(LC_ALL, "de_DE")) {

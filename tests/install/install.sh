@@ -43,6 +43,15 @@ g++ -std=c++20 -O1 "$work/user/main.cpp" -o "$work/user/plain" $(pkg-config --cf
   -Wl,-rpath,"$(pkg-config --variable=libdir libdyn)"
 "$work/user/plain" "$robot"
 
+say "the examples of the README"
+mkdir -p "$work/readme"
+awk -v folder="$work/readme" '/^```cpp$/ {n++; inside = 1; next} /^```$/ {inside = 0} inside {print > (folder "/" n ".cpp")}' "$source/README.md"
+g++ -std=c++20 "$work/readme/1.cpp" -o "$work/readme/program" $(pkg-config --cflags --libs libdyn-parsers) \
+  -Wl,-rpath,"$(pkg-config --variable=libdir libdyn)"
+"$work/readme/program" "$source/models/biped.urdf"
+g++ -std=c++20 -shared -fPIC "$work/readme/2.cpp" -o "$work/readme/cam_follower.so" $(pkg-config --cflags libdyn)
+env -u DYN_PLUGIN_PATH "$prefix/bin/dyn" plugin check "$work/readme/cam_follower.so" --rounds 1 | tail -1
+
 say "a component that is not there is refused by name"
 printf 'cmake_minimum_required(VERSION 3.25)\nproject(p LANGUAGES CXX)\nfind_package(libdyn REQUIRED COMPONENTS geometry)\n' >"$work/CMakeLists.txt"
 if cmake -S "$work" -B "$work/none" -DCMAKE_PREFIX_PATH="$prefix" >"$work/none.log" 2>&1; then
