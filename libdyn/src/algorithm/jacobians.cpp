@@ -3,10 +3,8 @@
 #include "kernels/sweep.hpp"
 
 #include <dyn/algorithm/jacobians.hpp>
-#include <dyn/error.hpp>
 
 #include <algorithm>
-#include <string>
 
 namespace dyn {
 
