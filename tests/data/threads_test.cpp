@@ -50,7 +50,7 @@ TEST_CASE("threads that share a model compute what one thread computes", "[threa
   pool.reserve(threads);
   for (std::size_t t = 0; t < threads; ++t)
     pool.emplace_back([&, t] {
-      const CompactModel copy = model;  // shares, does not copy
+      const CompactModel copy = model;  // NOLINT: copies share, which is what is tested
       for (std::size_t i = 0; i < rounds; ++i) {
         const std::vector<double> mine = everything(copy, i + 1);
         different[t] += mine.size() != alone[i].size() || std::memcmp(mine.data(), alone[i].data(), mine.size() * sizeof(double)) != 0;

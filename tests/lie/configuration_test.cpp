@@ -53,7 +53,7 @@ TEST_CASE("integrate, difference, interpolate and their Jacobians agree with 60 
       check("integrate", angle, nearerQuaternion(integrate(model, q0, v), q1, type), c["integrate_q"], exp_bar);
       check("dIntegrate_dq", angle, dIntegrate(model, q0, v, ArgumentPosition::ARG0), c["dIntegrate_dq"], exp_bar);
       check("dIntegrate_dv", angle, dIntegrate(model, q0, v, ArgumentPosition::ARG1), c["dIntegrate_dv"], exp_bar);
-      const nlohmann::json us = c["interpolate_u"];
+      const nlohmann::json& us = c["interpolate_u"];
       if (c["near_cut"]) continue;
       // q0 and q1 are rounded: an absolute error of a few u of the angle.
       const std::vector<double> difference_found = rowMajor(difference(model, q0, q1));
