@@ -41,6 +41,7 @@ inline void writeBlocks(const Jacobian6<double>& J, double sign, double* out) {
 struct Spherical : sdk::Joint<Spherical, 3, 4> {
   static constexpr const char* name = "spherical";
   static constexpr const char* summary = "rotation by the quaternion q = (x, y, z, w); v: angular velocity in the moving frame [rad/s]";
+  static constexpr bool branch_free = true;
   static constexpr Shape shape = Shape::spherical;
   template <class S>
   static void coordinates(const S* q, const sdk::Constants&, S* pose) {
@@ -71,6 +72,7 @@ struct Spherical : sdk::Joint<Spherical, 3, 4> {
 struct FreeFlyer : sdk::Joint<FreeFlyer, 6, 7> {
   static constexpr const char* name = "free_flyer";
   static constexpr const char* summary = "q = (position [m], quaternion xyzw); v = (linear, angular) in the moving frame";
+  static constexpr bool branch_free = true;
   static constexpr Shape shape = Shape::free;
   template <class S>
   static void coordinates(const S* q, const sdk::Constants&, S* pose) {
@@ -118,6 +120,7 @@ struct FreeFlyer : sdk::Joint<FreeFlyer, 6, 7> {
 struct Planar : sdk::Joint<Planar, 3, 4> {
   static constexpr const char* name = "planar";
   static constexpr const char* summary = "q = (x, y, cos, sin) in the plane normal to axis (default z); v = (vx, vy, w) in the moving frame";
+  static constexpr bool branch_free = true;
   static constexpr Shape shape = Shape::planar;
   static constexpr std::array parameters{
       ParameterSpec{"axis", ParameterKind::vector3, false, "", "normal of the plane in the joint frame, default 0 0 1"}};
@@ -172,6 +175,7 @@ struct Planar : sdk::Joint<Planar, 3, 4> {
 struct Translation : sdk::Joint<Translation, 3> {
   static constexpr const char* name = "translation";
   static constexpr const char* summary = "translation by q [m] in the joint frame";
+  static constexpr bool branch_free = true;
   static constexpr Shape shape = Shape::translation;
   template <class S>
   static void coordinates(const S* q, const sdk::Constants&, S* pose) {

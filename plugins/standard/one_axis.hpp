@@ -20,6 +20,7 @@ inline bool alignZ(const double* axis, JointInstance& out, const sdk::Refusal& r
 struct Fixed : sdk::Joint<Fixed, 0> {
   static constexpr const char* name = "fixed";
   static constexpr const char* summary = "no motion; the compiler welds it";
+  static constexpr bool branch_free = true;
   static constexpr Shape shape = Shape::translation;
   template <class S>
   static void coordinates(const S*, const sdk::Constants&, S* p) {
@@ -30,6 +31,7 @@ struct Fixed : sdk::Joint<Fixed, 0> {
 struct Revolute : sdk::Joint<Revolute, 1> {
   static constexpr const char* name = "revolute";
   static constexpr const char* summary = "rotation about an axis by q [rad]";
+  static constexpr bool branch_free = true;
   static constexpr Shape shape = Shape::revolute;
   static constexpr std::array parameters{axis_parameter};
   static int constantCount(const ParameterArgument*) { return 0; }
@@ -37,15 +39,14 @@ struct Revolute : sdk::Joint<Revolute, 1> {
   static bool check(const ParameterArgument* a, JointInstance& out, const sdk::Refusal& refuse) { return alignZ(a[0].numbers, out, refuse); }
   template <class S>
   static void coordinates(const S* q, const sdk::Constants&, S* pose) {
-    using std::cos, std::sin;
-    pose[0] = cos(q[0]);
-    pose[1] = sin(q[0]);
+    sincos(q[0], pose[1], pose[0]);
   }
 };
 
 struct Continuous : sdk::Joint<Continuous, 1, 2> {
   static constexpr const char* name = "continuous";
   static constexpr const char* summary = "rotation about an axis, q = (cos, sin)";
+  static constexpr bool branch_free = true;
   static constexpr Shape shape = Shape::revolute;
   static constexpr std::array parameters{axis_parameter};
   static int constantCount(const ParameterArgument*) { return 0; }
@@ -86,6 +87,7 @@ struct Continuous : sdk::Joint<Continuous, 1, 2> {
 struct Prismatic : sdk::Joint<Prismatic, 1> {
   static constexpr const char* name = "prismatic";
   static constexpr const char* summary = "translation along an axis by q [m]";
+  static constexpr bool branch_free = true;
   static constexpr Shape shape = Shape::prismatic;
   static constexpr std::array parameters{axis_parameter};
   static int constantCount(const ParameterArgument*) { return 0; }
@@ -106,6 +108,7 @@ SE3<S> screwPose(const S& c, const S& s, const S& z) {
 struct Helical : sdk::Joint<Helical, 1> {
   static constexpr const char* name = "helical";
   static constexpr const char* summary = "rotation about an axis by q [rad] with a translation pitch q along it";
+  static constexpr bool branch_free = true;
   static constexpr Shape shape = Shape::dense_constant;
   static constexpr std::array parameters{axis_parameter,
                                          ParameterSpec{"pitch", ParameterKind::number, true, "m/rad", "translation along the axis per radian"}};
@@ -118,14 +121,16 @@ struct Helical : sdk::Joint<Helical, 1> {
   }
   template <class S>
   static SE3<S> pose(const S* q, const sdk::Constants& c) {
-    using std::cos, std::sin;
-    return screwPose(cos(q[0]), sin(q[0]), c[0] * q[0]);
+    S cosine, sine;
+    sincos(q[0], sine, cosine);
+    return screwPose(cosine, sine, S(c[0]) * q[0]);
   }
 };
 
 struct Cylindrical : sdk::Joint<Cylindrical, 2> {
   static constexpr const char* name = "cylindrical";
   static constexpr const char* summary = "rotation about an axis by q[0] [rad] and translation along it by q[1] [m]";
+  static constexpr bool branch_free = true;
   static constexpr Shape shape = Shape::dense_constant;
   static constexpr std::array parameters{axis_parameter};
   static int constantCount(const ParameterArgument*) { return 0; }
@@ -137,8 +142,9 @@ struct Cylindrical : sdk::Joint<Cylindrical, 2> {
   }
   template <class S>
   static SE3<S> pose(const S* q, const sdk::Constants&) {
-    using std::cos, std::sin;
-    return screwPose(cos(q[0]), sin(q[0]), q[1]);
+    S cosine, sine;
+    sincos(q[0], sine, cosine);
+    return screwPose(cosine, sine, q[1]);
   }
 };
 

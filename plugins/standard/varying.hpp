@@ -8,6 +8,7 @@ namespace dyn::standard {
 struct Universal : sdk::Joint<Universal, 2> {
   static constexpr const char* name = "universal";
   static constexpr const char* summary = "rotation about axis by q[0], then about axis2 (fixed to the turned frame) by q[1] [rad]";
+  static constexpr bool branch_free = true;
   static constexpr std::array parameters{axis_parameter,
                                          ParameterSpec{"axis2", ParameterKind::vector3, true, "", "second axis, not parallel to the first"}};
   static int constantCount(const ParameterArgument*) { return 6; }
@@ -64,6 +65,7 @@ struct Universal : sdk::Joint<Universal, 2> {
 struct SphericalZYX : sdk::Joint<SphericalZYX, 3> {
   static constexpr const char* name = "spherical_zyx";
   static constexpr const char* summary = "rotation Rz(q[0]) Ry(q[1]) Rx(q[2]) [rad], v = dq/dt; singular at q[1] = +-pi/2";
+  static constexpr bool branch_free = true;
   template <class S>
   static SE3<S> pose(const S* q, const sdk::Constants&) {
     using std::cos, std::sin;
@@ -94,6 +96,7 @@ struct SphericalZYX : sdk::Joint<SphericalZYX, 3> {
 struct Ellipsoid : sdk::Joint<Ellipsoid, 3> {
   static constexpr const char* name = "ellipsoid";
   static constexpr const char* summary = "rotation Rx(q[0]) Ry(q[1]) Rz(q[2]) [rad], the origin on the ellipsoid where its normal-like z points";
+  static constexpr bool branch_free = true;
   static constexpr std::array parameters{
       ParameterSpec{"radii", ParameterKind::vector3, true, "m", "half axes of the ellipsoid, not negative", "0.1 0.2 0.15"}};
   static bool check(const ParameterArgument* a, JointInstance&, const sdk::Refusal& refuse) {

@@ -36,6 +36,7 @@ const char* const source_text =
 struct @CLASS@ : dyn::sdk::Joint<@CLASS@, 1> {  // 1: degrees of freedom
   static constexpr const char* name = "@NAME@";
   static constexpr const char* summary = "translation along z by h (1 - cos q), q the cam's angle [rad]";
+  static constexpr bool branch_free = true;  // no `if` on q below, so it may be computed for several q at once
   static constexpr std::array parameters{dyn::ParameterSpec{"h", dyn::ParameterKind::number, true, "m", "half the stroke"}};
 
   // Pose of the moving frame at q; c holds the parameters' numbers in the order of the schema. The scalar S may be a dual number:

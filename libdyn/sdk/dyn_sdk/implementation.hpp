@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dyn_sdk/joint_plugin.hpp>
+#include <dyn_sdk/pack.hpp>
 
 namespace dyn::sdk {
 
@@ -46,7 +47,10 @@ class JointTypeOf final : public JointType {
   void constants(const ParameterArgument* args, double* out) const noexcept override { Author::constants(args, out); }
 
   void kinematics(const JointBatch<double>& batch) const noexcept override { evaluate(batch); }
-  void kinematics(const JointBatch<Dual<double>>& batch) const noexcept override { evaluate(batch); }
+  void kinematics(const JointBatch<float>& batch) const noexcept override { evaluate(batch); }
+  void kinematics(const JointBatch<Dual<double>>& batch) const noexcept override {
+    for (int i = 0; i < batch.count * batch.lanes; ++i) evaluateAt<Dual<double>, Dual<double>>(batch, i);
+  }
 
   void neutral(const ConfigurationBatch<double>& b) const noexcept override {
     for (int i = 0; i < b.count; ++i) {
@@ -89,17 +93,30 @@ class JointTypeOf final : public JointType {
   }
 
  private:
-  template <int N, class S>
-  static void load(const S* base, std::ptrdiff_t stride, int i, S* out) {
-    for (int k = 0; k < N; ++k) out[k] = base[k * stride + i];
+  // Items of a batch: numbers, one after the other, or packs of neighbours. T is what the batch's arrays hold, S what is computed with.
+  template <class S, class T>
+  static S read(const T* from) {
+    if constexpr (lanes_of<S> > 1) {
+      return S::load(from);
+    } else {
+      return static_cast<S>(*from);
+    }
   }
-  template <int N, class S>
-  static void store(const S* in, S* base, std::ptrdiff_t stride, int i) {
-    for (int k = 0; k < N; ++k) base[k * stride + i] = in[k];
+  template <class S, class T>
+  static void write(const S& value, T* to) {
+    if constexpr (lanes_of<S> > 1) {
+      value.store(to);
+    } else {
+      *to = static_cast<T>(value);
+    }
   }
-  template <class S>
-  static Constants constantsOf(const JointBatch<S>& b, int i) {
-    return {b.constants + b.constants_step * i, b.constants_stride, b.constant_count};
+  template <int N, class S, class T>
+  static void load(const T* base, std::ptrdiff_t stride, int i, S* out) {
+    for (int k = 0; k < N; ++k) out[k] = read<S>(base + k * stride + i);
+  }
+  template <int N, class S, class T>
+  static void store(const S* in, T* base, std::ptrdiff_t stride, int i) {
+    for (int k = 0; k < N; ++k) write(in[k], base + k * stride + i);
   }
 
   static void jacobians(const ConfigurationBatch<double>& b, int i, const double* x, const double* y,
@@ -110,27 +127,44 @@ class JointTypeOf final : public JointType {
     store<nv * nv>(Jv, b.J_v, b.j_stride, i);
   }
 
-  template <class S>
-  static void evaluate(const JointBatch<S>& b) {
-    for (int i = 0; i < b.count; ++i) {
-      S q[nq + 1];
-      load<nq>(b.q, b.q_stride, i, q);
-      const Constants c = constantsOf(b, i);
-      if constexpr (HasPose<Author>) {
-        const SE3<S> X = Author::pose(static_cast<const S*>(q), c);
-        for (int k = 0; k < 9; ++k) b.pose[k * b.stride + i] = X.R.m[k];
-        for (int k = 0; k < 3; ++k) b.pose[(9 + k) * b.stride + i] = X.p[k];
-      } else {
-        S pose[12];
-        Author::coordinates(static_cast<const S*>(q), c, pose);
-        store<poseSize(Author::shape)>(pose, b.pose, b.stride, i);
+  template <class T>
+  __attribute__((flatten)) static void evaluate(const JointBatch<T>& b) {
+    const int items = b.count * b.lanes;
+    int i = 0;
+#if DYN_HAS_PACKS
+    if constexpr (Author::branch_free) {
+      // A pack's items must share their constants: the lanes of one joint, or any neighbours where there are none.
+      constexpr int width = Pack<T>::lanes;
+      if (b.lanes % width == 0 || b.constant_count == 0)
+        for (; i + width <= items; i += width) evaluateAt<Pack<T>>(b, i);
+      if (b.constant_count == 0 && i < items && items >= width) {
+        evaluateAt<Pack<T>>(b, items - width);  // the last ones once more, with those before them
+        return;
       }
-      if constexpr (is_dense) dense(b, i, static_cast<const S*>(q), c);
     }
+#endif
+    for (; i < items; ++i) evaluateAt<double>(b, i);
   }
 
-  template <class S>
-  static void dense(const JointBatch<S>& b, int i, const S* q, const Constants& c) {
+  template <class S, class T>
+  static void evaluateAt(const JointBatch<T>& b, int i) {
+    const Constants c(b.constants + i / b.lanes, b.constants_stride, b.constant_count);
+    S q[nq + 1];
+    load<nq>(b.q, b.q_stride, i, q);
+    if constexpr (HasPose<Author>) {
+      const SE3<S> X = Author::pose(static_cast<const S*>(q), c);
+      store<9>(X.R.m, b.pose, b.stride, i);
+      store<3>(&X.p.x, b.pose + 9 * b.stride, b.stride, i);
+    } else {
+      S pose[12];
+      Author::coordinates(static_cast<const S*>(q), c, pose);
+      store<poseSize(Author::shape)>(pose, b.pose, b.stride, i);
+    }
+    if constexpr (is_dense) dense(b, i, static_cast<const S*>(q), c);
+  }
+
+  template <class S, class T>
+  static void dense(const JointBatch<T>& b, int i, const S* q, const Constants& c) {
     const auto pose = [&c](const auto* x) { return Author::pose(x, c); };
     if (b.subspace) {
       Motion<S> columns[nv];
@@ -139,25 +173,23 @@ class JointTypeOf final : public JointType {
       } else {
         for (int k = 0; k < nv; ++k) columns[k] = subspaceColumn<nv>(pose, q, k);
       }
-      for (int k = 0; k < nv; ++k) write(columns[k], b.subspace + 6 * k * b.stride + i, b.stride);
+      for (int k = 0; k < nv; ++k) storeMotion(columns[k], b.subspace + 6 * k * b.stride, b.stride, i);
     }
     if (b.v && b.bias) {
       S v[nv];
       load<nv>(b.v, b.v_stride, i, v);
       if constexpr (HasBias<Author>) {
-        write(Author::bias(q, static_cast<const S*>(v), c), b.bias + i, b.stride);
+        storeMotion(Author::bias(q, static_cast<const S*>(v), c), b.bias, b.stride, i);
       } else {
-        write(subspaceBias<nv>(pose, q, static_cast<const S*>(v)), b.bias + i, b.stride);
+        storeMotion(subspaceBias<nv>(pose, q, static_cast<const S*>(v)), b.bias, b.stride, i);
       }
     }
   }
 
-  template <class S>
-  static void write(const Motion<S>& m, S* out, std::ptrdiff_t stride) {
-    for (int k = 0; k < 3; ++k) {
-      out[k * stride] = m.linear[k];
-      out[(3 + k) * stride] = m.angular[k];
-    }
+  template <class S, class T>
+  static void storeMotion(const Motion<S>& m, T* base, std::ptrdiff_t stride, int i) {
+    store<3>(&m.linear.x, base, stride, i);
+    store<3>(&m.angular.x, base + 3 * stride, stride, i);
   }
 };
 

@@ -11,6 +11,7 @@
 //     DYN_EXPORT_JOINTS(CamFollower)
 //
 // Optional members, detected by name; what is missing is derived (nq = nv, v = dq/dt then):
+//     branch_free = true          pose map, subspace and bias have no branches on q: they are computed for packs of joints or states
 //     shape, check(args, instance, refuse), constantCount(args), constants(args, out)
 //     coordinates(q, c, pose)     the core's pose components in the order of its Shape, for shapes other than dense
 //     subspace(q, c, S)           S for dense shapes, column after column
@@ -80,6 +81,7 @@ struct Joint {
   static constexpr int nv = NV, nq = NQ;
   static constexpr Shape shape = Shape::dense;
   static constexpr Structure structure = Structure::joint;
+  static constexpr bool branch_free = false;
   /// By default the numbers of all parameters, in the order of the schema, are the constants.
   static int constantCount(const ParameterArgument* a) {
     int n = 0;

@@ -16,7 +16,7 @@ CenterOfMass centerOfMass(const CompactModel& model, Data& data, VectorView q, c
   const DataImpl& d = data.impl();
   CenterOfMass sum;
   for (int i = 1; i < m.bodies(); ++i) {
-    const BodyConstants& c = m.constants[at(i)];
+    const BodyConstants<double>& c = m.constants[at(i)];
     const double share = c.mass / m.mass;
     sum.position += share * d.oM[i].act(c.com);
     if (!v) continue;
@@ -38,7 +38,7 @@ const double* jacobianCenterOfMass(const CompactModel& model, Data& data, Vector
     d.h[i] = d.oM[i].R * m.constants[at(i)].h;
   }
   double* J = m.couplings.empty() ? d.Jcom : d.columns;
-  kernels::backward(m, d, [&]<class Joint>(const Joint& joint, int i, int iv) {
+  kernels::Bodies<double>{m, d}.backward([&]<class Joint>(const Joint& joint, int i, int iv) {
     // The subtree's mass and first moment about the joint's origin, world axes: a rate S moves its centre by (m S_lin + S_ang x h).
     for (int k = 0; k < Joint::nv; ++k) {
       const Motion<double> S = joint.column(k);
@@ -65,7 +65,7 @@ double kineticEnergy(const CompactModel& model, Data& data, VectorView q, Vector
   const DataImpl& d = data.impl();
   double twice = 0;
   for (int i = 1; i < m.bodies(); ++i) {
-    const BodyConstants& c = m.constants[at(i)];
+    const BodyConstants<double>& c = m.constants[at(i)];
     const Vec3<double> vc = d.v[i].linear + cross(d.v[i].angular, c.com);
     twice += c.mass * dot(vc, vc) + dot(d.v[i].angular, c.rotational * d.v[i].angular);
   }

@@ -1,6 +1,7 @@
 #include "algorithm/inputs.hpp"
 
 #include "joint/coordinate.hpp"
+#include "kernels/table.hpp"
 
 #include <dyn/error.hpp>
 
@@ -86,7 +87,7 @@ void refuseZero(const char* argument, const CompactImpl& m, int i) {
 
 namespace {
 /// Types with more coordinates than velocities normalise them; where there is nothing to normalise, their pose is NaN.
-void checkRotations(const CompactImpl& m, const TypeBatch& batch, const BatchMemory& memory, const double* q) {
+void checkRotations(const CompactImpl& m, const TypeBatch& batch, const JointMemory<double>& memory, const double* q) {
   for (int k = 0; k < batch.count; ++k) {
     double sum = 0;
     for (int c = 0; c < poseSize(batch.shape); ++c) sum += memory.pose[c * memory.stride + k];
@@ -98,40 +99,15 @@ void checkRotations(const CompactImpl& m, const TypeBatch& batch, const BatchMem
 }  // namespace
 
 void evaluateJoints(const CompactImpl& m, DataImpl& d, const double* q, const double* v) {
-  for (std::size_t b = 0; b < m.batches.size(); ++b) {
-    const TypeBatch& batch = m.batches[b];
-    const BatchMemory& memory = d.batches[b];
-    JointBatch<double> call;
-    call.count = batch.count;
-    call.constants = batch.constants.data();
-    call.constant_count = batch.constant_count;
-    call.constants_stride = batch.count;
-    call.stride = memory.stride;
-    call.q_stride = call.v_stride = batch.count;
-    if (memory.q) {
-      for (int k = 0; k < batch.count; ++k)
-        for (int c = 0; c < batch.nq; ++c) memory.q[c * batch.count + k] = q[m.index[at(batch.bodies[at(k)])].idx_q + c];
-      call.q = memory.q;
-    } else {
-      call.q = q + m.index[at(batch.bodies[0])].idx_q;
-    }
-    if (memory.v && v) {
-      for (int k = 0; k < batch.count; ++k)
-        for (int c = 0; c < batch.nv; ++c) memory.v[c * batch.count + k] = v[m.index[at(batch.bodies[at(k)])].idx_v + c];
-      call.v = memory.v;
-      call.bias = memory.bias;
-    }
-    call.pose = memory.pose;
-    call.subspace = memory.subspace;
-    batch.type->kinematics(call);
-    if (batch.nq != batch.nv) checkRotations(m, batch, memory, q);
-  }
+  kernels::active().single.evaluate(m, d, q, v);
+  for (std::size_t b = 0; b < m.batches.size(); ++b)
+    if (m.batches[b].nq != m.batches[b].nv) checkRotations(m, m.batches[b], d.joints[b], q);
 }
 
 void evaluateSubspaceRates(const CompactImpl& m, DataImpl& d, const double* q, const double* v) {
   for (std::size_t b = 0; b < m.batches.size(); ++b) {
     const TypeBatch& batch = m.batches[b];
-    const DualMemory& memory = d.batches[b].dual;
+    const DualMemory& memory = d.dual[b];
     if (batch.shape != Shape::dense) continue;
     for (int k = 0; k < batch.count; ++k) {
       const BodyIndex& x = m.index[at(batch.bodies[at(k)])];
@@ -153,7 +129,7 @@ Motion<double> subspaceRate(const CompactImpl& m, const DataImpl& d, int i, int 
   const BodyIndex& x = m.index[at(i)];
   const TypeBatch& batch = m.batches[at(x.batch)];
   if (batch.shape != Shape::dense) return {};
-  const Dual<double>* S = d.batches[at(x.batch)].dual.subspace + 6 * k * batch.count + x.slot;
+  const Dual<double>* S = d.dual[at(x.batch)].subspace + 6 * k * batch.count + x.slot;
   Motion<double> rate;
   for (int r = 0; r < 3; ++r) {
     rate.linear[r] = S[r * batch.count].d;
@@ -170,11 +146,6 @@ void reduceForces(const CompactImpl& m, const DataImpl& d, double* expanded, dou
   for (std::size_t k = m.couplings.size(); k-- > 0;)
     expanded[m.index[at(m.couplings[k].master)].idx_v] += d.G[k] * expanded[m.index[at(m.couplings[k].body)].idx_v];
   for (std::size_t k = 0; k < m.v_of_user.size(); ++k) user[k] = expanded[m.v_of_user[k]];
-}
-
-void addLosses(const CompactImpl& m, const double* v, double* tau) {
-  for (std::size_t k = 0; k < m.damping.size(); ++k) tau[k] += m.damping[k] * v[k];
-  for (std::size_t k = 0; k < m.friction.size(); ++k) tau[k] += v[k] > 0 ? m.friction[k] : (v[k] < 0 ? -m.friction[k] : 0.0);
 }
 
 }  // namespace dyn

@@ -34,7 +34,4 @@ Motion<double> subspaceRate(const CompactImpl& m, const DataImpl& d, int i, int 
 /// tau_x of the expanded coordinates to the user's: each follower's share goes to its master. Works in place on `expanded`.
 void reduceForces(const CompactImpl& m, const DataImpl& d, double* expanded, double* user);
 
-/// Damping and friction of the expanded coordinates are added to tau.
-void addLosses(const CompactImpl& m, const double* v, double* tau);
-
 }  // namespace dyn

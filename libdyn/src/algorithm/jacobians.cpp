@@ -1,6 +1,7 @@
 #include "algorithm/inputs.hpp"
 #include "algorithm/placement.hpp"
 #include "kernels/sweep.hpp"
+#include "kernels/table.hpp"
 
 #include <dyn/algorithm/jacobians.hpp>
 
@@ -33,14 +34,15 @@ Motion<double> seenRate(const Walk& walk, const Motion<double>& S, const Motion<
 
 /// Calls column(k, S, dS) for each degree of freedom that moves the frame, from it to the world.
 template <class Column>
-void walkSupports(const CompactImpl& m, const DataImpl& d, const PointOnBody& frame, const double* v, Walk& walk, Column&& column) {
+void walkSupports(const CompactImpl& m, DataImpl& d, const PointOnBody& frame, const double* v, Walk& walk, Column&& column) {
+  const kernels::Bodies<double> bodies{m, d};
   walk = {transpose(frame.placement.R), frame.placement.p, {}};
   for (int i = frame.body; i > 0; i = m.index[at(i)].parent) {
     const BodyIndex& x = m.index[at(i)];
     const TypeBatch& batch = m.batches[at(x.batch)];
     const Run here{batch.shape, batch.nv, i, 1, x.batch, x.slot};
     kernels::withShape<double>(batch.shape, batch.nv, [&]<class Joint>() {
-      const kernels::Slot<double> slot = kernels::slotOf(m, d, here, 0);
+      const kernels::Slot<double> slot = bodies.slotOf(here, 0);
       const Joint joint(slot);
       for (int k = 0; k < Joint::nv; ++k) column(i, x.idx_v + k, k, joint.column(k));
       const SE3<double>& rel = d.rel[i];
@@ -54,13 +56,8 @@ void walkSupports(const CompactImpl& m, const DataImpl& d, const PointOnBody& fr
   }
 }
 
-/// d.rel and d.oM.
-void place(const CompactImpl& m, DataImpl& d) {
-  kernels::forward(m, d, [&]<class Joint>(const Joint& joint, int i, int) {
-    kernels::placeInParent(joint, m.constants[at(i)].placement, d.rel[i]);
-    placeInWorld(m, d, i);
-  });
-}
+/// d.rel and d.oM of joints that have been evaluated.
+void place(const CompactImpl& m, DataImpl& d) { kernels::active().single.forwardKinematics(m, d, nullptr, nullptr); }
 
 /// Columns of the expanded coordinates into the user's: a follower's column is added to its master's.
 /// With rates in `expanded` and the columns themselves in `base`, d(G J) = G dJ + dG J.

@@ -1,6 +1,6 @@
 #include "algorithm/inputs.hpp"
 #include "algorithm/placement.hpp"
-#include "kernels/sweep.hpp"
+#include "kernels/table.hpp"
 
 #include <dyn/error.hpp>
 
@@ -61,12 +61,6 @@ Motion<double> express(const Motion<double>& local, const SE3<double>& oMf, Refe
   return local;
 }
 
-void placeInWorld(const CompactImpl& m, DataImpl& d, int i) {
-  const BodyIndex& x = m.index[at(i)];
-  const SE3<double>& parent = d.oM[x.parent];
-  d.oM[i] = {kernels::composedRotation(parent.R, d.rel[i].R, x.depth), parent.act(d.rel[i].p)};
-}
-
 namespace detail {
 
 void forwardKinematics(const CompactModel& model, Data& data, VectorView q, const VectorView* v, const VectorView* a) {
@@ -74,21 +68,7 @@ void forwardKinematics(const CompactModel& model, Data& data, VectorView q, cons
   const CompactImpl& m = model.impl();
   DataImpl& d = data.impl();
   evaluateJoints(m, d, in.q, v ? in.v : nullptr);
-  d.v[0] = d.a[0] = {};
-  kernels::forward(m, d, [&]<class Joint>(const Joint& joint, int i, int iv) {
-    const int p = m.index[at(i)].parent;
-    SE3<double>& rel = d.rel[i];
-    kernels::placeInParent(joint, m.constants[at(i)].placement, rel);
-    placeInWorld(m, d, i);
-    if (!v) return;
-    const Motion<double> s = joint.times(in.v + iv);
-    const Motion<double> carried = rel.actInv(d.v[p]);
-    d.v[i] = carried + s;
-    if (!a) return;
-    Motion<double> ds = joint.times(in.a + iv) + carried.cross(s);
-    if constexpr (Joint::has_bias) ds += joint.bias();
-    d.a[i] = rel.actInv(d.a[p]) + ds;
-  });
+  kernels::active().single.forwardKinematics(m, d, v ? in.v : nullptr, a ? in.a : nullptr);
 }
 
 }  // namespace detail

@@ -19,7 +19,4 @@ PointOnBody jointOnBody(const CompactModel& model, int joint);
 /// A motion given in the frame's axes at its origin, expressed as asked.
 Motion<double> express(const Motion<double>& local, const SE3<double>& oMf, ReferenceFrame reference);
 
-/// Writes d.oM of body i from its parent's and d.rel.
-void placeInWorld(const CompactImpl& m, DataImpl& d, int i);
-
 }  // namespace dyn

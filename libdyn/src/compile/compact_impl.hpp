@@ -4,19 +4,26 @@
 #include <dyn/compile/compact_model.hpp>
 #include <dyn/joint/joint_type.hpp>
 
+#include <type_traits>
 #include <vector>
 
 namespace dyn {
 
-/// What the sweeps read of a body, 30 doubles side by side.
+/// What the sweeps read of a body, 31 numbers side by side.
+template <class T>
 struct BodyConstants {
-  SE3<double> placement;  ///< joint frame before its motion, in the parent body's frame
-  double mass = 0;
-  Vec3<double> com;
-  Sym3<double> rotational;  ///< about the centre of mass
-  Vec3<double> h;           ///< mass * com
-  Sym3<double> origin;      ///< about the joint's origin
+  SE3<T> placement;  ///< joint frame before its motion, in the parent body's frame
+  T mass{};
+  Vec3<T> com;
+  Sym3<T> rotational;  ///< about the centre of mass
+  Vec3<T> h;           ///< mass * com
+  Sym3<T> origin;      ///< about the joint's origin
 };
+
+template <class To, class From>
+BodyConstants<To> broadcast(const BodyConstants<From>& c) {
+  return {cast<To>(c.placement), To(c.mass), cast<To>(c.com), cast<To>(c.rotational), cast<To>(c.h), cast<To>(c.origin)};
+}
 
 /// Bookkeeping of a body. idx_q and idx_v count all coordinates, coupled ones included ("expanded").
 struct BodyIndex {
@@ -24,13 +31,15 @@ struct BodyIndex {
   int idx_q = 0, idx_v = 0, nq = 0, nv = 0;
   int user_q = -1, user_v = -1;  ///< in the user's vectors; -1 for a coupled joint
   int batch = 0, slot = 0;
-  int joint = 0;  ///< user's joint
-  int depth = 0;  ///< moving bodies up to the world
+  int joint = 0;            ///< user's joint
+  int depth = 0;            ///< moving bodies up to the world
+  bool turns_only = false;  ///< the joint's motion subspace has no linear part
 };
 
 /// All joints of one type and shape: one virtual call.
 struct TypeBatch {
   const JointType* type = nullptr;
+  const JointType* fast = nullptr;  ///< the same type built for this processor, or `type`; for poses, subspaces and biases
   Shape shape = Shape::dense;
   int nq = 0, nv = 0, count = 0;
   std::vector<int> bodies;
@@ -60,8 +69,10 @@ struct CompactImpl {
   double mass = 0;
 
   std::vector<BodyIndex> index;  ///< [0] is the universe
-  std::vector<BodyConstants> constants;
-  std::vector<double> subspaces;     ///< dense_constant: 36 doubles a body that needs them
+  std::vector<BodyConstants<double>> constants;
+  std::vector<BodyConstants<float>> constants_float;
+  std::vector<double> subspaces;  ///< dense_constant: 6 nv numbers a body that needs them
+  std::vector<float> subspaces_float;
   std::vector<int> subspace_offset;  ///< into subspaces, -1 without
   std::vector<TypeBatch> batches;
   std::vector<Run> runs;
@@ -81,6 +92,22 @@ struct CompactImpl {
   ModelLimits limits;
   CompileReport report;
 
+  template <class T>
+  const auto& constantsIn() const {
+    if constexpr (std::is_same_v<T, float>) {
+      return constants_float;
+    } else {
+      return constants;
+    }
+  }
+  template <class T>
+  const auto& subspacesIn() const {
+    if constexpr (std::is_same_v<T, float>) {
+      return subspaces_float;
+    } else {
+      return subspaces;
+    }
+  }
   int bodies() const { return static_cast<int>(index.size()); }
 };
 

@@ -51,7 +51,7 @@ class Packer {
       x.idx_v = out_->nvx;
       out_->nqx += x.nq;
       out_->nvx += x.nv;
-      BodyConstants& c = out_->constants[i];
+      BodyConstants<double>& c = out_->constants[i];
       c.placement = cast<double>(b.placement);
       const Inertia<double> Y = cast<double>(b.inertia);
       c.mass = Y.mass;
@@ -63,11 +63,15 @@ class Packer {
       c.h = about.com;
       c.origin = about.rotational;
       out_->mass += c.mass;
+      x.turns_only = b.instance.shape == Shape::revolute || b.instance.shape == Shape::spherical;
       if (b.instance.shape == Shape::dense_constant) {
         out_->subspace_offset[i] = static_cast<int>(out_->subspaces.size());
         out_->subspaces.insert(out_->subspaces.end(), b.instance.subspace, b.instance.subspace + 6 * b.instance.nv);
       }
     }
+    out_->constants_float.reserve(n);
+    for (const BodyConstants<double>& c : out_->constants) out_->constants_float.push_back(broadcast<float>(c));
+    out_->subspaces_float.assign(out_->subspaces.begin(), out_->subspaces.end());
     for (std::size_t i = n - 1; i >= 1; --i) {
       int& end = out_->tree_end[at(out_->index[i].parent)];
       end = std::max(end, out_->tree_end[i]);
@@ -83,6 +87,7 @@ class Packer {
       if (is_new) {
         TypeBatch batch;
         batch.type = b.type;
+        batch.fast = b.type;
         batch.shape = b.instance.shape;
         batch.nq = b.instance.nq;
         batch.nv = b.instance.nv;

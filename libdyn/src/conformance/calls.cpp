@@ -62,7 +62,6 @@ class BatchCalls {
     b.count = count;
     b.constants = constants_.data.data();
     b.constants_stride = constants_.stride;
-    b.constants_step = shared_ ? 0 : 1;
     b.q_stride = b.v_stride = b.j_stride = q_.stride;
     b.q_out = neutral_.data.data();
     joint_.type().neutral(b);
@@ -98,7 +97,7 @@ class BatchCalls {
   void compareWithSingles(Worst& worst) {
     for (int i = 0; i < count; ++i) {
       const Eigen::VectorXd &q = samples[size(i)], &v = velocities[size(i)];
-      const std::string where = "item " + std::to_string(i) + (shared_ ? " of a batch with shared constants" : "") + ", " + show("q", q);
+      const std::string where = "item " + std::to_string(i) + (shared_ ? " of a batch of states" : "") + ", " + show("q", q);
       const JointMotion<double> alone = joint_.motion(q.data(), v.data());
       double pose[12];
       for (int k = 0; k < poseSize(joint_.instance().shape); ++k) pose[k] = pose_.at(k, i);
@@ -137,11 +136,11 @@ class BatchCalls {
   void kinematics(Array<S>& q, Array<S>& v, Array<S>& pose, Array<S>& subspace, Array<S>& bias) {
     const bool dense = joint_.instance().shape == Shape::dense;
     JointBatch<S> b;
-    b.count = count;
+    b.count = shared_ ? 1 : count;
+    b.lanes = shared_ ? count : 1;
     b.constants = constants_.data.data();
     b.constant_count = joint_.instance().constant_count;
     b.constants_stride = constants_.stride;
-    b.constants_step = shared_ ? 0 : 1;
     b.q = q.data.data();
     b.v = v.data.data();
     b.q_stride = b.v_stride = b.stride = q.stride;

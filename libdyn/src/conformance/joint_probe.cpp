@@ -52,7 +52,7 @@ JointMotion<S> JointProbe::motion(const S* q, const S* v) const {
 
   JointMotion<S> result;
   result.pose = poseFromComponents<S>(instance_.shape, pose);
-  const kernels::Slot<S> slot{pose, subspace, 1, bias, 1};
+  const kernels::Slot<S> slot{pose, subspace, 1, subspace, bias, 1};
   kernels::withShape<S>(instance_.shape, nv(), [&]<class Kernel>() {
     const Kernel kernel(slot);
     for (int k = 0; k < nv(); ++k) result.columns[k] = kernel.column(k);

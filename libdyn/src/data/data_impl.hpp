@@ -1,7 +1,7 @@
 // The arena behind Data: one block, carved into arrays. Each field: meaning, frame, writer.
 #pragma once
 
-#include "compile/compact_impl.hpp"
+#include "kernels/workspace.hpp"
 
 #include <dyn/data/data.hpp>
 
@@ -17,52 +17,16 @@ struct DualMemory {
   Dual<double>* subspace = nullptr;
 };
 
-/// Joint results of one batch as its plugin wrote them, component c of joint k at [c * stride + k].
-struct BatchMemory {
-  double* pose = nullptr;
-  double* subspace = nullptr;
-  double* bias = nullptr;
-  double* q = nullptr;  ///< gathered coordinates, null when the batch reads q in place
-  double* v = nullptr;
-  std::ptrdiff_t stride = 0;
-  DualMemory dual;
-};
-
-/// One degree of freedom in ABA, when its turn of elimination has come: W = IA S, pivot d = S^T W, y = its share of tau.
-struct DofFactor {
-  Motion<double> S;  ///< aligned axes, at the joint's origin
-  Force<double> W;
-  double d = 0, y = 0;
-};
-
-struct DataImpl {
+struct DataImpl : Workspace<double> {
   const CompactImpl* model = nullptr;
   std::shared_ptr<const void> keep;  ///< the model lives as long as its data
   Need needs = Need::state;
-  std::unique_ptr<double[]> block;
+  std::unique_ptr<char[]> block;
   std::size_t size = 0;
 
-  std::vector<BatchMemory> batches;
+  std::vector<DualMemory> dual;  ///< a batch each
 
-  // Per body (universe included), written by the stage in brackets.
-  SE3<double>* rel = nullptr;                ///< pose in the parent body's frame [placements]
-  SE3<double>* oM = nullptr;                 ///< pose in the world [world placements]
-  Motion<double>* v = nullptr;               ///< spatial velocity, body axes at its origin [velocities]
-  Motion<double>* a = nullptr;               ///< spatial acceleration, same [accelerations]; in rnea: classical acceleration, body axes
-  Vec3<double>* w = nullptr;                 ///< angular velocity: body axes in rnea, aligned axes in aba
-  Force<double>* f = nullptr;                ///< force through the joint [rnea]
-  Mat3<double>* R = nullptr;                 ///< body axes in aligned axes [aligned]
-  Vec3<double>* r = nullptr;                 ///< from the parent's origin to the joint's, aligned axes [aligned]
-  Motion<double>* beta = nullptr;            ///< velocity-dependent acceleration, aligned [aba]
-  ArticulatedInertia<double>* IA = nullptr;  ///< [aba]
-  Force<double>* pA = nullptr;               ///< [aba]
-  Motion<double>* acc = nullptr;             ///< classical acceleration, aligned [aba]
-  double* mass = nullptr;                    ///< of the subtree [crba, com]
-  Vec3<double>* h = nullptr;                 ///< first moment of the subtree about the joint's origin, aligned [crba]
-  Sym3<double>* Io = nullptr;                ///< rotational inertia of the subtree about the joint's origin, aligned [crba]
-  Force<double>* fext = nullptr;             ///< external forces in core frames
-
-  DofFactor* dof = nullptr;  ///< nvx
+  Force<double>* fext = nullptr;  ///< external forces in core frames
 
   // Expanded inputs and results of models with couplings; without, they are the user's vectors.
   double *qx = nullptr, *vx = nullptr, *ax = nullptr, *taux = nullptr;

@@ -9,29 +9,31 @@
 namespace dyn::kernels {
 
 /// A free body on the world carries its own axes: R = 1 there, and the world's directions are turned instead.
-template <class Joint>
-bool isFlyingRoot(int parent) {
-  return Joint::is_free && parent == 0;
+template <class Joint, class Order>
+bool isFlyingRoot(const Order& order, int i) {
+  return Joint::is_free && order.isRoot(i);
 }
 
-/// Writes d.rel, d.R and d.r of body i.
-template <class Joint>
-void placeAligned(const Joint& joint, const SE3<double>& placement, int i, const BodyIndex& index, DataImpl& d) {
-  placeInParent(joint, placement, d.rel[i]);
-  if (isFlyingRoot<Joint>(index.parent)) {
-    d.R[i] = Mat3<double>::identity();
-    d.r[i] = {};
+/// Writes w.rel, w.R and w.r of body i.
+template <class S, class Joint, class Order>
+void placeAligned(const Joint& joint, const Order& order, const SE3<S>& placement, int i, Workspace<S>& w) {
+  const SE3<S> rel = placedInParent<S>(joint, placement);
+  w.rel[i] = rel;
+  if (isFlyingRoot<Joint>(order, i)) {
+    w.R[i] = Mat3<S>::identity();
+    w.r[i] = {};
   } else {
-    d.R[i] = composedRotation(d.R[index.parent], d.rel[i].R, index.depth);
-    d.r[i] = d.R[index.parent] * d.rel[i].p;
+    const Mat3<S>& parent = order.parent(w.R, i);
+    w.R[i] = composedRotation(parent, rel.R, order.depth(i));
+    w.r[i] = parent * rel.p;
   }
 }
 
 /// Column k of the motion subspace in aligned axes.
-template <class Joint>
-Motion<double> alignedColumn(const Joint& joint, int k, const Mat3<double>& R) {
-  const Motion<double> s = joint.column(k);
-  Motion<double> out;
+template <class S, class Joint>
+Motion<S> alignedColumn(const Joint& joint, int k, const Mat3<S>& R) {
+  const Motion<S> s = joint.column(k);
+  Motion<S> out;
   if constexpr (Joint::has_linear) out.linear = R * s.linear;
   if constexpr (Joint::has_angular) out.angular = R * s.angular;
   return out;

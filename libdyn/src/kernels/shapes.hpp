@@ -6,6 +6,7 @@
 #pragma once
 
 #include <dyn/joint/shape.hpp>
+#include <dyn/scalar/select.hpp>
 #include <dyn/spatial/inertia.hpp>
 
 #include <cstddef>
@@ -16,8 +17,9 @@ namespace dyn::kernels {
 template <class S>
 struct Slot {
   const S* pose;
-  const S* subspace;
+  const S* subspace;  ///< dense shapes
   std::ptrdiff_t subspace_stride;
+  const Real<S>* constant_subspace;  ///< dense_constant shapes: 6 numbers a column
   const S* bias;
   std::ptrdiff_t stride;
 };
@@ -159,7 +161,14 @@ struct Dense {
   Mat3<S> rotate(const Mat3<S>& E) const { return E * loadMatrix(slot.pose, slot.stride); }
   Vec3<S> translation() const { return loadVector(slot.pose + 9 * slot.stride, slot.stride); }
   Motion<S> load(const S* p, std::ptrdiff_t stride) const { return {loadVector(p, stride), loadVector(p + 3 * stride, stride)}; }
-  Motion<S> column(int k) const { return load(slot.subspace + 6 * k * slot.subspace_stride, slot.subspace_stride); }
+  Motion<S> column(int k) const {
+    if constexpr (Varying) {
+      return load(slot.subspace + 6 * k * slot.subspace_stride, slot.subspace_stride);
+    } else {
+      const Real<S>* c = slot.constant_subspace + 6 * k;
+      return {{S(c[0]), S(c[1]), S(c[2])}, {S(c[3]), S(c[4]), S(c[5])}};
+    }
+  }
   Motion<S> times(const S* v) const {
     Motion<S> m = v[0] * column(0);
     for (int k = 1; k < NV; ++k) m += v[k] * column(k);

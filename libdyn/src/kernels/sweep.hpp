@@ -1,52 +1,88 @@
-// Walking the runs of a model, parents first or children first, with the joint of each body at hand.
+// Walking the bodies of a model, parents first or children first, with the joint of each at hand.
 #pragma once
 
-#include "data/data_impl.hpp"
 #include "kernels/shapes.hpp"
+#include "kernels/workspace.hpp"
 
 namespace dyn::kernels {
 
-inline Slot<double> slotOf(const CompactImpl& m, const DataImpl& d, const Run& run, int k) {
-  const BatchMemory& b = d.batches[static_cast<std::size_t>(run.batch)];
-  const int i = run.slot + k;
-  if (run.shape == Shape::dense_constant) {
-    const int offset = m.subspace_offset[static_cast<std::size_t>(run.first + k)];
-    return {b.pose + i, m.subspaces.data() + offset, 1, nullptr, b.stride};
+// The loop over a run is a function of its own for each shape, and all that it calls is inlined into it: steps are a few instructions
+// each, where compilers count lines.
+#define DYN_RUN_LOOP __attribute__((flatten, noinline))
+
+/// One body after the other. S: a number, or a pack of states.
+template <class S>
+struct Bodies {
+  const CompactImpl& m;
+  Workspace<S>& w;
+
+  /// Constants of body i; packs of states have them in every lane.
+  decltype(auto) constants(int i) const {
+    const BodyConstants<Real<S>>& c = m.constantsIn<Real<S>>()[static_cast<std::size_t>(i)];
+    if constexpr (lanes_of<S> == 1) {
+      return (c);
+    } else {
+      return broadcast<S>(c);
+    }
   }
-  return {b.pose + i, b.subspace ? b.subspace + i : nullptr, b.stride, b.bias ? b.bias + i : nullptr, b.stride};
-}
+  S armature(int dof) const { return m.armature.empty() ? S(0) : S(static_cast<Real<S>>(m.armature[static_cast<std::size_t>(dof)])); }
+  Vec3<S> gravity() const { return cast<S>(m.gravity); }
+  bool isRoot(int i) const { return parentOf(i) == 0; }
+  int depth(int i) const { return index(i).depth; }
 
-/// body(joint, i, idx_v): joint is one of the shapes, i the body.
-template <class Body>
-void forward(const CompactImpl& m, const DataImpl& d, Body&& body) {
-  for (const Run& run : m.runs)
-    withShape<double>(run.shape, run.nv, [&]<class Joint>() {
-      const int v0 = m.index[static_cast<std::size_t>(run.first)].idx_v;
-      for (int k = 0; k < run.count; ++k) {
-        const Slot<double> slot = slotOf(m, d, run, k);
-        body(Joint(slot), run.first + k, v0 + k * Joint::nv);
-      }
-    });
-}
+  template <class T>
+  const T& parent(const T* array, int i) const {
+    return array[parentOf(i)];
+  }
+  template <class T>
+  void addToParent(T* array, int i, const T& value) const {
+    array[parentOf(i)] += value;
+  }
 
-template <class Body>
-void backward(const CompactImpl& m, const DataImpl& d, Body&& body) {
-  for (auto run = m.runs.rbegin(); run != m.runs.rend(); ++run)
-    withShape<double>(run->shape, run->nv, [&]<class Joint>() {
-      const int v0 = m.index[static_cast<std::size_t>(run->first)].idx_v;
-      for (int k = run->count - 1; k >= 0; --k) {
-        const Slot<double> slot = slotOf(m, d, *run, k);
-        body(Joint(slot), run->first + k, v0 + k * Joint::nv);
-      }
-    });
-}
+  /// body(joint, i, idx_v): joint is one of the shapes.
+  template <class Body>
+  void forward(Body&& body) const {
+    for (const Run& run : m.runs)
+      withShape<S>(run.shape, run.nv, [&]<class Joint>() DYN_RUN_LOOP {
+        const int v0 = index(run.first).idx_v;
+        for (int k = 0; k < run.count; ++k) {
+          const Slot<S> slot = slotOf(run, k);
+          body(Joint(slot), run.first + k, v0 + k * Joint::nv);
+        }
+      });
+  }
+  template <class Body>
+  void backward(Body&& body) const {
+    for (auto run = m.runs.rbegin(); run != m.runs.rend(); ++run)
+      withShape<S>(run->shape, run->nv, [&]<class Joint>() DYN_RUN_LOOP {
+        const int v0 = index(run->first).idx_v;
+        for (int k = run->count - 1; k >= 0; --k) {
+          const Slot<S> slot = slotOf(*run, k);
+          body(Joint(slot), run->first + k, v0 + k * Joint::nv);
+        }
+      });
+  }
 
-/// Pose of body i in its parent's frame, written where the other sweeps read it.
-template <class Joint>
-void placeInParent(const Joint& joint, const SE3<double>& placement, SE3<double>& rel) {
-  rel.R = joint.rotate(placement.R);
-  rel.p = placement.p;
+  Slot<S> slotOf(const Run& run, int k) const {
+    const JointMemory<S>& b = w.joints[run.batch];
+    const int i = run.slot + k;
+    if (run.shape == Shape::dense_constant) {
+      const int offset = m.subspace_offset[static_cast<std::size_t>(run.first + k)];
+      return {b.pose + i, nullptr, 0, m.subspacesIn<Real<S>>().data() + offset, nullptr, b.stride};
+    }
+    return {b.pose + i, b.subspace ? b.subspace + i : nullptr, b.stride, nullptr, b.bias ? b.bias + i : nullptr, b.stride};
+  }
+
+  const BodyIndex& index(int i) const { return m.index[static_cast<std::size_t>(i)]; }
+  int parentOf(int i) const { return index(i).parent; }
+};
+
+/// Pose of a body in its parent's frame. By value: what is written to memory number by number and read back as a vector stalls the core.
+template <class S, class Joint>
+SE3<S> placedInParent(const Joint& joint, const SE3<S>& placement) {
+  SE3<S> rel{joint.rotate(placement.R), placement.p};
   if constexpr (Joint::moves_origin) rel.p += placement.R * joint.translation();
+  return rel;
 }
 
 /// A matrix that rounding has moved off the rotations, brought back: one Newton step of the polar decomposition (Higham 1986).
@@ -56,8 +92,9 @@ Mat3<S> orthonormalized(const Mat3<S>& R) {
 }
 
 /// R_parent R_rel. Long products drift off the rotations, and inertias turned by them grow or shrink; every 16 joints that is undone.
-inline Mat3<double> composedRotation(const Mat3<double>& parent, const Mat3<double>& rel, int depth) {
-  const Mat3<double> R = parent * rel;
+template <class S>
+Mat3<S> composedRotation(const Mat3<S>& parent, const Mat3<S>& rel, int depth) {
+  const Mat3<S> R = parent * rel;
   return depth % 16 == 0 ? orthonormalized(R) : R;
 }
 

@@ -4,6 +4,7 @@
 struct BallScrew : dyn::sdk::Joint<BallScrew, 1> {
   static constexpr const char* name = "ball_screw";
   static constexpr const char* summary = "rotation about z by q [rad] with translation p q + c q^2 along it";
+  static constexpr bool branch_free = true;
   static constexpr std::array parameters{dyn::ParameterSpec{"p", dyn::ParameterKind::number, true, "m/rad", "pitch at q = 0"},
                                          dyn::ParameterSpec{"c", dyn::ParameterKind::number, true, "m/rad^2", "half the change of pitch"}};
 

@@ -5,6 +5,7 @@
 struct CamFollower : dyn::sdk::Joint<CamFollower, 1> {
   static constexpr const char* name = "cam_follower";
   static constexpr const char* summary = "translation along z by h (1 - cos q), q the cam's angle [rad]";
+  static constexpr bool branch_free = true;  // no `if` on q below, so it may be computed for several q at once
   static constexpr std::array parameters{dyn::ParameterSpec{"h", dyn::ParameterKind::number, true, "m", "half the stroke"}};
 
   template <class S>

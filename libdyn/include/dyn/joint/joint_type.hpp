@@ -60,14 +60,14 @@ struct JointInstance {
   double subspace[6 * max_joint_nv] = {};  ///< dense_constant only: S, column after column
 };
 
-/// Arrays of one batch: component c of joint i stands at [c * stride + i].
+/// Arrays of one batch: `lanes` states of each of `count` joints. Component c of joint i in state l stands at [c * stride + i * lanes + l].
 template <class S>
 struct JointBatch {
   int count = 0;
-  const double* constants = nullptr;
+  int lanes = 1;
+  const double* constants = nullptr;  ///< component c of joint i at [c * constants_stride + i]
   int constant_count = 0;
-  std::ptrdiff_t constants_stride = 0;  ///< distance between components
-  std::ptrdiff_t constants_step = 1;    ///< distance between joints: 1, or 0 when all items share one joint's constants
+  std::ptrdiff_t constants_stride = 0;
   const S* q = nullptr;
   std::ptrdiff_t q_stride = 0;
   const S* v = nullptr;  ///< null: poses (and subspaces) only
@@ -78,13 +78,12 @@ struct JointBatch {
   S* bias = nullptr;      ///< 6 components, null unless dense and v is given
 };
 
-/// Configuration-space functions of one batch, same addressing. Which arrays are set depends on the function.
+/// Configuration-space functions of one batch, component c of joint i at [c * stride + i]. Which arrays are set depends on the function.
 template <class S>
 struct ConfigurationBatch {
   int count = 0;
   const double* constants = nullptr;
   std::ptrdiff_t constants_stride = 0;
-  std::ptrdiff_t constants_step = 1;
   std::ptrdiff_t q_stride = 0, v_stride = 0, j_stride = 0;
   const S* q0 = nullptr;
   const S* q1 = nullptr;
@@ -106,6 +105,7 @@ class JointType {
 
   /// Poses, subspaces and bias of the core motion.
   virtual void kinematics(const JointBatch<double>& batch) const noexcept = 0;
+  virtual void kinematics(const JointBatch<float>& batch) const noexcept = 0;
   virtual void kinematics(const JointBatch<Dual<double>>& batch) const noexcept = 0;
 
   /// q_out = the configuration at which the joint is "at zero".

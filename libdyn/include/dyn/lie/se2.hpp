@@ -22,7 +22,7 @@ struct SO2 {
   /// Divided by the norm, safe from overflow and underflow.
   SO2 normalized() const {
     using std::abs, std::sqrt;
-    const S m = abs(c) > abs(s) ? abs(c) : abs(s);
+    const S m = select(abs(c) > abs(s), S(abs(c)), S(abs(s)));
     const S x = c / m, y = s / m, n = sqrt(x * x + y * y);
     return {x / n, y / n};
   }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <dyn/scalar/dual.hpp>
+#include <dyn/scalar/select.hpp>
 #include <dyn/spatial/vector3.hpp>
 
 #include <type_traits>
@@ -36,8 +37,7 @@ struct Quaternion {
   Quaternion normalized() const {
     using std::abs, std::sqrt;
     S m = abs(x);
-    for (const S& c : {abs(y), abs(z), abs(w)})
-      if (c > m) m = c;
+    for (const S& c : {abs(y), abs(z), abs(w)}) m = select(c > m, c, m);
     const S a = x / m, b = y / m, c = z / m, d = w / m;
     const S n = sqrt(a * a + b * b + c * c + d * d);
     return {a / n, b / n, c / n, d / n};
@@ -46,8 +46,12 @@ struct Quaternion {
   /// normalising first; that is done only where the square would overflow or lose digits.
   Mat3<S> matrix() const {
     const S n2 = sumOfSquares(x, y, z, w);
-    if (!(n2 > S(1e-30) && n2 < S(1e30))) return normalized().unitMatrix(S(2));
-    return unitMatrix(S(2) / n2);
+    const auto ordinary = both(n2 > S(1e-30), n2 < S(1e30));
+    Mat3<S> R = unitMatrix(S(2) / n2);
+    if (allOf(ordinary)) return R;
+    const Mat3<S> careful = normalized().unitMatrix(S(2));
+    for (int i = 0; i < 9; ++i) R.m[i] = select(ordinary, R.m[i], careful.m[i]);
+    return R;
   }
 
  private:

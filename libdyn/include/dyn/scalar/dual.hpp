@@ -72,6 +72,21 @@ struct Dual {
   friend Dual abs(const Dual& a) { return a.v < T(0) ? -a : a; }
 };
 
+/// Both at once, which costs packs and duals hardly more than one.
+template <class S>
+void sincos(const S& angle, S& sine, S& cosine) {
+  using std::cos, std::sin;
+  sine = sin(angle);
+  cosine = cos(angle);
+}
+template <class T>
+void sincos(const Dual<T>& angle, Dual<T>& sine, Dual<T>& cosine) {
+  T s, c;
+  sincos(angle.v, s, c);
+  sine = Dual<T>(s, c * angle.d);
+  cosine = Dual<T>(c, -(s * angle.d));
+}
+
 /// The plain number inside any scalar, for decisions that must not be differentiated.
 inline double valueOf(double x) { return x; }
 inline double valueOf(float x) { return static_cast<double>(x); }

@@ -32,10 +32,7 @@ struct Inertia {
 
 template <class To, class From>
 Inertia<To> cast(const Inertia<From>& Y) {
-  const auto c = [](const From& x) { return static_cast<To>(x); };
-  return {c(Y.mass),
-          {c(Y.com.x), c(Y.com.y), c(Y.com.z)},
-          {c(Y.rotational.xx), c(Y.rotational.xy), c(Y.rotational.xz), c(Y.rotational.yy), c(Y.rotational.yz), c(Y.rotational.zz)}};
+  return {static_cast<To>(Y.mass), cast<To>(Y.com), cast<To>(Y.rotational)};
 }
 
 /// Symmetric 6x6 inertia [[linear, coupling], [coupling^T, angular]] that maps an acceleration to a force, both at one origin

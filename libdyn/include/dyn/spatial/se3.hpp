@@ -39,10 +39,7 @@ struct SE3 {
 /// The same pose in another scalar; the compiler composes in long double and rounds once.
 template <class To, class From>
 SE3<To> cast(const SE3<From>& X) {
-  SE3<To> Y;
-  for (int i = 0; i < 9; ++i) Y.R.m[i] = static_cast<To>(X.R.m[i]);
-  for (int i = 0; i < 3; ++i) Y.p[i] = static_cast<To>(X.p[i]);
-  return Y;
+  return {cast<To>(X.R), cast<To>(X.p)};
 }
 
 }  // namespace dyn

@@ -110,6 +110,22 @@ struct Sym3 {
   friend Sym3 operator*(const S& s, const Sym3& a) { return {s * a.xx, s * a.xy, s * a.xz, s * a.yy, s * a.yz, s * a.zz}; }
 };
 
+/// The same numbers in another scalar.
+template <class To, class From>
+Vec3<To> cast(const Vec3<From>& a) {
+  return {static_cast<To>(a.x), static_cast<To>(a.y), static_cast<To>(a.z)};
+}
+template <class To, class From>
+Mat3<To> cast(const Mat3<From>& a) {
+  Mat3<To> b;
+  for (int i = 0; i < 9; ++i) b.m[i] = static_cast<To>(a.m[i]);
+  return b;
+}
+template <class To, class From>
+Sym3<To> cast(const Sym3<From>& a) {
+  return {static_cast<To>(a.xx), static_cast<To>(a.xy), static_cast<To>(a.xz), static_cast<To>(a.yy), static_cast<To>(a.yz), static_cast<To>(a.zz)};
+}
+
 /// R a R^T for a symmetric a: the two products share their symmetric half.
 template <class S>
 Sym3<S> congruence(const Mat3<S>& R, const Sym3<S>& a) {

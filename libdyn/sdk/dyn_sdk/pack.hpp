@@ -1,0 +1,95 @@
+// Packs: as many numbers as the processor works on at once, with the arithmetic of one. The only installed header that names a SIMD
+// library; where xsimd is not installed there are no packs, and everything is computed number by number.
+//
+// A pack type belongs to the instruction set that the source file is compiled for, and never crosses a boundary: functions pass arrays of
+// numbers, and each side loads packs of its own from them.
+#pragma once
+
+#include <dyn/scalar/select.hpp>
+
+#include <cmath>
+#include <cstddef>
+#include <type_traits>
+
+#if __has_include(<xsimd/xsimd.hpp>)
+#define DYN_HAS_PACKS 1
+#include <xsimd/xsimd.hpp>
+
+namespace dyn {
+
+/// What comparing packs gives: a condition for each lane.
+template <class T, class Arch>
+struct PackMask {
+  xsimd::batch_bool<T, Arch> x;
+  friend PackMask operator&(const PackMask& a, const PackMask& b) { return {a.x & b.x}; }
+  friend PackMask operator|(const PackMask& a, const PackMask& b) { return {a.x | b.x}; }
+  friend PackMask operator!(const PackMask& a) { return {~a.x}; }
+  friend PackMask both(const PackMask& a, const PackMask& b) { return a & b; }
+  friend bool allOf(const PackMask& a) { return xsimd::all(a.x); }
+  friend bool anyOf(const PackMask& a) { return xsimd::any(a.x); }
+};
+
+template <class T, class Arch = xsimd::default_arch>
+struct Pack {
+  using Batch = xsimd::batch<T, Arch>;
+  using Mask = PackMask<T, Arch>;
+  static constexpr int lanes = static_cast<int>(Batch::size);
+
+  Batch x;
+
+  Pack() : x(T(0)) {}
+  Pack(const Batch& batch) : x(batch) {}  // NOLINT
+  template <class A>
+    requires std::is_arithmetic_v<A>
+  Pack(A s) : x(static_cast<T>(s)) {}  // NOLINT: a number is a constant pack
+
+  static Pack load(const T* from) { return Batch::load_unaligned(from); }
+  void store(T* to) const { x.store_unaligned(to); }
+  const T* begin() const { return reinterpret_cast<const T*>(this); }
+  T* begin() { return reinterpret_cast<T*>(this); }
+
+  friend Pack operator+(const Pack& a, const Pack& b) { return a.x + b.x; }
+  friend Pack operator-(const Pack& a, const Pack& b) { return a.x - b.x; }
+  friend Pack operator-(const Pack& a) { return -a.x; }
+  friend Pack operator*(const Pack& a, const Pack& b) { return a.x * b.x; }
+  friend Pack operator/(const Pack& a, const Pack& b) { return a.x / b.x; }
+  Pack& operator+=(const Pack& b) { return *this = *this + b; }
+  Pack& operator-=(const Pack& b) { return *this = *this - b; }
+  Pack& operator*=(const Pack& b) { return *this = *this * b; }
+  Pack& operator/=(const Pack& b) { return *this = *this / b; }
+
+  friend Mask operator<(const Pack& a, const Pack& b) { return {a.x < b.x}; }
+  friend Mask operator>(const Pack& a, const Pack& b) { return {a.x > b.x}; }
+  friend Mask operator==(const Pack& a, const Pack& b) { return {a.x == b.x}; }
+  friend Mask operator<=(const Pack& a, const Pack& b) { return {a.x <= b.x}; }
+  friend Mask operator>=(const Pack& a, const Pack& b) { return {a.x >= b.x}; }
+
+  friend Pack sqrt(const Pack& a) { return xsimd::sqrt(a.x); }
+  friend Pack abs(const Pack& a) { return xsimd::abs(a.x); }
+  friend Pack select(const Mask& condition, const Pack& a, const Pack& b) { return xsimd::select(condition.x, a.x, b.x); }
+};
+
+template <class T, class Arch>
+struct RealOf<Pack<T, Arch>> {
+  using type = T;
+  static constexpr int lanes = Pack<T, Arch>::lanes;
+};
+
+/// In more digits, lane by lane, as for single numbers (dyn/lie/so3.hpp).
+template <class T, class Arch>
+Pack<T, Arch> sumOfSquares(const Pack<T, Arch>& x, const Pack<T, Arch>& y, const Pack<T, Arch>& z, const Pack<T, Arch>& w) {
+  Pack<T, Arch> sum;
+  for (int i = 0; i < Pack<T, Arch>::lanes; ++i) {
+    const long double a = x.begin()[i], b = y.begin()[i], c = z.begin()[i], d = w.begin()[i];
+    sum.begin()[i] = static_cast<T>(a * a + b * b + c * c + d * d);
+  }
+  return sum;
+}
+
+}  // namespace dyn
+
+#include <dyn_sdk/sincos.hpp>
+
+#else
+#define DYN_HAS_PACKS 0
+#endif

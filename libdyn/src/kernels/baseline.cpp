@@ -1,0 +1,16 @@
+// The tables that are in the library itself: number by number, and with the packs that every processor of this architecture has.
+#include "kernels/instantiate.hpp"
+
+#include <dyn_sdk/pack.hpp>
+
+namespace dyn::kernels {
+
+const Kernels scalar{"scalar", layoutStamp(), singleKernels(), blockKernels<double>(), blockKernels<float>()};
+
+#if DYN_HAS_PACKS
+const Kernels baseline{xsimd::default_arch::name(), layoutStamp(), singleKernels(), blockKernels<Pack<double>>(), blockKernels<Pack<float>>()};
+#else
+const Kernels baseline = scalar;
+#endif
+
+}  // namespace dyn::kernels

@@ -1,0 +1,156 @@
+// The kernels of one table: recursions for scalars S, and the way in and out of packs.
+#pragma once
+
+#include "kernels/aba.hpp"
+#include "kernels/crba.hpp"
+#include "kernels/evaluate.hpp"
+#include "kernels/kinematics.hpp"
+#include "kernels/losses.hpp"
+#include "kernels/rnea.hpp"
+#include "kernels/table.hpp"
+
+#include <algorithm>
+
+namespace dyn::kernels {
+
+inline SingleKernels singleKernels() {
+  using W = Workspace<double>;
+  SingleKernels k;
+  k.evaluate = [](const CompactImpl& m, W& w, const double* q, const double* v) { evaluateJoints(m, w, q, v); };
+  k.forwardKinematics = [](const CompactImpl& m, W& w, const double* v, const double* a) {
+    kernels::forwardKinematics(Bodies<double>{m, w}, w, v, a);
+  };
+  k.rnea = [](const CompactImpl& m, W& w, const double* v, const double* a, const Force<double>* fext, double* tau) {
+    const Bodies<double> bodies{m, w};
+    rneaOutward(bodies, w, v, a, fext);
+    rneaInward(bodies, w, tau);
+    addArmature(m, a, tau);
+    addLosses(m, 1.0, v, tau);
+  };
+  k.massMatrix = [](const CompactImpl& m, W& w, double* M) { kernels::massMatrix(Bodies<double>{m, w}, w, M); };
+  k.aba = [](const CompactImpl& m, W& w, const double* v, const double* tau, const Force<double>* fext, double* ddq) {
+    const Bodies<double> bodies{m, w};
+    abaOutward(bodies, w, v, fext);
+    abaInward(bodies, w, tau);
+    abaSolve(bodies, w, ddq);
+  };
+  return k;
+}
+
+/// Scratch of one thread for blocks of states.
+template <class S>
+struct BlockScratch {
+  Workspace<S> w;
+  S *q, *v, *a, *result, *M;
+
+  static std::size_t carve(BlockScratch& s, const CompactImpl& m, bool mass_matrix, char* base) {
+    Arena arena(base);
+    dyn::carve(s.w, m, arena);
+    const auto nq = static_cast<std::size_t>(m.nqx), nv = static_cast<std::size_t>(m.nvx);
+    arena.take(s.q, nq);
+    arena.take(s.v, nv);
+    arena.take(s.a, nv);
+    arena.take(s.result, nv);
+    arena.take(s.M, mass_matrix ? nv * nv : 0);
+    return arena.used();
+  }
+};
+
+/// n numbers of each state's column into packs; without columns, zeros.
+template <class S, class T>
+void loadColumns(const T* column, std::ptrdiff_t stride, int n, int states, S* to) {
+  if (column == nullptr) {
+    std::fill(to, to + n, S(0));
+    return;
+  }
+  constexpr int lanes = lanes_of<S>;
+  T* out = reinterpret_cast<T*>(to);
+  for (int l = 0; l < lanes; ++l) {
+    const T* from = column + std::min(l, states - 1) * stride;
+    for (int i = 0; i < n; ++i) out[i * lanes + l] = from[i];
+  }
+}
+
+template <class S, class T>
+void storeColumns(const S* from, std::ptrdiff_t n, int states, T* column, std::ptrdiff_t stride) {
+  constexpr int lanes = lanes_of<S>;
+  const T* in = reinterpret_cast<const T*>(from);
+  for (int l = 0; l < states; ++l) {
+    T* to = column + l * stride;
+    for (std::ptrdiff_t i = 0; i < n; ++i) to[i] = in[i * lanes + l];
+  }
+}
+
+/// Whether all numbers are finite: x - x is zero for those, and NaN for all others.
+template <class S>
+bool allFinite(const S* x, std::ptrdiff_t n) {
+  S sum(0);
+  for (std::ptrdiff_t i = 0; i < n; ++i) sum += x[i] - x[i];
+  return allOf(sum == S(0));
+}
+
+template <class S, class T = Real<S>>
+void runBlock(const CompactImpl& m, char* scratch, Block<T>& b) {
+  BlockScratch<S>& s = *reinterpret_cast<BlockScratch<S>*>(scratch);
+  Workspace<S>& w = s.w;
+  const Bodies<S> bodies{m, w};
+  loadColumns(b.q, b.q_stride, m.nqx, b.states, s.q);
+  loadColumns(b.v, b.v_stride, m.nvx, b.states, s.v);
+  loadColumns(b.a, b.a_stride, m.nvx, b.states, s.a);
+  evaluateJoints(m, w, s.q, b.task == Task::mass_matrix ? nullptr : s.v);
+  switch (b.task) {
+    case Task::kinematics: {
+      w.oM = static_cast<SE3<S>*>(b.poses);
+      w.oM[0] = {};
+      if (b.velocities) w.v = static_cast<Motion<S>*>(b.velocities);
+      if (b.accelerations) w.a = static_cast<Motion<S>*>(b.accelerations);
+      kernels::forwardKinematics(bodies, w, b.velocities ? s.v : nullptr, b.accelerations ? s.a : nullptr);
+      b.not_finite = !allFinite(reinterpret_cast<const S*>(w.oM), 12 * static_cast<std::ptrdiff_t>(m.bodies()));
+      return;
+    }
+    case Task::rnea:
+      rneaOutward(bodies, w, s.v, s.a, static_cast<const Force<S>*>(nullptr));
+      rneaInward(bodies, w, s.result);
+      addArmature(m, s.a, s.result);
+      addLosses(m, 1.0, s.v, s.result);
+      break;
+    case Task::mass_matrix: {
+      const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(m.nvx) * m.nvx;
+      kernels::massMatrix(bodies, w, s.M);
+      storeColumns(s.M, n, b.states, b.result, b.result_stride);
+      b.not_finite = !allFinite(s.M, n);
+      return;
+    }
+    case Task::aba:
+      addLosses(m, -1.0, s.v, s.a);
+      abaOutward(bodies, w, s.v, static_cast<const Force<S>*>(nullptr));
+      abaInward(bodies, w, s.a);
+      abaSolve(bodies, w, s.result);
+      for (int l = 0; l < b.states; ++l) b.failed[l] = w.failed[l];
+      break;
+  }
+  storeColumns(s.result, m.nvx, b.states, b.result, b.result_stride);
+  b.not_finite = !allFinite(s.result, m.nvx);
+}
+
+template <class S>
+BlockKernels<Real<S>> blockKernels() {
+  using T = Real<S>;
+  BlockKernels<T> k;
+  k.lanes = lanes_of<S>;
+  k.bytes = [](const CompactImpl& m, bool mass_matrix) {
+    BlockScratch<S> counted;
+    return sizeof(BlockScratch<S>) + Arena::alignment + BlockScratch<S>::carve(counted, m, mass_matrix, nullptr);
+  };
+  k.prepare = [](const CompactImpl& m, bool mass_matrix, char* scratch) {
+    constexpr std::size_t head = (sizeof(BlockScratch<S>) + Arena::alignment - 1) / Arena::alignment * Arena::alignment;
+    auto* s = new (scratch) BlockScratch<S>;
+    BlockScratch<S>::carve(*s, m, mass_matrix, scratch + head);
+    atRest(s->w);
+    if (mass_matrix) std::fill(s->M, s->M + static_cast<std::ptrdiff_t>(m.nvx) * m.nvx, S(0));
+  };
+  k.run = [](const CompactImpl& m, char* scratch, Block<T>& block) { runBlock<S>(m, scratch, block); };
+  return k;
+}
+
+}  // namespace dyn::kernels

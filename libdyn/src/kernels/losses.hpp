@@ -1,0 +1,25 @@
+// What joints add to forces beside their bodies' inertia: rotors, damping and friction, in expanded coordinates.
+#pragma once
+
+#include "compile/compact_impl.hpp"
+
+#include <dyn/scalar/select.hpp>
+
+namespace dyn::kernels {
+
+template <class S>
+void addArmature(const CompactImpl& m, const S* a, S* tau) {
+  for (std::size_t k = 0; k < m.armature.size(); ++k) tau[k] += S(static_cast<Real<S>>(m.armature[k])) * a[k];
+}
+
+/// Adds sign * (damping v + friction sign(v)).
+template <class S>
+void addLosses(const CompactImpl& m, double sign, const S* v, S* tau) {
+  for (std::size_t k = 0; k < m.damping.size(); ++k) tau[k] += S(static_cast<Real<S>>(sign * m.damping[k])) * v[k];
+  for (std::size_t k = 0; k < m.friction.size(); ++k) {
+    const S f(static_cast<Real<S>>(sign * m.friction[k]));
+    tau[k] += select(v[k] > S(0), f, select(v[k] < S(0), -f, S(0)));
+  }
+}
+
+}  // namespace dyn::kernels

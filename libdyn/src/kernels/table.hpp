@@ -1,0 +1,71 @@
+// The recursions compiled for one instruction set. There is a table for each; dispatch.cpp chooses one when the library is first used.
+//
+// Everything behind a table is compiled with its own flags and kept in a shared object of its own, so that no inline function made for a
+// newer processor is picked by the linker for an older one.
+#pragma once
+
+#include "kernels/workspace.hpp"
+
+#include <initializer_list>
+
+namespace dyn::kernels {
+
+/// One state. Joints are asked first; vectors are in expanded coordinates.
+struct SingleKernels {
+  void (*evaluate)(const CompactImpl&, Workspace<double>&, const double* q, const double* v);
+  void (*forwardKinematics)(const CompactImpl&, Workspace<double>&, const double* v, const double* a);
+  void (*rnea)(const CompactImpl&, Workspace<double>&, const double* v, const double* a, const Force<double>* fext, double* tau);
+  void (*massMatrix)(const CompactImpl&, Workspace<double>&, double* M);
+  void (*aba)(const CompactImpl&, Workspace<double>&, const double* v, const double* tau, const Force<double>* fext, double* ddq);
+};
+
+enum class Task { kinematics, rnea, mass_matrix, aba };
+
+/// As many states as a pack has lanes, from columns of the caller's matrices. Null inputs count as zero.
+template <class T>
+struct Block {
+  Task task = Task::rnea;
+  int states = 0;                                    ///< in use; the other lanes repeat the last
+  const T *q = nullptr, *v = nullptr, *a = nullptr;  ///< first column; a: tau for aba
+  std::ptrdiff_t q_stride = 0, v_stride = 0, a_stride = 0;
+  T* result = nullptr;  ///< first column: tau, ddq, or M (nv x nv)
+  std::ptrdiff_t result_stride = 0;
+  void* poses = nullptr;       ///< kinematics: where this block's poses go, 12 numbers a body, lanes innermost
+  void* velocities = nullptr;  ///< 6 numbers a body; null: not wanted
+  void* accelerations = nullptr;
+  int failed[64] = {};      ///< by state: the body whose pivot vanished, or 0
+  bool not_finite = false;  ///< some result or pose is NaN or infinite
+};
+
+template <class T>
+struct BlockKernels {
+  int lanes;
+  std::size_t (*bytes)(const CompactImpl&, bool mass_matrix);            ///< of scratch for one thread
+  void (*prepare)(const CompactImpl&, bool mass_matrix, char* scratch);  ///< aligned as Arena says
+  void (*run)(const CompactImpl&, char* scratch, Block<T>&);
+};
+
+/// Changes with the layout of what tables and library share, so that a table of another build is not used.
+constexpr std::size_t layoutStamp() {
+  std::size_t stamp = 1;
+  for (const std::size_t size : {sizeof(CompactImpl), sizeof(BodyIndex), sizeof(BodyConstants<double>), sizeof(TypeBatch), sizeof(Run),
+                                 sizeof(Workspace<double>), sizeof(Block<double>), sizeof(Block<float>), sizeof(JointBatch<double>)})
+    stamp = stamp * 1000003 + size;
+  return stamp;
+}
+
+struct Kernels {
+  const char* name;
+  std::size_t layout;
+  SingleKernels single;
+  BlockKernels<double> doubles;
+  BlockKernels<float> floats;
+};
+
+/// The one in use: the best that the processor has, or what DYN_SIMD asks for. Throws Error(argument) when that cannot be had.
+const Kernels& active();
+
+/// In the library itself.
+extern const Kernels scalar, baseline;
+
+}  // namespace dyn::kernels

@@ -1,0 +1,124 @@
+// What the recursions write: arrays by body, in scalars S. S is a number, or a pack whose lanes are states (BatchData) or joints (strips).
+#pragma once
+
+#include "compile/compact_impl.hpp"
+
+#include <dyn/scalar/select.hpp>
+
+#include <cstdint>
+
+namespace dyn {
+
+/// Joint results of one batch as its plugin wrote them, component c of joint k at [c * stride + k].
+template <class S>
+struct JointMemory {
+  S* pose = nullptr;
+  S* subspace = nullptr;
+  S* bias = nullptr;
+  S* q = nullptr;  ///< gathered coordinates, null when the batch reads q in place
+  S* v = nullptr;
+  std::ptrdiff_t stride = 0;
+};
+
+/// One degree of freedom in ABA, when its turn of elimination has come: W = IA S, pivot d = S^T W, y = its share of tau.
+template <class S>
+struct DofFactor {
+  Motion<S> S_;  ///< the column of the motion subspace, aligned axes, at the joint's origin
+  Force<S> W;
+  S d{}, y{};
+};
+
+/// Per body (universe included), written by the stage in brackets.
+template <class S>
+struct Workspace {
+  JointMemory<S>* joints = nullptr;  ///< a batch each
+
+  SE3<S>* rel = nullptr;                ///< pose in the parent body's frame [placements]
+  SE3<S>* oM = nullptr;                 ///< pose in the world [world placements]
+  Motion<S>* v = nullptr;               ///< spatial velocity, body axes at its origin [velocities]
+  Motion<S>* a = nullptr;               ///< spatial acceleration, same [accelerations]; in rnea: classical acceleration, body axes
+  Vec3<S>* w = nullptr;                 ///< angular velocity: body axes in rnea, aligned axes in aba
+  Force<S>* f = nullptr;                ///< force through the joint [rnea]
+  Mat3<S>* R = nullptr;                 ///< body axes in aligned axes [aligned]
+  Vec3<S>* r = nullptr;                 ///< from the parent's origin to the joint's, aligned axes [aligned]
+  Motion<S>* beta = nullptr;            ///< velocity-dependent acceleration, aligned [aba]
+  ArticulatedInertia<S>* IA = nullptr;  ///< [aba]
+  Force<S>* pA = nullptr;               ///< [aba]
+  Motion<S>* acc = nullptr;             ///< classical acceleration, aligned [aba]
+  S* mass = nullptr;                    ///< of the subtree [crba, com]
+  Vec3<S>* h = nullptr;                 ///< first moment of the subtree about the joint's origin, aligned [crba]
+  Sym3<S>* Io = nullptr;                ///< rotational inertia of the subtree about the joint's origin, aligned [crba]
+  DofFactor<S>* dof = nullptr;          ///< nvx
+  int failed[lanes_of<S>] = {};         ///< by lane: the first body whose pivot vanished, or 0 [aba]
+};
+
+/// Hands out arrays of one block: first without a block, to count, then with it. Everything is aligned to the widest packs.
+class Arena {
+ public:
+  static constexpr std::size_t alignment = 64;
+  explicit Arena(char* base) : base_(base) {}
+  template <class T>
+  void take(T*& field, std::size_t count) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    if (base_) field = reinterpret_cast<T*>(base_ + used_);
+    used_ += (count * sizeof(T) + alignment - 1) / alignment * alignment;
+  }
+  std::size_t used() const { return used_; }
+
+ private:
+  char* base_;
+  std::size_t used_ = 0;
+};
+
+inline char* aligned(char* p) {
+  const auto address = reinterpret_cast<std::uintptr_t>(p);
+  return p + ((Arena::alignment - address % Arena::alignment) % Arena::alignment);
+}
+
+template <class S>
+void carve(Workspace<S>& w, const CompactImpl& m, Arena& arena) {
+  const auto n = static_cast<std::size_t>(m.bodies());
+  arena.take(w.joints, m.batches.size());
+  JointMemory<S> counted;
+  for (std::size_t b = 0; b < m.batches.size(); ++b) {
+    const TypeBatch& batch = m.batches[b];
+    JointMemory<S>& memory = w.joints ? w.joints[b] : counted;
+    memory = {};
+    const auto count = static_cast<std::size_t>(batch.count);
+    memory.stride = batch.count;
+    arena.take(memory.pose, static_cast<std::size_t>(poseSize(batch.shape)) * count);
+    if (batch.shape == Shape::dense) {
+      arena.take(memory.subspace, static_cast<std::size_t>(6 * batch.nv) * count);
+      arena.take(memory.bias, 6 * count);
+      arena.take(memory.v, static_cast<std::size_t>(batch.nv) * count);
+    }
+    if (!batch.contiguous) arena.take(memory.q, static_cast<std::size_t>(batch.nq) * count);
+  }
+  arena.take(w.rel, n);
+  arena.take(w.oM, n);
+  arena.take(w.v, n);
+  arena.take(w.a, n);
+  arena.take(w.w, n);
+  arena.take(w.f, n);
+  arena.take(w.R, n);
+  arena.take(w.r, n);
+  arena.take(w.beta, n);
+  arena.take(w.IA, n);
+  arena.take(w.pA, n);
+  arena.take(w.acc, n);
+  arena.take(w.mass, n);
+  arena.take(w.h, n);
+  arena.take(w.Io, n);
+  arena.take(w.dof, static_cast<std::size_t>(m.nvx));
+}
+
+/// What every pass takes for granted of the universe.
+template <class S>
+void atRest(Workspace<S>& w) {
+  w.rel[0] = w.oM[0] = SE3<S>{};
+  w.R[0] = Mat3<S>::identity();
+  w.v[0] = w.a[0] = {};
+  w.w[0] = {};
+}
+
+}  // namespace dyn
