@@ -128,7 +128,7 @@ class JointTypeOf final : public JointType {
   }
 
   template <class T>
-  __attribute__((flatten)) static void evaluate(const JointBatch<T>& b) {
+  static void evaluate(const JointBatch<T>& b) {
     const int items = b.count * b.lanes;
     int i = 0;
 #if DYN_HAS_PACKS
