@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dyn/algorithm/aba.hpp>
+#include <dyn/algorithm/batch.hpp>
 #include <dyn/algorithm/center_of_mass.hpp>
 #include <dyn/algorithm/configuration.hpp>
 #include <dyn/algorithm/crba.hpp>

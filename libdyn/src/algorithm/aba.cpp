@@ -15,13 +15,6 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-[[noreturn]] void singular(const std::string& joint) {
-  throw Error(ErrorCode::singular,
-              "aba: the mass matrix is singular here: what this joint moves has no inertia along its motion; give its bodies mass, give the "
-              "joint armature, or lock it",
-              {"", 0, joint});
-}
-
 /// In-place solution of M x = b by square-root-free Cholesky from the leaves to the root (Featherstone 2008, ch. 8); couplings connect
 /// distant joints, so M is taken as dense. A pivot of the rounding of its diagonal's size is zero.
 void solveDense(const CompactImpl& m, double* M, double* x, double* diagonal) {
@@ -32,7 +25,7 @@ void solveDense(const CompactImpl& m, double* M, double* x, double* diagonal) {
     if (!(pivot > 8 * std::numeric_limits<double>::epsilon() * diagonal[k]) || !std::isfinite(pivot)) {
       std::size_t joint = m.joints.size() - 1;
       while (m.joints[joint].idx_v > k || m.joints[joint].nv == 0) --joint;
-      singular(m.joints[joint].name);
+      refuseSingular("aba", m.joints[joint].name);
     }
     for (std::ptrdiff_t i = 0; i < k; ++i) {
       const double l = M[k * n + i] / pivot;
@@ -74,7 +67,7 @@ const double* aba(const CompactModel& model, Data& data, VectorView q, VectorVie
     effective = d.tau;
   }
   kernels::active().single.aba(m, d, in.v, effective, external, d.ddq);
-  if (const int body = d.failed[0]; body != 0) singular(m.joints[at(m.index[at(body)].joint)].name);
+  if (const int body = d.failed[0]; body != 0) refuseSingular("aba", m.joints[at(m.index[at(body)].joint)].name);
   return d.ddq;
 }
 

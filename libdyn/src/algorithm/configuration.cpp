@@ -31,18 +31,6 @@ void eachJoint(const CompactImpl& m, F&& f) {
   }
 }
 
-/// A quaternion or (cos, sin) pair that is zero stands for no rotation: an error, where NaN and infinity just spread.
-void checkConfiguration(const char* argument, const CompactImpl& m, const double* q) {
-  for (int i = 1; i < m.bodies(); ++i) {
-    const BodyIndex& x = m.index[at(i)];
-    if (x.user_v < 0 || x.nq == x.nv) continue;
-    const TypeBatch& batch = m.batches[at(x.batch)];
-    double normal[max_joint_nq];
-    normalizeJoint(*batch.type, batch.constants.data() + x.slot, batch.count, q + x.user_q, normal);
-    if (std::any_of(normal, normal + x.nq, [](double c) { return std::isnan(c); }) && allFinite(q + x.user_q, x.nq)) refuseZero(argument, m, i);
-  }
-}
-
 /// Scatters the nv x nv blocks that `evaluate` writes into a block-diagonal matrix.
 template <class F>
 void blockDiagonal(const char* algorithm, const CompactImpl& m, ArgumentPosition by, const MatrixOut& J, F&& evaluate) {

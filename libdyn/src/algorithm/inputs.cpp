@@ -79,10 +79,29 @@ bool allFinite(const double* x, int n) {
   return std::all_of(x, x + n, [](double c) { return std::isfinite(c); });
 }
 
+void refuseSingular(const char* algorithm, const std::string& joint) {
+  throw Error(ErrorCode::singular,
+              std::string(algorithm) +
+                  ": the mass matrix is singular here: what this joint moves has no inertia along its motion; give its bodies mass, give the "
+                  "joint armature, or lock it",
+              {"", 0, joint});
+}
+
 void refuseZero(const char* argument, const CompactImpl& m, int i) {
   throw Error(ErrorCode::argument,
               std::string(argument) + ": the quaternion or (cos, sin) pair of a joint is zero, which is no rotation; neutral() gives the identity",
               {"", 0, m.joints[at(m.index[at(i)].joint)].name});
+}
+
+void checkConfiguration(const char* argument, const CompactImpl& m, const double* q) {
+  for (int i = 1; i < m.bodies(); ++i) {
+    const BodyIndex& x = m.index[at(i)];
+    if (x.user_v < 0 || x.nq == x.nv) continue;
+    const TypeBatch& batch = m.batches[at(x.batch)];
+    double normal[max_joint_nq];
+    normalizeJoint(*batch.type, batch.constants.data() + x.slot, batch.count, q + x.user_q, normal);
+    if (std::any_of(normal, normal + x.nq, [](double c) { return std::isnan(c); }) && allFinite(q + x.user_q, x.nq)) refuseZero(argument, m, i);
+  }
 }
 
 namespace {

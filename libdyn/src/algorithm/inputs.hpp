@@ -3,6 +3,8 @@
 
 #include "data/data_impl.hpp"
 
+#include <string>
+
 namespace dyn {
 
 /// Expanded vectors: the user's own where the model has no couplings.
@@ -22,6 +24,11 @@ Inputs readInputs(const char* algorithm, const CompactModel& model, Data& data, 
 bool allFinite(const double* x, int n);
 /// Throws Error(argument): the quaternion or (cos, sin) pair of body i's joint is zero.
 [[noreturn]] void refuseZero(const char* argument, const CompactImpl& m, int i);
+
+/// A quaternion or (cos, sin) pair of q that is zero stands for no rotation: throws, where NaN and infinity just spread.
+void checkConfiguration(const char* argument, const CompactImpl& m, const double* q);
+/// Throws Error(singular): the joint's pivot vanished.
+[[noreturn]] void refuseSingular(const char* algorithm, const std::string& joint);
 
 /// One virtual call a batch: poses, subspaces, and (with v) biases. Throws Error(argument) for a zero quaternion.
 void evaluateJoints(const CompactImpl& m, DataImpl& d, const double* q, const double* v);

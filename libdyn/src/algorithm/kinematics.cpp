@@ -49,18 +49,6 @@ PointOnBody jointOnBody(const CompactModel& model, int joint) {
   return {m.body_of_joint[j], m.user_frame[j]};
 }
 
-Motion<double> express(const Motion<double>& local, const SE3<double>& oMf, ReferenceFrame reference) {
-  switch (reference) {
-    case ReferenceFrame::LOCAL:
-      return local;
-    case ReferenceFrame::WORLD:
-      return oMf.act(local);
-    case ReferenceFrame::LOCAL_WORLD_ALIGNED:
-      return {oMf.R * local.linear, oMf.R * local.angular};
-  }
-  return local;
-}
-
 namespace detail {
 
 void forwardKinematics(const CompactModel& model, Data& data, VectorView q, const VectorView* v, const VectorView* a) {

@@ -17,6 +17,17 @@ PointOnBody frameOnBody(const CompactModel& model, int frame);
 PointOnBody jointOnBody(const CompactModel& model, int joint);
 
 /// A motion given in the frame's axes at its origin, expressed as asked.
-Motion<double> express(const Motion<double>& local, const SE3<double>& oMf, ReferenceFrame reference);
+template <class T>
+Motion<T> express(const Motion<T>& local, const SE3<T>& oMf, ReferenceFrame reference) {
+  switch (reference) {
+    case ReferenceFrame::LOCAL:
+      return local;
+    case ReferenceFrame::WORLD:
+      return oMf.act(local);
+    case ReferenceFrame::LOCAL_WORLD_ALIGNED:
+      return {oMf.R * local.linear, oMf.R * local.angular};
+  }
+  return local;
+}
 
 }  // namespace dyn

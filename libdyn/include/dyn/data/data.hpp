@@ -12,6 +12,7 @@ struct DataImpl;
 enum class Need : unsigned {
   state = 0,        ///< everything of size O(n)
   mass_matrix = 1,  ///< M, nv x nv: crba(), and aba() of models with coupled joints
+  kinematics = 2,   ///< of a BatchData only: poses, velocities and accelerations of every body in every state
 };
 constexpr Need operator|(Need a, Need b) { return static_cast<Need>(static_cast<unsigned>(a) | static_cast<unsigned>(b)); }
 constexpr bool has(Need set, Need one) { return (static_cast<unsigned>(set) & static_cast<unsigned>(one)) != 0; }

@@ -1,0 +1,42 @@
+// Results of many states at once: columns of matrices are states.
+#pragma once
+
+#include <dyn/data/data.hpp>
+
+namespace dyn {
+
+template <class T>
+struct BatchImpl;
+
+/// Scratch and results for up to `capacity` states of one model, in double or float. All memory is taken when it is made; it grows as the
+/// number of states. One batch is for one caller at a time; the threads it starts are its own. Results are the same bits whatever their
+/// number.
+template <class T>
+class DYN_API BasicBatchData {
+ public:
+  /// Throws Error(argument) unless capacity and threads are positive.
+  BasicBatchData(const CompactModel& model, int capacity, Need needs = Need::state, int threads = 1);
+  ~BasicBatchData();
+  BasicBatchData(BasicBatchData&&) noexcept;
+  BasicBatchData& operator=(BasicBatchData&&) noexcept;
+  BasicBatchData(const BasicBatchData&) = delete;
+  BasicBatchData& operator=(const BasicBatchData&) = delete;
+
+  int capacity() const;
+  int threads() const;
+  /// States that are computed by one instruction.
+  int lanes() const;
+  /// Bytes taken.
+  std::size_t bytes() const;
+
+  BatchImpl<T>& impl() { return *impl_; }
+  const BatchImpl<T>& impl() const { return *impl_; }
+
+ private:
+  std::unique_ptr<BatchImpl<T>> impl_;
+};
+
+using BatchData = BasicBatchData<double>;
+using BatchDataFloat = BasicBatchData<float>;
+
+}  // namespace dyn

@@ -1,0 +1,76 @@
+#include "data/batch_impl.hpp"
+
+#include <dyn/error.hpp>
+
+#include <string>
+
+namespace dyn {
+
+template <class T>
+BasicBatchData<T>::BasicBatchData(const CompactModel& model, int capacity, Need needs, int threads) : impl_(std::make_unique<BatchImpl<T>>()) {
+  if (capacity < 1 || threads < 1)
+    throw Error(ErrorCode::argument,
+                "BatchData: capacity is " + std::to_string(capacity) + " and threads " + std::to_string(threads) + "; both must be at least 1");
+  const CompactImpl& m = model.impl();
+  BatchImpl<T>& d = *impl_;
+  d.model = &m;
+  d.keep = std::make_shared<CompactModel>(model);
+  d.needs = needs;
+  d.capacity = capacity;
+  d.kernels = &blockKernelsOf<T>(kernels::active());
+  d.workers = std::make_unique<Workers>(threads);
+  const bool mass_matrix = has(needs, Need::mass_matrix);
+  for (int i = 0; i < threads; ++i) {
+    if (m.couplings.empty()) {
+      d.scratch.emplace_back(d.kernels->bytes(m, mass_matrix));
+      d.kernels->prepare(m, mass_matrix, d.scratch.back().data());
+    } else {
+      d.single.emplace_back(model, Need::mass_matrix);
+      d.columns.emplace_back(Eigen::VectorXd::Zero(m.nq));
+      d.columns.emplace_back(Eigen::VectorXd::Zero(m.nv));
+      d.columns.emplace_back(Eigen::VectorXd::Zero(m.nv));
+    }
+  }
+  const auto n = static_cast<std::size_t>(capacity), nv = static_cast<std::size_t>(m.nv);
+  for (std::vector<T>* result : {&d.tau, &d.nle, &d.gravity, &d.ddq}) result->assign(nv * n, T(0));
+  if (mass_matrix) d.M.assign(nv * nv * n, T(0));
+  if (has(needs, Need::kinematics)) {
+    const std::size_t bodies = static_cast<std::size_t>(d.blocks() * d.kernels->lanes) * static_cast<std::size_t>(m.bodies()) * sizeof(T);
+    d.poses = PackMemory(12 * bodies);
+    d.velocities = PackMemory(6 * bodies);
+    d.accelerations = PackMemory(6 * bodies);
+  }
+}
+
+template <class T>
+BasicBatchData<T>::~BasicBatchData() = default;
+template <class T>
+BasicBatchData<T>::BasicBatchData(BasicBatchData&&) noexcept = default;
+template <class T>
+BasicBatchData<T>& BasicBatchData<T>::operator=(BasicBatchData&&) noexcept = default;
+
+template <class T>
+int BasicBatchData<T>::capacity() const {
+  return impl_->capacity;
+}
+template <class T>
+int BasicBatchData<T>::threads() const {
+  return impl_->workers->count();
+}
+template <class T>
+int BasicBatchData<T>::lanes() const {
+  return impl_->model->couplings.empty() ? impl_->kernels->lanes : 1;
+}
+template <class T>
+std::size_t BasicBatchData<T>::bytes() const {
+  const BatchImpl<T>& d = *impl_;
+  std::size_t sum = sizeof d + d.poses.bytes() + d.velocities.bytes() + d.accelerations.bytes();
+  for (const PackMemory& memory : d.scratch) sum += memory.bytes();
+  for (const Data& data : d.single) sum += data.bytes();
+  return sum + sizeof(T) * (d.tau.size() + d.nle.size() + d.gravity.size() + d.ddq.size() + d.M.size());
+}
+
+template class BasicBatchData<double>;
+template class BasicBatchData<float>;
+
+}  // namespace dyn

@@ -1,0 +1,54 @@
+// The memory behind BatchData: scratch for each thread, results of each kind.
+#pragma once
+
+#include "data/workers.hpp"
+#include "kernels/table.hpp"
+
+#include <dyn/data/batch_data.hpp>
+
+#include <memory>
+#include <vector>
+
+namespace dyn {
+
+/// Memory aligned for packs.
+class PackMemory {
+ public:
+  explicit PackMemory(std::size_t bytes = 0) : bytes_(bytes), block_(new char[bytes + Arena::alignment]()) {}
+  char* data() const { return aligned(block_.get()); }
+  std::size_t bytes() const { return bytes_ + Arena::alignment; }
+
+ private:
+  std::size_t bytes_;
+  std::unique_ptr<char[]> block_;
+};
+
+template <class T>
+struct BatchImpl {
+  const CompactImpl* model = nullptr;
+  std::shared_ptr<const CompactModel> keep;
+  Need needs = Need::state;
+  int capacity = 0;
+  const kernels::BlockKernels<T>* kernels = nullptr;
+  std::unique_ptr<Workers> workers;
+  std::vector<PackMemory> scratch;       ///< a thread each
+  std::vector<Data> single;              ///< a thread each, for models with couplings
+  std::vector<Eigen::VectorXd> columns;  ///< three a thread, for the same: q, v, a of one state
+
+  std::vector<T> tau, nle, gravity, ddq;        ///< nv numbers a state
+  std::vector<T> M;                             ///< nv * nv numbers a state
+  PackMemory poses, velocities, accelerations;  ///< by block of `lanes` states, then body, number, state
+
+  int blocks() const { return (capacity + kernels->lanes - 1) / kernels->lanes; }
+};
+
+template <class T>
+const kernels::BlockKernels<T>& blockKernelsOf(const kernels::Kernels& k) {
+  if constexpr (std::is_same_v<T, float>) {
+    return k.floats;
+  } else {
+    return k.doubles;
+  }
+}
+
+}  // namespace dyn
