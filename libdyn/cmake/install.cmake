@@ -7,6 +7,9 @@ install(TARGETS libdyn dyn_sdk libdyn_parsers EXPORT libdynTargets LIBRARY DESTI
 install(EXPORT libdynTargets NAMESPACE libdyn:: DESTINATION ${DYN_CMAKE_DIR})
 install(DIRECTORY libdyn/include/dyn libdyn/sdk/dyn_sdk parsers/include/dyn DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(TARGETS dyn_standard LIBRARY DESTINATION ${DYN_PLUGIN_DIR})
+foreach(isa ${libdyn_plugin_instruction_sets})
+  install(TARGETS dyn_standard_${isa} LIBRARY DESTINATION ${DYN_PLUGIN_DIR}/${isa})
+endforeach()
 
 configure_package_config_file(libdyn/cmake/libdynConfig.cmake.in ${CMAKE_BINARY_DIR}/libdynConfig.cmake INSTALL_DESTINATION ${DYN_CMAKE_DIR})
 write_basic_package_version_file(${CMAKE_BINARY_DIR}/libdynConfigVersion.cmake COMPATIBILITY SameMinorVersion)

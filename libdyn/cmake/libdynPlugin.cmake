@@ -1,8 +1,36 @@
-# libdyn_add_joint_plugin(NAME SOURCES...): a shared object of joint types, built as libdyn wants it.
+# libdyn_add_joint_plugin(NAME SOURCES... [OUTPUT_DIRECTORY DIR] [LINK_LIBRARIES LIBRARIES...]): a shared object of joint types, built as
+# libdyn wants it: NAME.so for every processor, and beside it avx2/NAME.so and avx512/NAME.so, which libdyn prefers where the processor
+# has them. Their targets are NAME_avx2 and NAME_avx512; libdyn_plugin_instruction_sets lists the suffixes.
+set(libdyn_plugin_instruction_sets)
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+  set(libdyn_plugin_instruction_sets avx2 avx512)
+endif()
+set(libdyn_options_avx2 -march=x86-64-v3)
+set(libdyn_options_avx512 -march=x86-64-v4)
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+  # gcc 12 warns of its own intrinsics (its bug 105593).
+  list(APPEND libdyn_options_avx512 -Wno-uninitialized -Wno-maybe-uninitialized)
+endif()
+
 function(libdyn_add_joint_plugin name)
-  add_library(${name} MODULE ${ARGN})
-  target_link_libraries(${name} PRIVATE libdyn::sdk)
-  set_target_properties(${name} PROPERTIES
-    PREFIX "" CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON POSITION_INDEPENDENT_CODE ON)
-  target_compile_options(${name} PRIVATE -fno-math-errno -fno-trapping-math)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "OUTPUT_DIRECTORY" "LINK_LIBRARIES")
+  if(NOT arg_OUTPUT_DIRECTORY)
+    set(arg_OUTPUT_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR})
+  endif()
+  foreach(isa "" ${libdyn_plugin_instruction_sets})
+    if(isa)
+      set(target ${name}_${isa})
+    else()
+      set(target ${name})
+    endif()
+    add_library(${target} MODULE ${arg_UNPARSED_ARGUMENTS})
+    target_link_libraries(${target} PRIVATE libdyn::sdk ${arg_LINK_LIBRARIES})
+    set_target_properties(${target} PROPERTIES
+      PREFIX "" OUTPUT_NAME ${name} LIBRARY_OUTPUT_DIRECTORY ${arg_OUTPUT_DIRECTORY}/${isa}
+      CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON POSITION_INDEPENDENT_CODE ON)
+    target_compile_options(${target} PRIVATE -fno-math-errno -fno-trapping-math ${libdyn_options_${isa}})
+    if(isa)
+      target_compile_options(${target} PRIVATE -ffp-contract=fast)
+    endif()
+  endforeach()
 endfunction()

@@ -34,6 +34,7 @@ struct DraftBody {
   int parent = 0;
   Inertia<long double> inertia;
   const JointType* type = nullptr;
+  const JointType* fast = nullptr;  ///< built for this processor
   JointInstance instance;
   std::vector<double> constants;
   SE3<long double> placement;  ///< pose of the joint in the parent's frame

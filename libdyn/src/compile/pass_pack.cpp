@@ -87,7 +87,7 @@ class Packer {
       if (is_new) {
         TypeBatch batch;
         batch.type = b.type;
-        batch.fast = b.type;
+        batch.fast = b.fast;
         batch.shape = b.instance.shape;
         batch.nq = b.instance.nq;
         batch.nv = b.instance.nv;

@@ -93,6 +93,7 @@ class Resolver {
     body.last_part = false;
     body.parent = parent;
     body.type = &type;
+    body.fast = &registry_.forProcessor(type);
     body.placement = cast<long double>(placement);
     const std::vector<ParameterArgument> arguments = checked.arguments();
     char message[256] = "";

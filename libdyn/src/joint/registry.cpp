@@ -1,4 +1,5 @@
 #include "joint/loader.hpp"
+#include "joint/processor.hpp"
 
 #include <dyn/joint/registry.hpp>
 
@@ -16,6 +17,7 @@ struct JointRegistry::Impl {
   std::map<std::string, std::string> origin;  // type name -> file; empty: the program itself
   std::vector<PluginRecord> plugins;
   std::vector<std::string> searched;
+  std::map<const JointType*, const JointType*> fast;  // type -> the same for this processor
 
   void add(const std::string& path, Trust trust);
 };
@@ -36,6 +38,20 @@ const Type* find(const std::vector<const Type*>& types, const std::string& name)
   return nullptr;
 }
 
+/// What lies in the folder of this process's instruction set beside a plugin, type by type.
+std::map<const JointType*, const JointType*> builtForProcessor(const std::string& path, Trust trust, const std::vector<const JointType*>& joints) {
+  std::error_code ignored;
+  const std::filesystem::path file = std::filesystem::canonical(path, ignored);
+  const std::filesystem::path other = file.parent_path() / instructionSet().name / file.filename();
+  if (!std::filesystem::exists(other, ignored)) return {};
+  const dyn_plugin_descriptor& d = openPlugin(other.string(), trust);
+  const auto fast_joints = typesOf<JointType>(d.joint_types, d.joint_type_count);
+  std::map<const JointType*, const JointType*> result;
+  for (const JointType* type : joints)
+    if (const JointType* fast = find(fast_joints, type->info().name)) result[type] = fast;
+  return result;
+}
+
 }  // namespace
 
 void JointRegistry::Impl::add(const std::string& path, Trust trust) {
@@ -46,6 +62,7 @@ void JointRegistry::Impl::add(const std::string& path, Trust trust) {
   for (const JointType* type : new_joints) record.types.emplace_back(type->info().name);
   for (const CouplingType* type : new_couplings) record.types.emplace_back(type->info().name);
   if (record.types.empty()) throw Error(ErrorCode::plugin, "exports no joint types", {path, 0, ""});
+  const std::map<const JointType*, const JointType*> faster = builtForProcessor(path, trust, new_joints);
   for (std::size_t i = 0; i < record.types.size(); ++i) {
     const std::string& name = record.types[i];
     const auto known = origin.find(name);
@@ -59,6 +76,7 @@ void JointRegistry::Impl::add(const std::string& path, Trust trust) {
       throw Error(ErrorCode::plugin, "exports joint type '" + name + "' twice", {path, 0, ""});
   }
   for (const std::string& name : record.types) origin[name] = path;
+  fast.insert(faster.begin(), faster.end());
   joints.insert(joints.end(), new_joints.begin(), new_joints.end());
   couplings.insert(couplings.end(), new_couplings.begin(), new_couplings.end());
   plugins.push_back(std::move(record));
@@ -133,6 +151,10 @@ const JointType& JointRegistry::jointType(const std::string& name, const Where& 
 const CouplingType& JointRegistry::couplingType(const std::string& name, const Where& where) const {
   if (const CouplingType* type = find(impl_->couplings, name)) return *type;
   notFound(*this, "coupling", name, where);
+}
+const JointType& JointRegistry::forProcessor(const JointType& type) const {
+  const auto found = impl_->fast.find(&type);
+  return found == impl_->fast.end() ? type : *found->second;
 }
 const std::vector<const JointType*>& JointRegistry::jointTypes() const { return impl_->joints; }
 const std::vector<const CouplingType*>& JointRegistry::couplingTypes() const { return impl_->couplings; }

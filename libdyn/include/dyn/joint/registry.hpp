@@ -43,6 +43,10 @@ class DYN_API JointRegistry {
   const JointType& jointType(const std::string& name, const Where& where = {}) const;
   const CouplingType& couplingType(const std::string& name, const Where& where = {}) const;
 
+  /// The same type built for this processor, if its plugin brings that (avx2/NAME.so and avx512/NAME.so beside NAME.so); else `type`.
+  /// For poses, subspaces and biases; DYN_SIMD says which, as for the library's own kernels.
+  const JointType& forProcessor(const JointType& type) const;
+
   const std::vector<const JointType*>& jointTypes() const;
   const std::vector<const CouplingType*>& couplingTypes() const;
   const std::vector<PluginRecord>& plugins() const;
