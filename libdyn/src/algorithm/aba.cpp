@@ -59,15 +59,22 @@ const double* aba(const CompactModel& model, Data& data, VectorView q, VectorVie
   const Inputs in = readInputs("aba", model, data, q, &v, nullptr);
   checkSize("aba", "tau", tau, m.nv);
   const Force<double>* external = readExternalForces("aba", m, d, fext, count);
-  evaluateJoints(m, d, in.q, in.v);
   const double* effective = tau.data;
   if (!m.damping.empty() || !m.friction.empty()) {
     std::copy(tau.data, tau.data + m.nv, d.tau);
     kernels::addLosses(m, -1.0, in.v, d.tau);
     effective = d.tau;
   }
-  kernels::active().single.aba(m, d, in.v, effective, external, d.ddq);
-  if (const int body = d.failed[0]; body != 0) refuseSingular("aba", m.joints[at(m.index[at(body)].joint)].name);
+  int body = 0;
+  if (useStrips(m) && external == nullptr) {
+    body = kernels::active().strips.aba(m, d.strips.data(), in.q, in.v, effective, d.ddq);
+    checkRotations(m, in.q, d.ddq);
+  } else {
+    evaluateJoints(m, d, in.q, in.v);
+    kernels::active().single.aba(m, d, in.v, effective, external, d.ddq);
+    body = d.failed[0];
+  }
+  if (body != 0) refuseSingular("aba", m.joints[at(m.index[at(body)].joint)].name);
   return d.ddq;
 }
 

@@ -9,6 +9,11 @@ namespace dyn::detail {
 namespace {
 
 const double* inverseDynamics(const CompactImpl& m, DataImpl& d, const Inputs& in, const Force<double>* fext, double* result) {
+  if (useStrips(m) && fext == nullptr) {
+    kernels::active().strips.rnea(m, d.strips.data(), in.q, in.v, in.a, result);
+    checkRotations(m, in.q, result);
+    return result;
+  }
   evaluateJoints(m, d, in.q, in.v);
   double* tau = m.couplings.empty() ? result : d.taux;
   kernels::active().single.rnea(m, d, in.v, in.a, fext, tau);

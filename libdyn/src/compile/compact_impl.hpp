@@ -1,6 +1,8 @@
 // The compact model: hot constants by body, batches by type, runs in depth-first order. Written once by pack(), then constant.
 #pragma once
 
+#include "compile/strips.hpp"
+
 #include <dyn/compile/compact_model.hpp>
 #include <dyn/joint/joint_type.hpp>
 
@@ -77,6 +79,8 @@ struct CompactImpl {
   std::vector<TypeBatch> batches;
   std::vector<Run> runs;
   std::vector<int> tree_end;  ///< one past the last body of each body's subtree
+
+  StripPlan strips;
 
   std::vector<PackedCoupling> couplings;
   std::vector<int> q_of_user, v_of_user;  ///< user's index -> expanded index; empty without couplings

@@ -29,6 +29,12 @@ class Packer {
     losses();
     out_->report.passes.push_back("pack: " + std::to_string(out_->batches.size()) + " type batches, " + std::to_string(out_->runs.size()) +
                                   " runs: " + std::to_string(out_->batches.size() + out_->runs.size()) + " dispatches an evaluation");
+    out_->strips = planStrips(*out_);
+    const int strips = static_cast<int>(out_->strips.strips.size()) - 1;
+    out_->report.passes.push_back(strips < 1 ? std::string("strips: none, one body after the other")
+                                             : "strips: " + std::to_string(out_->bodies() - 1) + " joints in " + std::to_string(strips) +
+                                                   " strips of 4 lanes; " +
+                                                   (out_->strips.used ? "rnea and aba use them" : "one body after the other is faster"));
     return out_;
   }
 

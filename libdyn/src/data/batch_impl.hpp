@@ -11,18 +11,6 @@
 
 namespace dyn {
 
-/// Memory aligned for packs.
-class PackMemory {
- public:
-  explicit PackMemory(std::size_t bytes = 0) : bytes_(bytes), block_(new char[bytes + Arena::alignment]()) {}
-  char* data() const { return aligned(block_.get()); }
-  std::size_t bytes() const { return bytes_ + Arena::alignment; }
-
- private:
-  std::size_t bytes_;
-  std::unique_ptr<char[]> block_;
-};
-
 template <class T>
 struct BatchImpl {
   const CompactImpl* model = nullptr;

@@ -53,17 +53,20 @@ Data::Data(const CompactModel& model, Need needs) : impl_(std::make_unique<DataI
   impl_->dual.resize(m.batches.size());
   Arena count(nullptr);
   carveAll(*impl_, m, count);
-  impl_->size = count.used() + Arena::alignment;
-  impl_->block = std::make_unique<char[]>(impl_->size);  // zeroed
-  Arena arena(aligned(impl_->block.get()));
+  impl_->block = PackMemory(count.used());  // zeroed
+  Arena arena(impl_->block.data());
   carveAll(*impl_, m, arena);
   atRest<double>(*impl_);
+  if (const kernels::StripKernels& strips = kernels::active().strips; m.strips.used && strips.bytes) {
+    impl_->strips = PackMemory(strips.bytes(m));
+    strips.prepare(m, impl_->strips.data());
+  }
 }
 
 Data::~Data() = default;
 Data::Data(Data&&) noexcept = default;
 Data& Data::operator=(Data&&) noexcept = default;
 
-std::size_t Data::bytes() const { return impl_->size + impl_->dual.size() * sizeof(DualMemory) + sizeof(DataImpl); }
+std::size_t Data::bytes() const { return impl_->block.bytes() + impl_->strips.bytes() + impl_->dual.size() * sizeof(DualMemory) + sizeof(DataImpl); }
 
 }  // namespace dyn

@@ -21,8 +21,8 @@ struct DataImpl : Workspace<double> {
   const CompactImpl* model = nullptr;
   std::shared_ptr<const void> keep;  ///< the model lives as long as its data
   Need needs = Need::state;
-  std::unique_ptr<char[]> block;
-  std::size_t size = 0;
+  PackMemory block;
+  PackMemory strips;  ///< scratch of the strips' kernels, where the model uses them
 
   std::vector<DualMemory> dual;  ///< a batch each
 

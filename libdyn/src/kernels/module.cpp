@@ -1,10 +1,14 @@
 // The table of a shared object for one instruction set, which is whatever this file is compiled for.
 #include "kernels/instantiate.hpp"
+#include "kernels/strips.hpp"
 
 #include <dyn_sdk/pack.hpp>
 
 extern "C" __attribute__((visibility("default"))) const dyn::kernels::Kernels* dyn_kernels() {
   using namespace dyn::kernels;
-  static const Kernels table{DYN_KERNELS_NAME, layoutStamp(), singleKernels(), blockKernels<dyn::Pack<double>>(), blockKernels<dyn::Pack<float>>()};
+  // Four joints in lanes whatever the width: limbs come in twos and fours.
+  using Quad = dyn::Pack<double, xsimd::fma3<xsimd::avx2>>;
+  static const Kernels table{DYN_KERNELS_NAME,    layoutStamp(), singleKernels(), blockKernels<dyn::Pack<double>>(), blockKernels<dyn::Pack<float>>(),
+                             stripKernels<Quad>()};
   return &table;
 }

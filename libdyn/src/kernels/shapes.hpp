@@ -181,7 +181,8 @@ struct Dense {
 };
 
 /// Hands a kernel over to the shape of a run: `kernel.template operator()<Shape>()`. The one dispatch of a run.
-template <class S, class Kernel>
+/// Without `constants` there are no dense_constant shapes.
+template <class S, bool constants = true, class Kernel>
 void withShape(Shape shape, int nv, Kernel&& kernel) {
   const auto dense = [&]<bool varying>() {
     switch (nv) {
@@ -213,7 +214,8 @@ void withShape(Shape shape, int nv, Kernel&& kernel) {
     case Shape::free:
       return kernel.template operator()<Free<S>>();
     case Shape::dense_constant:
-      return dense.template operator()<false>();
+      if constexpr (constants) dense.template operator()<false>();
+      return;
     case Shape::dense:
       return dense.template operator()<true>();
   }

@@ -19,6 +19,15 @@ struct SingleKernels {
   void (*aba)(const CompactImpl&, Workspace<double>&, const double* v, const double* tau, const Force<double>* fext, double* ddq);
 };
 
+/// One state with joints in lanes; all null where packs are too narrow. Vectors are the user's; no couplings.
+struct StripKernels {
+  std::size_t (*bytes)(const CompactImpl&) = nullptr;
+  void (*prepare)(const CompactImpl&, char* scratch) = nullptr;
+  void (*rnea)(const CompactImpl&, char* scratch, const double* q, const double* v, const double* a, double* tau) = nullptr;
+  /// Returns the body whose pivot vanished, or 0.
+  int (*aba)(const CompactImpl&, char* scratch, const double* q, const double* v, const double* tau, double* ddq) = nullptr;
+};
+
 enum class Task { kinematics, rnea, mass_matrix, aba };
 
 /// As many states as a pack has lanes, from columns of the caller's matrices. Null inputs count as zero.
@@ -48,8 +57,9 @@ struct BlockKernels {
 /// Changes with the layout of what tables and library share, so that a table of another build is not used.
 constexpr std::size_t layoutStamp() {
   std::size_t stamp = 1;
-  for (const std::size_t size : {sizeof(CompactImpl), sizeof(BodyIndex), sizeof(BodyConstants<double>), sizeof(TypeBatch), sizeof(Run),
-                                 sizeof(Workspace<double>), sizeof(Block<double>), sizeof(Block<float>), sizeof(JointBatch<double>)})
+  for (const std::size_t size :
+       {sizeof(CompactImpl), sizeof(BodyIndex), sizeof(BodyConstants<double>), sizeof(TypeBatch), sizeof(Run), sizeof(Strip), sizeof(StripPlan),
+        sizeof(Workspace<double>), sizeof(Block<double>), sizeof(Block<float>), sizeof(JointBatch<double>)})
     stamp = stamp * 1000003 + size;
   return stamp;
 }
@@ -60,6 +70,7 @@ struct Kernels {
   SingleKernels single;
   BlockKernels<double> doubles;
   BlockKernels<float> floats;
+  StripKernels strips = {};
 };
 
 /// The one in use: the best that the processor has, or what DYN_SIMD asks for. Throws Error(argument) when that cannot be had.

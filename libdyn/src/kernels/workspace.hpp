@@ -55,7 +55,7 @@ struct Workspace {
 /// Hands out arrays of one block: first without a block, to count, then with it. Everything is aligned to the widest packs.
 class Arena {
  public:
-  static constexpr std::size_t alignment = 64;
+  static constexpr std::size_t alignment = PackMemory::alignment;
   explicit Arena(char* base) : base_(base) {}
   template <class T>
   void take(T*& field, std::size_t count) {
@@ -69,11 +69,6 @@ class Arena {
   char* base_;
   std::size_t used_ = 0;
 };
-
-inline char* aligned(char* p) {
-  const auto address = reinterpret_cast<std::uintptr_t>(p);
-  return p + ((Arena::alignment - address % Arena::alignment) % Arena::alignment);
-}
 
 template <class S>
 void carve(Workspace<S>& w, const CompactImpl& m, Arena& arena) {

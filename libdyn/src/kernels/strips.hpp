@@ -1,0 +1,238 @@
+// Recursions over strips: the kernels for bodies, with four joints in the lanes of a pack.
+#pragma once
+
+#include "kernels/aba.hpp"
+#include "kernels/losses.hpp"
+#include "kernels/rnea.hpp"
+
+#include <dyn_sdk/pack.hpp>
+
+#include <algorithm>
+
+namespace dyn::kernels {
+
+/// Four numbers from where `index` says.
+template <class S>
+S gathered(const double* from, const std::int64_t* index) {
+  return S::Batch::gather(from, xsimd::batch<std::int64_t, typename S::Batch::arch_type>::load_unaligned(index));
+}
+
+template <class S>
+struct Strips {
+  const CompactImpl& m;
+  Workspace<S>& w;
+
+  const BodyConstants<S>& constants(int i) const { return reinterpret_cast<const BodyConstants<S>*>(m.strips.constants.data())[i]; }
+  S armature(int dof) const { return S::load(m.strips.armature.data() + strip_lanes * dof); }
+  Vec3<S> gravity() const { return cast<S>(m.gravity); }
+  bool isRoot(int i) const { return strip(i).parent == 0; }
+  int depth(int i) const { return strip(i).depth; }
+
+  /// What the parents in other lanes have, in the lanes of their children.
+  template <class T>
+  T parent(const T* array, int i) const {
+    const Strip& s = strip(i);
+    if (s.aligned) return array[s.parent];
+    const auto* from = reinterpret_cast<const double*>(array + s.parent);
+    T out;
+    S* to = reinterpret_cast<S*>(&out);
+    for (std::size_t k = 0; k < sizeof(T) / sizeof(S); ++k) to[k] = gathered<S>(from + strip_lanes * k, s.parent_lane);
+    return out;
+  }
+  template <class T>
+  void addToParent(T* array, int i, const T& value) const {
+    const Strip& s = strip(i);
+    if (s.aligned) {
+      array[s.parent] += value;
+      return;
+    }
+    const T copy = value;
+    const auto* from = reinterpret_cast<const double*>(&copy);
+    S* to = reinterpret_cast<S*>(array + s.parent);
+    for (int l = 0; l < strip_lanes; ++l) {
+      if (s.body[l] < 0) continue;
+      const S here = only(static_cast<int>(s.parent_lane[l]));
+      for (std::size_t k = 0; k < sizeof(T) / sizeof(S); ++k) to[k] += here * S(from[strip_lanes * static_cast<std::ptrdiff_t>(k) + l]);
+    }
+  }
+
+  template <class Body>
+  void forward(Body&& body) const {
+    const int n = static_cast<int>(m.strips.strips.size());
+    for (int first = 1, end; first < n; first = end) {
+      for (end = first; end < n && alike(first, end);) ++end;
+      withShape<S, false>(strip(first).shape, strip(first).nv, [&]<class Joint>() DYN_RUN_LOOP {
+        for (int i = first; i < end; ++i) {
+          const Slot<S> slot = slotOf(i);
+          body(Joint(slot), i, strip(i).dof);
+        }
+      });
+    }
+  }
+  template <class Body>
+  void backward(Body&& body) const {
+    for (int end = static_cast<int>(m.strips.strips.size()), first; end > 1; end = first) {
+      for (first = end - 1; first > 1 && alike(first - 1, end - 1);) --first;
+      withShape<S, false>(strip(first).shape, strip(first).nv, [&]<class Joint>() DYN_RUN_LOOP {
+        for (int i = end - 1; i >= first; --i) {
+          const Slot<S> slot = slotOf(i);
+          body(Joint(slot), i, strip(i).dof);
+        }
+      });
+    }
+  }
+
+ private:
+  const Strip& strip(int i) const { return m.strips.strips[static_cast<std::size_t>(i)]; }
+  bool alike(int i, int j) const { return strip(i).shape == strip(j).shape && strip(i).nv == strip(j).nv; }
+  Slot<S> slotOf(int i) const {
+    const Strip& s = strip(i);
+    const JointMemory<S>& b = w.joints[s.batch];
+    return {b.pose + s.slot, b.subspace ? b.subspace + s.slot : nullptr, b.stride, nullptr, b.bias ? b.bias + s.slot : nullptr, b.stride};
+  }
+  /// One in a lane, zero in the others.
+  static S only(int lane) {
+    alignas(64) static constexpr double unit[2 * strip_lanes - 1] = {0, 0, 0, 1, 0, 0, 0};
+    return S::load(unit + strip_lanes - 1 - lane);
+  }
+};
+
+/// Scratch of a model's strips.
+template <class S>
+struct StripScratch {
+  Workspace<S> w;
+  S *v, *a, *result;
+
+  static std::size_t carve(StripScratch& s, const CompactImpl& m, char* base) {
+    const StripPlan& plan = m.strips;
+    Arena arena(base);
+    arena.take(s.w.joints, m.batches.size());
+    JointMemory<S> counted;
+    for (std::size_t b = 0; b < m.batches.size(); ++b) {
+      const TypeBatch& batch = m.batches[b];
+      JointMemory<S>& memory = s.w.joints ? s.w.joints[b] : counted;
+      memory = {};
+      const auto slots = static_cast<std::size_t>(plan.batches[b].slots);
+      memory.stride = plan.batches[b].slots;
+      arena.take(memory.pose, static_cast<std::size_t>(poseSize(batch.shape)) * slots);
+      arena.take(memory.q, static_cast<std::size_t>(batch.nq) * slots);
+      if (batch.shape != Shape::dense) continue;
+      arena.take(memory.subspace, static_cast<std::size_t>(6 * batch.nv) * slots);
+      arena.take(memory.bias, 6 * slots);
+      arena.take(memory.v, static_cast<std::size_t>(batch.nv) * slots);
+    }
+    const std::size_t n = plan.strips.size();
+    arena.take(s.w.rel, n);
+    arena.take(s.w.a, n);
+    arena.take(s.w.w, n);
+    arena.take(s.w.f, n);
+    arena.take(s.w.R, n);
+    arena.take(s.w.r, n);
+    arena.take(s.w.beta, n);
+    arena.take(s.w.IA, n);
+    arena.take(s.w.pA, n);
+    arena.take(s.w.acc, n);
+    const auto dofs = static_cast<std::size_t>(plan.dofs);
+    arena.take(s.w.dof, dofs);
+    arena.take(s.v, dofs);
+    arena.take(s.a, dofs);
+    arena.take(s.result, dofs);
+    return arena.used();
+  }
+};
+
+/// Poses, subspaces and (with v) biases of all joints, strip by strip in the lanes.
+template <class S>
+void evaluateStrips(const CompactImpl& m, Workspace<S>& w, const double* q, const double* v) {
+  for (std::size_t b = 0; b < m.batches.size(); ++b) {
+    const TypeBatch& batch = m.batches[b];
+    const StripBatch& strips = m.strips.batches[b];
+    const JointMemory<S>& memory = w.joints[b];
+    const int items = strips.slots * strip_lanes;
+    // Component c of all items, four at a time.
+    const auto gather = [&](const double* from, const std::vector<std::int64_t>& index, int size, S* to) {
+      for (int c = 0; c < size; ++c)
+        for (int k = 0; k < strips.slots; ++k) to[c * strips.slots + k] = gathered<S>(from + c, index.data() + strip_lanes * k);
+    };
+    JointBatch<double> call;
+    call.count = items;
+    call.constants = strips.constants.data();
+    call.constant_count = batch.constant_count;
+    call.constants_stride = call.stride = call.q_stride = call.v_stride = items;
+    gather(q, strips.q_index, batch.nq, memory.q);
+    call.q = reinterpret_cast<const double*>(memory.q);
+    if (memory.v && v) {
+      gather(v, strips.v_index, batch.nv, memory.v);
+      call.v = reinterpret_cast<const double*>(memory.v);
+      call.bias = reinterpret_cast<double*>(memory.bias);
+    }
+    call.pose = reinterpret_cast<double*>(memory.pose);
+    call.subspace = reinterpret_cast<double*>(memory.subspace);
+    batch.fast->kinematics(call);
+  }
+}
+
+template <class S>
+void gatherDofs(const StripPlan& plan, const double* from, S* to) {
+  for (int k = 0; k < plan.dofs; ++k) to[k] = gathered<S>(from, plan.dof_index.data() + strip_lanes * k);
+}
+
+/// Lanes without a body repeat another's degree of freedom; that one's own lane is written last, or is the only one.
+template <class S>
+void scatterDofs(const StripPlan& plan, const S* from, double* to) {
+  const auto* numbers = reinterpret_cast<const double*>(from);
+  for (std::size_t s = 1; s < plan.strips.size(); ++s) {
+    const Strip& strip = plan.strips[s];
+    for (int l = 0; l < strip_lanes; ++l) {
+      if (strip.body[l] < 0) continue;
+      for (int k = 0; k < strip.nv; ++k) {
+        const std::ptrdiff_t i = static_cast<std::ptrdiff_t>(strip.dof + k) * strip_lanes + l;
+        to[plan.dof_index[static_cast<std::size_t>(i)]] = numbers[i];
+      }
+    }
+  }
+}
+
+template <class S>
+StripKernels stripKernels() {
+  StripKernels k;
+  k.bytes = [](const CompactImpl& m) {
+    StripScratch<S> counted;
+    return (sizeof(StripScratch<S>) + Arena::alignment - 1) / Arena::alignment * Arena::alignment + StripScratch<S>::carve(counted, m, nullptr);
+  };
+  k.prepare = [](const CompactImpl& m, char* scratch) {
+    constexpr std::size_t head = (sizeof(StripScratch<S>) + Arena::alignment - 1) / Arena::alignment * Arena::alignment;
+    auto* s = new (scratch) StripScratch<S>;
+    StripScratch<S>::carve(*s, m, scratch + head);
+    s->w.R[0] = Mat3<S>::identity();
+  };
+  k.rnea = [](const CompactImpl& m, char* scratch, const double* q, const double* v, const double* a, double* tau) {
+    auto& s = *reinterpret_cast<StripScratch<S>*>(scratch);
+    const Strips<S> strips{m, s.w};
+    evaluateStrips(m, s.w, q, v);
+    gatherDofs(m.strips, v, s.v);
+    gatherDofs(m.strips, a, s.a);
+    rneaOutward(strips, s.w, s.v, s.a, static_cast<const Force<S>*>(nullptr));
+    rneaInward(strips, s.w, s.result);
+    scatterDofs(m.strips, s.result, tau);
+    addArmature(m, a, tau);
+    addLosses(m, 1.0, v, tau);
+  };
+  k.aba = [](const CompactImpl& m, char* scratch, const double* q, const double* v, const double* tau, double* ddq) {
+    auto& s = *reinterpret_cast<StripScratch<S>*>(scratch);
+    const Strips<S> strips{m, s.w};
+    evaluateStrips(m, s.w, q, v);
+    gatherDofs(m.strips, v, s.v);
+    gatherDofs(m.strips, tau, s.a);
+    abaOutward(strips, s.w, s.v, static_cast<const Force<S>*>(nullptr));
+    abaInward(strips, s.w, s.a);
+    abaSolve(strips, s.w, s.result);
+    scatterDofs(m.strips, s.result, ddq);
+    for (int l = 0; l < strip_lanes; ++l)
+      if (s.w.failed[l] != 0) return m.strips.strips[static_cast<std::size_t>(s.w.failed[l])].body[l];
+    return 0;
+  };
+  return k;
+}
+
+}  // namespace dyn::kernels
