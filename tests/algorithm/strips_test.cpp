@@ -1,0 +1,93 @@
+// Joints in lanes give what one joint after the other gives. External forces of zero take the way without lanes.
+#include "support/catch.hpp"
+#include "support/random_model.hpp"
+#include "support/registry.hpp"
+
+using namespace dyn;
+using namespace dyn::test;
+
+namespace {
+
+bool usesStrips(const CompactModel& model) {
+  for (const std::string& line : model.report().passes)
+    if (line.find("rnea and aba use them") != std::string::npos) return true;
+  return false;
+}
+
+/// Many limbs: each body hangs on one of those a few before it. All types but those of constant dense subspaces, which are never in lanes.
+Model bush(int n, std::uint64_t seed, bool many_types) {
+  Random random(seed);
+  Model model;
+  model.gravity = random.vector(10);
+  std::vector<const JointType*> types;
+  for (const JointType* type : registry().jointTypes()) {
+    const std::string name = type->info().name;
+    if (name == "revolute" || (many_types && name != "helical" && name != "cylindrical" && name != "composite")) types.push_back(type);
+  }
+  for (int i = 0; i < n; ++i) {
+    const JointTypeInfo& info = types[static_cast<std::size_t>(random.below(static_cast<int>(types.size())))]->info();
+    JointDescription joint;
+    joint.name = "j" + std::to_string(i);
+    joint.type = info.name;
+    joint.parameters = exampleParameters(info, seed + static_cast<std::uint64_t>(i));
+    joint.placement = random.pose();
+    const auto nv = static_cast<std::size_t>(degreesOfFreedom(joint, registry()));
+    joint.armature.assign(nv, random.uniform(0, 0.1));
+    joint.damping.assign(nv, random.uniform(0, 1));
+    joint.friction.assign(nv, random.uniform(0, 0.5));
+    model.addBody("b" + std::to_string(i), std::max(0, i - random.below(8)), joint, random.inertia());
+  }
+  return model;
+}
+
+}  // namespace
+
+TEST_CASE("strips give what one body after the other gives", "[strips]") {
+  const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 12)));
+  const bool many_types = seed % 2 == 0;
+  const CompactModel model = compile(bush(many_types ? 120 : 30, seed, many_types), registry());
+  Data data(model, Need::mass_matrix), other(model, Need::mass_matrix);
+  Random random(seed);
+  const Eigen::VectorXd q = integrate(model, neutral(model), Eigen::VectorXd(random.vector(model.nv(), 0.4).array() + 0.8));
+  const Eigen::VectorXd v = random.vector(model.nv(), 1), a = random.vector(model.nv(), 1);
+  const ExternalForces none(model.joints().size());
+  const Eigen::VectorXd tau = rnea(model, data, q, v, a), plain = rnea(model, other, q, v, a, none);
+  CHECK((tau - plain).cwiseAbs().maxCoeff() < 1e-13 * plain.cwiseAbs().maxCoeff());
+  const Eigen::VectorXd ddq = aba(model, data, q, v, tau), plain_ddq = aba(model, other, q, v, tau, none);
+  CHECK((ddq - plain_ddq).cwiseAbs().maxCoeff() < 1e-9 * (1 + plain_ddq.cwiseAbs().maxCoeff()));
+  CHECK((ddq - a).cwiseAbs().maxCoeff() < 1e-8 * (1 + a.cwiseAbs().maxCoeff()));
+  CHECK((nonLinearEffects(model, data, q, v) - rnea(model, other, q, v, Eigen::VectorXd::Zero(model.nv()), none)).cwiseAbs().maxCoeff() <
+        1e-13 * plain.cwiseAbs().maxCoeff());
+}
+
+TEST_CASE("a chain has no strips, a hand of many fingers has", "[strips]") {
+  Model chain, hand;
+  const Inertia<double> Y{1, {0.1, 0, 0}, {1, 0, 0, 1, 0, 1}};
+  for (int i = 0; i < 20; ++i) {
+    JointDescription joint;
+    joint.name = "j" + std::to_string(i);
+    joint.type = "revolute";
+    joint.parameters["axis"] = std::vector<double>{0, 1, 0};
+    chain.addBody("b" + std::to_string(i), i, joint, Y);
+    hand.addBody("b" + std::to_string(i), i % 5 == 0 ? 0 : i, joint, Y);
+  }
+  CHECK(!usesStrips(compile(chain, registry())));
+  const CompactModel fingers = compile(hand, registry());
+  for (const std::string& line : fingers.report().passes)
+    if (line.rfind("strips: 20", 0) == 0) CHECK(line.find("20 joints in 5 strips of 4 lanes; rnea and aba use them") != std::string::npos);
+}
+
+TEST_CASE("what is singular is named from within a strip", "[strips]") {
+  Model model;
+  for (int i = 0; i < 8; ++i) {
+    JointDescription joint;
+    joint.name = "j" + std::to_string(i);
+    joint.type = "revolute";
+    joint.parameters["axis"] = std::vector<double>{0, 0, 1};
+    model.addBody("b" + std::to_string(i), 0, joint, i == 6 ? Inertia<double>{} : Inertia<double>{1, {}, {1, 0, 0, 1, 0, 1}});
+  }
+  const CompactModel compact = compile(model, registry());
+  Data data(compact);
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(8);
+  CHECK_THROWS_WITH(aba(compact, data, zero, zero, zero), containing("'j6'"));
+}
