@@ -155,14 +155,102 @@ void checkSet(const std::string& name) {
   }
 }
 
+/// The same quantities, all samples of a set as one batch. Floats start from states, and a model, rounded to floats: their reference is
+/// the double computation of the rounded states.
+template <class T>
+void checkBatch(const std::string& name) {
+  const Set set = load(name);
+  const CompactModel& model = set.model;
+  const nlohmann::json& samples = set.document["samples"];
+  const auto n = static_cast<Eigen::Index>(samples.size());
+  using Matrix = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>;
+  Matrix q(model.nq(), n), v(model.nv(), n), a(model.nv(), n), tau(model.nv(), n);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const nlohmann::json& sample = samples[static_cast<std::size_t>(k)];
+    q.col(k) = vectorOf(sample["q"]).cast<T>();
+    v.col(k) = vectorOf(sample["v"]).cast<T>();
+    a.col(k) = vectorOf(sample["a"]).cast<T>();
+    tau.col(k) = vectorOf(sample["tau"]).cast<T>();
+  }
+  constexpr bool is_double = std::is_same_v<T, double>;
+  const std::string mode = is_double ? " batch" : " batch float";
+  BasicBatchData<T> batch(model, static_cast<int>(n), Need::mass_matrix, 2);
+  Data data(model, Need::mass_matrix);
+  Worst worst(name);
+  const auto numbers = [](const auto& column) {
+    std::vector<double> out;
+    for (Eigen::Index i = 0; i < column.size(); ++i) out.push_back(static_cast<double>(column[i]));
+    return out;
+  };
+  // In units of T's own rounding.
+  const double unit = is_double ? 1 : 0x1p-24 / 0x1p-53;
+  const Matrix forces = rnea(model, batch, q, v, a), M = crba(model, batch, q);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const nlohmann::json& truth = samples[static_cast<std::size_t>(k)]["truth"];
+    const Eigen::VectorXd qd = q.col(k).template cast<double>(), vd = v.col(k).template cast<double>(), ad = a.col(k).template cast<double>();
+    const auto reference = [&](const char* key, const std::vector<double>& found) {
+      return is_double ? flatten(truth[key]) : std::vector<long double>(found.begin(), found.end());
+    };
+    if (truth.contains("rnea_scale"))
+      worst.check(
+          "rnea" + mode,
+          scaledError(numbers(forces.col(k)), reference("rnea", rowMajor(rnea(model, data, qd, vd, ad))), flatten(truth["rnea_scale"])) / unit, 10);
+    if (truth.contains("M")) {
+      const Eigen::MatrixXd single = crba(model, data, qd);
+      worst.check("M" + mode, relativeError(numbers(M.col(k)), reference("M", rowMajor(single))) / unit, 15);
+    }
+  }
+  bool regular = true;
+  for (const auto& sample : samples) regular = regular && sample["truth"].contains("aba_scale");
+  if (!regular || !is_double) return;
+  const Matrix accelerations = aba(model, batch, q, v, tau);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const nlohmann::json& truth = samples[static_cast<std::size_t>(k)]["truth"];
+    worst.check("aba" + mode, scaledError(numbers(accelerations.col(k)), flatten(truth["aba"]), flatten(truth["aba_scale"])), 4);
+  }
+}
+
+const std::vector<std::string> sets = {"lwr",
+                                       "lwr_bigangle",
+                                       "lwr_tinyangle",
+                                       "hyq",
+                                       "hyq_far",
+                                       "hyq_fast",
+                                       "human",
+                                       "talos",
+                                       "chain_2",
+                                       "chain_10",
+                                       "chain_100",
+                                       "big_chain_200",
+                                       "collinear_1e-8",
+                                       "free_body_a",
+                                       "free_body_b",
+                                       "free_body_c",
+                                       "joint_helical",
+                                       "joint_planar",
+                                       "joint_prismatic",
+                                       "joint_translation",
+                                       "joint_universal",
+                                       "joint_continuous",
+                                       "leaf_mass_1e-12",
+                                       "massless_links",
+                                       "massratio_12",
+                                       "pendulum_double",
+                                       "pendulum_simple",
+                                       "rope_10",
+                                       "zoo",
+                                       "custom_cam",
+                                       "custom_screw"};
+
 }  // namespace
+
+TEST_CASE("batches are within the same budgets, in double and in float", "[truth]") {
+  DYN_NEEDS_SHARED();
+  for (const std::string& name : sets) checkBatch<double>(name);
+  for (const std::string name : {"lwr", "hyq", "human", "talos", "chain_10", "zoo"}) checkBatch<float>(name);
+}
 
 TEST_CASE("algorithms are within their error budgets of the 25-digit truth", "[truth]") {
   DYN_NEEDS_SHARED();
-  const std::string name =
-      GENERATE(as<std::string>{}, "lwr", "lwr_bigangle", "lwr_tinyangle", "hyq", "hyq_far", "hyq_fast", "human", "talos", "chain_2", "chain_10",
-               "chain_100", "big_chain_200", "collinear_1e-8", "free_body_a", "free_body_b", "free_body_c", "joint_continuous", "joint_helical",
-               "joint_planar", "joint_prismatic", "joint_translation", "joint_universal", "leaf_mass_1e-12", "massless_links", "massratio_12",
-               "pendulum_double", "pendulum_simple", "rope_10", "zoo", "custom_cam", "custom_screw");
-  checkSet(name);
+  for (const std::string& name : sets) checkSet(name);
 }

@@ -72,11 +72,11 @@ void abaInward(const Order& order, Workspace<S>& w, const S* tau) {
       const S pivot = dot(dof[k].S_, U) + order.armature(iv + k);
       noteVanishing(pivot, dof[k].S_, IA, i, w.failed);
       const S inverse = S(1) / pivot;
-      dof[k].d = pivot;
+      dof[k].inverse = inverse;
       dof[k].W = U;
-      dof[k].y = tau[iv + k] - dot(dof[k].S_, pA);
+      dof[k].y = (tau[iv + k] - dot(dof[k].S_, pA)) / pivot;
       IA.subtractOuter(U, inverse * U);
-      pA += (dof[k].y * inverse) * U;
+      pA += dof[k].y * U;
     }
     if (!order.isRoot(i)) {
       pA += IA * w.beta[i];
@@ -100,7 +100,7 @@ void abaSolve(const Order& order, Workspace<S>& w, S* ddq) {
     a += w.beta[i];
     for (int k = Joint::nv - 1; k >= 0; --k) {
       const DofFactor<S>& f = w.dof[iv + k];
-      ddq[iv + k] = (f.y - dot(a, f.W)) / f.d;
+      ddq[iv + k] = f.y - dot(a, f.W) * f.inverse;
       a += ddq[iv + k] * f.S_;
     }
     w.acc[i] = a;

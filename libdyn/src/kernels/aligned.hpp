@@ -24,7 +24,7 @@ void placeAligned(const Joint& joint, const Order& order, const SE3<S>& placemen
     w.r[i] = {};
   } else {
     const Mat3<S>& parent = order.parent(w.R, i);
-    w.R[i] = composedRotation(parent, rel.R, order.depth(i));
+    w.R[i] = composedRotation(parent, rel.R);
     w.r[i] = parent * rel.p;
   }
 }

@@ -26,7 +26,6 @@ struct Strips {
   S armature(int dof) const { return S::load(m.strips.armature.data() + strip_lanes * dof); }
   Vec3<S> gravity() const { return cast<S>(m.gravity); }
   bool isRoot(int i) const { return strip(i).parent == 0; }
-  int depth(int i) const { return strip(i).depth; }
 
   /// What the parents in other lanes have, in the lanes of their children.
   template <class T>

@@ -32,7 +32,6 @@ struct Bodies {
   S armature(int dof) const { return m.armature.empty() ? S(0) : S(static_cast<Real<S>>(m.armature[static_cast<std::size_t>(dof)])); }
   Vec3<S> gravity() const { return cast<S>(m.gravity); }
   bool isRoot(int i) const { return parentOf(i) == 0; }
-  int depth(int i) const { return index(i).depth; }
 
   template <class T>
   const T& parent(const T* array, int i) const {
@@ -89,17 +88,22 @@ SE3<S> placedInParent(const Joint& joint, const SE3<S>& placement) {
   return rel;
 }
 
-/// A matrix that rounding has moved off the rotations, brought back: one Newton step of the polar decomposition (Higham 1986).
+/// R_parent R_rel, brought back to the rotations by one Newton step of the polar decomposition, R - R (R^T R - 1) / 2 (Higham 1986).
+/// Inertias turned by a matrix that is not quite a rotation grow or shrink, and a pivot has its error four times.
 template <class S>
-Mat3<S> orthonormalized(const Mat3<S>& R) {
-  return S(0.5) * (R * (S(3) * Mat3<S>::identity() - transpose(R) * R));
-}
-
-/// R_parent R_rel. Long products drift off the rotations, and inertias turned by them grow or shrink; every 16 joints that is undone.
-template <class S>
-Mat3<S> composedRotation(const Mat3<S>& parent, const Mat3<S>& rel, int depth) {
+Mat3<S> composedRotation(const Mat3<S>& parent, const Mat3<S>& rel) {
   const Mat3<S> R = parent * rel;
-  return depth % 16 == 0 ? orthonormalized(R) : R;
+  const Vec3<S> x = R.col(0), y = R.col(1), z = R.col(2);
+  const S half(0.5);
+  const S xx = half * (dot(x, x) - S(1)), yy = half * (dot(y, y) - S(1)), zz = half * (dot(z, z) - S(1));
+  const S xy = half * dot(x, y), xz = half * dot(x, z), yz = half * dot(y, z);
+  Mat3<S> out;
+  for (int i = 0; i < 3; ++i) {
+    out(i, 0) = x[i] - (x[i] * xx + y[i] * xy + z[i] * xz);
+    out(i, 1) = y[i] - (x[i] * xy + y[i] * yy + z[i] * yz);
+    out(i, 2) = z[i] - (x[i] * xz + y[i] * yz + z[i] * zz);
+  }
+  return out;
 }
 
 }  // namespace dyn::kernels

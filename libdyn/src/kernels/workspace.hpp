@@ -20,12 +20,12 @@ struct JointMemory {
   std::ptrdiff_t stride = 0;
 };
 
-/// One degree of freedom in ABA, when its turn of elimination has come: W = IA S, pivot d = S^T W, y = its share of tau.
+/// One degree of freedom in ABA, when its turn of elimination has come: W = IA S, inverse = 1 / (S^T W), y = inverse * its share of tau.
 template <class S>
 struct DofFactor {
   Motion<S> S_;  ///< the column of the motion subspace, aligned axes, at the joint's origin
   Force<S> W;
-  S d{}, y{};
+  S inverse{}, y{};
 };
 
 /// Per body (universe included), written by the stage in brackets.
