@@ -61,7 +61,7 @@ const std::string zero_state = R"({"samples":[{"q":[0,0,0,0,0,0,1)" + [] {
 }  // namespace
 
 TEST_CASE("help is there for every subcommand, and a wrong command line exits with 2", "[command]") {
-  for (const char* sub : {"", "info", "check", "compute", "demo", "bench", "plugin", "plugin list", "plugin check", "plugin new"}) {
+  for (const char* sub : {"", "info", "check", "compute", "demo", "bench", "profile", "plugin", "plugin list", "plugin check", "plugin new"}) {
     const Answer a = run(std::string(sub) + " --help");
     INFO(sub << a.err);
     CHECK(a.code == 0);
@@ -81,7 +81,7 @@ TEST_CASE("a robot that cannot be read exits with 1 and says file and reason, in
   const Folder folder;
   const std::string broken = folder.write("broken.urdf", "<robot name='r'>\n<link name='a'/>\n<link name='a'/>\n</robot>\n");
   const std::string states = folder.write("states.json", R"({"samples":[]})");
-  for (const std::string sub : {"info", "check", "compute", "demo", "bench"}) {
+  for (const std::string sub : {"info", "check", "compute", "demo", "bench", "profile"}) {
     INFO(sub);
     const std::string extra = sub == "compute" ? " --states " + states : "";
     const Answer missing = run(sub + " /nowhere/robot.urdf" + extra), bad = run(sub + " " + broken + extra);
@@ -243,4 +243,33 @@ TEST_CASE("plugins are listed, checked, and begun", "[command]") {
   for (const char* file : {"CMakeLists.txt", "my_joint.cpp", "my_joint.urdf", "README.md"}) CHECK(fs::exists(folder.path / "my_joint" / file));
   CHECK(run("plugin new my_joint" + there).code == 1);  // is there already
   CHECK(run("plugin new 7up" + there).code == 1);
+}
+
+TEST_CASE("profile names the four ways of dispatch, and draws them", "[command]") {
+  const Folder folder;
+  const std::string picture = (folder.path / "p.svg").string();
+  const Answer a = run("profile " + biped + " --root free_flyer --json --plot '" + picture + "'");
+  CHECK(a.code == 0);
+  std::map<std::string, int> ways;
+  std::istringstream lines(a.out);
+  for (std::string line; std::getline(lines, line);) {
+    const nlohmann::json object = nlohmann::json::parse(line);
+    CHECK(object["robot"] == "biped");
+    CHECK(object["ns"].get<double>() > 0);
+    CHECK(object["dispatches"].get<int>() >= 0);
+    ++ways[object["dispatch"].get<std::string>()];
+  }
+  CHECK(ways == std::map<std::string, int>{{"monomorphic", 4}, {"static_variant", 4}, {"virtual_per_batch", 4}, {"virtual_per_joint", 4}});
+  CHECK_THAT(textOf(picture), containing("<svg") && containing("static_variant") && containing("</svg>"));
+  CHECK(run("profile " + biped + " --plot /nowhere/p.svg").code == 1);
+}
+
+TEST_CASE("DYN_SIMD forces an instruction set, and says what it cannot", "[command]") {
+  setenv("DYN_SIMD", "scalar", 1);
+  CHECK(run("info " + biped).code == 0);
+  setenv("DYN_SIMD", "mmx", 1);
+  const Answer a = run("info " + biped);
+  CHECK(a.code == 1);
+  CHECK_THAT(a.err, containing("mmx") && containing("avx2"));
+  unsetenv("DYN_SIMD");
 }

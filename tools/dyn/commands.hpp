@@ -15,6 +15,7 @@ void addCheck(CLI::App& app);
 void addCompute(CLI::App& app);
 void addDemo(CLI::App& app);
 void addBench(CLI::App& app);
+void addProfile(CLI::App& app);
 void addPlugin(CLI::App& app);
 
 }  // namespace dyn::tool

@@ -14,6 +14,7 @@ int main(int argc, char** argv) {
   dyn::tool::addCompute(app);
   dyn::tool::addDemo(app);
   dyn::tool::addBench(app);
+  dyn::tool::addProfile(app);
   dyn::tool::addPlugin(app);
   try {
     app.parse(argc, argv);

@@ -15,8 +15,8 @@ Sym3<S> shiftedInertia(const Sym3<S>& I, const S& mass, const Vec3<S>& h, const 
 
 /// M of the expanded coordinates, n x n: entries of joints on one path to the root, both triangles. The others are zero and never
 /// written: M must have been zero once.
-template <class S>
-void massMatrix(const Bodies<S>& order, Workspace<S>& w, S* M) {
+template <class S, class Order>
+void massMatrix(const Order& order, Workspace<S>& w, S* M) {
   const std::ptrdiff_t n = order.m.nvx;
   order.forward([&]<class Joint>(const Joint& joint, int i, int iv) {
     const auto& c = order.constants(i);

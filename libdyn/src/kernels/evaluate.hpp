@@ -5,9 +5,10 @@
 
 namespace dyn::kernels {
 
-/// Poses, subspaces, and (with v) biases of all joints, into w.joints. q and v are in expanded coordinates.
+/// Poses, subspaces, and (with v) biases of all joints, into w.joints. q and v are in expanded coordinates. `types`: by batch, in the place
+/// of those that the model was compiled with.
 template <class S>
-void evaluateJoints(const CompactImpl& m, Workspace<S>& w, const S* q, const S* v) {
+void evaluateJoints(const CompactImpl& m, Workspace<S>& w, const S* q, const S* v, const JointType* const* types = nullptr) {
   using T = Real<S>;
   constexpr int lanes = lanes_of<S>;
   const auto at = [](int i) { return static_cast<std::size_t>(i); };
@@ -39,7 +40,7 @@ void evaluateJoints(const CompactImpl& m, Workspace<S>& w, const S* q, const S* 
     }
     call.pose = numbers(memory.pose);
     call.subspace = numbers(memory.subspace);
-    batch.fast->kinematics(call);
+    (types ? types[b] : batch.fast)->kinematics(call);
   }
 }
 

@@ -1,0 +1,72 @@
+// The opponents of `dyn profile` compute what libdyn computes, or their times would mean nothing.
+#include "support/catch.hpp"
+#include "support/random_model.hpp"
+#include "support/registry.hpp"
+
+#include <dispatch/dispatch.hpp>
+
+#include <map>
+
+using namespace dyn;
+using namespace dyn::test;
+
+namespace {
+
+Model treeOf(const std::vector<std::string>& types, int n, std::uint64_t seed) {
+  Random random(seed);
+  Model model;
+  model.gravity = random.vector(10);
+  for (int i = 0; i < n; ++i) {
+    JointDescription joint;
+    joint.name = "j" + std::to_string(i);
+    joint.type = types[static_cast<std::size_t>(i) % types.size()];
+    if (types.size() == 2 && i > 0) joint.type = types[1];
+    joint.parameters = exampleParameters(registry().jointType(joint.type, {}).info(), seed + static_cast<std::uint64_t>(i));
+    joint.placement = random.pose();
+    joint.armature.assign(static_cast<std::size_t>(degreesOfFreedom(joint, registry())), 0.05);
+    joint.damping.assign(joint.armature.size(), 0.3);
+    model.addBody("b" + std::to_string(i), i == 0 ? 0 : random.below(i) + 1, joint, random.inertia());
+  }
+  return model;
+}
+
+void checkContest(const CompactModel& model, std::size_t ways) {
+  Data data(model, Need::mass_matrix);
+  Random random(3);
+  const Eigen::VectorXd q = integrate(model, neutral(model), Eigen::VectorXd(random.vector(model.nv(), 0.4).array() + 0.8));
+  const Eigen::VectorXd v = random.vector(model.nv(), 1), a = random.vector(model.nv(), 1);
+  const Eigen::VectorXd tau = rnea(model, data, q, v, a), ddq = aba(model, data, q, v, a);
+  const Eigen::MatrixXd M = crba(model, data, q);
+  const std::map<std::string, Eigen::VectorXd> expected = {
+      {"rnea", tau}, {"aba", ddq}, {"crba", Eigen::Map<const Eigen::VectorXd>(M.data(), M.size())}};
+  const benchmark::Contest contest = benchmark::dispatchContest(model);
+  REQUIRE(contest.contenders.size() == 4 * ways);
+  std::map<std::string, std::vector<double>> first;
+  for (const benchmark::Contender& c : contest.contenders) {
+    INFO(c.algorithm << ", " << c.dispatch);
+    c.run(q.data(), v.data(), a.data());
+    const std::vector<double> result(c.result, c.result + c.size);
+    // The same kernels on the same numbers: the same bits, however they are reached.
+    const auto [known, is_first] = first.emplace(c.algorithm, result);
+    if (!is_first) CHECK(known->second == result);
+    if (!expected.count(c.algorithm)) continue;
+    const Eigen::VectorXd& x = expected.at(c.algorithm);
+    REQUIRE(c.size == x.size());
+    CHECK((Eigen::Map<const Eigen::VectorXd>(c.result, c.size) - x).cwiseAbs().maxCoeff() < 1e-9 * x.cwiseAbs().maxCoeff());
+  }
+}
+
+}  // namespace
+
+TEST_CASE("four ways of dispatch give the same results, for every type of the closed set", "[dispatch]") {
+  const std::vector<std::string> all = {"free_flyer", "revolute",  "continuous",    "prismatic",   "helical", "cylindrical",
+                                        "universal",  "spherical", "spherical_zyx", "translation", "planar",  "ellipsoid"};
+  checkContest(compile(treeOf(all, 24, 1), registry()), 3);
+  checkContest(compile(treeOf({"revolute"}, 12, 2), registry()), 4);
+  checkContest(compile(treeOf({"free_flyer", "revolute"}, 20, 3), registry()), 4);
+}
+
+TEST_CASE("what a closed set cannot hold is said", "[dispatch]") {
+  const CompactModel model = compile(treeOf({"revolute", "cam_follower"}, 5, 4), registry());
+  CHECK_THROWS_WITH(benchmark::dispatchContest(model), containing("'cam_follower'") && containing("variant"));
+}

@@ -1,0 +1,207 @@
+// dyn profile: the price of finding the code of a joint's type, in four ways of dispatch, interleaved in one process.
+#include "commands.hpp"
+#include "counters.hpp"
+#include "model_options.hpp"
+#include "states.hpp"
+
+#include <dispatch/dispatch.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+#include <memory>
+
+namespace dyn::tool {
+
+namespace {
+
+constexpr int repetitions = 21, state_count = 256;
+
+struct Line {
+  benchmark::Contender contender;
+  std::vector<double> times;  ///< ns a call, a repetition each
+  Counters::Reading counted;  ///< a call
+  double median = 0, low = 0, high = 0;
+};
+
+/// What a caller of libdyn gets, under the name "library". An algorithm that refuses one of the states is left out, and says so.
+void addLibrary(const CompactModel& model, const std::shared_ptr<Data>& data, const std::vector<State>& states, std::vector<Line>& lines) {
+  const auto add = [&](const char* algorithm, auto run) {
+    benchmark::Contender c;
+    c.algorithm = algorithm;
+    c.dispatch = "library";
+    c.run = [&model, data, run](const double* q, const double* v, const double* a) {
+      run(model, *data, VectorArg(q, model.nq()), VectorArg(v, model.nv()), VectorArg(a, model.nv()));
+    };
+    try {
+      for (const State& s : states) c.run(s.q.data(), s.v.data(), s.a.data());
+      lines.push_back({c, {}, {}});
+    } catch (const Error& e) {
+      std::fprintf(stderr, "dyn: %s\n", e.what());
+    }
+  };
+  add("fk", [](auto& m, auto& d, const auto& q, const auto&, const auto&) { forwardKinematics(m, d, q); });
+  add("rnea", [](auto& m, auto& d, const auto& q, const auto& v, const auto& a) { rnea(m, d, q, v, a); });
+  add("crba", [](auto& m, auto& d, const auto& q, const auto&, const auto&) { crba(m, d, q); });
+  add("aba", [](auto& m, auto& d, const auto& q, const auto& v, const auto& a) { aba(m, d, q, v, a); });
+}
+
+/// Every line once through all states, again and again, each time beginning with another, so that what disturbs the machine hits all alike.
+void measure(std::vector<Line>& lines, const std::vector<State>& states, Counters& counters) {
+  using Clock = std::chrono::steady_clock;
+  const std::size_t n = lines.size();
+  for (int repetition = -1; repetition < repetitions; ++repetition)
+    for (std::size_t k = 0; k < n; ++k) {
+      Line& line = lines[(k + static_cast<std::size_t>(repetition + 1)) % n];
+      const auto once = [&] {
+        for (const State& s : states) line.contender.run(s.q.data(), s.v.data(), s.a.data());
+      };
+      once();  // warm: the line before used other code and memory
+      const auto start = Clock::now();
+      for (int round = 0; round < 4; ++round) once();
+      const double ns = std::chrono::duration<double, std::nano>(Clock::now() - start).count();
+      if (repetition >= 0) line.times.push_back(ns / (4.0 * state_count));
+      if (repetition != 0) continue;
+      counters.start();
+      once();
+      line.counted = counters.stop();
+      line.counted.instructions /= state_count;
+      line.counted.branch_misses /= state_count;
+    }
+  for (Line& line : lines) {
+    std::sort(line.times.begin(), line.times.end());
+    line.median = line.times[line.times.size() / 2];
+    line.low = line.times[line.times.size() / 4];
+    line.high = line.times[3 * line.times.size() / 4];
+  }
+}
+
+const Line* find(const std::vector<Line>& lines, const std::string& algorithm, const std::string& dispatch) {
+  for (const Line& line : lines)
+    if (line.contender.algorithm == algorithm && line.contender.dispatch == dispatch) return &line;
+  return nullptr;
+}
+
+/// Grouped bars, a group an algorithm.
+void plot(const std::string& path, const CompactModel& model, const std::vector<Line>& lines) {
+  const char* colours[] = {"#1b6ca8", "#d1495b", "#edae49", "#66a182", "#2e4057"};
+  const std::vector<std::string> algorithms = {"fk", "rnea", "crba", "aba"};
+  std::vector<std::string> ways;
+  double most = 0;
+  for (const Line& line : lines) {
+    most = std::max(most, line.high);
+    if (std::find(ways.begin(), ways.end(), line.contender.dispatch) == ways.end()) ways.push_back(line.contender.dispatch);
+  }
+  constexpr double bar = 26, gap = 40, height = 300, left = 70, top = 50;
+  const double group = bar * static_cast<double>(ways.size()) + gap, width = left + group * static_cast<double>(algorithms.size()) + 20;
+  std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + std::to_string(width) + "\" height=\"" +
+                    std::to_string(top + height + 70) +
+                    "\" font-family=\"sans-serif\" font-size=\"12\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n";
+  const auto text = [&](double x, double y, const std::string& what, const char* anchor = "middle") {
+    svg += "<text x=\"" + std::to_string(x) + "\" y=\"" + std::to_string(y) + "\" text-anchor=\"" + anchor + "\">" + what + "</text>\n";
+  };
+  std::string name;
+  for (const char c : model.name()) name += c == '<' || c == '>' || c == '&' ? '_' : c;
+  text(left, 20, name + ": ns a call by way of dispatch, median of " + std::to_string(repetitions), "start");
+  for (int tick = 0; tick <= 4; ++tick) {
+    const double y = top + height * (1 - tick / 4.0);
+    svg += "<line x1=\"" + std::to_string(left) + "\" x2=\"" + std::to_string(width - 20) + "\" y1=\"" + std::to_string(y) + "\" y2=\"" +
+           std::to_string(y) + "\" stroke=\"#ddd\"/>\n";
+    text(left - 8, y + 4, std::to_string(static_cast<int>(most * tick / 4)), "end");
+  }
+  for (std::size_t a = 0; a < algorithms.size(); ++a) {
+    const double x0 = left + group * static_cast<double>(a) + gap / 2;
+    for (std::size_t k = 0; k < ways.size(); ++k) {
+      const Line* line = find(lines, algorithms[a], ways[k]);
+      if (line == nullptr) continue;
+      const double h = height * line->median / most, x = x0 + bar * static_cast<double>(k);
+      svg += "<rect x=\"" + std::to_string(x) + "\" y=\"" + std::to_string(top + height - h) + "\" width=\"" + std::to_string(bar - 3) +
+             "\" height=\"" + std::to_string(h) + "\" fill=\"" + colours[k % 5] + "\"/>\n";
+    }
+    text(x0 + group / 2 - gap / 2, top + height + 18, algorithms[a]);
+  }
+  for (std::size_t k = 0; k < ways.size(); ++k) {
+    const double x = left + 125 * static_cast<double>(k);
+    svg += "<rect x=\"" + std::to_string(x) + "\" y=\"" + std::to_string(top + height + 38) + "\" width=\"12\" height=\"12\" fill=\"" +
+           colours[k % 5] + "\"/>\n";
+    text(x + 16, top + height + 48, ways[k], "start");
+  }
+  svg += "</svg>\n";
+  const std::string temporary = path + ".part";
+  std::ofstream file(temporary);
+  file << svg;
+  file.close();
+  if (!file || std::rename(temporary.c_str(), path.c_str()) != 0) throw Error(ErrorCode::file, "cannot be written", {path, 0, ""});
+}
+
+struct Options {
+  ModelOptions model;
+  bool json = false;
+  std::string plot;
+};
+
+void print(const CompactModel& model, const std::vector<Line>& lines, const Counters& counters) {
+  const int joints = model.njoints() - 1;
+  std::printf("%s: %d joints, %d degrees of freedom; ns a call, median of %d over %d states, all ways in turn\n", model.name().c_str(), joints,
+              model.nv(), repetitions, state_count);
+  std::printf("%-6s %-18s %10s %19s %12s %16s %12s", "", "dispatch", "ns", "quartiles", "ns a joint", "against variant", "dispatches");
+  if (counters.problem().empty()) std::printf(" %13s %14s", "instructions", "branch misses");
+  std::printf("\n");
+  for (const Line& line : lines) {
+    const Line* variant = find(lines, line.contender.algorithm, "static_variant");
+    char range[32];
+    std::snprintf(range, sizeof range, "%.0f .. %.0f", line.low, line.high);
+    std::printf("%-6s %-18s %10.1f %19s %12.2f %+14.1f %% ", line.contender.algorithm.c_str(), line.contender.dispatch.c_str(), line.median, range,
+                line.median / joints, 100 * (line.median / variant->median - 1));
+    if (line.contender.dispatch == "library") {
+      std::printf("%12s", "");
+    } else {
+      std::printf("%12d", line.contender.dispatches);
+    }
+    if (counters.problem().empty()) std::printf(" %13.0f %14.2f", line.counted.instructions, line.counted.branch_misses);
+    std::printf("\n");
+  }
+  if (!counters.problem().empty()) std::printf("no instructions and branch misses: %s\n", counters.problem().c_str());
+}
+
+void run(const Options& o) {
+  const CompactModel model = o.model.compile();
+  const benchmark::Contest contest = benchmark::dispatchContest(model);
+  std::vector<Line> lines;
+  for (const benchmark::Contender& c : contest.contenders) lines.push_back({c, {}, {}});
+  const std::vector<State> states = randomStates(model, state_count, 1);
+  if (!o.json) addLibrary(model, std::make_shared<Data>(model, Need::mass_matrix), states, lines);
+  std::stable_sort(lines.begin(), lines.end(), [](const Line& a, const Line& b) {
+    const std::string order = "fk rnea crba aba";
+    return order.find(a.contender.algorithm) < order.find(b.contender.algorithm);
+  });
+  Counters counters;
+  measure(lines, states, counters);
+  if (o.json) {
+    for (const Line& line : lines) {
+      const nlohmann::ordered_json object = {{"robot", model.name()},
+                                             {"algorithm", line.contender.algorithm},
+                                             {"dispatch", line.contender.dispatch},
+                                             {"ns", line.median},
+                                             {"dispatches", line.contender.dispatches}};
+      std::printf("%s\n", object.dump().c_str());
+    }
+  } else {
+    print(model, lines, counters);
+    if (!contest.missing.empty()) std::printf("%s\n", contest.missing.c_str());
+  }
+  if (!o.plot.empty()) plot(o.plot, model, lines);
+}
+
+}  // namespace
+
+void addProfile(CLI::App& app) {
+  CLI::App* sub = app.add_subcommand("profile", "the price of dispatch: batched, per joint, by a static variant, and none");
+  auto o = std::make_shared<Options>();
+  o->model.add(*sub);
+  sub->add_flag("--json", o->json, "one JSON object a line");
+  sub->add_option("--plot", o->plot, "draw the result into this SVG file");
+  sub->callback([o] { run(*o); });
+}
+
+}  // namespace dyn::tool
