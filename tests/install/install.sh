@@ -49,6 +49,9 @@ awk -v folder="$work/readme" '/^```cpp$/ {n++; inside = 1; next} /^```$/ {inside
 g++ -std=c++20 "$work/readme/1.cpp" -o "$work/readme/program" $(pkg-config --cflags --libs libdyn-parsers) \
   -Wl,-rpath,"$(pkg-config --variable=libdir libdyn)"
 "$work/readme/program" "$source/models/biped.urdf"
+g++ -std=c++20 "$work/readme/3.cpp" -o "$work/readme/batch" $(pkg-config --cflags --libs libdyn-parsers) \
+  -Wl,-rpath,"$(pkg-config --variable=libdir libdyn)"
+"$work/readme/batch" "$source/models/biped.urdf"
 g++ -std=c++20 -shared -fPIC "$work/readme/2.cpp" -o "$work/readme/cam_follower.so" $(pkg-config --cflags libdyn)
 env -u DYN_PLUGIN_PATH "$prefix/bin/dyn" plugin check "$work/readme/cam_follower.so" --rounds 1 | tail -1
 

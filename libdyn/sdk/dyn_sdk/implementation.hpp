@@ -141,10 +141,32 @@ class JointTypeOf final : public JointType {
         evaluateAt<Pack<T>>(b, items - width);  // the last ones once more, with those before them
         return;
       }
+      if (b.constant_count == 0 && !is_dense && i < items && 2 * items > width) {
+        evaluateFew(b, items);
+        return;
+      }
     }
 #endif
     for (; i < items; ++i) evaluateAt<double>(b, i);
   }
+
+#if DYN_HAS_PACKS
+  /// Fewer items than a pack has lanes: the others are filled up with the first.
+  template <class T>
+  static void evaluateFew(const JointBatch<T>& b, int items) {
+    constexpr int width = Pack<T>::lanes, size = poseSize(Author::shape);
+    T q[(nq + 1) * width], pose[size * width];
+    for (int k = 0; k < nq; ++k)
+      for (int i = 0; i < width; ++i) q[k * width + i] = b.q[k * b.q_stride + (i < items ? i : 0)];
+    JointBatch<T> full = b;
+    full.q = q;
+    full.pose = pose;
+    full.q_stride = full.stride = width;
+    evaluateAt<Pack<T>>(full, 0);
+    for (int k = 0; k < size; ++k)
+      for (int i = 0; i < items; ++i) b.pose[k * b.stride + i] = pose[k * width + i];
+  }
+#endif
 
   template <class S, class T>
   static void evaluateAt(const JointBatch<T>& b, int i) {

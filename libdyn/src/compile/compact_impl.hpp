@@ -33,9 +33,10 @@ struct BodyIndex {
   int idx_q = 0, idx_v = 0, nq = 0, nv = 0;
   int user_q = -1, user_v = -1;  ///< in the user's vectors; -1 for a coupled joint
   int batch = 0, slot = 0;
-  int joint = 0;            ///< user's joint
-  int depth = 0;            ///< moving bodies up to the world
-  bool turns_only = false;  ///< the joint's motion subspace has no linear part
+  int joint = 0;             ///< user's joint
+  int depth = 0;             ///< moving bodies up to the world
+  bool turns_only = false;   ///< the joint's motion subspace has no linear part
+  bool flying_root = false;  ///< a free body on the world: its subspace is the identity in aligned axes
 };
 
 /// All joints of one type and shape: one virtual call.

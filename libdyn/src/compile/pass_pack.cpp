@@ -69,6 +69,7 @@ class Packer {
       c.h = about.com;
       c.origin = about.rotational;
       out_->mass += c.mass;
+      x.flying_root = b.parent == 0 && b.instance.shape == Shape::free;
       x.turns_only = b.instance.shape == Shape::revolute || b.instance.shape == Shape::spherical;
       if (b.instance.shape == Shape::dense_constant) {
         out_->subspace_offset[i] = static_cast<int>(out_->subspaces.size());

@@ -47,11 +47,19 @@ void massMatrix(const Order& order, Workspace<S>& w, S* M) {
     for (int j = i, up = p; up > 0; j = up, up = order.parentOf(up)) {
       for (int k = 0; k < Joint::nv; ++k) F[k].angular += cross(w.r[j], F[k].linear);
       const BodyIndex& x = order.index(up);
+      const auto enter = [&](int l, int k, const S& value) { M[(iv + k) * n + x.idx_v + l] = M[(x.idx_v + l) * n + iv + k] = value; };
+      if (x.flying_root) {
+        for (int k = 0; k < Joint::nv; ++k)
+          for (int l = 0; l < 3; ++l) {
+            enter(l, k, F[k].linear[l]);
+            enter(3 + l, k, F[k].angular[l]);
+          }
+        break;
+      }
       for (int l = 0; l < x.nv; ++l)
         for (int k = 0; k < Joint::nv; ++k) {
           const Motion<S>& column = w.dof[x.idx_v + l].S_;
-          const S value = x.turns_only ? dot(column.angular, F[k].angular) : dot(column, F[k]);
-          M[(iv + k) * n + x.idx_v + l] = M[(x.idx_v + l) * n + iv + k] = value;
+          enter(l, k, x.turns_only ? dot(column.angular, F[k].angular) : dot(column, F[k]));
         }
     }
     if (p > 0) {

@@ -140,6 +140,32 @@ struct StripScratch {
   }
 };
 
+/// The only joint of its type, which is most often a flying root: asked once, and given to all lanes.
+template <class S>
+void evaluateAlone(const TypeBatch& batch, const StripBatch& strips, const JointMemory<S>& memory, const double* q, const double* v) {
+  double pose[12], subspace[6 * max_joint_nv], bias[6];
+  JointBatch<double> call;
+  call.count = 1;
+  call.constants = strips.constants.data();
+  call.constant_count = batch.constant_count;
+  call.constants_stride = strip_lanes;
+  call.stride = call.q_stride = call.v_stride = 1;
+  call.q = q;
+  call.pose = pose;
+  if (memory.subspace) call.subspace = subspace;
+  if (memory.subspace && v) {
+    call.v = v;
+    call.bias = bias;
+  }
+  batch.fast->kinematics(call);
+  const auto spread = [](const double* from, int count, S* to) {
+    for (int k = 0; k < count; ++k) to[k] = S(from[k]);
+  };
+  spread(pose, poseSize(batch.shape), memory.pose);
+  if (call.subspace) spread(subspace, 6 * batch.nv, memory.subspace);
+  if (call.bias) spread(bias, 6, memory.bias);
+}
+
 /// Poses, subspaces and (with v) biases of all joints, strip by strip in the lanes.
 template <class S>
 void evaluateStrips(const CompactImpl& m, Workspace<S>& w, const double* q, const double* v) {
@@ -148,6 +174,10 @@ void evaluateStrips(const CompactImpl& m, Workspace<S>& w, const double* q, cons
     const StripBatch& strips = m.strips.batches[b];
     const JointMemory<S>& memory = w.joints[b];
     const int items = strips.slots * strip_lanes;
+    if (batch.count == 1) {
+      evaluateAlone(batch, strips, memory, q + strips.q_index[0], v ? v + strips.v_index[0] : nullptr);
+      continue;
+    }
     // Component c of all items, four at a time.
     const auto gather = [&](const double* from, const std::vector<std::int64_t>& index, int size, S* to) {
       for (int c = 0; c < size; ++c)
