@@ -19,7 +19,7 @@ struct Array {
   S& at(int component, int i) { return data[size(component * stride + i)]; }
   bool guardsIntact() const {
     for (std::ptrdiff_t k = 0; k < static_cast<std::ptrdiff_t>(data.size()); ++k)
-      if ((k / stride >= components_ || k % stride >= count_) && valueOf(data[size(k)]) != sentinel) return false;
+      if ((k / stride >= components_ || k % stride >= count_) && valueOf(data[size(k)]) != valueOf(S(sentinel))) return false;
     return true;
   }
   bool sameBits(const Array& other) const { return std::memcmp(data.data(), other.data.data(), data.size() * sizeof(S)) == 0; }
@@ -34,7 +34,7 @@ struct Array {
 /// All calls of the interface on one batch, with all memory taken before.
 class BatchCalls {
  public:
-  static constexpr int count = 5;
+  static constexpr int count = 16;  // as many lanes as the widest packs have, so that types with constants use them, too
 
   /// Each item with constants of its own, or all with the same.
   BatchCalls(const JointProbe& joint, bool shared, std::uint64_t seed)
@@ -45,10 +45,12 @@ class BatchCalls {
       velocities.push_back(random.vector(nv_, 1));
       for (int k = 0; k < nq_; ++k) {
         q_.at(k, i) = samples.back()[k];
+        float_q_.at(k, i) = static_cast<float>(samples.back()[k]);
         dual_q_.at(k, i) = Dual<double>(samples.back()[k], k == 0 ? 1.0 : 0.5);
       }
       for (int k = 0; k < nv_; ++k) {
         v_.at(k, i) = velocities.back()[k];
+        float_v_.at(k, i) = static_cast<float>(velocities.back()[k]);
         dual_v_.at(k, i) = Dual<double>(velocities.back()[k], 0.25);
       }
       for (int k = 0; k < joint.instance().constant_count; ++k) constants_.at(k, i) = joint.constants()[size(k)];
@@ -57,6 +59,7 @@ class BatchCalls {
 
   void run() {
     kinematics(q_, v_, pose_, subspace_, bias_);
+    kinematics(float_q_, float_v_, float_pose_, float_subspace_, float_bias_);
     kinematics(dual_q_, dual_v_, dual_pose_, dual_subspace_, dual_bias_);
     ConfigurationBatch<double> b;
     b.count = count;
@@ -85,6 +88,7 @@ class BatchCalls {
     bool ok = true;
     for (const Array<double>* a : plain()) ok = ok && a->guardsIntact();
     for (const Array<Dual<double>>* a : duals()) ok = ok && a->guardsIntact();
+    for (const Array<float>* a : {&float_pose_, &float_subspace_, &float_bias_}) ok = ok && a->guardsIntact();
     return ok;
   }
   bool sameBits(const BatchCalls& other) const {
@@ -119,6 +123,22 @@ class BatchCalls {
       for (int k = 0; k < nq_; ++k) worst.add(std::max(std::fabs(end_.at(k, i) - end[k]), std::fabs(neutral_.at(k, i) - zero[k])), where);
       for (int k = 0; k < nv_; ++k) worst.add(std::fabs(difference_.at(k, i) - back[k]), where);
     }
+  }
+  /// Floats against doubles, by the size of the largest entry of the same kind.
+  void compareFloats(Worst& worst) {
+    const auto compare = [&](Array<float>& a, Array<double>& b, int components) {
+      for (int i = 0; i < count; ++i) {
+        double size = 1;
+        for (int k = 0; k < components; ++k) size = std::max(size, std::fabs(b.at(k, i)));
+        for (int k = 0; k < components; ++k)
+          worst.add(std::fabs(static_cast<double>(a.at(k, i)) - b.at(k, i)) / size,
+                    "item " + std::to_string(i) + ", " + show("q", samples[static_cast<std::size_t>(i)]));
+      }
+    };
+    compare(float_pose_, pose_, poseSize(joint_.instance().shape));
+    if (joint_.instance().shape != Shape::dense) return;
+    compare(float_subspace_, subspace_, 6 * nv_);
+    compare(float_bias_, bias_, 6);
   }
   /// One item's q is NaN from here on; the others' results must not change.
   void poison(int i) {
@@ -161,6 +181,8 @@ class BatchCalls {
   Array<double> q_{count, nq_}, v_{count, nv_}, pose_{count, poseSize(joint_.instance().shape)}, subspace_{count, 6 * nv_}, bias_{count, 6};
   Array<Dual<double>> dual_q_{count, nq_}, dual_v_{count, nv_}, dual_pose_{count, poseSize(joint_.instance().shape)}, dual_subspace_{count, 6 * nv_},
       dual_bias_{count, 6};
+  Array<float> float_q_{count, nq_}, float_v_{count, nv_}, float_pose_{count, poseSize(joint_.instance().shape)}, float_subspace_{count, 6 * nv_},
+      float_bias_{count, 6};
   Array<double> neutral_{count, nq_}, end_{count, nq_}, difference_{count, nv_}, normal_{count, nq_}, distance_{count, 1};
   Array<double> J_q_{count, nv_* nv_}, J_v_{count, nv_* nv_}, J_0_{count, nv_* nv_}, J_1_{count, nv_* nv_};
 
@@ -211,6 +233,10 @@ void checkCalls(const JointProbe& joint, std::uint64_t seed, const AllocationCou
   own.compareWithSingles(batch);
   shared.compareWithSingles(batch);
   batch.into(findings);
+  Worst floats("floats have the digits of floats", 1e-4);
+  own.compareFloats(floats);
+  shared.compareFloats(floats);
+  floats.into(findings);
   verdict("nothing is written outside the batch", own.guardsIntact() && shared.guardsIntact(), "an entry beyond count or nq, nv changed", findings);
   if (joint.nq() > 0) {
     poisoned.poison(2);
