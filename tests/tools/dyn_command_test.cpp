@@ -67,8 +67,9 @@ TEST_CASE("help is there for every subcommand, and a wrong command line exits wi
     CHECK(a.code == 0);
     CHECK_THAT(a.out, containing("--help"));
   }
-  for (const char* line : {"", "fly", "info", "info '" DYN_SOURCE_DIR "/models/biped.urdf' --order backwards", "compute x.urdf", "plugin",
-                           "plugin check", "bench x.urdf --unknown-option"}) {
+  const std::vector<std::string> wrong = {
+      "", "fly", "info", "info " + biped + " --order backwards", "compute x.urdf", "plugin", "plugin check", "bench x.urdf --unknown-option"};
+  for (const std::string& line : wrong) {
     const Answer a = run(line);
     INFO(line);
     CHECK(a.code == 2);
