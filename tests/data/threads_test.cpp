@@ -70,3 +70,13 @@ TEST_CASE("threads read one registry and compile at the same time", "[threads]")
   for (std::thread& thread : pool) thread.join();
   for (const int n : nv) CHECK(n == nv[0]);
 }
+
+TEST_CASE("a batch's own threads meet at the end of each call", "[threads]") {
+  const CompactModel model = compile(randomTree(JointRegistry::standard(), 12, 4), JointRegistry::standard());
+  constexpr int states = 23;
+  BatchData one(model, states), many(model, states, Need::state, 4);
+  Eigen::MatrixXd q(model.nq(), states);
+  for (int k = 0; k < states; ++k) q.col(k) = randomConfiguration(model, static_cast<std::uint64_t>(k));
+  const Eigen::MatrixXd v = Eigen::MatrixXd::Constant(model.nv(), states, 0.3), expected = rnea(model, one, q, v, v);
+  for (int round = 0; round < 50; ++round) CHECK(rnea(model, many, q, v, v) == expected);
+}
