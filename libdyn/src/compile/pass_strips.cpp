@@ -31,6 +31,7 @@ class Planner {
     std::vector<std::vector<int>> levels(at(depths) + 1);
     for (int i = 1; i < m_.bodies(); ++i) levels[at(m_.index[at(i)].depth)].push_back(i);
     for (const std::vector<int>& level : levels) seatLevel(level);
+    family();
     batches();
     numbers();
     return std::move(plan_);
@@ -86,6 +87,14 @@ class Planner {
       seats_[at(strip.body[l])] = {index, l};
     }
     plan_.strips.push_back(strip);
+  }
+
+  void family() {
+    for (std::size_t s = plan_.strips.size(); s-- > 1;) {
+      Strip &strip = plan_.strips[s], &parent = plan_.strips[at(strip.parent)];
+      strip.last_child = parent.leaf;
+      parent.leaf = false;
+    }
   }
 
   void batches() {

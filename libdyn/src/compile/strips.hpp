@@ -34,7 +34,9 @@ struct Strip {
   std::int64_t parent_lane[strip_lanes] = {0, 1, 2, 3};
   int parent = 0;
   int depth = 0;
-  bool aligned = true;  ///< every child is in its parent's lane, or the parent is the universe
+  bool aligned = true;      ///< every child is in its parent's lane, or the parent is the universe
+  bool leaf = true;         ///< no strip's parent
+  bool last_child = false;  ///< the last strip of its parent's
   int batch = 0, slot = 0;
   int dof = 0;  ///< of its first degree of freedom, four numbers each
   Shape shape = Shape::dense;

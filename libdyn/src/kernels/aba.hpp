@@ -35,25 +35,37 @@ void abaOutward(const Order& order, Workspace<S>& w, const S* v, const Force<S>*
 
     const Vec3<S> h = R * c.h;
     const Sym3<S> I = congruence(R, c.origin);
-    w.IA[i] = ArticulatedInertia<S>::rigid(c.mass, h, I);
+    w.h[i] = h;
+    w.Io[i] = I;
     w.pA[i] = {cross(omega, cross(omega, h)), cross(omega, I * omega)};
     if (fext) w.pA[i] -= Force<S>{R * fext[i].linear, R * fext[i].angular};
-    for (int k = 0; k < Joint::nv; ++k) w.dof[iv + k].S_ = alignedColumn(joint, k, R);
+    writeColumns(joint, R, w.dof + iv);
   });
 }
 
 /// A pivot that is not above the rounding of what was subtracted to get it is zero. The yardstick is the inertia left in other
 /// directions at the same body, so it scales with the model's units. Notes the body, lane by lane.
-template <class S>
-void noteVanishing(const S& pivot, const Motion<S>& column, const ArticulatedInertia<S>& I, int body, int* failed) {
+template <class S, class Column>
+void noteVanishing(const S& pivot, const Column& column, const ArticulatedInertia<S>& I, int body, int* failed) {
   using T = Real<S>;
   const S linear = I.linear.xx + I.linear.yy + I.linear.zz, angular = I.angular.xx + I.angular.yy + I.angular.zz;
-  const S yardstick = dot(column.linear, column.linear) * linear + dot(column.angular, column.angular) * angular;
-  const S least = S(4 * std::numeric_limits<T>::epsilon()) * yardstick;
+  const S least = S(4 * std::numeric_limits<T>::epsilon()) * column.weighted(linear, angular);
   if (allOf(both(pivot > least, pivot <= S(std::numeric_limits<T>::max())))) return;
   const T *p = reinterpret_cast<const T*>(&pivot), *l = reinterpret_cast<const T*>(&least);
   for (int i = 0; i < lanes_of<S>; ++i)
     if (!(p[i] > l[i] && p[i] <= std::numeric_limits<T>::max()) && failed[i] == 0) failed[i] = body;
+}
+
+/// Factor of one degree of freedom, k of the model's, of body i.
+template <class S, class Order, class Column>
+void eliminate(const Order& order, const ArticulatedInertia<S>& IA, const Force<S>& pA, const Column& column, const S* tau, int k, int i,
+               Workspace<S>& w) {
+  DofFactor<S>& dof = w.dof[k];
+  dof.W = column.force(IA);
+  const S pivot = column.along(dof.W) + order.armature(k);
+  noteVanishing(pivot, column, IA, i, w.failed);
+  dof.inverse = S(1) / pivot;
+  dof.y = (tau[k] - column.along(pA)) / pivot;
 }
 
 /// Eliminates each degree of freedom (pivot S^T IA S + armature), projects inertia and bias force, hands them to the parent.
@@ -62,27 +74,31 @@ template <class S, class Order>
 void abaInward(const Order& order, Workspace<S>& w, const S* tau) {
   for (int& body : w.failed) body = 0;
   order.backward([&]<class Joint>(const Joint&, int i, int iv) {
-    constexpr int nv = Joint::nv;
-    ArticulatedInertia<S>& IA = w.IA[i];
-    Force<S>& pA = w.pA[i];
-    DofFactor<S>* dof = w.dof + iv;
-    // Eliminating one direction after the other is the factorisation: each updates IA, so the next pivot is read off it.
-    for (int k = 0; k < nv; ++k) {
-      const Force<S> U = IA * dof[k].S_;
-      const S pivot = dot(dof[k].S_, U) + order.armature(iv + k);
-      noteVanishing(pivot, dof[k].S_, IA, i, w.failed);
-      const S inverse = S(1) / pivot;
-      dof[k].inverse = inverse;
-      dof[k].W = U;
-      dof[k].y = (tau[iv + k] - dot(dof[k].S_, pA)) / pivot;
-      IA.subtractOuter(U, inverse * U);
-      pA += dof[k].y * U;
-    }
-    if (!order.isRoot(i)) {
-      pA += IA * w.beta[i];
-      order.addToParent(w.IA, i, IA.shifted(w.r[i]));
-      order.addToParent(w.pA, i, Force<S>{pA.linear, pA.angular + cross(w.r[i], pA.linear)});
-    }
+    ArticulatedInertia<S> IA = ArticulatedInertia<S>::rigid(order.mass(i), w.h[i], w.Io[i]);
+    if (!order.isLeaf(i)) IA += w.IA[i];
+    Force<S> pA = w.pA[i];
+    // Eliminating one direction after the other is the factorisation: each updates IA, so the next pivot is read off it. At the joint's
+    // origin, before the shift: the projection cancels, and what it leaves must not be lost under larger numbers.
+    constexpr int last = Joint::nv - 1;
+    withColumns<Joint>(order, w, i, iv, [&](const auto& column) {
+      for (int k = 0; k <= last; ++k) {
+        eliminate(order, IA, pA, column(k), tau, iv + k, i, w);
+        if (k == last && order.isRoot(i)) break;
+        const DofFactor<S>& dof = w.dof[iv + k];
+        IA.subtractOuter(dof.W, dof.inverse * dof.W);
+        pA += dof.y * dof.W;
+      }
+    });
+    // The last direction is solved for first, from the parent's acceleration.
+    DofFactor<S>& dof = w.dof[iv + last];
+    const Motion<S>& beta = w.beta[i];
+    const Vec3<S>& r = w.r[i];
+    dof.y -= dof.inverse * dot(beta, dof.W);
+    dof.W = dof.inverse * Force<S>{dof.W.linear, dof.W.angular + cross(r, dof.W.linear)};
+    if (order.isRoot(i)) return;
+    pA += IA * beta;
+    order.handOver(w.IA, i, IA.shifted(r));
+    order.addToParent(w.pA, i, Force<S>{pA.linear, pA.angular + cross(r, pA.linear)});
   });
 }
 
@@ -91,18 +107,21 @@ template <class S, class Order>
 void abaSolve(const Order& order, Workspace<S>& w, S* ddq) {
   w.acc[0] = {};
   order.forward([&]<class Joint>(const Joint&, int i, int iv) {
-    Motion<S> a = order.parent(w.acc, i);
-    if (order.isRoot(i)) {
-      a.linear = isFlyingRoot<Joint>(order, i) ? transposeTimes(w.rel[i].R, -order.gravity()) : -order.gravity();
-    } else {
-      a.linear += cross(a.angular, w.r[i]);
-    }
-    a += w.beta[i];
-    for (int k = Joint::nv - 1; k >= 0; --k) {
-      const DofFactor<S>& f = w.dof[iv + k];
-      ddq[iv + k] = f.y - dot(a, f.W) * f.inverse;
-      a += ddq[iv + k] * f.S_;
-    }
+    Motion<S> parent = order.parent(w.acc, i);
+    if (order.isRoot(i)) parent.linear = isFlyingRoot<Joint>(order, i) ? transposeTimes(w.rel[i].R, -order.gravity()) : -order.gravity();
+    constexpr int last = Joint::nv - 1;
+    const S x = w.dof[iv + last].y - dot(parent, w.dof[iv + last].W);
+    Motion<S> a = parent + w.beta[i];
+    if (!order.isRoot(i)) a.linear += cross(parent.angular, w.r[i]);
+    withColumns<Joint>(order, w, i, iv, [&](const auto& column) {
+      ddq[iv + last] = x;
+      column(last).addTo(a, x);
+      for (int k = last - 1; k >= 0; --k) {
+        const DofFactor<S>& f = w.dof[iv + k];
+        ddq[iv + k] = f.y - dot(a, f.W) * f.inverse;
+        column(k).addTo(a, ddq[iv + k]);
+      }
+    });
     w.acc[i] = a;
   });
 }

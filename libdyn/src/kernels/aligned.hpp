@@ -14,12 +14,12 @@ bool isFlyingRoot(const Order& order, int i) {
   return Joint::is_free && order.isRoot(i);
 }
 
-/// Writes w.rel, w.R and w.r of body i.
+/// Writes w.R and w.r of body i, and of a flying root w.rel.
 template <class S, class Joint, class Order>
 void placeAligned(const Joint& joint, const Order& order, const SE3<S>& placement, int i, Workspace<S>& w) {
   const SE3<S> rel = placedInParent<S>(joint, placement);
-  w.rel[i] = rel;
   if (isFlyingRoot<Joint>(order, i)) {
+    w.rel[i] = rel;
     w.R[i] = Mat3<S>::identity();
     w.r[i] = {};
   } else {
@@ -29,14 +29,73 @@ void placeAligned(const Joint& joint, const Order& order, const SE3<S>& placemen
   }
 }
 
-/// Column k of the motion subspace in aligned axes.
+/// The columns of a joint's motion subspace in aligned axes, into `dof`; of each the parts that its shape has.
 template <class S, class Joint>
-Motion<S> alignedColumn(const Joint& joint, int k, const Mat3<S>& R) {
-  const Motion<S> s = joint.column(k);
-  Motion<S> out;
-  if constexpr (Joint::has_linear) out.linear = R * s.linear;
-  if constexpr (Joint::has_angular) out.angular = R * s.angular;
-  return out;
+void writeColumns(const Joint& joint, const Mat3<S>& R, DofFactor<S>* dof) {
+  for (int k = 0; k < Joint::nv; ++k) {
+    const Motion<S> s = joint.column(k);
+    if constexpr (Joint::has_linear) dof[k].S_.linear = R * s.linear;
+    if constexpr (Joint::has_angular) dof[k].S_.angular = R * s.angular;
+  }
+}
+
+/// One column as writeColumns left it: computes with the parts that the joint's shape has.
+template <class Joint, class S>
+struct Column {
+  const Motion<S>& s;
+
+  Force<S> force(const ArticulatedInertia<S>& I) const {
+    if constexpr (!Joint::has_linear) {
+      return {I.coupling * s.angular, I.angular * s.angular};
+    } else if constexpr (!Joint::has_angular) {
+      return {I.linear * s.linear, transposeTimes(I.coupling, s.linear)};
+    } else {
+      return I * s;
+    }
+  }
+  S along(const Force<S>& f) const {
+    if constexpr (!Joint::has_linear) {
+      return dot(s.angular, f.angular);
+    } else if constexpr (!Joint::has_angular) {
+      return dot(s.linear, f.linear);
+    } else {
+      return dot(s, f);
+    }
+  }
+  void addTo(Motion<S>& a, const S& x) const {
+    if constexpr (Joint::has_linear) a.linear += x * s.linear;
+    if constexpr (Joint::has_angular) a.angular += x * s.angular;
+  }
+  /// |linear part|^2 of the one and |angular part|^2 of the other.
+  S weighted(const S& linear, const S& angular) const {
+    S sum(0);
+    if constexpr (Joint::has_linear) sum = dot(s.linear, s.linear) * linear;
+    if constexpr (Joint::has_angular) sum += dot(s.angular, s.angular) * angular;
+    return sum;
+  }
+};
+
+/// One of a flying root, whose columns are the unit vectors.
+template <class S>
+struct UnitColumn {
+  int k;
+
+  Force<S> force(const ArticulatedInertia<S>& I) const {
+    if (k >= 3) return {I.coupling.col(k - 3), I.angular.matrix().col(k - 3)};
+    return {I.linear.matrix().col(k), I.coupling.row(k)};
+  }
+  S along(const Force<S>& f) const { return k < 3 ? f.linear[k] : f.angular[k - 3]; }
+  void addTo(Motion<S>& a, const S& x) const { (k < 3 ? a.linear[k] : a.angular[k - 3]) += x; }
+  S weighted(const S& linear, const S& angular) const { return k < 3 ? linear : angular; }
+};
+
+/// Calls use(column), where column(k) is the joint's k-th.
+template <class Joint, class S, class Order, class Use>
+void withColumns(const Order& order, const Workspace<S>& w, int i, int iv, Use&& use) {
+  if constexpr (Joint::is_free) {
+    if (order.isRoot(i)) return use([](int k) { return UnitColumn<S>{k}; });
+  }
+  use([&](int k) { return Column<Joint, S>{w.dof[iv + k].S_}; });
 }
 
 }  // namespace dyn::kernels

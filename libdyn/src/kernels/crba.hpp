@@ -25,7 +25,7 @@ void massMatrix(const Order& order, Workspace<S>& w, S* M) {
     w.mass[i] = c.mass;
     w.h[i] = R * c.h;
     w.Io[i] = congruence(R, c.origin);
-    for (int k = 0; k < Joint::nv; ++k) w.dof[iv + k].S_ = alignedColumn(joint, k, R);
+    writeColumns(joint, R, w.dof + iv);
   });
   order.backward([&]<class Joint>(const Joint&, int i, int iv) {
     Force<S> F[Joint::nv];

@@ -23,6 +23,7 @@ struct Strips {
   Workspace<S>& w;
 
   const BodyConstants<S>& constants(int i) const { return reinterpret_cast<const BodyConstants<S>*>(m.strips.constants.data())[i]; }
+  S mass(int i) const { return constants(i).mass; }
   S armature(int dof) const { return S::load(m.strips.armature.data() + strip_lanes * dof); }
   Vec3<S> gravity() const { return cast<S>(m.gravity); }
   bool isRoot(int i) const { return strip(i).parent == 0; }
@@ -54,6 +55,19 @@ struct Strips {
       for (std::size_t k = 0; k < sizeof(T) / sizeof(S); ++k) to[k] += here * S(from[strip_lanes * static_cast<std::ptrdiff_t>(k) + l]);
     }
   }
+
+  template <class T>
+  void handOver(T* array, int i, const T& value) const {
+    const Strip& s = strip(i);
+    if (!s.last_child) return addToParent(array, i, value);
+    if (s.aligned) {
+      array[s.parent] = value;
+    } else {
+      array[s.parent] = T{};
+      addToParent(array, i, value);
+    }
+  }
+  bool isLeaf(int i) const { return strip(i).leaf; }
 
   template <class Body>
   void forward(Body&& body) const {
@@ -131,6 +145,8 @@ struct StripScratch {
     arena.take(s.w.IA, n);
     arena.take(s.w.pA, n);
     arena.take(s.w.acc, n);
+    arena.take(s.w.h, n);
+    arena.take(s.w.Io, n);
     const auto dofs = static_cast<std::size_t>(plan.dofs);
     arena.take(s.w.dof, dofs);
     arena.take(s.v, dofs);

@@ -29,6 +29,7 @@ struct Bodies {
       return broadcast<S>(c);
     }
   }
+  S mass(int i) const { return S(m.constantsIn<Real<S>>()[static_cast<std::size_t>(i)].mass); }
   S armature(int dof) const { return m.armature.empty() ? S(0) : S(static_cast<Real<S>>(m.armature[static_cast<std::size_t>(dof)])); }
   Vec3<S> gravity() const { return cast<S>(m.gravity); }
   bool isRoot(int i) const { return parentOf(i) == 0; }
@@ -41,6 +42,13 @@ struct Bodies {
   void addToParent(T* array, int i, const T& value) const {
     array[parentOf(i)] += value;
   }
+  /// The same where the first child writes. Leaves keep what they had.
+  template <class T>
+  void handOver(T* array, int i, const T& value) const {
+    T& sum = array[parentOf(i)];
+    sum = isLastChild(i) ? value : sum + value;
+  }
+  bool isLeaf(int i) const { return treeEnd(i) == i + 1; }
 
   /// body(joint, i, idx_v): joint is one of the shapes.
   template <class Body>
@@ -78,6 +86,9 @@ struct Bodies {
 
   const BodyIndex& index(int i) const { return m.index[static_cast<std::size_t>(i)]; }
   int parentOf(int i) const { return index(i).parent; }
+  int treeEnd(int i) const { return m.tree_end[static_cast<std::size_t>(i)]; }
+  /// Of its parent's, and so the first one backward.
+  bool isLastChild(int i) const { return treeEnd(i) == treeEnd(parentOf(i)); }
 };
 
 /// Pose of a body in its parent's frame. By value: what is written to memory number by number and read back as a vector stalls the core.

@@ -21,6 +21,7 @@ struct JointMemory {
 };
 
 /// One degree of freedom in ABA, when its turn of elimination has come: W = IA S, inverse = 1 / (S^T W), y = inverse * its share of tau.
+/// Of a joint's last one, which is solved for first: W about the parent's origin and times inverse, y less what the joint's own bias takes.
 template <class S>
 struct DofFactor {
   Motion<S> S_;  ///< the column of the motion subspace, aligned axes, at the joint's origin
@@ -42,12 +43,12 @@ struct Workspace {
   Mat3<S>* R = nullptr;                 ///< body axes in aligned axes [aligned]
   Vec3<S>* r = nullptr;                 ///< from the parent's origin to the joint's, aligned axes [aligned]
   Motion<S>* beta = nullptr;            ///< velocity-dependent acceleration, aligned [aba]
-  ArticulatedInertia<S>* IA = nullptr;  ///< [aba]
+  ArticulatedInertia<S>* IA = nullptr;  ///< what the children hand over, not of leaves [aba]
   Force<S>* pA = nullptr;               ///< [aba]
   Motion<S>* acc = nullptr;             ///< classical acceleration, aligned [aba]
   S* mass = nullptr;                    ///< of the subtree [crba, com]
-  Vec3<S>* h = nullptr;                 ///< first moment of the subtree about the joint's origin, aligned [crba]
-  Sym3<S>* Io = nullptr;                ///< rotational inertia of the subtree about the joint's origin, aligned [crba]
+  Vec3<S>* h = nullptr;                 ///< first moment of the subtree (in aba: the body) about the joint's origin, aligned [crba, aba]
+  Sym3<S>* Io = nullptr;                ///< rotational inertia of the same about the same [crba, aba]
   DofFactor<S>* dof = nullptr;          ///< nvx
   int failed[lanes_of<S>] = {};         ///< by lane: the first body whose pivot vanished, or 0 [aba]
 };
