@@ -81,6 +81,37 @@ TEST_CASE("a batch gives what single states give, for every joint type and any n
   checkAll<double>(model, s, 3, 1e-13, 1e-9);
 }
 
+TEST_CASE("columns of any length go into a batch and out of it, also out of a larger matrix", "[batch]") {
+  Model chain;
+  Random random(3);
+  for (int n = 1; n <= 18; ++n) {
+    JointDescription joint;
+    joint.name = "joint" + std::to_string(n);
+    joint.type = "revolute";
+    joint.parameters["axis"] = std::vector<double>{0, 1, 0};
+    joint.placement.p = {0.1, 0.2, 0.3};
+    chain.addBody("body" + std::to_string(n), n - 1, joint, random.inertia());
+    const CompactModel model = compile(chain, registry());
+    for (const int states : {1, 2, 7, 8, 9, 17}) {
+      // The blocks end where the matrices' memory ends.
+      const Eigen::MatrixXd q = Eigen::MatrixXd::Random(n + 3, states + 1), v = Eigen::MatrixXd::Random(n + 3, states + 1);
+      const auto block = [&](const Eigen::MatrixXd& x) { return x.bottomRightCorner(n, states); };
+      BatchData batch(model, states);
+      BatchDataFloat floats(model, states);
+      Data data(model);
+      const Eigen::MatrixXd tau = rnea(model, batch, block(q), block(v), block(v));
+      const Eigen::MatrixXf qf = q.cast<float>(), vf = v.cast<float>();
+      const Eigen::MatrixXf tauf =
+          rnea(model, floats, qf.bottomRightCorner(n, states), vf.bottomRightCorner(n, states), vf.topRightCorner(n, states));
+      for (int k = 0; k < states; ++k) {
+        const Eigen::VectorXd qk = block(q).col(k), vk = block(v).col(k), ak = v.topRightCorner(n, states).col(k);
+        CHECK((tau.col(k) - rnea(model, data, qk, vk, vk)).norm() < 1e-13 * (1 + tau.col(k).norm()));
+        CHECK((tauf.col(k).cast<double>() - rnea(model, data, qk, vk, ak)).norm() < 1e-5 * (1 + tau.col(k).norm()));
+      }
+    }
+  }
+}
+
 TEST_CASE("a batch of floats has the digits of floats", "[batch]") {
   const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 6)));
   const CompactModel model = compile(randomTree(registry(), 8, seed), registry());

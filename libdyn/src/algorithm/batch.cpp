@@ -63,6 +63,12 @@ Failure forBlocks(BatchImpl<T>& d, int states, int lanes, const Block& block) {
 }
 
 template <class T>
+kernels::ColumnsIn<T> columns(const StatesView<T>& x, int first, int count) {
+  if (x.data == nullptr) return {};
+  return {x.data + first * x.stride, x.stride, count, first + count < x.cols};
+}
+
+template <class T>
 void fail(const CompactImpl& m, const Failure& failure, const StatesView<T>& q) {
   if (failure.state == std::numeric_limits<int>::max()) return;
   const std::string state = "state " + std::to_string(failure.state) + ": ";
@@ -138,15 +144,10 @@ const T* computeBatch(const CompactModel& model, BasicBatchData<T>& data, BatchQ
       kernels::Block<T> block;
       block.task =
           what == BatchQuantity::mass_matrix ? kernels::Task::mass_matrix : (what == BatchQuantity::aba ? kernels::Task::aba : kernels::Task::rnea);
-      block.states = count;
-      block.q = q.data + first * q.stride;
-      block.v = v.data ? v.data + first * v.stride : nullptr;
-      block.a = a.data ? a.data + first * a.stride : nullptr;
-      block.q_stride = q.stride;
-      block.v_stride = v.stride;
-      block.a_stride = a.stride;
+      block.q = columns(q, first, count);
+      block.v = columns(v, first, count);
+      block.a = columns(a, first, count);
       block.result = result + first * rows;
-      block.result_stride = rows;
       d.kernels->run(m, d.scratch[at(t)].data(), block);
       if (!block.not_finite) return;
       for (int l = 0; l < count; ++l) {
@@ -176,13 +177,9 @@ void batchKinematics(const CompactModel& model, BasicBatchData<T>& data, StatesV
     const std::ptrdiff_t offset = first / lanes * block_numbers;
     kernels::Block<T> block;
     block.task = kernels::Task::kinematics;
-    block.states = count;
-    block.q = q.data + first * q.stride;
-    block.v = v.data ? v.data + first * v.stride : nullptr;
-    block.a = a.data ? a.data + first * a.stride : nullptr;
-    block.q_stride = q.stride;
-    block.v_stride = v.stride;
-    block.a_stride = a.stride;
+    block.q = columns(q, first, count);
+    block.v = columns(v, first, count);
+    block.a = columns(a, first, count);
     block.poses = reinterpret_cast<T*>(d.poses.data()) + 12 * offset;
     if (v.data) block.velocities = reinterpret_cast<T*>(d.velocities.data()) + 6 * offset;
     if (a.data) block.accelerations = reinterpret_cast<T*>(d.accelerations.data()) + 6 * offset;

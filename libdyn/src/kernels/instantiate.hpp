@@ -2,6 +2,7 @@
 #pragma once
 
 #include "kernels/aba.hpp"
+#include "kernels/columns.hpp"
 #include "kernels/crba.hpp"
 #include "kernels/evaluate.hpp"
 #include "kernels/kinematics.hpp"
@@ -56,31 +57,6 @@ struct BlockScratch {
   }
 };
 
-/// n numbers of each state's column into packs; without columns, zeros.
-template <class S, class T>
-void loadColumns(const T* column, std::ptrdiff_t stride, int n, int states, S* to) {
-  if (column == nullptr) {
-    std::fill(to, to + n, S(0));
-    return;
-  }
-  constexpr int lanes = lanes_of<S>;
-  T* out = reinterpret_cast<T*>(to);
-  for (int l = 0; l < lanes; ++l) {
-    const T* from = column + std::min(l, states - 1) * stride;
-    for (int i = 0; i < n; ++i) out[i * lanes + l] = from[i];
-  }
-}
-
-template <class S, class T>
-void storeColumns(const S* from, std::ptrdiff_t n, int states, T* column, std::ptrdiff_t stride) {
-  constexpr int lanes = lanes_of<S>;
-  const T* in = reinterpret_cast<const T*>(from);
-  for (int l = 0; l < states; ++l) {
-    T* to = column + l * stride;
-    for (std::ptrdiff_t i = 0; i < n; ++i) to[i] = in[i * lanes + l];
-  }
-}
-
 /// Whether all numbers are finite: x - x is zero for those, and NaN for all others.
 template <class S>
 bool allFinite(const S* x, std::ptrdiff_t n) {
@@ -94,9 +70,9 @@ void runBlock(const CompactImpl& m, char* scratch, Block<T>& b) {
   BlockScratch<S>& s = *reinterpret_cast<BlockScratch<S>*>(scratch);
   Workspace<S>& w = s.w;
   const Bodies<S> bodies{m, w};
-  loadColumns(b.q, b.q_stride, m.nqx, b.states, s.q);
-  loadColumns(b.v, b.v_stride, m.nvx, b.states, s.v);
-  loadColumns(b.a, b.a_stride, m.nvx, b.states, s.a);
+  loadColumns(b.q, m.nqx, s.q);
+  loadColumns(b.v, m.nvx, s.v);
+  loadColumns(b.a, m.nvx, s.a);
   evaluateJoints(m, w, s.q, b.task == Task::mass_matrix ? nullptr : s.v);
   switch (b.task) {
     case Task::kinematics: {
@@ -117,7 +93,7 @@ void runBlock(const CompactImpl& m, char* scratch, Block<T>& b) {
     case Task::mass_matrix: {
       const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(m.nvx) * m.nvx;
       kernels::massMatrix(bodies, w, s.M);
-      storeColumns(s.M, n, b.states, b.result, b.result_stride);
+      storeColumns(s.M, n, b.q.states, b.result);
       b.not_finite = !allFinite(s.M, n);
       return;
     }
@@ -126,10 +102,10 @@ void runBlock(const CompactImpl& m, char* scratch, Block<T>& b) {
       abaOutward(bodies, w, s.v, static_cast<const Force<S>*>(nullptr));
       abaInward(bodies, w, s.a);
       abaSolve(bodies, w, s.result);
-      for (int l = 0; l < b.states; ++l) b.failed[l] = w.failed[l];
+      for (int l = 0; l < b.q.states; ++l) b.failed[l] = w.failed[l];
       break;
   }
-  storeColumns(s.result, m.nvx, b.states, b.result, b.result_stride);
+  storeColumns(s.result, m.nvx, b.q.states, b.result);
   b.not_finite = !allFinite(s.result, m.nvx);
 }
 

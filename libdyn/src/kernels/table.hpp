@@ -4,6 +4,7 @@
 // newer processor is picked by the linker for an older one.
 #pragma once
 
+#include "kernels/columns.hpp"
 #include "kernels/workspace.hpp"
 
 #include <initializer_list>
@@ -34,11 +35,8 @@ enum class Task { kinematics, rnea, mass_matrix, aba };
 template <class T>
 struct Block {
   Task task = Task::rnea;
-  int states = 0;                                    ///< in use; the other lanes repeat the last
-  const T *q = nullptr, *v = nullptr, *a = nullptr;  ///< first column; a: tau for aba
-  std::ptrdiff_t q_stride = 0, v_stride = 0, a_stride = 0;
-  T* result = nullptr;  ///< first column: tau, ddq, or M (nv x nv)
-  std::ptrdiff_t result_stride = 0;
+  ColumnsIn<T> q, v, a;        ///< a: tau for aba
+  T* result = nullptr;         ///< first column: tau, ddq, or M (nv x nv); the others follow
   void* poses = nullptr;       ///< kinematics: where this block's poses go, 12 numbers a body, lanes innermost
   void* velocities = nullptr;  ///< 6 numbers a body; null: not wanted
   void* accelerations = nullptr;
