@@ -67,8 +67,7 @@ const double* aba(const CompactModel& model, Data& data, VectorView q, VectorVie
   }
   int body = 0;
   if (useStrips(m) && external == nullptr) {
-    body = kernels::active().strips.aba(m, d.strips.data(), in.q, in.v, effective, d.ddq);
-    checkRotations(m, in.q, d.ddq);
+    if (!kernels::active().strips.aba(m, d.strips.data(), in.q, in.v, effective, d.ddq, body)) checkConfiguration("q", m, in.q);
   } else {
     evaluateJoints(m, d, in.q, in.v);
     kernels::active().single.aba(m, d, in.v, effective, external, d.ddq);

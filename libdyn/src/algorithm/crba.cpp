@@ -41,8 +41,14 @@ namespace detail {
 const double* crba(const CompactModel& model, Data& data, VectorView q) {
   checkData("crba", model, data, Need::mass_matrix);
   const Inputs in = readInputs("crba", model, data, q, nullptr, nullptr);
-  evaluateJoints(model.impl(), data.impl(), in.q, nullptr);
-  return massMatrix(model.impl(), data.impl());
+  const CompactImpl& m = model.impl();
+  DataImpl& d = data.impl();
+  if (useStrips(m)) {
+    if (!kernels::active().strips.massMatrix(m, d.strips.data(), in.q, d.M)) checkConfiguration("q", m, in.q);
+    return d.M;
+  }
+  evaluateJoints(m, d, in.q, nullptr);
+  return massMatrix(m, d);
 }
 }  // namespace detail
 

@@ -119,10 +119,6 @@ void checkRotations(const CompactImpl& m, const TypeBatch& batch, const JointMem
 
 bool useStrips(const CompactImpl& m) { return m.strips.used && kernels::active().strips.bytes != nullptr; }
 
-void checkRotations(const CompactImpl& m, const double* q, const double* result) {
-  if (m.nv > 0 && !allFinite(result, m.nv)) checkConfiguration("q", m, q);
-}
-
 void evaluateJoints(const CompactImpl& m, DataImpl& d, const double* q, const double* v) {
   kernels::active().single.evaluate(m, d, q, v);
   for (std::size_t b = 0; b < m.batches.size(); ++b)

@@ -35,9 +35,6 @@ void evaluateJoints(const CompactImpl& m, DataImpl& d, const double* q, const do
 
 /// Whether the algorithms that can take joints in lanes do so for this model.
 bool useStrips(const CompactImpl& m);
-/// Throws as evaluateJoints does; `result` (nv numbers) has told whether there is reason to look.
-void checkRotations(const CompactImpl& m, const double* q, const double* result);
-
 /// dS/dt along v of the joints whose subspace varies, by one differentiated call a batch.
 void evaluateSubspaceRates(const CompactImpl& m, DataImpl& d, const double* q, const double* v);
 /// Column k of dS/dt of body i in its own axes; zero for constant subspaces.

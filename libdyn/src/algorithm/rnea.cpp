@@ -10,8 +10,7 @@ namespace {
 
 const double* inverseDynamics(const CompactImpl& m, DataImpl& d, const Inputs& in, const Force<double>* fext, double* result) {
   if (useStrips(m) && fext == nullptr) {
-    kernels::active().strips.rnea(m, d.strips.data(), in.q, in.v, in.a, result);
-    checkRotations(m, in.q, result);
+    if (!kernels::active().strips.rnea(m, d.strips.data(), in.q, in.v, in.a, result)) checkConfiguration("q", m, in.q);
     return result;
   }
   evaluateJoints(m, d, in.q, in.v);

@@ -31,10 +31,10 @@ class Packer {
                                   " runs: " + std::to_string(out_->batches.size() + out_->runs.size()) + " dispatches an evaluation");
     out_->strips = planStrips(*out_);
     const int strips = static_cast<int>(out_->strips.strips.size()) - 1;
-    out_->report.passes.push_back(strips < 1 ? std::string("strips: none, one body after the other")
-                                             : "strips: " + std::to_string(out_->bodies() - 1) + " joints in " + std::to_string(strips) +
-                                                   " strips of 4 lanes; " +
-                                                   (out_->strips.used ? "rnea and aba use them" : "one body after the other is faster"));
+    out_->report.passes.push_back(
+        strips < 1 ? std::string("strips: none, one body after the other")
+                   : "strips: " + std::to_string(out_->bodies() - 1) + " joints in " + std::to_string(strips) + " strips of 4 lanes; " +
+                         (out_->strips.used ? "dynamics of single states uses them" : "one body after the other is faster"));
     return out_;
   }
 

@@ -86,6 +86,12 @@ class Planner {
       strip.aligned = strip.aligned && (strip.parent == 0 || strip.parent_lane[l] == l);
       seats_[at(strip.body[l])] = {index, l};
     }
+    // Lanes without a body follow one that has, so that all lanes may read from one.
+    if (!strip.aligned) {
+      const auto someone = std::find_if(strip.body, strip.body + strip_lanes, [](int b) { return b >= 0; }) - strip.body;
+      for (int l = 0; l < strip_lanes; ++l)
+        if (strip.body[l] < 0) strip.parent_lane[l] = strip.parent_lane[someone];
+    }
     plan_.strips.push_back(strip);
   }
 

@@ -16,8 +16,7 @@ Sym3<S> shiftedInertia(const Sym3<S>& I, const S& mass, const Vec3<S>& h, const 
 /// M of the expanded coordinates, n x n: entries of joints on one path to the root, both triangles. The others are zero and never
 /// written: M must have been zero once.
 template <class S, class Order>
-void massMatrix(const Order& order, Workspace<S>& w, S* M) {
-  const std::ptrdiff_t n = order.m.nvx;
+void massMatrix(const Order& order, Workspace<S>& w, typename Order::Entries* M) {
   order.forward([&]<class Joint>(const Joint& joint, int i, int iv) {
     const auto& c = order.constants(i);
     placeAligned<S>(joint, order, c.placement, i, w);
@@ -28,47 +27,40 @@ void massMatrix(const Order& order, Workspace<S>& w, S* M) {
     writeColumns(joint, R, w.dof + iv);
   });
   order.backward([&]<class Joint>(const Joint&, int i, int iv) {
+    const S mass = w.mass[i];
+    const Vec3<S> h = w.h[i];
+    const Sym3<S> I = w.Io[i];
     Force<S> F[Joint::nv];
+    auto at = order.entry(M, i, iv);
     for (int k = 0; k < Joint::nv; ++k) {
       const Motion<S>& column = w.dof[iv + k].S_;
-      F[k].linear = cross(column.angular, w.h[i]);
-      F[k].angular = w.Io[i] * column.angular;
-      if constexpr (Joint::has_linear) {
-        F[k].linear += w.mass[i] * column.linear;
-        F[k].angular += cross(w.h[i], column.linear);
-      }
+      F[k] = {};
+      if constexpr (Joint::has_angular) F[k] = {cross(column.angular, h), I * column.angular};
+      if constexpr (Joint::has_linear) F[k] += Force<S>{mass * column.linear, cross(h, column.linear)};
+      for (int l = 0; l < k; ++l) at.enter(k, l, Column<Joint, S>{w.dof[iv + l].S_}.along(F[k]));
+      at.enter(k, k, Column<Joint, S>{column}.along(F[k]) + order.armature(iv + k));
     }
-    for (int k = 0; k < Joint::nv; ++k)
-      for (int l = 0; l <= k; ++l) {
-        const S x = dot(w.dof[iv + l].S_, F[k]);
-        M[(iv + k) * n + iv + l] = M[(iv + l) * n + iv + k] = x;
+    if (order.isRoot(i)) return;
+    order.addToParent(w.Io, i, shiftedInertia(I, mass, h, w.r[i]));
+    order.addToParent(w.h, i, h + mass * w.r[i]);
+    order.addToParent(w.mass, i, mass);
+    do {
+      const Vec3<S> r = at.read(w.r);
+      at.climb();
+      for (int k = 0; k < Joint::nv; ++k) F[k].angular += cross(r, F[k].linear);
+      const auto enterAll = [&](int count, auto value) {
+        for (int l = 0; l < count; ++l)
+          for (int k = 0; k < Joint::nv; ++k) at.enter(k, l, value(l, F[k]));
+      };
+      if (at.flyingRoot()) {
+        enterAll(6, [](int l, const Force<S>& f) { return l < 3 ? f.linear[l] : f.angular[l - 3]; });
+      } else if (at.turnsOnly()) {
+        enterAll(at.nv(), [&](int l, const Force<S>& f) { return dot(at.column(w, l).angular, f.angular); });
+      } else {
+        enterAll(at.nv(), [&](int l, const Force<S>& f) { return dot(at.column(w, l), f); });
       }
-    const int p = order.parentOf(i);
-    for (int j = i, up = p; up > 0; j = up, up = order.parentOf(up)) {
-      for (int k = 0; k < Joint::nv; ++k) F[k].angular += cross(w.r[j], F[k].linear);
-      const BodyIndex& x = order.index(up);
-      const auto enter = [&](int l, int k, const S& value) { M[(iv + k) * n + x.idx_v + l] = M[(x.idx_v + l) * n + iv + k] = value; };
-      if (x.flying_root) {
-        for (int k = 0; k < Joint::nv; ++k)
-          for (int l = 0; l < 3; ++l) {
-            enter(l, k, F[k].linear[l]);
-            enter(3 + l, k, F[k].angular[l]);
-          }
-        break;
-      }
-      for (int l = 0; l < x.nv; ++l)
-        for (int k = 0; k < Joint::nv; ++k) {
-          const Motion<S>& column = w.dof[x.idx_v + l].S_;
-          enter(l, k, x.turns_only ? dot(column.angular, F[k].angular) : dot(column, F[k]));
-        }
-    }
-    if (p > 0) {
-      w.Io[p] = w.Io[p] + shiftedInertia(w.Io[i], w.mass[i], w.h[i], w.r[i]);
-      w.h[p] += w.h[i] + w.mass[i] * w.r[i];
-      w.mass[p] += w.mass[i];
-    }
+    } while (!at.isRoot());
   });
-  for (std::ptrdiff_t k = 0; k < n; ++k) M[k * n + k] += order.armature(static_cast<int>(k));
 }
 
 }  // namespace dyn::kernels

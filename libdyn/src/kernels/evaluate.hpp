@@ -5,6 +5,14 @@
 
 namespace dyn::kernels {
 
+/// Whether all numbers are finite: x - x is zero for those, and NaN for all others.
+template <class S>
+bool allFinite(const S* x, std::ptrdiff_t n) {
+  S sum(0);
+  for (std::ptrdiff_t i = 0; i < n; ++i) sum += x[i] - x[i];
+  return allOf(sum == S(0));
+}
+
 /// Poses, subspaces, and (with v) biases of all joints, into w.joints. q and v are in expanded coordinates. `types`: by batch, in the place
 /// of those that the model was compiled with.
 template <class S>

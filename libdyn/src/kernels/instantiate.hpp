@@ -57,14 +57,6 @@ struct BlockScratch {
   }
 };
 
-/// Whether all numbers are finite: x - x is zero for those, and NaN for all others.
-template <class S>
-bool allFinite(const S* x, std::ptrdiff_t n) {
-  S sum(0);
-  for (std::ptrdiff_t i = 0; i < n; ++i) sum += x[i] - x[i];
-  return allOf(sum == S(0));
-}
-
 template <class S, class T = Real<S>>
 void runBlock(const CompactImpl& m, char* scratch, Block<T>& b) {
   BlockScratch<S>& s = *reinterpret_cast<BlockScratch<S>*>(scratch);

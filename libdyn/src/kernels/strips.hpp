@@ -2,6 +2,7 @@
 #pragma once
 
 #include "kernels/aba.hpp"
+#include "kernels/crba.hpp"
 #include "kernels/losses.hpp"
 #include "kernels/rnea.hpp"
 
@@ -15,6 +16,19 @@ namespace dyn::kernels {
 template <class S>
 S gathered(const double* from, const std::int64_t* index) {
   return S::Batch::gather(from, xsimd::batch<std::int64_t, typename S::Batch::arch_type>::load_unaligned(index));
+}
+
+/// Each lane's numbers from the lane that `lanes` names.
+template <class S, class T>
+T gatheredLanes(const T& from, const std::int64_t* lanes) {
+  const auto* numbers = reinterpret_cast<const double*>(&from);
+  T out;
+  S* to = reinterpret_cast<S*>(&out);
+  // Limbs that hang on one body are the usual case.
+  const bool one = lanes[1] == lanes[0] && lanes[2] == lanes[0] && lanes[3] == lanes[0];
+  for (std::size_t k = 0; k < sizeof(T) / sizeof(S); ++k)
+    to[k] = one ? S(numbers[strip_lanes * k + static_cast<std::size_t>(lanes[0])]) : gathered<S>(numbers + strip_lanes * k, lanes);
+  return out;
 }
 
 template <class S>
@@ -32,12 +46,7 @@ struct Strips {
   template <class T>
   T parent(const T* array, int i) const {
     const Strip& s = strip(i);
-    if (s.aligned) return array[s.parent];
-    const auto* from = reinterpret_cast<const double*>(array + s.parent);
-    T out;
-    S* to = reinterpret_cast<S*>(&out);
-    for (std::size_t k = 0; k < sizeof(T) / sizeof(S); ++k) to[k] = gathered<S>(from + strip_lanes * k, s.parent_lane);
-    return out;
+    return s.aligned ? array[s.parent] : gatheredLanes<S>(array[s.parent], s.parent_lane);
   }
   template <class T>
   void addToParent(T* array, int i, const T& value) const {
@@ -68,6 +77,58 @@ struct Strips {
     }
   }
   bool isLeaf(int i) const { return strip(i).leaf; }
+
+  using Entries = double;
+  class Entry {
+   public:
+    Entry(const Strips& strips, double* M, int i, int iv) : strips_(strips.m.strips), n_(strips.m.nvx), strip_(&strips_.strips[index(i)]) {
+      for (int l = 0; l < strip_lanes; ++l) {
+        const std::ptrdiff_t dof = strips_.dof_index[index(strip_lanes * iv + l)];
+        row_[l] = strip_->body[l] < 0 ? nullptr : M + dof;
+        column_[l] = M + dof * n_;
+      }
+    }
+    bool isRoot() const { return strip_->parent == 0; }
+    void climb() {
+      if (!strip_->aligned) {
+        in_place_ = false;
+        for (std::int64_t& lane : lanes_) lane = strip_->parent_lane[lane];
+      }
+      strip_ = &strips_.strips[index(strip_->parent)];
+    }
+    template <class T>
+    T read(const T* array) const {
+      return from(array[strip_ - strips_.strips.data()]);
+    }
+    int nv() const { return strip_->nv; }
+    bool flyingRoot() const { return strip_->shape == Shape::free && isRoot(); }
+    bool turnsOnly() const { return strip_->shape == Shape::revolute || strip_->shape == Shape::spherical; }
+    Motion<S> column(const Workspace<S>& w, int l) const { return from(w.dof[strip_->dof + l].S_); }
+    void enter(int k, int l, const S& value) const {
+      const std::int64_t* other = strips_.dof_index.data() + strip_lanes * (strip_->dof + l);
+      const auto* numbers = reinterpret_cast<const double*>(&value);
+      for (int lane = 0; lane < strip_lanes; ++lane) {
+        if (row_[lane] == nullptr) continue;
+        const std::ptrdiff_t j = other[lanes_[lane]];
+        column_[lane][k * n_ + j] = row_[lane][k + j * n_] = numbers[lane];
+      }
+    }
+
+   private:
+    static std::size_t index(int i) { return static_cast<std::size_t>(i); }
+    /// In the lanes of the joint.
+    template <class T>
+    T from(const T& there) const {
+      return in_place_ ? there : gatheredLanes<S>(there, lanes_);
+    }
+    const StripPlan& strips_;
+    std::ptrdiff_t n_;
+    const Strip* strip_;
+    double *row_[strip_lanes], *column_[strip_lanes];  ///< of the joint's first degree of freedom; null rows: lanes without a body
+    bool in_place_ = true;
+    std::int64_t lanes_[strip_lanes] = {0, 1, 2, 3};  ///< where what was reached is, by the joint's lane
+  };
+  Entry entry(double* M, int i, int iv) const { return {*this, M, i, iv}; }
 
   template <class Body>
   void forward(Body&& body) const {
@@ -147,6 +208,7 @@ struct StripScratch {
     arena.take(s.w.acc, n);
     arena.take(s.w.h, n);
     arena.take(s.w.Io, n);
+    arena.take(s.w.mass, n);
     const auto dofs = static_cast<std::size_t>(plan.dofs);
     arena.take(s.w.dof, dofs);
     arena.take(s.v, dofs);
@@ -182,16 +244,22 @@ void evaluateAlone(const TypeBatch& batch, const StripBatch& strips, const Joint
   if (call.bias) spread(bias, 6, memory.bias);
 }
 
-/// Poses, subspaces and (with v) biases of all joints, strip by strip in the lanes.
+/// Poses, subspaces and (with v) biases of all joints, strip by strip in the lanes. False if a type that normalises coordinates, as
+/// quaternions are, gave a pose that is not finite.
 template <class S>
-void evaluateStrips(const CompactImpl& m, Workspace<S>& w, const double* q, const double* v) {
+bool evaluateStrips(const CompactImpl& m, Workspace<S>& w, const double* q, const double* v) {
+  bool finite = true;
   for (std::size_t b = 0; b < m.batches.size(); ++b) {
     const TypeBatch& batch = m.batches[b];
     const StripBatch& strips = m.strips.batches[b];
     const JointMemory<S>& memory = w.joints[b];
     const int items = strips.slots * strip_lanes;
+    const auto check = [&] {
+      if (batch.nq != batch.nv) finite = finite && allFinite(memory.pose, poseSize(batch.shape) * static_cast<std::ptrdiff_t>(strips.slots));
+    };
     if (batch.count == 1) {
       evaluateAlone(batch, strips, memory, q + strips.q_index[0], v ? v + strips.v_index[0] : nullptr);
+      check();
       continue;
     }
     // Component c of all items, four at a time.
@@ -214,7 +282,9 @@ void evaluateStrips(const CompactImpl& m, Workspace<S>& w, const double* q, cons
     call.pose = reinterpret_cast<double*>(memory.pose);
     call.subspace = reinterpret_cast<double*>(memory.subspace);
     batch.fast->kinematics(call);
+    check();
   }
+  return finite;
 }
 
 template <class S>
@@ -254,7 +324,7 @@ StripKernels stripKernels() {
   k.rnea = [](const CompactImpl& m, char* scratch, const double* q, const double* v, const double* a, double* tau) {
     auto& s = *reinterpret_cast<StripScratch<S>*>(scratch);
     const Strips<S> strips{m, s.w};
-    evaluateStrips(m, s.w, q, v);
+    const bool finite = evaluateStrips(m, s.w, q, v);
     gatherDofs(m.strips, v, s.v);
     gatherDofs(m.strips, a, s.a);
     rneaOutward(strips, s.w, s.v, s.a, static_cast<const Force<S>*>(nullptr));
@@ -262,20 +332,28 @@ StripKernels stripKernels() {
     scatterDofs(m.strips, s.result, tau);
     addArmature(m, a, tau);
     addLosses(m, 1.0, v, tau);
+    return finite;
   };
-  k.aba = [](const CompactImpl& m, char* scratch, const double* q, const double* v, const double* tau, double* ddq) {
+  k.massMatrix = [](const CompactImpl& m, char* scratch, const double* q, double* M) {
+    auto& s = *reinterpret_cast<StripScratch<S>*>(scratch);
+    const bool finite = evaluateStrips(m, s.w, q, nullptr);
+    kernels::massMatrix(Strips<S>{m, s.w}, s.w, M);
+    return finite;
+  };
+  k.aba = [](const CompactImpl& m, char* scratch, const double* q, const double* v, const double* tau, double* ddq, int& failed) {
     auto& s = *reinterpret_cast<StripScratch<S>*>(scratch);
     const Strips<S> strips{m, s.w};
-    evaluateStrips(m, s.w, q, v);
+    const bool finite = evaluateStrips(m, s.w, q, v);
     gatherDofs(m.strips, v, s.v);
     gatherDofs(m.strips, tau, s.a);
     abaOutward(strips, s.w, s.v, static_cast<const Force<S>*>(nullptr));
     abaInward(strips, s.w, s.a);
     abaSolve(strips, s.w, s.result);
     scatterDofs(m.strips, s.result, ddq);
+    failed = 0;
     for (int l = 0; l < strip_lanes; ++l)
-      if (s.w.failed[l] != 0) return m.strips.strips[static_cast<std::size_t>(s.w.failed[l])].body[l];
-    return 0;
+      if (s.w.failed[l] != 0 && failed == 0) failed = m.strips.strips[static_cast<std::size_t>(s.w.failed[l])].body[l];
+    return finite;
   };
   return k;
 }

@@ -50,6 +50,38 @@ struct Bodies {
   }
   bool isLeaf(int i) const { return treeEnd(i) == i + 1; }
 
+  /// What the mass matrix is made of.
+  using Entries = S;
+  /// A joint's rows of the mass matrix, and the way from its body up to the root.
+  class Entry {
+   public:
+    Entry(const Bodies& bodies, S* M, int i, int iv) : bodies_(bodies), M_(M), body_(i), row_(iv), column_(iv) {}
+    bool isRoot() const { return bodies_.isRoot(body_); }
+    void climb() {
+      body_ = bodies_.parentOf(body_);
+      column_ = bodies_.index(body_).idx_v;
+    }
+    template <class T>
+    const T& read(const T* array) const {
+      return array[body_];
+    }
+    int nv() const { return bodies_.index(body_).nv; }
+    bool flyingRoot() const { return bodies_.index(body_).flying_root; }
+    bool turnsOnly() const { return bodies_.index(body_).turns_only; }
+    const Motion<S>& column(const Workspace<S>& w, int l) const { return w.dof[column_ + l].S_; }
+    /// Of degree of freedom k of the joint and l of the body that was reached, and its mirror image.
+    void enter(int k, int l, const S& value) const {
+      const std::ptrdiff_t n = bodies_.m.nvx, i = row_ + k, j = column_ + l;
+      M_[i * n + j] = M_[j * n + i] = value;
+    }
+
+   private:
+    const Bodies& bodies_;
+    S* M_;
+    int body_, row_, column_;
+  };
+  Entry entry(S* M, int i, int iv) const { return {*this, M, i, iv}; }
+
   /// body(joint, i, idx_v): joint is one of the shapes.
   template <class Body>
   void forward(Body&& body) const {

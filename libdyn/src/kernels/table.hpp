@@ -20,13 +20,15 @@ struct SingleKernels {
   void (*aba)(const CompactImpl&, Workspace<double>&, const double* v, const double* tau, const Force<double>* fext, double* ddq);
 };
 
-/// One state with joints in lanes; all null where packs are too narrow. Vectors are the user's; no couplings.
+/// One state with joints in lanes; all null where packs are too narrow. Vectors are the user's; no couplings. False: a joint's pose is
+/// not finite, perhaps because q is no configuration.
 struct StripKernels {
   std::size_t (*bytes)(const CompactImpl&) = nullptr;
   void (*prepare)(const CompactImpl&, char* scratch) = nullptr;
-  void (*rnea)(const CompactImpl&, char* scratch, const double* q, const double* v, const double* a, double* tau) = nullptr;
-  /// Returns the body whose pivot vanished, or 0.
-  int (*aba)(const CompactImpl&, char* scratch, const double* q, const double* v, const double* tau, double* ddq) = nullptr;
+  bool (*rnea)(const CompactImpl&, char* scratch, const double* q, const double* v, const double* a, double* tau) = nullptr;
+  bool (*massMatrix)(const CompactImpl&, char* scratch, const double* q, double* M) = nullptr;
+  /// failed: the body whose pivot vanished, or 0.
+  bool (*aba)(const CompactImpl&, char* scratch, const double* q, const double* v, const double* tau, double* ddq, int& failed) = nullptr;
 };
 
 enum class Task { kinematics, rnea, mass_matrix, aba };

@@ -106,6 +106,7 @@ struct Sym3 {
     return {a.xx * b.x + a.xy * b.y + a.xz * b.z, a.xy * b.x + a.yy * b.y + a.yz * b.z, a.xz * b.x + a.yz * b.y + a.zz * b.z};
   }
   friend Sym3 operator+(const Sym3& a, const Sym3& b) { return {a.xx + b.xx, a.xy + b.xy, a.xz + b.xz, a.yy + b.yy, a.yz + b.yz, a.zz + b.zz}; }
+  Sym3& operator+=(const Sym3& b) { return *this = *this + b; }
   friend Sym3 operator-(const Sym3& a, const Sym3& b) { return {a.xx - b.xx, a.xy - b.xy, a.xz - b.xz, a.yy - b.yy, a.yz - b.yz, a.zz - b.zz}; }
   friend Sym3 operator*(const S& s, const Sym3& a) { return {s * a.xx, s * a.xy, s * a.xz, s * a.yy, s * a.yz, s * a.zz}; }
 };
