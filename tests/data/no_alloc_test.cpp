@@ -71,6 +71,7 @@ TEST_CASE("no algorithm allocates once Data exists", "[no_alloc]") {
   CHECK(allocationsOf([&] { computeFrameJacobian(model, data, q, tool, ReferenceFrame::LOCAL, J); }) == 0);
   CHECK(allocationsOf([&] { computeFrameJacobianTimeVariation(model, data, q, v, tool, ReferenceFrame::WORLD, J); }) == 0);
   CHECK(allocationsOf([&] { getJointJacobian(model, data, 1, ReferenceFrame::LOCAL, stacked.topRows(6)); }) == 0);
+  if (!coupled) CHECK(allocationsOf([&] { computeJointJacobians(model, data, q); }) == 0);
   CHECK(allocationsOf([&] { integrate(model, q, v, next); }) == 0);
   CHECK(allocationsOf([&] { difference(model, q, next, dv); }) == 0);
   CHECK(allocationsOf([&] { normalize(model, next, next); }) == 0);

@@ -66,6 +66,7 @@ void addSingle(Subjects& x, std::vector<Entry>& entries) {
   add("gravity", [](auto& m, auto& d, auto& s) { generalizedGravity(m, d, s.q); });
   add("crba", [](auto& m, auto& d, auto& s) { crba(m, d, s.q); });
   add("aba", [](auto& m, auto& d, auto& s) { aba(m, d, s.q, s.v, s.tau); });
+  add("joint_jacobians", [](auto& m, auto& d, auto& s) { computeJointJacobians(m, d, s.q); });
   add("center_of_mass_jacobian", [](auto& m, auto& d, auto& s) { jacobianCenterOfMass(m, d, s.q); });
   add("make_data", [](auto& m, auto&, auto&) { const Data made(m); });
 }
@@ -77,7 +78,7 @@ void addBatch(Subjects& x, const char* scalar, int threads, std::vector<Entry>& 
     BasicBatchData<T> batch;
     Matrix q, v, a, tau;
   };
-  const Need needs = Need::mass_matrix | Need::kinematics;
+  const Need needs = Need::mass_matrix | Need::kinematics | Need::jacobians;
   auto memory =
       std::make_shared<Memory>(Memory{BasicBatchData<T>(x.model, state_count, needs, threads), Matrix(x.model.nq(), state_count),
                                       Matrix(x.model.nv(), state_count), Matrix(x.model.nv(), state_count), Matrix(x.model.nv(), state_count)});
@@ -97,6 +98,7 @@ void addBatch(Subjects& x, const char* scalar, int threads, std::vector<Entry>& 
   add("gravity", [](auto& m, auto& d) { generalizedGravity(m, d.batch, d.q); });
   add("crba", [](auto& m, auto& d) { crba(m, d.batch, d.q); });
   add("aba", [](auto& m, auto& d) { aba(m, d.batch, d.q, d.v, d.tau); });
+  add("joint_jacobians", [](auto& m, auto& d) { computeJointJacobians(m, d.batch, d.q); });
 }
 
 struct Options {

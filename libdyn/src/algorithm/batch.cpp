@@ -41,9 +41,10 @@ void checkBatch(const char* algorithm, const CompactModel& model, const BatchImp
 /// The first state, in order, that something is wrong with.
 struct Failure {
   int state = std::numeric_limits<int>::max();
-  int body = 0;  ///< whose pivot vanished; 0: q may be no configuration
-  void note(int s, int b) {
-    if (s < state) *this = {s, b};
+  int body = 0;   ///< whose pivot vanished; 0: q may be no configuration
+  int count = 1;  ///< it is this state or one of those after it
+  void note(int s, int b, int n = 1) {
+    if (s < state) *this = {s, b, n};
   }
 };
 
@@ -58,7 +59,7 @@ Failure forBlocks(BatchImpl<T>& d, int states, int lanes, const Block& block) {
   };
   d.workers->run(work);
   Failure first;
-  for (int t = 0; t < std::min(threads, 256); ++t) first.note(failures[t].state, failures[t].body);
+  for (int t = 0; t < std::min(threads, 256); ++t) first.note(failures[t].state, failures[t].body, failures[t].count);
   return first;
 }
 
@@ -71,11 +72,13 @@ kernels::ColumnsIn<T> columns(const StatesView<T>& x, int first, int count) {
 template <class T>
 void fail(const CompactImpl& m, const Failure& failure, const StatesView<T>& q) {
   if (failure.state == std::numeric_limits<int>::max()) return;
-  const std::string state = "state " + std::to_string(failure.state) + ": ";
-  if (failure.body != 0) refuseSingular((state + "aba").c_str(), m.joints[at(m.index[at(failure.body)].joint)].name);
+  const auto name = [](int state, const char* what) { return "state " + std::to_string(state) + ": " + what; };
+  if (failure.body != 0) refuseSingular(name(failure.state, "aba").c_str(), m.joints[at(m.index[at(failure.body)].joint)].name);
   Eigen::VectorXd column(m.nq);
-  for (int i = 0; i < m.nq; ++i) column[i] = static_cast<double>(q.data[failure.state * q.stride + i]);
-  checkConfiguration((state + "q").c_str(), m, column.data());
+  for (int state = failure.state; state < failure.state + failure.count; ++state) {
+    for (int i = 0; i < m.nq; ++i) column[i] = static_cast<double>(q.data[state * q.stride + i]);
+    checkConfiguration(name(state, "q").c_str(), m, column.data());
+  }
 }
 
 template <class T>
@@ -163,6 +166,49 @@ const T* computeBatch(const CompactModel& model, BasicBatchData<T>& data, BatchQ
 }
 
 template <class T>
+const T* batchJacobians(const CompactModel& model, BasicBatchData<T>& data, StatesView<T> q, Kind kind, int id, ReferenceFrame reference) {
+  const char* name = id < 0 ? "computeJointJacobians" : (kind == Kind::joint ? "computeJointJacobian" : "computeFrameJacobian");
+  BatchImpl<T>& d = data.impl();
+  const CompactImpl& m = model.impl();
+  checkBatch(name, model, d, q, Need::jacobians, "jacobians");
+  const std::ptrdiff_t rows = 6 * static_cast<std::ptrdiff_t>(m.nv);
+  const int states = static_cast<int>(q.cols);
+  kernels::FramePoint<double> point;
+  if (id >= 0) {
+    const PointOnBody where = kind == Kind::joint ? jointOnBody(model, id) : frameOnBody(model, id);
+    point = {where.body, where.placement};
+  }
+  Failure failure;
+  if (!m.couplings.empty()) {
+    if (id < 0) computeJointJacobians(model, d.single[0], d.columns[0]);  // refuses such models
+    failure = forBlocks(d, states, 1, [&](int t, int state, int, Failure& f) {
+      Eigen::VectorXd &column = d.columns[at(3 * t)], &J = d.jacobians[at(t)];
+      for (int i = 0; i < m.nq; ++i) column[i] = static_cast<double>(q.data[state * q.stride + i]);
+      try {
+        jacobian(model, d.single[at(t)], {column.data(), column.size()}, kind, id, reference, MatrixOut(J.data(), 6, m.nv));
+      } catch (const Error&) {
+        J.setConstant(std::numeric_limits<double>::quiet_NaN());
+        f.note(state, 0);
+      }
+      for (std::ptrdiff_t i = 0; i < rows; ++i) d.J[static_cast<std::size_t>(state * rows + i)] = static_cast<T>(J[i]);
+    });
+  } else {
+    failure = forBlocks(d, states, d.kernels->lanes, [&](int t, int first, int count, Failure& f) {
+      kernels::Block<T> block;
+      block.task = id < 0 ? kernels::Task::joint_jacobians : kernels::Task::frame_jacobian;
+      block.q = columns(q, first, count);
+      block.frame = point;
+      block.reference = reference;
+      block.result = d.J.data() + first * rows;
+      d.kernels->run(m, d.scratch[at(t)].data(), block);
+      if (block.not_finite) f.note(first, 0, count);
+    });
+  }
+  fail(m, failure, q);
+  return d.J.data();
+}
+
+template <class T>
 void batchKinematics(const CompactModel& model, BasicBatchData<T>& data, StatesView<T> q, StatesView<T> v, StatesView<T> a) {
   BatchImpl<T>& d = data.impl();
   const CompactImpl& m = model.impl();
@@ -184,13 +230,15 @@ void batchKinematics(const CompactModel& model, BasicBatchData<T>& data, StatesV
     if (v.data) block.velocities = reinterpret_cast<T*>(d.velocities.data()) + 6 * offset;
     if (a.data) block.accelerations = reinterpret_cast<T*>(d.accelerations.data()) + 6 * offset;
     d.kernels->run(m, d.scratch[at(t)].data(), block);
-    if (block.not_finite) f.note(first, 0);
+    if (block.not_finite) f.note(first, 0, count);
   });
   fail(m, failure, q);
 }
 
 template const double* computeBatch(const CompactModel&, BatchData&, BatchQuantity, StatesView<double>, StatesView<double>, StatesView<double>);
 template const float* computeBatch(const CompactModel&, BatchDataFloat&, BatchQuantity, StatesView<float>, StatesView<float>, StatesView<float>);
+template const double* batchJacobians(const CompactModel&, BatchData&, StatesView<double>, Kind, int, ReferenceFrame);
+template const float* batchJacobians(const CompactModel&, BatchDataFloat&, StatesView<float>, Kind, int, ReferenceFrame);
 template void batchKinematics(const CompactModel&, BatchData&, StatesView<double>, StatesView<double>, StatesView<double>);
 template void batchKinematics(const CompactModel&, BatchDataFloat&, StatesView<float>, StatesView<float>, StatesView<float>);
 

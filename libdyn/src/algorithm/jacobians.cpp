@@ -1,9 +1,11 @@
+#include "kernels/jacobians.hpp"
+
 #include "algorithm/inputs.hpp"
 #include "algorithm/placement.hpp"
-#include "kernels/sweep.hpp"
 #include "kernels/table.hpp"
 
 #include <dyn/algorithm/jacobians.hpp>
+#include <dyn/error.hpp>
 
 #include <algorithm>
 
@@ -11,49 +13,17 @@ namespace dyn {
 
 namespace {
 
+using kernels::seen;
+using kernels::Walk;
+
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// Walks from a frame to the world, joint by joint. At each joint: the frame's origin x as seen from the moving body, the rotation Q
-/// from the body's axes into the frame's, and their rates. Everything is local, so the base's distance does not matter.
-struct Walk {
-  Mat3<double> Q;       ///< frame axes from body axes
-  Vec3<double> x;       ///< frame origin in body axes
-  Motion<double> rate;  ///< velocity of the frame relative to the body: of its origin, and angular, body axes
-};
-
-/// Columns of one joint seen from the frame: S moved to the frame's origin.
-Motion<double> seen(const Walk& walk, const Motion<double>& S) { return {walk.Q * (S.linear + cross(S.angular, walk.x)), walk.Q * S.angular}; }
-
 /// Their time derivative, where dS is the derivative of S in the body's axes.
-Motion<double> seenRate(const Walk& walk, const Motion<double>& S, const Motion<double>& dS) {
+Motion<double> seenRate(const Walk<double>& walk, const Motion<double>& S, const Motion<double>& dS) {
   const Vec3<double>& w = walk.rate.angular;
   const Vec3<double> lever = S.linear + cross(S.angular, walk.x);
   return {walk.Q * (dS.linear + cross(dS.angular, walk.x) + cross(S.angular, walk.rate.linear) - cross(w, lever)),
           walk.Q * (dS.angular - cross(w, S.angular))};
-}
-
-/// Calls column(k, S, dS) for each degree of freedom that moves the frame, from it to the world.
-template <class Column>
-void walkSupports(const CompactImpl& m, DataImpl& d, const PointOnBody& frame, const double* v, Walk& walk, Column&& column) {
-  const kernels::Bodies<double> bodies{m, d};
-  walk = {transpose(frame.placement.R), frame.placement.p, {}};
-  for (int i = frame.body; i > 0; i = m.index[at(i)].parent) {
-    const BodyIndex& x = m.index[at(i)];
-    const TypeBatch& batch = m.batches[at(x.batch)];
-    const Run here{batch.shape, batch.nv, i, 1, x.batch, x.slot};
-    kernels::withShape<double>(batch.shape, batch.nv, [&]<class Joint>() {
-      const kernels::Slot<double> slot = bodies.slotOf(here, 0);
-      const Joint joint(slot);
-      for (int k = 0; k < Joint::nv; ++k) column(i, x.idx_v + k, k, joint.column(k));
-      const SE3<double>& rel = d.rel[i];
-      if (v) {
-        const Motion<double> s = joint.times(v + x.idx_v);
-        walk.rate = {rel.R * (s.linear + cross(s.angular, walk.x) + walk.rate.linear), rel.R * (s.angular + walk.rate.angular)};
-      }
-      walk.x = rel.act(walk.x);
-      walk.Q = walk.Q * transpose(rel.R);
-    });
-  }
 }
 
 /// d.rel and d.oM of joints that have been evaluated.
@@ -73,36 +43,11 @@ void foldColumns(const CompactImpl& m, const DataImpl& d, double* expanded, doub
   for (int k = 0; k < m.nv; ++k) std::copy_n(expanded + 6 * m.v_of_user[at(k)], 6, user.column(k));
 }
 
-void write(const Motion<double>& c, double* out) {
-  for (int r = 0; r < 3; ++r) {
-    out[r] = c.linear[r];
-    out[3 + r] = c.angular[r];
-  }
-}
-
 /// Writes J from joints that have been evaluated and placed.
 void writeJacobian(const CompactImpl& m, DataImpl& d, const PointOnBody& point, ReferenceFrame reference, const MatrixOut& J) {
   const bool coupled = !m.couplings.empty();
   const MatrixOut out = coupled ? MatrixOut(d.columns, 6, m.nvx) : J;
-  for (int k = 0; k < m.nvx; ++k) std::fill_n(out.column(k), 6, 0.0);
-  Walk walk;
-  // Each reference has one chain of rotations between the joint and where the column is expressed, never two.
-  walkSupports(m, d, point, nullptr, walk, [&](int i, int iv, int, const Motion<double>& S) {
-    const SE3<double>& oMi = d.oM[i];
-    Motion<double> column;
-    switch (reference) {
-      case ReferenceFrame::LOCAL:
-        column = seen(walk, S);
-        break;
-      case ReferenceFrame::WORLD:
-        column = oMi.act(S);
-        break;
-      case ReferenceFrame::LOCAL_WORLD_ALIGNED:
-        column = {oMi.R * (S.linear + cross(S.angular, walk.x)), oMi.R * S.angular};
-        break;
-    }
-    write(column, out.column(iv));
-  });
+  kernels::frameJacobian<double>({m, d}, d, {point.body, point.placement}, reference, out.column(0), out.stride());
   if (coupled) foldColumns(m, d, d.columns, nullptr, J);
 }
 
@@ -124,6 +69,19 @@ void jacobian(const CompactModel& model, Data& data, VectorView q, Kind kind, in
   writeJacobian(model.impl(), data.impl(), point, reference, J);
 }
 
+const double* jointJacobians(const CompactModel& model, Data& data, VectorView q) {
+  const Inputs in = readInputs("computeJointJacobians", model, data, q, nullptr, nullptr);
+  const CompactImpl& m = model.impl();
+  if (!m.couplings.empty())
+    throw Error(ErrorCode::argument,
+                "computeJointJacobians: the model has joints that follow others, whose columns differ from frame to frame; "
+                "computeJointJacobian gives those of one");
+  DataImpl& d = data.impl();
+  evaluateJoints(m, d, in.q, nullptr);
+  kernels::active().single.jointJacobians(m, d, d.J);
+  return d.J;
+}
+
 void jacobianTimeVariation(const CompactModel& model, Data& data, VectorView q, VectorView v, Kind kind, int id, ReferenceFrame reference,
                            const MatrixOut& dJ) {
   const PointOnBody point = pointOf(model, kind, id);
@@ -142,17 +100,20 @@ void jacobianTimeVariation(const CompactModel& model, Data& data, VectorView q, 
   const MatrixOut out = coupled ? MatrixOut(rates, 6, m.nvx) : dJ;
   for (int k = 0; k < m.nvx; ++k) std::fill_n(out.column(k), 6, 0.0);
   std::fill_n(base, 6 * m.nvx, 0.0);
-  Walk walk;
+  const kernels::Bodies<double> bodies{m, d};
+  const kernels::FramePoint<double> frame{point.body, point.placement};
+  Walk<double> walk;
   Motion<double> vf;
-  walkSupports(m, d, point, in.v, walk, [&](int, int iv, int, const Motion<double>& S) { vf += in.v[iv] * seen(walk, S); });
-  walkSupports(m, d, point, in.v, walk, [&](int i, int iv, int k, const Motion<double>& S) {
+  walkSupports(bodies, d, frame, in.v, walk, [&](int i, int k, const Motion<double>& S) { vf += in.v[bodies.index(i).idx_v + k] * seen(walk, S); });
+  walkSupports(bodies, d, frame, in.v, walk, [&](int i, int k, const Motion<double>& S) {
+    const int iv = bodies.index(i).idx_v + k;
     Motion<double> rate = seenRate(walk, S, subspaceRate(m, d, i, k));
     const Motion<double> c = seen(walk, S);
     // d/dt of (X c) = X (dc + v x c) for the transform X into the reference: all of v for WORLD, its rotation for LOCAL_WORLD_ALIGNED.
     if (reference == ReferenceFrame::WORLD) rate += vf.cross(c);
     if (reference == ReferenceFrame::LOCAL_WORLD_ALIGNED) rate += Motion<double>{cross(vf.angular, c.linear), cross(vf.angular, c.angular)};
-    write(express(rate, oMf, reference), out.column(iv));
-    write(express(c, oMf, reference), base + 6 * iv);
+    kernels::writeMotion(express(rate, oMf, reference), out.column(iv));
+    kernels::writeMotion(express(c, oMf, reference), base + 6 * iv);
   });
   if (coupled) foldColumns(m, d, rates, base, dJ);
 }

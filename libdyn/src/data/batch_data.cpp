@@ -19,21 +19,22 @@ BasicBatchData<T>::BasicBatchData(const CompactModel& model, int capacity, Need 
   d.capacity = capacity;
   d.kernels = &blockKernelsOf<T>(kernels::active());
   d.workers = std::make_unique<Workers>(threads);
-  const bool mass_matrix = has(needs, Need::mass_matrix);
   for (int i = 0; i < threads; ++i) {
     if (m.couplings.empty()) {
-      d.scratch.emplace_back(d.kernels->bytes(m, mass_matrix));
-      d.kernels->prepare(m, mass_matrix, d.scratch.back().data());
+      d.scratch.emplace_back(d.kernels->bytes(m, needs));
+      d.kernels->prepare(m, needs, d.scratch.back().data());
     } else {
       d.single.emplace_back(model, Need::mass_matrix);
       d.columns.emplace_back(Eigen::VectorXd::Zero(m.nq));
       d.columns.emplace_back(Eigen::VectorXd::Zero(m.nv));
       d.columns.emplace_back(Eigen::VectorXd::Zero(m.nv));
+      d.jacobians.emplace_back(Eigen::VectorXd::Zero(6 * m.nv));
     }
   }
   const auto n = static_cast<std::size_t>(capacity), nv = static_cast<std::size_t>(m.nv);
   for (std::vector<T>* result : {&d.tau, &d.nle, &d.gravity, &d.ddq}) result->assign(nv * n, T(0));
-  if (mass_matrix) d.M.assign(nv * nv * n, T(0));
+  if (has(needs, Need::mass_matrix)) d.M.assign(nv * nv * n, T(0));
+  if (has(needs, Need::jacobians)) d.J.assign(6 * nv * n, T(0));
   if (has(needs, Need::kinematics)) {
     const std::size_t bodies = static_cast<std::size_t>(d.blocks() * d.kernels->lanes) * static_cast<std::size_t>(m.bodies()) * sizeof(T);
     d.poses = PackMemory(12 * bodies);
@@ -67,7 +68,7 @@ std::size_t BasicBatchData<T>::bytes() const {
   std::size_t sum = sizeof d + d.poses.bytes() + d.velocities.bytes() + d.accelerations.bytes();
   for (const PackMemory& memory : d.scratch) sum += memory.bytes();
   for (const Data& data : d.single) sum += data.bytes();
-  return sum + sizeof(T) * (d.tau.size() + d.nle.size() + d.gravity.size() + d.ddq.size() + d.M.size());
+  return sum + sizeof(T) * (d.tau.size() + d.nle.size() + d.gravity.size() + d.ddq.size() + d.M.size() + d.J.size());
 }
 
 template class BasicBatchData<double>;

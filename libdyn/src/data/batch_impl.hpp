@@ -23,8 +23,11 @@ struct BatchImpl {
   std::vector<Data> single;              ///< a thread each, for models with couplings
   std::vector<Eigen::VectorXd> columns;  ///< three a thread, for the same: q, v, a of one state
 
+  std::vector<Eigen::VectorXd> jacobians;  ///< a thread each, for the same
+
   std::vector<T> tau, nle, gravity, ddq;        ///< nv numbers a state
   std::vector<T> M;                             ///< nv * nv numbers a state
+  std::vector<T> J;                             ///< 6 * nv numbers a state
   PackMemory poses, velocities, accelerations;  ///< by block of `lanes` states, then body, number, state
 
   int blocks() const { return (capacity + kernels->lanes - 1) / kernels->lanes; }

@@ -35,6 +35,7 @@ void carveAll(DataImpl& d, const CompactImpl& m, Arena& arena) {
   arena.take(d.ddq, nvx);
   arena.take(d.zero, std::max<std::size_t>(nvx, 1));
   arena.take(d.Jcom, 3 * nvx);
+  arena.take(d.J, 6 * nvx);
   arena.take(d.columns, 12 * nvx);
   if (has(d.needs, Need::mass_matrix)) {
     arena.take(d.M, nv * nv);

@@ -34,7 +34,7 @@ struct DataImpl : Workspace<double> {
 
   // Results in the user's numbering.
   double *tau = nullptr, *nle = nullptr, *g = nullptr, *ddq = nullptr;
-  double *M = nullptr, *Mx = nullptr, *Jcom = nullptr;
+  double *M = nullptr, *Mx = nullptr, *Jcom = nullptr, *J = nullptr;
   double* columns = nullptr;  ///< 6 x nvx, twice: Jacobians before couplings are folded
   double* zero = nullptr;     ///< max(nvx, 1) zeros
   Vec3<double> com, vcom, acom;

@@ -21,6 +21,7 @@ inline SingleKernels singleKernels() {
   k.forwardKinematics = [](const CompactImpl& m, W& w, const double* v, const double* a) {
     kernels::forwardKinematics(Bodies<double>{m, w}, w, v, a);
   };
+  k.jointJacobians = [](const CompactImpl& m, W& w, double* J) { kernels::jointJacobians(Bodies<double>{m, w}, w, J); };
   k.rnea = [](const CompactImpl& m, W& w, const double* v, const double* a, const Force<double>* fext, double* tau) {
     const Bodies<double> bodies{m, w};
     rneaOutward(bodies, w, v, a, fext);
@@ -42,9 +43,9 @@ inline SingleKernels singleKernels() {
 template <class S>
 struct BlockScratch {
   Workspace<S> w;
-  S *q, *v, *a, *result, *M;
+  S *q, *v, *a, *result, *M, *J;
 
-  static std::size_t carve(BlockScratch& s, const CompactImpl& m, bool mass_matrix, char* base) {
+  static std::size_t carve(BlockScratch& s, const CompactImpl& m, Need needs, char* base) {
     Arena arena(base);
     dyn::carve(s.w, m, arena);
     const auto nq = static_cast<std::size_t>(m.nqx), nv = static_cast<std::size_t>(m.nvx);
@@ -52,7 +53,8 @@ struct BlockScratch {
     arena.take(s.v, nv);
     arena.take(s.a, nv);
     arena.take(s.result, nv);
-    arena.take(s.M, mass_matrix ? nv * nv : 0);
+    arena.take(s.M, has(needs, Need::mass_matrix) ? nv * nv : 0);
+    arena.take(s.J, has(needs, Need::jacobians) ? 6 * nv : 0);
     return arena.used();
   }
 };
@@ -65,15 +67,30 @@ void runBlock(const CompactImpl& m, char* scratch, Block<T>& b) {
   loadColumns(b.q, m.nqx, s.q);
   loadColumns(b.v, m.nvx, s.v);
   loadColumns(b.a, m.nvx, s.a);
-  evaluateJoints(m, w, s.q, b.task == Task::mass_matrix ? nullptr : s.v);
+  const bool poses_only = b.task == Task::mass_matrix || b.task == Task::joint_jacobians || b.task == Task::frame_jacobian;
+  evaluateJoints(m, w, s.q, poses_only ? nullptr : s.v);
   switch (b.task) {
     case Task::kinematics: {
-      w.oM = static_cast<SE3<S>*>(b.poses);
-      w.oM[0] = {};
-      if (b.velocities) w.v = static_cast<Motion<S>*>(b.velocities);
-      if (b.accelerations) w.a = static_cast<Motion<S>*>(b.accelerations);
-      kernels::forwardKinematics(bodies, w, b.velocities ? s.v : nullptr, b.accelerations ? s.a : nullptr);
-      b.not_finite = !allFinite(reinterpret_cast<const S*>(w.oM), 12 * static_cast<std::ptrdiff_t>(m.bodies()));
+      Workspace<S> out = w;
+      out.oM = static_cast<SE3<S>*>(b.poses);
+      out.oM[0] = {};
+      if (b.velocities) out.v = static_cast<Motion<S>*>(b.velocities);
+      if (b.accelerations) out.a = static_cast<Motion<S>*>(b.accelerations);
+      kernels::forwardKinematics(bodies, out, b.velocities ? s.v : nullptr, b.accelerations ? s.a : nullptr);
+      b.not_finite = !allFinite(reinterpret_cast<const S*>(out.oM), 12 * static_cast<std::ptrdiff_t>(m.bodies()));
+      return;
+    }
+    case Task::joint_jacobians:
+    case Task::frame_jacobian: {
+      const std::ptrdiff_t n = 6 * static_cast<std::ptrdiff_t>(m.nvx);
+      if (b.task == Task::joint_jacobians) {
+        kernels::jointJacobians(bodies, w, s.J);
+      } else {
+        kernels::forwardKinematics(bodies, w, static_cast<const S*>(nullptr), static_cast<const S*>(nullptr));
+        frameJacobian(bodies, w, {b.frame.body, cast<S>(b.frame.placement)}, b.reference, s.J, 6);
+      }
+      storeColumns(s.J, n, b.q.states, b.result);
+      b.not_finite = !allFinite(s.J, n);
       return;
     }
     case Task::rnea:
@@ -106,16 +123,16 @@ BlockKernels<Real<S>> blockKernels() {
   using T = Real<S>;
   BlockKernels<T> k;
   k.lanes = lanes_of<S>;
-  k.bytes = [](const CompactImpl& m, bool mass_matrix) {
+  k.bytes = [](const CompactImpl& m, Need needs) {
     BlockScratch<S> counted;
-    return sizeof(BlockScratch<S>) + Arena::alignment + BlockScratch<S>::carve(counted, m, mass_matrix, nullptr);
+    return sizeof(BlockScratch<S>) + Arena::alignment + BlockScratch<S>::carve(counted, m, needs, nullptr);
   };
-  k.prepare = [](const CompactImpl& m, bool mass_matrix, char* scratch) {
+  k.prepare = [](const CompactImpl& m, Need needs, char* scratch) {
     constexpr std::size_t head = (sizeof(BlockScratch<S>) + Arena::alignment - 1) / Arena::alignment * Arena::alignment;
     auto* s = new (scratch) BlockScratch<S>;
-    BlockScratch<S>::carve(*s, m, mass_matrix, scratch + head);
+    BlockScratch<S>::carve(*s, m, needs, scratch + head);
     atRest(s->w);
-    if (mass_matrix) std::fill(s->M, s->M + static_cast<std::ptrdiff_t>(m.nvx) * m.nvx, S(0));
+    if (has(needs, Need::mass_matrix)) std::fill(s->M, s->M + static_cast<std::ptrdiff_t>(m.nvx) * m.nvx, S(0));
   };
   k.run = [](const CompactImpl& m, char* scratch, Block<T>& block) { runBlock<S>(m, scratch, block); };
   return k;

@@ -5,7 +5,9 @@
 #pragma once
 
 #include "kernels/columns.hpp"
-#include "kernels/workspace.hpp"
+#include "kernels/jacobians.hpp"
+
+#include <dyn/data/need.hpp>
 
 #include <initializer_list>
 
@@ -15,6 +17,7 @@ namespace dyn::kernels {
 struct SingleKernels {
   void (*evaluate)(const CompactImpl&, Workspace<double>&, const double* q, const double* v);
   void (*forwardKinematics)(const CompactImpl&, Workspace<double>&, const double* v, const double* a);
+  void (*jointJacobians)(const CompactImpl&, Workspace<double>&, double* J);  ///< as forwardKinematics; J: 6 numbers a degree of freedom
   void (*rnea)(const CompactImpl&, Workspace<double>&, const double* v, const double* a, const Force<double>* fext, double* tau);
   void (*massMatrix)(const CompactImpl&, Workspace<double>&, double* M);
   void (*aba)(const CompactImpl&, Workspace<double>&, const double* v, const double* tau, const Force<double>* fext, double* ddq);
@@ -31,14 +34,16 @@ struct StripKernels {
   bool (*aba)(const CompactImpl&, char* scratch, const double* q, const double* v, const double* tau, double* ddq, int& failed) = nullptr;
 };
 
-enum class Task { kinematics, rnea, mass_matrix, aba };
+enum class Task { kinematics, joint_jacobians, frame_jacobian, rnea, mass_matrix, aba };
 
 /// As many states as a pack has lanes, from columns of the caller's matrices. Null inputs count as zero.
 template <class T>
 struct Block {
   Task task = Task::rnea;
-  ColumnsIn<T> q, v, a;        ///< a: tau for aba
-  T* result = nullptr;         ///< first column: tau, ddq, or M (nv x nv); the others follow
+  ColumnsIn<T> q, v, a;      ///< a: tau for aba
+  T* result = nullptr;       ///< first column: tau, ddq, M (nv x nv) or J (6 x nv); the others follow
+  FramePoint<double> frame;  ///< frame_jacobian
+  ReferenceFrame reference = ReferenceFrame::LOCAL;
   void* poses = nullptr;       ///< kinematics: where this block's poses go, 12 numbers a body, lanes innermost
   void* velocities = nullptr;  ///< 6 numbers a body; null: not wanted
   void* accelerations = nullptr;
@@ -49,8 +54,8 @@ struct Block {
 template <class T>
 struct BlockKernels {
   int lanes;
-  std::size_t (*bytes)(const CompactImpl&, bool mass_matrix);            ///< of scratch for one thread
-  void (*prepare)(const CompactImpl&, bool mass_matrix, char* scratch);  ///< aligned as Arena says
+  std::size_t (*bytes)(const CompactImpl&, Need needs);            ///< of scratch for one thread
+  void (*prepare)(const CompactImpl&, Need needs, char* scratch);  ///< aligned as Arena says
   void (*run)(const CompactImpl&, char* scratch, Block<T>&);
 };
 

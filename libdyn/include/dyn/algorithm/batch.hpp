@@ -5,7 +5,7 @@
 // that is zero, naming the state; the other states' results are there.
 #pragma once
 
-#include <dyn/algorithm/kinematics.hpp>
+#include <dyn/algorithm/jacobians.hpp>
 #include <dyn/data/batch_data.hpp>
 
 #include <type_traits>
@@ -41,6 +41,9 @@ enum class BatchQuantity { rnea, nle, gravity, mass_matrix, aba };
 /// Returns the result's first number; v and a may be empty views.
 template <class T>
 DYN_API const T* computeBatch(const CompactModel&, BasicBatchData<T>&, BatchQuantity, StatesView<T> q, StatesView<T> v, StatesView<T> a);
+/// J of a joint or frame by its number, or (-1) of all joints.
+template <class T>
+DYN_API const T* batchJacobians(const CompactModel&, BasicBatchData<T>&, StatesView<T> q, Kind kind, int id, ReferenceFrame);
 template <class T>
 DYN_API void batchKinematics(const CompactModel&, BasicBatchData<T>&, StatesView<T> q, StatesView<T> v, StatesView<T> a);
 
@@ -54,6 +57,12 @@ template <class T>
 StatesResult<T> computeBatch(const CompactModel& model, BasicBatchData<T>& data, BatchQuantity what, Eigen::Index rows, const StatesView<T>& q,
                              const StatesView<T>& v, const StatesView<T>& a) {
   return {computeBatch<T>(model, data, what, q, v, a), rows, q.cols};
+}
+
+template <class T>
+StatesResult<T> batchJacobians(const CompactModel& model, BasicBatchData<T>& data, Kind kind, int id, ReferenceFrame reference,
+                               const StatesView<T>& q) {
+  return {batchJacobians<T>(model, data, q, kind, id, reference), 6 * Eigen::Index(model.nv()), q.cols};
 }
 
 }  // namespace detail
@@ -83,6 +92,21 @@ auto crba(const CompactModel& model, BasicBatchData<T>& data, const detail::Stat
 template <class T>
 auto aba(const CompactModel& model, BasicBatchData<T>& data, const detail::States<T>& Q, const detail::States<T>& V, const detail::States<T>& Tau) {
   return detail::computeBatch<T>(model, data, detail::BatchQuantity::aba, model.nv(), Q, V, Tau);
+}
+
+/// Each column is a Jacobian, 6 x nv numbers, as the function of the same name writes it for one state. The batch must have been made with
+/// Need::jacobians.
+template <class T>
+auto computeJointJacobians(const CompactModel& model, BasicBatchData<T>& data, const detail::States<T>& Q) {
+  return detail::batchJacobians<T>(model, data, detail::Kind::joint, -1, ReferenceFrame::WORLD, Q);
+}
+template <class T>
+auto computeJointJacobian(const CompactModel& model, BasicBatchData<T>& data, const detail::States<T>& Q, int joint, ReferenceFrame reference) {
+  return detail::batchJacobians<T>(model, data, detail::Kind::joint, joint, reference, Q);
+}
+template <class T>
+auto computeFrameJacobian(const CompactModel& model, BasicBatchData<T>& data, const detail::States<T>& Q, int frame, ReferenceFrame reference) {
+  return detail::batchJacobians<T>(model, data, detail::Kind::frame, frame, reference, Q);
 }
 
 /// Poses, with V velocities, with A accelerations of all joints, to be read by the functions below. The batch must have been made with

@@ -9,6 +9,7 @@ namespace detail {
 /// Of a joint or of a frame, whose number is `id`.
 enum class Kind { joint, frame };
 DYN_API void jacobian(const CompactModel&, Data&, VectorView q, Kind, int id, ReferenceFrame, const MatrixOut& J);
+DYN_API const double* jointJacobians(const CompactModel&, Data&, VectorView q);
 DYN_API void jacobianTimeVariation(const CompactModel&, Data&, VectorView q, VectorView v, Kind, int id, ReferenceFrame, const MatrixOut& dJ);
 }  // namespace detail
 
@@ -23,7 +24,14 @@ inline void computeFrameJacobian(const CompactModel& model, Data& data, const Ve
   detail::jacobian(model, data, q, detail::Kind::frame, frame, reference, J);
 }
 
-/// The same at the q of the last forwardKinematics, for several frames at one q. No other q may have been used with this data since.
+/// Of all joints at once: column k is the motion of unit v_k in WORLD, 6 x nv, and poses as forwardKinematics leaves them. The Jacobian of
+/// a joint has the columns of the joints between it and the root. Throws Error(argument) for a model with joints that follow others. O(n).
+inline MatrixResult computeJointJacobians(const CompactModel& model, Data& data, const VectorArg& q) {
+  return {detail::jointJacobians(model, data, q), 6, model.nv()};
+}
+
+/// As computeJointJacobian and computeFrameJacobian at the q of the last forwardKinematics or computeJointJacobians, for several frames at
+/// one q. No other q may have been used with this data since.
 DYN_API void getJointJacobian(const CompactModel& model, Data& data, int joint, ReferenceFrame reference, const MatrixOut& J);
 DYN_API void getFrameJacobian(const CompactModel& model, Data& data, int frame, ReferenceFrame reference, const MatrixOut& J);
 

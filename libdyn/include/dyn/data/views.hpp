@@ -80,6 +80,7 @@ class MatrixOut {
   double* column(std::ptrdiff_t k) const { return data_ + k * stride_; }
   std::ptrdiff_t rows() const { return rows_; }
   std::ptrdiff_t cols() const { return cols_; }
+  std::ptrdiff_t stride() const { return stride_; }
 
  private:
   double* data_;
