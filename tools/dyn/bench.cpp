@@ -1,10 +1,12 @@
-// dyn bench: ns a call of each algorithm, median of repetitions over random states.
+// dyn bench: ns a call of each algorithm, median of repetitions over random states; beside it, where there is a truth, the error.
 #include "commands.hpp"
 #include "model_options.hpp"
 #include "states.hpp"
+#include "truth.hpp"
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <functional>
 #include <memory>
 
@@ -12,10 +14,11 @@ namespace dyn::tool {
 
 namespace {
 
-/// One line: how long `round` takes for each of the states that it goes through.
+/// One line: how long `round` takes for each of the states that it goes through, and the largest error at those of the truth.
 struct Entry {
   const char *algorithm, *scalar, *mode;
   std::function<void()> round;
+  std::function<double()> error;
 };
 
 struct Timing {
@@ -46,58 +49,116 @@ Timing measure(const std::function<void()>& round) {
 
 /// Everything that is measured lives here.
 struct Subjects {
-  explicit Subjects(const CompactModel& m) : model(m), states(randomStates(m, state_count, 1)), data(m, Need::mass_matrix) {}
+  explicit Subjects(const CompactModel& m) : model(m), states(randomStates(m, state_count, 1)), data(m, Need::mass_matrix), truth() {}
   const CompactModel& model;
   std::vector<State> states;
   Data data;
+  std::vector<TruthSample> truth;
 };
+
+/// The numbers of a result, for what has no truth none.
+template <class Result>
+Eigen::VectorXd numbersOf(const Result& result) {
+  return result.template cast<double>().reshaped();
+}
+
+/// The worst over samples; NaN if none has a truth.
+double worst(double a, double b) { return std::isnan(a) ? b : (std::isnan(b) ? a : std::max(a, b)); }
 
 void addSingle(Subjects& x, std::vector<Entry>& entries) {
   const auto add = [&](const char* name, auto run) {
-    entries.push_back({name, "double", "single", [&x, run] {
-                         for (const State& s : x.states) run(x.model, x.data, s);
-                       }});
+    Entry entry{name, "double", "single", {}, {}};
+    entry.round = [&x, run] {
+      for (const State& s : x.states) run(x.model, x.data, s);
+    };
+    if constexpr (!std::is_void_v<decltype(run(x.model, x.data, x.states[0]))>)
+      entry.error = [&x, run, name] {
+        double error = std::nan("");
+        for (const TruthSample& sample : x.truth)
+          error = worst(error, truthError(sample, name, numbersOf(run(x.model, x.data, sample.state)), 0x1p-53));
+        return error;
+      };
+    entries.push_back(std::move(entry));
   };
   add("forward_kinematics", [](auto& m, auto& d, auto& s) { forwardKinematics(m, d, s.q); });
   add("forward_kinematics_1", [](auto& m, auto& d, auto& s) { forwardKinematics(m, d, s.q, s.v); });
   add("forward_kinematics_2", [](auto& m, auto& d, auto& s) { forwardKinematics(m, d, s.q, s.v, s.a); });
-  add("rnea", [](auto& m, auto& d, auto& s) { rnea(m, d, s.q, s.v, s.a); });
-  add("nle", [](auto& m, auto& d, auto& s) { nonLinearEffects(m, d, s.q, s.v); });
-  add("gravity", [](auto& m, auto& d, auto& s) { generalizedGravity(m, d, s.q); });
-  add("crba", [](auto& m, auto& d, auto& s) { crba(m, d, s.q); });
-  add("aba", [](auto& m, auto& d, auto& s) { aba(m, d, s.q, s.v, s.tau); });
+  add("rnea", [](auto& m, auto& d, auto& s) { return rnea(m, d, s.q, s.v, s.a); });
+  add("nle", [](auto& m, auto& d, auto& s) { return nonLinearEffects(m, d, s.q, s.v); });
+  add("gravity", [](auto& m, auto& d, auto& s) { return generalizedGravity(m, d, s.q); });
+  add("crba", [](auto& m, auto& d, auto& s) { return crba(m, d, s.q); });
+  add("aba", [](auto& m, auto& d, auto& s) { return aba(m, d, s.q, s.v, s.tau); });
   add("joint_jacobians", [](auto& m, auto& d, auto& s) { computeJointJacobians(m, d, s.q); });
   add("center_of_mass_jacobian", [](auto& m, auto& d, auto& s) { jacobianCenterOfMass(m, d, s.q); });
   add("make_data", [](auto& m, auto&, auto&) { const Data made(m); });
 }
 
 template <class T>
-void addBatch(Subjects& x, const char* scalar, int threads, std::vector<Entry>& entries) {
-  using Matrix = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>;
-  struct Memory {
-    BasicBatchData<T> batch;
-    Matrix q, v, a, tau;
-  };
-  const Need needs = Need::mass_matrix | Need::kinematics | Need::jacobians;
-  auto memory =
-      std::make_shared<Memory>(Memory{BasicBatchData<T>(x.model, state_count, needs, threads), Matrix(x.model.nq(), state_count),
-                                      Matrix(x.model.nv(), state_count), Matrix(x.model.nv(), state_count), Matrix(x.model.nv(), state_count)});
-  for (int k = 0; k < state_count; ++k) {
-    const State& s = x.states[static_cast<std::size_t>(k)];
-    memory->q.col(k) = s.q.template cast<T>();
-    memory->v.col(k) = s.v.template cast<T>();
-    memory->a.col(k) = s.a.template cast<T>();
-    memory->tau.col(k) = s.tau.template cast<T>();
+using Columns = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>;
+
+/// States as columns, and what is computed of them.
+template <class T>
+struct BatchSubject {
+  BasicBatchData<T> batch;
+  Columns<T> q, v, a, tau;
+
+  BatchSubject(const CompactModel& model, int states, int threads)
+      : batch(model, states, Need::mass_matrix | Need::kinematics | Need::jacobians, threads),
+        q(model.nq(), states),
+        v(model.nv(), states),
+        a(v),
+        tau(v) {}
+  void set(Eigen::Index k, const State& s) {
+    q.col(k) = s.q.template cast<T>();
+    v.col(k) = s.v.template cast<T>();
+    a.col(k) = s.a.template cast<T>();
+    tau.col(k) = s.tau.template cast<T>();
   }
-  const auto add = [&](const char* name, auto run) { entries.push_back({name, scalar, "batch", [&x, memory, run] { run(x.model, *memory); }}); };
+};
+
+/// The truth of states that were rounded to floats is what doubles give for the rounded ones.
+void replaceTruth(TruthSample& sample, const std::string& algorithm, const Eigen::VectorXd& numbers) {
+  const std::string key = algorithm == "crba" ? "M" : algorithm;
+  if (sample.truth.contains(key)) sample.truth[key].assign(numbers.begin(), numbers.end());
+}
+
+template <class T>
+void addBatch(Subjects& x, const char* scalar, int threads, std::vector<Entry>& entries) {
+  const auto subject = std::make_shared<BatchSubject<T>>(x.model, state_count, threads);
+  for (int k = 0; k < state_count; ++k) subject->set(k, x.states[static_cast<std::size_t>(k)]);
+  const auto add = [&](const char* name, auto run) {
+    Entry entry{name, scalar, "batch", [&x, subject, run] { run(x.model, *subject); }, {}};
+    if constexpr (!std::is_void_v<decltype(run(x.model, *subject))>)
+      entry.error = [&x, run, name, threads] {
+        const auto n = static_cast<int>(x.truth.size());
+        if (n == 0) return std::nan("");
+        BatchSubject<T> few(x.model, n, threads);
+        BatchSubject<double> rounded(x.model, n, 1);
+        for (int k = 0; k < n; ++k) few.set(k, x.truth[static_cast<std::size_t>(k)].state);
+        rounded.q = few.q.template cast<double>();
+        rounded.v = few.v.template cast<double>();
+        rounded.a = few.a.template cast<double>();
+        rounded.tau = few.tau.template cast<double>();
+        const auto result = run(x.model, few);
+        const auto in_double = run(x.model, rounded);
+        double error = std::nan("");
+        for (int k = 0; k < n; ++k) {
+          TruthSample sample = x.truth[static_cast<std::size_t>(k)];
+          if constexpr (std::is_same_v<T, float>) replaceTruth(sample, name, in_double.col(k));
+          error = worst(error, truthError(sample, name, numbersOf(result.col(k)), std::is_same_v<T, float> ? 0x1p-24 : 0x1p-53));
+        }
+        return error;
+      };
+    entries.push_back(std::move(entry));
+  };
   add("forward_kinematics", [](auto& m, auto& d) { forwardKinematics(m, d.batch, d.q); });
   add("forward_kinematics_1", [](auto& m, auto& d) { forwardKinematics(m, d.batch, d.q, d.v); });
   add("forward_kinematics_2", [](auto& m, auto& d) { forwardKinematics(m, d.batch, d.q, d.v, d.a); });
-  add("rnea", [](auto& m, auto& d) { rnea(m, d.batch, d.q, d.v, d.a); });
-  add("nle", [](auto& m, auto& d) { nonLinearEffects(m, d.batch, d.q, d.v); });
-  add("gravity", [](auto& m, auto& d) { generalizedGravity(m, d.batch, d.q); });
-  add("crba", [](auto& m, auto& d) { crba(m, d.batch, d.q); });
-  add("aba", [](auto& m, auto& d) { aba(m, d.batch, d.q, d.v, d.tau); });
+  add("rnea", [](auto& m, auto& d) { return rnea(m, d.batch, d.q, d.v, d.a); });
+  add("nle", [](auto& m, auto& d) { return nonLinearEffects(m, d.batch, d.q, d.v); });
+  add("gravity", [](auto& m, auto& d) { return generalizedGravity(m, d.batch, d.q); });
+  add("crba", [](auto& m, auto& d) { return crba(m, d.batch, d.q); });
+  add("aba", [](auto& m, auto& d) { return aba(m, d.batch, d.q, d.v, d.tau); });
   add("joint_jacobians", [](auto& m, auto& d) { computeJointJacobians(m, d.batch, d.q); });
 }
 
@@ -105,27 +166,35 @@ struct Options {
   ModelOptions model;
   bool json = false;
   int threads = 1;
+  std::string truth;
 };
 
 void run(const Options& o) {
   const CompactModel model = o.model.compile();
   Subjects subjects(model);
+  if (!o.truth.empty()) subjects.truth = readTruth(o.truth, model);
   std::vector<Entry> entries;
   addSingle(subjects, entries);
   addBatch<double>(subjects, "double", o.threads, entries);
   addBatch<float>(subjects, "float", o.threads, entries);
   if (!o.json)
-    std::printf("%s, %d degrees of freedom, %d random states, median of 11\n%-26s %-8s %-8s %12s   %s\n", model.name().c_str(), model.nv(),
-                state_count, "algorithm", "scalar", "mode", "ns a state", "quartiles");
+    std::printf("%s, %d degrees of freedom, %d random states, median of 11%s\n%-26s %-8s %-8s %12s %20s %10s\n", model.name().c_str(), model.nv(),
+                state_count, o.truth.empty() ? "" : "; errors in units of roundoff, u", "algorithm", "scalar", "mode", "ns a state", "quartiles",
+                o.truth.empty() ? "" : "error");
   for (const Entry& entry : entries) {
     try {
       const Timing t = measure(entry.round);
+      const double error = entry.error ? entry.error() : std::nan("");
       if (o.json) {
-        const nlohmann::ordered_json line = {
+        nlohmann::ordered_json line = {
             {"robot", model.name()}, {"algorithm", entry.algorithm}, {"scalar", entry.scalar}, {"mode", entry.mode}, {"ns", t.median}};
+        if (!std::isnan(error)) line["error_u"] = error;
         std::printf("%s\n", line.dump().c_str());
       } else {
-        std::printf("%-26s %-8s %-8s %12.1f   %.1f .. %.1f\n", entry.algorithm, entry.scalar, entry.mode, t.median, t.low, t.high);
+        char range[48], off[24] = "";
+        std::snprintf(range, sizeof range, "%.1f .. %.1f", t.low, t.high);
+        if (!std::isnan(error)) std::snprintf(off, sizeof off, "%.1f u", error);
+        std::printf("%-26s %-8s %-8s %12.1f %20s %10s\n", entry.algorithm, entry.scalar, entry.mode, t.median, range, off);
       }
     } catch (const Error& e) {
       if (e.code() != ErrorCode::singular && e.code() != ErrorCode::argument) throw;
@@ -141,6 +210,7 @@ void addBench(CLI::App& app) {
   auto o = std::make_shared<Options>();
   o->model.add(*sub);
   sub->add_flag("--json", o->json, "one JSON object a line");
+  sub->add_option("--truth", o->truth, "a file of states with reference results of many digits: errors are shown beside times");
   sub->add_option("--threads", o->threads, "of batches")->capture_default_str()->check(CLI::Range(1, 256));
   sub->callback([o] { run(*o); });
 }
