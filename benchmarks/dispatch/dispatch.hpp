@@ -1,30 +1,9 @@
 // The four algorithms, each reached in four ways, over one model.
 #pragma once
 
-#include <dyn/dyn.hpp>
-
-#include <functional>
-#include <memory>
-#include <string>
-#include <vector>
+#include <dispatch/contender.hpp>
 
 namespace dyn::benchmark {
-
-struct Contender {
-  std::string algorithm;  ///< fk, rnea, crba, aba
-  std::string dispatch;   ///< virtual_per_batch, virtual_per_joint, static_variant, monomorphic
-  int dispatches = 0;     ///< indirect calls or visits an evaluation
-  std::function<void(const double* q, const double* v, const double* a)> run;
-  const double* result = nullptr;  ///< after run: poses, tau, M or ddq
-  int size = 0;
-};
-
-/// Contenders share results' memory: read one's before the next runs.
-struct Contest {
-  std::shared_ptr<void> memory;
-  std::vector<Contender> contenders;
-  std::string missing;  ///< why some are not there; empty if all are
-};
 
 /// Throws Error(argument) for a model with couplings, or with types that only plugins have: a closed set cannot hold them.
 Contest dispatchContest(const CompactModel& model);

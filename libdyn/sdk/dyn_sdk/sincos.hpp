@@ -4,6 +4,7 @@
 // left is carried in two numbers. Angles too large for that, and those so near a multiple that its digits run out, go to the C library.
 #pragma once
 
+#include <dyn/scalar/dual.hpp>
 #include <dyn_sdk/pack.hpp>
 
 namespace dyn {
@@ -77,8 +78,7 @@ void sincos(const Pack<T, Arch>& angle, Pack<T, Arch>& sine, Pack<T, Arch>& cosi
     for (int i = 0; i < P::lanes; ++i) {
       const T t = angle.begin()[i], m = n.begin()[i], left = r.begin()[i];
       if (std::fabs(m) < K::limit && (std::fabs(left) > K::least || m == 0)) continue;
-      sine.begin()[i] = std::sin(t);
-      cosine.begin()[i] = std::cos(t);
+      sincos(t, sine.begin()[i], cosine.begin()[i]);
     }
   }
 }

@@ -28,6 +28,29 @@ int indexOf(const Records& records, const std::string& name) {
 }
 }  // namespace
 
+namespace {
+template <class T>
+std::size_t bytesOf(const std::vector<T>& x) {
+  return x.capacity() * sizeof(T);
+}
+}  // namespace
+
+std::size_t CompactModel::bytes() const {
+  const CompactImpl& m = *impl_;
+  std::size_t sum = sizeof m + bytesOf(m.index) + bytesOf(m.constants) + bytesOf(m.constants_float) + bytesOf(m.subspaces) +
+                    bytesOf(m.subspaces_float) + bytesOf(m.subspace_offset) + bytesOf(m.batches) + bytesOf(m.runs) + bytesOf(m.tree_end) +
+                    bytesOf(m.couplings) + bytesOf(m.q_of_user) + bytesOf(m.v_of_user) + bytesOf(m.damping) + bytesOf(m.friction) +
+                    bytesOf(m.armature) + bytesOf(m.joints) + bytesOf(m.user_frame) + bytesOf(m.body_of_joint) + bytesOf(m.frames) +
+                    bytesOf(m.frame_body) + bytesOf(m.frame_placement) + bytesOf(m.limits.lower) + bytesOf(m.limits.upper) +
+                    bytesOf(m.limits.velocity) + bytesOf(m.limits.effort);
+  for (const TypeBatch& batch : m.batches) sum += bytesOf(batch.bodies) + bytesOf(batch.constants);
+  const StripPlan& plan = m.strips;
+  sum += bytesOf(plan.strips) + bytesOf(plan.batches) + bytesOf(plan.dof_index) + plan.constants.bytes() + bytesOf(plan.armature);
+  for (const StripBatch& batch : plan.batches)
+    sum += bytesOf(batch.bodies) + bytesOf(batch.constants) + bytesOf(batch.q_index) + bytesOf(batch.v_index);
+  return sum;
+}
+
 int CompactModel::jointId(const std::string& name) const { return indexOf(impl_->joints, name); }
 int CompactModel::frameId(const std::string& name) const { return indexOf(impl_->frames, name); }
 

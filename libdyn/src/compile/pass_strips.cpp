@@ -88,9 +88,11 @@ class Planner {
     }
     // Lanes without a body follow one that has, so that all lanes may read from one.
     if (!strip.aligned) {
-      const auto someone = std::find_if(strip.body, strip.body + strip_lanes, [](int b) { return b >= 0; }) - strip.body;
+      std::int64_t lane = 0;
+      for (int l = strip_lanes - 1; l >= 0; --l)
+        if (strip.body[l] >= 0) lane = strip.parent_lane[l];
       for (int l = 0; l < strip_lanes; ++l)
-        if (strip.body[l] < 0) strip.parent_lane[l] = strip.parent_lane[someone];
+        if (strip.body[l] < 0) strip.parent_lane[l] = lane;
     }
     plan_.strips.push_back(strip);
   }

@@ -56,6 +56,8 @@ class DYN_API CompactModel {
   double mass() const;  ///< of everything that moves [kg]
   const ModelLimits& limits() const;
   const CompileReport& report() const;
+  /// Bytes taken, by and large: what algorithms read, names, frames and limits.
+  std::size_t bytes() const;
 
   const CompactImpl& impl() const { return *impl_; }
 

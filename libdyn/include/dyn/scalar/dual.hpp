@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>
@@ -78,6 +79,18 @@ void sincos(const S& angle, S& sine, S& cosine) {
   using std::cos, std::sin;
   sine = sin(angle);
   cosine = cos(angle);
+}
+/// Large angles are taken modulo pi / 2 with more digits: the C library's own way leaves up to 15 u next to some multiples.
+template <std::floating_point T>
+void sincos(const T& angle, T& sine, T& cosine) {
+  using Wide = std::conditional_t<std::is_same_v<T, float>, double, long double>;
+  if (std::fabs(angle) < T(1e5)) {
+    sine = std::sin(angle);
+    cosine = std::cos(angle);
+  } else {
+    sine = static_cast<T>(std::sin(static_cast<Wide>(angle)));
+    cosine = static_cast<T>(std::cos(static_cast<Wide>(angle)));
+  }
 }
 template <class T>
 void sincos(const Dual<T>& angle, Dual<T>& sine, Dual<T>& cosine) {

@@ -1,0 +1,65 @@
+// The whole variant library is a fair opponent only if it computes what libdyn computes.
+#include "support/catch.hpp"
+#include "support/random_model.hpp"
+#include "support/registry.hpp"
+
+#include <pattern/library.hpp>
+
+using namespace dyn;
+using namespace dyn::test;
+
+namespace {
+
+CompactModel treeOf(const std::vector<std::string>& types, int n) {
+  Random random(5);
+  Model model;
+  model.gravity = random.vector(10);
+  for (int i = 0; i < n; ++i) {
+    JointDescription joint;
+    joint.name = "j" + std::to_string(i);
+    joint.type = types[static_cast<std::size_t>(i) % types.size()];
+    joint.parameters = exampleParameters(registry().jointType(joint.type, {}).info(), static_cast<std::uint64_t>(i));
+    if (i % 3 != 0 && joint.parameters.count("axis"))  // coordinate axes have classes of their own
+      joint.parameters["axis"] = std::vector<double>{i % 4 == 0 ? 1.0 : 0.0, i % 4 == 1 ? -1.0 : 0.0, i % 4 > 1 ? 1.0 : 0.0};
+    joint.placement = random.pose();
+    joint.armature.assign(static_cast<std::size_t>(degreesOfFreedom(joint, registry())), 0.05);
+    joint.damping.assign(joint.armature.size(), 0.3);
+    model.addBody("b" + std::to_string(i), i == 0 ? 0 : random.below(i) + 1, joint, random.inertia());
+  }
+  return compile(model, registry());
+}
+
+}  // namespace
+
+TEST_CASE("the variant library computes what libdyn computes", "[pattern]") {
+  const CompactModel model = treeOf({"free_flyer", "revolute", "continuous", "prismatic", "spherical"}, 60);
+  Data data(model, Need::mass_matrix);
+  Random random(4);
+  const Eigen::VectorXd q = randomConfiguration(model, 3), v = random.vector(model.nv(), 1), a = random.vector(model.nv(), 1);
+  const benchmark::Contest contest = benchmark::patternContest(model);
+  REQUIRE(contest.contenders.size() == 4);
+  for (const benchmark::Contender& c : contest.contenders) {
+    INFO(c.algorithm);
+    c.run(q.data(), v.data(), a.data());
+    Eigen::VectorXd expected(c.size);
+    if (c.algorithm == "fk") {
+      forwardKinematics(model, data, q);
+      expected.head(12).setZero();
+      for (int j = 1; j < model.njoints(); ++j) {
+        const SE3<double> X = jointPlacement(model, data, j);
+        std::copy(X.R.m, X.R.m + 9, &expected[12 * j]);
+        std::copy(&X.p.x, &X.p.x + 3, &expected[12 * j + 9]);
+      }
+    } else if (c.algorithm == "rnea") {
+      expected = rnea(model, data, q, v, a);
+    } else if (c.algorithm == "crba") {
+      expected = crba(model, data, q).reshaped();
+    } else {
+      expected = aba(model, data, q, v, a);
+    }
+    const Eigen::Index first = c.algorithm == "fk" ? 12 : 0;
+    const Eigen::VectorXd off = Eigen::Map<const Eigen::VectorXd>(c.result, c.size) - expected;
+    CHECK(off.tail(c.size - first).cwiseAbs().maxCoeff() < 1e-9 * expected.cwiseAbs().maxCoeff());
+  }
+  CHECK_THROWS_WITH(benchmark::patternContest(treeOf({"planar"}, 3)), containing("'planar'"));
+}
