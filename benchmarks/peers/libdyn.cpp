@@ -1,0 +1,54 @@
+#include "peers/peers.hpp"
+
+#include <dyn/dyn.hpp>
+
+namespace dyn::benchmark::peers {
+
+namespace {
+
+class Libdyn : public Peer {
+ public:
+  explicit Libdyn(const Robot& robot)
+      : model_(*static_cast<const CompactModel*>(robot.compact.get())),
+        data_(model_, Need::mass_matrix),
+        offset_(robot.floating ? 6 : 0),
+        q_(model_.nq()),
+        v_(model_.nv()),
+        a_(model_.nv()) {}
+  bool can(Task) const override { return true; }
+  void run(Task task, const State& s) override {
+    const auto fill = [&](const double* base, int n, const std::vector<double>& joints, Eigen::VectorXd& to) {
+      if (offset_ > 0) std::copy_n(base, n, to.data());
+      std::copy(joints.begin(), joints.end(), to.data() + (offset_ > 0 ? n : 0));
+    };
+    fill(s.base_q, 7, s.q, q_);
+    if (task != Task::crba) {
+      fill(s.base_v, 6, s.v, v_);
+      fill(s.base_a, 6, s.a, a_);
+    }
+    if (task == Task::rnea) rnea(model_, data_, q_, v_, a_);
+    if (task == Task::crba) crba(model_, data_, q_);
+    if (task == Task::aba) aba(model_, data_, q_, v_, a_);
+  }
+  std::vector<double> result(Task task) const override {
+    Data data(model_, Need::mass_matrix);
+    const Eigen::Index n = model_.nv() - offset_;
+    Eigen::MatrixXd x;
+    if (task == Task::rnea) x = rnea(model_, data, q_, v_, a_).tail(n);
+    if (task == Task::crba) x = crba(model_, data, q_).bottomRightCorner(n, n);
+    if (task == Task::aba) x = aba(model_, data, q_, v_, a_).tail(n);
+    return {x.data(), x.data() + x.size()};
+  }
+
+ private:
+  CompactModel model_;
+  Data data_;
+  int offset_;
+  Eigen::VectorXd q_, v_, a_;
+};
+
+}  // namespace
+
+std::unique_ptr<Peer> makeLibdyn(const Robot& robot) { return std::make_unique<Libdyn>(robot); }
+
+}  // namespace dyn::benchmark::peers

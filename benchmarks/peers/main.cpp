@@ -1,0 +1,164 @@
+// dyn_peers OUT_DIR FILE[:floating]...: the same work in every library, robot by robot, all in turn; a table, and a picture a task.
+#include "peers/chart.hpp"
+#include "peers/peers.hpp"
+
+#include <dyn/error.hpp>
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+
+namespace dyn::benchmark::peers {
+
+const char* nameOf(Task task) {
+  switch (task) {
+    case Task::rnea:
+      return "rnea";
+    case Task::crba:
+      return "crba";
+    default:
+      return "aba";
+  }
+}
+
+std::vector<Library> libraries() {
+  return {
+      {"libdyn", "", makeLibdyn},
+#ifdef DYN_WITH_PINOCCHIO
+      {"Pinocchio", DYN_WITH_PINOCCHIO, makePinocchio},
+#endif
+#ifdef DYN_WITH_RBDL
+      {"RBDL", DYN_WITH_RBDL, makeRbdl},
+#endif
+#ifdef DYN_WITH_MUJOCO
+      {"MuJoCo", DYN_WITH_MUJOCO, makeMujoco},
+#endif
+#ifdef DYN_WITH_DART
+      {"DART", DYN_WITH_DART, makeDart},
+#endif
+#ifdef DYN_WITH_KDL
+      {"KDL", DYN_WITH_KDL, makeKdl},
+#endif
+#ifdef DYN_WITH_BULLET
+      {"Bullet", DYN_WITH_BULLET, makeBullet},
+#endif
+#ifdef DYN_WITH_SIMBODY
+      {"Simbody", DYN_WITH_SIMBODY, makeSimbody},
+#endif
+  };
+}
+
+namespace {
+
+struct Contender {
+  const Library* library;
+  std::unique_ptr<Peer> peer;
+};
+
+/// Largest difference relative to the largest number. Gravity and inertia alone, so that no library's convention for a base's motion matters.
+double difference(Peer& peer, Peer& reference, Task task, const State& still) {
+  peer.run(task, still);
+  reference.run(task, still);
+  const std::vector<double> x = peer.result(task), y = reference.result(task);
+  if (x.size() != y.size()) return INFINITY;
+  double off = 0, most = 1e-300;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    off = std::max(off, std::isnan(x[i]) ? INFINITY : std::fabs(x[i] - y[i]));
+    most = std::max(most, std::fabs(y[i]));
+  }
+  return off / most;
+}
+
+std::vector<Contender> contendersFor(const Robot& robot, const std::vector<Library>& all) {
+  std::vector<Contender> contenders;
+  const State still = randomStates(robot, 1, true).front();
+  for (const Library& library : all) {
+    try {
+      std::unique_ptr<Peer> peer = library.make(robot);
+      if (!peer) continue;
+      bool right = true;
+      for (const Task task : tasks) {
+        if (!peer->can(task) || contenders.empty()) continue;
+        const double off = difference(*peer, *contenders.front().peer, task, still);
+        right = right && off < 1e-6;
+        if (!(off < 1e-6))
+          std::fprintf(stderr, "%s, %s: %s differs from libdyn by %.1e relative and is left out\n", robot.name.c_str(), library.name.c_str(),
+                       nameOf(task), off);
+      }
+      if (right) contenders.push_back({&library, std::move(peer)});
+    } catch (const std::exception& e) {
+      std::fprintf(stderr, "%s, %s: %s\n", robot.name.c_str(), library.name.c_str(), e.what());
+    }
+  }
+  return contenders;
+}
+
+/// ns a call, repetitions sorted; all contenders in turn, so that what disturbs the machine hits all alike.
+std::vector<std::vector<double>> measure(std::vector<Contender>& contenders, Task task, const std::vector<State>& states) {
+  using Clock = std::chrono::steady_clock;
+  std::vector<std::vector<double>> times(contenders.size());
+  for (int repetition = -1; repetition < 15; ++repetition)
+    for (std::size_t k = 0; k < contenders.size(); ++k) {
+      Peer& peer = *contenders[k].peer;
+      if (!peer.can(task)) continue;
+      const auto start = Clock::now();
+      for (const State& s : states) peer.run(task, s);
+      const double ns = std::chrono::duration<double, std::nano>(Clock::now() - start).count();
+      if (repetition >= 0) times[k].push_back(ns / static_cast<double>(states.size()));
+    }
+  for (std::vector<double>& t : times) std::sort(t.begin(), t.end());
+  return times;
+}
+
+void compare(const Robot& robot, const std::vector<Library>& all, std::vector<Chart>& charts) {
+  std::vector<Contender> contenders = contendersFor(robot, all);
+  const std::vector<State> states = randomStates(robot, 256, false);
+  for (std::size_t t = 0; t < std::size(tasks); ++t) {
+    const auto times = measure(contenders, tasks[t], states);
+    for (std::size_t k = 0; k < contenders.size(); ++k) {
+      if (times[k].empty()) continue;
+      const auto at = [&](std::size_t quarter) { return times[k][quarter * (times[k].size() - 1) / 4]; };
+      std::printf("%-14s %-5s %-10s %10.0f %9.0f .. %-9.0f %8.1f\n", robot.name.c_str(), nameOf(tasks[t]), contenders[k].library->name.c_str(), at(2),
+                  at(1), at(3), at(2) / times[0][times[0].size() / 2]);
+      charts[t].add(robot.name, contenders[k].library->name, at(2));
+    }
+  }
+}
+
+int run(int argc, char** argv) {
+  if (argc < 3) {
+    std::fprintf(stderr, "usage: dyn_peers OUT_DIR FILE[:floating]...\n");
+    return 2;
+  }
+  const std::vector<Library> all = libraries();
+  for (const Library& library : all) std::printf("%s %s\n", library.name.c_str(), library.version.c_str());
+  std::printf("\n%-14s %-5s %-10s %10s %22s %8s\n", "robot", "task", "library", "ns", "quartiles", "x libdyn");
+  std::vector<Chart> charts;
+  for (const Task task : tasks) charts.emplace_back(nameOf(task));
+  for (int i = 2; i < argc; ++i) {
+    std::string file = argv[i];
+    const std::size_t colon = file.rfind(":floating");
+    if (colon != std::string::npos) file.resize(colon);
+    try {
+      compare(readRobot(file, colon != std::string::npos), all, charts);
+    } catch (const Error& e) {
+      std::fprintf(stderr, "%s\n", e.what());
+    }
+  }
+  for (const Chart& chart : charts) std::printf("%s\n", chart.write(argv[1]).c_str());
+  return 0;
+}
+
+}  // namespace
+
+}  // namespace dyn::benchmark::peers
+
+int main(int argc, char** argv) {
+  try {
+    return dyn::benchmark::peers::run(argc, argv);
+  } catch (const dyn::Error& e) {
+    std::fprintf(stderr, "dyn_peers: %s\n", e.what());
+    return 1;
+  }
+}

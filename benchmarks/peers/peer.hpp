@@ -1,0 +1,36 @@
+// Other libraries behind one small interface, so that they can be timed in one go.
+#pragma once
+
+#include "peers/robot.hpp"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace dyn::benchmark::peers {
+
+enum class Task { rnea, crba, aba };
+constexpr Task tasks[] = {Task::rnea, Task::crba, Task::aba};
+const char* nameOf(Task task);
+
+/// One robot in one library. All work of a task is done by run(), from q to the result, as its users write it.
+class Peer {
+ public:
+  virtual ~Peer() = default;
+  virtual bool can(Task task) const = 0;
+  virtual void run(Task task, const State& state) = 0;
+  /// Of the last run, for the joints without the floating base, in the order of Robot: forces (rnea), accelerations (aba), the mass matrix
+  /// row by row (crba).
+  virtual std::vector<double> result(Task task) const = 0;
+};
+
+struct Library {
+  std::string name, version;
+  /// Null where the library cannot hold the robot. May throw std::exception.
+  std::unique_ptr<Peer> (*make)(const Robot& robot);
+};
+
+/// Those that were there when this program was compiled; libdyn is the first.
+std::vector<Library> libraries();
+
+}  // namespace dyn::benchmark::peers
