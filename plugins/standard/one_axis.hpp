@@ -23,7 +23,7 @@ struct Fixed : sdk::Joint<Fixed, 0> {
   static constexpr bool branch_free = true;
   static constexpr Shape shape = Shape::translation;
   template <class S>
-  static void coordinates(const S*, const sdk::Constants&, S* p) {
+  static void coordinates(const S*, const auto&, S* p) {
     p[0] = p[1] = p[2] = S(0);
   }
 };
@@ -38,7 +38,7 @@ struct Revolute : sdk::Joint<Revolute, 1> {
   static void constants(const ParameterArgument*, double*) {}
   static bool check(const ParameterArgument* a, JointInstance& out, const sdk::Refusal& refuse) { return alignZ(a[0].numbers, out, refuse); }
   template <class S>
-  static void coordinates(const S* q, const sdk::Constants&, S* pose) {
+  static void coordinates(const S* q, const auto&, S* pose) {
     sincos(q[0], pose[1], pose[0]);
   }
 };
@@ -53,7 +53,7 @@ struct Continuous : sdk::Joint<Continuous, 1, 2> {
   static void constants(const ParameterArgument*, double*) {}
   static bool check(const ParameterArgument* a, JointInstance& out, const sdk::Refusal& refuse) { return alignZ(a[0].numbers, out, refuse); }
   template <class S>
-  static void coordinates(const S* q, const sdk::Constants&, S* pose) {
+  static void coordinates(const S* q, const auto&, S* pose) {
     const SO2<S> r = SO2<S>{q[0], q[1]}.normalized();
     pose[0] = r.c;
     pose[1] = r.s;
@@ -94,7 +94,7 @@ struct Prismatic : sdk::Joint<Prismatic, 1> {
   static void constants(const ParameterArgument*, double*) {}
   static bool check(const ParameterArgument* a, JointInstance& out, const sdk::Refusal& refuse) { return alignZ(a[0].numbers, out, refuse); }
   template <class S>
-  static void coordinates(const S* q, const sdk::Constants&, S* pose) {
+  static void coordinates(const S* q, const auto&, S* pose) {
     pose[0] = q[0];
   }
 };
@@ -120,7 +120,7 @@ struct Helical : sdk::Joint<Helical, 1> {
     return alignZ(a[0].numbers, out, refuse);
   }
   template <class S>
-  static SE3<S> pose(const S* q, const sdk::Constants& c) {
+  static SE3<S> pose(const S* q, const auto& c) {
     S cosine, sine;
     sincos(q[0], sine, cosine);
     return screwPose(cosine, sine, S(c[0]) * q[0]);
@@ -141,7 +141,7 @@ struct Cylindrical : sdk::Joint<Cylindrical, 2> {
     return alignZ(a[0].numbers, out, refuse);
   }
   template <class S>
-  static SE3<S> pose(const S* q, const sdk::Constants&) {
+  static SE3<S> pose(const S* q, const auto&) {
     S cosine, sine;
     sincos(q[0], sine, cosine);
     return screwPose(cosine, sine, q[1]);

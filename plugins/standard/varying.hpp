@@ -27,7 +27,7 @@ struct Universal : sdk::Joint<Universal, 2> {
     return dot(c, c) > 1e-24 || refuse("axis and axis2 must not be parallel");
   }
   template <class S>
-  static Vec3<S> axis(const sdk::Constants& c, int k) {
+  static Vec3<S> axis(const auto& c, int k) {
     return {S(c[3 * k]), S(c[3 * k + 1]), S(c[3 * k + 2])};
   }
   /// Rotation about the unit vector n by the angle of (c, s).
@@ -41,20 +41,20 @@ struct Universal : sdk::Joint<Universal, 2> {
     return R;
   }
   template <class S>
-  static SE3<S> pose(const S* q, const sdk::Constants& c) {
+  static SE3<S> pose(const S* q, const auto& c) {
     using std::cos, std::sin;
     return {turn(axis<S>(c, 0), S(cos(q[0])), S(sin(q[0]))) * turn(axis<S>(c, 1), S(cos(q[1])), S(sin(q[1]))), {}};
   }
   /// S = (R2^T n1, n2) and, at constant v, S' v = R2^T (n1 x n2) v1 v2.
   template <class S>
-  static void subspace(const S* q, const sdk::Constants& c, Motion<S>* columns) {
+  static void subspace(const S* q, const auto& c, Motion<S>* columns) {
     using std::cos, std::sin;
     const Vec3<S> n2 = axis<S>(c, 1);
     columns[0] = {{}, transposeTimes(turn(n2, S(cos(q[1])), S(sin(q[1]))), axis<S>(c, 0))};
     columns[1] = {{}, n2};
   }
   template <class S>
-  static Motion<S> bias(const S* q, const S* v, const sdk::Constants& c) {
+  static Motion<S> bias(const S* q, const S* v, const auto& c) {
     using std::cos, std::sin;
     const Vec3<S> n2 = axis<S>(c, 1);
     const Mat3<S> R2 = turn(n2, S(cos(q[1])), S(sin(q[1])));
@@ -67,7 +67,7 @@ struct SphericalZYX : sdk::Joint<SphericalZYX, 3> {
   static constexpr const char* summary = "rotation Rz(q[0]) Ry(q[1]) Rx(q[2]) [rad], v = dq/dt; singular at q[1] = +-pi/2";
   static constexpr bool branch_free = true;
   template <class S>
-  static SE3<S> pose(const S* q, const sdk::Constants&) {
+  static SE3<S> pose(const S* q, const auto&) {
     using std::cos, std::sin;
     const S cz = cos(q[0]), sz = sin(q[0]), cy = cos(q[1]), sy = sin(q[1]), cx = cos(q[2]), sx = sin(q[2]);
     return {{{cz * cy, cz * sy * sx - sz * cx, cz * sy * cx + sz * sx,  //
@@ -76,7 +76,7 @@ struct SphericalZYX : sdk::Joint<SphericalZYX, 3> {
             {}};
   }
   template <class S>
-  static void subspace(const S* q, const sdk::Constants&, Motion<S>* columns) {
+  static void subspace(const S* q, const auto&, Motion<S>* columns) {
     using std::cos, std::sin;
     const S cy = cos(q[1]), sy = sin(q[1]), cx = cos(q[2]), sx = sin(q[2]);
     columns[0] = {{}, {-sy, cy * sx, cy * cx}};
@@ -84,7 +84,7 @@ struct SphericalZYX : sdk::Joint<SphericalZYX, 3> {
     columns[2] = {{}, {S(1), S(0), S(0)}};
   }
   template <class S>
-  static Motion<S> bias(const S* q, const S* v, const sdk::Constants&) {
+  static Motion<S> bias(const S* q, const S* v, const auto&) {
     using std::cos, std::sin;
     const S cy = cos(q[1]), sy = sin(q[1]), cx = cos(q[2]), sx = sin(q[2]);
     const S a = v[0] * v[1], b = v[0] * v[2], c = v[1] * v[2];
@@ -105,13 +105,13 @@ struct Ellipsoid : sdk::Joint<Ellipsoid, 3> {
     return true;
   }
   template <class S>
-  static SE3<S> pose(const S* q, const sdk::Constants& c) {
+  static SE3<S> pose(const S* q, const auto& c) {
     using std::cos, std::sin;
     const S cx = cos(q[0]), sx = sin(q[0]), cy = cos(q[1]), sy = sin(q[1]), cz = cos(q[2]), sz = sin(q[2]);
     return {{{cy * cz, -(cy * sz), sy,                                     //
               cx * sz + sx * sy * cz, cx * cz - sx * sy * sz, -(sx * cy),  //
               sx * sz - cx * sy * cz, sx * cz + cx * sy * sz, cx * cy}},
-            {c[0] * sy, -(c[1] * sx * cy), c[2] * cx * cy}};
+            {S(c[0]) * sy, -(S(c[1]) * sx * cy), S(c[2]) * cx * cy}};
   }
 };
 

@@ -42,7 +42,7 @@ struct @CLASS@ : dyn::sdk::Joint<@CLASS@, 1> {  // 1: degrees of freedom
   // Pose of the moving frame at q; c holds the parameters' numbers in the order of the schema. The scalar S may be a dual number:
   // velocities and accelerations are derived from this function.
   template <class S>
-  static dyn::SE3<S> pose(const S* q, const dyn::sdk::Constants& c) {
+  static dyn::SE3<S> pose(const S* q, const auto& c) {
     using std::sin;
     const S half = sin(S(0.5) * q[0]);
     return {dyn::Mat3<S>::identity(), {S(0), S(0), S(2 * c[0]) * half * half}};  // 1 - cos q without cancellation

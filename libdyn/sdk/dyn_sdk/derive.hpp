@@ -35,6 +35,22 @@ Motion<S> subspaceColumn(const Pose& pose, const S* q, int k) {
   return {transposeTimes(X0.R, X1.p), vee(transpose(X0.R) * X1.R)};
 }
 
+/// Pose, S and dS/dq of a joint with one coordinate, all from one call of its pose map.
+template <class S>
+struct OneCoordinate {
+  SE3<S> pose;
+  Motion<S> subspace, rate;
+};
+template <class S, class Pose>
+OneCoordinate<S> alongOneCoordinate(const Pose& pose, const S& q) {
+  using D = Dual<S>;
+  const Dual<D> along(D(q, S(1)), D(S(1), S(0)));
+  const SE3<Dual<D>> X = pose(&along);
+  const SE3<S> X0 = valuePart(valuePart(X)), X1 = derivativePart(valuePart(X)), X2 = derivativePart(derivativePart(X));
+  const Mat3<S> Rt = transpose(X0.R);
+  return {X0, {Rt * X1.p, vee(Rt * X1.R)}, {Rt * X2.p + transposeTimes(X1.R, X1.p), vee(Rt * X2.R)}};
+}
+
 /// (dS/dt) v along q(t) with dq/dt = v.
 template <int N, class S, class Pose>
 Motion<S> subspaceBias(const Pose& pose, const S* q, const S* v) {

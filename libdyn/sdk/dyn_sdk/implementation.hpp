@@ -49,7 +49,8 @@ class JointTypeOf final : public JointType {
   void kinematics(const JointBatch<double>& batch) const noexcept override { evaluate(batch); }
   void kinematics(const JointBatch<float>& batch) const noexcept override { evaluate(batch); }
   void kinematics(const JointBatch<Dual<double>>& batch) const noexcept override {
-    for (int i = 0; i < batch.count * batch.lanes; ++i) evaluateAt<Dual<double>, Dual<double>>(batch, i);
+    for (int i = 0; i < batch.count * batch.lanes; ++i)
+      evaluateAt<Dual<double>>(batch, i, Constants(batch.constants + i / batch.lanes, batch.constants_stride, batch.constant_count));
   }
 
   void neutral(const ConfigurationBatch<double>& b) const noexcept override {
@@ -133,50 +134,101 @@ class JointTypeOf final : public JointType {
     int i = 0;
 #if DYN_HAS_PACKS
     if constexpr (Author::branch_free) {
-      // A pack's items must share their constants: the lanes of one joint, or any neighbours where there are none.
+      // A pack's items are the lanes of one joint, or neighbours: those without constants, or whose author takes those of all of them.
       constexpr int width = Pack<T>::lanes;
-      if (b.lanes % width == 0 || b.constant_count == 0)
-        for (; i + width <= items; i += width) evaluateAt<Pack<T>>(b, i);
-      if (b.constant_count == 0 && i < items && items >= width) {
-        evaluateAt<Pack<T>>(b, items - width);  // the last ones once more, with those before them
+      const bool neighbours = b.constant_count == 0 || (b.lanes == 1 && takes_pack_constants<T>);
+      if (b.lanes % width == 0 || neighbours)
+        for (; i + width <= items; i += width) evaluatePack(b, i);
+      if (neighbours && i < items && items >= width) {
+        evaluatePack(b, items - width);  // the last ones once more, with those before them
         return;
       }
-      if (b.constant_count == 0 && !is_dense && i < items && 2 * items > width) {
+      if (neighbours && i < items && 2 * items > width) {
         evaluateFew(b, items);
         return;
       }
     }
 #endif
-    for (; i < items; ++i) evaluateAt<double>(b, i);
+    for (; i < items; ++i) evaluateAt<double>(b, i, Constants(b.constants + i / b.lanes, b.constants_stride, b.constant_count));
   }
 
 #if DYN_HAS_PACKS
+  /// Whether the author's functions take constants that differ from lane to lane. Those are doubles.
+  template <class T>
+  static constexpr bool takes_pack_constants = [] {
+    if constexpr (!std::is_same_v<T, double>) {
+      return false;
+    } else {
+      using S = Pack<T>;
+      using C = PackConstants<S>;
+      const bool pose = !HasPose<Author> || requires(const S* q, const C& c) { Author::pose(q, c); };
+      const bool subspace = !HasSubspace<Author> || requires(const S* q, const C& c, Motion<S>* m) { Author::subspace(q, c, m); };
+      const bool bias = !HasBias<Author> || requires(const S* q, const C& c) { Author::bias(q, q, c); };
+      const bool coordinates = HasPose<Author> || requires(const S* q, const C& c, S* p) { Author::coordinates(q, c, p); };
+      return pose && subspace && bias && coordinates;
+    }
+  }();
+
+  template <class T>
+  static void evaluatePack(const JointBatch<T>& b, int i) {
+    if constexpr (takes_pack_constants<T>) {
+      if (b.lanes == 1) return evaluateAt<Pack<T>>(b, i, PackConstants<Pack<T>>(b.constants + i, b.constants_stride, b.constant_count));
+    }
+    evaluateAt<Pack<T>>(b, i, Constants(b.constants + i / b.lanes, b.constants_stride, b.constant_count));
+  }
+
   /// Fewer items than a pack has lanes: the others are filled up with the first.
   template <class T>
   static void evaluateFew(const JointBatch<T>& b, int items) {
-    constexpr int width = Pack<T>::lanes, size = poseSize(Author::shape);
-    T q[(nq + 1) * width], pose[size * width];
-    for (int k = 0; k < nq; ++k)
-      for (int i = 0; i < width; ++i) q[k * width + i] = b.q[k * b.q_stride + (i < items ? i : 0)];
+    constexpr int width = Pack<T>::lanes, size = poseSize(Author::shape), most = 8;
+    if (b.constant_count > most) {
+      for (int i = 0; i < items; ++i) evaluateAt<double>(b, i, Constants(b.constants + i / b.lanes, b.constants_stride, b.constant_count));
+      return;
+    }
+    T q[(nq + 1) * width], v[(nv + 1) * width], pose[size * width], subspace[6 * nv * width + 1], bias[6 * width];
+    double constants[most * width];
+    const auto spread = [items](const auto* from, std::ptrdiff_t stride, int count, auto* to) {
+      for (int k = 0; k < count; ++k)
+        for (int i = 0; i < width; ++i) to[k * width + i] = from[k * stride + (i < items ? i : 0)];
+    };
+    const auto collect = [items](const T* from, int count, T* to, std::ptrdiff_t stride) {
+      for (int k = 0; k < count; ++k)
+        for (int i = 0; i < items; ++i) to[k * stride + i] = from[k * width + i];
+    };
     JointBatch<T> full = b;
+    full.count = width;
+    full.lanes = 1;
+    full.constants_stride = full.q_stride = full.v_stride = full.stride = width;
+    spread(b.q, b.q_stride, nq, q);
     full.q = q;
     full.pose = pose;
-    full.q_stride = full.stride = width;
-    evaluateAt<Pack<T>>(full, 0);
-    for (int k = 0; k < size; ++k)
-      for (int i = 0; i < items; ++i) b.pose[k * b.stride + i] = pose[k * width + i];
+    if (b.constant_count > 0) {
+      spread(b.constants, b.constants_stride, b.constant_count, constants);
+      full.constants = constants;
+    }
+    if (is_dense && b.subspace) full.subspace = subspace;
+    const bool with_bias = is_dense && b.v && b.bias;
+    if (with_bias) {
+      spread(b.v, b.v_stride, nv, v);
+      full.v = v;
+      full.bias = bias;
+    }
+    evaluatePack(full, 0);
+    collect(pose, size, b.pose, b.stride);
+    if (is_dense && b.subspace) collect(subspace, 6 * nv, b.subspace, b.stride);
+    if (with_bias) collect(bias, 6, b.bias, b.stride);
   }
 #endif
 
-  template <class S, class T>
-  static void evaluateAt(const JointBatch<T>& b, int i) {
-    const Constants c(b.constants + i / b.lanes, b.constants_stride, b.constant_count);
+  template <class S, class T, class C>
+  static void evaluateAt(const JointBatch<T>& b, int i, const C& c) {
     S q[nq + 1];
     load<nq>(b.q, b.q_stride, i, q);
+    if constexpr (is_dense && nv == 1 && !HasSubspace<Author> && !HasBias<Author>) {
+      if (b.subspace) return derivedAlongOne(b, i, static_cast<const S*>(q), c);
+    }
     if constexpr (HasPose<Author>) {
-      const SE3<S> X = Author::pose(static_cast<const S*>(q), c);
-      store<9>(X.R.m, b.pose, b.stride, i);
-      store<3>(&X.p.x, b.pose + 9 * b.stride, b.stride, i);
+      storePose(Author::pose(static_cast<const S*>(q), c), b, i);
     } else {
       S pose[12];
       Author::coordinates(static_cast<const S*>(q), c, pose);
@@ -186,7 +238,23 @@ class JointTypeOf final : public JointType {
   }
 
   template <class S, class T>
-  static void dense(const JointBatch<T>& b, int i, const S* q, const Constants& c) {
+  static void storePose(const SE3<S>& X, const JointBatch<T>& b, int i) {
+    store<9>(X.R.m, b.pose, b.stride, i);
+    store<3>(&X.p.x, b.pose + 9 * b.stride, b.stride, i);
+  }
+
+  template <class S, class T, class C>
+  static void derivedAlongOne(const JointBatch<T>& b, int i, const S* q, const C& c) {
+    const OneCoordinate<S> all = alongOneCoordinate([&c](const auto* x) { return Author::pose(x, c); }, q[0]);
+    storePose(all.pose, b, i);
+    storeMotion(all.subspace, b.subspace, b.stride, i);
+    if (!b.v || !b.bias) return;
+    const S v = read<S>(b.v + i);
+    storeMotion((v * v) * all.rate, b.bias, b.stride, i);
+  }
+
+  template <class S, class T, class C>
+  static void dense(const JointBatch<T>& b, int i, const S* q, const C& c) {
     const auto pose = [&c](const auto* x) { return Author::pose(x, c); };
     if (b.subspace) {
       Motion<S> columns[nv];

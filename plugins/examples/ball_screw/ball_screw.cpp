@@ -9,7 +9,7 @@ struct BallScrew : dyn::sdk::Joint<BallScrew, 1> {
                                          dyn::ParameterSpec{"c", dyn::ParameterKind::number, true, "m/rad^2", "half the change of pitch"}};
 
   template <class S>
-  static dyn::SE3<S> pose(const S* q, const dyn::sdk::Constants& c) {
+  static dyn::SE3<S> pose(const S* q, const auto& c) {
     using std::cos, std::sin;
     const S a = cos(q[0]), b = sin(q[0]);
     return {{{a, -b, S(0), b, a, S(0), S(0), S(0), S(1)}}, {S(0), S(0), (S(c[0]) + S(c[1]) * q[0]) * q[0]}};

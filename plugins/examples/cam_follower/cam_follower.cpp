@@ -9,7 +9,7 @@ struct CamFollower : dyn::sdk::Joint<CamFollower, 1> {
   static constexpr std::array parameters{dyn::ParameterSpec{"h", dyn::ParameterKind::number, true, "m", "half the stroke"}};
 
   template <class S>
-  static dyn::SE3<S> pose(const S* q, const dyn::sdk::Constants& c) {
+  static dyn::SE3<S> pose(const S* q, const auto& c) {
     using std::sin;
     const S half = sin(S(0.5) * q[0]);
     return {dyn::Mat3<S>::identity(), {S(0), S(0), S(2 * c[0]) * half * half}};  // 1 - cos q without cancellation

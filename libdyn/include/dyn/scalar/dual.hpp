@@ -9,6 +9,26 @@
 
 namespace dyn {
 
+/// Both at once, which costs packs and duals hardly more than one.
+template <class S>
+void sincos(const S& angle, S& sine, S& cosine) {
+  using std::cos, std::sin;
+  sine = sin(angle);
+  cosine = cos(angle);
+}
+/// Large angles are taken modulo pi / 2 with more digits: the C library's own way leaves up to 15 u next to some multiples.
+template <std::floating_point T>
+void sincos(const T& angle, T& sine, T& cosine) {
+  using Wide = std::conditional_t<std::is_same_v<T, float>, double, long double>;
+  if (std::fabs(angle) < T(1e5)) {
+    sine = std::sin(angle);
+    cosine = std::cos(angle);
+  } else {
+    sine = static_cast<T>(std::sin(static_cast<Wide>(angle)));
+    cosine = static_cast<T>(std::cos(static_cast<Wide>(angle)));
+  }
+}
+
 template <class T>
 struct Dual {
   T v{}, d{};
@@ -40,12 +60,14 @@ struct Dual {
   friend bool operator==(const Dual& a, const Dual& b) { return a.v == b.v; }
 
   friend Dual sin(const Dual& a) {
-    using std::cos, std::sin;
-    return {sin(a.v), cos(a.v) * a.d};
+    T s, c;
+    sincos(a.v, s, c);
+    return {s, c * a.d};
   }
   friend Dual cos(const Dual& a) {
-    using std::cos, std::sin;
-    return {cos(a.v), -(sin(a.v) * a.d)};
+    T s, c;
+    sincos(a.v, s, c);
+    return {c, -(s * a.d)};
   }
   friend Dual tan(const Dual& a) {
     using std::tan;
@@ -73,25 +95,6 @@ struct Dual {
   friend Dual abs(const Dual& a) { return a.v < T(0) ? -a : a; }
 };
 
-/// Both at once, which costs packs and duals hardly more than one.
-template <class S>
-void sincos(const S& angle, S& sine, S& cosine) {
-  using std::cos, std::sin;
-  sine = sin(angle);
-  cosine = cos(angle);
-}
-/// Large angles are taken modulo pi / 2 with more digits: the C library's own way leaves up to 15 u next to some multiples.
-template <std::floating_point T>
-void sincos(const T& angle, T& sine, T& cosine) {
-  using Wide = std::conditional_t<std::is_same_v<T, float>, double, long double>;
-  if (std::fabs(angle) < T(1e5)) {
-    sine = std::sin(angle);
-    cosine = std::cos(angle);
-  } else {
-    sine = static_cast<T>(std::sin(static_cast<Wide>(angle)));
-    cosine = static_cast<T>(std::cos(static_cast<Wide>(angle)));
-  }
-}
 template <class T>
 void sincos(const Dual<T>& angle, Dual<T>& sine, Dual<T>& cosine) {
   T s, c;
