@@ -103,7 +103,7 @@ struct Strips {
     int nv() const { return strip_->nv; }
     bool flyingRoot() const { return strip_->shape == Shape::free && isRoot(); }
     bool turnsOnly() const { return strip_->shape == Shape::revolute || strip_->shape == Shape::spherical; }
-    Motion<S> column(const Workspace<S>& w, int l) const { return from(w.dof[strip_->dof + l].S_); }
+    Motion<S> column(const Workspace<S>& workspace, int l) const { return from(workspace.dof[strip_->dof + l].S_); }
     void enter(int k, int l, const S& value) const {
       const std::int64_t* other = strips_.dof_index.data() + strip_lanes * (strip_->dof + l);
       const auto* numbers = reinterpret_cast<const double*>(&value);

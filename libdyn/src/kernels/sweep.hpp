@@ -68,7 +68,7 @@ struct Bodies {
     int nv() const { return bodies_.index(body_).nv; }
     bool flyingRoot() const { return bodies_.index(body_).flying_root; }
     bool turnsOnly() const { return bodies_.index(body_).turns_only; }
-    const Motion<S>& column(const Workspace<S>& w, int l) const { return w.dof[column_ + l].S_; }
+    const Motion<S>& column(const Workspace<S>& workspace, int l) const { return workspace.dof[column_ + l].S_; }
     /// Of degree of freedom k of the joint and l of the body that was reached, and its mirror image.
     void enter(int k, int l, const S& value) const {
       const std::ptrdiff_t n = bodies_.m.nvx, i = row_ + k, j = column_ + l;
