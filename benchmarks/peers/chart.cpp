@@ -41,7 +41,8 @@ std::string Chart::write(const std::string& directory) const {
   }
   const double low = std::floor(std::log10(std::min(least, most))), high = std::ceil(std::log10(most) + 1e-9);
   const auto y = [&](double ns) { return top + height * (high - std::log10(ns)) / (high - low); };
-  const double group = bar * static_cast<double>(libraries_.size()) + gap, width = left + group * static_cast<double>(robots_.size()) + 20;
+  const double group = bar * static_cast<double>(libraries_.size()) + gap;
+  const double width = left + 20 + std::max(group * static_cast<double>(robots_.size()), 95 * static_cast<double>(libraries_.size()));
   std::ostringstream svg;
   svg << "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" << width << "\" height=\"" << top + height + 70
       << "\" font-family=\"sans-serif\" font-size=\"12\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n";
