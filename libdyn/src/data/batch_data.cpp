@@ -19,10 +19,11 @@ BasicBatchData<T>::BasicBatchData(const CompactModel& model, int capacity, Need 
   d.capacity = capacity;
   d.kernels = &blockKernelsOf<T>(kernels::active());
   d.workers = std::make_unique<Workers>(threads);
+  const kernels::Room room{has(needs, Need::mass_matrix), has(needs, Need::jacobians)};
   for (int i = 0; i < threads; ++i) {
     if (m.couplings.empty()) {
-      d.scratch.emplace_back(d.kernels->bytes(m, needs));
-      d.kernels->prepare(m, needs, d.scratch.back().data());
+      d.scratch.emplace_back(d.kernels->bytes(m, room));
+      d.kernels->prepare(m, room, d.scratch.back().data());
     } else {
       d.single.emplace_back(model, Need::mass_matrix);
       d.columns.emplace_back(Eigen::VectorXd::Zero(m.nq));

@@ -45,7 +45,7 @@ struct BlockScratch {
   Workspace<S> w;
   S *q, *v, *a, *result, *M, *J;
 
-  static std::size_t carve(BlockScratch& s, const CompactImpl& m, Need needs, char* base) {
+  static std::size_t carve(BlockScratch& s, const CompactImpl& m, Room room, char* base) {
     Arena arena(base);
     dyn::carve(s.w, m, arena);
     const auto nq = static_cast<std::size_t>(m.nqx), nv = static_cast<std::size_t>(m.nvx);
@@ -53,8 +53,8 @@ struct BlockScratch {
     arena.take(s.v, nv);
     arena.take(s.a, nv);
     arena.take(s.result, nv);
-    arena.take(s.M, has(needs, Need::mass_matrix) ? nv * nv : 0);
-    arena.take(s.J, has(needs, Need::jacobians) ? 6 * nv : 0);
+    arena.take(s.M, room.mass_matrix ? nv * nv : 0);
+    arena.take(s.J, room.jacobian ? 6 * nv : 0);
     return arena.used();
   }
 };
@@ -123,16 +123,16 @@ BlockKernels<Real<S>> blockKernels() {
   using T = Real<S>;
   BlockKernels<T> k;
   k.lanes = lanes_of<S>;
-  k.bytes = [](const CompactImpl& m, Need needs) {
+  k.bytes = [](const CompactImpl& m, Room room) {
     BlockScratch<S> counted;
-    return sizeof(BlockScratch<S>) + Arena::alignment + BlockScratch<S>::carve(counted, m, needs, nullptr);
+    return sizeof(BlockScratch<S>) + Arena::alignment + BlockScratch<S>::carve(counted, m, room, nullptr);
   };
-  k.prepare = [](const CompactImpl& m, Need needs, char* scratch) {
+  k.prepare = [](const CompactImpl& m, Room room, char* scratch) {
     constexpr std::size_t head = (sizeof(BlockScratch<S>) + Arena::alignment - 1) / Arena::alignment * Arena::alignment;
     auto* s = new (scratch) BlockScratch<S>;
-    BlockScratch<S>::carve(*s, m, needs, scratch + head);
+    BlockScratch<S>::carve(*s, m, room, scratch + head);
     atRest(s->w);
-    if (has(needs, Need::mass_matrix)) std::fill(s->M, s->M + static_cast<std::ptrdiff_t>(m.nvx) * m.nvx, S(0));
+    if (room.mass_matrix) std::fill(s->M, s->M + static_cast<std::ptrdiff_t>(m.nvx) * m.nvx, S(0));
   };
   k.run = [](const CompactImpl& m, char* scratch, Block<T>& block) { runBlock<S>(m, scratch, block); };
   return k;

@@ -7,8 +7,6 @@
 #include "kernels/columns.hpp"
 #include "kernels/jacobians.hpp"
 
-#include <dyn/data/need.hpp>
-
 #include <initializer_list>
 
 namespace dyn::kernels {
@@ -51,11 +49,16 @@ struct Block {
   bool not_finite = false;  ///< some result or pose is NaN or infinite
 };
 
+/// What a block's scratch has room for beside what is of size O(n).
+struct Room {
+  bool mass_matrix = false, jacobian = false;
+};
+
 template <class T>
 struct BlockKernels {
   int lanes;
-  std::size_t (*bytes)(const CompactImpl&, Need needs);            ///< of scratch for one thread
-  void (*prepare)(const CompactImpl&, Need needs, char* scratch);  ///< aligned as Arena says
+  std::size_t (*bytes)(const CompactImpl&, Room room);            ///< of scratch for one thread
+  void (*prepare)(const CompactImpl&, Room room, char* scratch);  ///< aligned as Arena says
   void (*run)(const CompactImpl&, char* scratch, Block<T>&);
 };
 
