@@ -74,7 +74,8 @@ std::string Chart::write(const std::string& directory) const {
     text(x + 16, top + height + 46, libraries_[l], "start");
   }
   svg << "</svg>\n";
-  const std::string path = directory + "/" + task_ + ".svg", temporary = path + ".part";
+  std::string path = directory + "/" + task_ + ".svg";
+  const std::string temporary = path + ".part";
   std::ofstream file(temporary);
   file << svg.str();
   file.close();

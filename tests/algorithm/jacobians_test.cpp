@@ -46,7 +46,8 @@ TEMPLATE_TEST_CASE("Jacobians of a batch are those of single states", "[jacobian
   const CompactModel model = compile(randomTree(registry(), 14, 7), registry());
   constexpr int states = 19;
   const Eigen::MatrixXd q = configurations(model, states);
-  const Eigen::Matrix<TestType, Eigen::Dynamic, Eigen::Dynamic> Q = q.cast<TestType>();
+  Eigen::Matrix<TestType, Eigen::Dynamic, Eigen::Dynamic> Q(q.rows(), q.cols());
+  Q = q.cast<TestType>();
   BasicBatchData<TestType> batch(model, states, Need::jacobians, 2);
   Data data(model);
   Eigen::MatrixXd J(6, model.nv());
