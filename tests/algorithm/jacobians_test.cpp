@@ -107,4 +107,5 @@ TEST_CASE("what is wrong with a batch of poses is said with the state", "[jacobi
   BatchData without(model, 19);
   CHECK_THROWS_WITH(computeJointJacobians(model, without, q), containing("Need::jacobians"));
   CHECK_THROWS_WITH(computeFrameJacobian(model, batch, q, 1 << 20, ReferenceFrame::LOCAL), containing("does not exist"));
+  CHECK_THROWS_WITH(computeJointJacobian(model, batch, q, -1, ReferenceFrame::LOCAL), containing("joint -1 does not exist"));
 }

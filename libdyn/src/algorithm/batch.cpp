@@ -97,26 +97,25 @@ T* resultOf(BatchImpl<T>& d, BatchQuantity what) {
   }
 }
 
-/// One state of a model with couplings, by the algorithms for one state.
+/// Views of v and a may be empty: zeros.
 template <class T>
-void runSingle(const CompactModel& model, BatchImpl<T>& d, BatchQuantity what, int thread, int state, const StatesView<T>& q, const StatesView<T>& v,
-               const StatesView<T>& a, T* result, std::ptrdiff_t rows, Failure& failure) {
+struct StatesIn {
+  const StatesView<T>&q, &v, &a;
+};
+
+/// One state of a model with couplings, by an algorithm for one state: compute(data, q, v, a) returns where its `rows` numbers are.
+template <class T, class Compute>
+void runSingle(const CompactModel& model, BatchImpl<T>& d, int thread, int state, const StatesIn<T>& in, T* result, std::ptrdiff_t rows,
+               Failure& failure, const Compute& compute) {
   Eigen::VectorXd* columns = &d.columns[at(3 * thread)];
   const auto read = [&](const StatesView<T>& from, Eigen::VectorXd& to) {
     for (Eigen::Index i = 0; i < to.size(); ++i) to[i] = from.data ? static_cast<double>(from.data[state * from.stride + i]) : 0.0;
     return VectorView{to.data(), to.size()};
   };
-  const VectorView qs = read(q, columns[0]), vs = read(v, columns[1]), as = read(a, columns[2]);
-  Data& data = d.single[at(thread)];
+  const VectorView qs = read(in.q, columns[0]), vs = read(in.v, columns[1]), as = read(in.a, columns[2]);
   const double* found = nullptr;
   try {
-    if (what == BatchQuantity::mass_matrix) {
-      found = crba(model, data, qs);
-    } else if (what == BatchQuantity::aba) {
-      found = aba(model, data, qs, vs, as, nullptr, 0);
-    } else {
-      found = rnea(model, data, qs, vs, as, nullptr, 0);
-    }
+    found = compute(d.single[at(thread)], qs, vs, as);
   } catch (const Error& e) {
     const int joint = model.jointId(e.where().joint);
     failure.note(state, e.code() == ErrorCode::singular && joint > 0 ? model.impl().body_of_joint[at(joint)] : 0);
@@ -141,7 +140,14 @@ const T* computeBatch(const CompactModel& model, BasicBatchData<T>& data, BatchQ
   T* result = resultOf(d, what);
   Failure failure;
   if (!m.couplings.empty()) {
-    failure = forBlocks(d, states, 1, [&](int t, int state, int, Failure& f) { runSingle(model, d, what, t, state, q, v, a, result, rows, f); });
+    failure = forBlocks(d, states, 1, [&](int t, int state, int, Failure& f) {
+      runSingle<T>(model, d, t, state, {q, v, a}, result, rows, f,
+                   [&](Data& single, const VectorView& qs, const VectorView& vs, const VectorView& as) {
+                     if (what == BatchQuantity::mass_matrix) return crba(model, single, qs);
+                     if (what == BatchQuantity::aba) return aba(model, single, qs, vs, as, nullptr, 0);
+                     return rnea(model, single, qs, vs, as, nullptr, 0);
+                   });
+    });
   } else {
     failure = forBlocks(d, states, d.kernels->lanes, [&](int t, int first, int count, Failure& f) {
       kernels::Block<T> block;
@@ -167,35 +173,33 @@ const T* computeBatch(const CompactModel& model, BasicBatchData<T>& data, BatchQ
 
 template <class T>
 const T* batchJacobians(const CompactModel& model, BasicBatchData<T>& data, StatesView<T> q, Kind kind, int id, ReferenceFrame reference) {
-  const char* name = id < 0 ? "computeJointJacobians" : (kind == Kind::joint ? "computeJointJacobian" : "computeFrameJacobian");
+  const char* names[] = {"computeJointJacobian", "computeFrameJacobian", "computeJointJacobians"};
   BatchImpl<T>& d = data.impl();
   const CompactImpl& m = model.impl();
-  checkBatch(name, model, d, q, Need::jacobians, "jacobians");
+  checkBatch(names[static_cast<int>(kind)], model, d, q, Need::jacobians, "jacobians");
   const std::ptrdiff_t rows = 6 * static_cast<std::ptrdiff_t>(m.nv);
   const int states = static_cast<int>(q.cols);
   kernels::FramePoint<double> point;
-  if (id >= 0) {
+  if (kind == Kind::all_joints) {
+    refuseFollowers(names[static_cast<int>(kind)], m);
+  } else {
     const PointOnBody where = kind == Kind::joint ? jointOnBody(model, id) : frameOnBody(model, id);
     point = {where.body, where.placement};
   }
   Failure failure;
   if (!m.couplings.empty()) {
-    if (id < 0) computeJointJacobians(model, d.single[0], d.columns[0]);  // refuses such models
     failure = forBlocks(d, states, 1, [&](int t, int state, int, Failure& f) {
-      Eigen::VectorXd &column = d.columns[at(3 * t)], &J = d.jacobians[at(t)];
-      for (int i = 0; i < m.nq; ++i) column[i] = static_cast<double>(q.data[state * q.stride + i]);
-      try {
-        jacobian(model, d.single[at(t)], {column.data(), column.size()}, kind, id, reference, MatrixOut(J.data(), 6, m.nv));
-      } catch (const Error&) {
-        J.setConstant(std::numeric_limits<double>::quiet_NaN());
-        f.note(state, 0);
-      }
-      for (std::ptrdiff_t i = 0; i < rows; ++i) d.J[static_cast<std::size_t>(state * rows + i)] = static_cast<T>(J[i]);
+      runSingle<T>(model, d, t, state, {q, {}, {}}, d.J.data(), rows, f,
+                   [&](Data& single, const VectorView& qs, const VectorView&, const VectorView&) {
+                     double* J = single.impl().J;
+                     jacobian(model, single, qs, kind, id, reference, MatrixOut(J, 6, m.nv));
+                     return J;
+                   });
     });
   } else {
     failure = forBlocks(d, states, d.kernels->lanes, [&](int t, int first, int count, Failure& f) {
       kernels::Block<T> block;
-      block.task = id < 0 ? kernels::Task::joint_jacobians : kernels::Task::frame_jacobian;
+      block.task = kind == Kind::all_joints ? kernels::Task::joint_jacobians : kernels::Task::frame_jacobian;
       block.q = columns(q, first, count);
       block.frame = point;
       block.reference = reference;

@@ -87,6 +87,13 @@ void refuseSingular(const char* algorithm, const std::string& joint) {
               {"", 0, joint});
 }
 
+void refuseFollowers(const char* algorithm, const CompactImpl& m) {
+  if (!m.couplings.empty())
+    throw Error(ErrorCode::argument, std::string(algorithm) +
+                                         ": the model has joints that follow others, whose columns differ from frame to frame; "
+                                         "computeJointJacobian gives those of one");
+}
+
 void refuseZero(const char* argument, const CompactImpl& m, int i) {
   throw Error(ErrorCode::argument,
               std::string(argument) + ": the quaternion or (cos, sin) pair of a joint is zero, which is no rotation; neutral() gives the identity",

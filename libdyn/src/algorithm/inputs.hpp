@@ -27,6 +27,9 @@ bool allFinite(const double* x, int n);
 
 /// A quaternion or (cos, sin) pair of q that is zero stands for no rotation: throws, where NaN and infinity just spread.
 void checkConfiguration(const char* argument, const CompactImpl& m, const double* q);
+/// Throws Error(argument) for a model with joints that follow others: the algorithm has columns for all joints at once, and theirs differ
+/// from frame to frame.
+void refuseFollowers(const char* algorithm, const CompactImpl& m);
 /// Throws Error(singular): the joint's pivot vanished.
 [[noreturn]] void refuseSingular(const char* algorithm, const std::string& joint);
 

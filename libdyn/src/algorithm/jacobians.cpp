@@ -5,7 +5,6 @@
 #include "kernels/table.hpp"
 
 #include <dyn/algorithm/jacobians.hpp>
-#include <dyn/error.hpp>
 
 #include <algorithm>
 
@@ -72,10 +71,7 @@ void jacobian(const CompactModel& model, Data& data, VectorView q, Kind kind, in
 const double* jointJacobians(const CompactModel& model, Data& data, VectorView q) {
   const Inputs in = readInputs("computeJointJacobians", model, data, q, nullptr, nullptr);
   const CompactImpl& m = model.impl();
-  if (!m.couplings.empty())
-    throw Error(ErrorCode::argument,
-                "computeJointJacobians: the model has joints that follow others, whose columns differ from frame to frame; "
-                "computeJointJacobian gives those of one");
+  refuseFollowers("computeJointJacobians", m);
   DataImpl& d = data.impl();
   evaluateJoints(m, d, in.q, nullptr);
   kernels::active().single.jointJacobians(m, d, d.J);

@@ -29,7 +29,6 @@ BasicBatchData<T>::BasicBatchData(const CompactModel& model, int capacity, Need 
       d.columns.emplace_back(Eigen::VectorXd::Zero(m.nq));
       d.columns.emplace_back(Eigen::VectorXd::Zero(m.nv));
       d.columns.emplace_back(Eigen::VectorXd::Zero(m.nv));
-      d.jacobians.emplace_back(Eigen::VectorXd::Zero(6 * m.nv));
     }
   }
   const auto n = static_cast<std::size_t>(capacity), nv = static_cast<std::size_t>(m.nv);

@@ -41,7 +41,6 @@ enum class BatchQuantity { rnea, nle, gravity, mass_matrix, aba };
 /// Returns the result's first number; v and a may be empty views.
 template <class T>
 DYN_API const T* computeBatch(const CompactModel&, BasicBatchData<T>&, BatchQuantity, StatesView<T> q, StatesView<T> v, StatesView<T> a);
-/// J of a joint or frame by its number, or (-1) of all joints.
 template <class T>
 DYN_API const T* batchJacobians(const CompactModel&, BasicBatchData<T>&, StatesView<T> q, Kind kind, int id, ReferenceFrame);
 template <class T>
@@ -98,7 +97,7 @@ auto aba(const CompactModel& model, BasicBatchData<T>& data, const detail::State
 /// Need::jacobians.
 template <class T>
 auto computeJointJacobians(const CompactModel& model, BasicBatchData<T>& data, const detail::States<T>& Q) {
-  return detail::batchJacobians<T>(model, data, detail::Kind::joint, -1, ReferenceFrame::WORLD, Q);
+  return detail::batchJacobians<T>(model, data, detail::Kind::all_joints, 0, ReferenceFrame::WORLD, Q);
 }
 template <class T>
 auto computeJointJacobian(const CompactModel& model, BasicBatchData<T>& data, const detail::States<T>& Q, int joint, ReferenceFrame reference) {

@@ -6,8 +6,8 @@
 namespace dyn {
 
 namespace detail {
-/// Of a joint or of a frame, whose number is `id`.
-enum class Kind { joint, frame };
+/// Of a joint or of a frame, whose number is `id`; or of all joints at once.
+enum class Kind { joint, frame, all_joints };
 DYN_API void jacobian(const CompactModel&, Data&, VectorView q, Kind, int id, ReferenceFrame, const MatrixOut& J);
 DYN_API const double* jointJacobians(const CompactModel&, Data&, VectorView q);
 DYN_API void jacobianTimeVariation(const CompactModel&, Data&, VectorView q, VectorView v, Kind, int id, ReferenceFrame, const MatrixOut& dJ);
