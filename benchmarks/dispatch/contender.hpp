@@ -4,7 +4,6 @@
 #include <dyn/dyn.hpp>
 
 #include <functional>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -19,9 +18,8 @@ struct Contender {
   int size = 0;
 };
 
-/// Contenders share results' memory: read one's before the next runs.
+/// Contenders share results' memory, and keep it: read one's before the next runs.
 struct Contest {
-  std::shared_ptr<void> memory;
   std::vector<Contender> contenders;
   std::string missing;  ///< why some are not there; empty if all are
 };

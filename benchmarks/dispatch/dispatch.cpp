@@ -120,7 +120,6 @@ Contest dispatchContest(const CompactModel& model) {
   const auto memory = std::make_shared<Memory>(model);
   const CompactImpl& m = model.impl();
   Contest contest;
-  contest.memory = memory;
   const int joints = m.bodies() - 1, runs = static_cast<int>(m.runs.size()), types = static_cast<int>(m.batches.size());
   addOrder<PerBatch>(memory, "virtual_per_batch", types, runs, contest.contenders);
   addOrder<PerJointVirtual>(memory, "virtual_per_joint", joints, joints, contest.contenders);

@@ -244,7 +244,6 @@ Contest patternContest(const CompactModel& model) {
                                   [library, run](const double* q, const double* v, const double* a) { run(*library, q, v, a); }, result, size});
   };
   Contest contest;
-  contest.memory = library;
   add(contest, "fk", 1, reinterpret_cast<const double*>(library->oMi.data()), 12 * (joints + 1),
       [](auto& x, const double* q, const double*, const double*) { x.forwardKinematics(q); });
   add(contest, "rnea", 2, library->tau.data(), nv, [](auto& x, const double* q, const double* v, const double* a) { x.rnea(q, v, a); });

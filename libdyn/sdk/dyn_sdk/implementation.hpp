@@ -49,8 +49,7 @@ class JointTypeOf final : public JointType {
   void kinematics(const JointBatch<double>& batch) const noexcept override { evaluate(batch); }
   void kinematics(const JointBatch<float>& batch) const noexcept override { evaluate(batch); }
   void kinematics(const JointBatch<Dual<double>>& batch) const noexcept override {
-    for (int i = 0; i < batch.count * batch.lanes; ++i)
-      evaluateAt<Dual<double>>(batch, i, Constants(batch.constants + i / batch.lanes, batch.constants_stride, batch.constant_count));
+    for (int i = 0; i < batch.count * batch.lanes; ++i) evaluateAt<Dual<double>>(batch, i, constantsOf(batch, i));
   }
 
   void neutral(const ConfigurationBatch<double>& b) const noexcept override {
@@ -128,6 +127,12 @@ class JointTypeOf final : public JointType {
     store<nv * nv>(Jv, b.J_v, b.j_stride, i);
   }
 
+  /// Of item i, or of the joint whose lanes are items i and on.
+  template <class T>
+  static Constants constantsOf(const JointBatch<T>& b, int i) {
+    return {b.constants + i / b.lanes, b.constants_stride, b.constant_count};
+  }
+
   template <class T>
   static void evaluate(const JointBatch<T>& b) {
     const int items = b.count * b.lanes;
@@ -143,13 +148,13 @@ class JointTypeOf final : public JointType {
         evaluatePack(b, items - width);  // the last ones once more, with those before them
         return;
       }
-      if (neighbours && i < items && 2 * items > width) {
+      if (neighbours && i < items && 2 * items > width && b.constant_count <= few_constants) {
         evaluateFew(b, items);
         return;
       }
     }
 #endif
-    for (; i < items; ++i) evaluateAt<double>(b, i, Constants(b.constants + i / b.lanes, b.constants_stride, b.constant_count));
+    for (; i < items; ++i) evaluateAt<double>(b, i, constantsOf(b, i));
   }
 
 #if DYN_HAS_PACKS
@@ -174,19 +179,16 @@ class JointTypeOf final : public JointType {
     if constexpr (takes_pack_constants<T>) {
       if (b.lanes == 1) return evaluateAt<Pack<T>>(b, i, PackConstants<Pack<T>>(b.constants + i, b.constants_stride, b.constant_count));
     }
-    evaluateAt<Pack<T>>(b, i, Constants(b.constants + i / b.lanes, b.constants_stride, b.constant_count));
+    evaluateAt<Pack<T>>(b, i, constantsOf(b, i));
   }
 
-  /// Fewer items than a pack has lanes: the others are filled up with the first.
+  /// Fewer items than a pack has lanes: the others are filled up with the first. Of at most few_constants constants each.
+  static constexpr int few_constants = 8;
   template <class T>
   static void evaluateFew(const JointBatch<T>& b, int items) {
-    constexpr int width = Pack<T>::lanes, size = poseSize(Author::shape), most = 8;
-    if (b.constant_count > most) {
-      for (int i = 0; i < items; ++i) evaluateAt<double>(b, i, Constants(b.constants + i / b.lanes, b.constants_stride, b.constant_count));
-      return;
-    }
+    constexpr int width = Pack<T>::lanes, size = poseSize(Author::shape);
     T q[(nq + 1) * width], v[(nv + 1) * width], pose[size * width], subspace[6 * nv * width + 1], bias[6 * width];
-    double constants[most * width];
+    double constants[few_constants * width];
     const auto spread = [items](const auto* from, std::ptrdiff_t stride, int count, auto* to) {
       for (int k = 0; k < count; ++k)
         for (int i = 0; i < width; ++i) to[k * width + i] = from[k * stride + (i < items ? i : 0)];

@@ -66,7 +66,7 @@ const double* aba(const CompactModel& model, Data& data, VectorView q, VectorVie
     effective = d.tau;
   }
   int body = 0;
-  if (useStrips(m) && external == nullptr) {
+  if (kernels::useStrips(m) && external == nullptr) {
     if (!kernels::active().strips.aba(m, d.strips.data(), in.q, in.v, effective, d.ddq, body)) checkConfiguration("q", m, in.q);
   } else {
     evaluateJoints(m, d, in.q, in.v);

@@ -1,6 +1,7 @@
 #include "algorithm/inputs.hpp"
 #include "algorithm/placement.hpp"
 #include "data/batch_impl.hpp"
+#include "kernels/evaluate.hpp"
 
 #include <dyn/algorithm/aba.hpp>
 #include <dyn/algorithm/batch.hpp>
@@ -161,7 +162,7 @@ const T* computeBatch(const CompactModel& model, BasicBatchData<T>& data, BatchQ
       if (!block.not_finite) return;
       for (int l = 0; l < count; ++l) {
         T* column = block.result + l * rows;
-        const bool finite = std::all_of(column, column + rows, [](T x) { return x - x == T(0); });
+        const bool finite = kernels::allFinite(column, rows);
         if (block.failed[l] != 0) std::fill(column, column + rows, std::numeric_limits<T>::quiet_NaN());
         if (!finite || block.failed[l] != 0) f.note(first + l, block.failed[l]);
       }

@@ -1,6 +1,7 @@
 #include "algorithm/inputs.hpp"
 
 #include "joint/coordinate.hpp"
+#include "kernels/evaluate.hpp"
 #include "kernels/table.hpp"
 
 #include <dyn/error.hpp>
@@ -75,10 +76,6 @@ Inputs readInputs(const char* algorithm, const CompactModel& model, Data& data, 
   return {d.qx, v ? d.vx : d.zero, v ? d.ax : d.zero};
 }
 
-bool allFinite(const double* x, int n) {
-  return std::all_of(x, x + n, [](double c) { return std::isfinite(c); });
-}
-
 void refuseSingular(const char* algorithm, const std::string& joint) {
   throw Error(ErrorCode::singular,
               std::string(algorithm) +
@@ -107,7 +104,8 @@ void checkConfiguration(const char* argument, const CompactImpl& m, const double
     const TypeBatch& batch = m.batches[at(x.batch)];
     double normal[max_joint_nq];
     normalizeJoint(*batch.type, batch.constants.data() + x.slot, batch.count, q + x.user_q, normal);
-    if (std::any_of(normal, normal + x.nq, [](double c) { return std::isnan(c); }) && allFinite(q + x.user_q, x.nq)) refuseZero(argument, m, i);
+    if (std::any_of(normal, normal + x.nq, [](double c) { return std::isnan(c); }) && kernels::allFinite(q + x.user_q, x.nq))
+      refuseZero(argument, m, i);
   }
 }
 
@@ -119,12 +117,10 @@ void checkRotations(const CompactImpl& m, const TypeBatch& batch, const JointMem
     for (int c = 0; c < poseSize(batch.shape); ++c) sum += memory.pose[c * memory.stride + k];
     if (!std::isnan(sum)) continue;
     const int body = batch.bodies[at(k)];
-    if (allFinite(q + m.index[at(body)].idx_q, batch.nq)) refuseZero("q", m, body);
+    if (kernels::allFinite(q + m.index[at(body)].idx_q, batch.nq)) refuseZero("q", m, body);
   }
 }
 }  // namespace
-
-bool useStrips(const CompactImpl& m) { return m.strips.used && kernels::active().strips.bytes != nullptr; }
 
 void evaluateJoints(const CompactImpl& m, DataImpl& d, const double* q, const double* v) {
   kernels::active().single.evaluate(m, d, q, v);

@@ -21,7 +21,6 @@ void checkData(const char* algorithm, const CompactModel& model, const Data& dat
 /// Checks and expands; v and a may be null views. Leaves G and gamma of couplings in data.
 Inputs readInputs(const char* algorithm, const CompactModel& model, Data& data, VectorView q, const VectorView* v, const VectorView* a);
 
-bool allFinite(const double* x, int n);
 /// Throws Error(argument): the quaternion or (cos, sin) pair of body i's joint is zero.
 [[noreturn]] void refuseZero(const char* argument, const CompactImpl& m, int i);
 
@@ -36,8 +35,6 @@ void refuseFollowers(const char* algorithm, const CompactImpl& m);
 /// One virtual call a batch: poses, subspaces, and (with v) biases. Throws Error(argument) for a zero quaternion.
 void evaluateJoints(const CompactImpl& m, DataImpl& d, const double* q, const double* v);
 
-/// Whether the algorithms that can take joints in lanes do so for this model.
-bool useStrips(const CompactImpl& m);
 /// dS/dt along v of the joints whose subspace varies, by one differentiated call a batch.
 void evaluateSubspaceRates(const CompactImpl& m, DataImpl& d, const double* q, const double* v);
 /// Column k of dS/dt of body i in its own axes; zero for constant subspaces.

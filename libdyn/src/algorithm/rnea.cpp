@@ -9,7 +9,7 @@ namespace dyn::detail {
 namespace {
 
 const double* inverseDynamics(const CompactImpl& m, DataImpl& d, const Inputs& in, const Force<double>* fext, double* result) {
-  if (useStrips(m) && fext == nullptr) {
+  if (kernels::useStrips(m) && fext == nullptr) {
     if (!kernels::active().strips.rnea(m, d.strips.data(), in.q, in.v, in.a, result)) checkConfiguration("q", m, in.q);
     return result;
   }

@@ -30,7 +30,7 @@ class Packer {
     out_->report.passes.push_back("pack: " + std::to_string(out_->batches.size()) + " type batches, " + std::to_string(out_->runs.size()) +
                                   " runs: " + std::to_string(out_->batches.size() + out_->runs.size()) + " dispatches an evaluation");
     out_->strips = planStrips(*out_);
-    const int strips = static_cast<int>(out_->strips.strips.size()) - 1;
+    const int strips = out_->strips.count;
     out_->report.passes.push_back(
         strips < 1 ? std::string("strips: none, one body after the other")
                    : "strips: " + std::to_string(out_->bodies() - 1) + " joints in " + std::to_string(strips) + " strips of 4 lanes; " +
@@ -70,7 +70,7 @@ class Packer {
       c.origin = about.rotational;
       out_->mass += c.mass;
       x.flying_root = b.parent == 0 && b.instance.shape == Shape::free;
-      x.turns_only = b.instance.shape == Shape::revolute || b.instance.shape == Shape::spherical;
+      x.turns_only = turnsOnly(b.instance.shape);
       if (b.instance.shape == Shape::dense_constant) {
         out_->subspace_offset[i] = static_cast<int>(out_->subspaces.size());
         out_->subspaces.insert(out_->subspaces.end(), b.instance.subspace, b.instance.subspace + 6 * b.instance.nv);

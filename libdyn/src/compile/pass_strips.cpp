@@ -31,6 +31,14 @@ class Planner {
     std::vector<std::vector<int>> levels(at(depths) + 1);
     for (int i = 1; i < m_.bodies(); ++i) levels[at(m_.index[at(i)].depth)].push_back(i);
     for (const std::vector<int>& level : levels) seatLevel(level);
+    // Measured (dyn bench on the robots of ../shared/models): a strip takes about 1.3 times one body's time, and entering and leaving the
+    // lanes that of two bodies.
+    plan_.count = static_cast<int>(plan_.strips.size()) - 1;
+    plan_.used = 1.3 * plan_.count + 2 < static_cast<double>(m_.bodies() - 1);
+    if (!plan_.used) {
+      plan_.strips.clear();
+      return std::move(plan_);
+    }
     family();
     batches();
     numbers();
@@ -81,7 +89,6 @@ class Planner {
     for (int l = 0; l < strip_lanes; ++l) {
       if (strip.body[l] < 0) continue;
       const BodyIndex& x = m_.index[at(strip.body[l])];
-      strip.depth = x.depth;
       strip.parent_lane[l] = seats_[at(x.parent)].lane;
       strip.aligned = strip.aligned && (strip.parent == 0 || strip.parent_lane[l] == l);
       seats_[at(strip.body[l])] = {index, l};
@@ -162,11 +169,7 @@ StripPlan planStrips(const CompactImpl& m) {
   if (!packs || !m.couplings.empty() || m.bodies() < 2) return {};
   for (const TypeBatch& batch : m.batches)
     if (batch.shape == Shape::dense_constant) return {};
-  StripPlan plan = Planner(m).run();
-  // Measured (dyn bench on the robots of ../shared/models): a strip takes about 1.3 times one body's time, and entering and leaving the
-  // lanes that of two bodies.
-  plan.used = 1.3 * static_cast<double>(plan.strips.size() - 1) + 2 < static_cast<double>(m.bodies() - 1);
-  return plan;
+  return Planner(m).run();
 }
 
 }  // namespace dyn

@@ -33,7 +33,6 @@ struct Strip {
   int body[strip_lanes] = {-1, -1, -1, -1};
   std::int64_t parent_lane[strip_lanes] = {0, 1, 2, 3};
   int parent = 0;
-  int depth = 0;
   bool aligned = true;      ///< every child is in its parent's lane, or the parent is the universe
   bool leaf = true;         ///< no strip's parent
   bool last_child = false;  ///< the last strip of its parent's
@@ -51,7 +50,8 @@ struct StripBatch {
 };
 
 struct StripPlan {
-  bool used = false;          ///< the compiler judged it faster than one body after the other
+  bool used = false;          ///< the compiler judged it faster than one body after the other; if not, `count` is all there is
+  int count = 0;              ///< strips without the universe
   std::vector<Strip> strips;  ///< [0]: the universe; parents first, equal shapes side by side
   std::vector<StripBatch> batches;
   int dofs = 0;

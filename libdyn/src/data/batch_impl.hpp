@@ -23,7 +23,6 @@ struct BatchImpl {
   std::vector<Data> single;              ///< a thread each, for models with couplings
   std::vector<Eigen::VectorXd> columns;  ///< three a thread, for the same: q, v, a of one state
 
-
   std::vector<T> tau, nle, gravity, ddq;        ///< nv numbers a state
   std::vector<T> M;                             ///< nv * nv numbers a state
   std::vector<T> J;                             ///< 6 * nv numbers a state

@@ -58,7 +58,8 @@ Data::Data(const CompactModel& model, Need needs) : impl_(std::make_unique<DataI
   Arena arena(impl_->block.data());
   carveAll(*impl_, m, arena);
   atRest<double>(*impl_);
-  if (const kernels::StripKernels& strips = kernels::active().strips; m.strips.used && strips.bytes) {
+  if (kernels::useStrips(m)) {
+    const kernels::StripKernels& strips = kernels::active().strips;
     impl_->strips = PackMemory(strips.bytes(m));
     strips.prepare(m, impl_->strips.data());
   }

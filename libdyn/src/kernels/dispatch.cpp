@@ -53,4 +53,6 @@ const Kernels& active() {
   return chosen;
 }
 
+bool useStrips(const CompactImpl& m) { return m.strips.used && active().strips.bytes != nullptr; }
+
 }  // namespace dyn::kernels

@@ -102,7 +102,7 @@ struct Strips {
     }
     int nv() const { return strip_->nv; }
     bool flyingRoot() const { return strip_->shape == Shape::free && isRoot(); }
-    bool turnsOnly() const { return strip_->shape == Shape::revolute || strip_->shape == Shape::spherical; }
+    bool turnsOnly() const { return dyn::turnsOnly(strip_->shape); }
     Motion<S> column(const Workspace<S>& workspace, int l) const { return from(workspace.dof[strip_->dof + l].S_); }
     void enter(int k, int l, const S& value) const {
       const std::int64_t* other = strips_.dof_index.data() + strip_lanes * (strip_->dof + l);
@@ -182,19 +182,8 @@ struct StripScratch {
     Arena arena(base);
     arena.take(s.w.joints, m.batches.size());
     JointMemory<S> counted;
-    for (std::size_t b = 0; b < m.batches.size(); ++b) {
-      const TypeBatch& batch = m.batches[b];
-      JointMemory<S>& memory = s.w.joints ? s.w.joints[b] : counted;
-      memory = {};
-      const auto slots = static_cast<std::size_t>(plan.batches[b].slots);
-      memory.stride = plan.batches[b].slots;
-      arena.take(memory.pose, static_cast<std::size_t>(poseSize(batch.shape)) * slots);
-      arena.take(memory.q, static_cast<std::size_t>(batch.nq) * slots);
-      if (batch.shape != Shape::dense) continue;
-      arena.take(memory.subspace, static_cast<std::size_t>(6 * batch.nv) * slots);
-      arena.take(memory.bias, 6 * slots);
-      arena.take(memory.v, static_cast<std::size_t>(batch.nv) * slots);
-    }
+    for (std::size_t b = 0; b < m.batches.size(); ++b)
+      dyn::carve(s.w.joints ? s.w.joints[b] : counted, m.batches[b], plan.batches[b].slots, true, arena);
     const std::size_t n = plan.strips.size();
     arena.take(s.w.rel, n);
     arena.take(s.w.a, n);

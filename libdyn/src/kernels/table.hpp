@@ -84,6 +84,9 @@ struct Kernels {
 /// The one in use: the best that the processor has, or what DYN_SIMD asks for. Throws Error(argument) when that cannot be had.
 const Kernels& active();
 
+/// Whether the algorithms that can take joints in lanes do so for this model.
+bool useStrips(const CompactImpl& m);
+
 /// In the library itself.
 extern const Kernels scalar, baseline;
 

@@ -71,6 +71,21 @@ class Arena {
   std::size_t used_ = 0;
 };
 
+/// Of `count` joints; `gathered`: their coordinates are copied together.
+template <class S>
+void carve(JointMemory<S>& memory, const TypeBatch& batch, int count, bool gathered, Arena& arena) {
+  const auto n = static_cast<std::size_t>(count);
+  memory = {};
+  memory.stride = count;
+  arena.take(memory.pose, static_cast<std::size_t>(poseSize(batch.shape)) * n);
+  if (batch.shape == Shape::dense) {
+    arena.take(memory.subspace, static_cast<std::size_t>(6 * batch.nv) * n);
+    arena.take(memory.bias, 6 * n);
+    arena.take(memory.v, static_cast<std::size_t>(batch.nv) * n);
+  }
+  if (gathered) arena.take(memory.q, static_cast<std::size_t>(batch.nq) * n);
+}
+
 template <class S>
 void carve(Workspace<S>& w, const CompactImpl& m, Arena& arena) {
   const auto n = static_cast<std::size_t>(m.bodies());
@@ -78,17 +93,7 @@ void carve(Workspace<S>& w, const CompactImpl& m, Arena& arena) {
   JointMemory<S> counted;
   for (std::size_t b = 0; b < m.batches.size(); ++b) {
     const TypeBatch& batch = m.batches[b];
-    JointMemory<S>& memory = w.joints ? w.joints[b] : counted;
-    memory = {};
-    const auto count = static_cast<std::size_t>(batch.count);
-    memory.stride = batch.count;
-    arena.take(memory.pose, static_cast<std::size_t>(poseSize(batch.shape)) * count);
-    if (batch.shape == Shape::dense) {
-      arena.take(memory.subspace, static_cast<std::size_t>(6 * batch.nv) * count);
-      arena.take(memory.bias, 6 * count);
-      arena.take(memory.v, static_cast<std::size_t>(batch.nv) * count);
-    }
-    if (!batch.contiguous) arena.take(memory.q, static_cast<std::size_t>(batch.nq) * count);
+    carve(w.joints ? w.joints[b] : counted, batch, batch.count, !batch.contiguous, arena);
   }
   arena.take(w.rel, n);
   arena.take(w.oM, n);

@@ -39,4 +39,7 @@ constexpr int poseSize(Shape shape) {
   }
 }
 
+/// Whether the motion subspace has no linear part.
+constexpr bool turnsOnly(Shape shape) { return shape == Shape::revolute || shape == Shape::spherical; }
+
 }  // namespace dyn
