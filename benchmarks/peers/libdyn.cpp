@@ -26,17 +26,13 @@ class Libdyn : public Peer {
       fill(s.base_v, 6, s.v, v_);
       fill(s.base_a, 6, s.a, a_);
     }
-    if (task == Task::rnea) rnea(model_, data_, q_, v_, a_);
-    if (task == Task::crba) crba(model_, data_, q_);
-    if (task == Task::aba) aba(model_, data_, q_, v_, a_);
+    if (task == Task::rnea) result_ = rnea(model_, data_, q_, v_, a_).data();
+    if (task == Task::crba) result_ = crba(model_, data_, q_).data();
+    if (task == Task::aba) result_ = aba(model_, data_, q_, v_, a_).data();
   }
   std::vector<double> result(Task task) const override {
-    Data data(model_, Need::mass_matrix);
-    const Eigen::Index n = model_.nv() - offset_;
-    Eigen::MatrixXd x;
-    if (task == Task::rnea) x = rnea(model_, data, q_, v_, a_).tail(n);
-    if (task == Task::crba) x = crba(model_, data, q_).bottomRightCorner(n, n);
-    if (task == Task::aba) x = aba(model_, data, q_, v_, a_).tail(n);
+    const Eigen::Index n = model_.nv() - offset_, columns = task == Task::crba ? model_.nv() : 1;
+    const Eigen::MatrixXd x = Eigen::Map<const Eigen::MatrixXd>(result_, model_.nv(), columns).bottomRightCorner(n, task == Task::crba ? n : 1);
     return {x.data(), x.data() + x.size()};
   }
 
@@ -45,6 +41,7 @@ class Libdyn : public Peer {
   Data data_;
   int offset_;
   Eigen::VectorXd q_, v_, a_;
+  const double* result_ = nullptr;
 };
 
 }  // namespace

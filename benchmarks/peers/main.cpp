@@ -1,6 +1,7 @@
 // dyn_peers OUT_DIR FILE[:floating]...: the same work in every library, robot by robot, all in turn; a table, and a picture a task.
-#include "peers/chart.hpp"
 #include "peers/peers.hpp"
+#include "report/bar_chart.hpp"
+#include "report/quartiles.hpp"
 
 #include <dyn/error.hpp>
 
@@ -94,7 +95,7 @@ std::vector<Contender> contendersFor(const Robot& robot, const std::vector<Libra
   return contenders;
 }
 
-/// ns a call, repetitions sorted; all contenders in turn, so that what disturbs the machine hits all alike.
+/// ns a call, a repetition each; all contenders in turn, so that what disturbs the machine hits all alike.
 std::vector<std::vector<double>> measure(std::vector<Contender>& contenders, Task task, const std::vector<State>& states) {
   using Clock = std::chrono::steady_clock;
   std::vector<std::vector<double>> times(contenders.size());
@@ -107,21 +108,20 @@ std::vector<std::vector<double>> measure(std::vector<Contender>& contenders, Tas
       const double ns = std::chrono::duration<double, std::nano>(Clock::now() - start).count();
       if (repetition >= 0) times[k].push_back(ns / static_cast<double>(states.size()));
     }
-  for (std::vector<double>& t : times) std::sort(t.begin(), t.end());
   return times;
 }
 
-void compare(const Robot& robot, const std::vector<Library>& all, std::vector<Chart>& charts) {
+void compare(const Robot& robot, const std::vector<Library>& all, std::vector<BarChart>& charts) {
   std::vector<Contender> contenders = contendersFor(robot, all);
   const std::vector<State> states = randomStates(robot, 256, false);
   for (std::size_t t = 0; t < std::size(tasks); ++t) {
     const auto times = measure(contenders, tasks[t], states);
     for (std::size_t k = 0; k < contenders.size(); ++k) {
       if (times[k].empty()) continue;
-      const auto at = [&](std::size_t quarter) { return times[k][quarter * (times[k].size() - 1) / 4]; };
-      std::printf("%-14s %-5s %-10s %10.0f %9.0f .. %-9.0f %8.1f\n", robot.name.c_str(), nameOf(tasks[t]), contenders[k].library->name.c_str(), at(2),
-                  at(1), at(3), at(2) / times[0][times[0].size() / 2]);
-      charts[t].add(robot.name, contenders[k].library->name, at(2));
+      const Quartiles ns = quartiles(times[k]);
+      std::printf("%-14s %-5s %-10s %10.0f %9.0f .. %-9.0f %8.1f\n", robot.name.c_str(), nameOf(tasks[t]), contenders[k].library->name.c_str(),
+                  ns.median, ns.low, ns.high, ns.median / quartiles(times[0]).median);
+      charts[t].add(robot.name, contenders[k].library->name, ns.median);
     }
   }
 }
@@ -134,8 +134,8 @@ int run(int argc, char** argv) {
   const std::vector<Library> all = libraries();
   for (const Library& library : all) std::printf("%s %s\n", library.name.c_str(), library.version.c_str());
   std::printf("\n%-14s %-5s %-10s %10s %22s %8s\n", "robot", "task", "library", "ns", "quartiles", "x libdyn");
-  std::vector<Chart> charts;
-  for (const Task task : tasks) charts.emplace_back(nameOf(task));
+  std::vector<BarChart> charts;
+  for (const Task task : tasks) charts.emplace_back(std::string(nameOf(task)) + ": ns a call, logarithmic", Scale::logarithmic);
   for (int i = 2; i < argc; ++i) {
     std::string file = argv[i];
     const std::size_t colon = file.rfind(":floating");
@@ -146,7 +146,11 @@ int run(int argc, char** argv) {
       std::fprintf(stderr, "%s\n", e.what());
     }
   }
-  for (const Chart& chart : charts) std::printf("%s\n", chart.write(argv[1]).c_str());
+  for (std::size_t t = 0; t < charts.size(); ++t) {
+    const std::string path = std::string(argv[1]) + "/" + nameOf(tasks[t]) + ".svg";
+    charts[t].write(path);
+    std::printf("%s\n", path.c_str());
+  }
   return 0;
 }
 

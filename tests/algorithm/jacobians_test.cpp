@@ -70,14 +70,7 @@ TEMPLATE_TEST_CASE("Jacobians of a batch are those of single states", "[jacobian
 
 TEST_CASE("Jacobians of joints that follow others: one by one, also in batches", "[jacobians]") {
   Model description = randomTree(registry(), 22, 4);
-  JointDescription follower;
-  follower.name = "follower";
-  follower.type = "revolute";
-  follower.parameters["axis"] = std::vector<double>{0, 1, 0};
-  for (const BodyDescription& b : description.bodies)
-    if (b.joint.type == "revolute") follower.coupling = {"mimic", b.joint.name, {{"coefficients", std::vector<double>{0.1, 2}}}};
-  REQUIRE(!follower.coupling.master.empty());
-  description.addBody("followed", 3, follower, {1, {}, {1, 0, 0, 1, 0, 1}});
+  addFollower(description);
   const CompactModel model = compile(description, registry());
   const Eigen::MatrixXd q = configurations(model, 5);
   Data data(model);

@@ -120,15 +120,7 @@ TEST_CASE("a batch of floats has the digits of floats", "[batch]") {
 
 TEST_CASE("joints that follow others are computed in batches, too", "[batch]") {
   Model description = randomTree(registry(), 22, 4, true);
-  JointDescription follower;
-  follower.name = "follower";
-  follower.type = "revolute";
-  follower.parameters["axis"] = std::vector<double>{0, 1, 0};
-  for (const BodyDescription& b : description.bodies)
-    if (b.joint.type == "revolute") follower.coupling = {"mimic", b.joint.name, {{"coefficients", std::vector<double>{0.1, 2}}}};
-  REQUIRE(!follower.coupling.master.empty());
-  Random random(9);
-  description.addBody("followed", 3, follower, random.inertia());
+  addFollower(description);
   const CompactModel model = compile(description, registry());
   checkAll<double>(model, States(model, 9, 2), 2, 1e-14, 1e-14);
   checkAll<float>(model, States(model, 9, 2), 2, 1e-5, 1e-2);

@@ -35,17 +35,7 @@ TEST_CASE("no algorithm allocates once Data exists", "[no_alloc]") {
   const JointRegistry registry = JointRegistry::standard();
   const bool coupled = GENERATE(false, true);
   Model description = randomTree(registry, 25, 5, true);
-  if (coupled) {
-    JointDescription follower;
-    follower.name = "follower";
-    follower.type = "revolute";
-    follower.parameters["axis"] = std::vector<double>{0, 1, 0};
-    for (const BodyDescription& b : description.bodies)
-      if (b.joint.type == "revolute") follower.coupling = {"mimic", b.joint.name, {{"coefficients", std::vector<double>{0.1, 2}}}};
-    REQUIRE(!follower.coupling.master.empty());
-    Random random(9);
-    description.addBody("followed", 3, follower, random.inertia());
-  }
+  if (coupled) addFollower(description);
   const CompactModel model = compile(description, registry);
   Data data(model, Need::mass_matrix);
   const Eigen::VectorXd q = integrate(model, neutral(model), Eigen::VectorXd::Constant(model.nv(), 0.7));

@@ -1,5 +1,5 @@
 // Real robots against reference results made by another library in extended precision (shared/golden), by way of the public API.
-#include "support/errors.hpp"
+#include "errors.hpp"
 #include "support/shared.hpp"
 
 #include <dyn/dyn.hpp>
@@ -7,6 +7,7 @@
 
 using namespace dyn;
 using namespace dyn::test;
+using namespace dyn::tool;
 
 namespace {
 

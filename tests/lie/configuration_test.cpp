@@ -1,5 +1,5 @@
 // Configuration-space functions: free flyer, spherical and planar against 60-digit references, and what holds for every joint type.
-#include "support/errors.hpp"
+#include "errors.hpp"
 #include "support/random_model.hpp"
 #include "support/registry.hpp"
 #include "support/shared.hpp"
@@ -8,6 +8,7 @@
 
 using namespace dyn;
 using namespace dyn::test;
+using namespace dyn::tool;
 
 namespace {
 

@@ -1,5 +1,5 @@
 // SO(3) and SE(3) against 25 digits, at every angle from 5e-324 to 1e8 and around pi and 2 pi.
-#include "support/errors.hpp"
+#include "errors.hpp"
 #include "support/shared.hpp"
 
 #include <dyn/lie/se3.hpp>
@@ -9,6 +9,7 @@
 
 using namespace dyn;
 using namespace dyn::test;
+using namespace dyn::tool;
 
 namespace {
 

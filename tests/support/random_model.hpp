@@ -1,6 +1,8 @@
 // Random trees of every joint type that is loaded, the same for the same seed.
 #pragma once
 
+#include "support/catch.hpp"
+
 #include <dyn/conformance/conformance.hpp>
 #include <dyn/dyn.hpp>
 #include <dyn/lie/se3.hpp>
@@ -69,6 +71,36 @@ inline Model randomTree(const JointRegistry& registry, int n, std::uint64_t seed
     model.addBody("b" + std::to_string(i), random.below(3) == 0 ? random.below(i + 1) : i, joint, random.inertia());
   }
   model.addFrame("tool", n, random.pose());
+  return model;
+}
+
+/// Adds a revolute joint, "follower", that follows one of the model's revolute joints; its body is "followed".
+inline void addFollower(Model& model) {
+  JointDescription follower;
+  follower.name = "follower";
+  follower.type = "revolute";
+  follower.parameters["axis"] = std::vector<double>{0, 1, 0};
+  for (const BodyDescription& b : model.bodies)
+    if (b.joint.type == "revolute") follower.coupling = {"mimic", b.joint.name, {{"coefficients", std::vector<double>{0.1, 2}}}};
+  REQUIRE(!follower.coupling.master.empty());
+  model.addBody("followed", 3, follower, Random(9).inertia());
+}
+
+/// n moving bodies, each on any of those before it, their joints' types from the list in turn; all with armature and damping.
+inline Model treeOf(const JointRegistry& registry, const std::vector<std::string>& types, int n, std::uint64_t seed) {
+  Random random(seed);
+  Model model;
+  model.gravity = random.vector(10);
+  for (int i = 0; i < n; ++i) {
+    JointDescription joint;
+    joint.name = "j" + std::to_string(i);
+    joint.type = types[static_cast<std::size_t>(i) % types.size()];
+    joint.parameters = exampleParameters(registry.jointType(joint.type, {}).info(), seed + static_cast<std::uint64_t>(i));
+    joint.placement = random.pose();
+    joint.armature.assign(static_cast<std::size_t>(degreesOfFreedom(joint, registry)), 0.05);
+    joint.damping.assign(joint.armature.size(), 0.3);
+    model.addBody("b" + std::to_string(i), i == 0 ? 0 : random.below(i) + 1, joint, random.inertia());
+  }
   return model;
 }
 

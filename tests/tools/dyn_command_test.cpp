@@ -1,5 +1,5 @@
 // The command dyn as a user runs it: exit codes, keys, messages; every subcommand on good and on broken input.
-#include "support/errors.hpp"
+#include "errors.hpp"
 #include "support/shared.hpp"
 
 #include <sys/wait.h>
@@ -10,6 +10,7 @@
 #include <sstream>
 
 using namespace dyn::test;
+using namespace dyn::tool;
 
 namespace {
 

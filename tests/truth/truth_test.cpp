@@ -1,5 +1,5 @@
 // Every algorithm against references of 25 digits that share no code with it, within the project's error budgets.
-#include "support/errors.hpp"
+#include "errors.hpp"
 #include "support/shared.hpp"
 #include "support/truth_model.hpp"
 
@@ -11,6 +11,7 @@
 
 using namespace dyn;
 using namespace dyn::test;
+using namespace dyn::tool;
 
 namespace {
 

@@ -4,6 +4,8 @@
 #include "states.hpp"
 #include "truth.hpp"
 
+#include <report/quartiles.hpp>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -21,13 +23,10 @@ struct Entry {
   std::function<double()> error;
 };
 
-struct Timing {
-  double median, low, high;  ///< ns a state; quartiles
-};
-
 constexpr int state_count = 256;
 
-Timing measure(const std::function<void()>& round) {
+/// ns a state.
+benchmark::Quartiles measure(const std::function<void()>& round) {
   using Clock = std::chrono::steady_clock;
   constexpr int repetitions = 11;
   // Enough rounds for each repetition to last about 2 ms.
@@ -43,8 +42,7 @@ Timing measure(const std::function<void()>& round) {
     }
     times.push_back(ns / (rounds * static_cast<double>(state_count)));
   }
-  std::sort(times.begin(), times.end());
-  return {times[times.size() / 2], times[times.size() / 4], times[3 * times.size() / 4]};
+  return benchmark::quartiles(times);
 }
 
 /// Everything that is measured lives here.
@@ -116,12 +114,6 @@ struct BatchSubject {
   }
 };
 
-/// The truth of states that were rounded to floats is what doubles give for the rounded ones.
-void replaceTruth(TruthSample& sample, const std::string& algorithm, const Eigen::VectorXd& numbers) {
-  const std::string key = algorithm == "crba" ? "M" : algorithm;
-  if (sample.truth.contains(key)) sample.truth[key].assign(numbers.begin(), numbers.end());
-}
-
 template <class T>
 void addBatch(Subjects& x, const char* scalar, int threads, std::vector<Entry>& entries) {
   const auto subject = std::make_shared<BatchSubject<T>>(x.model, state_count, threads);
@@ -183,7 +175,7 @@ void run(const Options& o) {
                 o.truth.empty() ? "" : "error");
   for (const Entry& entry : entries) {
     try {
-      const Timing t = measure(entry.round);
+      const benchmark::Quartiles t = measure(entry.round);
       const double error = entry.error ? entry.error() : std::nan("");
       if (o.json) {
         nlohmann::ordered_json line = {

@@ -5,10 +5,11 @@
 #include "states.hpp"
 
 #include <dispatch/dispatch.hpp>
+#include <report/bar_chart.hpp>
+#include <report/quartiles.hpp>
 
 #include <algorithm>
 #include <chrono>
-#include <fstream>
 #include <memory>
 
 namespace dyn::tool {
@@ -21,7 +22,7 @@ struct Line {
   benchmark::Contender contender;
   std::vector<double> times;  ///< ns a call, a repetition each
   Counters::Reading counted;  ///< a call
-  double median = 0, low = 0, high = 0;
+  benchmark::Quartiles ns;
 };
 
 /// What a caller of libdyn gets, under the name "library". An algorithm that refuses one of the states is left out, and says so.
@@ -35,7 +36,7 @@ void addLibrary(const CompactModel& model, const std::shared_ptr<Data>& data, co
     };
     try {
       for (const State& s : states) c.run(s.q.data(), s.v.data(), s.a.data());
-      lines.push_back({c, {}, {}});
+      lines.push_back({c, {}, {}, {}});
     } catch (const Error& e) {
       std::fprintf(stderr, "dyn: %s\n", e.what());
     }
@@ -68,12 +69,7 @@ void measure(std::vector<Line>& lines, const std::vector<State>& states, Counter
       line.counted.instructions /= state_count;
       line.counted.branch_misses /= state_count;
     }
-  for (Line& line : lines) {
-    std::sort(line.times.begin(), line.times.end());
-    line.median = line.times[line.times.size() / 2];
-    line.low = line.times[line.times.size() / 4];
-    line.high = line.times[3 * line.times.size() / 4];
-  }
+  for (Line& line : lines) line.ns = benchmark::quartiles(line.times);
 }
 
 const Line* find(const std::vector<Line>& lines, const std::string& algorithm, const std::string& dispatch) {
@@ -82,56 +78,10 @@ const Line* find(const std::vector<Line>& lines, const std::string& algorithm, c
   return nullptr;
 }
 
-/// Grouped bars, a group an algorithm.
 void plot(const std::string& path, const CompactModel& model, const std::vector<Line>& lines) {
-  const char* colours[] = {"#1b6ca8", "#d1495b", "#edae49", "#66a182", "#2e4057"};
-  const std::vector<std::string> algorithms = {"fk", "rnea", "crba", "aba"};
-  std::vector<std::string> ways;
-  double most = 0;
-  for (const Line& line : lines) {
-    most = std::max(most, line.high);
-    if (std::find(ways.begin(), ways.end(), line.contender.dispatch) == ways.end()) ways.push_back(line.contender.dispatch);
-  }
-  constexpr double bar = 26, gap = 40, height = 300, left = 70, top = 50;
-  const double group = bar * static_cast<double>(ways.size()) + gap, width = left + group * static_cast<double>(algorithms.size()) + 20;
-  std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + std::to_string(width) + "\" height=\"" +
-                    std::to_string(top + height + 70) +
-                    "\" font-family=\"sans-serif\" font-size=\"12\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n";
-  const auto text = [&](double x, double y, const std::string& what, const char* anchor = "middle") {
-    svg += "<text x=\"" + std::to_string(x) + "\" y=\"" + std::to_string(y) + "\" text-anchor=\"" + anchor + "\">" + what + "</text>\n";
-  };
-  std::string name;
-  for (const char c : model.name()) name += c == '<' || c == '>' || c == '&' ? '_' : c;
-  text(left, 20, name + ": ns a call by way of dispatch, median of " + std::to_string(repetitions), "start");
-  for (int tick = 0; tick <= 4; ++tick) {
-    const double y = top + height * (1 - tick / 4.0);
-    svg += "<line x1=\"" + std::to_string(left) + "\" x2=\"" + std::to_string(width - 20) + "\" y1=\"" + std::to_string(y) + "\" y2=\"" +
-           std::to_string(y) + "\" stroke=\"#ddd\"/>\n";
-    text(left - 8, y + 4, std::to_string(static_cast<int>(most * tick / 4)), "end");
-  }
-  for (std::size_t a = 0; a < algorithms.size(); ++a) {
-    const double x0 = left + group * static_cast<double>(a) + gap / 2;
-    for (std::size_t k = 0; k < ways.size(); ++k) {
-      const Line* line = find(lines, algorithms[a], ways[k]);
-      if (line == nullptr) continue;
-      const double h = height * line->median / most, x = x0 + bar * static_cast<double>(k);
-      svg += "<rect x=\"" + std::to_string(x) + "\" y=\"" + std::to_string(top + height - h) + "\" width=\"" + std::to_string(bar - 3) +
-             "\" height=\"" + std::to_string(h) + "\" fill=\"" + colours[k % 5] + "\"/>\n";
-    }
-    text(x0 + group / 2 - gap / 2, top + height + 18, algorithms[a]);
-  }
-  for (std::size_t k = 0; k < ways.size(); ++k) {
-    const double x = left + 125 * static_cast<double>(k);
-    svg += "<rect x=\"" + std::to_string(x) + "\" y=\"" + std::to_string(top + height + 38) + "\" width=\"12\" height=\"12\" fill=\"" +
-           colours[k % 5] + "\"/>\n";
-    text(x + 16, top + height + 48, ways[k], "start");
-  }
-  svg += "</svg>\n";
-  const std::string temporary = path + ".part";
-  std::ofstream file(temporary);
-  file << svg;
-  file.close();
-  if (!file || std::rename(temporary.c_str(), path.c_str()) != 0) throw Error(ErrorCode::file, "cannot be written", {path, 0, ""});
+  benchmark::BarChart chart(model.name() + ": ns a call by way of dispatch, median of " + std::to_string(repetitions), benchmark::Scale::linear);
+  for (const Line& line : lines) chart.add(line.contender.algorithm, line.contender.dispatch, line.ns.median);
+  chart.write(path);
 }
 
 struct Options {
@@ -150,9 +100,9 @@ void print(const CompactModel& model, const std::vector<Line>& lines, const Coun
   for (const Line& line : lines) {
     const Line* variant = find(lines, line.contender.algorithm, "static_variant");
     char range[32];
-    std::snprintf(range, sizeof range, "%.0f .. %.0f", line.low, line.high);
-    std::printf("%-6s %-18s %10.1f %19s %12.2f %+14.1f %% ", line.contender.algorithm.c_str(), line.contender.dispatch.c_str(), line.median, range,
-                line.median / joints, 100 * (line.median / variant->median - 1));
+    std::snprintf(range, sizeof range, "%.0f .. %.0f", line.ns.low, line.ns.high);
+    std::printf("%-6s %-18s %10.1f %19s %12.2f %+14.1f %% ", line.contender.algorithm.c_str(), line.contender.dispatch.c_str(), line.ns.median, range,
+                line.ns.median / joints, 100 * (line.ns.median / variant->ns.median - 1));
     if (line.contender.dispatch == "library") {
       std::printf("%12s", "");
     } else {
@@ -168,7 +118,7 @@ void run(const Options& o) {
   const CompactModel model = o.model.compile();
   const benchmark::Contest contest = benchmark::dispatchContest(model);
   std::vector<Line> lines;
-  for (const benchmark::Contender& c : contest.contenders) lines.push_back({c, {}, {}});
+  for (const benchmark::Contender& c : contest.contenders) lines.push_back({c, {}, {}, {}});
   const std::vector<State> states = randomStates(model, state_count, 1);
   if (!o.json) addLibrary(model, std::make_shared<Data>(model, Need::mass_matrix), states, lines);
   std::stable_sort(lines.begin(), lines.end(), [](const Line& a, const Line& b) {
@@ -182,7 +132,7 @@ void run(const Options& o) {
       const nlohmann::ordered_json object = {{"robot", model.name()},
                                              {"algorithm", line.contender.algorithm},
                                              {"dispatch", line.contender.dispatch},
-                                             {"ns", line.median},
+                                             {"ns", line.ns.median},
                                              {"dispatches", line.contender.dispatches}};
       std::printf("%s\n", object.dump().c_str());
     }

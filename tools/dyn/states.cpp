@@ -36,10 +36,6 @@ Eigen::VectorXd readVector(const nlohmann::json& sample, const char* key, int si
   return x;
 }
 
-}  // namespace
-
-namespace {
-
 std::string readAll(const std::string& path, const Where& where) {
   std::ostringstream text;
   if (path == "-") {
@@ -91,14 +87,14 @@ nlohmann::json parseJson(const std::string& text, const Where& where) {
 
 }  // namespace
 
-std::vector<State> readStates(const std::string& path, const CompactModel& model) {
+std::vector<std::pair<State, nlohmann::json>> readSamples(const std::string& path, const CompactModel& model) {
   const Where where{path == "-" ? "standard input" : path, 0, ""};
-  const nlohmann::json document = parseJson(readAll(path, where), where);
+  nlohmann::json document = parseJson(readAll(path, where), where);
   if (!document.is_object() || !document.contains("samples") || !document["samples"].is_array())
     throw Error(ErrorCode::syntax, "has no array \"samples\"", where);
-  std::vector<State> states;
-  for (const nlohmann::json& sample : document["samples"]) {
-    const std::size_t i = states.size();
+  std::vector<std::pair<State, nlohmann::json>> samples;
+  for (nlohmann::json& sample : document["samples"]) {
+    const std::size_t i = samples.size();
     if (!sample.is_object()) throw Error(ErrorCode::syntax, "sample " + std::to_string(i) + " is not an object", where);
     State s;
     bool given = false;
@@ -106,8 +102,14 @@ std::vector<State> readStates(const std::string& path, const CompactModel& model
     s.v = readVector(sample, "v", model.nv(), where, i, false, s.has_v);
     s.a = readVector(sample, "a", model.nv(), where, i, false, s.has_a);
     s.tau = readVector(sample, "tau", model.nv(), where, i, false, s.has_tau);
-    states.push_back(std::move(s));
+    samples.emplace_back(std::move(s), std::move(sample));
   }
+  return samples;
+}
+
+std::vector<State> readStates(const std::string& path, const CompactModel& model) {
+  std::vector<State> states;
+  for (auto& [state, entry] : readSamples(path, model)) states.push_back(std::move(state));
   return states;
 }
 

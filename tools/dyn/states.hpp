@@ -20,6 +20,9 @@ struct State {
 /// Throws Error naming the sample's index.
 std::vector<State> readStates(const std::string& path, const CompactModel& model);
 
+/// The same, each with its entry in the file.
+std::vector<std::pair<State, nlohmann::json>> readSamples(const std::string& path, const CompactModel& model);
+
 /// Random states of a model: q within its limits, v, a in [-1, 1], tau in [-5, 5].
 std::vector<State> randomStates(const CompactModel& model, int count, std::uint64_t seed);
 

@@ -1,25 +1,14 @@
 #include "truth.hpp"
 
+#include "errors.hpp"
+
 #include <dyn/error.hpp>
 
-#include <algorithm>
-#include <cmath>
-#include <fstream>
 #include <limits>
 
 namespace dyn::tool {
 
 namespace {
-
-void flatten(const nlohmann::json& x, std::vector<long double>& out) {
-  if (x.is_array()) {
-    for (const nlohmann::json& entry : x) flatten(entry, out);
-  } else if (x.is_string()) {
-    out.push_back(std::strtold(x.get<std::string>().c_str(), nullptr));
-  } else {
-    out.push_back(static_cast<long double>(x.get<double>()));
-  }
-}
 
 struct Quantity {
   const char *algorithm, *key, *scale;
@@ -30,44 +19,43 @@ constexpr Quantity quantities[] = {{"rnea", "rnea", "rnea_scale"},
                                    {"aba", "aba", "aba_scale"},
                                    {"crba", "M", nullptr}};
 
+const Quantity* find(const std::string& algorithm) {
+  for (const Quantity& quantity : quantities)
+    if (algorithm == quantity.algorithm) return &quantity;
+  return nullptr;
+}
+
 }  // namespace
 
 std::vector<TruthSample> readTruth(const std::string& path, const CompactModel& model) {
-  const std::vector<State> states = readStates(path, model);
   std::vector<TruthSample> out;
-  std::ifstream file(path);
-  const nlohmann::json document = nlohmann::json::parse(file, nullptr, false);
-  for (const State& state : states) {
-    TruthSample sample{state, {}};
-    const nlohmann::json& entry = document["samples"][out.size()];
+  for (const auto& [state, entry] : readSamples(path, model)) {
     if (!entry.contains("truth") || !entry["truth"].is_object())
       throw Error(ErrorCode::syntax, "sample " + std::to_string(out.size()) + " has no truth", {path, 0, ""});
+    TruthSample sample{state, {}};
     for (const Quantity& quantity : quantities)
       for (const char* key : {quantity.key, quantity.scale})
-        if (key != nullptr && entry["truth"].contains(key) && !sample.truth.contains(key)) flatten(entry["truth"][key], sample.truth[key]);
+        if (key != nullptr && entry["truth"].contains(key)) sample.truth[key] = flatten(entry["truth"][key]);
     out.push_back(std::move(sample));
   }
   return out;
 }
 
-double truthError(const TruthSample& sample, const std::string& algorithm, const Eigen::VectorXd& numbers, double unit_roundoff) {
-  for (const Quantity& quantity : quantities) {
-    if (algorithm != quantity.algorithm) continue;
-    const auto truth = sample.truth.find(quantity.key);
-    const auto scale = quantity.scale ? sample.truth.find(quantity.scale) : sample.truth.end();
-    const auto size = static_cast<std::size_t>(numbers.size());
-    if (truth == sample.truth.end() || truth->second.size() != size) break;
-    if (quantity.scale && (scale == sample.truth.end() || scale->second.size() != size)) break;
-    long double magnitude = 0, worst = 0;
-    for (const long double x : truth->second) magnitude = std::max(magnitude, std::fabs(x));
-    for (std::size_t i = 0; i < size; ++i) {
-      const long double off = std::fabs(static_cast<long double>(numbers[static_cast<Eigen::Index>(i)]) - truth->second[i]);
-      const long double yardstick = quantity.scale ? scale->second[i] : magnitude;
-      if (!(off == 0)) worst = std::max(worst, yardstick > 0 ? off / yardstick : std::numeric_limits<long double>::infinity());
-    }
-    return static_cast<double>(worst / static_cast<long double>(unit_roundoff));
-  }
-  return std::numeric_limits<double>::quiet_NaN();
+void replaceTruth(TruthSample& sample, const std::string& algorithm, const Eigen::VectorXd& numbers) {
+  const Quantity* quantity = find(algorithm);
+  if (quantity != nullptr && sample.truth.contains(quantity->key)) sample.truth[quantity->key].assign(numbers.begin(), numbers.end());
+}
+
+double truthError(const TruthSample& sample, const std::string& algorithm, const Eigen::VectorXd& numbers, double u) {
+  const Quantity* quantity = find(algorithm);
+  const auto truthOf = [&](const char* key) {
+    const auto found = sample.truth.find(key);
+    return found == sample.truth.end() ? std::vector<long double>() : found->second;
+  };
+  if (quantity == nullptr || truthOf(quantity->key).empty()) return std::numeric_limits<double>::quiet_NaN();
+  const std::vector<double> x(numbers.begin(), numbers.end());
+  return quantity->scale == nullptr ? relativeError(x, truthOf(quantity->key), u)
+                                    : scaledError(x, truthOf(quantity->key), truthOf(quantity->scale), u);
 }
 
 }  // namespace dyn::tool

@@ -1,4 +1,4 @@
-// Errors in units of u = 2^-53 against references with more digits than a double has.
+// Errors in units of roundoff, u, against references with more digits than a double has.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-namespace dyn::test {
+namespace dyn::tool {
 
-constexpr long double unit_roundoff = 0x1p-53L;
+constexpr long double unit_roundoff = 0x1p-53L;  ///< of doubles
 
 /// Numbers or numeric strings, nested or not, in order.
 inline void flatten(const nlohmann::json& x, std::vector<long double>& out) {
@@ -41,7 +41,7 @@ inline std::vector<double> rowMajor(const Eigen::Ref<const Eigen::MatrixXd>& M) 
 constexpr double no_match = std::numeric_limits<double>::infinity();
 
 /// max |x - x*| / max |x*|, in u. Infinite for NaN or sizes that differ.
-inline double relativeError(const std::vector<double>& x, const std::vector<long double>& truth) {
+inline double relativeError(const std::vector<double>& x, const std::vector<long double>& truth, long double u = unit_roundoff) {
   if (x.size() != truth.size()) return no_match;
   long double worst = 0, magnitude = 0;
   for (std::size_t i = 0; i < x.size(); ++i) {
@@ -50,11 +50,12 @@ inline double relativeError(const std::vector<double>& x, const std::vector<long
     magnitude = std::max(magnitude, std::fabs(truth[i]));
   }
   if (worst == 0) return 0;
-  return magnitude == 0 ? no_match : static_cast<double>(worst / magnitude / unit_roundoff);
+  return magnitude == 0 ? no_match : static_cast<double>(worst / magnitude / u);
 }
 
-/// max_k |x_k - x*_k| / scale_k, in u.
-inline double scaledError(const std::vector<double>& x, const std::vector<long double>& truth, const std::vector<long double>& scale) {
+/// max_k |x_k - x*_k| / scale_k, in u. Infinite for NaN or sizes that differ.
+inline double scaledError(const std::vector<double>& x, const std::vector<long double>& truth, const std::vector<long double>& scale,
+                          long double u = unit_roundoff) {
   if (x.size() != truth.size() || x.size() != scale.size()) return no_match;
   long double worst = 0;
   for (std::size_t i = 0; i < x.size(); ++i) {
@@ -62,7 +63,7 @@ inline double scaledError(const std::vector<double>& x, const std::vector<long d
     const long double e = std::fabs(static_cast<long double>(x[i]) - truth[i]);
     if (e > 0) worst = std::max(worst, scale[i] > 0 ? e / scale[i] : std::numeric_limits<long double>::infinity());
   }
-  return static_cast<double>(worst / unit_roundoff);
+  return static_cast<double>(worst / u);
 }
 
-}  // namespace dyn::test
+}  // namespace dyn::tool

@@ -1,0 +1,32 @@
+// Bars in groups, as SVG: times of several ways to do several things.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace dyn::benchmark {
+
+enum class Scale { linear, logarithmic };
+
+class BarChart {
+ public:
+  BarChart(std::string title, Scale scale) : title_(std::move(title)), scale_(scale) {}
+  /// Groups and series stand in the order of their first bars. Only positive values have a bar.
+  void add(const std::string& group, const std::string& series, double value);
+  std::string svg() const;
+  /// Writes a temporary file first, then renames it. Throws Error(file).
+  void write(const std::string& path) const;
+
+ private:
+  /// Its height as a fraction of the axis', and the axis' marks.
+  struct Axis;
+  Axis axis() const;
+
+  std::string title_;
+  Scale scale_;
+  std::vector<std::string> groups_, series_;
+  std::map<std::pair<std::string, std::string>, double> values_;
+};
+
+}  // namespace dyn::benchmark
