@@ -95,12 +95,67 @@ void checkFrames(const CompactModel& model, Data& data, const Eigen::VectorXd& q
   }
 }
 
+long double largest(const std::vector<long double>& x) {
+  long double most = 0;
+  for (const long double e : x) most = std::max(most, std::fabs(e));
+  return most;
+}
+
+/// Sets that were made to lose the digits of a relative error: M is close to singular, or what the derivatives are made of cancels to
+/// nothing.
+bool isExtreme(const std::string& set) {
+  for (const char* kind : {"chain_", "massratio", "collinear", "free_body", "tinyangle", "pendulum"})
+    if (set.find(kind) != std::string::npos) return true;
+  return false;
+}
+
+/// Relative errors, at most 100 u; for extreme sets errors by what cancels, at most 4 u, as for aba: for ddq, |M^-1| |dtau| and what a
+/// ddq that is right to its own scale brings; for dtau_dv, |M| |v|; for M^-1, |M^-1| |M| |M^-1|.
+void checkDerivatives(const CompactModel& model, Data& data, const nlohmann::json& sample, bool extreme, Worst& worst) {
+  const nlohmann::json& truth = sample["truth"];
+  const Eigen::VectorXd q = vectorOf(sample["q"]), v = vectorOf(sample["v"]), a = vectorOf(sample["a"]), tau = vectorOf(sample["tau"]);
+  const auto check = [&](const std::string& key, const MatrixResult& x, long double scale) {
+    const std::vector<long double> reference = flatten(truth[key]);
+    const double relative = relativeError(rowMajor(x), reference);
+    const double scaled = scaledError(rowMajor(x), reference, std::vector<long double>(reference.size(), std::max(scale, largest(reference))));
+    if (extreme) {
+      worst.check(key + ", by scale", scaled, 4);
+    } else {
+      worst.check(key, relative, 100);
+    }
+  };
+  if (truth.contains("dtau_dq")) {
+    const RneaDerivatives x = computeRNEADerivatives(model, data, q, v, a);
+    check("dtau_dq", x.dtau_dq, 0);
+    check("dtau_dv", x.dtau_dv, largest(flatten(truth["M"])) * static_cast<long double>(v.size() ? v.cwiseAbs().maxCoeff() : 0));
+    worst.check("dtau_da", relativeError(rowMajor(x.dtau_da), flatten(truth["M"])), 15);
+  }
+  if (!truth.contains("ddq_dq")) return;
+  const AbaDerivatives x = computeABADerivatives(model, data, q, v, tau);
+  const auto product = [&](const char* key) {
+    const std::vector<long double> inverse = flatten(truth["Minv"]), by = flatten(truth[key]);
+    const auto n = static_cast<std::size_t>(model.nv());
+    long double most = 0;
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = 0; j < n; ++j) {
+        long double sum = 0;
+        for (std::size_t k = 0; k < n; ++k) sum += std::fabs(inverse[i * n + k] * by[k * n + j]);
+        most = std::max(most, sum);
+      }
+    return most;
+  };
+  const long double inertial = largest(flatten(truth["Minv"])) * largest(flatten(truth["M"])) * static_cast<long double>(v.cwiseAbs().maxCoeff());
+  check("ddq_dq", x.ddq_dq, std::max(product("dtau_dq"), largest(flatten(truth["aba_scale"]))));
+  check("ddq_dv", x.ddq_dv, std::max(product("dtau_dv"), inertial));
+  check("Minv", x.ddq_dtau, largest(flatten(truth["Minv"])) * largest(flatten(truth["Minv"])) * largest(flatten(truth["M"])));
+}
+
 void checkSet(const std::string& name) {
   const Set set = load(name);
   const CompactModel& model = set.model;
   REQUIRE(model.nq() == set.document["nq"].get<int>());
   REQUIRE(model.nv() == set.document["nv"].get<int>());
-  Data data(model, Need::mass_matrix);
+  Data data(model, Need::derivatives);
   Worst worst(name);
   const bool far = name.find("far") != std::string::npos;
   for (const auto& sample : set.document["samples"]) {
@@ -153,6 +208,7 @@ void checkSet(const std::string& name) {
       }
     }
     checkFrames(model, data, q, v, a, truth, far, worst);
+    checkDerivatives(model, data, sample, isExtreme(name), worst);
   }
 }
 

@@ -6,6 +6,7 @@
 #include <dyn/algorithm/center_of_mass.hpp>
 #include <dyn/algorithm/configuration.hpp>
 #include <dyn/algorithm/crba.hpp>
+#include <dyn/algorithm/derivatives.hpp>
 #include <dyn/algorithm/jacobians.hpp>
 #include <dyn/algorithm/kinematics.hpp>
 #include <dyn/algorithm/layout.hpp>

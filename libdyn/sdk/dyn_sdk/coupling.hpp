@@ -25,10 +25,13 @@ class CouplingTypeOf final : public CouplingType {
   }
   void evaluate(const double* constants, int count, double x, double* f) const noexcept override {
     using D = Dual<double>;
-    const Dual<D> y = Author::value(Dual<D>(D(x, 1.0), D(1.0, 0.0)), Constants(constants, 1, count));
-    f[0] = y.v.v;
-    f[1] = y.v.d;
-    f[2] = y.d.d;
+    using DD = Dual<D>;
+    const DD along(D(x, 1.0), D(1.0, 0.0));
+    const Dual<DD> y = Author::value(Dual<DD>(along, DD(D(1.0, 0.0), D(0.0, 0.0))), Constants(constants, 1, count));
+    f[0] = y.v.v.v;
+    f[1] = y.v.v.d;
+    f[2] = y.v.d.d;
+    f[3] = y.d.d.d;
   }
 };
 

@@ -25,17 +25,21 @@ void follow(const CompactImpl& m, DataImpl& d, bool with_v, bool with_a) {
     const PackedCoupling& c = m.couplings[k];
     const BodyIndex &slave = m.index[at(c.body)], &master = m.index[at(c.master)];
     const TypeBatch &mine = m.batches[at(slave.batch)], &masters = m.batches[at(master.batch)];
-    double f[3];
+    double f[4];
     const double x = coordinateOf(*masters.type, masters.constants.data() + master.slot, masters.count, d.qx + master.idx_q);
     c.type->evaluate(c.constants.data(), static_cast<int>(c.constants.size()), x, f);
     setCoordinate(*mine.type, mine.constants.data() + slave.slot, mine.count, f[0], d.qx + slave.idx_q);
     d.G[k] = f[1];
+    d.dG[k] = f[2];
+    d.ddG[k] = f[3];
     const double vm = with_v ? d.vx[master.idx_v] : 0.0;
     d.gamma[k] = f[2] * vm * vm;
     if (with_v) d.vx[slave.idx_v] = f[1] * vm;
     if (with_a) d.ax[slave.idx_v] = f[1] * d.ax[master.idx_v] + d.gamma[k];
   }
 }
+
+std::string nameOf(Need need) { return need == Need::derivatives ? "Need::derivatives" : "Need::mass_matrix"; }
 
 }  // namespace
 
@@ -55,7 +59,7 @@ void checkData(const char* algorithm, const CompactModel& model, const Data& dat
   if (data.impl().model != &model.impl())
     throw Error(ErrorCode::argument, std::string(algorithm) + ": data was made for another model; make a Data for this one");
   if (need != Need::state && !has(data.impl().needs, need))
-    throw Error(ErrorCode::argument, std::string(algorithm) + ": data was made without Need::mass_matrix; make it as Data(model, Need::mass_matrix)");
+    throw Error(ErrorCode::argument, std::string(algorithm) + ": data was made without " + nameOf(need) + "; make it as Data(model, " + nameOf(need) + ")");
 }
 
 Inputs readInputs(const char* algorithm, const CompactModel& model, Data& data, VectorView q, const VectorView* v, const VectorView* a) {

@@ -80,6 +80,11 @@ struct CompactImpl {
   std::vector<TypeBatch> batches;
   std::vector<Run> runs;
   std::vector<int> tree_end;  ///< one past the last body of each body's subtree
+  // By degree of freedom. Its path leads to the root through the joint's other degrees of freedom of lower number.
+  std::vector<int> dof_body;     ///< the body that it moves
+  std::vector<int> dof_end;      ///< one past the last one of its joint's subtree
+  std::vector<int> dof_parent;   ///< the next one on its path; -1 at the end
+  std::vector<int> dof_segment;  ///< how far down its path goes without a gap in the numbers
 
   StripPlan strips;
 

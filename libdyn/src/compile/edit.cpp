@@ -78,7 +78,7 @@ class Holder {
       q_of[i].assign(nq + 1, 0.0);
       if (body.coupling) {
         const DraftBody& master = draft.bodies[at(body.coupling->master)];
-        double f[3];
+        double f[4];
         const double x = coordinateOf(*master.type, master.constants.data(), 1, q_of[at(body.coupling->master)].data());
         body.coupling->type->evaluate(body.coupling->constants.data(), static_cast<int>(body.coupling->constants.size()), x, f);
         setCoordinate(*body.type, body.constants.data(), 1, f[0], q_of[i].data());

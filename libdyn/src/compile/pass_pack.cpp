@@ -83,6 +83,17 @@ class Packer {
       int& end = out_->tree_end[at(out_->index[i].parent)];
       end = std::max(end, out_->tree_end[i]);
     }
+    for (std::size_t i = 1; i < n; ++i) {
+      const int end = out_->tree_end[i];
+      out_->dof_end.insert(out_->dof_end.end(), at(out_->index[i].nv), at(end) < n ? out_->index[at(end)].idx_v : out_->nvx);
+      const BodyIndex &x = out_->index[i], &parent = out_->index[at(x.parent)];
+      for (int k = 0; k < x.nv; ++k) {
+        const int dof = x.idx_v + k, next = k > 0 ? dof - 1 : parent.idx_v + parent.nv - 1;
+        out_->dof_body.push_back(static_cast<int>(i));
+        out_->dof_parent.push_back(next);
+        out_->dof_segment.push_back(next >= 0 && next == dof - 1 ? out_->dof_segment[at(next)] : dof);
+      }
+    }
   }
 
   void batches() {

@@ -28,6 +28,8 @@ void carveAll(DataImpl& d, const CompactImpl& m, Arena& arena) {
     arena.take(d.taux, nvx);
     arena.take(d.G, m.couplings.size());
     arena.take(d.gamma, m.couplings.size());
+    arena.take(d.dG, m.couplings.size());
+    arena.take(d.ddG, m.couplings.size());
   }
   arena.take(d.tau, nv);
   arena.take(d.nle, nv);
@@ -37,6 +39,14 @@ void carveAll(DataImpl& d, const CompactImpl& m, Arena& arena) {
   arena.take(d.Jcom, 3 * nvx);
   arena.take(d.J, 6 * nvx);
   arena.take(d.columns, 12 * nvx);
+  if (has(d.needs, Need::derivatives)) {
+    carve(d.derivatives, m, arena);
+    arena.take(d.dtau_dq, nvx * nvx);
+    arena.take(d.dtau_dv, nvx * nvx);
+    arena.take(d.ddq_dq, nvx * nvx);
+    arena.take(d.ddq_dv, nvx * nvx);
+    arena.take(d.Minv, nvx * nvx);
+  }
   if (has(d.needs, Need::mass_matrix)) {
     arena.take(d.M, nv * nv);
     if (!m.couplings.empty()) arena.take(d.Mx, nvx * nvx);
@@ -50,7 +60,7 @@ Data::Data(const CompactModel& model, Need needs) : impl_(std::make_unique<DataI
   const CompactImpl& m = model.impl();
   impl_->model = &m;
   impl_->keep = std::make_shared<CompactModel>(model);
-  impl_->needs = needs;
+  impl_->needs = has(needs, Need::derivatives) ? needs | Need::mass_matrix : needs;
   impl_->dual.resize(m.batches.size());
   Arena count(nullptr);
   carveAll(*impl_, m, count);

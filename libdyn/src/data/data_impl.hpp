@@ -1,7 +1,7 @@
 // The arena behind Data: one block, carved into arrays. Each field: meaning, frame, writer.
 #pragma once
 
-#include "kernels/workspace.hpp"
+#include "kernels/derivatives.hpp"
 
 #include <dyn/data/data.hpp>
 
@@ -31,12 +31,16 @@ struct DataImpl : Workspace<double> {
   // Expanded inputs and results of models with couplings; without, they are the user's vectors.
   double *qx = nullptr, *vx = nullptr, *ax = nullptr, *taux = nullptr;
   double *G = nullptr, *gamma = nullptr;  ///< v_x = G v_master, and its rate, an entry a coupling
+  double *dG = nullptr, *ddG = nullptr;   ///< derivatives of G w.r.t. the master's coordinate
 
   // Results in the user's numbering.
   double *tau = nullptr, *nle = nullptr, *g = nullptr, *ddq = nullptr;
   double *M = nullptr, *Mx = nullptr, *Jcom = nullptr, *J = nullptr;
   double* columns = nullptr;  ///< 6 x nvx, twice: Jacobians before couplings are folded
   double* zero = nullptr;     ///< max(nvx, 1) zeros
+  kernels::DerivativeWorkspace<double> derivatives;
+  double *dtau_dq = nullptr, *dtau_dv = nullptr, *ddq_dq = nullptr, *ddq_dv = nullptr, *Minv = nullptr;
+  bool decomposed = false;  ///< the derivatives' factors are of the last M
   Vec3<double> com, vcom, acom;
   double kinetic = 0, potential = 0;
 };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "kernels/aligned.hpp"
+#include "kernels/pivots.hpp"
 
 #include <limits>
 
@@ -50,10 +51,7 @@ void noteVanishing(const S& pivot, const Column& column, const ArticulatedInerti
   using T = Real<S>;
   const S linear = I.linear.xx + I.linear.yy + I.linear.zz, angular = I.angular.xx + I.angular.yy + I.angular.zz;
   const S least = S(4 * std::numeric_limits<T>::epsilon()) * column.weighted(linear, angular);
-  if (allOf(both(pivot > least, pivot <= S(std::numeric_limits<T>::max())))) return;
-  const T *p = reinterpret_cast<const T*>(&pivot), *l = reinterpret_cast<const T*>(&least);
-  for (int i = 0; i < lanes_of<S>; ++i)
-    if (!(p[i] > l[i] && p[i] <= std::numeric_limits<T>::max()) && failed[i] == 0) failed[i] = body;
+  noteSmall(pivot, least, body, failed);
 }
 
 /// Factor of one degree of freedom, k of the model's, of body i.

@@ -53,14 +53,13 @@ struct Column {
       return I * s;
     }
   }
-  S along(const Force<S>& f) const {
-    if constexpr (!Joint::has_linear) {
-      return dot(s.angular, f.angular);
-    } else if constexpr (!Joint::has_angular) {
-      return dot(s.linear, f.linear);
-    } else {
-      return dot(s, f);
-    }
+  /// Of one force, or of a pack of them.
+  template <class F>
+  F along(const Force<F>& f) const {
+    F sum(0);
+    if constexpr (Joint::has_linear) sum = F(s.linear.x) * f.linear.x + F(s.linear.y) * f.linear.y + F(s.linear.z) * f.linear.z;
+    if constexpr (Joint::has_angular) sum += F(s.angular.x) * f.angular.x + F(s.angular.y) * f.angular.y + F(s.angular.z) * f.angular.z;
+    return sum;
   }
   void addTo(Motion<S>& a, const S& x) const {
     if constexpr (Joint::has_linear) a.linear += x * s.linear;
@@ -84,7 +83,10 @@ struct UnitColumn {
     if (k >= 3) return {I.coupling.col(k - 3), I.angular.matrix().col(k - 3)};
     return {I.linear.matrix().col(k), I.coupling.row(k)};
   }
-  S along(const Force<S>& f) const { return k < 3 ? f.linear[k] : f.angular[k - 3]; }
+  template <class F>
+  F along(const Force<F>& f) const {
+    return k < 3 ? f.linear[k] : f.angular[k - 3];
+  }
   void addTo(Motion<S>& a, const S& x) const { (k < 3 ? a.linear[k] : a.angular[k - 3]) += x; }
   S weighted(const S& linear, const S& angular) const { return k < 3 ? linear : angular; }
 };

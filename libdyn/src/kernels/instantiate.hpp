@@ -2,19 +2,24 @@
 #pragma once
 
 #include "kernels/aba.hpp"
+#include "kernels/aba_derivatives.hpp"
 #include "kernels/columns.hpp"
 #include "kernels/crba.hpp"
 #include "kernels/evaluate.hpp"
 #include "kernels/kinematics.hpp"
 #include "kernels/losses.hpp"
+#include "kernels/minverse.hpp"
 #include "kernels/rnea.hpp"
+#include "kernels/rnea_derivatives.hpp"
 #include "kernels/table.hpp"
 
 #include <algorithm>
 
 namespace dyn::kernels {
 
-inline SingleKernels singleKernels() {
+/// Wide: what a single state's degrees of freedom are worked on in, side by side.
+template <class Wide>
+SingleKernels singleKernels() {
   using W = Workspace<double>;
   SingleKernels k;
   k.evaluate = [](const CompactImpl& m, W& w, const double* q, const double* v) { evaluateJoints(m, w, q, v); };
@@ -35,6 +40,44 @@ inline SingleKernels singleKernels() {
     abaOutward(bodies, w, v, fext);
     abaInward(bodies, w, tau);
     abaSolve(bodies, w, ddq);
+  };
+  using D = DerivativeWorkspace<double>;
+  k.rneaDerivatives = [](const CompactImpl& m, W& w, D& d, const double* q, const double* v, const double* a, const Force<double>* fext) {
+    const Bodies<double> bodies{m, w};
+    evaluateSubspaceDerivatives(m, d, q, v);
+    derivativesOutward(bodies, w, d, v, a, fext);
+    derivativesInward(bodies, w, d);
+    derivativesSweep<Wide>(bodies, w, d);
+  };
+  k.abaDerivatives = [](const CompactImpl& m, W& w, D& d, const double* q, const double* v, const double* a, const Force<double>* fext,
+                        double* by_q, double* by_v, double* inverse) {
+    const Bodies<double> bodies{m, w};
+    evaluateSubspaceDerivatives(m, d, q, v);
+    derivativesOutward(bodies, w, d, v, a, fext);
+    abaDerivativesInward(bodies, w, d);
+    if (d.own_torque.first) ownTorques(bodies, w, d);
+    kernels::abaDerivatives<Wide>(bodies, w, d, true, Rows<double>{by_q, m.nvx});
+    kernels::abaDerivatives<Wide>(bodies, w, d, false, Rows<double>{by_v, m.nvx});
+    kernels::treeFactors<Wide>(bodies, w, d);
+    kernels::inverseOfMassMatrix<Wide>(m, d, Rows<double>{inverse, m.nvx});
+    return w.failed[0];
+  };
+  k.assemble = [](const CompactImpl& m, const PathMatrix<double>& from, double* out) {
+    from.assemble<Wide>(m.dof_end, Rows<double>{out, m.nvx});
+  };
+  k.choleskyDecompose = [](const CompactImpl& m, D& d, const double* M) {
+    int failed = 0;
+    kernels::choleskyDecompose<Wide>(m, M, d.scratch, d.factors, &failed);
+    return failed;
+  };
+  k.treeFactors = [](const CompactImpl& m, W& w, D& d) {
+    const Bodies<double> bodies{m, w};
+    factorsOutward(bodies, w);
+    kernels::treeFactors<Wide>(bodies, w, d);
+    return w.failed[0];
+  };
+  k.inverseOfMassMatrix = [](const CompactImpl& m, D& d, double* out) {
+    kernels::inverseOfMassMatrix<Wide>(m, d, Rows<double>{out, m.nvx});
   };
   return k;
 }

@@ -6,9 +6,9 @@
 
 extern "C" __attribute__((visibility("default"))) const dyn::kernels::Kernels* dyn_kernels() {
   using namespace dyn::kernels;
-  // Four joints in lanes whatever the width: limbs come in twos and fours.
+  // Four joints in lanes, or degrees of freedom, whatever the width: limbs come in twos and fours, and are about as long.
   using Quad = dyn::Pack<double, xsimd::fma3<xsimd::avx2>>;
-  static const Kernels table{DYN_KERNELS_NAME,    layoutStamp(), singleKernels(), blockKernels<dyn::Pack<double>>(), blockKernels<dyn::Pack<float>>(),
+  static const Kernels table{DYN_KERNELS_NAME,    layoutStamp(), singleKernels<Quad>(), blockKernels<dyn::Pack<double>>(), blockKernels<dyn::Pack<float>>(),
                              stripKernels<Quad>()};
   return &table;
 }

@@ -119,6 +119,8 @@ struct Bodies {
   const BodyIndex& index(int i) const { return m.index[static_cast<std::size_t>(i)]; }
   int parentOf(int i) const { return index(i).parent; }
   int treeEnd(int i) const { return m.tree_end[static_cast<std::size_t>(i)]; }
+  /// One past the last degree of freedom of body i's subtree.
+  int dofEnd(int i) const { return m.dof_end[static_cast<std::size_t>(index(i).idx_v)]; }
   /// Of its parent's, and so the first one backward.
   bool isLastChild(int i) const { return treeEnd(i) == treeEnd(parentOf(i)); }
 };

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "kernels/columns.hpp"
+#include "kernels/derivatives.hpp"
 #include "kernels/jacobians.hpp"
 
 #include <initializer_list>
@@ -19,6 +20,21 @@ struct SingleKernels {
   void (*rnea)(const CompactImpl&, Workspace<double>&, const double* v, const double* a, const Force<double>* fext, double* tau);
   void (*massMatrix)(const CompactImpl&, Workspace<double>&, double* M);
   void (*aba)(const CompactImpl&, Workspace<double>&, const double* v, const double* tau, const Force<double>* fext, double* ddq);
+
+  using Derivatives = DerivativeWorkspace<double>;
+  /// Into the Derivatives' by_q, by_v and by_a.
+  void (*rneaDerivatives)(const CompactImpl&, Workspace<double>&, Derivatives&, const double* q, const double* v, const double* a,
+                          const Force<double>* fext);
+  /// Of aba without losses, at its accelerations a; and M^-1; n x n each. Returns the body whose pivot vanished, or 0.
+  int (*abaDerivatives)(const CompactImpl&, Workspace<double>&, Derivatives&, const double* q, const double* v, const double* a,
+                        const Force<double>* fext, double* by_q, double* by_v, double* inverse);
+  /// One of these, n x n.
+  void (*assemble)(const CompactImpl&, const PathMatrix<double>&, double* out);
+  /// The Derivatives' factors: of M, where the degree of freedom, plus one, whose pivot vanished is returned, or 0; or from articulated
+  /// inertias, where the body is. Joints asked first.
+  int (*choleskyDecompose)(const CompactImpl&, Derivatives&, const double* M);
+  int (*treeFactors)(const CompactImpl&, Workspace<double>&, Derivatives&);
+  void (*inverseOfMassMatrix)(const CompactImpl&, Derivatives&, double* out);
 };
 
 /// One state with joints in lanes; all null where packs are too narrow. Vectors are the user's; no couplings. False: a joint's pose is
@@ -67,7 +83,7 @@ constexpr std::size_t layoutStamp() {
   std::size_t stamp = 1;
   for (const std::size_t size :
        {sizeof(CompactImpl), sizeof(BodyIndex), sizeof(BodyConstants<double>), sizeof(TypeBatch), sizeof(Run), sizeof(Strip), sizeof(StripPlan),
-        sizeof(Workspace<double>), sizeof(Block<double>), sizeof(Block<float>), sizeof(JointBatch<double>)})
+        sizeof(Workspace<double>), sizeof(DerivativeWorkspace<double>), sizeof(Block<double>), sizeof(Block<float>), sizeof(JointBatch<double>)})
     stamp = stamp * 1000003 + size;
   return stamp;
 }

@@ -29,6 +29,14 @@ struct DofFactor {
   S inverse{}, y{};
 };
 
+/// Arrays of one number a degree of freedom: component c of degree of freedom k at [c * stride + k], with room for a pack at the end.
+template <class S>
+struct Rows {
+  S* first = nullptr;
+  std::ptrdiff_t stride = 0;
+  S* operator[](int component) const { return first + component * stride; }
+};
+
 /// Per body (universe included), written by the stage in brackets.
 template <class S>
 struct Workspace {
@@ -63,6 +71,13 @@ class Arena {
     static_assert(std::is_trivially_copyable_v<T>);
     if (base_) field = reinterpret_cast<T*>(base_ + used_);
     used_ += (count * sizeof(T) + alignment - 1) / alignment * alignment;
+  }
+  template <class S>
+  void take(Rows<S>& rows, int components, int count) {
+    constexpr std::ptrdiff_t pack = alignment / sizeof(S) > 0 ? alignment / sizeof(S) : 1;
+    const std::ptrdiff_t stride = (count + pack - 1) / pack * pack;
+    if (base_) rows.stride = stride;
+    take(rows.first, static_cast<std::size_t>(components * stride));
   }
   std::size_t used() const { return used_; }
 

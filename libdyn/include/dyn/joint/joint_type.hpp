@@ -127,7 +127,7 @@ class CouplingType {
   virtual const JointTypeInfo& info() const noexcept = 0;
   virtual bool prepare(const ParameterArgument* parameters, int& constant_count, char* message, int message_size) const noexcept = 0;
   virtual void constants(const ParameterArgument* parameters, double* out) const noexcept = 0;
-  /// f[0..2] = f(x), f'(x), f''(x).
+  /// f[0..3] = f(x) and its first three derivatives.
   virtual void evaluate(const double* constants, int constant_count, double x, double* f) const noexcept = 0;
 
  protected:

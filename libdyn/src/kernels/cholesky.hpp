@@ -1,0 +1,90 @@
+// The factors of M that follow the tree: M = L^T D L, L unit lower triangular with entries only for degrees of freedom on one path to the
+// root (Featherstone 2005, "Efficient factorization of the joint-space inertia matrix for branched kinematic trees").
+#pragma once
+
+#include "kernels/pivots.hpp"
+#include "kernels/subtree.hpp"
+
+#include <limits>
+
+namespace dyn::kernels {
+
+/// Calls use(first) for the packs, of a row of numbers by degree of freedom, in which the path from `dof` to the root has entries.
+template <int width, class Use>
+void alongPath(const CompactImpl& m, int dof, Use&& use) {
+  int last = std::numeric_limits<int>::max();  // of the packs that have been used
+  while (dof >= 0) {
+    const int begin = m.dof_segment[static_cast<std::size_t>(dof)];
+    int first = dof / width * width;
+    if (first == last) first -= width;
+    for (; first + width > begin; first -= width) use(first);
+    last = first + width;
+    dof = m.dof_parent[static_cast<std::size_t>(begin)];
+  }
+}
+
+template <class S>
+struct TreeFactors {
+  Rows<S> L;              ///< row j: column j of L, below the diagonal; kept as PathMatrix::below is
+  S* diagonal = nullptr;  ///< D
+  S* inverse = nullptr;   ///< 1 / D
+};
+
+template <class S>
+void carve(TreeFactors<S>& c, int n, Arena& arena) {
+  arena.take(c.L, n, n);
+  arena.take(c.diagonal, static_cast<std::size_t>(n));
+  arena.take(c.inverse, static_cast<std::size_t>(n));
+}
+
+/// Of M, n x n, column-major, symmetric. `scratch`: n rows. Notes in `failed`, lane by lane, the first degree of freedom, plus one, whose
+/// pivot is not above the rounding of what it was subtracted from.
+template <class Wide, class S>
+void choleskyDecompose(const CompactImpl& m, const S* M, const Rows<S>& scratch, TreeFactors<S>& c, int* failed) {
+  constexpr int width = Part<Wide, S>::width;
+  const int n = m.nvx;
+  const auto parent = [&](int dof) { return m.dof_parent[static_cast<std::size_t>(dof)]; };
+  const auto pack = [](S* row, int first) { return Part<Wide, S>(first, first, first + width).load(row); };
+  const auto keep = [](const Wide& x, S* row, int first) { Part<Wide, S>(first, first, first + width).store(x, row); };
+  std::fill(failed, failed + lanes_of<S>, 0);
+  for (int i = 0; i < n; ++i)
+    for (int j = i; j >= 0; j = parent(j)) scratch[i][j] = M[static_cast<std::ptrdiff_t>(n) * i + j];
+  for (int i = n - 1; i >= 0; --i) {
+    S* row = scratch[i];
+    const S pivot = row[i];
+    noteSmall(pivot, S(8 * std::numeric_limits<Real<S>>::epsilon()) * M[static_cast<std::ptrdiff_t>(n + 1) * i], i + 1, failed);
+    const S inverse = S(1) / pivot;
+    c.diagonal[i] = pivot;
+    c.inverse[i] = inverse;
+    for (int j = parent(i); j >= 0; j = parent(j)) {
+      // Packs reach beyond the diagonal, into numbers that nobody reads.
+      const S entry = inverse * row[j];
+      c.L[j][i] = entry;
+      S* other = scratch[j];
+      alongPath<width>(m, j, [&](int first) { keep(pack(other, first) - Wide(entry) * pack(row, first), other, first); });
+    }
+  }
+}
+
+/// X = M^-1 X for as many columns, from `column` on, as a pack has lanes; X has n rows. Rows other than those from `first` on and before
+/// `last`, and those on the path from `first`, must be zero.
+template <class Wide, class S>
+void choleskySolve(const CompactImpl& m, const TreeFactors<S>& c, const Rows<S>& X, int column, int first, int last) {
+  constexpr int width = Part<Wide, S>::width;
+  const auto parent = [&](int dof) { return m.dof_parent[static_cast<std::size_t>(dof)]; };
+  const Part<Wide, S> part(column, column, column + width);
+  // L^T first, from the leaves: rows that are zero have nothing to hand on.
+  const auto eliminate = [&](int i) {
+    const Wide x = part.load(X[i]);
+    for (int j = parent(i); j >= 0; j = parent(j)) part.store(part.load(X[j]) - Wide(c.L[j][i]) * x, X[j]);
+  };
+  for (int i = last - 1; i >= first; --i) eliminate(i);
+  for (int i = parent(first); i >= 0; i = parent(i)) eliminate(i);
+  for (int i = 0; i < m.nvx; ++i) {
+    Wide x = Wide(c.inverse[i]) * part.load(X[i]);
+    for (int j = parent(i); j >= 0; j = parent(j)) x -= Wide(c.L[j][i]) * part.load(X[j]);
+    part.store(x, X[i]);
+  }
+}
+
+}  // namespace dyn::kernels

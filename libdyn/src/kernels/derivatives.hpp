@@ -1,0 +1,148 @@
+// Memory of the derivatives' recursions, and what joints whose subspace varies add to them.
+#pragma once
+
+#include "kernels/aligned.hpp"
+#include "kernels/cholesky.hpp"
+
+namespace dyn::kernels {
+
+/// How a joint's subspace changes along one of its own degrees of freedom, in the moving frame's axes, of one batch: component c of joint
+/// k at [c * stride + k].
+template <class S>
+struct SubspaceDerivatives {
+  S* columns = nullptr;  ///< dS/dq_m: 6 nv components for each m
+  S* bias = nullptr;     ///< derivative of (dS/dt) v w.r.t. q_m at constant v: 6 components for each m
+  std::ptrdiff_t stride = 0;
+
+  Motion<S> at(const S* from, int component, int slot) const {
+    const S* p = from + component * stride + slot;
+    return {{p[0], p[stride], p[2 * stride]}, {p[3 * stride], p[4 * stride], p[5 * stride]}};
+  }
+  Motion<S> column(int nv, int m, int k, int slot) const { return at(columns, 6 * (nv * m + k), slot); }
+  Motion<S> biasRate(int m, int slot) const { return at(bias, 6 * m, slot); }
+};
+
+/// Of one degree of freedom, aligned axes, at the joint's origin, in the inertial frame that moves as that origin does: how the velocity
+/// and the acceleration of the whole subtree change with it, beside what turning the subtree rigidly changes.
+template <class S>
+struct DofVariation {
+  Vec3<S> velocity;        ///< angular part of the velocity's, w.r.t. q
+  Motion<S> acceleration;  ///< w.r.t. q
+  Motion<S> rate;          ///< of the acceleration w.r.t. v
+  Vec3<S> lever;           ///< of turning rates on the joint's acceleration [aba]
+};
+
+/// Per body, beside Workspace: composite quantities of the subtree about the joint's origin, velocities relative to that origin's.
+template <class S>
+struct SubtreeMotion {
+  Vec3<S> shift_rate;  ///< velocity of the joint's origin relative to the parent's
+  Vec3<S> momentum;    ///< linear
+  Mat3<S> K;           ///< sum of mass * velocity * position^T
+};
+
+/// Force that each turning rate brings to a subtree whose joints are free to move.
+template <class S>
+struct CoriolisMap {
+  Mat3<S> linear, angular;
+  friend CoriolisMap operator+(const CoriolisMap& a, const CoriolisMap& b) { return {a.linear + b.linear, a.angular + b.angular}; }
+  CoriolisMap& operator+=(const CoriolisMap& b) { return *this = *this + b; }
+};
+
+template <class S>
+struct DerivativeWorkspace {
+  SubspaceDerivatives<S>* subspaces = nullptr;  ///< by batch; empty ones but for dense shapes
+  Dual<double>* dual = nullptr;                 ///< of the largest batch: q, v, pose, subspace, bias
+  DofVariation<S>* dof = nullptr;
+  SubtreeMotion<S>* body = nullptr;
+  CoriolisMap<S>* coriolis = nullptr;           ///< articulated, of what the children hand over [aba]
+  Rows<S> force;  ///< rnea: I S (6), its lever on turning rates (3), force by q (6), force by v (6); aba: see ColumnRows
+  PathMatrix<S> by_q, by_v, by_a;
+  TreeFactors<S> factors;
+  Rows<S> scratch;      ///< nvx rows of nvx numbers
+  Rows<S> own_torque;   ///< [aba] see ownTorques; null without joints of varying subspace
+  S* panel = nullptr;   ///< [aba] packs of columns on their way along the tree
+
+  static constexpr int lever = 6, force_by_q = 9, force_by_v = 15, components = 30;
+};
+
+template <class S>
+void carve(DerivativeWorkspace<S>& w, const CompactImpl& m, Arena& arena) {
+  arena.take(w.subspaces, m.batches.size());
+  std::size_t numbers = 0;
+  SubspaceDerivatives<S> counted;
+  for (std::size_t b = 0; b < m.batches.size(); ++b) {
+    const TypeBatch& batch = m.batches[b];
+    SubspaceDerivatives<S>& out = w.subspaces ? w.subspaces[b] : counted;
+    out = {};
+    if (batch.shape != Shape::dense) continue;
+    const auto count = static_cast<std::size_t>(batch.count), nv = static_cast<std::size_t>(batch.nv), nq = static_cast<std::size_t>(batch.nq);
+    out.stride = batch.count;
+    arena.take(out.columns, 6 * nv * nv * count);
+    arena.take(out.bias, 6 * nv * count);
+    numbers = std::max(numbers, (nq + nv + 12 + 6 * nv + 6) * count * static_cast<std::size_t>(lanes_of<S>));
+  }
+  arena.take(w.dual, numbers);
+  const auto nv = static_cast<std::size_t>(m.nvx);
+  arena.take(w.dof, nv);
+  arena.take(w.body, static_cast<std::size_t>(m.bodies()));
+  arena.take(w.force, DerivativeWorkspace<S>::components, m.nvx);
+  for (PathMatrix<S>* matrix : {&w.by_q, &w.by_v, &w.by_a}) {
+    arena.take(matrix->below, m.nvx, m.nvx);
+    if (matrix != &w.by_a) arena.take(matrix->right, m.nvx, m.nvx);
+  }
+  w.by_a.right = w.by_a.below;  // symmetric
+  carve(w.factors, m.nvx, arena);
+  arena.take(w.scratch, m.nvx, m.nvx);
+  arena.take(w.coriolis, static_cast<std::size_t>(m.bodies()));
+  if (numbers > 0) arena.take(w.own_torque, max_joint_nv, m.nvx);
+  constexpr std::size_t most_lanes = lanes_of<S> == 1 ? 8 : 1;
+  arena.take(w.panel, most_lanes * (15 * static_cast<std::size_t>(m.bodies()) + nv));
+}
+
+/// One differentiated call a batch and degree of freedom of its type. q and v in expanded coordinates.
+template <class S>
+void evaluateSubspaceDerivatives(const CompactImpl& m, DerivativeWorkspace<S>& w, const S* q, const S* v) {
+  using T = Real<S>;
+  constexpr int lanes = lanes_of<S>;
+  const auto at = [](int i) { return static_cast<std::size_t>(i); };
+  for (std::size_t b = 0; b < m.batches.size(); ++b) {
+    const TypeBatch& batch = m.batches[b];
+    if (batch.shape != Shape::dense) continue;
+    const SubspaceDerivatives<S>& out = w.subspaces[b];
+    const std::ptrdiff_t items = static_cast<std::ptrdiff_t>(batch.count) * lanes;
+    JointBatch<Dual<double>> call;
+    call.count = batch.count;
+    call.lanes = lanes;
+    call.constants = batch.constants.data();
+    call.constant_count = batch.constant_count;
+    call.constants_stride = batch.count;
+    call.stride = call.q_stride = call.v_stride = items;
+    Dual<double>*dual_q = w.dual, *dual_v = dual_q + batch.nq * items;
+    call.q = dual_q;
+    call.v = dual_v;
+    call.pose = dual_v + batch.nv * items;
+    call.subspace = call.pose + 12 * items;
+    call.bias = call.subspace + 6 * batch.nv * items;
+    for (int along = 0; along < batch.nv; ++along) {
+      for (int k = 0; k < batch.count; ++k) {
+        const BodyIndex& x = m.index[at(batch.bodies[at(k)])];
+        const auto spread = [&](const S* from, int size, Dual<double>* to, int direction) {
+          for (int c = 0; c < size; ++c)
+            for (int l = 0; l < lanes; ++l)
+              to[c * items + k * lanes + l] = {static_cast<double>(reinterpret_cast<const T*>(from + c)[l]), c == direction ? 1.0 : 0.0};
+        };
+        spread(q + x.idx_q, batch.nq, dual_q, along);
+        spread(v + x.idx_v, batch.nv, dual_v, -1);
+      }
+      batch.type->kinematics(call);
+      const auto keep = [&](const Dual<double>* from, int size, S* to) {
+        T* numbers = reinterpret_cast<T*>(to);
+        for (std::ptrdiff_t i = 0; i < size * items; ++i) numbers[i] = static_cast<T>(from[i].d);
+      };
+      keep(call.subspace, 6 * batch.nv, out.columns + 6 * batch.nv * along * batch.count);
+      keep(call.bias, 6, out.bias + 6 * along * batch.count);
+    }
+  }
+}
+
+}  // namespace dyn::kernels

@@ -1,0 +1,76 @@
+// The factors of M from articulated inertias, and its inverse.
+//
+// Eliminating the degrees of freedom of a subtree leaves, of row i of M, the articulated force column IA s_i moved rigidly to each joint on
+// its path, times the motion there. Pivots and rows that are read off articulated inertias have not gone through M, whose cancellation
+// costs as many digits as its condition number has.
+#pragma once
+
+#include "kernels/aba.hpp"
+#include "kernels/derivatives.hpp"
+
+namespace dyn::kernels {
+
+/// Placements, rigid inertias and columns of the motion subspaces.
+template <class S, class Order>
+void factorsOutward(const Order& order, Workspace<S>& w) {
+  order.forward([&]<class Joint>(const Joint& joint, int i, int iv) {
+    const auto& c = order.constants(i);
+    placeAligned<S>(joint, order, c.placement, i, w);
+    const Mat3<S>& R = w.R[i];
+    w.mass[i] = c.mass;
+    w.h[i] = R * c.h;
+    w.Io[i] = congruence(R, c.origin);
+    for (int k = 0; k < Joint::nv; ++k) {
+      const Motion<S> s = joint.column(k);
+      w.dof[iv + k].S_ = {R * s.linear, R * s.angular};
+    }
+  });
+}
+
+/// d.factors, of bodies whose rigid inertias are in w.mass, w.h and w.Io. w.failed tells lane by lane whether a pivot vanished.
+template <class Wide, class S, class Order>
+void treeFactors(const Order& order, Workspace<S>& w, DerivativeWorkspace<S>& d) {
+  TreeFactors<S>& factors = d.factors;
+  for (int& body : w.failed) body = 0;
+  order.backward([&]<class Joint>(const Joint&, int i, int iv) {
+    ArticulatedInertia<S> IA = ArticulatedInertia<S>::rigid(w.mass[i], w.h[i], w.Io[i]);
+    if (!order.isLeaf(i)) IA += w.IA[i];
+    for (int k = Joint::nv - 1; k >= 0; --k) {
+      const Column<Joint, S> column{w.dof[iv + k].S_};
+      const Force<S> W = column.force(IA);
+      const S pivot = column.along(W) + order.armature(iv + k);
+      noteVanishing(pivot, column, IA, i, w.failed);
+      factors.diagonal[iv + k] = pivot;
+      factors.inverse[iv + k] = S(1) / pivot;
+      const Force<S> row = factors.inverse[iv + k] * W;
+      writeForce(row, d.force, iv + k);
+      if (k > 0 || !order.isRoot(i)) IA.subtractOuter(W, row);
+    }
+    if (!order.isRoot(i)) order.handOver(w.IA, i, IA.shifted(w.r[i]));
+  });
+  order.backward([&]<class Joint>(const Joint&, int i, int iv) {
+    inParts<Wide, S>(iv, order.dofEnd(i), [&](const Part<Wide, S>& part) {
+      const Force<Wide> F = loadForce(part, d.force);
+      for (int k = 0; k < Joint::nv; ++k) part.store(Column<Joint, S>{w.dof[iv + k].S_}.along(F), factors.L[iv + k]);
+      if (order.isRoot(i)) return;
+      const Vec3<Wide> here = part.inside() * broadcast<Wide>(w.r[i]);
+      storeVector(part, F.angular + cross(here, F.linear), d.force, 3);
+    });
+  });
+}
+
+/// M^-1 from its factors, n x n.
+template <class Wide, class S>
+void inverseOfMassMatrix(const CompactImpl& m, const DerivativeWorkspace<S>& d, const Rows<S>& out) {
+  constexpr int width = Part<Wide, S>::width;
+  const int n = m.nvx;
+  const Rows<S>& X = d.scratch;
+  for (int i = 0; i < n; ++i) std::fill(X[i], X[i] + n, S(0));
+  for (int i = 0; i < n; ++i) X[i][i] = S(1);
+  for (int column = 0; column < n; column += width) choleskySolve<Wide>(m, d.factors, X, column, column, std::min(column + width, n));
+  // One of each pair of entries, so that the result is symmetric to the last bit.
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j <= i; ++j) out[i][j] = out[j][i] = X[i][j];
+}
+
+}  // namespace dyn::kernels

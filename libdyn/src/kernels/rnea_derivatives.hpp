@@ -1,0 +1,201 @@
+// Derivatives of inverse dynamics, in aligned frames.
+//
+// Moving along degree of freedom m turns its subtree rigidly with s_m and adds to the subtree's velocity and acceleration (Singh, Russell
+// and Wensing 2022, "Efficient analytical derivatives of rigid-body dynamics using spatial vector algebra", psi-dot and psi-ddot there)
+//   dv = v_p x s + E,   da = a_p x s + v_p x dv + v x E + A + H
+// where p is the parent, and E, A, H, the terms of a subspace that varies with q, are not in that paper:
+//   E = sum_l dS_l/dq_m v_l,   A = sum_l dS_l/dq_m a_l,   H = d((dS/dt) v)/dq_m.
+// The Coriolis force that a turning rate w brings to the bodies of a subtree is 2 sum m [w x r'; r x (w x r')], r' their velocities: of
+// these it takes the momentum and K = sum m r' r^T. Velocities are counted relative to each joint's origin, so the base's does not enter.
+#pragma once
+
+#include "kernels/crba.hpp"
+#include "kernels/derivatives.hpp"
+
+namespace dyn::kernels {
+
+/// Force [N, N m] about the joint's origin that a turning rate x brings to a subtree: Coriolis.
+template <class S>
+Force<S> coriolis(const SubtreeMotion<S>& c, const Vec3<S>& x) {
+  const S trace = c.K(0, 0) + c.K(1, 1) + c.K(2, 2);
+  return S(2) * Force<S>{cross(x, c.momentum), trace * x - c.K * x};
+}
+/// The turning rates' lever on a motion s: coriolis(x) . s = lever . x.
+template <class S>
+Vec3<S> coriolisLever(const SubtreeMotion<S>& c, const Motion<S>& s) {
+  const S trace = c.K(0, 0) + c.K(1, 1) + c.K(2, 2);
+  return S(2) * (cross(c.momentum, s.linear) + trace * s.angular - transposeTimes(c.K, s.angular));
+}
+template <class S>
+Force<S> rigidForce(const S& mass, const Vec3<S>& h, const Sym3<S>& I, const Motion<S>& x) {
+  return {mass * x.linear + cross(x.angular, h), cross(h, x.linear) + I * x.angular};
+}
+
+/// What a joint of varying subspace adds, in aligned axes; zero for the others.
+template <class S>
+struct SubspaceTerms {
+  Motion<S> velocity, acceleration, rate;  ///< E; A + H; sum_n dS_m/dq_n v_n
+};
+template <class S, class Joint>
+SubspaceTerms<S> subspaceTerms(const SubspaceDerivatives<S>& dS, int slot, int m, const Mat3<S>& R, const S* v, const S* a) {
+  SubspaceTerms<S> x;
+  if constexpr (Joint::has_bias) {
+    x.acceleration = dS.biasRate(m, slot);
+    for (int l = 0; l < Joint::nv; ++l) {
+      const Motion<S> along = dS.column(Joint::nv, m, l, slot);
+      x.velocity += v[l] * along;
+      x.acceleration += a[l] * along;
+      x.rate += v[l] * dS.column(Joint::nv, l, m, slot);
+    }
+    for (Motion<S>* term : {&x.velocity, &x.acceleration, &x.rate}) *term = {R * term->linear, R * term->angular};
+  }
+  return x;
+}
+
+/// Placements, motions and forces of the bodies, and each degree of freedom's variation.
+template <class S, class Order>
+void derivativesOutward(const Order& order, Workspace<S>& w, DerivativeWorkspace<S>& d, const S* v, const S* a, const Force<S>* fext) {
+  w.w[0] = {};
+  order.forward([&]<class Joint>(const Joint& joint, int i, int iv) {
+    const auto& c = order.constants(i);
+    placeAligned<S>(joint, order, c.placement, i, w);
+    const Mat3<S>& R = w.R[i];
+    const Vec3<S>& r = w.r[i];
+    const Vec3<S>& wp = order.parent(w.w, i);
+    Motion<S> ap = order.parent(w.acc, i);
+    if (order.isRoot(i)) ap = {isFlyingRoot<Joint>(order, i) ? transposeTimes(w.rel[i].R, -order.gravity()) : -order.gravity(), {}};
+    ap.linear += cross(ap.angular, r) + cross(wp, cross(wp, r));
+
+    const Motion<S> s = joint.times(v + iv);
+    Motion<S> ds = joint.times(a + iv);
+    if constexpr (Joint::has_bias) ds += joint.bias();
+    const Vec3<S> turning = R * s.angular, slide = R * s.linear;
+    const Vec3<S> omega = wp + turning;
+    const Motion<S> acc{ap.linear + R * ds.linear + cross(wp + omega, slide), ap.angular + R * ds.angular + cross(wp, turning)};
+    w.w[i] = omega;
+    w.acc[i] = acc;
+
+    const Vec3<S> h = R * c.h;
+    const Sym3<S> I = congruence(R, c.origin);
+    w.mass[i] = c.mass;
+    w.h[i] = h;
+    w.Io[i] = I;
+    const S half = S(0.5) * (I.xx + I.yy + I.zz);
+    Mat3<S> second = S(-1) * I.matrix();
+    for (int k = 0; k < 3; ++k) second(k, k) += half;
+    d.body[i] = {cross(wp, r) + slide, cross(omega, h), skew(omega) * second};
+    const Force<S> inertial = rigidForce(S(c.mass), h, I, acc);
+    w.f[i] = {inertial.linear + cross(omega, cross(omega, h)), inertial.angular + cross(omega, I * omega)};
+    if (fext) w.f[i] -= Force<S>{R * fext[i].linear, R * fext[i].angular};
+
+    const BodyIndex& x = order.index(i);
+    const Vec3<S> al = ap.linear + cross(wp, slide);
+    for (int k = 0; k < Joint::nv; ++k) {
+      const Motion<S> local = joint.column(k);
+      const Motion<S> column{R * local.linear, R * local.angular};
+      w.dof[iv + k].S_ = column;
+      const Vec3<S>&sl = column.linear, &sw = column.angular;
+      Motion<S> velocity, acceleration{cross(al, sw), cross(ap.angular, sw)}, rate{{}, cross(omega, sw)};
+      velocity.angular = cross(wp, sw);
+      if constexpr (Joint::has_linear) {
+        velocity.linear = cross(wp, sl) - cross(slide, sw);
+        acceleration.linear += cross(ap.angular, sl);
+        rate.linear = cross(omega, sl);
+      }
+      if constexpr (Joint::has_bias) {
+        const SubspaceTerms<S> more = subspaceTerms<S, Joint>(d.subspaces[x.batch], x.slot, k, R, v + iv, a + iv);
+        velocity += more.velocity;
+        rate += more.rate;
+        acceleration += more.acceleration + Motion<S>{cross(omega, more.velocity.linear), cross(omega, more.velocity.angular)};
+      }
+      acceleration += Motion<S>{cross(wp, velocity.linear) - cross(slide, velocity.angular), cross(wp, velocity.angular)};
+      d.dof[iv + k] = {velocity.angular, acceleration, velocity + rate, {}};
+    }
+  });
+}
+
+/// Composite quantities, and from them the forces that each degree of freedom's variations bring, about its joint's origin.
+template <class S, class Order>
+void derivativesInward(const Order& order, Workspace<S>& w, DerivativeWorkspace<S>& d) {
+  using D = DerivativeWorkspace<S>;
+  order.backward([&]<class Joint>(const Joint&, int i, int iv) {
+    const S mass = w.mass[i];
+    const Vec3<S> h = w.h[i];
+    const Sym3<S> I = w.Io[i];
+    const SubtreeMotion<S> c = d.body[i];
+    const Force<S> f = w.f[i];
+    for (int k = 0; k < Joint::nv; ++k) {
+      const Motion<S>& s = w.dof[iv + k].S_;
+      const DofVariation<S>& x = d.dof[iv + k];
+      writeForce(rigidForce(mass, h, I, s), d.force, iv + k);
+      writeVector(coriolisLever(c, s), Rows<S>{d.force[D::lever], d.force.stride}, iv + k);
+      const Force<S> turned{cross(s.angular, f.linear), cross(s.angular, f.angular) + cross(s.linear, f.linear)};
+      writeForce(rigidForce(mass, h, I, x.acceleration) + coriolis(c, x.velocity) + turned, Rows<S>{d.force[D::force_by_q], d.force.stride}, iv + k);
+      writeForce(rigidForce(mass, h, I, x.rate) + coriolis(c, s.angular), Rows<S>{d.force[D::force_by_v], d.force.stride}, iv + k);
+    }
+    if (order.isRoot(i)) return;
+    const Vec3<S>& r = w.r[i];
+    const Vec3<S> moment = h + mass * r;
+    order.addToParent(w.Io, i, shiftedInertia(I, mass, h, r));
+    order.addToParent(w.h, i, moment);
+    order.addToParent(w.mass, i, mass);
+    order.addToParent(w.f, i, Force<S>{f.linear, f.angular + cross(r, f.linear)});
+    SubtreeMotion<S>& parent = d.body[order.parentOf(i)];
+    parent.momentum += c.momentum + mass * c.shift_rate;
+    for (int row = 0; row < 3; ++row)
+      for (int column = 0; column < 3; ++column)
+        parent.K(row, column) += c.K(row, column) + c.momentum[row] * r[column] + c.shift_rate[row] * moment[column];
+  });
+}
+
+/// The columns of all subtrees, on their way to the root: d.by_q, d.by_v and d.by_a, which are the derivatives of rnea, losses included.
+template <class Wide, class S, class Order>
+void derivativesSweep(const Order& order, Workspace<S>& w, DerivativeWorkspace<S>& d) {
+  using D = DerivativeWorkspace<S>;
+  const Rows<S> levers{d.force[D::lever], d.force.stride}, by_q{d.force[D::force_by_q], d.force.stride}, by_v{d.force[D::force_by_v], d.force.stride};
+  order.backward([&]<class Joint>(const Joint&, int i, int iv) {
+    const Vec3<Wide> r = broadcast<Wide>(w.r[i]), rate = broadcast<Wide>(S(2) * d.body[i].shift_rate);
+    inParts<Wide, S>(iv, order.dofEnd(i), [&](const Part<Wide, S>& part) {
+      const Force<Wide> U = loadForce(part, d.force), Fq = loadForce(part, by_q), Fv = loadForce(part, by_v);
+      const Vec3<Wide> lever = loadVector(part, levers);
+      for (int k = 0; k < Joint::nv; ++k) {
+        const Column<Joint, S> column{w.dof[iv + k].S_};
+        const DofVariation<S>& x = d.dof[iv + k];
+        Wide q = dot(broadcast<Wide>(x.acceleration), U), v = dot(broadcast<Wide>(x.rate.angular), U.angular);
+        if constexpr (Joint::has_linear) v += dot(broadcast<Wide>(x.rate.linear), U.linear);
+        if constexpr (Joint::has_angular) {
+          q += dot(broadcast<Wide>(x.velocity), lever);
+          v += dot(broadcast<Wide>(column.s.angular), lever);
+        }
+        d.by_a.enterBelow(part, iv + k, column.along(U));
+        d.by_q.enterBelow(part, iv + k, q);
+        d.by_v.enterBelow(part, iv + k, v);
+        d.by_q.enterRight(part, iv + k, column.along(Fq));
+        d.by_v.enterRight(part, iv + k, column.along(Fv));
+      }
+      if (order.isRoot(i)) return;
+      const Wide inside = part.inside();
+      const Vec3<Wide> here = inside * r;
+      storeVector(part, U.angular + cross(here, U.linear), d.force, 3);
+      storeVector(part, lever + cross(inside * rate, U.linear), levers);
+      storeVector(part, Fq.angular + cross(here, Fq.linear), by_q, 3);
+      storeVector(part, Fv.angular + cross(here, Fv.linear), by_v, 3);
+    });
+    // Within a joint nothing turns: all entries are of the kind that stands below the diagonal.
+    for (int m = 0; m < Joint::nv; ++m)
+      for (int k = 0; k < Joint::nv; ++k) {
+        S& entry = d.by_q.below[iv + m][iv + k];
+        if constexpr (Joint::has_bias) {
+          const BodyIndex& x = order.index(i);
+          const Motion<S> dS = d.subspaces[x.batch].column(Joint::nv, m, k, x.slot);
+          entry += dot(Motion<S>{w.R[i] * dS.linear, w.R[i] * dS.angular}, w.f[i]);
+        }
+        if (k < m) d.by_q.right[iv + k][iv + m] = entry;
+      }
+    for (int k = 0; k < Joint::nv; ++k) d.by_a.below[iv + k][iv + k] += order.armature(iv + k);
+  });
+  const CompactImpl& m = order.m;
+  for (std::size_t k = 0; k < m.damping.size(); ++k) d.by_v.below[static_cast<int>(k)][k] += S(static_cast<Real<S>>(m.damping[k]));
+}
+
+}  // namespace dyn::kernels

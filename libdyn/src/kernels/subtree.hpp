@@ -1,0 +1,175 @@
+// Columns of a whole subtree at once: arrays of one number a degree of freedom, component after component, worked on in packs.
+//
+// What climbs from the joints of a subtree towards the root (forces, rows of the mass matrix and of its like) does the same at each joint
+// on its way. Depth-first order puts a subtree's degrees of freedom side by side, so that one instruction takes several of them.
+#pragma once
+
+#include "kernels/columns.hpp"
+#include "kernels/workspace.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace dyn::kernels {
+
+/// Some neighbouring degrees of freedom, as many as Wide has lanes beside S; only those from `begin` on and before `end` belong to the
+/// subtree. Where Wide is S there is one, and it does.
+template <class Wide, class S>
+class Part {
+ public:
+  static constexpr int width = lanes_of<Wide> / lanes_of<S>;
+  Part(int first, int begin, int end) : first_(first), begin_(begin), end_(end) {}
+
+  Wide load(const S* row) const {
+    if constexpr (width == 1) {
+      return row[first_];
+    } else {
+      return Wide::load(row + first_);
+    }
+  }
+  /// Into an array of which all lanes may be written: outside the subtree, `value` must be what was there.
+  void store(const Wide& value, S* row) const {
+    if constexpr (width == 1) {
+      row[first_] = value;
+    } else {
+      value.store(row + first_);
+    }
+  }
+  /// 1 in the subtree, 0 outside.
+  Wide inside() const {
+    if constexpr (width == 1) {
+      return Wide(1);
+    } else {
+      // Windows of a row of ones: those before `end` less those before `begin`.
+      alignas(64) static constexpr auto ones = [] {
+        std::array<S, 2 * width> x{};
+        for (int l = 0; l < width; ++l) x[static_cast<std::size_t>(l)] = S(1);
+        return x;
+      }();
+      const auto before = [&](int dof) { return Wide::load(ones.data() + width - std::clamp(dof - first_, 0, width)); };
+      return before(end_) - before(begin_);
+    }
+  }
+  int first() const { return first_; }
+
+ private:
+  int first_, begin_, end_;
+};
+
+/// Calls use(part) for the degrees of freedom from `begin` on and before `end`, in packs that begin at multiples of their width: what one
+/// joint has written the next reads in the same packs.
+template <class Wide, class S, class Use>
+void inParts(int begin, int end, Use&& use) {
+  constexpr int width = Part<Wide, S>::width;
+  for (int first = begin / width * width; first < end; first += width) use(Part<Wide, S>(first, begin, end));
+}
+
+template <class Wide, class S>
+Vec3<Wide> broadcast(const Vec3<S>& x) {
+  return {Wide(x.x), Wide(x.y), Wide(x.z)};
+}
+template <class Wide, class S>
+Motion<Wide> broadcast(const Motion<S>& x) {
+  return {broadcast<Wide>(x.linear), broadcast<Wide>(x.angular)};
+}
+
+template <class S>
+void writeVector(const Vec3<S>& x, const Rows<S>& rows, int dof) {
+  for (int c = 0; c < 3; ++c) rows[c][dof] = x[c];
+}
+template <class S>
+void writeForce(const Force<S>& f, const Rows<S>& rows, int dof) {
+  for (int c = 0; c < 3; ++c) {
+    rows[c][dof] = f.linear[c];
+    rows[3 + c][dof] = f.angular[c];
+  }
+}
+template <class Wide, class S>
+Vec3<Wide> loadVector(const Part<Wide, S>& part, const Rows<S>& rows, int component = 0) {
+  return {part.load(rows[component]), part.load(rows[component + 1]), part.load(rows[component + 2])};
+}
+template <class Wide, class S>
+Force<Wide> loadForce(const Part<Wide, S>& part, const Rows<S>& rows) {
+  return {loadVector(part, rows, 0), loadVector(part, rows, 3)};
+}
+template <class Wide, class S>
+void storeVector(const Part<Wide, S>& part, const Vec3<Wide>& x, const Rows<S>& rows, int component = 0) {
+  for (int c = 0; c < 3; ++c) part.store(x[c], rows[component + c]);
+}
+
+/// An n x n matrix with entries for two degrees of freedom on one path to the root. It is written as the sweep finds it, joint by joint
+/// with all of the joint's subtree: column k downwards into `below`, row k rightwards into `right`.
+template <class S>
+struct PathMatrix {
+  Rows<S> below, right;
+
+  template <class Wide>
+  void enterBelow(const Part<Wide, S>& part, int k, const Wide& entries) const {
+    part.store(part.inside() * entries, below[k]);
+  }
+  template <class Wide>
+  void enterRight(const Part<Wide, S>& part, int k, const Wide& entries) const {
+    part.store(part.inside() * entries, right[k]);
+  }
+  /// Writes the entries into the columns of an n x n matrix whose other entries are zero and stay so.
+  template <class Wide>
+  void assemble(const std::vector<int>& dof_end, const Rows<S>& out) const {
+    constexpr int width = Part<Wide, S>::width;
+    const int n = static_cast<int>(dof_end.size());
+    const auto end = [&](int column) { return dof_end[static_cast<std::size_t>(column)]; };
+    const auto single = [&](int row, int last, int column) {
+      for (; row < last; ++row) {
+        out[column][row] = below[column][row];
+        if (row > column) out[row][column] = right[column][row];
+      }
+    };
+    int column = 0;
+    if constexpr (width > 1) {
+      for (; column + width <= n; column += width) {
+        int last = 0;
+        for (int k = column; k < column + width; ++k) {
+          single(k, std::min(end(k), column + width), k);
+          last = std::max(last, end(k));
+        }
+        int row = column + width;
+        for (; row + width <= last; row += width) {
+          Square<S, width> square;
+          for (int k = 0; k < width; ++k) {
+            square.read(k, below[column + k] + row);
+            square.write(k, out[column + k] + row);
+          }
+          for (int k = 0; k < width; ++k) square.read(k, right[column + k] + row);
+          square.transpose();
+          for (int k = 0; k < width; ++k) square.write(k, out[row + k] + column);
+        }
+        for (int k = column; k < column + width; ++k) single(row, end(k), k);
+      }
+    }
+    for (; column < n; ++column) single(column, end(column), column);
+  }
+};
+
+/// Writes into the columns of an n x n matrix what stands in the rows of another.
+template <class Wide, class S>
+void transpose(const Rows<S>& rows, int n, const Rows<S>& columns) {
+  constexpr int width = Part<Wide, S>::width;
+  const auto single = [&](int row, int last, int column) {
+    for (; row < last; ++row) columns[column][row] = rows[row][column];
+  };
+  int column = 0;
+  if constexpr (width > 1) {
+    for (; column + width <= n; column += width) {
+      int row = 0;
+      for (; row + width <= n; row += width) {
+        Square<S, width> square;
+        for (int k = 0; k < width; ++k) square.read(k, rows[row + k] + column);
+        square.transpose();
+        for (int k = 0; k < width; ++k) square.write(k, columns[column + k] + row);
+      }
+      for (int k = column; k < column + width; ++k) single(row, n, k);
+    }
+  }
+  for (; column < n; ++column) single(0, n, column);
+}
+
+}  // namespace dyn::kernels
