@@ -47,7 +47,7 @@ benchmark::Quartiles measure(const std::function<void()>& round) {
 
 /// Everything that is measured lives here.
 struct Subjects {
-  explicit Subjects(const CompactModel& m) : model(m), states(randomStates(m, state_count, 1)), data(m, Need::mass_matrix), truth() {}
+  explicit Subjects(const CompactModel& m) : model(m), states(randomStates(m, state_count, 1)), data(m, Need::derivatives), truth() {}
   const CompactModel& model;
   std::vector<State> states;
   Data data;
@@ -87,6 +87,9 @@ void addSingle(Subjects& x, std::vector<Entry>& entries) {
   add("crba", [](auto& m, auto& d, auto& s) { return crba(m, d, s.q); });
   add("aba", [](auto& m, auto& d, auto& s) { return aba(m, d, s.q, s.v, s.tau); });
   add("joint_jacobians", [](auto& m, auto& d, auto& s) { computeJointJacobians(m, d, s.q); });
+  add("rnea_derivatives", [](auto& m, auto& d, auto& s) { computeRNEADerivatives(m, d, s.q, s.v, s.a); });
+  add("aba_derivatives", [](auto& m, auto& d, auto& s) { computeABADerivatives(m, d, s.q, s.v, s.tau); });
+  add("minverse", [](auto& m, auto& d, auto& s) { computeMinverse(m, d, s.q); });
   add("center_of_mass_jacobian", [](auto& m, auto& d, auto& s) { jacobianCenterOfMass(m, d, s.q); });
   add("make_data", [](auto& m, auto&, auto&) { const Data made(m); });
 }

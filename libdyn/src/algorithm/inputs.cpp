@@ -59,7 +59,8 @@ void checkData(const char* algorithm, const CompactModel& model, const Data& dat
   if (data.impl().model != &model.impl())
     throw Error(ErrorCode::argument, std::string(algorithm) + ": data was made for another model; make a Data for this one");
   if (need != Need::state && !has(data.impl().needs, need))
-    throw Error(ErrorCode::argument, std::string(algorithm) + ": data was made without " + nameOf(need) + "; make it as Data(model, " + nameOf(need) + ")");
+    throw Error(ErrorCode::argument,
+                std::string(algorithm) + ": data was made without " + nameOf(need) + "; make it as Data(model, " + nameOf(need) + ")");
 }
 
 Inputs readInputs(const char* algorithm, const CompactModel& model, Data& data, VectorView q, const VectorView* v, const VectorView* a) {

@@ -121,7 +121,7 @@ struct ColumnState {
 
 /// As many columns of d ddq, from `first` on, as a pack has lanes, into the rows of d.scratch.
 template <class Wide, class S, class Order>
-void abaDerivativesColumns(const Order& order, const Workspace<S>& w, const DerivativeWorkspace<S>& d, ColumnRows rows, int first) {
+DYN_RUN_LOOP void abaDerivativesColumns(const Order& order, const Workspace<S>& w, const DerivativeWorkspace<S>& d, ColumnRows rows, int first) {
   const CompactImpl& m = order.m;
   auto* state = reinterpret_cast<ColumnState<Wide>*>(d.panel);
   auto* y = reinterpret_cast<Wide*>(state + m.bodies());
@@ -164,8 +164,7 @@ void abaDerivativesColumns(const Order& order, const Workspace<S>& w, const Deri
     const ColumnState<Wide>& parent = state[order.parentOf(i)];
     Motion<Wide> a = parent.acceleration;
     Vec3<Wide> turning = parent.turning;
-    if (!order.isRoot(i))
-      a.linear += cross(a.angular, broadcast<Wide>(w.r[i])) + cross(turning, broadcast<Wide>(S(2) * d.body[i].shift_rate));
+    if (!order.isRoot(i)) a.linear += cross(a.angular, broadcast<Wide>(w.r[i])) + cross(turning, broadcast<Wide>(S(2) * d.body[i].shift_rate));
     if (owns(iv, Joint::nv)) {
       const Part<Wide, S> part = own(iv, Joint::nv);
       const Wide inside = part.inside();
@@ -203,12 +202,12 @@ void ownTorques(const Order& order, const Workspace<S>& w, DerivativeWorkspace<S
 }
 
 /// Derivative of aba by q or by v, n x n, into the columns of `out`; losses are not in it.
-template <class Wide, class S, class Order>
+template <class Wide, class Panel, class S, class Order>
 void abaDerivatives(const Order& order, const Workspace<S>& w, const DerivativeWorkspace<S>& d, bool by_q, const Rows<S>& out) {
   DerivativeWorkspace<S> mine = d;
   if (!by_q) mine.own_torque.first = nullptr;
-  for (int first = 0; first < order.m.nvx; first += Part<Wide, S>::width)
-    abaDerivativesColumns<Wide>(order, w, mine, by_q ? columns_by_q : columns_by_v, first);
+  for (int first = 0; first < order.m.nvx; first += Part<Panel, S>::width)
+    abaDerivativesColumns<Panel>(order, w, mine, by_q ? columns_by_q : columns_by_v, first);
   transpose<Wide>(d.scratch, order.m.nvx, out);
 }
 

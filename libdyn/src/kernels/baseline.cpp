@@ -8,7 +8,8 @@ namespace dyn::kernels {
 const Kernels scalar{"scalar", layoutStamp(), singleKernels<double>(), blockKernels<double>(), blockKernels<float>()};
 
 #if DYN_HAS_PACKS
-const Kernels baseline{xsimd::default_arch::name(), layoutStamp(), singleKernels<Pack<double>>(), blockKernels<Pack<double>>(), blockKernels<Pack<float>>()};
+const Kernels baseline{xsimd::default_arch::name(), layoutStamp(), singleKernels<Pack<double>>(), blockKernels<Pack<double>>(),
+                       blockKernels<Pack<float>>()};
 #else
 const Kernels baseline = scalar;
 #endif

@@ -9,9 +9,19 @@
 
 namespace dyn::kernels {
 
+/// Calls use(j) for each degree of freedom on the path from `dof` to the root, itself included.
+template <class Use>
+void alongPath(const CompactImpl& m, int dof, Use&& use) {
+  while (dof >= 0) {
+    const int begin = m.dof_segment[static_cast<std::size_t>(dof)];
+    for (int j = dof; j >= begin; --j) use(j);
+    dof = m.dof_parent[static_cast<std::size_t>(begin)];
+  }
+}
+
 /// Calls use(first) for the packs, of a row of numbers by degree of freedom, in which the path from `dof` to the root has entries.
 template <int width, class Use>
-void alongPath(const CompactImpl& m, int dof, Use&& use) {
+void alongPathInPacks(const CompactImpl& m, int dof, Use&& use) {
   int last = std::numeric_limits<int>::max();  // of the packs that have been used
   while (dof >= 0) {
     const int begin = m.dof_segment[static_cast<std::size_t>(dof)];
@@ -47,8 +57,7 @@ void choleskyDecompose(const CompactImpl& m, const S* M, const Rows<S>& scratch,
   const auto pack = [](S* row, int first) { return Part<Wide, S>(first, first, first + width).load(row); };
   const auto keep = [](const Wide& x, S* row, int first) { Part<Wide, S>(first, first, first + width).store(x, row); };
   std::fill(failed, failed + lanes_of<S>, 0);
-  for (int i = 0; i < n; ++i)
-    for (int j = i; j >= 0; j = parent(j)) scratch[i][j] = M[static_cast<std::ptrdiff_t>(n) * i + j];
+  for (int i = 0; i < n; ++i) alongPath(m, i, [&](int j) { scratch[i][j] = M[static_cast<std::ptrdiff_t>(n) * i + j]; });
   for (int i = n - 1; i >= 0; --i) {
     S* row = scratch[i];
     const S pivot = row[i];
@@ -56,33 +65,33 @@ void choleskyDecompose(const CompactImpl& m, const S* M, const Rows<S>& scratch,
     const S inverse = S(1) / pivot;
     c.diagonal[i] = pivot;
     c.inverse[i] = inverse;
-    for (int j = parent(i); j >= 0; j = parent(j)) {
+    alongPath(m, parent(i), [&](int j) {
       // Packs reach beyond the diagonal, into numbers that nobody reads.
       const S entry = inverse * row[j];
       c.L[j][i] = entry;
       S* other = scratch[j];
-      alongPath<width>(m, j, [&](int first) { keep(pack(other, first) - Wide(entry) * pack(row, first), other, first); });
-    }
+      alongPathInPacks<width>(m, j, [&](int first) { keep(pack(other, first) - Wide(entry) * pack(row, first), other, first); });
+    });
   }
 }
 
 /// X = M^-1 X for as many columns, from `column` on, as a pack has lanes; X has n rows. Rows other than those from `first` on and before
 /// `last`, and those on the path from `first`, must be zero.
 template <class Wide, class S>
-void choleskySolve(const CompactImpl& m, const TreeFactors<S>& c, const Rows<S>& X, int column, int first, int last) {
+__attribute__((flatten)) void choleskySolve(const CompactImpl& m, const TreeFactors<S>& c, const Rows<S>& X, int column, int first, int last) {
   constexpr int width = Part<Wide, S>::width;
   const auto parent = [&](int dof) { return m.dof_parent[static_cast<std::size_t>(dof)]; };
   const Part<Wide, S> part(column, column, column + width);
   // L^T first, from the leaves: rows that are zero have nothing to hand on.
   const auto eliminate = [&](int i) {
     const Wide x = part.load(X[i]);
-    for (int j = parent(i); j >= 0; j = parent(j)) part.store(part.load(X[j]) - Wide(c.L[j][i]) * x, X[j]);
+    alongPath(m, parent(i), [&](int j) { part.store(part.load(X[j]) - Wide(c.L[j][i]) * x, X[j]); });
   };
   for (int i = last - 1; i >= first; --i) eliminate(i);
-  for (int i = parent(first); i >= 0; i = parent(i)) eliminate(i);
+  alongPath(m, parent(first), eliminate);
   for (int i = 0; i < m.nvx; ++i) {
     Wide x = Wide(c.inverse[i]) * part.load(X[i]);
-    for (int j = parent(i); j >= 0; j = parent(j)) x -= Wide(c.L[j][i]) * part.load(X[j]);
+    alongPath(m, parent(i), [&](int j) { x -= Wide(c.L[j][i]) * part.load(X[j]); });
     part.store(x, X[i]);
   }
 }

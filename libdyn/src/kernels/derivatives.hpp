@@ -54,13 +54,13 @@ struct DerivativeWorkspace {
   Dual<double>* dual = nullptr;                 ///< of the largest batch: q, v, pose, subspace, bias
   DofVariation<S>* dof = nullptr;
   SubtreeMotion<S>* body = nullptr;
-  CoriolisMap<S>* coriolis = nullptr;           ///< articulated, of what the children hand over [aba]
-  Rows<S> force;  ///< rnea: I S (6), its lever on turning rates (3), force by q (6), force by v (6); aba: see ColumnRows
+  CoriolisMap<S>* coriolis = nullptr;  ///< articulated, of what the children hand over [aba]
+  Rows<S> force;                       ///< rnea: I S (6), its lever on turning rates (3), force by q (6), force by v (6); aba: see ColumnRows
   PathMatrix<S> by_q, by_v, by_a;
   TreeFactors<S> factors;
-  Rows<S> scratch;      ///< nvx rows of nvx numbers
-  Rows<S> own_torque;   ///< [aba] see ownTorques; null without joints of varying subspace
-  S* panel = nullptr;   ///< [aba] packs of columns on their way along the tree
+  Rows<S> scratch;     ///< nvx rows of nvx numbers
+  Rows<S> own_torque;  ///< [aba] see ownTorques; null without joints of varying subspace
+  S* panel = nullptr;  ///< [aba] packs of columns on their way along the tree
 
   static constexpr int lever = 6, force_by_q = 9, force_by_v = 15, components = 30;
 };
@@ -95,8 +95,7 @@ void carve(DerivativeWorkspace<S>& w, const CompactImpl& m, Arena& arena) {
   arena.take(w.scratch, m.nvx, m.nvx);
   arena.take(w.coriolis, static_cast<std::size_t>(m.bodies()));
   if (numbers > 0) arena.take(w.own_torque, max_joint_nv, m.nvx);
-  constexpr std::size_t most_lanes = lanes_of<S> == 1 ? 8 : 1;
-  arena.take(w.panel, most_lanes * (15 * static_cast<std::size_t>(m.bodies()) + nv));
+  arena.take(w.panel, (lanes_of<S> == 1 ? std::size_t{most_lanes} : 1) * (15 * static_cast<std::size_t>(m.bodies()) + nv));
 }
 
 /// One differentiated call a batch and degree of freedom of its type. q and v in expanded coordinates.

@@ -14,11 +14,13 @@
 #include "kernels/table.hpp"
 
 #include <algorithm>
+#include <type_traits>
 
 namespace dyn::kernels {
 
-/// Wide: what a single state's degrees of freedom are worked on in, side by side.
-template <class Wide>
+/// What a single state's degrees of freedom, or columns, are worked on in, side by side: Wide where subtrees are, most of them short;
+/// Panel where all of them are, if the model has more than Narrow holds.
+template <class Wide, class Narrow = Wide, class Panel = Wide>
 SingleKernels singleKernels() {
   using W = Workspace<double>;
   SingleKernels k;
@@ -42,6 +44,13 @@ SingleKernels singleKernels() {
     abaSolve(bodies, w, ddq);
   };
   using D = DerivativeWorkspace<double>;
+  static constexpr auto inverse_of_mass_matrix = [](const CompactImpl& m, D& d, double* out) {
+    if (m.nvx <= lanes_of<Narrow>) {
+      kernels::inverseOfMassMatrix<Narrow>(m, d, Rows<double>{out, m.nvx});
+    } else {
+      kernels::inverseOfMassMatrix<Panel>(m, d, Rows<double>{out, m.nvx});
+    }
+  };
   k.rneaDerivatives = [](const CompactImpl& m, W& w, D& d, const double* q, const double* v, const double* a, const Force<double>* fext) {
     const Bodies<double> bodies{m, w};
     evaluateSubspaceDerivatives(m, d, q, v);
@@ -49,22 +58,27 @@ SingleKernels singleKernels() {
     derivativesInward(bodies, w, d);
     derivativesSweep<Wide>(bodies, w, d);
   };
-  k.abaDerivatives = [](const CompactImpl& m, W& w, D& d, const double* q, const double* v, const double* a, const Force<double>* fext,
-                        double* by_q, double* by_v, double* inverse) {
+  k.abaDerivatives = [](const CompactImpl& m, W& w, D& d, const double* q, const double* v, const double* a, const Force<double>* fext, double* by_q,
+                        double* by_v, double* inverse) {
     const Bodies<double> bodies{m, w};
     evaluateSubspaceDerivatives(m, d, q, v);
     derivativesOutward(bodies, w, d, v, a, fext);
     abaDerivativesInward(bodies, w, d);
     if (d.own_torque.first) ownTorques(bodies, w, d);
-    kernels::abaDerivatives<Wide>(bodies, w, d, true, Rows<double>{by_q, m.nvx});
-    kernels::abaDerivatives<Wide>(bodies, w, d, false, Rows<double>{by_v, m.nvx});
+    const auto columns = [&]<class Columns>(std::type_identity<Columns>) {
+      kernels::abaDerivatives<Wide, Columns>(bodies, w, d, true, Rows<double>{by_q, m.nvx});
+      kernels::abaDerivatives<Wide, Columns>(bodies, w, d, false, Rows<double>{by_v, m.nvx});
+    };
+    if (m.nvx <= lanes_of<Narrow>) {
+      columns(std::type_identity<Narrow>());
+    } else {
+      columns(std::type_identity<Panel>());
+    }
     kernels::treeFactors<Wide>(bodies, w, d);
-    kernels::inverseOfMassMatrix<Wide>(m, d, Rows<double>{inverse, m.nvx});
+    inverse_of_mass_matrix(m, d, inverse);
     return w.failed[0];
   };
-  k.assemble = [](const CompactImpl& m, const PathMatrix<double>& from, double* out) {
-    from.assemble<Wide>(m.dof_end, Rows<double>{out, m.nvx});
-  };
+  k.assemble = [](const CompactImpl& m, const PathMatrix<double>& from, double* out) { from.assemble<Wide>(m.dof_end, Rows<double>{out, m.nvx}); };
   k.choleskyDecompose = [](const CompactImpl& m, D& d, const double* M) {
     int failed = 0;
     kernels::choleskyDecompose<Wide>(m, M, d.scratch, d.factors, &failed);
@@ -76,9 +90,7 @@ SingleKernels singleKernels() {
     kernels::treeFactors<Wide>(bodies, w, d);
     return w.failed[0];
   };
-  k.inverseOfMassMatrix = [](const CompactImpl& m, D& d, double* out) {
-    kernels::inverseOfMassMatrix<Wide>(m, d, Rows<double>{out, m.nvx});
-  };
+  k.inverseOfMassMatrix = inverse_of_mass_matrix;
   return k;
 }
 

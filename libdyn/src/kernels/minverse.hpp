@@ -60,14 +60,14 @@ void treeFactors(const Order& order, Workspace<S>& w, DerivativeWorkspace<S>& d)
 }
 
 /// M^-1 from its factors, n x n.
-template <class Wide, class S>
+template <class Panel, class S>
 void inverseOfMassMatrix(const CompactImpl& m, const DerivativeWorkspace<S>& d, const Rows<S>& out) {
-  constexpr int width = Part<Wide, S>::width;
+  constexpr int width = Part<Panel, S>::width;
   const int n = m.nvx;
   const Rows<S>& X = d.scratch;
   for (int i = 0; i < n; ++i) std::fill(X[i], X[i] + n, S(0));
   for (int i = 0; i < n; ++i) X[i][i] = S(1);
-  for (int column = 0; column < n; column += width) choleskySolve<Wide>(m, d.factors, X, column, column, std::min(column + width, n));
+  for (int column = 0; column < n; column += width) choleskySolve<Panel>(m, d.factors, X, column, column, std::min(column + width, n));
   // One of each pair of entries, so that the result is symmetric to the last bit.
   for (int i = 0; i < n; ++i)
     for (int j = 0; j <= i; ++j) out[i][j] = out[j][i] = X[i][j];

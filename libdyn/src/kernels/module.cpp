@@ -1,5 +1,6 @@
 // The table of a shared object for one instruction set, which is whatever this file is compiled for.
 #include "kernels/instantiate.hpp"
+#include "kernels/several.hpp"
 #include "kernels/strips.hpp"
 
 #include <dyn_sdk/pack.hpp>
@@ -8,7 +9,11 @@ extern "C" __attribute__((visibility("default"))) const dyn::kernels::Kernels* d
   using namespace dyn::kernels;
   // Four joints in lanes, or degrees of freedom, whatever the width: limbs come in twos and fours, and are about as long.
   using Quad = dyn::Pack<double, xsimd::fma3<xsimd::avx2>>;
-  static const Kernels table{DYN_KERNELS_NAME,    layoutStamp(), singleKernels<Quad>(), blockKernels<dyn::Pack<double>>(), blockKernels<dyn::Pack<float>>(),
+  static const Kernels table{DYN_KERNELS_NAME,
+                             layoutStamp(),
+                             singleKernels<Quad, dyn::Pack<double>, dyn::Several<dyn::Pack<double>, 2>>(),
+                             blockKernels<dyn::Pack<double>>(),
+                             blockKernels<dyn::Pack<float>>(),
                              stripKernels<Quad>()};
   return &table;
 }

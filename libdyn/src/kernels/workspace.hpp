@@ -61,6 +61,9 @@ struct Workspace {
   int failed[lanes_of<S>] = {};         ///< by lane: the first body whose pivot vanished, or 0 [aba]
 };
 
+/// Of the widest packs of columns that recursions take at once, beside single states.
+inline constexpr int most_lanes = 16;
+
 /// Hands out arrays of one block: first without a block, to count, then with it. Everything is aligned to the widest packs.
 class Arena {
  public:
@@ -74,7 +77,7 @@ class Arena {
   }
   template <class S>
   void take(Rows<S>& rows, int components, int count) {
-    constexpr std::ptrdiff_t pack = alignment / sizeof(S) > 0 ? alignment / sizeof(S) : 1;
+    constexpr std::ptrdiff_t pack = lanes_of<S> == 1 ? most_lanes : 1;
     const std::ptrdiff_t stride = (count + pack - 1) / pack * pack;
     if (base_) rows.stride = stride;
     take(rows.first, static_cast<std::size_t>(components * stride));
