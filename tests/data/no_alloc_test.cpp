@@ -37,7 +37,7 @@ TEST_CASE("no algorithm allocates once Data exists", "[no_alloc]") {
   Model description = randomTree(registry, 25, 5, true);
   if (coupled) addFollower(description);
   const CompactModel model = compile(description, registry);
-  Data data(model, Need::mass_matrix);
+  Data data(model, Need::derivatives);
   const Eigen::VectorXd q = integrate(model, neutral(model), Eigen::VectorXd::Constant(model.nv(), 0.7));
   const Eigen::VectorXd v = Eigen::VectorXd::Constant(model.nv(), 0.2), a = v, tau = v;
   Eigen::MatrixXd J(6, model.nv());
@@ -62,6 +62,9 @@ TEST_CASE("no algorithm allocates once Data exists", "[no_alloc]") {
   CHECK(allocationsOf([&] { computeFrameJacobianTimeVariation(model, data, q, v, tool, ReferenceFrame::WORLD, J); }) == 0);
   CHECK(allocationsOf([&] { getJointJacobian(model, data, 1, ReferenceFrame::LOCAL, stacked.topRows(6)); }) == 0);
   if (!coupled) CHECK(allocationsOf([&] { computeJointJacobians(model, data, q); }) == 0);
+  CHECK(allocationsOf([&] { computeRNEADerivatives(model, data, q, v, a); }) == 0);
+  CHECK(allocationsOf([&] { computeABADerivatives(model, data, q, v, tau, fext); }) == 0);
+  CHECK(allocationsOf([&] { computeMinverse(model, data, q); }) == 0);
   CHECK(allocationsOf([&] { integrate(model, q, v, next); }) == 0);
   CHECK(allocationsOf([&] { difference(model, q, next, dv); }) == 0);
   CHECK(allocationsOf([&] { normalize(model, next, next); }) == 0);

@@ -60,6 +60,28 @@ void checkFrames(const CompactModel& model, Data& data, const nlohmann::json& do
   }
 }
 
+void checkDerivatives(const CompactModel& model, Data& data, const nlohmann::json& s, const Checker& check) {
+  const Eigen::VectorXd q = vectorOf(s["q"]), v = vectorOf(s["v"]), a = vectorOf(s["a"]), tau = vectorOf(s["tau"]);
+  check(s, "Minv", rowMajor(computeMinverse(model, data, q)));
+  const RneaDerivatives x = computeRNEADerivatives(model, data, q, v, a);
+  check(s, "dtau_dq", rowMajor(x.dtau_dq));
+  check(s, "dtau_dv", rowMajor(x.dtau_dv));
+  const AbaDerivatives y = computeABADerivatives(model, data, q, v, tau);
+  check(s, "ddq_dq", rowMajor(y.ddq_dq));
+  check(s, "ddq_dv", rowMajor(y.ddq_dv));
+  const CentroidalMomentum h = ccrba(model, data, q, v);
+  check(s, "hg", rowMajor(h.hg));
+  check(s, "Ag", rowMajor(h.Ag));
+  const CentroidalRate rate = computeCentroidalMomentumTimeVariation(model, data, q, v, a);
+  check(s, "dAg", rowMajor(rate.dAg));
+  check(s, "dhg", rowMajor(rate.dhg));
+  const CentroidalDerivatives c = computeCentroidalDynamicsDerivatives(model, data, q, v, a);
+  check(s, "dhg_dq", rowMajor(c.dhg_dq));
+  check(s, "dhgdot_dq", rowMajor(c.dhgdot_dq));
+  check(s, "dhgdot_dv", rowMajor(c.dhgdot_dv));
+  check(s, "dhgdot_da", rowMajor(c.dhgdot_da));
+}
+
 }  // namespace
 
 TEST_CASE("robots agree with the golden data", "[golden]") {
@@ -84,7 +106,7 @@ TEST_CASE("robots agree with the golden data", "[golden]") {
     CHECK(model.joints()[static_cast<std::size_t>(r.parent)].name == document["joints"][j]["parent"].get<std::string>());
   }
 
-  Data data(model, Need::mass_matrix);
+  Data data(model, Need::derivatives);
   const Checker check(robot, document["double_rel_err"]);
   for (const nlohmann::json& s : document["samples"]) {
     const Eigen::VectorXd q = vectorOf(s["q"]), v = vectorOf(s["v"]), a = vectorOf(s["a"]), tau = vectorOf(s["tau"]);
@@ -103,6 +125,7 @@ TEST_CASE("robots agree with the golden data", "[golden]") {
     check(s, "kinetic_energy", {computeKineticEnergy(model, data, q, v)});
     check(s, "potential_energy", {computePotentialEnergy(model, data, q)});
     checkFrames(model, data, document, s, check);
+    checkDerivatives(model, data, s, check);
     forwardKinematics(model, data, q);
     for (const nlohmann::json& frame : s["oMf"]) {
       const int id = model.frameId(frame["name"].get<std::string>());

@@ -4,6 +4,7 @@
 #include <dyn/algorithm/aba.hpp>
 #include <dyn/algorithm/batch.hpp>
 #include <dyn/algorithm/center_of_mass.hpp>
+#include <dyn/algorithm/centroidal.hpp>
 #include <dyn/algorithm/configuration.hpp>
 #include <dyn/algorithm/crba.hpp>
 #include <dyn/algorithm/derivatives.hpp>

@@ -1,15 +1,39 @@
 #include "algorithm/external.hpp"
+#include "algorithm/followers.hpp"
 #include "algorithm/inputs.hpp"
 #include "kernels/table.hpp"
 
 #include <dyn/algorithm/aba.hpp>
+#include <dyn/algorithm/crba.hpp>
 #include <dyn/algorithm/derivatives.hpp>
+
+#include <algorithm>
+#include <limits>
 
 namespace dyn::detail {
 
 namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// Square matrices: rows as columns, and what q_t changes of the follower's share of its master's force.
+void foldDerivatives(const CompactImpl& m, const DataImpl& d, const double* tau, double* by_q, double* by_v, double* by_a) {
+  const std::ptrdiff_t n = m.nvx;
+  for (std::size_t k = m.couplings.size(); k-- > 0;) {
+    const std::ptrdiff_t s = m.index[at(m.couplings[k].body)].idx_v, t = m.index[at(m.couplings[k].master)].idx_v;
+    foldColumn(m, d, k, n, by_q, by_v, by_a);
+    for (double* x : {by_q, by_v, by_a})
+      for (std::ptrdiff_t j = 0; j < n; ++j) x[j * n + t] += d.G[k] * x[j * n + s];
+    by_q[t * n + t] += d.dG[k] * tau[s];
+  }
+}
+
+/// The entries of the user's coordinates.
+void gather(const CompactImpl& m, const double* expanded, double* user) {
+  const std::size_t n = m.v_of_user.size();
+  for (std::size_t j = 0; j < n; ++j)
+    for (std::size_t i = 0; i < n; ++i) user[j * n + i] = expanded[static_cast<std::ptrdiff_t>(m.nvx) * m.v_of_user[j] + m.v_of_user[i]];
+}
 
 void checkFactors(const char* algorithm, const CompactImpl& m, int failed_body) {
   if (failed_body != 0) refuseSingular(algorithm, m.joints[at(m.index[at(failed_body)].joint)].name);
@@ -35,16 +59,67 @@ Prepared prepare(const char* algorithm, const CompactModel& model, Data& data, V
 
 DerivativeViews rneaDerivatives(const CompactModel& model, Data& data, VectorView q, const VectorView* v, const VectorView* a,
                                 const Force<double>* fext, std::size_t count) {
+  const char* algorithm = "computeRNEADerivatives";
+  checkData(algorithm, model, data, Need::derivatives);
   const CompactImpl& m = model.impl();
   DataImpl& d = data.impl();
-  const Prepared x = prepare("computeRNEADerivatives", model, data, q, v, a, fext, count);
+  const bool coupled = !m.couplings.empty();
+  const VectorView zero{d.zero, m.nv};
+  if (coupled) rnea(model, data, q, v ? *v : zero, a ? *a : zero, fext, count);  // leaves the followers' forces
+  const Prepared x = prepare(algorithm, model, data, q, v ? v : &zero, a ? a : &zero, fext, count);
   const kernels::SingleKernels& k = kernels::active().single;
+  double* const user[3] = {d.dtau_dq, d.dtau_dv, d.M};
+  double* const* out = coupled ? d.expanded : user;
   k.rneaDerivatives(m, d, d.derivatives, x.in.q, x.in.v, x.in.a, x.external);
-  k.assemble(m, d.derivatives.by_q, d.dtau_dq);
-  k.assemble(m, d.derivatives.by_v, d.dtau_dv);
-  k.assemble(m, d.derivatives.by_a, d.M);
+  k.assemble(m, d.derivatives.by_q, out[0]);
+  k.assemble(m, d.derivatives.by_v, out[1]);
+  k.assemble(m, d.derivatives.by_a, out[2]);
+  if (coupled) {
+    foldDerivatives(m, d, d.taux, out[0], out[1], out[2]);
+    for (int i = 0; i < 3; ++i) {
+      gather(m, out[i], user[i]);
+      std::fill(out[i], out[i] + static_cast<std::ptrdiff_t>(m.nvx) * m.nvx, 0.0);  // folding has written where there are no paths
+    }
+  }
   return {nullptr, d.dtau_dq, d.dtau_dv, d.M};
 }
+
+namespace {
+
+/// Couplings connect distant joints, so M is taken as dense.
+void invertDense(const char* algorithm, const CompactImpl& m, DataImpl& d) {
+  const Eigen::Index n = m.nv;
+  const Eigen::Map<const Eigen::MatrixXd> M(d.M, n, n);
+  Eigen::Map<Eigen::MatrixXd> factors(d.expanded[0], n, n), inverse(d.Minv, n, n);
+  factors = M;
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const double pivot = factors(k, k);
+    if (!(pivot > 8 * std::numeric_limits<double>::epsilon() * M(k, k))) {
+      std::size_t joint = m.joints.size() - 1;
+      while (m.joints[joint].idx_v > k || m.joints[joint].nv == 0) --joint;
+      refuseSingular(algorithm, m.joints[joint].name);
+    }
+    for (Eigen::Index i = k + 1; i < n; ++i) {
+      const double l = factors(i, k) / pivot;
+      for (Eigen::Index j = i; j < n; ++j) factors(j, i) -= l * factors(j, k);
+    }
+    for (Eigen::Index i = k + 1; i < n; ++i) factors(i, k) /= pivot;
+  }
+  inverse.setIdentity();
+  for (Eigen::Index c = 0; c < n; ++c) {
+    double* x = d.Minv + c * n;
+    for (Eigen::Index k = c; k < n; ++k)
+      for (Eigen::Index i = k + 1; i < n; ++i) x[i] -= factors(i, k) * x[k];
+    for (Eigen::Index k = c; k < n; ++k) x[k] /= factors(k, k);
+    for (Eigen::Index k = n; k-- > 0;)
+      for (Eigen::Index i = k + 1; i < n; ++i) x[k] -= factors(i, k) * x[i];
+  }
+  for (Eigen::Index i = 0; i < n; ++i)
+    for (Eigen::Index j = 0; j < i; ++j) inverse(i, j) = inverse(j, i);
+  std::fill(d.expanded[0], d.expanded[0] + static_cast<std::ptrdiff_t>(m.nvx) * m.nvx, 0.0);
+}
+
+}  // namespace
 
 DerivativeViews abaDerivatives(const CompactModel& model, Data& data, VectorView q, VectorView v, VectorView tau, const Force<double>* fext,
                                std::size_t count) {
@@ -54,11 +129,20 @@ DerivativeViews abaDerivatives(const CompactModel& model, Data& data, VectorView
   DataImpl& d = data.impl();
   aba(model, data, q, v, tau, fext, count);
   const VectorView ddq{d.ddq, m.nv};
+  const auto n = static_cast<Eigen::Index>(m.nv);
+  using Matrix = Eigen::Map<Eigen::MatrixXd>;
+  if (!m.couplings.empty()) {
+    rneaDerivatives(model, data, q, &v, &ddq, fext, count);
+    invertDense(algorithm, m, d);
+    Matrix(d.ddq_dq, n, n).noalias() = -Matrix(d.Minv, n, n).lazyProduct(Matrix(d.dtau_dq, n, n));
+    Matrix(d.ddq_dv, n, n).noalias() = -Matrix(d.Minv, n, n).lazyProduct(Matrix(d.dtau_dv, n, n));
+    return {d.ddq, d.ddq_dq, d.ddq_dv, d.Minv};
+  }
   const Prepared x = prepare(algorithm, model, data, q, &v, &ddq, fext, count);
   checkFactors(algorithm, m,
                kernels::active().single.abaDerivatives(m, d, d.derivatives, x.in.q, x.in.v, x.in.a, x.external, d.ddq_dq, d.ddq_dv, d.Minv));
-  for (std::size_t k = 0; k < m.damping.size(); ++k)
-    for (std::size_t i = 0; i < m.damping.size(); ++i) d.ddq_dv[m.damping.size() * k + i] -= d.Minv[m.damping.size() * k + i] * m.damping[k];
+  if (!m.damping.empty())
+    for (Eigen::Index k = 0; k < n; ++k) Matrix(d.ddq_dv, n, n).col(k) -= m.damping[static_cast<std::size_t>(k)] * Matrix(d.Minv, n, n).col(k);
   return {d.ddq, d.ddq_dq, d.ddq_dv, d.Minv};
 }
 
@@ -67,6 +151,11 @@ const double* minverse(const CompactModel& model, Data& data, VectorView q) {
   checkData(algorithm, model, data, Need::derivatives);
   const CompactImpl& m = model.impl();
   DataImpl& d = data.impl();
+  if (!m.couplings.empty()) {
+    crba(model, data, q);
+    invertDense(algorithm, m, d);
+    return d.Minv;
+  }
   const Inputs in = readInputs(algorithm, model, data, q, nullptr, nullptr);
   evaluateJoints(m, d, in.q, nullptr);
   const kernels::SingleKernels& k = kernels::active().single;

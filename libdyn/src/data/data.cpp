@@ -46,6 +46,9 @@ void carveAll(DataImpl& d, const CompactImpl& m, Arena& arena) {
     arena.take(d.ddq_dq, nvx * nvx);
     arena.take(d.ddq_dv, nvx * nvx);
     arena.take(d.Minv, nvx * nvx);
+    for (double** map : {&d.Ag, &d.dAg, &d.dh_dq, &d.dhdot_dq, &d.dhdot_dv}) arena.take(*map, 6 * nvx);
+    if (!m.couplings.empty())
+      for (double*& x : d.expanded) arena.take(x, nvx * nvx);
   }
   if (has(d.needs, Need::mass_matrix)) {
     arena.take(d.M, nv * nv);

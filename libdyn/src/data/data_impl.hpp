@@ -40,7 +40,10 @@ struct DataImpl : Workspace<double> {
   double* zero = nullptr;     ///< max(nvx, 1) zeros
   kernels::DerivativeWorkspace<double> derivatives;
   double *dtau_dq = nullptr, *dtau_dv = nullptr, *ddq_dq = nullptr, *ddq_dv = nullptr, *Minv = nullptr;
-  bool decomposed = false;  ///< the derivatives' factors are of the last M
+  double *Ag = nullptr, *dAg = nullptr, *dh_dq = nullptr, *dhdot_dq = nullptr, *dhdot_dv = nullptr;  ///< 6 x nvx
+  double hg[6] = {}, dhg[6] = {};
+  Mat3<double> locked_inertia;
+  double* expanded[3] = {};  ///< derivatives of rnea by q, v, a before couplings are folded
   Vec3<double> com, vcom, acom;
   double kinetic = 0, potential = 0;
 };

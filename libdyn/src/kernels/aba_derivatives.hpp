@@ -45,7 +45,7 @@ void subtractOuter(Mat3<S>& from, const Vec3<S>& a, const Vec3<S>& b) {
 template <class S>
 CoriolisMap<S> coriolisMap(const SubtreeMotion<S>& c) {
   const S trace = c.K(0, 0) + c.K(1, 1) + c.K(2, 2);
-  CoriolisMap<S> map{S(-2) * skew(c.momentum), S(-2) * c.K};
+  CoriolisMap<S> map{S(-2) * skew(c.momentum.linear), S(-2) * c.K};
   for (int k = 0; k < 3; ++k) map.angular(k, k) += S(2) * trace;
   return map;
 }
@@ -100,7 +100,7 @@ void abaDerivativesInward(const Order& order, Workspace<S>& w, DerivativeWorkspa
         writeVector(acceleration.angular, rows.of(d.force, 9), iv + m);
         writeVector(turning, rows.turning(d.force), iv + m);
       };
-      begin(columns_by_q, x.acceleration, x.velocity, {cross(s.angular, f.linear), cross(s.angular, f.angular) + cross(s.linear, f.linear)});
+      begin(columns_by_q, x.acceleration, x.velocity.angular, {cross(s.angular, f.linear), cross(s.angular, f.angular) + cross(s.linear, f.linear)});
       begin(columns_by_v, x.rate, s.angular, {});
     }
     if (order.isRoot(i)) return;

@@ -26,7 +26,7 @@ struct SubspaceDerivatives {
 /// and the acceleration of the whole subtree change with it, beside what turning the subtree rigidly changes.
 template <class S>
 struct DofVariation {
-  Vec3<S> velocity;        ///< angular part of the velocity's, w.r.t. q
+  Motion<S> velocity;      ///< of the velocity w.r.t. q
   Motion<S> acceleration;  ///< w.r.t. q
   Motion<S> rate;          ///< of the acceleration w.r.t. v
   Vec3<S> lever;           ///< of turning rates on the joint's acceleration [aba]
@@ -36,7 +36,7 @@ struct DofVariation {
 template <class S>
 struct SubtreeMotion {
   Vec3<S> shift_rate;  ///< velocity of the joint's origin relative to the parent's
-  Vec3<S> momentum;    ///< linear
+  Force<S> momentum;   ///< linear; angular about the joint's origin
   Mat3<S> K;           ///< sum of mass * velocity * position^T
 };
 
@@ -46,6 +46,20 @@ struct CoriolisMap {
   Mat3<S> linear, angular;
   friend CoriolisMap operator+(const CoriolisMap& a, const CoriolisMap& b) { return {a.linear + b.linear, a.angular + b.angular}; }
   CoriolisMap& operator+=(const CoriolisMap& b) { return *this = *this + b; }
+};
+
+/// Columns of 6 numbers, linear part first, in world axes about the centre of mass; null: not wanted.
+template <class S>
+struct CentroidalMaps {
+  S *Ag = nullptr, *dAg = nullptr;                               ///< momentum by v, and its time derivative
+  S *dh_dq = nullptr, *dhdot_dq = nullptr, *dhdot_dv = nullptr;  ///< of momentum, and of its rate
+  bool rates = false;                                            ///< more than Ag and momentum
+};
+template <class S>
+struct CentroidalState {
+  Force<S> momentum, rate;  ///< world axes, about the centre of mass
+  Sym3<S> inertia;          ///< of the whole, locked, about the centre of mass, world axes
+  S mass;
 };
 
 template <class S>
@@ -58,9 +72,10 @@ struct DerivativeWorkspace {
   Rows<S> force;                       ///< rnea: I S (6), its lever on turning rates (3), force by q (6), force by v (6); aba: see ColumnRows
   PathMatrix<S> by_q, by_v, by_a;
   TreeFactors<S> factors;
-  Rows<S> scratch;     ///< nvx rows of nvx numbers
-  Rows<S> own_torque;  ///< [aba] see ownTorques; null without joints of varying subspace
-  S* panel = nullptr;  ///< [aba] packs of columns on their way along the tree
+  Rows<S> scratch;             ///< nvx rows of nvx numbers
+  Rows<S> own_torque;          ///< [aba] see ownTorques; null without joints of varying subspace
+  Motion<S>* place = nullptr;  ///< [centroidal] from each joint's origin to the centre of mass, and its rate, aligned axes
+  S* panel = nullptr;          ///< [aba] packs of columns on their way along the tree
 
   static constexpr int lever = 6, force_by_q = 9, force_by_v = 15, components = 30;
 };
@@ -85,6 +100,7 @@ void carve(DerivativeWorkspace<S>& w, const CompactImpl& m, Arena& arena) {
   const auto nv = static_cast<std::size_t>(m.nvx);
   arena.take(w.dof, nv);
   arena.take(w.body, static_cast<std::size_t>(m.bodies()));
+  arena.take(w.place, static_cast<std::size_t>(m.bodies()));
   arena.take(w.force, DerivativeWorkspace<S>::components, m.nvx);
   for (PathMatrix<S>* matrix : {&w.by_q, &w.by_v, &w.by_a}) {
     arena.take(matrix->below, m.nvx, m.nvx);

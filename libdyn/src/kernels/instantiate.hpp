@@ -3,6 +3,7 @@
 
 #include "kernels/aba.hpp"
 #include "kernels/aba_derivatives.hpp"
+#include "kernels/centroidal.hpp"
 #include "kernels/columns.hpp"
 #include "kernels/crba.hpp"
 #include "kernels/evaluate.hpp"
@@ -54,7 +55,7 @@ SingleKernels singleKernels() {
   k.rneaDerivatives = [](const CompactImpl& m, W& w, D& d, const double* q, const double* v, const double* a, const Force<double>* fext) {
     const Bodies<double> bodies{m, w};
     evaluateSubspaceDerivatives(m, d, q, v);
-    derivativesOutward(bodies, w, d, v, a, fext);
+    derivativesOutward(bodies, w, d, bodies.gravity(), v, a, fext);
     derivativesInward(bodies, w, d);
     derivativesSweep<Wide>(bodies, w, d);
   };
@@ -62,7 +63,7 @@ SingleKernels singleKernels() {
                         double* by_v, double* inverse) {
     const Bodies<double> bodies{m, w};
     evaluateSubspaceDerivatives(m, d, q, v);
-    derivativesOutward(bodies, w, d, v, a, fext);
+    derivativesOutward(bodies, w, d, bodies.gravity(), v, a, fext);
     abaDerivativesInward(bodies, w, d);
     if (d.own_torque.first) ownTorques(bodies, w, d);
     const auto columns = [&]<class Columns>(std::type_identity<Columns>) {
@@ -77,6 +78,17 @@ SingleKernels singleKernels() {
     kernels::treeFactors<Wide>(bodies, w, d);
     inverse_of_mass_matrix(m, d, inverse);
     return w.failed[0];
+  };
+  k.centroidal = [](const CompactImpl& m, W& w, D& d, const double* q, const double* v, const double* a, const CentroidalMaps<double>& out) {
+    const Bodies<double> bodies{m, w};
+    if (out.rates) {
+      evaluateSubspaceDerivatives(m, d, q, v);
+      derivativesOutward(bodies, w, d, Vec3<double>{}, v, a, static_cast<const Force<double>*>(nullptr));
+      derivativesInward(bodies, w, d);
+    } else {
+      momenta(bodies, w, d, v);
+    }
+    return kernels::centroidal(bodies, w, d, out);
   };
   k.assemble = [](const CompactImpl& m, const PathMatrix<double>& from, double* out) { from.assemble<Wide>(m.dof_end, Rows<double>{out, m.nvx}); };
   k.choleskyDecompose = [](const CompactImpl& m, D& d, const double* M) {

@@ -18,13 +18,19 @@ namespace dyn::kernels {
 template <class S>
 Force<S> coriolis(const SubtreeMotion<S>& c, const Vec3<S>& x) {
   const S trace = c.K(0, 0) + c.K(1, 1) + c.K(2, 2);
-  return S(2) * Force<S>{cross(x, c.momentum), trace * x - c.K * x};
+  return S(2) * Force<S>{cross(x, c.momentum.linear), trace * x - c.K * x};
 }
 /// The turning rates' lever on a motion s: coriolis(x) . s = lever . x.
 template <class S>
 Vec3<S> coriolisLever(const SubtreeMotion<S>& c, const Motion<S>& s) {
   const S trace = c.K(0, 0) + c.K(1, 1) + c.K(2, 2);
-  return S(2) * (cross(c.momentum, s.linear) + trace * s.angular - transposeTimes(c.K, s.angular));
+  return S(2) * (cross(c.momentum.linear, s.linear) + trace * s.angular - transposeTimes(c.K, s.angular));
+}
+/// A subtree's momentum about the parent's origin, with velocities relative to it.
+template <class S>
+Force<S> momentumInParent(const SubtreeMotion<S>& c, const S& mass, const Vec3<S>& h, const Vec3<S>& r) {
+  const Vec3<S> linear = c.momentum.linear + mass * c.shift_rate;
+  return {linear, c.momentum.angular + cross(h, c.shift_rate) + cross(r, linear)};
 }
 template <class S>
 Force<S> rigidForce(const S& mass, const Vec3<S>& h, const Sym3<S>& I, const Motion<S>& x) {
@@ -54,7 +60,8 @@ SubspaceTerms<S> subspaceTerms(const SubspaceDerivatives<S>& dS, int slot, int m
 
 /// Placements, motions and forces of the bodies, and each degree of freedom's variation.
 template <class S, class Order>
-void derivativesOutward(const Order& order, Workspace<S>& w, DerivativeWorkspace<S>& d, const S* v, const S* a, const Force<S>* fext) {
+void derivativesOutward(const Order& order, Workspace<S>& w, DerivativeWorkspace<S>& d, const Vec3<S>& gravity, const S* v, const S* a,
+                        const Force<S>* fext) {
   w.w[0] = {};
   order.forward([&]<class Joint>(const Joint& joint, int i, int iv) {
     const auto& c = order.constants(i);
@@ -63,7 +70,7 @@ void derivativesOutward(const Order& order, Workspace<S>& w, DerivativeWorkspace
     const Vec3<S>& r = w.r[i];
     const Vec3<S>& wp = order.parent(w.w, i);
     Motion<S> ap = order.parent(w.acc, i);
-    if (order.isRoot(i)) ap = {isFlyingRoot<Joint>(order, i) ? transposeTimes(w.rel[i].R, -order.gravity()) : -order.gravity(), {}};
+    if (order.isRoot(i)) ap = {isFlyingRoot<Joint>(order, i) ? transposeTimes(w.rel[i].R, -gravity) : -gravity, {}};
     ap.linear += cross(ap.angular, r) + cross(wp, cross(wp, r));
 
     const Motion<S> s = joint.times(v + iv);
@@ -83,7 +90,7 @@ void derivativesOutward(const Order& order, Workspace<S>& w, DerivativeWorkspace
     const S half = S(0.5) * (I.xx + I.yy + I.zz);
     Mat3<S> second = S(-1) * I.matrix();
     for (int k = 0; k < 3; ++k) second(k, k) += half;
-    d.body[i] = {cross(wp, r) + slide, cross(omega, h), skew(omega) * second};
+    d.body[i] = {cross(wp, r) + slide, {cross(omega, h), I * omega}, skew(omega) * second};
     const Force<S> inertial = rigidForce(S(c.mass), h, I, acc);
     w.f[i] = {inertial.linear + cross(omega, cross(omega, h)), inertial.angular + cross(omega, I * omega)};
     if (fext) w.f[i] -= Force<S>{R * fext[i].linear, R * fext[i].angular};
@@ -109,7 +116,7 @@ void derivativesOutward(const Order& order, Workspace<S>& w, DerivativeWorkspace
         acceleration += more.acceleration + Motion<S>{cross(omega, more.velocity.linear), cross(omega, more.velocity.angular)};
       }
       acceleration += Motion<S>{cross(wp, velocity.linear) - cross(slide, velocity.angular), cross(wp, velocity.angular)};
-      d.dof[iv + k] = {velocity.angular, acceleration, velocity + rate, {}};
+      d.dof[iv + k] = {velocity, acceleration, velocity + rate, {}};
     }
   });
 }
@@ -130,7 +137,8 @@ void derivativesInward(const Order& order, Workspace<S>& w, DerivativeWorkspace<
       writeForce(rigidForce(mass, h, I, s), d.force, iv + k);
       writeVector(coriolisLever(c, s), Rows<S>{d.force[D::lever], d.force.stride}, iv + k);
       const Force<S> turned{cross(s.angular, f.linear), cross(s.angular, f.angular) + cross(s.linear, f.linear)};
-      writeForce(rigidForce(mass, h, I, x.acceleration) + coriolis(c, x.velocity) + turned, Rows<S>{d.force[D::force_by_q], d.force.stride}, iv + k);
+      writeForce(rigidForce(mass, h, I, x.acceleration) + coriolis(c, x.velocity.angular) + turned, Rows<S>{d.force[D::force_by_q], d.force.stride},
+                 iv + k);
       writeForce(rigidForce(mass, h, I, x.rate) + coriolis(c, s.angular), Rows<S>{d.force[D::force_by_v], d.force.stride}, iv + k);
     }
     if (order.isRoot(i)) return;
@@ -141,10 +149,10 @@ void derivativesInward(const Order& order, Workspace<S>& w, DerivativeWorkspace<
     order.addToParent(w.mass, i, mass);
     order.addToParent(w.f, i, Force<S>{f.linear, f.angular + cross(r, f.linear)});
     SubtreeMotion<S>& parent = d.body[order.parentOf(i)];
-    parent.momentum += c.momentum + mass * c.shift_rate;
+    parent.momentum += momentumInParent(c, mass, h, r);
     for (int row = 0; row < 3; ++row)
       for (int column = 0; column < 3; ++column)
-        parent.K(row, column) += c.K(row, column) + c.momentum[row] * r[column] + c.shift_rate[row] * moment[column];
+        parent.K(row, column) += c.K(row, column) + c.momentum.linear[row] * r[column] + c.shift_rate[row] * moment[column];
   });
 }
 
@@ -164,7 +172,7 @@ void derivativesSweep(const Order& order, Workspace<S>& w, DerivativeWorkspace<S
         Wide q = dot(broadcast<Wide>(x.acceleration), U), v = dot(broadcast<Wide>(x.rate.angular), U.angular);
         if constexpr (Joint::has_linear) v += dot(broadcast<Wide>(x.rate.linear), U.linear);
         if constexpr (Joint::has_angular) {
-          q += dot(broadcast<Wide>(x.velocity), lever);
+          q += dot(broadcast<Wide>(x.velocity.angular), lever);
           v += dot(broadcast<Wide>(column.s.angular), lever);
         }
         d.by_a.enterBelow(part, iv + k, column.along(U));

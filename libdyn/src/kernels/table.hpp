@@ -30,6 +30,9 @@ struct SingleKernels {
                         const Force<double>* fext, double* by_q, double* by_v, double* inverse);
   /// One of these, n x n.
   void (*assemble)(const CompactImpl&, const PathMatrix<double>&, double* out);
+  /// Joints asked first. Without out.rates, a is not read.
+  CentroidalState<double> (*centroidal)(const CompactImpl&, Workspace<double>&, Derivatives&, const double* q, const double* v, const double* a,
+                                        const CentroidalMaps<double>& out);
   /// The Derivatives' factors: of M, where the degree of freedom, plus one, whose pivot vanished is returned, or 0; or from articulated
   /// inertias, where the body is. Joints asked first.
   int (*choleskyDecompose)(const CompactImpl&, Derivatives&, const double* M);

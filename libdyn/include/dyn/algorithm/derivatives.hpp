@@ -59,7 +59,7 @@ inline MatrixResult computeGeneralizedGravityDerivatives(const CompactModel& mod
   return {detail::rneaDerivatives(model, data, q, nullptr, nullptr, nullptr, 0).by_q, model.nv(), model.nv()};
 }
 
-/// Of aba(q, v, tau): -M^-1 times those of rnea at ddq, by the factors of M that follow the tree. O(n^2 depth).
+/// Of aba(q, v, tau): the articulated-body recursion differentiated, so that the condition of M costs no digits. O(n^2).
 /// Throws Error(size | argument), and Error(singular) naming the joint where M is singular.
 inline AbaDerivatives computeABADerivatives(const CompactModel& model, Data& data, const VectorArg& q, const VectorArg& v, const VectorArg& tau) {
   return detail::abaDerivativesOf(model, detail::abaDerivatives(model, data, q, v, tau, nullptr, 0));
@@ -69,7 +69,7 @@ inline AbaDerivatives computeABADerivatives(const CompactModel& model, Data& dat
   return detail::abaDerivativesOf(model, detail::abaDerivatives(model, data, q, v, tau, fext.data(), fext.size()));
 }
 
-/// M^-1(q), nv x nv, symmetric to the last bit, from crba and the factors of M that follow the tree. O(n^2 depth).
+/// M^-1(q), nv x nv, symmetric to the last bit, from the factors of M that follow the tree, read off articulated inertias. O(n^2 depth).
 /// Throws Error(size | argument), and Error(singular) naming the joint where M is singular.
 inline MatrixResult computeMinverse(const CompactModel& model, Data& data, const VectorArg& q) {
   return {detail::minverse(model, data, q), model.nv(), model.nv()};

@@ -1,0 +1,57 @@
+// Momentum about the centre of mass: its map, its rate, and their derivatives. All need Need::derivatives.
+//
+// Momenta and forces are in world axes about the (moving) centre of mass, linear part first; so are the rows of the 6 x nv matrices. They are
+// exact wherever the base stands. O(n). Orin, Goswami and Lee 2013; derivatives by the formulas of computeRNEADerivatives, summed up at
+// the centre of mass. All throw Error(size | argument), and Error(singular) for a model without mass.
+#pragma once
+
+#include <dyn/data/data.hpp>
+#include <dyn/spatial/vector3.hpp>
+
+namespace dyn {
+
+struct CentroidalMomentum {
+  VectorResult hg;              ///< momentum [kg m/s, kg m^2/s]
+  MatrixResult Ag;              ///< hg = Ag v
+  const Mat3<double>& inertia;  ///< rotational inertia of the whole as one rigid body about the centre of mass [kg m^2]
+};
+struct CentroidalRate {
+  VectorResult hg, dhg;  ///< dhg = d hg / dt [N, N m]: the force that gravity, contacts and other bodies must have brought
+  MatrixResult Ag, dAg;  ///< dhg = Ag a + dAg v
+};
+struct CentroidalDerivatives {
+  MatrixResult dhg_dq;                           ///< of the momentum; dhg/dv = Ag
+  MatrixResult dhgdot_dq, dhgdot_dv, dhgdot_da;  ///< of its rate; the last is Ag
+};
+
+namespace detail {
+struct CentroidalViews {
+  const double *hg, *dhg, *Ag, *dAg, *dh_dq, *dhdot_dq, *dhdot_dv;
+  const Mat3<double>* inertia;
+};
+enum class CentroidalTask { map, rate, derivatives };
+DYN_API CentroidalViews centroidal(const CompactModel&, Data&, CentroidalTask, VectorView q, VectorView v, const VectorView* a);
+}  // namespace detail
+
+/// Momentum and its map: the centroidal composite-rigid-body algorithm.
+inline CentroidalMomentum ccrba(const CompactModel& model, Data& data, const VectorArg& q, const VectorArg& v) {
+  const detail::CentroidalViews x = detail::centroidal(model, data, detail::CentroidalTask::map, q, v, nullptr);
+  return {{x.hg, 6}, {x.Ag, 6, model.nv()}, *x.inertia};
+}
+/// Momentum, its rate for accelerations a, and the time derivative of the map.
+inline CentroidalRate computeCentroidalMomentumTimeVariation(const CompactModel& model, Data& data, const VectorArg& q, const VectorArg& v,
+                                                             const VectorArg& a) {
+  const VectorView acceleration = a;
+  const detail::CentroidalViews x = detail::centroidal(model, data, detail::CentroidalTask::rate, q, v, &acceleration);
+  return {{x.hg, 6}, {x.dhg, 6}, {x.Ag, 6, model.nv()}, {x.dAg, 6, model.nv()}};
+}
+/// Of hg(q, v) and dhg(q, v, a), in the tangent space of q.
+inline CentroidalDerivatives computeCentroidalDynamicsDerivatives(const CompactModel& model, Data& data, const VectorArg& q, const VectorArg& v,
+                                                                  const VectorArg& a) {
+  const VectorView acceleration = a;
+  const detail::CentroidalViews x = detail::centroidal(model, data, detail::CentroidalTask::derivatives, q, v, &acceleration);
+  const int n = model.nv();
+  return {{x.dh_dq, 6, n}, {x.dhdot_dq, 6, n}, {x.dhdot_dv, 6, n}, {x.Ag, 6, n}};
+}
+
+}  // namespace dyn

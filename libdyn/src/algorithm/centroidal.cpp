@@ -1,0 +1,65 @@
+#include "algorithm/followers.hpp"
+#include "algorithm/inputs.hpp"
+#include "kernels/table.hpp"
+
+#include <dyn/algorithm/centroidal.hpp>
+#include <dyn/error.hpp>
+
+namespace dyn::detail {
+
+namespace {
+
+void flatten(const Force<double>& f, double* out) {
+  for (int r = 0; r < 3; ++r) {
+    out[r] = f.linear[r];
+    out[3 + r] = f.angular[r];
+  }
+}
+
+/// dAg along the motion is G dAg + dG/dt Ag; the others are derivatives by q, v and a.
+void fold(const CompactImpl& m, DataImpl& d, CentroidalTask task) {
+  for (std::size_t k = m.couplings.size(); k-- > 0;) {
+    const std::ptrdiff_t s = 6 * m.index[static_cast<std::size_t>(m.couplings[k].body)].idx_v;
+    const std::ptrdiff_t t = 6 * m.index[static_cast<std::size_t>(m.couplings[k].master)].idx_v;
+    const double rate = d.dG[k] * d.vx[t / 6];
+    for (int r = 0; r < 6; ++r) {
+      if (task == CentroidalTask::rate) d.dAg[t + r] += d.G[k] * d.dAg[s + r] + rate * d.Ag[s + r];
+      if (task == CentroidalTask::derivatives) d.dh_dq[t + r] += d.G[k] * d.dh_dq[s + r] + rate * d.Ag[s + r];
+      if (task != CentroidalTask::derivatives) d.Ag[t + r] += d.G[k] * d.Ag[s + r];
+    }
+    if (task == CentroidalTask::derivatives) foldColumn(m, d, k, 6, d.dhdot_dq, d.dhdot_dv, d.Ag);
+  }
+  for (double* columns : {d.Ag, d.dAg, d.dh_dq, d.dhdot_dq, d.dhdot_dv}) keepUsersColumns(m, 6, columns);
+}
+
+}  // namespace
+
+CentroidalViews centroidal(const CompactModel& model, Data& data, CentroidalTask task, VectorView q, VectorView v, const VectorView* a) {
+  const char* algorithm = task == CentroidalTask::map    ? "ccrba"
+                          : task == CentroidalTask::rate ? "computeCentroidalMomentumTimeVariation"
+                                                         : "computeCentroidalDynamicsDerivatives";
+  checkData(algorithm, model, data, Need::derivatives);
+  const CompactImpl& m = model.impl();
+  DataImpl& d = data.impl();
+  if (!(m.mass > 0))
+    throw Error(ErrorCode::singular, std::string(algorithm) + ": the model has no mass, so no centre of mass; give its bodies inertias");
+  const Inputs in = readInputs(algorithm, model, data, q, &v, a);
+  evaluateJoints(m, d, in.q, in.v);
+  kernels::CentroidalMaps<double> maps;
+  maps.Ag = d.Ag;
+  maps.rates = task != CentroidalTask::map;
+  if (task == CentroidalTask::rate) maps.dAg = d.dAg;
+  if (task == CentroidalTask::derivatives) {
+    maps.dh_dq = d.dh_dq;
+    maps.dhdot_dq = d.dhdot_dq;
+    maps.dhdot_dv = d.dhdot_dv;
+  }
+  const auto state = kernels::active().single.centroidal(m, d, d.derivatives, in.q, in.v, in.a, maps);
+  flatten(state.momentum, d.hg);
+  flatten(state.rate, d.dhg);
+  d.locked_inertia = state.inertia.matrix();
+  if (!m.couplings.empty()) fold(m, d, task);
+  return {d.hg, d.dhg, d.Ag, d.dAg, d.dh_dq, d.dhdot_dq, d.dhdot_dv, &d.locked_inertia};
+}
+
+}  // namespace dyn::detail

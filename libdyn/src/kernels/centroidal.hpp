@@ -1,0 +1,140 @@
+// Momentum about the centre of mass, its map and its derivatives, from what the derivatives of inverse dynamics have of each subtree.
+//
+// Everything is summed in aligned frames about the joints' own origins, in inertial frames that move with them, and moved to the centre of
+// mass last: by y, from the joint's origin to the centre, and its rate. No position in the world enters.
+#pragma once
+
+#include "kernels/rnea_derivatives.hpp"
+
+namespace dyn::kernels {
+
+/// What momentum and its map take, and no more: placements, velocities and composite inertias and momenta.
+template <class S>
+void momenta(const Bodies<S>& bodies, Workspace<S>& w, DerivativeWorkspace<S>& d, const S* v) {
+  w.w[0] = {};
+  bodies.forward([&]<class Joint>(const Joint& joint, int i, int iv) {
+    const auto& c = bodies.constants(i);
+    placeAligned<S>(joint, bodies, c.placement, i, w);
+    const Mat3<S>& R = w.R[i];
+    const Vec3<S>& wp = bodies.parent(w.w, i);
+    const Motion<S> s = joint.times(v + iv);
+    const Vec3<S> omega = wp + R * s.angular, h = R * c.h;
+    const Sym3<S> I = congruence(R, c.origin);
+    w.w[i] = omega;
+    w.mass[i] = c.mass;
+    w.h[i] = h;
+    w.Io[i] = I;
+    d.body[i].shift_rate = cross(wp, w.r[i]) + R * s.linear;
+    d.body[i].momentum = {cross(omega, h), I * omega};
+    for (int k = 0; k < Joint::nv; ++k) {
+      const Motion<S> local = joint.column(k);
+      w.dof[iv + k].S_ = {R * local.linear, R * local.angular};
+    }
+  });
+  bodies.backward([&]<class Joint>(const Joint&, int i, int iv) {
+    for (int k = 0; k < Joint::nv; ++k) writeForce(rigidForce(w.mass[i], w.h[i], w.Io[i], w.dof[iv + k].S_), d.force, iv + k);
+    if (bodies.isRoot(i)) return;
+    const int parent = bodies.parentOf(i);
+    d.body[parent].momentum += momentumInParent(d.body[i], w.mass[i], w.h[i], w.r[i]);
+    w.Io[parent] += shiftedInertia(w.Io[i], w.mass[i], w.h[i], w.r[i]);
+    w.h[parent] += w.h[i] + w.mass[i] * w.r[i];
+    w.mass[parent] += w.mass[i];
+  });
+}
+
+/// After momenta; or, for more than Ag and momentum, after derivativesOutward without gravity and derivativesInward. The trees that stand on the
+/// world are one system: where there are several, their places in the world are compared.
+template <class S>
+CentroidalState<S> centroidal(const Bodies<S>& bodies, Workspace<S>& w, DerivativeWorkspace<S>& d, const CentroidalMaps<S>& out) {
+  const CompactImpl& m = bodies.m;
+  using D = DerivativeWorkspace<S>;
+  // The first root is where the others are seen from.
+  const int first = 1;
+  const auto axesOf = [&](int root) { return bodies.index(root).flying_root ? w.rel[root].R : Mat3<S>::identity(); };
+  const auto originOf = [&](int root) { return bodies.index(root).flying_root ? w.rel[root].p : w.r[root]; };
+  const auto speedOf = [&](int root) { return axesOf(root) * d.body[root].shift_rate; };
+  S mass(0);
+  Vec3<S> moment, flow;  // of mass, and of momentum, about the first root's origin and relative to its speed; world axes
+  for (int root = first; root < m.bodies(); root = bodies.treeEnd(root)) {
+    const Mat3<S> R = axesOf(root);
+    mass += w.mass[root];
+    moment += R * w.h[root];
+    flow += R * d.body[root].momentum.linear;
+    if (root == first) continue;
+    moment += w.mass[root] * (originOf(root) - originOf(first));
+    flow += w.mass[root] * (speedOf(root) - speedOf(first));
+  }
+  const Vec3<S> centre = (S(1) / mass) * moment, drift = (S(1) / mass) * flow;
+
+  CentroidalState<S> sum{};
+  sum.mass = mass;
+  // From each root to its leaves: where joints' origins are, seen from the centre of mass, and how fast they leave it.
+  for (int i = 1; i < m.bodies(); ++i) {
+    const BodyIndex& x = bodies.index(i);
+    Motion<S>& place = d.place[i];  // y and its rate, aligned axes
+    if (x.parent == 0) {
+      const Mat3<S> R = axesOf(i);
+      const Vec3<S> apart = i == first ? Vec3<S>{} : originOf(i) - originOf(first), parting = i == first ? Vec3<S>{} : speedOf(i) - speedOf(first);
+      place = {transposeTimes(R, centre - apart), transposeTimes(R, drift - parting)};
+      const SubtreeMotion<S>& c = d.body[i];
+      const auto about = [&](const Force<S>& f) { return Force<S>{R * f.linear, R * (f.angular - cross(place.linear, f.linear))}; };
+      // Relative to the centre's own speed the whole has no linear momentum: that of the world is added at the end.
+      const Vec3<S> linear = c.momentum.linear - w.mass[i] * place.angular;
+      sum.momentum += about({linear, c.momentum.angular - cross(w.h[i], place.angular)});
+      if (out.rates) sum.rate += about(w.f[i]);
+      sum.inertia += congruence(R, shiftedInertia(w.Io[i], w.mass[i], w.h[i], -place.linear));
+    } else {
+      place = {d.place[x.parent].linear - w.r[i], d.place[x.parent].angular - d.body[i].shift_rate};
+    }
+  }
+  sum.momentum.linear = mass * (speedOf(first) + drift);
+
+  int root = first;
+  for (int i = 1; i < m.bodies(); ++i) {
+    const BodyIndex& x = bodies.index(i);
+    if (x.parent == 0) root = i;
+    const Mat3<S> R = axesOf(root);
+    const Vec3<S>&y = d.place[i].linear, &dy = d.place[i].angular;
+    const SubtreeMotion<S>& c = d.body[i];
+    const Vec3<S> total_force = (S(1) / mass) * transposeTimes(R, sum.rate.linear);
+    for (int k = x.idx_v; k < x.idx_v + x.nv; ++k) {
+      const Motion<S>& s = w.dof[k].S_;
+      const DofVariation<S>& change = d.dof[k];
+      const auto read = [&](int component) {
+        const auto at = [&](int c0) { return d.force[component + c0][k]; };
+        return Force<S>{{at(0), at(1), at(2)}, {at(3), at(4), at(5)}};
+      };
+      const auto write = [&](S* to, const Force<S>& f) {
+        const Vec3<S> linear = R * f.linear, angular = R * (f.angular - cross(y, f.linear));
+        for (int r = 0; r < 3; ++r) {
+          to[6 * k + r] = linear[r];
+          to[6 * k + 3 + r] = angular[r];
+        }
+      };
+      const auto turned = [&](const Force<S>& f) {
+        return Force<S>{cross(s.angular, f.linear), cross(s.angular, f.angular) + cross(s.linear, f.linear)};
+      };
+      const Force<S> U = read(0);
+      if (out.Ag) write(out.Ag, U);
+      const auto inertiaTimes = [&](const Motion<S>& b) { return rigidForce(w.mass[i], w.h[i], w.Io[i], b); };
+      if (out.dAg) {
+        // d(I s)/dt = I ds/dt + (v x* I - I v x) s, of which coriolis() is the second part plus s x* (momentum).
+        const Motion<S> ds = change.rate - change.velocity;
+        const Force<S> rate = inertiaTimes(ds) + coriolis(c, s.angular) - turned(c.momentum);
+        write(out.dAg, {rate.linear, rate.angular - cross(dy, U.linear)});
+      }
+      if (out.dh_dq) {
+        const Force<S> change_of_momentum = turned(c.momentum) + inertiaTimes(change.velocity);
+        write(out.dh_dq, {change_of_momentum.linear, change_of_momentum.angular + cross(dy, U.linear)});
+      }
+      if (out.dhdot_dq) {
+        const Force<S> by_q = read(D::force_by_q);
+        write(out.dhdot_dq, {by_q.linear, by_q.angular - cross(U.linear, total_force)});
+      }
+      if (out.dhdot_dv) write(out.dhdot_dv, read(D::force_by_v));
+    }
+  }
+  return sum;
+}
+
+}  // namespace dyn::kernels

@@ -1,0 +1,170 @@
+// Derivatives against differences of the algorithms themselves, for every joint type that is loaded, plugins included.
+#include "support/catch.hpp"
+#include "support/random_model.hpp"
+#include "support/registry.hpp"
+
+#include <functional>
+
+using namespace dyn;
+using namespace dyn::test;
+
+namespace {
+
+/// d f(x) / dx at 0 by Richardson's extrapolation of central differences: about 1e-11 relative for smooth f of size 1; joints that are splines are smooth between knots only.
+Eigen::VectorXd derivative(const std::function<Eigen::VectorXd(double)>& f) {
+  constexpr int rounds = 3;
+  Eigen::VectorXd table[rounds][rounds];
+  double h = 0.004;
+  for (int i = 0; i < rounds; ++i, h /= 2) {
+    table[i][0] = (f(h) - f(-h)) / (2 * h);
+    double power = 4;
+    for (int k = 1; k <= i; ++k, power *= 4) table[i][k] = (power * table[i][k - 1] - table[i - 1][k - 1]) / (power - 1);
+  }
+  return table[rounds - 1][rounds - 1];
+}
+
+double off(const Eigen::MatrixXd& x, const Eigen::MatrixXd& expected) {
+  return (x - expected).cwiseAbs().maxCoeff() / std::max(1.0, expected.cwiseAbs().maxCoeff());
+}
+
+struct State {
+  Eigen::VectorXd q, v, a;
+  ExternalForces fext;
+};
+
+State stateOf(const CompactModel& model, std::uint64_t seed, bool forces) {
+  Random random(seed);
+  State s{integrate(model, neutral(model), Eigen::VectorXd(random.vector(model.nv(), 0.3).array() + 0.6)), random.vector(model.nv(), 1),
+          random.vector(model.nv(), 2), {}};
+  s.v.array() += (s.v.array() >= 0).select(Eigen::ArrayXd::Constant(model.nv(), 0.1), -0.1);  // away from friction's jump
+  if (forces)
+    for (std::size_t j = 0; j < model.joints().size(); ++j) s.fext.push_back({random.vector(5), random.vector(5)});
+  return s;
+}
+
+/// Columns: derivative of f(q, v, a) along each tangent direction of q; then v, and a.
+struct Differences {
+  Eigen::MatrixXd by_q, by_v, by_a;
+};
+Differences differences(const CompactModel& model, const State& s, const std::function<Eigen::VectorXd(const State&)>& f) {
+  const Eigen::Index n = model.nv(), rows = f(s).size();
+  Differences out{Eigen::MatrixXd(rows, n), Eigen::MatrixXd(rows, n), Eigen::MatrixXd(rows, n)};
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const auto moved = [&](auto change) {
+      return [&, change](double h) {
+        State t = s;
+        change(t, h);
+        return f(t);
+      };
+    };
+    out.by_q.col(k) = derivative(moved([&](State& t, double h) { t.q = integrate(model, s.q, Eigen::VectorXd(h * Eigen::VectorXd::Unit(n, k))); }));
+    out.by_v.col(k) = derivative(moved([&](State& t, double h) { t.v[k] += h; }));
+    out.by_a.col(k) = derivative(moved([&](State& t, double h) { t.a[k] += h; }));
+  }
+  return out;
+}
+
+void checkModel(const CompactModel& model, std::uint64_t seed, bool forces) {
+  INFO("model " << model.name() << ", seed " << seed << ", forces " << forces);
+  Data data(model, Need::derivatives), other(model, Need::derivatives);
+  const State s = stateOf(model, seed, forces);
+  const auto inverse = [&](const State& t) -> Eigen::VectorXd {
+    return forces ? rnea(model, other, t.q, t.v, t.a, t.fext) : rnea(model, other, t.q, t.v, t.a);
+  };
+  const Differences expected = differences(model, s, inverse);
+  const RneaDerivatives x = forces ? computeRNEADerivatives(model, data, s.q, s.v, s.a, s.fext) : computeRNEADerivatives(model, data, s.q, s.v, s.a);
+  CHECK(off(x.dtau_dq, expected.by_q) < 1e-9);
+  CHECK(off(x.dtau_dv, expected.by_v) < 1e-9);
+  CHECK(off(x.dtau_da, expected.by_a) < 1e-9);
+  CHECK(off(x.dtau_da, crba(model, other, s.q)) < 1e-14);
+
+  const auto forward = [&](const State& t) -> Eigen::VectorXd {
+    return forces ? aba(model, other, t.q, t.v, t.a, t.fext) : aba(model, other, t.q, t.v, t.a);
+  };
+  const Differences accelerations = differences(model, s, forward);
+  const AbaDerivatives y = forces ? computeABADerivatives(model, data, s.q, s.v, s.a, s.fext) : computeABADerivatives(model, data, s.q, s.v, s.a);
+  CHECK(off(y.ddq, forward(s)) < 1e-14);
+  CHECK(off(y.ddq_dq, accelerations.by_q) < 1e-8);
+  CHECK(off(y.ddq_dv, accelerations.by_v) < 1e-8);
+  CHECK(off(y.ddq_dtau, accelerations.by_a) < 1e-8);
+  CHECK(Eigen::MatrixXd(y.ddq_dtau) == Eigen::MatrixXd(y.ddq_dtau).transpose());
+  const Eigen::MatrixXd from_factors = computeMinverse(model, data, s.q);
+  CHECK(off(from_factors, y.ddq_dtau) < 1e-12);
+}
+
+void checkCentroidal(const CompactModel& model, std::uint64_t seed) {
+  INFO("model " << model.name() << ", seed " << seed);
+  Data data(model, Need::derivatives), other(model, Need::derivatives);
+  const State s = stateOf(model, seed, false);
+  const CentroidalMomentum h = ccrba(model, data, s.q, s.v);
+  CHECK(off(h.Ag * s.v, h.hg) < 1e-13);
+  const CenterOfMass c = centerOfMass(model, other, s.q, s.v);
+  CHECK(off(h.hg.head<3>(), model.mass() * Eigen::Vector3d(c.velocity.x, c.velocity.y, c.velocity.z)) < 1e-13);
+  const Eigen::MatrixXd Ag = h.Ag;
+  const CentroidalRate rate = computeCentroidalMomentumTimeVariation(model, data, s.q, s.v, s.a);
+  CHECK(off(rate.Ag, Ag) < 1e-14);
+  CHECK(off(rate.dhg, Ag * s.a + rate.dAg * s.v) < 1e-12);
+  const Eigen::VectorXd along = derivative([&](double t) -> Eigen::VectorXd {
+    return ccrba(model, other, integrate(model, s.q, Eigen::VectorXd(t * s.v)), s.v).Ag.reshaped();
+  });
+  CHECK(off(rate.dAg.reshaped(), along) < 1e-9);
+  const CentroidalDerivatives x = computeCentroidalDynamicsDerivatives(model, data, s.q, s.v, s.a);
+  const Differences momentum = differences(model, s, [&](const State& t) -> Eigen::VectorXd { return ccrba(model, other, t.q, t.v).hg; });
+  CHECK(off(x.dhg_dq, momentum.by_q) < 1e-9);
+  CHECK(off(Ag, momentum.by_v) < 1e-9);
+  const Differences force = differences(
+      model, s, [&](const State& t) -> Eigen::VectorXd { return computeCentroidalMomentumTimeVariation(model, other, t.q, t.v, t.a).dhg; });
+  CHECK(off(x.dhgdot_dq, force.by_q) < 1e-9);
+  CHECK(off(x.dhgdot_dv, force.by_v) < 1e-9);
+  CHECK(off(x.dhgdot_da, force.by_a) < 1e-9);
+}
+
+}  // namespace
+
+TEST_CASE("centroidal momentum, its map and derivatives, for all joint types, several trees, and followers", "[centroidal]") {
+  const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 6)));
+  checkCentroidal(compile(randomTree(registry(), 14, seed), registry()), seed);
+  Model coupled = randomTree(registry(), 22, seed + 3);
+  addFollower(coupled);
+  checkCentroidal(compile(coupled, registry()), seed);
+}
+
+TEST_CASE("derivatives of rnea and aba are those of rnea and aba, for all joint types", "[derivatives]") {
+  const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 9)));
+  checkModel(compile(randomTree(registry(), 14, seed, true), registry()), seed, false);
+  checkModel(compile(randomTree(registry(), 9, seed), registry()), seed, true);
+}
+
+TEST_CASE("derivatives of one joint of each type", "[derivatives]") {
+  for (const JointType* type : registry().jointTypes()) {
+    if (type->info().name == std::string("fixed")) continue;
+    INFO(type->info().name);
+    checkModel(compile(treeOf(registry(), {type->info().name}, 3, 7), registry()), 1, true);
+  }
+}
+
+TEST_CASE("derivatives of joints that follow others", "[derivatives]") {
+  Model description = randomTree(registry(), 22, 4, true);
+  addFollower(description);
+  checkModel(compile(description, registry()), 2, false);
+  checkModel(compile(description, registry()), 3, true);
+}
+
+TEST_CASE("gravity's derivative is that of rnea at rest", "[derivatives]") {
+  const CompactModel model = compile(randomTree(registry(), 14, 3), registry());
+  Data data(model, Need::derivatives);
+  const State s = stateOf(model, 3, false);
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(model.nv());
+  const Eigen::MatrixXd expected = computeRNEADerivatives(model, data, s.q, zero, zero).dtau_dq;
+  CHECK(Eigen::MatrixXd(computeGeneralizedGravityDerivatives(model, data, s.q)) == expected);
+}
+
+TEST_CASE("derivatives say what they need", "[derivatives]") {
+  const CompactModel model = compile(randomTree(registry(), 5, 1), registry());
+  Data data(model);
+  const Eigen::VectorXd q = neutral(model), v = Eigen::VectorXd::Zero(model.nv());
+  CHECK_THROWS_WITH(computeRNEADerivatives(model, data, q, v, v), containing("Need::derivatives"));
+  CHECK_THROWS_WITH(computeMinverse(model, data, q), containing("Need::derivatives"));
+  Data good(model, Need::derivatives);
+  CHECK_THROWS_WITH(computeABADerivatives(model, good, q, v, Eigen::VectorXd(v.head(1))), containing("tau"));
+}
