@@ -150,6 +150,63 @@ TEST_CASE("derivatives of joints that follow others", "[derivatives]") {
   checkModel(compile(description, registry()), 3, true);
 }
 
+TEST_CASE("the Coriolis matrix gives C v, and dM/dt - 2 C is skew", "[coriolis]") {
+  const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 6)));
+  Model description = randomTree(registry(), 18, seed);
+  if (seed == 4) {
+    description = randomTree(registry(), 22, 4);
+    addFollower(description);
+  }
+  const CompactModel model = compile(description, registry());
+  Data data(model, Need::derivatives), other(model, Need::derivatives);
+  const State s = stateOf(model, seed, false);
+  const Eigen::MatrixXd C = computeCoriolisMatrix(model, data, s.q, s.v);
+  const Eigen::VectorXd bias = nonLinearEffects(model, other, s.q, s.v), gravity = generalizedGravity(model, other, s.q);
+  CHECK(off(C * s.v, bias - gravity) < 1e-12);
+  const Eigen::VectorXd rate =
+      derivative([&](double t) -> Eigen::VectorXd { return crba(model, other, integrate(model, s.q, Eigen::VectorXd(t * s.v))).reshaped(); });
+  const Eigen::MatrixXd skew = rate.reshaped(model.nv(), model.nv()) - 2 * C;
+  CHECK(off(skew, -skew.transpose()) < 1e-9);
+}
+
+TEST_CASE("the factors of M solve, multiply, and give forward dynamics", "[cholesky]") {
+  const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 9)));
+  const CompactModel model = compile(randomTree(registry(), 20, seed), registry());
+  Data data(model, Need::derivatives), other(model, Need::derivatives);
+  const State s = stateOf(model, seed, false);
+  const Eigen::Index n = model.nv();
+  const Eigen::MatrixXd M = crba(model, data, s.q);
+  cholesky::decompose(model, data);
+  Eigen::MatrixXd U = Eigen::MatrixXd::Identity(n, n), Ut = U, X = U, Y = U;
+  cholesky::Uv(model, data, U);
+  cholesky::Utv(model, data, Ut);
+  cholesky::Mv(model, data, X);
+  cholesky::solve(model, data, Y);
+  CHECK(Ut == U.transpose());
+  CHECK(U.isUpperTriangular(0));
+  CHECK((U.diagonal().array() == 1).all());
+  for (Eigen::Index i = 0; i < n; ++i)
+    for (Eigen::Index j = i + 1; j < n; ++j)
+      if (M(i, j) == 0) CHECK(U(i, j) == 0);
+  CHECK(off(X, M) < 1e-13);
+  CHECK(off(M * Y, Eigen::MatrixXd::Identity(n, n)) < 1e-9);
+  Eigen::VectorXd x = s.v;
+  cholesky::solve(model, data, x);
+  CHECK(off(x, Y * s.v) < 1e-9);
+  const Eigen::VectorXd tau = s.a;
+  CHECK(off(forwardDynamics(model, data, s.q, s.v, tau), aba(model, other, s.q, s.v, tau)) < 1e-8);
+  CHECK_THROWS_WITH(cholesky::solve(model, data, x.head(1)), containing("X is 1 x 1"));
+}
+
+TEST_CASE("factors of models with followers are refused", "[cholesky]") {
+  Model description = randomTree(registry(), 22, 4);
+  addFollower(description);
+  const CompactModel model = compile(description, registry());
+  Data data(model, Need::derivatives);
+  crba(model, data, neutral(model));
+  CHECK_THROWS_WITH(cholesky::decompose(model, data), containing("follow"));
+}
+
 TEST_CASE("gravity's derivative is that of rnea at rest", "[derivatives]") {
   const CompactModel model = compile(randomTree(registry(), 14, 3), registry());
   Data data(model, Need::derivatives);

@@ -5,7 +5,9 @@
 #include <dyn/algorithm/batch.hpp>
 #include <dyn/algorithm/center_of_mass.hpp>
 #include <dyn/algorithm/centroidal.hpp>
+#include <dyn/algorithm/cholesky.hpp>
 #include <dyn/algorithm/configuration.hpp>
+#include <dyn/algorithm/coriolis.hpp>
 #include <dyn/algorithm/crba.hpp>
 #include <dyn/algorithm/derivatives.hpp>
 #include <dyn/algorithm/jacobians.hpp>

@@ -28,13 +28,6 @@ void foldDerivatives(const CompactImpl& m, const DataImpl& d, const double* tau,
   }
 }
 
-/// The entries of the user's coordinates.
-void gather(const CompactImpl& m, const double* expanded, double* user) {
-  const std::size_t n = m.v_of_user.size();
-  for (std::size_t j = 0; j < n; ++j)
-    for (std::size_t i = 0; i < n; ++i) user[j * n + i] = expanded[static_cast<std::ptrdiff_t>(m.nvx) * m.v_of_user[j] + m.v_of_user[i]];
-}
-
 void checkFactors(const char* algorithm, const CompactImpl& m, int failed_body) {
   if (failed_body != 0) refuseSingular(algorithm, m.joints[at(m.index[at(failed_body)].joint)].name);
 }
@@ -77,7 +70,7 @@ DerivativeViews rneaDerivatives(const CompactModel& model, Data& data, VectorVie
   if (coupled) {
     foldDerivatives(m, d, d.taux, out[0], out[1], out[2]);
     for (int i = 0; i < 3; ++i) {
-      gather(m, out[i], user[i]);
+      keepUsersEntries(m, out[i], user[i]);
       std::fill(out[i], out[i] + static_cast<std::ptrdiff_t>(m.nvx) * m.nvx, 0.0);  // folding has written where there are no paths
     }
   }

@@ -26,4 +26,11 @@ inline void keepUsersColumns(const CompactImpl& m, std::ptrdiff_t rows, double* 
     std::copy_n(columns + rows * m.v_of_user[k], rows, columns + rows * static_cast<std::ptrdiff_t>(k));
 }
 
+/// Rows and columns of the user's coordinates, of an nvx x nvx matrix.
+inline void keepUsersEntries(const CompactImpl& m, const double* expanded, double* user) {
+  const std::size_t n = m.v_of_user.size();
+  for (std::size_t j = 0; j < n; ++j)
+    for (std::size_t i = 0; i < n; ++i) user[j * n + i] = expanded[static_cast<std::ptrdiff_t>(m.nvx) * m.v_of_user[j] + m.v_of_user[i]];
+}
+
 }  // namespace dyn

@@ -39,7 +39,8 @@ struct DataImpl : Workspace<double> {
   double* columns = nullptr;  ///< 6 x nvx, twice: Jacobians before couplings are folded
   double* zero = nullptr;     ///< max(nvx, 1) zeros
   kernels::DerivativeWorkspace<double> derivatives;
-  double *dtau_dq = nullptr, *dtau_dv = nullptr, *ddq_dq = nullptr, *ddq_dv = nullptr, *Minv = nullptr;
+  double *dtau_dq = nullptr, *dtau_dv = nullptr, *ddq_dq = nullptr, *ddq_dv = nullptr, *Minv = nullptr, *C = nullptr;
+  double* column = nullptr;                                                                          ///< nvx, with room for a pack
   double *Ag = nullptr, *dAg = nullptr, *dh_dq = nullptr, *dhdot_dq = nullptr, *dhdot_dv = nullptr;  ///< 6 x nvx
   double hg[6] = {}, dhg[6] = {};
   Mat3<double> locked_inertia;

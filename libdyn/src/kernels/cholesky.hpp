@@ -75,6 +75,36 @@ void choleskyDecompose(const CompactImpl& m, const S* M, const Rows<S>& scratch,
   }
 }
 
+enum class FactorProduct { inverse, mass_matrix, upper, lower };
+
+/// x = M^-1 x, M x, L^T x or L x, in place of nvx numbers with room for a pack. Each column of L is a subtree's, side by side.
+template <class Wide, class S>
+void factorTimes(const CompactImpl& m, const TreeFactors<S>& c, FactorProduct product, S* x) {
+  using P = Part<Wide, S>;
+  const int n = m.nvx;
+  const auto below = [&](int j, auto use) { inParts<Wide, S>(j + 1, m.dof_end[static_cast<std::size_t>(j)], use); };
+  // Column j of L with the numbers below j.
+  const auto gathered = [&](int j) {
+    Wide sum(0);
+    below(j, [&](const P& part) { sum += part.inside() * part.load(c.L[j]) * part.load(x); });
+    return total<S>(sum);
+  };
+  const auto spread = [&](int j, const S& factor) {
+    below(j, [&](const P& part) { part.store(part.load(x) + part.inside() * (Wide(factor) * part.load(c.L[j])), x); });
+  };
+  const bool inverse = product == FactorProduct::inverse, whole = product == FactorProduct::mass_matrix;
+  if (inverse)
+    for (int j = n - 1; j >= 0; --j) x[j] -= gathered(j);
+  if (whole || product == FactorProduct::lower)
+    for (int j = n - 1; j >= 0; --j) spread(j, x[j]);
+  if (inverse || whole)
+    for (int j = 0; j < n; ++j) x[j] *= inverse ? c.inverse[j] : c.diagonal[j];
+  if (whole || product == FactorProduct::upper)
+    for (int j = 0; j < n; ++j) x[j] += gathered(j);
+  if (inverse)
+    for (int j = 0; j < n; ++j) spread(j, -x[j]);
+}
+
 /// X = M^-1 X for as many columns, from `column` on, as a pack has lanes; X has n rows. Rows other than those from `first` on and before
 /// `last`, and those on the path from `first`, must be zero.
 template <class Wide, class S>

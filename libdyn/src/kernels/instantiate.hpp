@@ -5,6 +5,7 @@
 #include "kernels/aba_derivatives.hpp"
 #include "kernels/centroidal.hpp"
 #include "kernels/columns.hpp"
+#include "kernels/coriolis.hpp"
 #include "kernels/crba.hpp"
 #include "kernels/evaluate.hpp"
 #include "kernels/kinematics.hpp"
@@ -90,6 +91,15 @@ SingleKernels singleKernels() {
     }
     return kernels::centroidal(bodies, w, d, out);
   };
+  k.coriolis = [](const CompactImpl& m, W& w, D& d, const double* q, const double* v) {
+    const Bodies<double> bodies{m, w};
+    evaluateSubspaceDerivatives(m, d, q, v);
+    std::fill(d.scratch.first, d.scratch.first + m.nvx, 0.0);
+    derivativesOutward(bodies, w, d, Vec3<double>{}, v, static_cast<const double*>(d.scratch.first), static_cast<const Force<double>*>(nullptr));
+    derivativesInward(bodies, w, d);
+    coriolisSweep<Wide>(bodies, w, d);
+  };
+  k.factorTimes = [](const CompactImpl& m, D& d, FactorProduct product, double* x) { kernels::factorTimes<Wide>(m, d.factors, product, x); };
   k.assemble = [](const CompactImpl& m, const PathMatrix<double>& from, double* out) { from.assemble<Wide>(m.dof_end, Rows<double>{out, m.nvx}); };
   k.choleskyDecompose = [](const CompactImpl& m, D& d, const double* M) {
     int failed = 0;

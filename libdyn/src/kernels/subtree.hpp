@@ -64,6 +64,19 @@ void inParts(int begin, int end, Use&& use) {
   for (int first = begin / width * width; first < end; first += width) use(Part<Wide, S>(first, begin, end));
 }
 
+/// The sum of a pack's numbers, beside S.
+template <class S, class Wide>
+S total(const Wide& x) {
+  if constexpr (lanes_of<Wide> == lanes_of<S>) {
+    return x;
+  } else {
+    const S* numbers = reinterpret_cast<const S*>(&x);
+    S sum(0);
+    for (int l = 0; l < lanes_of<Wide>; ++l) sum += numbers[l];
+    return sum;
+  }
+}
+
 template <class Wide, class S>
 Vec3<Wide> broadcast(const Vec3<S>& x) {
   return {Wide(x.x), Wide(x.y), Wide(x.z)};

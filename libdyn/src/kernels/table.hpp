@@ -28,6 +28,8 @@ struct SingleKernels {
   /// Of aba without losses, at its accelerations a; and M^-1; n x n each. Returns the body whose pivot vanished, or 0.
   int (*abaDerivatives)(const CompactImpl&, Workspace<double>&, Derivatives&, const double* q, const double* v, const double* a,
                         const Force<double>* fext, double* by_q, double* by_v, double* inverse);
+  /// C into by_q.
+  void (*coriolis)(const CompactImpl&, Workspace<double>&, Derivatives&, const double* q, const double* v);
   /// One of these, n x n.
   void (*assemble)(const CompactImpl&, const PathMatrix<double>&, double* out);
   /// Joints asked first. Without out.rates, a is not read.
@@ -37,6 +39,8 @@ struct SingleKernels {
   /// inertias, where the body is. Joints asked first.
   int (*choleskyDecompose)(const CompactImpl&, Derivatives&, const double* M);
   int (*treeFactors)(const CompactImpl&, Workspace<double>&, Derivatives&);
+  /// By the Derivatives' factors, in place of n numbers with room for a pack: M^-1 x, M x, L^T x or L x.
+  void (*factorTimes)(const CompactImpl&, Derivatives&, FactorProduct product, double* x);
   void (*inverseOfMassMatrix)(const CompactImpl&, Derivatives&, double* out);
 };
 
