@@ -150,6 +150,41 @@ TEST_CASE("derivatives of joints that follow others", "[derivatives]") {
   checkModel(compile(description, registry()), 3, true);
 }
 
+TEST_CASE("derivatives of joints' and frames' velocities and accelerations, in all references", "[kinematics]") {
+  const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 5)));
+  Model description = randomTree(registry(), seed == 4 ? 22 : 14, seed);
+  if (seed == 4) addFollower(description);
+  const CompactModel model = compile(description, registry());
+  const ReferenceFrame reference = GENERATE(ReferenceFrame::LOCAL, ReferenceFrame::WORLD, ReferenceFrame::LOCAL_WORLD_ALIGNED);
+  Data data(model, Need::derivatives), other(model);
+  const State s = stateOf(model, seed, false);
+  const int frame = model.frameId("tool"), joint = model.njoints() - 1, n = model.nv();
+  computeForwardKinematicsDerivatives(model, data, s.q, s.v, s.a);
+  Eigen::MatrixXd v_dq(6, n), v_dv(6, n), again(6, n), a_dq(6, n), a_dv(6, n), a_da(6, n);
+  const auto check = [&](const auto& velocityOf, const auto& accelerationOf) {
+    const Differences velocity = differences(model, s, [&](const State& t) -> Eigen::VectorXd {
+      forwardKinematics(model, other, t.q, t.v, t.a);
+      return toEigen(velocityOf());
+    });
+    const Differences acceleration = differences(model, s, [&](const State& t) -> Eigen::VectorXd {
+      forwardKinematics(model, other, t.q, t.v, t.a);
+      return toEigen(accelerationOf());
+    });
+    CHECK(off(v_dq, velocity.by_q) < 1e-9);
+    CHECK(off(v_dv, velocity.by_v) < 1e-9);
+    CHECK(again == v_dq);
+    CHECK(off(a_dq, acceleration.by_q) < 1e-9);
+    CHECK(off(a_dv, acceleration.by_v) < 1e-9);
+    CHECK(off(a_da, acceleration.by_a) < 1e-9);
+  };
+  getFrameVelocityDerivatives(model, data, frame, reference, v_dq, v_dv);
+  getFrameAccelerationDerivatives(model, data, frame, reference, again, a_dq, a_dv, a_da);
+  check([&] { return frameVelocity(model, other, frame, reference); }, [&] { return frameAcceleration(model, other, frame, reference); });
+  getJointVelocityDerivatives(model, data, joint, reference, v_dq, v_dv);
+  getJointAccelerationDerivatives(model, data, joint, reference, again, a_dq, a_dv, a_da);
+  check([&] { return jointVelocity(model, other, joint, reference); }, [&] { return jointAcceleration(model, other, joint, reference); });
+}
+
 TEST_CASE("the Coriolis matrix gives C v, and dM/dt - 2 C is skew", "[coriolis]") {
   const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 6)));
   Model description = randomTree(registry(), 18, seed);

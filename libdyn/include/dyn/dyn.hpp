@@ -12,6 +12,7 @@
 #include <dyn/algorithm/derivatives.hpp>
 #include <dyn/algorithm/jacobians.hpp>
 #include <dyn/algorithm/kinematics.hpp>
+#include <dyn/algorithm/kinematics_derivatives.hpp>
 #include <dyn/algorithm/layout.hpp>
 #include <dyn/algorithm/rnea.hpp>
 #include <dyn/compile/compile.hpp>

@@ -47,6 +47,8 @@ void carveAll(DataImpl& d, const CompactImpl& m, Arena& arena) {
     arena.take(d.ddq_dv, nvx * nvx);
     arena.take(d.Minv, nvx * nvx);
     arena.take(d.C, nvx * nvx);
+    arena.take(d.kinematics_v, nvx);
+    arena.take(d.kinematics_a, nvx);
     arena.take(d.column, nvx + most_lanes);
     for (double** map : {&d.Ag, &d.dAg, &d.dh_dq, &d.dhdot_dq, &d.dhdot_dv}) arena.take(*map, 6 * nvx);
     if (!m.couplings.empty())

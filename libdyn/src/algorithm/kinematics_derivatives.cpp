@@ -1,0 +1,106 @@
+#include "algorithm/followers.hpp"
+#include "algorithm/inputs.hpp"
+#include "algorithm/placement.hpp"
+#include "kernels/jacobians.hpp"
+
+#include <dyn/algorithm/kinematics_derivatives.hpp>
+
+namespace dyn::detail {
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// How the motion of a body, seen from anything fixed to it, changes with one degree of freedom of a joint between it and the world, beside
+/// what turning it rigidly changes. In the axes of the joint's body, at its origin.
+struct Variation {
+  Motion<double> column;  ///< of the motion subspace
+  Motion<double> velocity, acceleration, rate;
+};
+
+/// With p the parent: dv = v_p x s + E, da = a_p x s + v_p x dv + v x E + A + H, by v: dv + ds/dt (kernels/rnea_derivatives.hpp).
+Variation variationOf(const CompactImpl& m, const DataImpl& d, const Motion<double>& s, int i, int k) {
+  const BodyIndex& x = m.index[at(i)];
+  const TypeBatch& batch = m.batches[at(x.batch)];
+  const double *v = d.kinematics_v + x.idx_v, *a = d.kinematics_a + x.idx_v;
+  Variation out{s, {}, {}, {}};
+  // The parent's motion at this body's origin.
+  const Motion<double> vp = d.rel[i].actInv(d.v[x.parent]), ap = d.rel[i].actInv(d.a[x.parent]);
+  out.velocity = vp.cross(s);
+  out.rate = d.v[i].cross(s);
+  if (batch.shape == Shape::dense) {
+    const auto& dS = d.derivatives.subspaces[x.batch];
+    Motion<double> E, more = dS.biasRate(k, x.slot);
+    for (int l = 0; l < x.nv; ++l) {
+      const Motion<double> along = dS.column(x.nv, k, l, x.slot);
+      E += v[l] * along;
+      more += a[l] * along;
+      out.rate += v[l] * dS.column(x.nv, l, k, x.slot);
+    }
+    out.velocity += E;
+    out.acceleration = more + d.v[i].cross(E);
+  }
+  out.acceleration += ap.cross(s) + vp.cross(out.velocity);
+  out.rate += out.velocity;
+  return out;
+}
+
+/// Of a vector that is fixed in the reference, what turning the body with s adds: all of s x m in the world, its rotation in aligned axes.
+Motion<double> carried(const Motion<double>& s, const Motion<double>& m, ReferenceFrame reference) {
+  if (reference == ReferenceFrame::WORLD) return s.cross(m);
+  if (reference == ReferenceFrame::LOCAL_WORLD_ALIGNED) return {cross(s.angular, m.linear), cross(s.angular, m.angular)};
+  return {};
+}
+
+}  // namespace
+
+void forwardKinematicsDerivatives(const CompactModel& model, Data& data, VectorView q, VectorView v, VectorView a) {
+  checkData("computeForwardKinematicsDerivatives", model, data, Need::derivatives);
+  forwardKinematics(model, data, q, &v, &a);
+  const CompactImpl& m = model.impl();
+  DataImpl& d = data.impl();
+  const bool coupled = !m.couplings.empty();
+  const double* expanded_q = coupled ? d.qx : q.data;
+  std::copy_n(coupled ? d.vx : v.data, m.nvx, d.kinematics_v);
+  std::copy_n(coupled ? d.ax : a.data, m.nvx, d.kinematics_a);
+  kernels::evaluateSubspaceDerivatives<double>(m, d.derivatives, expanded_q, d.kinematics_v);
+}
+
+void motionDerivatives(const CompactModel& model, Data& data, Subject subject, int id, ReferenceFrame reference, const MatrixOut* v_dq,
+                       const MatrixOut* v_dv, const MatrixOut* a_dq, const MatrixOut* a_dv, const MatrixOut* a_da) {
+  const char* algorithm = a_dq ? "getAccelerationDerivatives" : "getVelocityDerivatives";
+  checkData(algorithm, model, data, Need::derivatives);
+  const std::pair<const char*, const MatrixOut*> outputs[] = {{"v_dq", v_dq}, {"v_dv", v_dv}, {"a_dq", a_dq}, {"a_dv", a_dv}, {"a_da", a_da}};
+  for (const auto& [name, matrix] : outputs)
+    if (matrix) checkShape(algorithm, name, *matrix, 6, model.nv());
+  const PointOnBody point = subject == Subject::joint ? jointOnBody(model, id) : frameOnBody(model, id);
+  const CompactImpl& m = model.impl();
+  DataImpl& d = data.impl();
+  const SE3<double> oMf = d.oM[point.body] * point.placement;
+  const Motion<double> v = point.placement.actInv(d.v[point.body]), a = point.placement.actInv(d.a[point.body]);
+  // Velocity by q and v, acceleration by q, v and a; the frame's columns in expanded coordinates.
+  double* const columns[5] = {d.Ag, d.dAg, d.dh_dq, d.dhdot_dq, d.dhdot_dv};
+  for (double* out : columns) std::fill_n(out, 6 * m.nvx, 0.0);
+  kernels::Walk<double> walk;
+  kernels::walkSupports<double>({m, d}, d, {point.body, point.placement}, nullptr, walk, [&](int i, int k, const Motion<double>& S) {
+    const Variation x = variationOf(m, d, S, i, k);
+    const Motion<double> s = kernels::seen(walk, x.column), dv = kernels::seen(walk, x.velocity);
+    const Motion<double> results[5] = {dv + carried(s, v, reference), s, dv.cross(v) + kernels::seen(walk, x.acceleration) + carried(s, a, reference),
+                                       s.cross(v) + kernels::seen(walk, x.rate), s};
+    for (int r = 0; r < 5; ++r) kernels::writeMotion(express(results[r], oMf, reference), columns[r] + 6 * (m.index[at(i)].idx_v + k));
+  });
+  if (!m.couplings.empty()) {
+    double* none = d.columns;
+    std::fill_n(none, 6 * m.nvx, 0.0);
+    for (std::size_t k = m.couplings.size(); k-- > 0;) {
+      foldColumn(m, d, k, 6, columns[0], columns[1], none);
+      foldColumn(m, d, k, 6, columns[2], columns[3], columns[4]);
+    }
+    for (double* out : columns) keepUsersColumns(m, 6, out);
+  }
+  for (int r = 0; r < 5; ++r)
+    if (const MatrixOut* out = outputs[r].second)
+      for (int k = 0; k < m.nv; ++k) std::copy_n(columns[r] + 6 * k, 6, out->column(k));
+}
+
+}  // namespace dyn::detail
