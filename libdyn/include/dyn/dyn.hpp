@@ -14,6 +14,8 @@
 #include <dyn/algorithm/kinematics.hpp>
 #include <dyn/algorithm/kinematics_derivatives.hpp>
 #include <dyn/algorithm/layout.hpp>
+#include <dyn/algorithm/regressor.hpp>
 #include <dyn/algorithm/rnea.hpp>
 #include <dyn/compile/compile.hpp>
 #include <dyn/spatial/eigen.hpp>
+#include <dyn/spatial/inertial_parameters.hpp>

@@ -47,6 +47,7 @@ void carveAll(DataImpl& d, const CompactImpl& m, Arena& arena) {
     arena.take(d.ddq_dv, nvx * nvx);
     arena.take(d.Minv, nvx * nvx);
     arena.take(d.C, nvx * nvx);
+    arena.take(d.regressor, std::max<std::size_t>(nv, 1) * 10 * m.joints.size());
     arena.take(d.kinematics_v, nvx);
     arena.take(d.kinematics_a, nvx);
     arena.take(d.column, nvx + most_lanes);

@@ -43,6 +43,7 @@ struct DataImpl : Workspace<double> {
   double* column = nullptr;                                                                          ///< nvx, with room for a pack
   double *Ag = nullptr, *dAg = nullptr, *dh_dq = nullptr, *dhdot_dq = nullptr, *dhdot_dv = nullptr;  ///< 6 x nvx; scratch of others that need columns
   double *kinematics_v = nullptr, *kinematics_a = nullptr;  ///< of the last computeForwardKinematicsDerivatives, expanded
+  double* regressor = nullptr;                              ///< nv x 10 (njoints - 1)
   double hg[6] = {}, dhg[6] = {};
   Mat3<double> locked_inertia;
   double* expanded[3] = {};  ///< derivatives of rnea by q, v, a before couplings are folded
