@@ -63,6 +63,32 @@ Eigen::VectorXd numbersOf(const Result& result) {
 /// The worst over samples; NaN if none has a truth.
 double worst(double a, double b) { return std::isnan(a) ? b : (std::isnan(b) ? a : std::max(a, b)); }
 
+/// Calls f at the state, and with each entry of q, in its tangent space, and of v and a moved.
+template <class Function>
+void differences(const CompactModel& model, const State& s, Eigen::VectorXd& step, Function&& f) {
+  static thread_local Eigen::VectorXd q, v, a;
+  q = s.q;
+  v = s.v;
+  a = s.tau;
+  constexpr double h = 1e-8;
+  f(q, v, a);
+  step.setZero(model.nv());
+  for (Eigen::Index k = 0; k < model.nv(); ++k) {
+    step[k] = h;
+    integrate(model, s.q, step, q);
+    step[k] = 0;
+    f(q, v, a);
+  }
+  q = s.q;
+  for (Eigen::VectorXd* x : {&v, &a})
+    for (Eigen::Index k = 0; k < model.nv(); ++k) {
+      const double kept = (*x)[k];
+      (*x)[k] += h;
+      f(q, v, a);
+      (*x)[k] = kept;
+    }
+}
+
 void addSingle(Subjects& x, std::vector<Entry>& entries) {
   const auto add = [&](const char* name, auto run) {
     Entry entry{name, "double", "single", {}, {}};
@@ -89,7 +115,24 @@ void addSingle(Subjects& x, std::vector<Entry>& entries) {
   add("joint_jacobians", [](auto& m, auto& d, auto& s) { computeJointJacobians(m, d, s.q); });
   add("rnea_derivatives", [](auto& m, auto& d, auto& s) { computeRNEADerivatives(m, d, s.q, s.v, s.a); });
   add("aba_derivatives", [](auto& m, auto& d, auto& s) { computeABADerivatives(m, d, s.q, s.v, s.tau); });
+  // Differences of one side, with which derivatives are compared: as many calls as there are directions.
+  const auto step = std::make_shared<Eigen::VectorXd>();
+  add("rnea_finite_differences",
+      [step](auto& m, auto& d, auto& s) { differences(m, s, *step, [&](auto& q, auto& v, auto& a) { rnea(m, d, q, v, a); }); });
+  add("aba_finite_differences",
+      [step](auto& m, auto& d, auto& s) { differences(m, s, *step, [&](auto& q, auto& v, auto& a) { aba(m, d, q, v, a); }); });
   add("minverse", [](auto& m, auto& d, auto& s) { computeMinverse(m, d, s.q); });
+  add("cholesky_decompose", [](auto& m, auto& d, auto&) { cholesky::decompose(m, d); });
+  add("cholesky_solve", [step](auto& m, auto& d, auto& s) {
+    *step = s.tau;
+    cholesky::solve(m, d, *step);
+  });
+  add("forward_dynamics_cholesky", [](auto& m, auto& d, auto& s) { return forwardDynamics(m, d, s.q, s.v, s.tau); });
+  add("ccrba", [](auto& m, auto& d, auto& s) { ccrba(m, d, s.q, s.v); });
+  add("centroidal_derivatives", [](auto& m, auto& d, auto& s) { computeCentroidalDynamicsDerivatives(m, d, s.q, s.v, s.a); });
+  add("kinematics_derivatives", [](auto& m, auto& d, auto& s) { computeForwardKinematicsDerivatives(m, d, s.q, s.v, s.a); });
+  add("coriolis", [](auto& m, auto& d, auto& s) { computeCoriolisMatrix(m, d, s.q, s.v); });
+  add("torque_regressor", [](auto& m, auto& d, auto& s) { computeJointTorqueRegressor(m, d, s.q, s.v, s.a); });
   add("center_of_mass_jacobian", [](auto& m, auto& d, auto& s) { jacobianCenterOfMass(m, d, s.q); });
   add("make_data", [](auto& m, auto&, auto&) { const Data made(m); });
 }

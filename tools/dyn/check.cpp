@@ -36,6 +36,15 @@ void checkMassMatrix(const CompactModel& model, Findings& findings) {
   }
 }
 
+void checkInertias(const Model& description, Findings& findings) {
+  for (const BodyDescription& body : description.bodies) {
+    const PhysicalConsistency x = physicalConsistency(body.inertia);
+    char margin[32];
+    std::snprintf(margin, sizeof margin, "%.3g", x.margin);
+    if (!x.consistent) findings.warning("body '" + body.name + "': no body of positive density has its inertia; margin " + margin);
+  }
+}
+
 void run(const ModelOptions& o) {
   Findings findings;
   for (const Error& e : urdf::check(o.path, o.urdfOptions())) findings.error(e.what());
@@ -45,6 +54,7 @@ void run(const ModelOptions& o) {
       for (const std::string& note : description.notes) findings.warning(note);
       const CompactModel model = dyn::compile(description, o.registry(), o.compileOptions());
       for (const std::string& warning : model.report().warnings) findings.warning(warning);
+      checkInertias(description, findings);
       checkMassMatrix(model, findings);
     } catch (const Error& e) {
       findings.error(e.what());

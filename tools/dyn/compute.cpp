@@ -31,21 +31,52 @@ struct Quantity {
   std::function<void(const CompactModel&, Data&, const State&, Json&)> write;
 };
 
+/// A result that a singular mass matrix does not have is null, and KEY_error says why.
+template <class Compute>
+void writeRegular(const char* key, Json& out, Compute&& compute) {
+  try {
+    out[key] = flat(compute());
+  } catch (const Error& e) {
+    if (e.code() != ErrorCode::singular) throw;
+    out[key] = nullptr;
+    out[std::string(key) + "_error"] = e.what();
+  }
+}
+
 const std::vector<Quantity>& quantities() {
   static const std::vector<Quantity> all = {
       {"rnea", [](auto& m, auto& d, auto& s, Json& out) { out["rnea"] = flat(rnea(m, d, s.q, s.v, s.a)); }},
       {"nle", [](auto& m, auto& d, auto& s, Json& out) { out["nle"] = flat(nonLinearEffects(m, d, s.q, s.v)); }},
       {"gravity_torque", [](auto& m, auto& d, auto& s, Json& out) { out["gravity_torque"] = flat(generalizedGravity(m, d, s.q)); }},
       {"M", [](auto& m, auto& d, auto& s, Json& out) { out["M"] = flat(crba(m, d, s.q)); }},
-      {"aba",
+      {"aba", [](auto& m, auto& d, auto& s, Json& out) { writeRegular("aba", out, [&] { return aba(m, d, s.q, s.v, s.tau); }); }},
+      {"Minv", [](auto& m, auto& d, auto& s, Json& out) { writeRegular("Minv", out, [&] { return computeMinverse(m, d, s.q); }); }},
+      {"dtau_dq", [](auto& m, auto& d, auto& s, Json& out) { out["dtau_dq"] = flat(computeRNEADerivatives(m, d, s.q, s.v, s.a).dtau_dq); }},
+      {"dtau_dv", [](auto& m, auto& d, auto& s, Json& out) { out["dtau_dv"] = flat(computeRNEADerivatives(m, d, s.q, s.v, s.a).dtau_dv); }},
+      {"ddq_dq", [](auto& m, auto& d, auto& s,
+                    Json& out) { writeRegular("ddq_dq", out, [&] { return computeABADerivatives(m, d, s.q, s.v, s.tau).ddq_dq; }); }},
+      {"ddq_dv", [](auto& m, auto& d, auto& s,
+                    Json& out) { writeRegular("ddq_dv", out, [&] { return computeABADerivatives(m, d, s.q, s.v, s.tau).ddq_dv; }); }},
+      {"coriolis_matrix", [](auto& m, auto& d, auto& s, Json& out) { out["coriolis_matrix"] = flat(computeCoriolisMatrix(m, d, s.q, s.v)); }},
+      {"hg", [](auto& m, auto& d, auto& s, Json& out) { writeRegular("hg", out, [&] { return ccrba(m, d, s.q, s.v).hg; }); }},
+      {"Ag", [](auto& m, auto& d, auto& s, Json& out) { writeRegular("Ag", out, [&] { return ccrba(m, d, s.q, s.v).Ag; }); }},
+      {"dAg", [](auto& m, auto& d, auto& s,
+                 Json& out) { writeRegular("dAg", out, [&] { return computeCentroidalMomentumTimeVariation(m, d, s.q, s.v, s.a).dAg; }); }},
+      {"dhg", [](auto& m, auto& d, auto& s,
+                 Json& out) { writeRegular("dhg", out, [&] { return computeCentroidalMomentumTimeVariation(m, d, s.q, s.v, s.a).dhg; }); }},
+      {"dhg_dq", [](auto& m, auto& d, auto& s,
+                    Json& out) { writeRegular("dhg_dq", out, [&] { return computeCentroidalDynamicsDerivatives(m, d, s.q, s.v, s.a).dhg_dq; }); }},
+      {"dhgdot_dq",
        [](auto& m, auto& d, auto& s, Json& out) {
-         try {
-           out["aba"] = flat(aba(m, d, s.q, s.v, s.tau));
-         } catch (const Error& e) {
-           if (e.code() != ErrorCode::singular) throw;
-           out["aba"] = nullptr;
-           out["aba_error"] = e.what();
-         }
+         writeRegular("dhgdot_dq", out, [&] { return computeCentroidalDynamicsDerivatives(m, d, s.q, s.v, s.a).dhgdot_dq; });
+       }},
+      {"dhgdot_dv",
+       [](auto& m, auto& d, auto& s, Json& out) {
+         writeRegular("dhgdot_dv", out, [&] { return computeCentroidalDynamicsDerivatives(m, d, s.q, s.v, s.a).dhgdot_dv; });
+       }},
+      {"dhgdot_da",
+       [](auto& m, auto& d, auto& s, Json& out) {
+         writeRegular("dhgdot_da", out, [&] { return computeCentroidalDynamicsDerivatives(m, d, s.q, s.v, s.a).dhgdot_da; });
        }},
       {"com", [](auto& m, auto& d, auto& s, Json& out) { out["com"] = flat(centerOfMass(m, d, s.q).position); }},
       {"vcom", [](auto& m, auto& d, auto& s, Json& out) { out["vcom"] = flat(centerOfMass(m, d, s.q, s.v).velocity); }},
@@ -162,7 +193,7 @@ void run(const Options& o) {
     frames.push_back(model.frameId(name));
     if (frames.back() < 0) throw Error(ErrorCode::argument, "--frames " + name + ": the model has no such frame; `dyn info` lists them");
   }
-  Data data(model, Need::mass_matrix);
+  Data data(model, Need::derivatives);
   std::string out;
   Json head = describe(model, o.model.root);
   head["samples"] = Json::array();
@@ -181,10 +212,11 @@ void run(const Options& o) {
   }
   out += "]}\n";
   std::fputs(out.c_str(), stdout);
-  if (only.count("aba") && out.find("\"aba_error\"") != std::string::npos) {
-    std::fprintf(stderr, "dyn: the mass matrix is singular at some samples: aba is null there, and aba_error says why\n");
-    throw ExitCode{1};
-  }
+  for (const std::string& key : only)
+    if (out.find("\"" + key + "_error\"") != std::string::npos) {
+      std::fprintf(stderr, "dyn: %s does not exist at some samples: it is null there, and %s_error says why\n", key.c_str(), key.c_str());
+      throw ExitCode{1};
+    }
 }
 
 }  // namespace

@@ -17,6 +17,7 @@ constexpr Quantity quantities[] = {{"rnea", "rnea", "rnea_scale"},
                                    {"nle", "nle", "rnea_scale"},
                                    {"gravity", "gravity", "rnea_scale"},
                                    {"aba", "aba", "aba_scale"},
+                                   {"forward_dynamics_cholesky", "aba", "aba_scale"},
                                    {"crba", "M", nullptr}};
 
 const Quantity* find(const std::string& algorithm) {
