@@ -3,6 +3,7 @@
 
 #include <dyn/algorithm/aba.hpp>
 #include <dyn/algorithm/batch.hpp>
+#include <dyn/algorithm/batch_derivatives.hpp>
 #include <dyn/algorithm/center_of_mass.hpp>
 #include <dyn/algorithm/centroidal.hpp>
 #include <dyn/algorithm/cholesky.hpp>

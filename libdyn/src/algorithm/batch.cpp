@@ -1,17 +1,9 @@
-#include "algorithm/inputs.hpp"
+#include "algorithm/batch_support.hpp"
 #include "algorithm/placement.hpp"
-#include "data/batch_impl.hpp"
-#include "kernels/evaluate.hpp"
 
 #include <dyn/algorithm/aba.hpp>
-#include <dyn/algorithm/batch.hpp>
 #include <dyn/algorithm/crba.hpp>
 #include <dyn/algorithm/rnea.hpp>
-#include <dyn/error.hpp>
-
-#include <algorithm>
-#include <limits>
-#include <string>
 
 namespace dyn {
 
@@ -20,67 +12,6 @@ namespace detail {
 namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-template <class T>
-void checkStates(const char* algorithm, const char* name, const StatesView<T>& x, std::ptrdiff_t rows, std::ptrdiff_t cols) {
-  if (x.rows != rows || x.cols != cols)
-    throw Error(ErrorCode::size, std::string(algorithm) + ": " + name + " is " + std::to_string(x.rows) + " x " + std::to_string(x.cols) +
-                                     ", it must be " + std::to_string(rows) + " x " + std::to_string(cols));
-}
-
-template <class T>
-void checkBatch(const char* algorithm, const CompactModel& model, const BatchImpl<T>& d, const StatesView<T>& q, Need need, const char* need_name) {
-  if (d.model != &model.impl())
-    throw Error(ErrorCode::argument, std::string(algorithm) + ": the batch was made for another model; make a BatchData for this one");
-  if (need != Need::state && !has(d.needs, need))
-    throw Error(ErrorCode::argument, std::string(algorithm) + ": the batch was made without Need::" + need_name);
-  if (q.rows != model.nq() || q.cols < 1 || q.cols > d.capacity)
-    throw Error(ErrorCode::size, std::string(algorithm) + ": q is " + std::to_string(q.rows) + " x " + std::to_string(q.cols) + ", it must be " +
-                                     std::to_string(model.nq()) + " x 1 to " + std::to_string(d.capacity));
-}
-
-/// The first state, in order, that something is wrong with.
-struct Failure {
-  int state = std::numeric_limits<int>::max();
-  int body = 0;   ///< whose pivot vanished; 0: q may be no configuration
-  int count = 1;  ///< it is this state or one of those after it
-  void note(int s, int b, int n = 1) {
-    if (s < state) *this = {s, b, n};
-  }
-};
-
-/// Calls block(thread, first state, count, failure) for all states, each thread a stretch of neighbours.
-template <class T, class Block>
-Failure forBlocks(BatchImpl<T>& d, int states, int lanes, const Block& block) {
-  const int blocks = (states + lanes - 1) / lanes, threads = d.workers->count();
-  Failure failures[256];
-  const auto work = [&](int t) {
-    for (int b = static_cast<int>(static_cast<long>(blocks) * t / threads); b < static_cast<int>(static_cast<long>(blocks) * (t + 1) / threads); ++b)
-      block(t, b * lanes, std::min(lanes, states - b * lanes), failures[std::min(t, 255)]);
-  };
-  d.workers->run(work);
-  Failure first;
-  for (int t = 0; t < std::min(threads, 256); ++t) first.note(failures[t].state, failures[t].body, failures[t].count);
-  return first;
-}
-
-template <class T>
-kernels::ColumnsIn<T> columns(const StatesView<T>& x, int first, int count) {
-  if (x.data == nullptr) return {};
-  return {x.data + first * x.stride, x.stride, count, first + count < x.cols};
-}
-
-template <class T>
-void fail(const CompactImpl& m, const Failure& failure, const StatesView<T>& q) {
-  if (failure.state == std::numeric_limits<int>::max()) return;
-  const auto name = [](int state, const char* what) { return "state " + std::to_string(state) + ": " + what; };
-  if (failure.body != 0) refuseSingular(name(failure.state, "aba").c_str(), m.joints[at(m.index[at(failure.body)].joint)].name);
-  Eigen::VectorXd column(m.nq);
-  for (int state = failure.state; state < failure.state + failure.count; ++state) {
-    for (int i = 0; i < m.nq; ++i) column[i] = static_cast<double>(q.data[state * q.stride + i]);
-    checkConfiguration(name(state, "q").c_str(), m, column.data());
-  }
-}
 
 template <class T>
 T* resultOf(BatchImpl<T>& d, BatchQuantity what) {
@@ -98,33 +29,6 @@ T* resultOf(BatchImpl<T>& d, BatchQuantity what) {
   }
 }
 
-/// Views of v and a may be empty: zeros.
-template <class T>
-struct StatesIn {
-  const StatesView<T>&q, &v, &a;
-};
-
-/// One state of a model with couplings, by an algorithm for one state: compute(data, q, v, a) returns where its `rows` numbers are.
-template <class T, class Compute>
-void runSingle(const CompactModel& model, BatchImpl<T>& d, int thread, int state, const StatesIn<T>& in, T* result, std::ptrdiff_t rows,
-               Failure& failure, const Compute& compute) {
-  Eigen::VectorXd* columns = &d.columns[at(3 * thread)];
-  const auto read = [&](const StatesView<T>& from, Eigen::VectorXd& to) {
-    for (Eigen::Index i = 0; i < to.size(); ++i) to[i] = from.data ? static_cast<double>(from.data[state * from.stride + i]) : 0.0;
-    return VectorView{to.data(), to.size()};
-  };
-  const VectorView qs = read(in.q, columns[0]), vs = read(in.v, columns[1]), as = read(in.a, columns[2]);
-  const double* found = nullptr;
-  try {
-    found = compute(d.single[at(thread)], qs, vs, as);
-  } catch (const Error& e) {
-    const int joint = model.jointId(e.where().joint);
-    failure.note(state, e.code() == ErrorCode::singular && joint > 0 ? model.impl().body_of_joint[at(joint)] : 0);
-  }
-  T* out = result + state * rows;
-  for (std::ptrdiff_t i = 0; i < rows; ++i) out[i] = found ? static_cast<T>(found[i]) : std::numeric_limits<T>::quiet_NaN();
-}
-
 }  // namespace
 
 template <class T>
@@ -138,15 +42,15 @@ const T* computeBatch(const CompactModel& model, BasicBatchData<T>& data, BatchQ
   if (a.data) checkStates(name, what == BatchQuantity::aba ? "tau" : "a", a, m.nv, q.cols);
   const int states = static_cast<int>(q.cols);
   const std::ptrdiff_t rows = what == BatchQuantity::mass_matrix ? static_cast<std::ptrdiff_t>(m.nv) * m.nv : m.nv;
-  T* result = resultOf(d, what);
+  const StatesOut<T> results[] = {{resultOf(d, what), rows}};
   Failure failure;
   if (!m.couplings.empty()) {
     failure = forBlocks(d, states, 1, [&](int t, int state, int, Failure& f) {
-      runSingle<T>(model, d, t, state, {q, v, a}, result, rows, f,
-                   [&](Data& single, const VectorView& qs, const VectorView& vs, const VectorView& as) {
-                     if (what == BatchQuantity::mass_matrix) return crba(model, single, qs);
-                     if (what == BatchQuantity::aba) return aba(model, single, qs, vs, as, nullptr, 0);
-                     return rnea(model, single, qs, vs, as, nullptr, 0);
+      runSingle<T>(model, d, t, state, {q, v, a}, results, f,
+                   [&](Data& single, const VectorView& qs, const VectorView& vs, const VectorView& as) -> std::array<const double*, 1> {
+                     if (what == BatchQuantity::mass_matrix) return {crba(model, single, qs)};
+                     if (what == BatchQuantity::aba) return {aba(model, single, qs, vs, as, nullptr, 0)};
+                     return {rnea(model, single, qs, vs, as, nullptr, 0)};
                    });
     });
   } else {
@@ -157,19 +61,13 @@ const T* computeBatch(const CompactModel& model, BasicBatchData<T>& data, BatchQ
       block.q = columns(q, first, count);
       block.v = columns(v, first, count);
       block.a = columns(a, first, count);
-      block.result = result + first * rows;
+      block.results[0] = results[0].first + first * rows;
       d.kernels->run(m, d.scratch[at(t)].data(), block);
-      if (!block.not_finite) return;
-      for (int l = 0; l < count; ++l) {
-        T* column = block.result + l * rows;
-        const bool finite = kernels::allFinite(column, rows);
-        if (block.failed[l] != 0) std::fill(column, column + rows, std::numeric_limits<T>::quiet_NaN());
-        if (!finite || block.failed[l] != 0) f.note(first + l, block.failed[l]);
-      }
+      noteFailures(block, results, first, count, f);
     });
   }
-  fail(m, failure, q);
-  return result;
+  fail(name, m, failure, q);
+  return results[0].first;
 }
 
 template <class T>
@@ -187,14 +85,15 @@ const T* batchJacobians(const CompactModel& model, BasicBatchData<T>& data, Stat
     const PointOnBody where = kind == Kind::joint ? jointOnBody(model, id) : frameOnBody(model, id);
     point = {where.body, where.placement};
   }
+  const StatesOut<T> results[] = {{d.J.data(), rows}};
   Failure failure;
   if (!m.couplings.empty()) {
     failure = forBlocks(d, states, 1, [&](int t, int state, int, Failure& f) {
-      runSingle<T>(model, d, t, state, {q, {}, {}}, d.J.data(), rows, f,
-                   [&](Data& single, const VectorView& qs, const VectorView&, const VectorView&) {
+      runSingle<T>(model, d, t, state, {q, {}, {}}, results, f,
+                   [&](Data& single, const VectorView& qs, const VectorView&, const VectorView&) -> std::array<const double*, 1> {
                      double* J = single.impl().J;
                      jacobian(model, single, qs, kind, id, reference, MatrixOut(J, 6, m.nv));
-                     return J;
+                     return {J};
                    });
     });
   } else {
@@ -204,12 +103,12 @@ const T* batchJacobians(const CompactModel& model, BasicBatchData<T>& data, Stat
       block.q = columns(q, first, count);
       block.frame = point;
       block.reference = reference;
-      block.result = d.J.data() + first * rows;
+      block.results[0] = d.J.data() + first * rows;
       d.kernels->run(m, d.scratch[at(t)].data(), block);
       if (block.not_finite) f.note(first, 0, count);
     });
   }
-  fail(m, failure, q);
+  fail(names[static_cast<int>(kind)], m, failure, q);
   return d.J.data();
 }
 
@@ -237,7 +136,7 @@ void batchKinematics(const CompactModel& model, BasicBatchData<T>& data, StatesV
     d.kernels->run(m, d.scratch[at(t)].data(), block);
     if (block.not_finite) f.note(first, 0, count);
   });
-  fail(m, failure, q);
+  fail("forwardKinematics", m, failure, q);
 }
 
 template const double* computeBatch(const CompactModel&, BatchData&, BatchQuantity, StatesView<double>, StatesView<double>, StatesView<double>);

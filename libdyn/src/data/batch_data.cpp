@@ -19,13 +19,13 @@ BasicBatchData<T>::BasicBatchData(const CompactModel& model, int capacity, Need 
   d.capacity = capacity;
   d.kernels = &blockKernelsOf<T>(kernels::active());
   d.workers = std::make_unique<Workers>(threads);
-  const kernels::Room room{has(needs, Need::mass_matrix), has(needs, Need::jacobians)};
+  const kernels::Room room{has(needs, Need::mass_matrix), has(needs, Need::jacobians), has(needs, Need::derivatives)};
   for (int i = 0; i < threads; ++i) {
     if (m.couplings.empty()) {
       d.scratch.emplace_back(d.kernels->bytes(m, room));
       d.kernels->prepare(m, room, d.scratch.back().data());
     } else {
-      d.single.emplace_back(model, Need::mass_matrix);
+      d.single.emplace_back(model, has(needs, Need::derivatives) ? Need::derivatives : Need::mass_matrix);
       d.columns.emplace_back(Eigen::VectorXd::Zero(m.nq));
       d.columns.emplace_back(Eigen::VectorXd::Zero(m.nv));
       d.columns.emplace_back(Eigen::VectorXd::Zero(m.nv));
@@ -35,6 +35,10 @@ BasicBatchData<T>::BasicBatchData(const CompactModel& model, int capacity, Need 
   for (std::vector<T>* result : {&d.tau, &d.nle, &d.gravity, &d.ddq}) result->assign(nv * n, T(0));
   if (has(needs, Need::mass_matrix)) d.M.assign(nv * nv * n, T(0));
   if (has(needs, Need::jacobians)) d.J.assign(6 * nv * n, T(0));
+  if (has(needs, Need::derivatives)) {
+    for (std::vector<T>* result : {&d.by_q, &d.by_v, &d.by_a}) result->assign(nv * nv * n, T(0));
+    for (std::vector<T>& map : d.maps) map.assign(6 * nv * n, T(0));
+  }
   if (has(needs, Need::kinematics)) {
     const std::size_t bodies = static_cast<std::size_t>(d.blocks() * d.kernels->lanes) * static_cast<std::size_t>(m.bodies()) * sizeof(T);
     d.poses = PackMemory(12 * bodies);
@@ -68,6 +72,8 @@ std::size_t BasicBatchData<T>::bytes() const {
   std::size_t sum = sizeof d + d.poses.bytes() + d.velocities.bytes() + d.accelerations.bytes();
   for (const PackMemory& memory : d.scratch) sum += memory.bytes();
   for (const Data& data : d.single) sum += data.bytes();
+  for (const std::vector<T>& map : d.maps) sum += sizeof(T) * map.size();
+  sum += sizeof(T) * (d.by_q.size() + d.by_v.size() + d.by_a.size());
   return sum + sizeof(T) * (d.tau.size() + d.nle.size() + d.gravity.size() + d.ddq.size() + d.M.size() + d.J.size());
 }
 

@@ -26,6 +26,8 @@ struct BatchImpl {
   std::vector<T> tau, nle, gravity, ddq;        ///< nv numbers a state
   std::vector<T> M;                             ///< nv * nv numbers a state
   std::vector<T> J;                             ///< 6 * nv numbers a state
+  std::vector<T> by_q, by_v, by_a;              ///< nv * nv numbers a state, of Need::derivatives
+  std::vector<T> maps[4];                       ///< 6 * nv numbers a state, of the same
   PackMemory poses, velocities, accelerations;  ///< by block of `lanes` states, then body, number, state
 
   int blocks() const { return (capacity + kernels->lanes - 1) / kernels->lanes; }

@@ -25,7 +25,7 @@ void coriolisSweep(const Order& order, Workspace<S>& w, DerivativeWorkspace<S>& 
         const Motion<S> rate = d.dof[iv + k].rate - d.dof[iv + k].velocity;
         const Column<Joint, S> column{w.dof[iv + k].S_};
         d.by_q.enterBelow(part, iv + k, dot(broadcast<Wide>(rate), U) + Wide(S(0.5)) * dot(broadcast<Wide>(column.s.angular), lever));
-        d.by_q.enterRight(part, iv + k, column.along(F));
+        d.by_q.enterRight(part, iv + k, iv + Joint::nv, column.along(F));
       }
       if (order.isRoot(i)) return;
       const Wide inside = part.inside();
@@ -34,6 +34,8 @@ void coriolisSweep(const Order& order, Workspace<S>& w, DerivativeWorkspace<S>& 
       storeVector(part, lever + cross(speed, U.linear), levers);
       storeVector(part, F.angular + cross(here, F.linear), forces, 3);
     });
+    for (int l = 0; l < Joint::nv; ++l)
+      for (int k = 0; k < Joint::nv; ++k) d.by_q.enterOwn(iv + k, iv + l, d.by_q.below[iv + l][iv + k]);
   });
 }
 

@@ -104,7 +104,7 @@ void carve(DerivativeWorkspace<S>& w, const CompactImpl& m, Arena& arena) {
   arena.take(w.force, DerivativeWorkspace<S>::components, m.nvx);
   for (PathMatrix<S>* matrix : {&w.by_q, &w.by_v, &w.by_a}) {
     arena.take(matrix->below, m.nvx, m.nvx);
-    if (matrix != &w.by_a) arena.take(matrix->right, m.nvx, m.nvx);
+    if (matrix != &w.by_a && !PathMatrix<S>::in_place) arena.take(matrix->right, m.nvx, m.nvx);
   }
   w.by_a.right = w.by_a.below;  // symmetric
   carve(w.factors, m.nvx, arena);

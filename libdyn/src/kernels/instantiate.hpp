@@ -121,6 +121,9 @@ template <class S>
 struct BlockScratch {
   Workspace<S> w;
   S *q, *v, *a, *result, *M, *J;
+  DerivativeWorkspace<S> d;
+  S *matrix, *inverse;  ///< nvx * nvx
+  S* maps[5];           ///< 6 nvx each
 
   static std::size_t carve(BlockScratch& s, const CompactImpl& m, Room room, char* base) {
     Arena arena(base);
@@ -132,9 +135,117 @@ struct BlockScratch {
     arena.take(s.result, nv);
     arena.take(s.M, room.mass_matrix ? nv * nv : 0);
     arena.take(s.J, room.jacobian ? 6 * nv : 0);
+    if (room.derivatives) {
+      dyn::kernels::carve(s.d, m, arena);
+      arena.take(s.matrix, nv * nv);
+      arena.take(s.inverse, m.damping.empty() ? 0 : nv * nv);
+      for (S*& map : s.maps) arena.take(map, 6 * nv);
+    }
     return arena.used();
   }
 };
+
+/// The tasks of derivatives, joints asked.
+template <class S, class T = Real<S>>
+void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<T>& b) {
+  Workspace<S>& w = s.w;
+  DerivativeWorkspace<S>& d = s.d;
+  const Bodies<S> bodies{m, w};
+  const std::ptrdiff_t n = m.nvx;
+  const auto none = static_cast<const Force<S>*>(nullptr);
+  b.not_finite = false;
+  const auto put = [&](int result, const S* numbers, std::ptrdiff_t count) {
+    if (b.results[result] == nullptr) return;
+    storeColumns(numbers, count, b.q.states, b.results[result]);
+    b.not_finite = b.not_finite || !allFinite(numbers, count);
+  };
+  const Rows<S> matrix{s.matrix, n};
+  const auto whole = [&](const PathMatrix<S>& from) {
+    if constexpr (PathMatrix<S>::in_place) {
+      return from.below.first;
+    } else {
+      std::fill(s.matrix, s.matrix + n * n, S(0));
+      from.template assemble<S>(m.dof_end, matrix);
+      return s.matrix;
+    }
+  };
+  const auto inverse = [&](int result) {
+    treeFactors<S>(bodies, w, d);
+    inverseOfMassMatrix<S>(m, d, matrix);
+    put(result, s.matrix, n * n);
+    for (int l = 0; l < b.q.states; ++l) b.failed[l] = w.failed[l];
+  };
+  switch (b.task) {
+    case Task::rnea_derivatives:
+      evaluateSubspaceDerivatives(m, d, s.q, s.v);
+      derivativesOutward(bodies, w, d, bodies.gravity(), s.v, s.a, none);
+      derivativesInward(bodies, w, d);
+      derivativesSweep<S>(bodies, w, d);
+      put(0, whole(d.by_q), n * n);
+      put(1, whole(d.by_v), n * n);
+      put(2, whole(d.by_a), n * n);
+      return;
+    case Task::aba_derivatives: {
+      addLosses(m, -1.0, s.v, s.a);
+      abaOutward(bodies, w, s.v, none);
+      abaInward(bodies, w, s.a);
+      abaSolve(bodies, w, s.result);
+      put(3, s.result, n);
+      evaluateSubspaceDerivatives(m, d, s.q, s.v);
+      derivativesOutward(bodies, w, d, bodies.gravity(), s.v, s.result, none);
+      abaDerivativesInward(bodies, w, d);
+      if (d.own_torque.first) ownTorques(bodies, w, d);
+      kernels::abaDerivatives<S, S>(bodies, w, d, true, matrix);
+      put(0, s.matrix, n * n);
+      inverse(2);
+      if (!m.damping.empty()) std::copy(s.matrix, s.matrix + n * n, s.inverse);
+      kernels::abaDerivatives<S, S>(bodies, w, d, false, matrix);
+      for (std::size_t k = 0; k < m.damping.size(); ++k) {
+        const std::ptrdiff_t column = n * static_cast<std::ptrdiff_t>(k);
+        for (std::ptrdiff_t i = column; i < column + n; ++i) s.matrix[i] -= S(static_cast<T>(m.damping[k])) * s.inverse[i];
+      }
+      return put(1, s.matrix, n * n);
+    }
+    case Task::minverse:
+      factorsOutward(bodies, w);
+      return inverse(0);
+    case Task::coriolis:
+      evaluateSubspaceDerivatives(m, d, s.q, s.v);
+      std::fill(s.a, s.a + n, S(0));
+      derivativesOutward(bodies, w, d, Vec3<S>{}, s.v, s.a, none);
+      derivativesInward(bodies, w, d);
+      coriolisSweep<S>(bodies, w, d);
+      return put(0, whole(d.by_q), n * n);
+    default: {
+      CentroidalMaps<S> maps;
+      maps.Ag = s.maps[0];
+      maps.rates = b.task != Task::centroidal_map;
+      if (b.task == Task::centroidal_rate) maps.dAg = s.maps[1];
+      if (b.task == Task::centroidal_derivatives) {
+        maps.dh_dq = s.maps[2];
+        maps.dhdot_dq = s.maps[3];
+        maps.dhdot_dv = s.maps[4];
+      }
+      if (maps.rates) {
+        evaluateSubspaceDerivatives(m, d, s.q, s.v);
+        derivativesOutward(bodies, w, d, Vec3<S>{}, s.v, s.a, none);
+        derivativesInward(bodies, w, d);
+      } else {
+        momenta(bodies, w, d, s.v);
+      }
+      const CentroidalState<S> state = kernels::centroidal(bodies, w, d, maps);
+      if (b.task == Task::centroidal_derivatives) {
+        for (int k = 0; k < 3; ++k) put(k, s.maps[2 + k], 6 * n);
+        return put(3, s.maps[0], 6 * n);
+      }
+      put(0, reinterpret_cast<const S*>(&state.momentum), 6);
+      if (b.task == Task::centroidal_map) return put(1, s.maps[0], 6 * n);
+      put(1, reinterpret_cast<const S*>(&state.rate), 6);
+      put(2, s.maps[0], 6 * n);
+      return put(3, s.maps[1], 6 * n);
+    }
+  }
+}
 
 template <class S, class T = Real<S>>
 void runBlock(const CompactImpl& m, char* scratch, Block<T>& b) {
@@ -144,7 +255,8 @@ void runBlock(const CompactImpl& m, char* scratch, Block<T>& b) {
   loadColumns(b.q, m.nqx, s.q);
   loadColumns(b.v, m.nvx, s.v);
   loadColumns(b.a, m.nvx, s.a);
-  const bool poses_only = b.task == Task::mass_matrix || b.task == Task::joint_jacobians || b.task == Task::frame_jacobian;
+  const bool poses_only =
+      b.task == Task::mass_matrix || b.task == Task::joint_jacobians || b.task == Task::frame_jacobian || b.task == Task::minverse;
   evaluateJoints(m, w, s.q, poses_only ? nullptr : s.v);
   switch (b.task) {
     case Task::kinematics: {
@@ -166,7 +278,7 @@ void runBlock(const CompactImpl& m, char* scratch, Block<T>& b) {
         kernels::forwardKinematics(bodies, w, static_cast<const S*>(nullptr), static_cast<const S*>(nullptr));
         frameJacobian(bodies, w, {b.frame.body, cast<S>(b.frame.placement)}, b.reference, s.J, 6);
       }
-      storeColumns(s.J, n, b.q.states, b.result);
+      storeColumns(s.J, n, b.q.states, b.results[0]);
       b.not_finite = !allFinite(s.J, n);
       return;
     }
@@ -179,10 +291,18 @@ void runBlock(const CompactImpl& m, char* scratch, Block<T>& b) {
     case Task::mass_matrix: {
       const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(m.nvx) * m.nvx;
       kernels::massMatrix(bodies, w, s.M);
-      storeColumns(s.M, n, b.q.states, b.result);
+      storeColumns(s.M, n, b.q.states, b.results[0]);
       b.not_finite = !allFinite(s.M, n);
       return;
     }
+    case Task::rnea_derivatives:
+    case Task::aba_derivatives:
+    case Task::minverse:
+    case Task::coriolis:
+    case Task::centroidal_map:
+    case Task::centroidal_rate:
+    case Task::centroidal_derivatives:
+      return runDerivatives(m, s, b);
     case Task::aba:
       addLosses(m, -1.0, s.v, s.a);
       abaOutward(bodies, w, s.v, static_cast<const Force<S>*>(nullptr));
@@ -191,7 +311,7 @@ void runBlock(const CompactImpl& m, char* scratch, Block<T>& b) {
       for (int l = 0; l < b.q.states; ++l) b.failed[l] = w.failed[l];
       break;
   }
-  storeColumns(s.result, m.nvx, b.q.states, b.result);
+  storeColumns(s.result, m.nvx, b.q.states, b.results[0]);
   b.not_finite = !allFinite(s.result, m.nvx);
 }
 

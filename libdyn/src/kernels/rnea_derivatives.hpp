@@ -175,11 +175,11 @@ void derivativesSweep(const Order& order, Workspace<S>& w, DerivativeWorkspace<S
           q += dot(broadcast<Wide>(x.velocity.angular), lever);
           v += dot(broadcast<Wide>(column.s.angular), lever);
         }
-        d.by_a.enterBelow(part, iv + k, column.along(U));
+        d.by_a.enterSymmetric(part, iv + k, column.along(U));
         d.by_q.enterBelow(part, iv + k, q);
         d.by_v.enterBelow(part, iv + k, v);
-        d.by_q.enterRight(part, iv + k, column.along(Fq));
-        d.by_v.enterRight(part, iv + k, column.along(Fv));
+        d.by_q.enterRight(part, iv + k, iv + Joint::nv, column.along(Fq));
+        d.by_v.enterRight(part, iv + k, iv + Joint::nv, column.along(Fv));
       }
       if (order.isRoot(i)) return;
       const Wide inside = part.inside();
@@ -192,13 +192,14 @@ void derivativesSweep(const Order& order, Workspace<S>& w, DerivativeWorkspace<S
     // Within a joint nothing turns: all entries are of the kind that stands below the diagonal.
     for (int m = 0; m < Joint::nv; ++m)
       for (int k = 0; k < Joint::nv; ++k) {
-        S& entry = d.by_q.below[iv + m][iv + k];
+        S entry = d.by_q.below[iv + m][iv + k];
         if constexpr (Joint::has_bias) {
           const BodyIndex& x = order.index(i);
           const Motion<S> dS = d.subspaces[x.batch].column(Joint::nv, m, k, x.slot);
           entry += dot(Motion<S>{w.R[i] * dS.linear, w.R[i] * dS.angular}, w.f[i]);
         }
-        if (k < m) d.by_q.right[iv + k][iv + m] = entry;
+        d.by_q.enterOwn(iv + k, iv + m, entry);
+        d.by_v.enterOwn(iv + k, iv + m, d.by_v.below[iv + m][iv + k]);
       }
     for (int k = 0; k < Joint::nv; ++k) d.by_a.below[iv + k][iv + k] += order.armature(iv + k);
   });

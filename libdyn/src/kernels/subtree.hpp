@@ -111,18 +111,37 @@ void storeVector(const Part<Wide, S>& part, const Vec3<Wide>& x, const Rows<S>& 
 }
 
 /// An n x n matrix with entries for two degrees of freedom on one path to the root. It is written as the sweep finds it, joint by joint
-/// with all of the joint's subtree: column k downwards into `below`, row k rightwards into `right`.
+/// with all of the joint's subtree: column k downwards into `below`, row k rightwards into `right`, from where assemble() brings them into
+/// place. Where S is a pack of states, numbers have their place at once: `below` is the whole matrix, and there is no `right`.
 template <class S>
 struct PathMatrix {
+  static constexpr bool in_place = lanes_of<S> > 1;
   Rows<S> below, right;
 
   template <class Wide>
   void enterBelow(const Part<Wide, S>& part, int k, const Wide& entries) const {
     part.store(part.inside() * entries, below[k]);
   }
+  /// Of row k, columns from `from` on; those before are the joint's own, for which enterBelow, or enterOwn, is asked.
   template <class Wide>
-  void enterRight(const Part<Wide, S>& part, int k, const Wide& entries) const {
-    part.store(part.inside() * entries, right[k]);
+  void enterRight(const Part<Wide, S>& part, int k, int from, const Wide& entries) const {
+    if constexpr (in_place) {
+      if (part.first() >= from) below[part.first()][k] = entries;
+    } else {
+      part.store(part.inside() * entries, right[k]);
+    }
+  }
+  template <class Wide>
+  void enterSymmetric(const Part<Wide, S>& part, int k, const Wide& entries) const {
+    enterBelow(part, k, entries);
+    if constexpr (in_place) below[part.first()][k] = entries;
+  }
+  /// Entry (row, column) of two of one joint's.
+  void enterOwn(int row, int column, const S& entry) const {
+    below[column][row] = entry;
+    if constexpr (!in_place) {
+      if (row < column) right[row][column] = entry;
+    }
   }
   /// Writes the entries into the columns of an n x n matrix whose other entries are zero and stay so.
   template <class Wide>

@@ -55,14 +55,28 @@ struct StripKernels {
   bool (*aba)(const CompactImpl&, char* scratch, const double* q, const double* v, const double* tau, double* ddq, int& failed) = nullptr;
 };
 
-enum class Task { kinematics, joint_jacobians, frame_jacobian, rnea, mass_matrix, aba };
+enum class Task {
+  kinematics,
+  joint_jacobians,
+  frame_jacobian,
+  rnea,
+  mass_matrix,
+  aba,
+  rnea_derivatives,        ///< by q, by v, M
+  aba_derivatives,         ///< by q, by v, M^-1, ddq
+  minverse,                ///< M^-1
+  coriolis,                ///< C
+  centroidal_map,          ///< hg (6), Ag
+  centroidal_rate,         ///< hg (6), dhg (6), Ag, dAg
+  centroidal_derivatives,  ///< of hg by q, of dhg by q and v, Ag
+};
 
 /// As many states as a pack has lanes, from columns of the caller's matrices. Null inputs count as zero.
 template <class T>
 struct Block {
   Task task = Task::rnea;
   ColumnsIn<T> q, v, a;      ///< a: tau for aba
-  T* result = nullptr;       ///< first column: tau, ddq, M (nv x nv) or J (6 x nv); the others follow
+  T* results[4] = {};        ///< first columns: tau, ddq, M (nv x nv), J (6 x nv), or see Task; the others follow each
   FramePoint<double> frame;  ///< frame_jacobian
   ReferenceFrame reference = ReferenceFrame::LOCAL;
   void* poses = nullptr;       ///< kinematics: where this block's poses go, 12 numbers a body, lanes innermost
@@ -74,7 +88,7 @@ struct Block {
 
 /// What a block's scratch has room for beside what is of size O(n).
 struct Room {
-  bool mass_matrix = false, jacobian = false;
+  bool mass_matrix = false, jacobian = false, derivatives = false;
 };
 
 template <class T>

@@ -1,0 +1,131 @@
+#include "algorithm/batch_support.hpp"
+
+#include <dyn/algorithm/batch_derivatives.hpp>
+#include <dyn/algorithm/coriolis.hpp>
+
+namespace dyn::detail {
+
+namespace {
+
+const char* nameOf(BatchDerivatives what) {
+  switch (what) {
+    case BatchDerivatives::rnea:
+      return "computeRNEADerivatives";
+    case BatchDerivatives::aba:
+      return "computeABADerivatives";
+    case BatchDerivatives::minverse:
+      return "computeMinverse";
+    case BatchDerivatives::coriolis:
+      return "computeCoriolisMatrix";
+    case BatchDerivatives::centroidal_map:
+      return "ccrba";
+    case BatchDerivatives::centroidal_rate:
+      return "computeCentroidalMomentumTimeVariation";
+    default:
+      return "computeCentroidalDynamicsDerivatives";
+  }
+}
+
+kernels::Task taskOf(BatchDerivatives what) {
+  return static_cast<kernels::Task>(static_cast<int>(kernels::Task::rnea_derivatives) + static_cast<int>(what));
+}
+
+/// In the order of kernels::Task.
+std::array<const double*, 4> computeOne(const CompactModel& model, Data& data, BatchDerivatives what, const VectorView& q, const VectorView& v,
+                                        const VectorView& a) {
+  switch (what) {
+    case BatchDerivatives::rnea: {
+      const DerivativeViews x = rneaDerivatives(model, data, q, &v, &a, nullptr, 0);
+      return {x.by_q, x.by_v, x.inertia, nullptr};
+    }
+    case BatchDerivatives::aba: {
+      const DerivativeViews x = abaDerivatives(model, data, q, v, a, nullptr, 0);
+      return {x.by_q, x.by_v, x.inertia, x.ddq};
+    }
+    case BatchDerivatives::minverse:
+      return {minverse(model, data, q)};
+    case BatchDerivatives::coriolis:
+      return {coriolisMatrix(model, data, q, v)};
+    case BatchDerivatives::centroidal_map: {
+      const CentroidalViews x = centroidal(model, data, CentroidalTask::map, q, v, nullptr);
+      return {x.hg, x.Ag};
+    }
+    case BatchDerivatives::centroidal_rate: {
+      const CentroidalViews x = centroidal(model, data, CentroidalTask::rate, q, v, &a);
+      return {x.hg, x.dhg, x.Ag, x.dAg};
+    }
+    default: {
+      const CentroidalViews x = centroidal(model, data, CentroidalTask::derivatives, q, v, &a);
+      return {x.dh_dq, x.dhdot_dq, x.dhdot_dv, x.Ag};
+    }
+  }
+}
+
+}  // namespace
+
+template <class T>
+BatchDerivativeViews<T> batchDerivatives(const CompactModel& model, BasicBatchData<T>& data, BatchDerivatives what, StatesView<T> q, StatesView<T> v,
+                                         StatesView<T> a) {
+  const char* name = nameOf(what);
+  BatchImpl<T>& d = data.impl();
+  const CompactImpl& m = model.impl();
+  checkBatch(name, model, d, q, Need::derivatives, "derivatives");
+  if (v.data) checkStates(name, "v", v, m.nv, q.cols);
+  if (a.data) checkStates(name, what == BatchDerivatives::aba ? "tau" : "a", a, m.nv, q.cols);
+  if (what >= BatchDerivatives::centroidal_map && !(m.mass > 0)) throw Error(ErrorCode::singular, std::string(name) + ": the model has no mass");
+  const std::ptrdiff_t n = m.nv, square = n * n, map = 6 * n;
+  StatesOut<T> results[4];
+  const auto set = [&](StatesOut<T> first, StatesOut<T> second = {}, StatesOut<T> third = {}, StatesOut<T> fourth = {}) {
+    const StatesOut<T> all[] = {first, second, third, fourth};
+    std::copy(all, all + 4, results);
+  };
+  switch (what) {
+    case BatchDerivatives::rnea:
+      set({d.by_q.data(), square}, {d.by_v.data(), square}, {d.by_a.data(), square});
+      break;
+    case BatchDerivatives::aba:
+      set({d.by_q.data(), square}, {d.by_v.data(), square}, {d.by_a.data(), square}, {d.ddq.data(), n});
+      break;
+    case BatchDerivatives::minverse:
+    case BatchDerivatives::coriolis:
+      set({d.by_a.data(), square});
+      break;
+    case BatchDerivatives::centroidal_map:
+      set({d.maps[0].data(), 6}, {d.maps[2].data(), map});
+      break;
+    case BatchDerivatives::centroidal_rate:
+      set({d.maps[0].data(), 6}, {d.maps[1].data(), 6}, {d.maps[2].data(), map}, {d.maps[3].data(), map});
+      break;
+    case BatchDerivatives::centroidal_derivatives:
+      set({d.maps[0].data(), map}, {d.maps[1].data(), map}, {d.maps[2].data(), map}, {d.maps[3].data(), map});
+  }
+  const int states = static_cast<int>(q.cols);
+  Failure failure;
+  if (!m.couplings.empty()) {
+    failure = forBlocks(d, states, 1, [&](int t, int state, int, Failure& f) {
+      runSingle<T>(model, d, t, state, {q, v, a}, results, f, [&](Data& single, const VectorView& qs, const VectorView& vs, const VectorView& as) {
+        return computeOne(model, single, what, qs, vs, as);
+      });
+    });
+  } else {
+    failure = forBlocks(d, states, d.kernels->lanes, [&](int t, int first, int count, Failure& f) {
+      kernels::Block<T> block;
+      block.task = taskOf(what);
+      block.q = columns(q, first, count);
+      block.v = columns(v, first, count);
+      block.a = columns(a, first, count);
+      for (int k = 0; k < 4; ++k) block.results[k] = results[k].first ? results[k].first + first * results[k].rows : nullptr;
+      d.kernels->run(m, d.scratch[static_cast<std::size_t>(t)].data(), block);
+      noteFailures(block, results, first, count, f);
+    });
+  }
+  fail(name, m, failure, q);
+  return {{results[0].first, results[1].first, results[2].first, results[3].first}, q.cols};
+}
+
+template BatchDerivativeViews<double> batchDerivatives(const CompactModel&, BatchData&, BatchDerivatives, StatesView<double>, StatesView<double>,
+                                                       StatesView<double>);
+template BatchDerivativeViews<float> batchDerivatives(const CompactModel&, BatchDataFloat&, BatchDerivatives, StatesView<float>, StatesView<float>,
+                                                      StatesView<float>);
+
+}  // namespace dyn::detail

@@ -1,0 +1,125 @@
+// Derivatives of many states are those of each.
+#include "support/catch.hpp"
+#include "support/random_model.hpp"
+#include "support/registry.hpp"
+
+using namespace dyn;
+using namespace dyn::test;
+
+namespace {
+
+template <class T>
+using Matrix = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>;
+
+double off(const Eigen::MatrixXd& x, const Eigen::MatrixXd& expected) {
+  return (x - expected).cwiseAbs().maxCoeff() / std::max(1.0, expected.cwiseAbs().maxCoeff());
+}
+
+template <class T>
+void checkAll(const CompactModel& model, int states, int threads, std::uint64_t seed, double tolerance, double solved) {
+  INFO(model.name() << ", " << states << " states");
+  Matrix<T> q(model.nq(), states), v(model.nv(), states), a(model.nv(), states);
+  Random random(seed);
+  for (int k = 0; k < states; ++k) {
+    q.col(k) = integrate(model, neutral(model), random.vector(model.nv(), 0.8)).template cast<T>();
+    v.col(k) = random.vector(model.nv(), 1).template cast<T>();
+    a.col(k) = random.vector(model.nv(), 2).template cast<T>();
+  }
+  BasicBatchData<T> batch(model, states, Need::derivatives, threads);
+  Data data(model, Need::derivatives);
+  const auto check = [&](double allowed, const auto& results, auto&& single) {
+    for (int k = 0; k < states; ++k) {
+      const Eigen::VectorXd qk = q.col(k).template cast<double>(), vk = v.col(k).template cast<double>(), ak = a.col(k).template cast<double>();
+      const std::vector<Eigen::MatrixXd> expected = single(qk, vk, ak);
+      REQUIRE(results.size() == expected.size());
+      for (std::size_t r = 0; r < results.size(); ++r) {
+        INFO("state " << k << ", result " << r);
+        CHECK(off(results[r].col(k).template cast<double>(), expected[r].reshaped()) < allowed);
+      }
+    }
+  };
+  using Results = std::vector<detail::StatesResult<T>>;
+  {
+    const auto x = computeRNEADerivatives(model, batch, q, v, a);
+    check(tolerance, Results{x.dtau_dq, x.dtau_dv, x.dtau_da}, [&](auto& qk, auto& vk, auto& ak) -> std::vector<Eigen::MatrixXd> {
+      const RneaDerivatives y = computeRNEADerivatives(model, data, qk, vk, ak);
+      return {y.dtau_dq, y.dtau_dv, y.dtau_da};
+    });
+  }
+  {
+    const auto x = computeABADerivatives(model, batch, q, v, a);
+    check(solved, Results{x.ddq, x.ddq_dq, x.ddq_dv, x.ddq_dtau}, [&](auto& qk, auto& vk, auto& ak) -> std::vector<Eigen::MatrixXd> {
+      const AbaDerivatives y = computeABADerivatives(model, data, qk, vk, ak);
+      return {y.ddq, y.ddq_dq, y.ddq_dv, y.ddq_dtau};
+    });
+  }
+  check(tolerance, Results{computeRNEADerivatives(model, batch, q, v, a).dtau_dq}, [&](auto& qk, auto& vk, auto& ak) -> std::vector<Eigen::MatrixXd> {
+    return {computeRNEADerivatives(model, data, qk, vk, ak).dtau_dq};
+  });
+  check(tolerance, Results{computeGeneralizedGravityDerivatives(model, batch, q)},
+        [&](auto& qk, auto&, auto&) -> std::vector<Eigen::MatrixXd> { return {computeGeneralizedGravityDerivatives(model, data, qk)}; });
+  check(solved, Results{computeMinverse(model, batch, q)},
+        [&](auto& qk, auto&, auto&) -> std::vector<Eigen::MatrixXd> { return {computeMinverse(model, data, qk)}; });
+  check(tolerance, Results{computeCoriolisMatrix(model, batch, q, v)},
+        [&](auto& qk, auto& vk, auto&) -> std::vector<Eigen::MatrixXd> { return {computeCoriolisMatrix(model, data, qk, vk)}; });
+  {
+    const auto x = ccrba(model, batch, q, v);
+    check(tolerance, Results{x.hg, x.Ag}, [&](auto& qk, auto& vk, auto&) -> std::vector<Eigen::MatrixXd> {
+      const CentroidalMomentum y = ccrba(model, data, qk, vk);
+      return {y.hg, y.Ag};
+    });
+  }
+  {
+    const auto x = computeCentroidalMomentumTimeVariation(model, batch, q, v, a);
+    check(tolerance, Results{x.hg, x.dhg, x.Ag, x.dAg}, [&](auto& qk, auto& vk, auto& ak) -> std::vector<Eigen::MatrixXd> {
+      const CentroidalRate y = computeCentroidalMomentumTimeVariation(model, data, qk, vk, ak);
+      return {y.hg, y.dhg, y.Ag, y.dAg};
+    });
+  }
+  {
+    const auto x = computeCentroidalDynamicsDerivatives(model, batch, q, v, a);
+    check(tolerance, Results{x.dhg_dq, x.dhgdot_dq, x.dhgdot_dv, x.dhgdot_da}, [&](auto& qk, auto& vk, auto& ak) -> std::vector<Eigen::MatrixXd> {
+      const CentroidalDerivatives y = computeCentroidalDynamicsDerivatives(model, data, qk, vk, ak);
+      return {y.dhg_dq, y.dhgdot_dq, y.dhgdot_dv, y.dhgdot_da};
+    });
+  }
+}
+
+}  // namespace
+
+TEST_CASE("derivatives of a batch are those of its states, for all joint types", "[batch]") {
+  const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 5)));
+  checkAll<double>(compile(randomTree(registry(), 14, seed, true), registry()), 11, 2, seed, 1e-12, 1e-9);
+}
+
+TEST_CASE("derivatives of a batch of floats have the digits of floats", "[batch]") {
+  // Of joints whose inertias are alike: what is solved for loses as many digits as M has condition.
+  checkAll<float>(compile(treeOf(registry(), {"free_flyer", "revolute", "universal", "spherical"}, 6, 3), registry()), 17, 1, 2, 1e-4, 1e-2);
+}
+
+TEST_CASE("derivatives of batches with followers", "[batch]") {
+  Model description = randomTree(registry(), 22, 4, true);
+  addFollower(description);
+  checkAll<double>(compile(description, registry()), 5, 2, 3, 1e-12, 1e-9);
+}
+
+TEST_CASE("what is wrong with a batch of derivatives is said with the state", "[batch]") {
+  Model description;
+  JointDescription joint;
+  joint.name = "cam";
+  joint.type = "cam_follower";
+  joint.parameters["h"] = std::vector<double>{0.1};
+  description.addBody("follower", 0, joint, {1, {}, {1, 0, 0, 1, 0, 1}});
+  const CompactModel model = compile(description, registry());
+  BatchData batch(model, 10, Need::derivatives);
+  Eigen::MatrixXd q = Eigen::MatrixXd::Constant(1, 10, 1.0);
+  const Eigen::MatrixXd zero = Eigen::MatrixXd::Zero(1, 10);
+  const Eigen::MatrixXd good = computeMinverse(model, batch, q);
+  q(0, 6) = 0;
+  CHECK_THROWS_WITH(computeMinverse(model, batch, q), containing("state 6") && containing("'cam'") && containing("computeMinverse"));
+  CHECK_THROWS_WITH(computeABADerivatives(model, batch, q, zero, zero), containing("state 6") && containing("'cam'"));
+  q(0, 6) = 1;
+  CHECK(Eigen::MatrixXd(computeMinverse(model, batch, q)) == good);
+  BatchData without(model, 10);
+  CHECK_THROWS_WITH(computeMinverse(model, without, q), containing("Need::derivatives"));
+}
