@@ -147,7 +147,7 @@ struct BatchSubject {
   Columns<T> q, v, a, tau;
 
   BatchSubject(const CompactModel& model, int states, int threads)
-      : batch(model, states, Need::mass_matrix | Need::kinematics | Need::jacobians, threads),
+      : batch(model, states, Need::derivatives | Need::mass_matrix | Need::kinematics | Need::jacobians, threads),
         q(model.nq(), states),
         v(model.nv(), states),
         a(v),
@@ -198,6 +198,12 @@ void addBatch(Subjects& x, const char* scalar, int threads, std::vector<Entry>& 
   add("crba", [](auto& m, auto& d) { return crba(m, d.batch, d.q); });
   add("aba", [](auto& m, auto& d) { return aba(m, d.batch, d.q, d.v, d.tau); });
   add("joint_jacobians", [](auto& m, auto& d) { computeJointJacobians(m, d.batch, d.q); });
+  add("rnea_derivatives", [](auto& m, auto& d) { computeRNEADerivatives(m, d.batch, d.q, d.v, d.a); });
+  add("aba_derivatives", [](auto& m, auto& d) { computeABADerivatives(m, d.batch, d.q, d.v, d.tau); });
+  add("minverse", [](auto& m, auto& d) { computeMinverse(m, d.batch, d.q); });
+  add("ccrba", [](auto& m, auto& d) { ccrba(m, d.batch, d.q, d.v); });
+  add("centroidal_derivatives", [](auto& m, auto& d) { computeCentroidalDynamicsDerivatives(m, d.batch, d.q, d.v, d.a); });
+  add("coriolis", [](auto& m, auto& d) { computeCoriolisMatrix(m, d.batch, d.q, d.v); });
 }
 
 struct Options {
