@@ -7,6 +7,7 @@
 #include <dyn/algorithm/center_of_mass.hpp>
 #include <dyn/algorithm/centroidal.hpp>
 #include <dyn/algorithm/cholesky.hpp>
+#include <dyn/algorithm/compute.hpp>
 #include <dyn/algorithm/configuration.hpp>
 #include <dyn/algorithm/coriolis.hpp>
 #include <dyn/algorithm/crba.hpp>

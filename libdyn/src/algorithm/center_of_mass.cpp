@@ -1,4 +1,4 @@
-#include "algorithm/inputs.hpp"
+#include "algorithm/sums.hpp"
 #include "kernels/sweep.hpp"
 
 #include <dyn/algorithm/center_of_mass.hpp>
@@ -10,10 +10,7 @@ namespace {
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 }  // namespace
 
-CenterOfMass centerOfMass(const CompactModel& model, Data& data, VectorView q, const VectorView* v, const VectorView* a) {
-  forwardKinematics(model, data, q, v, a);
-  const CompactImpl& m = model.impl();
-  const DataImpl& d = data.impl();
+CenterOfMass sumCenterOfMass(const CompactImpl& m, const DataImpl& d, bool v, bool a) {
   CenterOfMass sum;
   for (int i = 1; i < m.bodies(); ++i) {
     const BodyConstants<double>& c = m.constants[at(i)];
@@ -27,6 +24,11 @@ CenterOfMass centerOfMass(const CompactModel& model, Data& data, VectorView q, c
     sum.acceleration += share * (d.oM[i].R * (acc.linear + cross(acc.angular, c.com) + cross(d.v[i].angular, local)));
   }
   return sum;
+}
+
+CenterOfMass centerOfMass(const CompactModel& model, Data& data, VectorView q, const VectorView* v, const VectorView* a) {
+  forwardKinematics(model, data, q, v, a);
+  return sumCenterOfMass(model.impl(), data.impl(), v != nullptr, a != nullptr);
 }
 
 const double* jacobianCenterOfMass(const CompactModel& model, Data& data, VectorView q) {
@@ -59,28 +61,31 @@ const double* jacobianCenterOfMass(const CompactModel& model, Data& data, Vector
   return d.Jcom;
 }
 
-double kineticEnergy(const CompactModel& model, Data& data, VectorView q, VectorView v) {
-  forwardKinematics(model, data, q, &v, nullptr);
-  const CompactImpl& m = model.impl();
-  const DataImpl& d = data.impl();
+double sumKineticEnergy(const CompactImpl& m, const DataImpl& d, const double* v) {
   double twice = 0;
   for (int i = 1; i < m.bodies(); ++i) {
     const BodyConstants<double>& c = m.constants[at(i)];
     const Vec3<double> vc = d.v[i].linear + cross(d.v[i].angular, c.com);
     twice += c.mass * dot(vc, vc) + dot(d.v[i].angular, c.rotational * d.v[i].angular);
   }
-  const double* vx = m.couplings.empty() ? v.data : d.vx;
-  for (std::size_t k = 0; k < m.armature.size(); ++k) twice += m.armature[k] * vx[k] * vx[k];
+  for (std::size_t k = 0; k < m.armature.size(); ++k) twice += m.armature[k] * v[k] * v[k];
   return 0.5 * twice;
+}
+
+double kineticEnergy(const CompactModel& model, Data& data, VectorView q, VectorView v) {
+  forwardKinematics(model, data, q, &v, nullptr);
+  return sumKineticEnergy(model.impl(), data.impl(), model.impl().couplings.empty() ? v.data : data.impl().vx);
+}
+
+double sumPotentialEnergy(const CompactImpl& m, const DataImpl& d) {
+  Vec3<double> moment;
+  for (int i = 1; i < m.bodies(); ++i) moment += m.constants[at(i)].mass * d.oM[i].act(m.constants[at(i)].com);
+  return -dot(m.gravity, moment);
 }
 
 double potentialEnergy(const CompactModel& model, Data& data, VectorView q) {
   forwardKinematics(model, data, q, nullptr, nullptr);
-  const CompactImpl& m = model.impl();
-  const DataImpl& d = data.impl();
-  Vec3<double> moment;
-  for (int i = 1; i < m.bodies(); ++i) moment += m.constants[at(i)].mass * d.oM[i].act(m.constants[at(i)].com);
-  return -dot(m.gravity, moment);
+  return sumPotentialEnergy(model.impl(), data.impl());
 }
 
 }  // namespace dyn::detail

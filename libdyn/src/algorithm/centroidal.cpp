@@ -1,8 +1,9 @@
+#include "algorithm/centroidal.hpp"
+
 #include "algorithm/followers.hpp"
 #include "algorithm/inputs.hpp"
 #include "kernels/table.hpp"
 
-#include <dyn/algorithm/centroidal.hpp>
 #include <dyn/error.hpp>
 
 namespace dyn::detail {
@@ -45,6 +46,11 @@ CentroidalViews centroidal(const CompactModel& model, Data& data, CentroidalTask
     throw Error(ErrorCode::singular, std::string(algorithm) + ": the model has no mass, so no centre of mass; give its bodies inertias");
   const Inputs in = readInputs(algorithm, model, data, q, &v, a);
   evaluateJoints(m, d, in.q, in.v);
+  if (task != CentroidalTask::map) kernels::active().single.evaluateSubspaces(m, d.derivatives, in.q, in.v);
+  return centroidalOfEvaluated(m, d, task, in.v, in.a);
+}
+
+CentroidalViews centroidalOfEvaluated(const CompactImpl& m, DataImpl& d, CentroidalTask task, const double* v, const double* a) {
   kernels::CentroidalMaps<double> maps;
   maps.Ag = d.Ag;
   maps.rates = task != CentroidalTask::map;
@@ -54,7 +60,7 @@ CentroidalViews centroidal(const CompactModel& model, Data& data, CentroidalTask
     maps.dhdot_dq = d.dhdot_dq;
     maps.dhdot_dv = d.dhdot_dv;
   }
-  const auto state = kernels::active().single.centroidal(m, d, d.derivatives, in.q, in.v, in.a, maps);
+  const auto state = kernels::active().single.centroidal(m, d, d.derivatives, v, a, maps);
   flatten(state.momentum, d.hg);
   flatten(state.rate, d.dhg);
   d.locked_inertia = state.inertia.matrix();

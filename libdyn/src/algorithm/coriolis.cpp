@@ -32,14 +32,15 @@ const double* coriolisMatrix(const CompactModel& model, Data& data, VectorView q
   const Inputs in = readInputs("computeCoriolisMatrix", model, data, q, &v, nullptr);
   evaluateJoints(m, d, in.q, in.v);
   const kernels::SingleKernels& k = kernels::active().single;
+  k.evaluateSubspaces(m, d.derivatives, in.q, in.v);
   if (m.couplings.empty()) {
-    k.coriolis(m, d, d.derivatives, in.q, in.v);
+    k.coriolis(m, d, d.derivatives, in.v);
     k.assemble(m, d.derivatives.by_q, d.C);
     return d.C;
   }
   double *C = d.expanded[0], *M = d.expanded[2];
   k.massMatrix(m, d, M);
-  k.coriolis(m, d, d.derivatives, in.q, in.v);
+  k.coriolis(m, d, d.derivatives, in.v);
   k.assemble(m, d.derivatives.by_q, C);
   fold(m, d, C, M);
   keepUsersEntries(m, C, d.C);

@@ -10,7 +10,13 @@
 #include <algorithm>
 #include <limits>
 
-namespace dyn::detail {
+namespace dyn {
+
+void checkFactors(const char* algorithm, const CompactImpl& m, int failed_body) {
+  if (failed_body != 0) refuseSingular(algorithm, m.joints[static_cast<std::size_t>(m.index[static_cast<std::size_t>(failed_body)].joint)].name);
+}
+
+namespace detail {
 
 namespace {
 
@@ -28,10 +34,6 @@ void foldDerivatives(const CompactImpl& m, const DataImpl& d, const double* tau,
   }
 }
 
-void checkFactors(const char* algorithm, const CompactImpl& m, int failed_body) {
-  if (failed_body != 0) refuseSingular(algorithm, m.joints[at(m.index[at(failed_body)].joint)].name);
-}
-
 /// Joints evaluated, forces read.
 struct Prepared {
   Inputs in;
@@ -45,6 +47,7 @@ Prepared prepare(const char* algorithm, const CompactModel& model, Data& data, V
   const Inputs in = readInputs(algorithm, model, data, q, v, a);
   const Force<double>* external = readExternalForces(algorithm, m, d, fext, count);
   evaluateJoints(m, d, in.q, in.v);
+  kernels::active().single.evaluateSubspaces(m, d.derivatives, in.q, in.v);
   return {in, external};
 }
 
@@ -63,7 +66,7 @@ DerivativeViews rneaDerivatives(const CompactModel& model, Data& data, VectorVie
   const kernels::SingleKernels& k = kernels::active().single;
   double* const user[3] = {d.dtau_dq, d.dtau_dv, d.M};
   double* const* out = coupled ? d.expanded : user;
-  k.rneaDerivatives(m, d, d.derivatives, x.in.q, x.in.v, x.in.a, x.external);
+  k.rneaDerivatives(m, d, d.derivatives, x.in.v, x.in.a, x.external);
   k.assemble(m, d.derivatives.by_q, out[0]);
   k.assemble(m, d.derivatives.by_v, out[1]);
   k.assemble(m, d.derivatives.by_a, out[2]);
@@ -132,8 +135,7 @@ DerivativeViews abaDerivatives(const CompactModel& model, Data& data, VectorView
     return {d.ddq, d.ddq_dq, d.ddq_dv, d.Minv};
   }
   const Prepared x = prepare(algorithm, model, data, q, &v, &ddq, fext, count);
-  checkFactors(algorithm, m,
-               kernels::active().single.abaDerivatives(m, d, d.derivatives, x.in.q, x.in.v, x.in.a, x.external, d.ddq_dq, d.ddq_dv, d.Minv));
+  checkFactors(algorithm, m, kernels::active().single.abaDerivatives(m, d, d.derivatives, x.in.v, x.in.a, x.external, d.ddq_dq, d.ddq_dv, d.Minv));
   if (!m.damping.empty())
     for (Eigen::Index k = 0; k < n; ++k) Matrix(d.ddq_dv, n, n).col(k) -= m.damping[static_cast<std::size_t>(k)] * Matrix(d.Minv, n, n).col(k);
   return {d.ddq, d.ddq_dq, d.ddq_dv, d.Minv};
@@ -157,4 +159,6 @@ const double* minverse(const CompactModel& model, Data& data, VectorView q) {
   return d.Minv;
 }
 
-}  // namespace dyn::detail
+}  // namespace detail
+
+}  // namespace dyn

@@ -32,6 +32,9 @@ void refuseFollowers(const char* algorithm, const CompactImpl& m);
 /// Throws Error(singular): the joint's pivot vanished.
 [[noreturn]] void refuseSingular(const char* algorithm, const std::string& joint);
 
+/// Throws Error(singular) unless `failed_body` is 0.
+void checkFactors(const char* algorithm, const CompactImpl& m, int failed_body);
+
 /// One virtual call a batch: poses, subspaces, and (with v) biases. Throws Error(argument) for a zero quaternion.
 void evaluateJoints(const CompactImpl& m, DataImpl& d, const double* q, const double* v);
 

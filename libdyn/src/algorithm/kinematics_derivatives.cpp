@@ -2,6 +2,7 @@
 #include "algorithm/inputs.hpp"
 #include "algorithm/placement.hpp"
 #include "kernels/jacobians.hpp"
+#include "kernels/table.hpp"
 
 #include <dyn/algorithm/kinematics_derivatives.hpp>
 
@@ -63,7 +64,7 @@ void forwardKinematicsDerivatives(const CompactModel& model, Data& data, VectorV
   const double* expanded_q = coupled ? d.qx : q.data;
   std::copy_n(coupled ? d.vx : v.data, m.nvx, d.kinematics_v);
   std::copy_n(coupled ? d.ax : a.data, m.nvx, d.kinematics_a);
-  kernels::evaluateSubspaceDerivatives<double>(m, d.derivatives, expanded_q, d.kinematics_v);
+  kernels::active().single.evaluateSubspaces(m, d.derivatives, expanded_q, d.kinematics_v);
 }
 
 void motionDerivatives(const CompactModel& model, Data& data, Subject subject, int id, ReferenceFrame reference, const MatrixOut* v_dq,

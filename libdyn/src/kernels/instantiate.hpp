@@ -53,17 +53,16 @@ SingleKernels singleKernels() {
       kernels::inverseOfMassMatrix<Panel>(m, d, Rows<double>{out, m.nvx});
     }
   };
-  k.rneaDerivatives = [](const CompactImpl& m, W& w, D& d, const double* q, const double* v, const double* a, const Force<double>* fext) {
+  k.evaluateSubspaces = [](const CompactImpl& m, D& d, const double* q, const double* v) { evaluateSubspaceDerivatives(m, d, q, v); };
+  k.rneaDerivatives = [](const CompactImpl& m, W& w, D& d, const double* v, const double* a, const Force<double>* fext) {
     const Bodies<double> bodies{m, w};
-    evaluateSubspaceDerivatives(m, d, q, v);
     derivativesOutward(bodies, w, d, bodies.gravity(), v, a, fext);
     derivativesInward(bodies, w, d);
     derivativesSweep<Wide>(bodies, w, d);
   };
-  k.abaDerivatives = [](const CompactImpl& m, W& w, D& d, const double* q, const double* v, const double* a, const Force<double>* fext, double* by_q,
-                        double* by_v, double* inverse) {
+  k.abaDerivatives = [](const CompactImpl& m, W& w, D& d, const double* v, const double* a, const Force<double>* fext, double* by_q, double* by_v,
+                        double* inverse) {
     const Bodies<double> bodies{m, w};
-    evaluateSubspaceDerivatives(m, d, q, v);
     derivativesOutward(bodies, w, d, bodies.gravity(), v, a, fext);
     abaDerivativesInward(bodies, w, d);
     if (d.own_torque.first) ownTorques(bodies, w, d);
@@ -80,10 +79,9 @@ SingleKernels singleKernels() {
     inverse_of_mass_matrix(m, d, inverse);
     return w.failed[0];
   };
-  k.centroidal = [](const CompactImpl& m, W& w, D& d, const double* q, const double* v, const double* a, const CentroidalMaps<double>& out) {
+  k.centroidal = [](const CompactImpl& m, W& w, D& d, const double* v, const double* a, const CentroidalMaps<double>& out) {
     const Bodies<double> bodies{m, w};
     if (out.rates) {
-      evaluateSubspaceDerivatives(m, d, q, v);
       derivativesOutward(bodies, w, d, Vec3<double>{}, v, a, static_cast<const Force<double>*>(nullptr));
       derivativesInward(bodies, w, d);
     } else {
@@ -91,9 +89,8 @@ SingleKernels singleKernels() {
     }
     return kernels::centroidal(bodies, w, d, out);
   };
-  k.coriolis = [](const CompactImpl& m, W& w, D& d, const double* q, const double* v) {
+  k.coriolis = [](const CompactImpl& m, W& w, D& d, const double* v) {
     const Bodies<double> bodies{m, w};
-    evaluateSubspaceDerivatives(m, d, q, v);
     std::fill(d.scratch.first, d.scratch.first + m.nvx, 0.0);
     derivativesOutward(bodies, w, d, Vec3<double>{}, v, static_cast<const double*>(d.scratch.first), static_cast<const Force<double>*>(nullptr));
     derivativesInward(bodies, w, d);

@@ -22,18 +22,19 @@ struct SingleKernels {
   void (*aba)(const CompactImpl&, Workspace<double>&, const double* v, const double* tau, const Force<double>* fext, double* ddq);
 
   using Derivatives = DerivativeWorkspace<double>;
+  /// How subspaces vary, which all derivatives take.
+  void (*evaluateSubspaces)(const CompactImpl&, Derivatives&, const double* q, const double* v);
   /// Into the Derivatives' by_q, by_v and by_a.
-  void (*rneaDerivatives)(const CompactImpl&, Workspace<double>&, Derivatives&, const double* q, const double* v, const double* a,
-                          const Force<double>* fext);
+  void (*rneaDerivatives)(const CompactImpl&, Workspace<double>&, Derivatives&, const double* v, const double* a, const Force<double>* fext);
   /// Of aba without losses, at its accelerations a; and M^-1; n x n each. Returns the body whose pivot vanished, or 0.
-  int (*abaDerivatives)(const CompactImpl&, Workspace<double>&, Derivatives&, const double* q, const double* v, const double* a,
-                        const Force<double>* fext, double* by_q, double* by_v, double* inverse);
+  int (*abaDerivatives)(const CompactImpl&, Workspace<double>&, Derivatives&, const double* v, const double* a, const Force<double>* fext,
+                        double* by_q, double* by_v, double* inverse);
   /// C into by_q.
-  void (*coriolis)(const CompactImpl&, Workspace<double>&, Derivatives&, const double* q, const double* v);
+  void (*coriolis)(const CompactImpl&, Workspace<double>&, Derivatives&, const double* v);
   /// One of these, n x n.
   void (*assemble)(const CompactImpl&, const PathMatrix<double>&, double* out);
   /// Joints asked first. Without out.rates, a is not read.
-  CentroidalState<double> (*centroidal)(const CompactImpl&, Workspace<double>&, Derivatives&, const double* q, const double* v, const double* a,
+  CentroidalState<double> (*centroidal)(const CompactImpl&, Workspace<double>&, Derivatives&, const double* v, const double* a,
                                         const CentroidalMaps<double>& out);
   /// The Derivatives' factors: of M, where the degree of freedom, plus one, whose pivot vanished is returned, or 0; or from articulated
   /// inertias, where the body is. Joints asked first.
