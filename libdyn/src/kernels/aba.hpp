@@ -17,16 +17,15 @@ void abaOutward(const Order& order, Workspace<S>& w, const S* v, const Force<S>*
     placeAligned<S>(joint, order, c.placement, i, w);
     const Mat3<S>& R = w.R[i];
     const Vec3<S>& wp = order.parent(w.w, i);
-    const Motion<S> s = joint.times(v + iv);
+    const Motion<S> s = joint.timesIn(R, v + iv);
 
     Vec3<S> omega = wp;
     Motion<S> beta{cross(wp, cross(wp, w.r[i])), {}};
     if constexpr (Joint::has_angular) {
-      const Vec3<S> turning = R * s.angular;
-      omega += turning;
-      beta.angular += cross(wp, turning);
+      omega += s.angular;
+      beta.angular = cross(wp, s.angular);
     }
-    if constexpr (Joint::has_linear) beta.linear += cross(wp + omega, R * s.linear);
+    if constexpr (Joint::has_linear) beta.linear += cross(wp + omega, s.linear);
     if constexpr (Joint::has_bias) {
       const Motion<S> b = joint.bias();
       beta += {R * b.linear, R * b.angular};

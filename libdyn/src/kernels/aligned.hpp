@@ -33,9 +33,9 @@ void placeAligned(const Joint& joint, const Order& order, const SE3<S>& placemen
 template <class S, class Joint>
 void writeColumns(const Joint& joint, const Mat3<S>& R, DofFactor<S>* dof) {
   for (int k = 0; k < Joint::nv; ++k) {
-    const Motion<S> s = joint.column(k);
-    if constexpr (Joint::has_linear) dof[k].S_.linear = R * s.linear;
-    if constexpr (Joint::has_angular) dof[k].S_.angular = R * s.angular;
+    const Motion<S> s = joint.columnIn(R, k);
+    if constexpr (Joint::has_linear) dof[k].S_.linear = s.linear;
+    if constexpr (Joint::has_angular) dof[k].S_.angular = s.angular;
   }
 }
 

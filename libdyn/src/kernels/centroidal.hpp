@@ -17,22 +17,21 @@ void momenta(const Bodies<S>& bodies, Workspace<S>& w, DerivativeWorkspace<S>& d
     placeAligned<S>(joint, bodies, c.placement, i, w);
     const Mat3<S>& R = w.R[i];
     const Vec3<S>& wp = bodies.parent(w.w, i);
-    const Motion<S> s = joint.times(v + iv);
-    const Vec3<S> omega = wp + R * s.angular, h = R * c.h;
+    const Motion<S> s = joint.timesIn(R, v + iv);
+    const Vec3<S> omega = wp + s.angular, h = R * c.h;
     const Sym3<S> I = congruence(R, c.origin);
     w.w[i] = omega;
     w.mass[i] = c.mass;
     w.h[i] = h;
     w.Io[i] = I;
-    d.body[i].shift_rate = cross(wp, w.r[i]) + R * s.linear;
+    d.body[i].shift_rate = cross(wp, w.r[i]) + s.linear;
     d.body[i].momentum = {cross(omega, h), I * omega};
     for (int k = 0; k < Joint::nv; ++k) {
-      const Motion<S> local = joint.column(k);
-      w.dof[iv + k].S_ = {R * local.linear, R * local.angular};
+      w.dof[iv + k].S_ = joint.columnIn(R, k);
     }
   });
   bodies.backward([&]<class Joint>(const Joint&, int i, int iv) {
-    for (int k = 0; k < Joint::nv; ++k) writeForce(rigidForce(w.mass[i], w.h[i], w.Io[i], w.dof[iv + k].S_), d.force, iv + k);
+    for (int k = 0; k < Joint::nv; ++k) writeForce(rigidForceOf<Joint>(w.mass[i], w.h[i], w.Io[i], w.dof[iv + k].S_), d.force, iv + k);
     if (bodies.isRoot(i)) return;
     const int parent = bodies.parentOf(i);
     d.body[parent].momentum += momentumInParent(d.body[i], w.mass[i], w.h[i], w.r[i]);

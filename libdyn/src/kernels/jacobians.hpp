@@ -26,13 +26,12 @@ void jointJacobians(const Bodies<S>& bodies, Workspace<S>& w, S* J) {
     placeInWorld(bodies, w, rel, i);
     const SE3<S>& oM = w.oM[i];
     for (int k = 0; k < Joint::nv; ++k) {
-      const Motion<S> s = joint.column(k);
-      Motion<S> column;
-      if constexpr (Joint::has_angular) {
-        column.angular = oM.R * s.angular;
+      Motion<S> column = joint.columnIn(oM.R, k);
+      if constexpr (Joint::has_angular && Joint::has_linear) {
+        column.linear += cross(oM.p, column.angular);
+      } else if constexpr (Joint::has_angular) {
         column.linear = cross(oM.p, column.angular);
       }
-      if constexpr (Joint::has_linear) column.linear += oM.R * s.linear;
       writeMotion(column, J + 6 * (iv + k));
     }
   });

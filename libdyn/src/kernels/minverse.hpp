@@ -21,8 +21,7 @@ void factorsOutward(const Order& order, Workspace<S>& w) {
     w.h[i] = R * c.h;
     w.Io[i] = congruence(R, c.origin);
     for (int k = 0; k < Joint::nv; ++k) {
-      const Motion<S> s = joint.column(k);
-      w.dof[iv + k].S_ = {R * s.linear, R * s.angular};
+      w.dof[iv + k].S_ = joint.columnIn(R, k);
     }
   });
 }

@@ -25,7 +25,10 @@ void rneaOutward(const Order& order, Workspace<S>& w, const S* v, const S* a, co
 
     Vec3<S> omega = w_carried, domega = transposeTimes(rel.R, ap.angular);
     Vec3<S> origin = transposeTimes(rel.R, ap.linear + cross(ap.angular, rel.p) + cross(wp, cross(wp, rel.p)));
-    if constexpr (Joint::has_angular) {
+    if constexpr (Joint::about_z) {
+      omega.z += s.angular.z;
+      domega += Vec3<S>{w_carried.y * s.angular.z, -(w_carried.x * s.angular.z), ds.angular.z};
+    } else if constexpr (Joint::has_angular) {
       omega += s.angular;
       domega += ds.angular + cross(w_carried, s.angular);
     }

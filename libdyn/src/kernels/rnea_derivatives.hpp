@@ -21,10 +21,13 @@ Force<S> coriolis(const SubtreeMotion<S>& c, const Vec3<S>& x) {
   return S(2) * Force<S>{cross(x, c.momentum.linear), trace * x - c.K * x};
 }
 /// The turning rates' lever on a motion s: coriolis(x) . s = lever . x.
-template <class S>
+template <class Joint, class S>
 Vec3<S> coriolisLever(const SubtreeMotion<S>& c, const Motion<S>& s) {
   const S trace = c.K(0, 0) + c.K(1, 1) + c.K(2, 2);
-  return S(2) * (cross(c.momentum.linear, s.linear) + trace * s.angular - transposeTimes(c.K, s.angular));
+  Vec3<S> lever{};
+  if constexpr (Joint::has_angular) lever = trace * s.angular - transposeTimes(c.K, s.angular);
+  if constexpr (Joint::has_linear) lever += cross(c.momentum.linear, s.linear);
+  return S(2) * lever;
 }
 /// A subtree's momentum about the parent's origin, with velocities relative to it.
 template <class S>
@@ -35,6 +38,16 @@ Force<S> momentumInParent(const SubtreeMotion<S>& c, const S& mass, const Vec3<S
 template <class S>
 Force<S> rigidForce(const S& mass, const Vec3<S>& h, const Sym3<S>& I, const Motion<S>& x) {
   return {mass * x.linear + cross(x.angular, h), cross(h, x.linear) + I * x.angular};
+}
+
+/// Of motions with the parts that a joint's shape has.
+template <class Joint, class S>
+Force<S> rigidForceOf(const S& mass, const Vec3<S>& h, const Sym3<S>& I, const Motion<S>& x) {
+  if constexpr (!Joint::has_linear) {
+    return {cross(x.angular, h), I * x.angular};
+  } else {
+    return rigidForce(mass, h, I, x);
+  }
 }
 
 /// What a joint of varying subspace adds, in aligned axes; zero for the others.
@@ -73,12 +86,20 @@ void derivativesOutward(const Order& order, Workspace<S>& w, DerivativeWorkspace
     if (order.isRoot(i)) ap = {isFlyingRoot<Joint>(order, i) ? transposeTimes(w.rel[i].R, -gravity) : -gravity, {}};
     ap.linear += cross(ap.angular, r) + cross(wp, cross(wp, r));
 
-    const Motion<S> s = joint.times(v + iv);
-    Motion<S> ds = joint.times(a + iv);
-    if constexpr (Joint::has_bias) ds += joint.bias();
-    const Vec3<S> turning = R * s.angular, slide = R * s.linear;
-    const Vec3<S> omega = wp + turning;
-    const Motion<S> acc{ap.linear + R * ds.linear + cross(wp + omega, slide), ap.angular + R * ds.angular + cross(wp, turning)};
+    const Motion<S> s = joint.timesIn(R, v + iv);
+    Motion<S> ds = joint.timesIn(R, a + iv);
+    if constexpr (Joint::has_bias) {
+      const Motion<S> b = joint.bias();
+      ds += {R * b.linear, R * b.angular};
+    }
+    const Vec3<S>& slide = s.linear;
+    Vec3<S> omega = wp;
+    Motion<S> acc = ap;
+    if constexpr (Joint::has_angular) {
+      omega += s.angular;
+      acc.angular += ds.angular + cross(wp, s.angular);
+    }
+    if constexpr (Joint::has_linear) acc.linear += ds.linear + cross(wp + omega, slide);
     w.w[i] = omega;
     w.acc[i] = acc;
 
@@ -88,18 +109,22 @@ void derivativesOutward(const Order& order, Workspace<S>& w, DerivativeWorkspace
     w.h[i] = h;
     w.Io[i] = I;
     const S half = S(0.5) * (I.xx + I.yy + I.zz);
-    Mat3<S> second = S(-1) * I.matrix();
-    for (int k = 0; k < 3; ++k) second(k, k) += half;
-    d.body[i] = {cross(wp, r) + slide, {cross(omega, h), I * omega}, skew(omega) * second};
+    // Sum of mass * position * position^T, whose columns the body turns.
+    const Mat3<S> second{{half - I.xx, -I.xy, -I.xz, -I.xy, half - I.yy, -I.yz, -I.xz, -I.yz, half - I.zz}};
+    const Vec3<S> k0 = cross(omega, second.col(0)), k1 = cross(omega, second.col(1)), k2 = cross(omega, second.col(2));
+    Vec3<S> shift_rate = cross(wp, r);
+    if constexpr (Joint::has_linear) shift_rate += slide;
+    const Vec3<S> momentum = cross(omega, h), spin = I * omega;
+    d.body[i] = {shift_rate, {momentum, spin}, {{k0.x, k1.x, k2.x, k0.y, k1.y, k2.y, k0.z, k1.z, k2.z}}};
     const Force<S> inertial = rigidForce(S(c.mass), h, I, acc);
-    w.f[i] = {inertial.linear + cross(omega, cross(omega, h)), inertial.angular + cross(omega, I * omega)};
+    w.f[i] = {inertial.linear + cross(omega, momentum), inertial.angular + cross(omega, spin)};
     if (fext) w.f[i] -= Force<S>{R * fext[i].linear, R * fext[i].angular};
 
     const BodyIndex& x = order.index(i);
-    const Vec3<S> al = ap.linear + cross(wp, slide);
+    Vec3<S> al = ap.linear;
+    if constexpr (Joint::has_linear) al += cross(wp, slide);
     for (int k = 0; k < Joint::nv; ++k) {
-      const Motion<S> local = joint.column(k);
-      const Motion<S> column{R * local.linear, R * local.angular};
+      const Motion<S> column = joint.columnIn(R, k);
       w.dof[iv + k].S_ = column;
       const Vec3<S>&sl = column.linear, &sw = column.angular;
       Motion<S> velocity, acceleration{cross(al, sw), cross(ap.angular, sw)}, rate{{}, cross(omega, sw)};
@@ -115,7 +140,8 @@ void derivativesOutward(const Order& order, Workspace<S>& w, DerivativeWorkspace
         rate += more.rate;
         acceleration += more.acceleration + Motion<S>{cross(omega, more.velocity.linear), cross(omega, more.velocity.angular)};
       }
-      acceleration += Motion<S>{cross(wp, velocity.linear) - cross(slide, velocity.angular), cross(wp, velocity.angular)};
+      if constexpr (Joint::has_linear) acceleration.linear += cross(wp, velocity.linear) - cross(slide, velocity.angular);
+      acceleration.angular += cross(wp, velocity.angular);
       d.dof[iv + k] = {velocity, acceleration, velocity + rate, {}};
     }
   });
@@ -134,12 +160,14 @@ void derivativesInward(const Order& order, Workspace<S>& w, DerivativeWorkspace<
     for (int k = 0; k < Joint::nv; ++k) {
       const Motion<S>& s = w.dof[iv + k].S_;
       const DofVariation<S>& x = d.dof[iv + k];
-      writeForce(rigidForce(mass, h, I, s), d.force, iv + k);
-      writeVector(coriolisLever(c, s), Rows<S>{d.force[D::lever], d.force.stride}, iv + k);
-      const Force<S> turned{cross(s.angular, f.linear), cross(s.angular, f.angular) + cross(s.linear, f.linear)};
+      writeForce(rigidForceOf<Joint>(mass, h, I, s), d.force, iv + k);
+      writeVector(coriolisLever<Joint>(c, s), Rows<S>{d.force[D::lever], d.force.stride}, iv + k);
+      Force<S> turned;
+      if constexpr (Joint::has_angular) turned = {cross(s.angular, f.linear), cross(s.angular, f.angular)};
+      if constexpr (Joint::has_linear) turned.angular += cross(s.linear, f.linear);
       writeForce(rigidForce(mass, h, I, x.acceleration) + coriolis(c, x.velocity.angular) + turned, Rows<S>{d.force[D::force_by_q], d.force.stride},
                  iv + k);
-      writeForce(rigidForce(mass, h, I, x.rate) + coriolis(c, s.angular), Rows<S>{d.force[D::force_by_v], d.force.stride}, iv + k);
+      writeForce(rigidForceOf<Joint>(mass, h, I, x.rate) + coriolis(c, s.angular), Rows<S>{d.force[D::force_by_v], d.force.stride}, iv + k);
     }
     if (order.isRoot(i)) return;
     const Vec3<S>& r = w.r[i];

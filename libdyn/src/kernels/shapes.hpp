@@ -2,6 +2,8 @@
 //   rotate(E)       E times the joint's rotation
 //   translation()   of the moving frame's origin, in the joint frame
 //   times(v)        S v in the moving frame;  column(k) of S;  project(f, tau): tau = S^T f
+//   timesIn(E, v)   the same two in axes that E leads to. No product with the zeros of S is taken, which compilers would keep: 0 x may be NaN
+//   columnIn(E, k)
 //   bias()          (dS/dt) v in the moving frame, where has_bias
 #pragma once
 
@@ -49,13 +51,15 @@ Mat3<S> turnZ(const Mat3<S>& E, const S& c, const S& s) {
 template <class S>
 struct Revolute {
   static constexpr int nv = 1;
-  static constexpr bool moves_origin = false, has_linear = false, has_angular = true, has_bias = false, is_free = false;
+  static constexpr bool moves_origin = false, has_linear = false, has_angular = true, has_bias = false, is_free = false, about_z = true;
   S c, s;
   explicit Revolute(const Slot<S>& slot) : c(slot.pose[0]), s(slot.pose[slot.stride]) {}
   Mat3<S> rotate(const Mat3<S>& E) const { return turnZ(E, c, s); }
   Vec3<S> translation() const { return {}; }
   Motion<S> times(const S* v) const { return {{}, {S(0), S(0), v[0]}}; }
   Motion<S> column(int) const { return {{}, {S(0), S(0), S(1)}}; }
+  Motion<S> timesIn(const Mat3<S>& E, const S* v) const { return {{}, v[0] * E.col(2)}; }
+  Motion<S> columnIn(const Mat3<S>& E, int) const { return {{}, E.col(2)}; }
   void project(const Force<S>& f, S* tau) const { tau[0] = f.angular.z; }
   Motion<S> bias() const { return {}; }
 };
@@ -63,13 +67,15 @@ struct Revolute {
 template <class S>
 struct Prismatic {
   static constexpr int nv = 1;
-  static constexpr bool moves_origin = true, has_linear = true, has_angular = false, has_bias = false, is_free = false;
+  static constexpr bool moves_origin = true, has_linear = true, has_angular = false, has_bias = false, is_free = false, about_z = false;
   S z;
   explicit Prismatic(const Slot<S>& slot) : z(slot.pose[0]) {}
   Mat3<S> rotate(const Mat3<S>& E) const { return E; }
   Vec3<S> translation() const { return {S(0), S(0), z}; }
   Motion<S> times(const S* v) const { return {{S(0), S(0), v[0]}, {}}; }
   Motion<S> column(int) const { return {{S(0), S(0), S(1)}, {}}; }
+  Motion<S> timesIn(const Mat3<S>& E, const S* v) const { return {v[0] * E.col(2), {}}; }
+  Motion<S> columnIn(const Mat3<S>& E, int) const { return {E.col(2), {}}; }
   void project(const Force<S>& f, S* tau) const { tau[0] = f.linear.z; }
   Motion<S> bias() const { return {}; }
 };
@@ -84,13 +90,15 @@ Vec3<S> unit(int k) {
 template <class S>
 struct Spherical {
   static constexpr int nv = 3;
-  static constexpr bool moves_origin = false, has_linear = false, has_angular = true, has_bias = false, is_free = false;
+  static constexpr bool moves_origin = false, has_linear = false, has_angular = true, has_bias = false, is_free = false, about_z = false;
   Mat3<S> R;
   explicit Spherical(const Slot<S>& slot) : R(loadMatrix(slot.pose, slot.stride)) {}
   Mat3<S> rotate(const Mat3<S>& E) const { return E * R; }
   Vec3<S> translation() const { return {}; }
   Motion<S> times(const S* v) const { return {{}, {v[0], v[1], v[2]}}; }
   Motion<S> column(int k) const { return {{}, unit<S>(k)}; }
+  Motion<S> timesIn(const Mat3<S>& E, const S* v) const { return {{}, E * Vec3<S>{v[0], v[1], v[2]}}; }
+  Motion<S> columnIn(const Mat3<S>& E, int k) const { return {{}, E.col(k)}; }
   void project(const Force<S>& f, S* tau) const {
     for (int k = 0; k < 3; ++k) tau[k] = f.angular[k];
   }
@@ -100,13 +108,15 @@ struct Spherical {
 template <class S>
 struct Translation {
   static constexpr int nv = 3;
-  static constexpr bool moves_origin = true, has_linear = true, has_angular = false, has_bias = false, is_free = false;
+  static constexpr bool moves_origin = true, has_linear = true, has_angular = false, has_bias = false, is_free = false, about_z = false;
   Vec3<S> p;
   explicit Translation(const Slot<S>& slot) : p(loadVector(slot.pose, slot.stride)) {}
   Mat3<S> rotate(const Mat3<S>& E) const { return E; }
   Vec3<S> translation() const { return p; }
   Motion<S> times(const S* v) const { return {{v[0], v[1], v[2]}, {}}; }
   Motion<S> column(int k) const { return {unit<S>(k), {}}; }
+  Motion<S> timesIn(const Mat3<S>& E, const S* v) const { return {E * Vec3<S>{v[0], v[1], v[2]}, {}}; }
+  Motion<S> columnIn(const Mat3<S>& E, int k) const { return {E.col(k), {}}; }
   void project(const Force<S>& f, S* tau) const {
     for (int k = 0; k < 3; ++k) tau[k] = f.linear[k];
   }
@@ -116,13 +126,15 @@ struct Translation {
 template <class S>
 struct Planar {
   static constexpr int nv = 3;
-  static constexpr bool moves_origin = true, has_linear = true, has_angular = true, has_bias = false, is_free = false;
+  static constexpr bool moves_origin = true, has_linear = true, has_angular = true, has_bias = false, is_free = false, about_z = false;
   S x, y, c, s;
   explicit Planar(const Slot<S>& slot) : x(slot.pose[0]), y(slot.pose[slot.stride]), c(slot.pose[2 * slot.stride]), s(slot.pose[3 * slot.stride]) {}
   Mat3<S> rotate(const Mat3<S>& E) const { return turnZ(E, c, s); }
   Vec3<S> translation() const { return {x, y, S(0)}; }
   Motion<S> times(const S* v) const { return {{v[0], v[1], S(0)}, {S(0), S(0), v[2]}}; }
   Motion<S> column(int k) const { return k < 2 ? Motion<S>{unit<S>(k), {}} : Motion<S>{{}, unit<S>(2)}; }
+  Motion<S> timesIn(const Mat3<S>& E, const S* v) const { return {v[0] * E.col(0) + v[1] * E.col(1), v[2] * E.col(2)}; }
+  Motion<S> columnIn(const Mat3<S>& E, int k) const { return k < 2 ? Motion<S>{E.col(k), {}} : Motion<S>{{}, E.col(2)}; }
   void project(const Force<S>& f, S* tau) const {
     tau[0] = f.linear.x;
     tau[1] = f.linear.y;
@@ -134,7 +146,7 @@ struct Planar {
 template <class S>
 struct Free {
   static constexpr int nv = 6;
-  static constexpr bool moves_origin = true, has_linear = true, has_angular = true, has_bias = false, is_free = true;
+  static constexpr bool moves_origin = true, has_linear = true, has_angular = true, has_bias = false, is_free = true, about_z = false;
   Mat3<S> R;
   Vec3<S> p;
   explicit Free(const Slot<S>& slot) : R(loadMatrix(slot.pose, slot.stride)), p(loadVector(slot.pose + 9 * slot.stride, slot.stride)) {}
@@ -142,6 +154,8 @@ struct Free {
   Vec3<S> translation() const { return p; }
   Motion<S> times(const S* v) const { return {{v[0], v[1], v[2]}, {v[3], v[4], v[5]}}; }
   Motion<S> column(int k) const { return k < 3 ? Motion<S>{unit<S>(k), {}} : Motion<S>{{}, unit<S>(k - 3)}; }
+  Motion<S> timesIn(const Mat3<S>& E, const S* v) const { return {E * Vec3<S>{v[0], v[1], v[2]}, E * Vec3<S>{v[3], v[4], v[5]}}; }
+  Motion<S> columnIn(const Mat3<S>& E, int k) const { return k < 3 ? Motion<S>{E.col(k), {}} : Motion<S>{{}, E.col(k - 3)}; }
   void project(const Force<S>& f, S* tau) const {
     for (int k = 0; k < 3; ++k) {
       tau[k] = f.linear[k];
@@ -155,7 +169,7 @@ struct Free {
 template <class S, int NV, bool Varying>
 struct Dense {
   static constexpr int nv = NV;
-  static constexpr bool moves_origin = true, has_linear = true, has_angular = true, has_bias = Varying, is_free = false;
+  static constexpr bool moves_origin = true, has_linear = true, has_angular = true, has_bias = Varying, is_free = false, about_z = false;
   const Slot<S>& slot;
   explicit Dense(const Slot<S>& where) : slot(where) {}
   Mat3<S> rotate(const Mat3<S>& E) const { return E * loadMatrix(slot.pose, slot.stride); }
@@ -173,6 +187,14 @@ struct Dense {
     Motion<S> m = v[0] * column(0);
     for (int k = 1; k < NV; ++k) m += v[k] * column(k);
     return m;
+  }
+  Motion<S> timesIn(const Mat3<S>& E, const S* v) const {
+    const Motion<S> m = times(v);
+    return {E * m.linear, E * m.angular};
+  }
+  Motion<S> columnIn(const Mat3<S>& E, int k) const {
+    const Motion<S> m = column(k);
+    return {E * m.linear, E * m.angular};
   }
   void project(const Force<S>& f, S* tau) const {
     for (int k = 0; k < NV; ++k) tau[k] = dot(column(k), f);
