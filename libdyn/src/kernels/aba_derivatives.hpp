@@ -6,7 +6,7 @@
 // joint as inertias are: an articulated 6 x 3 map. Nothing is divided by M, whose condition would cost digits.
 #pragma once
 
-#include "kernels/aba.hpp"
+#include "kernels/minverse.hpp"
 #include "kernels/rnea_derivatives.hpp"
 
 namespace dyn::kernels {
@@ -59,8 +59,8 @@ CoriolisMap<S> shiftedMap(const CoriolisMap<S>& map, const ArticulatedInertia<S>
   return out;
 }
 
-/// Factors of the elimination, articulated Coriolis maps and the columns' beginnings; after derivativesOutward, which left rigid inertias
-/// and forces in w. w.failed tells lane by lane whether a pivot vanished.
+/// Factors of the elimination, for factorsSweep too, articulated Coriolis maps and the columns' beginnings; after derivativesOutward, which left
+/// rigid inertias and forces in w. w.failed tells lane by lane whether a pivot vanished.
 template <class S, class Order>
 void abaDerivativesInward(const Order& order, Workspace<S>& w, DerivativeWorkspace<S>& d) {
   for (int& body : w.failed) body = 0;
@@ -78,6 +78,7 @@ void abaDerivativesInward(const Order& order, Workspace<S>& w, DerivativeWorkspa
       const S pivot = column.along(W) + order.armature(iv + k);
       noteVanishing(pivot, column, IA, i, w.failed);
       const S inverse = S(1) / pivot;
+      keepFactor(d, iv + k, pivot, inverse, inverse * W);
       Vec3<S> lever{};
       if constexpr (Joint::has_linear) lever += transposeTimes(map.linear, column.s.linear);
       if constexpr (Joint::has_angular) lever += transposeTimes(map.angular, column.s.angular);

@@ -13,10 +13,9 @@ Sym3<S> shiftedInertia(const Sym3<S>& I, const S& mass, const Vec3<S>& h, const 
   return I + Sym3<S>{t - kx, -(k.x * r.y + r.x * k.y), -(k.x * r.z + r.x * k.z), t - ky, -(k.y * r.z + r.y * k.z), t - kz};
 }
 
-/// M of the expanded coordinates, n x n: entries of joints on one path to the root, both triangles. The others are zero and never
-/// written: M must have been zero once.
+/// Placements, rigid inertias about the joints' origins, and the columns of the motion subspaces.
 template <class S, class Order>
-void massMatrix(const Order& order, Workspace<S>& w, typename Order::Entries* M) {
+void inertiasOutward(const Order& order, Workspace<S>& w) {
   order.forward([&]<class Joint>(const Joint& joint, int i, int iv) {
     const auto& c = order.constants(i);
     placeAligned<S>(joint, order, c.placement, i, w);
@@ -26,6 +25,13 @@ void massMatrix(const Order& order, Workspace<S>& w, typename Order::Entries* M)
     w.Io[i] = congruence(R, c.origin);
     writeColumns(joint, R, w.dof + iv);
   });
+}
+
+/// M of the expanded coordinates, n x n: entries of joints on one path to the root, both triangles. The others are zero and never
+/// written: M must have been zero once.
+template <class S, class Order>
+void massMatrix(const Order& order, Workspace<S>& w, typename Order::Entries* M) {
+  inertiasOutward(order, w);
   order.backward([&]<class Joint>(const Joint&, int i, int iv) {
     const S mass = w.mass[i];
     const Vec3<S> h = w.h[i];

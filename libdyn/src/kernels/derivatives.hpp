@@ -69,7 +69,8 @@ struct DerivativeWorkspace {
   DofVariation<S>* dof = nullptr;
   SubtreeMotion<S>* body = nullptr;
   CoriolisMap<S>* coriolis = nullptr;  ///< articulated, of what the children hand over [aba]
-  Rows<S> force;                       ///< rnea: I S (6), its lever on turning rates (3), force by q (6), force by v (6); aba: see ColumnRows
+  Rows<S> force;  ///< rnea: I S (6), its lever on turning rates (3), force by q (6), force by v (6); aba: see ColumnRows; and of the
+                  ///< factors of M: IA S / pivot (6)
   PathMatrix<S> by_q, by_v, by_a;
   TreeFactors<S> factors;
   Rows<S> scratch;             ///< nvx rows of nvx numbers
@@ -77,7 +78,7 @@ struct DerivativeWorkspace {
   Motion<S>* place = nullptr;  ///< [centroidal] from each joint's origin to the centre of mass, and its rate, aligned axes
   S* panel = nullptr;          ///< [aba] packs of columns on their way along the tree
 
-  static constexpr int lever = 6, force_by_q = 9, force_by_v = 15, components = 30;
+  static constexpr int lever = 6, force_by_q = 9, force_by_v = 15, factor = 30, components = 36;
 };
 
 template <class S>

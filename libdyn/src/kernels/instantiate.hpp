@@ -75,7 +75,7 @@ SingleKernels singleKernels() {
     } else {
       columns(std::type_identity<Panel>());
     }
-    kernels::treeFactors<Wide>(bodies, w, d);
+    factorsSweep<Wide>(bodies, w, d);
     inverse_of_mass_matrix(m, d, inverse);
     return w.failed[0];
   };
@@ -105,8 +105,9 @@ SingleKernels singleKernels() {
   };
   k.treeFactors = [](const CompactImpl& m, W& w, D& d) {
     const Bodies<double> bodies{m, w};
-    factorsOutward(bodies, w);
-    kernels::treeFactors<Wide>(bodies, w, d);
+    inertiasOutward(bodies, w);
+    articulatedFactors(bodies, w, d);
+    factorsSweep<Wide>(bodies, w, d);
     return w.failed[0];
   };
   k.inverseOfMassMatrix = inverse_of_mass_matrix;
@@ -167,7 +168,7 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<T>& b) {
     }
   };
   const auto inverse = [&](int result) {
-    treeFactors<S>(bodies, w, d);
+    factorsSweep<S>(bodies, w, d);
     inverseOfMassMatrix<S>(m, d, matrix);
     put(result, s.matrix, n * n);
     for (int l = 0; l < b.q.states; ++l) b.failed[l] = w.failed[l];
@@ -204,7 +205,8 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<T>& b) {
       return put(1, s.matrix, n * n);
     }
     case Task::minverse:
-      factorsOutward(bodies, w);
+      inertiasOutward(bodies, w);
+      articulatedFactors(bodies, w, d);
       return inverse(0);
     case Task::coriolis:
       evaluateSubspaceDerivatives(m, d, s.q, s.v);

@@ -6,30 +6,22 @@
 #pragma once
 
 #include "kernels/aba.hpp"
+#include "kernels/crba.hpp"
 #include "kernels/derivatives.hpp"
 
 namespace dyn::kernels {
 
-/// Placements, rigid inertias and columns of the motion subspaces.
-template <class S, class Order>
-void factorsOutward(const Order& order, Workspace<S>& w) {
-  order.forward([&]<class Joint>(const Joint& joint, int i, int iv) {
-    const auto& c = order.constants(i);
-    placeAligned<S>(joint, order, c.placement, i, w);
-    const Mat3<S>& R = w.R[i];
-    w.mass[i] = c.mass;
-    w.h[i] = R * c.h;
-    w.Io[i] = congruence(R, c.origin);
-    for (int k = 0; k < Joint::nv; ++k) {
-      w.dof[iv + k].S_ = joint.columnIn(R, k);
-    }
-  });
+/// Of degree of freedom k: its pivot, and the force column of its row.
+template <class S>
+void keepFactor(DerivativeWorkspace<S>& d, int k, const S& pivot, const S& inverse, const Force<S>& row) {
+  d.factors.diagonal[k] = pivot;
+  d.factors.inverse[k] = inverse;
+  writeForce(row, Rows<S>{d.force[DerivativeWorkspace<S>::factor], d.force.stride}, k);
 }
 
-/// d.factors, of bodies whose rigid inertias are in w.mass, w.h and w.Io. w.failed tells lane by lane whether a pivot vanished.
-template <class Wide, class S, class Order>
-void treeFactors(const Order& order, Workspace<S>& w, DerivativeWorkspace<S>& d) {
-  TreeFactors<S>& factors = d.factors;
+/// Pivots and force columns, of bodies whose rigid inertias are in w.mass, w.h and w.Io. w.failed tells lane by lane whether one vanished.
+template <class S, class Order>
+void articulatedFactors(const Order& order, Workspace<S>& w, DerivativeWorkspace<S>& d) {
   for (int& body : w.failed) body = 0;
   order.backward([&]<class Joint>(const Joint&, int i, int iv) {
     ArticulatedInertia<S> IA = ArticulatedInertia<S>::rigid(w.mass[i], w.h[i], w.Io[i]);
@@ -37,23 +29,27 @@ void treeFactors(const Order& order, Workspace<S>& w, DerivativeWorkspace<S>& d)
     for (int k = Joint::nv - 1; k >= 0; --k) {
       const Column<Joint, S> column{w.dof[iv + k].S_};
       const Force<S> W = column.force(IA);
-      const S pivot = column.along(W) + order.armature(iv + k);
+      const S pivot = column.along(W) + order.armature(iv + k), inverse = S(1) / pivot;
       noteVanishing(pivot, column, IA, i, w.failed);
-      factors.diagonal[iv + k] = pivot;
-      factors.inverse[iv + k] = S(1) / pivot;
-      const Force<S> row = factors.inverse[iv + k] * W;
-      writeForce(row, d.force, iv + k);
+      const Force<S> row = inverse * W;
+      keepFactor(d, iv + k, pivot, inverse, row);
       if (k > 0 || !order.isRoot(i)) IA.subtractOuter(W, row);
     }
     if (!order.isRoot(i)) order.handOver(w.IA, i, IA.shifted(w.r[i]));
   });
+}
+
+/// L: the force columns on their way to the root.
+template <class Wide, class S, class Order>
+void factorsSweep(const Order& order, const Workspace<S>& w, DerivativeWorkspace<S>& d) {
+  const Rows<S> rows{d.force[DerivativeWorkspace<S>::factor], d.force.stride};
   order.backward([&]<class Joint>(const Joint&, int i, int iv) {
     inParts<Wide, S>(iv, order.dofEnd(i), [&](const Part<Wide, S>& part) {
-      const Force<Wide> F = loadForce(part, d.force);
-      for (int k = 0; k < Joint::nv; ++k) part.store(Column<Joint, S>{w.dof[iv + k].S_}.along(F), factors.L[iv + k]);
+      const Force<Wide> F = loadForce(part, rows);
+      for (int k = 0; k < Joint::nv; ++k) part.store(Column<Joint, S>{w.dof[iv + k].S_}.along(F), d.factors.L[iv + k]);
       if (order.isRoot(i)) return;
       const Vec3<Wide> here = part.inside() * broadcast<Wide>(w.r[i]);
-      storeVector(part, F.angular + cross(here, F.linear), d.force, 3);
+      storeVector(part, F.angular + cross(here, F.linear), rows, 3);
     });
   });
 }
