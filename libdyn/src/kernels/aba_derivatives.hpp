@@ -1,38 +1,18 @@
-// Derivatives of forward dynamics: the articulated-body algorithm differentiated, all columns of a pack at once.
+// Derivatives of forward dynamics: the articulated-body algorithm differentiated.
 //
 // Moving along degree of freedom m, or its velocity, gives its subtree an acceleration b and a turning rate x beside what turning the
 // subtree rigidly changes (rnea_derivatives.hpp). What follows of these is forward dynamics without velocities: accelerations start with b
 // at joint m, and each body of the subtree bears the Coriolis force that x brings. That force is linear in x, so it is eliminated joint by
-// joint as inertias are: an articulated 6 x 3 map. Nothing is divided by M, whose condition would cost digits.
+// joint as inertias are: an articulated 6 x 3 map. A joint i of the subtree then accelerates by
+//   -(IA s_i / pivot . b + lever_i . x)
+// less what its path's accelerations make of it, and a joint k on the way to the root gets the force that the subtree hands over: rows of
+// L^T D L, whose factors are those of M. Nothing is divided by M, whose condition would cost digits.
 #pragma once
 
 #include "kernels/minverse.hpp"
 #include "kernels/rnea_derivatives.hpp"
 
 namespace dyn::kernels {
-
-/// Of a column w.r.t. q or v in the rows that start at `first`: force handed to the parent (6), acceleration b (6), turning rate x (3).
-struct ColumnRows {
-  int first;
-  static constexpr int size = 15;
-  template <class S>
-  Rows<S> of(const Rows<S>& rows, int component) const {
-    return {rows[first + component], rows.stride};
-  }
-  template <class S>
-  Rows<S> force(const Rows<S>& rows) const {
-    return of(rows, 0);
-  }
-  template <class S>
-  Rows<S> acceleration(const Rows<S>& rows) const {
-    return of(rows, 6);
-  }
-  template <class S>
-  Rows<S> turning(const Rows<S>& rows) const {
-    return of(rows, 12);
-  }
-};
-inline constexpr ColumnRows columns_by_q{0}, columns_by_v{ColumnRows::size};
 
 /// a b^T subtracted.
 template <class S>
@@ -63,6 +43,7 @@ CoriolisMap<S> shiftedMap(const CoriolisMap<S>& map, const ArticulatedInertia<S>
 /// rigid inertias and forces in w. w.failed tells lane by lane whether a pivot vanished.
 template <class S, class Order>
 void abaDerivativesInward(const Order& order, Workspace<S>& w, DerivativeWorkspace<S>& d) {
+  using D = DerivativeWorkspace<S>;
   for (int& body : w.failed) body = 0;
   order.backward([&]<class Joint>(const Joint&, int i, int iv) {
     ArticulatedInertia<S> IA = ArticulatedInertia<S>::rigid(w.mass[i], w.h[i], w.Io[i]);
@@ -83,28 +64,24 @@ void abaDerivativesInward(const Order& order, Workspace<S>& w, DerivativeWorkspa
       if constexpr (Joint::has_linear) lever += transposeTimes(map.linear, column.s.linear);
       if constexpr (Joint::has_angular) lever += transposeTimes(map.angular, column.s.angular);
       lever = inverse * lever;
-      w.dof[iv + k].W = inverse * W;
-      w.dof[iv + k].inverse = inverse;
-      d.dof[iv + k].lever = lever;
+      writeVector(lever, Rows<S>{d.force[D::lever], d.force.stride}, iv + k);
       if (k == 0 && order.isRoot(i)) break;
-      IA.subtractOuter(W, w.dof[iv + k].W);
+      IA.subtractOuter(W, inverse * W);
       subtractOuter(map.linear, W.linear, lever);
       subtractOuter(map.angular, W.angular, lever);
     }
+    if (order.isRoot(i)) return;
+    // What each column hands to the parent; by q the subtree's force turns, too.
     for (int m = 0; m < Joint::nv; ++m) {
       const Motion<S>& s = w.dof[iv + m].S_;
       const DofVariation<S>& x = d.dof[iv + m];
-      const auto begin = [&](ColumnRows rows, const Motion<S>& acceleration, const Vec3<S>& turning, Force<S> force) {
-        if (!order.isRoot(i)) force += IA * acceleration + Force<S>{map.linear * turning, map.angular * turning};
-        writeForce(force, rows.force(d.force), iv + m);
-        writeVector(acceleration.linear, rows.acceleration(d.force), iv + m);
-        writeVector(acceleration.angular, rows.of(d.force, 9), iv + m);
-        writeVector(turning, rows.turning(d.force), iv + m);
+      const auto handed = [&](const Motion<S>& acceleration, const Vec3<S>& turning) {
+        return IA * acceleration + Force<S>{map.linear * turning, map.angular * turning};
       };
-      begin(columns_by_q, x.acceleration, x.velocity.angular, {cross(s.angular, f.linear), cross(s.angular, f.angular) + cross(s.linear, f.linear)});
-      begin(columns_by_v, x.rate, s.angular, {});
+      const Force<S> turned{cross(s.angular, f.linear), cross(s.angular, f.angular) + cross(s.linear, f.linear)};
+      writeForce(handed(x.acceleration, x.velocity.angular) + turned, Rows<S>{d.force[D::force_by_q], d.force.stride}, iv + m);
+      writeForce(handed(x.rate, s.angular), Rows<S>{d.force[D::force_by_v], d.force.stride}, iv + m);
     }
-    if (order.isRoot(i)) return;
     const Vec3<S>& r = w.r[i];
     order.handOver(d.coriolis, i, shiftedMap(map, IA, r, d.body[i].shift_rate));
     order.handOver(w.IA, i, IA.shifted(r));
@@ -112,104 +89,93 @@ void abaDerivativesInward(const Order& order, Workspace<S>& w, DerivativeWorkspa
   });
 }
 
-/// What a pack of columns needs of each body on its way.
-template <class Wide>
-struct ColumnState {
-  Force<Wide> force;
-  Motion<Wide> acceleration;
-  Vec3<Wide> turning;
+/// After pathSweep: entries of degrees of freedom of one joint, and what the torques s . f of a subspace that varies with q add to a column:
+/// they are eliminated within the joint, and what is left of them on its path.
+template <class S, class Order>
+void ownColumns(const Order& order, const Workspace<S>& w, DerivativeWorkspace<S>& d) {
+  const Rows<S>& L = d.by_a.below;
+  order.backward([&]<class Joint>(const Joint&, int i, int iv) {
+    for (int m = iv; m < iv + Joint::nv; ++m) {
+      S torque[Joint::nv] = {};
+      if constexpr (Joint::has_bias) {
+        const BodyIndex& x = order.index(i);
+        for (int k = Joint::nv - 1; k >= 0; --k) {
+          const Motion<S> dS = d.subspaces[x.batch].column(Joint::nv, m - iv, k, x.slot);
+          torque[k] = dot(Motion<S>{w.R[i] * dS.linear, w.R[i] * dS.angular}, w.f[i]);
+          for (int l = k + 1; l < Joint::nv; ++l) torque[k] -= L[iv + k][iv + l] * torque[l];
+        }
+        alongPath(order.m, order.m.dof_parent[static_cast<std::size_t>(iv)], [&](int j) {
+          for (int k = 0; k < Joint::nv; ++k) d.by_q.rightOf(j, m) -= L[j][iv + k] * torque[k];
+        });
+      }
+      for (int k = 0; k < Joint::nv; ++k) {
+        d.by_q.enterOwn(iv + k, m, d.by_q.below[m][iv + k] + d.factors.inverse[iv + k] * torque[k]);
+        d.by_v.enterOwn(iv + k, m, d.by_v.below[m][iv + k]);
+      }
+    }
+  });
+}
+
+/// Some columns' numbers by row: of a matrix in rows, as many columns as Wide has lanes; or one column of packs of states.
+template <class Wide, class S>
+struct ColumnsOfRows {
+  Part<Wide, S> part;
+  Rows<S> rows;
+  Wide load(int i) const { return part.load(rows[i]); }
+  void store(int i, const Wide& x) const { part.store(x, rows[i]); }
+};
+template <class S>
+struct OneColumn {
+  S* numbers;
+  S load(int i) const { return numbers[i]; }
+  void store(int i, const S& x) const { numbers[i] = x; }
 };
 
-/// As many columns of d ddq, from `first` on, as a pack has lanes, into the rows of d.scratch.
-template <class Wide, class S, class Order>
-DYN_RUN_LOOP void abaDerivativesColumns(const Order& order, const Workspace<S>& w, const DerivativeWorkspace<S>& d, ColumnRows rows, int first) {
-  const CompactImpl& m = order.m;
-  auto* state = reinterpret_cast<ColumnState<Wide>*>(d.panel);
-  auto* y = reinterpret_cast<Wide*>(state + m.bodies());
-  const int n = m.nvx, last = std::min(first + Part<Wide, S>::width, n) - 1;
-  std::fill(y, y + n, Wide(0));
-  const auto own = [&](int iv, int nv) { return Part<Wide, S>(first, iv, iv + nv); };
-  const auto owns = [&](int iv, int nv) { return iv <= last && iv + nv > first; };
-
-  // Forces, from the columns' joints to the root.
-  const auto climb = [&](int i, bool owner) {
-    const BodyIndex& x = order.index(i);
-    Force<Wide> P = state[i].force;
-    for (int k = x.nv - 1; k >= 0; --k) {
-      const DofFactor<S>& dof = w.dof[x.idx_v + k];
-      const Motion<Wide> s = broadcast<Wide>(dof.S_);
-      Wide power = dot(s, P);
-      if (owner && d.own_torque.first != nullptr) power += own(x.idx_v, x.nv).inside() * own(x.idx_v, x.nv).load(d.own_torque[k]);
-      const Wide solution = -(Wide(dof.inverse) * power);
-      y[x.idx_v + k] = solution;
-      // W holds the inverse already.
-      const Wide along = -power;
-      P += Force<Wide>{along * broadcast<Wide>(dof.W.linear), along * broadcast<Wide>(dof.W.angular)};
+/// Of the columns from `first` on: forces on their paths, and accelerations in their subtrees, to accelerations of all.
+template <class Wide, class S, class Columns>
+__attribute__((flatten)) void solveColumns(const CompactImpl& m, const DerivativeWorkspace<S>& d, const Columns& X, int first) {
+  constexpr int width = Part<Wide, S>::width;
+  const Rows<S>& L = d.by_a.below;
+  const int n = m.nvx;
+  const auto at = [](const std::vector<int>& x, int i) { return x[static_cast<std::size_t>(i)]; };
+  int last = first;
+  for (int k = first; k < std::min(first + width, n); ++k) last = std::max(last, at(m.dof_end, k));
+  const auto eliminate = [&](int i) {
+    // Of the columns whose joints are below i's own, the entry is a force; of the others in the subtree it is an acceleration already.
+    const BodyIndex& x = m.index[static_cast<std::size_t>(at(m.dof_body, i))];
+    const int begin = x.idx_v + x.nv, end = at(m.dof_end, i);
+    const Wide entry = X.load(i);
+    if (begin >= first + width || end <= first || begin >= end) {
+      X.store(i, -entry);
+      return;
     }
-    if (x.parent == 0) return;
-    if (owner) {
-      const Part<Wide, S> part = own(x.idx_v, x.nv);
-      P += part.inside() * loadForce(part, rows.force(d.force));
-    }
-    const Vec3<Wide> r = broadcast<Wide>(w.r[i]);
-    state[x.parent].force += Force<Wide>{P.linear, P.angular + cross(r, P.linear)};
+    const Wide inside = Part<Wide, S>(first, begin, end).inside(), force = inside * entry;
+    alongPath(m, at(m.dof_parent, i), [&](int j) { X.store(j, X.load(j) - Wide(L[j][i]) * force); });
+    X.store(i, force - entry - Wide(d.factors.inverse[i]) * force);
   };
-  const int begin = m.dof_body[static_cast<std::size_t>(first)], end = m.dof_body[static_cast<std::size_t>(last)];
-  for (int i = end; i > 0; i = i > begin ? i - 1 : order.parentOf(i)) state[i].force = {};
-  for (int i = end; i > 0; i = i > begin ? i - 1 : order.parentOf(i)) climb(i, i >= begin);
-
-  // Accelerations, from the root outward.
-  state[0].acceleration = {};
-  state[0].turning = {};
-  order.forward([&]<class Joint>(const Joint&, int i, int iv) {
-    const ColumnState<Wide>& parent = state[order.parentOf(i)];
-    Motion<Wide> a = parent.acceleration;
-    Vec3<Wide> turning = parent.turning;
-    if (!order.isRoot(i)) a.linear += cross(a.angular, broadcast<Wide>(w.r[i])) + cross(turning, broadcast<Wide>(S(2) * d.body[i].shift_rate));
-    if (owns(iv, Joint::nv)) {
-      const Part<Wide, S> part = own(iv, Joint::nv);
-      const Wide inside = part.inside();
-      a += inside * Motion<Wide>{loadVector(part, rows.acceleration(d.force)), loadVector(part, rows.of(d.force, 9))};
-      turning += inside * loadVector(part, rows.turning(d.force));
-    }
-    for (int k = 0; k < Joint::nv; ++k) {
-      const DofFactor<S>& dof = w.dof[iv + k];
-      const Wide x = y[iv + k] - dot(a, Force<Wide>{broadcast<Wide>(dof.W.linear), broadcast<Wide>(dof.W.angular)}) -
-                     dot(broadcast<Wide>(d.dof[iv + k].lever), turning);
-      if constexpr (Joint::has_linear) a.linear += x * broadcast<Wide>(dof.S_.linear);
-      if constexpr (Joint::has_angular) a.angular += x * broadcast<Wide>(dof.S_.angular);
-      own(iv, Joint::nv).store(x, d.scratch[iv + k]);
-    }
-    state[i].acceleration = a;
-    state[i].turning = turning;
-  });
+  for (int i = last - 1; i >= first; --i) eliminate(i);
+  alongPath(m, at(m.dof_parent, first), eliminate);
+  for (int i = 0; i < n; ++i) {
+    Wide x = X.load(i);
+    alongPath(m, at(m.dof_parent, i), [&](int j) { x -= Wide(L[j][i]) * X.load(j); });
+    X.store(i, x);
+  }
 }
 
-/// The joints' own torques of varying subspaces: entry (k, m) of -d tau_k / dq_m at constant force.
-template <class S, class Order>
-void ownTorques(const Order& order, const Workspace<S>& w, DerivativeWorkspace<S>& d) {
-  order.forward([&]<class Joint>(const Joint&, int i, int iv) {
-    for (int k = 0; k < Joint::nv; ++k)
-      for (int m = 0; m < Joint::nv; ++m) {
-        S torque(0);
-        if constexpr (Joint::has_bias) {
-          const BodyIndex& x = order.index(i);
-          const Motion<S> dS = d.subspaces[x.batch].column(Joint::nv, m, k, x.slot);
-          torque = dot(Motion<S>{w.R[i] * dS.linear, w.R[i] * dS.angular}, w.f[i]);
-        }
-        d.own_torque[k][iv + m] = torque;
-      }
-  });
-}
-
-/// Derivative of aba by q or by v, n x n, into the columns of `out`; losses are not in it.
-template <class Wide, class Panel, class S, class Order>
-void abaDerivatives(const Order& order, const Workspace<S>& w, const DerivativeWorkspace<S>& d, bool by_q, const Rows<S>& out) {
-  DerivativeWorkspace<S> mine = d;
-  if (!by_q) mine.own_torque.first = nullptr;
-  for (int first = 0; first < order.m.nvx; first += Part<Panel, S>::width)
-    abaDerivativesColumns<Panel>(order, w, mine, by_q ? columns_by_q : columns_by_v, first);
-  transpose<Wide>(d.scratch, order.m.nvx, out);
+/// Derivative of aba from one of d.by_q and d.by_v, n x n, into the columns of `out`; losses are not in it. In place where S is a pack of
+/// states: `out` is by's own memory then, and full.
+template <class Wide, class Panel, class S>
+void abaDerivative(const CompactImpl& m, const DerivativeWorkspace<S>& d, const PathMatrix<S>& by, const Rows<S>& out) {
+  const int n = m.nvx;
+  if constexpr (PathMatrix<S>::in_place) {
+    for (int k = 0; k < n; ++k) solveColumns<S>(m, d, OneColumn<S>{by.below[k]}, k);
+  } else {
+    for (int i = 0; i < n; ++i) std::fill(d.scratch[i], d.scratch[i] + n, S(0));
+    by.transposed().template assemble<Wide>(m.dof_end, d.scratch);
+    for (int k = 0; k < n; k += Part<Panel, S>::width)
+      solveColumns<Panel>(m, d, ColumnsOfRows<Panel, S>{Part<Panel, S>(k, k, k + Part<Panel, S>::width), d.scratch}, k);
+    transpose<Wide>(d.scratch, n, out);
+  }
 }
 
 }  // namespace dyn::kernels

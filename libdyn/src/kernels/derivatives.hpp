@@ -29,7 +29,6 @@ struct DofVariation {
   Motion<S> velocity;      ///< of the velocity w.r.t. q
   Motion<S> acceleration;  ///< w.r.t. q
   Motion<S> rate;          ///< of the acceleration w.r.t. v
-  Vec3<S> lever;           ///< of turning rates on the joint's acceleration [aba]
 };
 
 /// Per body, beside Workspace: composite quantities of the subtree about the joint's origin, velocities relative to that origin's.
@@ -69,16 +68,13 @@ struct DerivativeWorkspace {
   DofVariation<S>* dof = nullptr;
   SubtreeMotion<S>* body = nullptr;
   CoriolisMap<S>* coriolis = nullptr;  ///< articulated, of what the children hand over [aba]
-  Rows<S> force;  ///< rnea: I S (6), its lever on turning rates (3), force by q (6), force by v (6); aba: see ColumnRows; and of the
-                  ///< factors of M: IA S / pivot (6)
+  Rows<S> force;  ///< components: I S (6) and its lever on turning rates (3), by articulated inertias / pivot in aba; force by q (6), by v (6)
   PathMatrix<S> by_q, by_v, by_a;
   TreeFactors<S> factors;
   Rows<S> scratch;             ///< nvx rows of nvx numbers
-  Rows<S> own_torque;          ///< [aba] see ownTorques; null without joints of varying subspace
   Motion<S>* place = nullptr;  ///< [centroidal] from each joint's origin to the centre of mass, and its rate, aligned axes
-  S* panel = nullptr;          ///< [aba] packs of columns on their way along the tree
 
-  static constexpr int lever = 6, force_by_q = 9, force_by_v = 15, factor = 30, components = 36;
+  static constexpr int lever = 6, force_by_q = 9, force_by_v = 15, components = 21;
 };
 
 template <class S>
@@ -111,8 +107,6 @@ void carve(DerivativeWorkspace<S>& w, const CompactImpl& m, Arena& arena) {
   carve(w.factors, m.nvx, arena);
   arena.take(w.scratch, m.nvx, m.nvx);
   arena.take(w.coriolis, static_cast<std::size_t>(m.bodies()));
-  if (numbers > 0) arena.take(w.own_torque, max_joint_nv, m.nvx);
-  arena.take(w.panel, (lanes_of<S> == 1 ? std::size_t{most_lanes} : 1) * (15 * static_cast<std::size_t>(m.bodies()) + nv));
 }
 
 /// One differentiated call a batch and degree of freedom of its type. q and v in expanded coordinates.

@@ -46,11 +46,12 @@ SingleKernels singleKernels() {
     abaSolve(bodies, w, ddq);
   };
   using D = DerivativeWorkspace<double>;
-  static constexpr auto inverse_of_mass_matrix = [](const CompactImpl& m, D& d, double* out) {
+  static constexpr auto inverse_of_mass_matrix = [](const CompactImpl& m, const TreeFactors<double>& factors, const Rows<double>& scratch,
+                                                    double* out) {
     if (m.nvx <= lanes_of<Narrow>) {
-      kernels::inverseOfMassMatrix<Narrow>(m, d, Rows<double>{out, m.nvx});
+      kernels::inverseOfMassMatrix<Narrow>(m, factors, scratch, Rows<double>{out, m.nvx});
     } else {
-      kernels::inverseOfMassMatrix<Panel>(m, d, Rows<double>{out, m.nvx});
+      kernels::inverseOfMassMatrix<Panel>(m, factors, scratch, Rows<double>{out, m.nvx});
     }
   };
   k.evaluateSubspaces = [](const CompactImpl& m, D& d, const double* q, const double* v) { evaluateSubspaceDerivatives(m, d, q, v); };
@@ -65,18 +66,20 @@ SingleKernels singleKernels() {
     const Bodies<double> bodies{m, w};
     derivativesOutward(bodies, w, d, bodies.gravity(), v, a, fext);
     abaDerivativesInward(bodies, w, d);
-    if (d.own_torque.first) ownTorques(bodies, w, d);
+    pathSweep<Wide>(bodies, w, d);
+    ownColumns(bodies, w, d);
     const auto columns = [&]<class Columns>(std::type_identity<Columns>) {
-      kernels::abaDerivatives<Wide, Columns>(bodies, w, d, true, Rows<double>{by_q, m.nvx});
-      kernels::abaDerivatives<Wide, Columns>(bodies, w, d, false, Rows<double>{by_v, m.nvx});
+      abaDerivative<Wide, Columns>(m, d, d.by_q, Rows<double>{by_q, m.nvx});
+      abaDerivative<Wide, Columns>(m, d, d.by_v, Rows<double>{by_v, m.nvx});
     };
     if (m.nvx <= lanes_of<Narrow>) {
       columns(std::type_identity<Narrow>());
     } else {
       columns(std::type_identity<Panel>());
     }
-    factorsSweep<Wide>(bodies, w, d);
-    inverse_of_mass_matrix(m, d, inverse);
+    TreeFactors<double> factors = d.factors;
+    factors.L = d.by_a.below;
+    inverse_of_mass_matrix(m, factors, d.scratch, inverse);
     return w.failed[0];
   };
   k.centroidal = [](const CompactImpl& m, W& w, D& d, const double* v, const double* a, const CentroidalMaps<double>& out) {
@@ -110,7 +113,7 @@ SingleKernels singleKernels() {
     factorsSweep<Wide>(bodies, w, d);
     return w.failed[0];
   };
-  k.inverseOfMassMatrix = inverse_of_mass_matrix;
+  k.inverseOfMassMatrix = [](const CompactImpl& m, D& d, double* out) { inverse_of_mass_matrix(m, d.factors, d.scratch, out); };
   return k;
 }
 
@@ -167,9 +170,10 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<T>& b) {
       return s.matrix;
     }
   };
-  const auto inverse = [&](int result) {
-    factorsSweep<S>(bodies, w, d);
-    inverseOfMassMatrix<S>(m, d, matrix);
+  const auto inverse = [&](int result, const Rows<S>& L) {
+    TreeFactors<S> factors = d.factors;
+    factors.L = L;
+    inverseOfMassMatrix<S>(m, factors, d.scratch, matrix);
     put(result, s.matrix, n * n);
     for (int l = 0; l < b.q.states; ++l) b.failed[l] = w.failed[l];
   };
@@ -192,22 +196,29 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<T>& b) {
       evaluateSubspaceDerivatives(m, d, s.q, s.v);
       derivativesOutward(bodies, w, d, bodies.gravity(), s.v, s.result, none);
       abaDerivativesInward(bodies, w, d);
-      if (d.own_torque.first) ownTorques(bodies, w, d);
-      kernels::abaDerivatives<S, S>(bodies, w, d, true, matrix);
-      put(0, s.matrix, n * n);
-      inverse(2);
+      pathSweep<S>(bodies, w, d);
+      ownColumns(bodies, w, d);
+      abaDerivative<S, S>(m, d, d.by_q, matrix);
+      put(0, d.by_q.in_place ? d.by_q.below.first : s.matrix, n * n);
+      inverse(2, d.by_a.below);
       if (!m.damping.empty()) std::copy(s.matrix, s.matrix + n * n, s.inverse);
-      kernels::abaDerivatives<S, S>(bodies, w, d, false, matrix);
+      abaDerivative<S, S>(m, d, d.by_v, matrix);
+      S* by_v = d.by_v.in_place ? d.by_v.below.first : s.matrix;
       for (std::size_t k = 0; k < m.damping.size(); ++k) {
         const std::ptrdiff_t column = n * static_cast<std::ptrdiff_t>(k);
-        for (std::ptrdiff_t i = column; i < column + n; ++i) s.matrix[i] -= S(static_cast<T>(m.damping[k])) * s.inverse[i];
+        for (std::ptrdiff_t i = column; i < column + n; ++i) by_v[i] -= S(static_cast<T>(m.damping[k])) * s.inverse[i];
       }
-      return put(1, s.matrix, n * n);
+      put(1, by_v, n * n);
+      // What is not on a path was zero, and must be.
+      for (const PathMatrix<S>& full : {d.by_q, d.by_v})
+        if (full.in_place) std::fill(full.below.first, full.below.first + n * n, S(0));
+      return;
     }
     case Task::minverse:
       inertiasOutward(bodies, w);
       articulatedFactors(bodies, w, d);
-      return inverse(0);
+      factorsSweep<S>(bodies, w, d);
+      return inverse(0, d.factors.L);
     case Task::coriolis:
       evaluateSubspaceDerivatives(m, d, s.q, s.v);
       std::fill(s.a, s.a + n, S(0));

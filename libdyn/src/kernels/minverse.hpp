@@ -16,7 +16,7 @@ template <class S>
 void keepFactor(DerivativeWorkspace<S>& d, int k, const S& pivot, const S& inverse, const Force<S>& row) {
   d.factors.diagonal[k] = pivot;
   d.factors.inverse[k] = inverse;
-  writeForce(row, Rows<S>{d.force[DerivativeWorkspace<S>::factor], d.force.stride}, k);
+  writeForce(row, d.force, k);
 }
 
 /// Pivots and force columns, of bodies whose rigid inertias are in w.mass, w.h and w.Io. w.failed tells lane by lane whether one vanished.
@@ -42,27 +42,25 @@ void articulatedFactors(const Order& order, Workspace<S>& w, DerivativeWorkspace
 /// L: the force columns on their way to the root.
 template <class Wide, class S, class Order>
 void factorsSweep(const Order& order, const Workspace<S>& w, DerivativeWorkspace<S>& d) {
-  const Rows<S> rows{d.force[DerivativeWorkspace<S>::factor], d.force.stride};
   order.backward([&]<class Joint>(const Joint&, int i, int iv) {
     inParts<Wide, S>(iv, order.dofEnd(i), [&](const Part<Wide, S>& part) {
-      const Force<Wide> F = loadForce(part, rows);
+      const Force<Wide> F = loadForce(part, d.force);
       for (int k = 0; k < Joint::nv; ++k) part.store(Column<Joint, S>{w.dof[iv + k].S_}.along(F), d.factors.L[iv + k]);
       if (order.isRoot(i)) return;
       const Vec3<Wide> here = part.inside() * broadcast<Wide>(w.r[i]);
-      storeVector(part, F.angular + cross(here, F.linear), rows, 3);
+      storeVector(part, F.angular + cross(here, F.linear), d.force, 3);
     });
   });
 }
 
-/// M^-1 from its factors, n x n.
+/// M^-1 from its factors, n x n, by way of the n rows X.
 template <class Panel, class S>
-void inverseOfMassMatrix(const CompactImpl& m, const DerivativeWorkspace<S>& d, const Rows<S>& out) {
+void inverseOfMassMatrix(const CompactImpl& m, const TreeFactors<S>& factors, const Rows<S>& X, const Rows<S>& out) {
   constexpr int width = Part<Panel, S>::width;
   const int n = m.nvx;
-  const Rows<S>& X = d.scratch;
   for (int i = 0; i < n; ++i) std::fill(X[i], X[i] + n, S(0));
   for (int i = 0; i < n; ++i) X[i][i] = S(1);
-  for (int column = 0; column < n; column += width) choleskySolve<Panel>(m, d.factors, X, column, column, std::min(column + width, n));
+  for (int column = 0; column < n; column += width) choleskySolve<Panel>(m, factors, X, column, column, std::min(column + width, n));
   // One of each pair of entries, so that the result is symmetric to the last bit.
   for (int i = 0; i < n; ++i)
     for (int j = 0; j <= i; ++j) out[i][j] = out[j][i] = X[i][j];

@@ -142,7 +142,7 @@ void derivativesOutward(const Order& order, Workspace<S>& w, DerivativeWorkspace
       }
       if constexpr (Joint::has_linear) acceleration.linear += cross(wp, velocity.linear) - cross(slide, velocity.angular);
       acceleration.angular += cross(wp, velocity.angular);
-      d.dof[iv + k] = {velocity, acceleration, velocity + rate, {}};
+      d.dof[iv + k] = {velocity, acceleration, velocity + rate};
     }
   });
 }
@@ -184,9 +184,10 @@ void derivativesInward(const Order& order, Workspace<S>& w, DerivativeWorkspace<
   });
 }
 
-/// The columns of all subtrees, on their way to the root: d.by_q, d.by_v and d.by_a, which are the derivatives of rnea, losses included.
+/// The columns of all subtrees on their way to the root, U, lever and forces in d.force: s . U into d.by_a; what U and lever say of the
+/// variations of the joints that they reach below the diagonals of d.by_q and d.by_v; s . forces right of these.
 template <class Wide, class S, class Order>
-void derivativesSweep(const Order& order, Workspace<S>& w, DerivativeWorkspace<S>& d) {
+void pathSweep(const Order& order, Workspace<S>& w, DerivativeWorkspace<S>& d) {
   using D = DerivativeWorkspace<S>;
   const Rows<S> levers{d.force[D::lever], d.force.stride}, by_q{d.force[D::force_by_q], d.force.stride}, by_v{d.force[D::force_by_v], d.force.stride};
   order.backward([&]<class Joint>(const Joint&, int i, int iv) {
@@ -217,6 +218,14 @@ void derivativesSweep(const Order& order, Workspace<S>& w, DerivativeWorkspace<S
       storeVector(part, Fq.angular + cross(here, Fq.linear), by_q, 3);
       storeVector(part, Fv.angular + cross(here, Fv.linear), by_v, 3);
     });
+  });
+}
+
+/// d.by_q, d.by_v and d.by_a, which are the derivatives of rnea, losses included.
+template <class Wide, class S, class Order>
+void derivativesSweep(const Order& order, Workspace<S>& w, DerivativeWorkspace<S>& d) {
+  pathSweep<Wide>(order, w, d);
+  order.backward([&]<class Joint>(const Joint&, int i, int iv) {
     // Within a joint nothing turns: all entries are of the kind that stands below the diagonal.
     for (int m = 0; m < Joint::nv; ++m)
       for (int k = 0; k < Joint::nv; ++k) {

@@ -140,9 +140,18 @@ struct PathMatrix {
   void enterOwn(int row, int column, const S& entry) const {
     below[column][row] = entry;
     if constexpr (!in_place) {
-      if (row < column) right[row][column] = entry;
+      if (row <= column) right[row][column] = entry;
     }
   }
+  S& rightOf(int row, int column) const {
+    if constexpr (in_place) {
+      return below[column][row];
+    } else {
+      return right[row][column];
+    }
+  }
+  /// The transposed matrix, in the same memory; entries on the diagonal must have been entered by enterOwn.
+  PathMatrix transposed() const { return {right, below}; }
   /// Writes the entries into the columns of an n x n matrix whose other entries are zero and stay so.
   template <class Wide>
   void assemble(const std::vector<int>& dof_end, const Rows<S>& out) const {
