@@ -157,7 +157,7 @@ __attribute__((flatten)) void solveColumns(const CompactImpl& m, const Derivativ
   alongPath(m, at(m.dof_parent, first), eliminate);
   for (int i = 0; i < n; ++i) {
     Wide x = X.load(i);
-    alongPath(m, at(m.dof_parent, i), [&](int j) { x -= Wide(L[j][i]) * X.load(j); });
+    alongPathParentLast(m, i, [&](int j) { x -= Wide(L[j][i]) * X.load(j); });
     X.store(i, x);
   }
 }

@@ -19,6 +19,15 @@ void alongPath(const CompactImpl& m, int dof, Use&& use) {
   }
 }
 
+/// The same but `dof` itself; its parent, which is often the last to be known, comes last.
+template <class Use>
+void alongPathParentLast(const CompactImpl& m, int dof, Use&& use) {
+  const int parent = m.dof_parent[static_cast<std::size_t>(dof)];
+  if (parent < 0) return;
+  alongPath(m, m.dof_parent[static_cast<std::size_t>(parent)], use);
+  use(parent);
+}
+
 /// Calls use(first) for the packs, of a row of numbers by degree of freedom, in which the path from `dof` to the root has entries.
 template <int width, class Use>
 void alongPathInPacks(const CompactImpl& m, int dof, Use&& use) {
@@ -121,7 +130,7 @@ __attribute__((flatten)) void choleskySolve(const CompactImpl& m, const TreeFact
   alongPath(m, parent(first), eliminate);
   for (int i = 0; i < m.nvx; ++i) {
     Wide x = Wide(c.inverse[i]) * part.load(X[i]);
-    alongPath(m, parent(i), [&](int j) { x -= Wide(c.L[j][i]) * part.load(X[j]); });
+    alongPathParentLast(m, i, [&](int j) { x -= Wide(c.L[j][i]) * part.load(X[j]); });
     part.store(x, X[i]);
   }
 }
