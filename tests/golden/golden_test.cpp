@@ -69,6 +69,7 @@ void checkDerivatives(const CompactModel& model, Data& data, const nlohmann::jso
   const AbaDerivatives y = computeABADerivatives(model, data, q, v, tau);
   check(s, "ddq_dq", rowMajor(y.ddq_dq));
   check(s, "ddq_dv", rowMajor(y.ddq_dv));
+  check(s, "coriolis_matrix", rowMajor(computeCoriolisMatrix(model, data, q, v)));
   const CentroidalMomentum h = ccrba(model, data, q, v);
   check(s, "hg", rowMajor(h.hg));
   check(s, "Ag", rowMajor(h.Ag));

@@ -192,8 +192,34 @@ TEST_CASE("compute takes a golden file as it is and answers with its keys", "[co
     for (const char* key : {"name", "parent", "idx_q", "idx_v", "nq", "nv"}) CHECK(answer["joints"][j][key] == golden["joints"][j][key]);
   REQUIRE(answer["samples"].size() == golden["samples"].size());
   const nlohmann::json &x = answer["samples"][3], &y = golden["samples"][3];
-  for (const char* key : {"rnea", "nle", "gravity_torque", "M", "aba", "com", "vcom", "acom", "Jcom", "frame0_J_local", "frame1_dJ_local",
-                          "frame0_J_world", "frame1_velocity_local", "frame0_acceleration_world_aligned_classical"}) {
+  for (const char* key : {"rnea",
+                          "nle",
+                          "gravity_torque",
+                          "M",
+                          "aba",
+                          "com",
+                          "vcom",
+                          "acom",
+                          "Jcom",
+                          "frame0_J_local",
+                          "frame1_dJ_local",
+                          "frame0_J_world",
+                          "frame1_velocity_local",
+                          "frame0_acceleration_world_aligned_classical",
+                          "Minv",
+                          "dtau_dq",
+                          "dtau_dv",
+                          "ddq_dq",
+                          "ddq_dv",
+                          "hg",
+                          "Ag",
+                          "dAg",
+                          "dhg",
+                          "coriolis_matrix",
+                          "dhg_dq",
+                          "dhgdot_dq",
+                          "dhgdot_dv",
+                          "dhgdot_da"}) {
     INFO(key);
     CHECK(relativeError(x[key].get<std::vector<double>>(), flatten(y[key])) < 200);
   }
