@@ -116,65 +116,32 @@ void ownColumns(const Order& order, const Workspace<S>& w, DerivativeWorkspace<S
   });
 }
 
-/// Some columns' numbers by row: of a matrix in rows, as many columns as Wide has lanes; or one column of packs of states.
-template <class Wide, class S>
-struct ColumnsOfRows {
-  Part<Wide, S> part;
-  Rows<S> rows;
-  Wide load(int i) const { return part.load(rows[i]); }
-  void store(int i, const Wide& x) const { part.store(x, rows[i]); }
-};
-template <class S>
-struct OneColumn {
-  S* numbers;
-  S load(int i) const { return numbers[i]; }
-  void store(int i, const S& x) const { numbers[i] = x; }
-};
-
-/// Of the columns from `first` on: forces on their paths, and accelerations in their subtrees, to accelerations of all.
-template <class Wide, class S, class Columns>
-__attribute__((flatten)) void solveColumns(const CompactImpl& m, const DerivativeWorkspace<S>& d, const Columns& X, int first) {
-  constexpr int width = Part<Wide, S>::width;
-  const Rows<S>& L = d.by_a.below;
-  const int n = m.nvx;
-  const auto at = [](const std::vector<int>& x, int i) { return x[static_cast<std::size_t>(i)]; };
-  int last = first;
-  for (int k = first; k < std::min(first + width, n); ++k) last = std::max(last, at(m.dof_end, k));
-  const auto eliminate = [&](int i) {
-    // Of the columns whose joints are below i's own, the entry is a force; of the others in the subtree it is an acceleration already.
-    const BodyIndex& x = m.index[static_cast<std::size_t>(at(m.dof_body, i))];
-    const int begin = x.idx_v + x.nv, end = at(m.dof_end, i);
-    const Wide entry = X.load(i);
-    if (begin >= first + width || end <= first || begin >= end) {
-      X.store(i, -entry);
-      return;
-    }
-    const Wide inside = Part<Wide, S>(first, begin, end).inside(), force = inside * entry;
-    alongPath(m, at(m.dof_parent, i), [&](int j) { X.store(j, X.load(j) - Wide(L[j][i]) * force); });
-    X.store(i, force - entry - Wide(d.factors.inverse[i]) * force);
-  };
-  for (int i = last - 1; i >= first; --i) eliminate(i);
-  alongPath(m, at(m.dof_parent, first), eliminate);
-  for (int i = 0; i < n; ++i) {
-    Wide x = X.load(i);
-    alongPathParentLast(m, i, [&](int j) { x -= Wide(L[j][i]) * X.load(j); });
-    X.store(i, x);
-  }
-}
-
-/// Derivative of aba from one of d.by_q and d.by_v, n x n, into the columns of `out`; losses are not in it. In place where S is a pack of
-/// states: `out` is by's own memory then, and full.
-template <class Wide, class Panel, class S>
+/// Derivative of aba from one of d.by_q and d.by_v, n x n, into the columns of `out`, whose other entries are zero; losses are not in it.
+/// In place where S is a pack of states: `out` is by's own memory then.
+template <class Wide, class Pack, class S>
 void abaDerivative(const CompactImpl& m, const DerivativeWorkspace<S>& d, const PathMatrix<S>& by, const Rows<S>& out) {
   const int n = m.nvx;
-  if constexpr (PathMatrix<S>::in_place) {
-    for (int k = 0; k < n; ++k) solveColumns<S>(m, d, OneColumn<S>{by.below[k]}, k);
+  const TreeSystem<S> system{m, d.by_a.below, d.factors.inverse};
+  // Right of a joint's own columns its rows have forces; the joint's own, and those of its path, have accelerations already. All have the
+  // other sign.
+  const auto begin = [&](int i) {
+    const BodyIndex& x = m.index[static_cast<std::size_t>(m.dof_body[static_cast<std::size_t>(i)])];
+    return x.idx_v + x.nv;
+  };
+  if constexpr (Part<Wide, S>::width == 1) {
+    if constexpr (!PathMatrix<S>::in_place) {
+      for (int k = 0; k < n; ++k) std::fill(out[k], out[k] + n, S(0));
+      by.template assemble<Wide>(m.dof_end, out);
+    }
+    for (int k = 0; k < n; ++k) {
+      solveColumn(system, begin, k, out[k]);
+      for (int i = 0; i < n; ++i) out[k][i] = -out[k][i];
+    }
   } else {
     for (int i = 0; i < n; ++i) std::fill(d.scratch[i], d.scratch[i] + n, S(0));
     by.transposed().template assemble<Wide>(m.dof_end, d.scratch);
-    for (int k = 0; k < n; k += Part<Panel, S>::width)
-      solveColumns<Panel>(m, d, ColumnsOfRows<Panel, S>{Part<Panel, S>(k, k, k + Part<Panel, S>::width), d.scratch}, k);
-    transpose<Wide>(d.scratch, n, out);
+    solveRows<Wide, Pack>(system, begin, d.scratch);
+    transposeNegated<Wide>(d.scratch, n, out);
   }
 }
 

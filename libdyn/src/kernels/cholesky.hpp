@@ -114,25 +114,4 @@ void factorTimes(const CompactImpl& m, const TreeFactors<S>& c, FactorProduct pr
     for (int j = 0; j < n; ++j) spread(j, -x[j]);
 }
 
-/// X = M^-1 X for as many columns, from `column` on, as a pack has lanes; X has n rows. Rows other than those from `first` on and before
-/// `last`, and those on the path from `first`, must be zero.
-template <class Wide, class S>
-__attribute__((flatten)) void choleskySolve(const CompactImpl& m, const TreeFactors<S>& c, const Rows<S>& X, int column, int first, int last) {
-  constexpr int width = Part<Wide, S>::width;
-  const auto parent = [&](int dof) { return m.dof_parent[static_cast<std::size_t>(dof)]; };
-  const Part<Wide, S> part(column, column, column + width);
-  // L^T first, from the leaves: rows that are zero have nothing to hand on.
-  const auto eliminate = [&](int i) {
-    const Wide x = part.load(X[i]);
-    alongPath(m, parent(i), [&](int j) { part.store(part.load(X[j]) - Wide(c.L[j][i]) * x, X[j]); });
-  };
-  for (int i = last - 1; i >= first; --i) eliminate(i);
-  alongPath(m, parent(first), eliminate);
-  for (int i = 0; i < m.nvx; ++i) {
-    Wide x = Wide(c.inverse[i]) * part.load(X[i]);
-    alongPathParentLast(m, i, [&](int j) { x -= Wide(c.L[j][i]) * part.load(X[j]); });
-    part.store(x, X[i]);
-  }
-}
-
 }  // namespace dyn::kernels

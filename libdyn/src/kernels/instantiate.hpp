@@ -16,13 +16,12 @@
 #include "kernels/table.hpp"
 
 #include <algorithm>
-#include <type_traits>
 
 namespace dyn::kernels {
 
 /// What a single state's degrees of freedom, or columns, are worked on in, side by side: Wide where subtrees are, most of them short;
-/// Panel where all of them are, if the model has more than Narrow holds.
-template <class Wide, class Narrow = Wide, class Panel = Wide>
+/// Panel where all of them are.
+template <class Wide, class Panel = Wide>
 SingleKernels singleKernels() {
   using W = Workspace<double>;
   SingleKernels k;
@@ -46,14 +45,6 @@ SingleKernels singleKernels() {
     abaSolve(bodies, w, ddq);
   };
   using D = DerivativeWorkspace<double>;
-  static constexpr auto inverse_of_mass_matrix = [](const CompactImpl& m, const TreeFactors<double>& factors, const Rows<double>& scratch,
-                                                    double* out) {
-    if (m.nvx <= lanes_of<Narrow>) {
-      kernels::inverseOfMassMatrix<Narrow>(m, factors, scratch, Rows<double>{out, m.nvx});
-    } else {
-      kernels::inverseOfMassMatrix<Panel>(m, factors, scratch, Rows<double>{out, m.nvx});
-    }
-  };
   k.evaluateSubspaces = [](const CompactImpl& m, D& d, const double* q, const double* v) { evaluateSubspaceDerivatives(m, d, q, v); };
   k.rneaDerivatives = [](const CompactImpl& m, W& w, D& d, const double* v, const double* a, const Force<double>* fext) {
     const Bodies<double> bodies{m, w};
@@ -68,18 +59,11 @@ SingleKernels singleKernels() {
     abaDerivativesInward(bodies, w, d);
     pathSweep<Wide>(bodies, w, d);
     ownColumns(bodies, w, d);
-    const auto columns = [&]<class Columns>(std::type_identity<Columns>) {
-      abaDerivative<Wide, Columns>(m, d, d.by_q, Rows<double>{by_q, m.nvx});
-      abaDerivative<Wide, Columns>(m, d, d.by_v, Rows<double>{by_v, m.nvx});
-    };
-    if (m.nvx <= lanes_of<Narrow>) {
-      columns(std::type_identity<Narrow>());
-    } else {
-      columns(std::type_identity<Panel>());
-    }
+    abaDerivative<Wide, Panel>(m, d, d.by_q, Rows<double>{by_q, m.nvx});
+    abaDerivative<Wide, Panel>(m, d, d.by_v, Rows<double>{by_v, m.nvx});
     TreeFactors<double> factors = d.factors;
     factors.L = d.by_a.below;
-    inverse_of_mass_matrix(m, factors, d.scratch, inverse);
+    kernels::inverseOfMassMatrix<Wide, Panel>(m, factors, d.scratch, Rows<double>{inverse, m.nvx});
     return w.failed[0];
   };
   k.centroidal = [](const CompactImpl& m, W& w, D& d, const double* v, const double* a, const CentroidalMaps<double>& out) {
@@ -113,7 +97,9 @@ SingleKernels singleKernels() {
     factorsSweep<Wide>(bodies, w, d);
     return w.failed[0];
   };
-  k.inverseOfMassMatrix = [](const CompactImpl& m, D& d, double* out) { inverse_of_mass_matrix(m, d.factors, d.scratch, out); };
+  k.inverseOfMassMatrix = [](const CompactImpl& m, D& d, double* out) {
+    kernels::inverseOfMassMatrix<Wide, Panel>(m, d.factors, d.scratch, Rows<double>{out, m.nvx});
+  };
   return k;
 }
 
@@ -173,7 +159,7 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<T>& b) {
   const auto inverse = [&](int result, const Rows<S>& L) {
     TreeFactors<S> factors = d.factors;
     factors.L = L;
-    inverseOfMassMatrix<S>(m, factors, d.scratch, matrix);
+    inverseOfMassMatrix<S, S>(m, factors, d.scratch, matrix);
     put(result, s.matrix, n * n);
     for (int l = 0; l < b.q.states; ++l) b.failed[l] = w.failed[l];
   };
@@ -198,12 +184,13 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<T>& b) {
       abaDerivativesInward(bodies, w, d);
       pathSweep<S>(bodies, w, d);
       ownColumns(bodies, w, d);
-      abaDerivative<S, S>(m, d, d.by_q, matrix);
-      put(0, d.by_q.in_place ? d.by_q.below.first : s.matrix, n * n);
+      const auto placeOf = [&](const PathMatrix<S>& by) { return by.in_place ? by.below : matrix; };
+      abaDerivative<S, S>(m, d, d.by_q, placeOf(d.by_q));
+      put(0, placeOf(d.by_q).first, n * n);
       inverse(2, d.by_a.below);
       if (!m.damping.empty()) std::copy(s.matrix, s.matrix + n * n, s.inverse);
-      abaDerivative<S, S>(m, d, d.by_v, matrix);
-      S* by_v = d.by_v.in_place ? d.by_v.below.first : s.matrix;
+      abaDerivative<S, S>(m, d, d.by_v, placeOf(d.by_v));
+      S* by_v = placeOf(d.by_v).first;
       for (std::size_t k = 0; k < m.damping.size(); ++k) {
         const std::ptrdiff_t column = n * static_cast<std::ptrdiff_t>(k);
         for (std::ptrdiff_t i = column; i < column + n; ++i) by_v[i] -= S(static_cast<T>(m.damping[k])) * s.inverse[i];

@@ -8,6 +8,7 @@
 #include "kernels/aba.hpp"
 #include "kernels/crba.hpp"
 #include "kernels/derivatives.hpp"
+#include "kernels/solve.hpp"
 
 namespace dyn::kernels {
 
@@ -53,17 +54,24 @@ void factorsSweep(const Order& order, const Workspace<S>& w, DerivativeWorkspace
   });
 }
 
-/// M^-1 from its factors, n x n, by way of the n rows X.
-template <class Panel, class S>
+/// M^-1 from its factors, n x n, into the columns of `out`, by way of the n rows X.
+template <class Wide, class Pack, class S>
 void inverseOfMassMatrix(const CompactImpl& m, const TreeFactors<S>& factors, const Rows<S>& X, const Rows<S>& out) {
-  constexpr int width = Part<Panel, S>::width;
   const int n = m.nvx;
-  for (int i = 0; i < n; ++i) std::fill(X[i], X[i] + n, S(0));
-  for (int i = 0; i < n; ++i) X[i][i] = S(1);
-  for (int column = 0; column < n; column += width) choleskySolve<Panel>(m, factors, X, column, column, std::min(column + width, n));
+  const TreeSystem<S> system{m, factors.L, factors.inverse};
+  const auto begin = [](int i) { return i; };
+  constexpr bool by_columns = Part<Wide, S>::width == 1;
+  const Rows<S>& matrix = by_columns ? out : X;
+  for (int i = 0; i < n; ++i) std::fill(matrix[i], matrix[i] + n, S(0));
+  for (int i = 0; i < n; ++i) matrix[i][i] = S(1);
+  if constexpr (by_columns) {
+    for (int k = 0; k < n; ++k) solveColumn(system, begin, k, out[k]);
+  } else {
+    solveRows<Wide, Pack>(system, begin, X);
+  }
   // One of each pair of entries, so that the result is symmetric to the last bit.
   for (int i = 0; i < n; ++i)
-    for (int j = 0; j <= i; ++j) out[i][j] = out[j][i] = X[i][j];
+    for (int j = 0; j <= i; ++j) out[i][j] = out[j][i] = matrix[i][j];
 }
 
 }  // namespace dyn::kernels

@@ -1,6 +1,5 @@
 // The table of a shared object for one instruction set, which is whatever this file is compiled for.
 #include "kernels/instantiate.hpp"
-#include "kernels/several.hpp"
 #include "kernels/strips.hpp"
 
 #include <dyn_sdk/pack.hpp>
@@ -11,7 +10,7 @@ extern "C" __attribute__((visibility("default"))) const dyn::kernels::Kernels* d
   using Quad = dyn::Pack<double, xsimd::fma3<xsimd::avx2>>;
   static const Kernels table{DYN_KERNELS_NAME,
                              layoutStamp(),
-                             singleKernels<Quad, dyn::Pack<double>, dyn::Several<dyn::Pack<double>, 2>>(),
+                             singleKernels<Quad, dyn::Pack<double>>(),
                              blockKernels<dyn::Pack<double>>(),
                              blockKernels<dyn::Pack<float>>(),
                              stripKernels<Quad>()};

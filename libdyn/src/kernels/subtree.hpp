@@ -190,12 +190,12 @@ struct PathMatrix {
   }
 };
 
-/// Writes into the columns of an n x n matrix what stands in the rows of another.
+/// Writes into the columns of an n x n matrix what stands in the rows of another, with the other sign.
 template <class Wide, class S>
-void transpose(const Rows<S>& rows, int n, const Rows<S>& columns) {
+void transposeNegated(const Rows<S>& rows, int n, const Rows<S>& columns) {
   constexpr int width = Part<Wide, S>::width;
   const auto single = [&](int row, int last, int column) {
-    for (; row < last; ++row) columns[column][row] = rows[row][column];
+    for (; row < last; ++row) columns[column][row] = -rows[row][column];
   };
   int column = 0;
   if constexpr (width > 1) {
@@ -203,7 +203,10 @@ void transpose(const Rows<S>& rows, int n, const Rows<S>& columns) {
       int row = 0;
       for (; row + width <= n; row += width) {
         Square<S, width> square;
-        for (int k = 0; k < width; ++k) square.read(k, rows[row + k] + column);
+        for (int k = 0; k < width; ++k) {
+          square.read(k, rows[row + k] + column);
+          square[k] = -square[k];
+        }
         square.transpose();
         for (int k = 0; k < width; ++k) square.write(k, columns[column + k] + row);
       }

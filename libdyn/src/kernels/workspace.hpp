@@ -62,7 +62,7 @@ struct Workspace {
 };
 
 /// Of the widest packs of columns that recursions take at once, beside single states.
-inline constexpr int most_lanes = 16;
+inline constexpr int most_lanes = 32;
 
 /// Hands out arrays of one block: first without a block, to count, then with it. Everything is aligned to the widest packs.
 class Arena {
