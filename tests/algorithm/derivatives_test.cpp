@@ -10,7 +10,8 @@ using namespace dyn::test;
 
 namespace {
 
-/// d f(x) / dx at 0 by Richardson's extrapolation of central differences: about 1e-11 relative for smooth f of size 1; joints that are splines are smooth between knots only.
+/// d f(x) / dx at 0 by Richardson's extrapolation of central differences: about 1e-11 relative for smooth f of size 1; joints that are splines are
+/// smooth between knots only.
 Eigen::VectorXd derivative(const std::function<Eigen::VectorXd(double)>& f) {
   constexpr int rounds = 3;
   Eigen::VectorXd table[rounds][rounds];
@@ -34,8 +35,10 @@ struct State {
 
 State stateOf(const CompactModel& model, std::uint64_t seed, bool forces) {
   Random random(seed);
-  State s{integrate(model, neutral(model), Eigen::VectorXd(random.vector(model.nv(), 0.3).array() + 0.6)), random.vector(model.nv(), 1),
-          random.vector(model.nv(), 2), {}};
+  State s{integrate(model, neutral(model), Eigen::VectorXd(random.vector(model.nv(), 0.3).array() + 0.6)),
+          random.vector(model.nv(), 1),
+          random.vector(model.nv(), 2),
+          {}};
   s.v.array() += (s.v.array() >= 0).select(Eigen::ArrayXd::Constant(model.nv(), 0.1), -0.1);  // away from friction's jump
   if (forces)
     for (std::size_t j = 0; j < model.joints().size(); ++j) s.fext.push_back({random.vector(5), random.vector(5)});
@@ -104,9 +107,8 @@ void checkCentroidal(const CompactModel& model, std::uint64_t seed) {
   const CentroidalRate rate = computeCentroidalMomentumTimeVariation(model, data, s.q, s.v, s.a);
   CHECK(off(rate.Ag, Ag) < 1e-14);
   CHECK(off(rate.dhg, Ag * s.a + rate.dAg * s.v) < 1e-12);
-  const Eigen::VectorXd along = derivative([&](double t) -> Eigen::VectorXd {
-    return ccrba(model, other, integrate(model, s.q, Eigen::VectorXd(t * s.v)), s.v).Ag.reshaped();
-  });
+  const Eigen::VectorXd along = derivative(
+      [&](double t) -> Eigen::VectorXd { return ccrba(model, other, integrate(model, s.q, Eigen::VectorXd(t * s.v)), s.v).Ag.reshaped(); });
   CHECK(off(rate.dAg.reshaped(), along) < 1e-9);
   const CentroidalDerivatives x = computeCentroidalDynamicsDerivatives(model, data, s.q, s.v, s.a);
   const Differences momentum = differences(model, s, [&](const State& t) -> Eigen::VectorXd { return ccrba(model, other, t.q, t.v).hg; });

@@ -53,9 +53,6 @@ void checkAll(const CompactModel& model, int states, int threads, std::uint64_t 
       return {y.ddq, y.ddq_dq, y.ddq_dv, y.ddq_dtau};
     });
   }
-  check(tolerance, Results{computeRNEADerivatives(model, batch, q, v, a).dtau_dq}, [&](auto& qk, auto& vk, auto& ak) -> std::vector<Eigen::MatrixXd> {
-    return {computeRNEADerivatives(model, data, qk, vk, ak).dtau_dq};
-  });
   check(tolerance, Results{computeGeneralizedGravityDerivatives(model, batch, q)},
         [&](auto& qk, auto&, auto&) -> std::vector<Eigen::MatrixXd> { return {computeGeneralizedGravityDerivatives(model, data, qk)}; });
   check(solved, Results{computeMinverse(model, batch, q)},
