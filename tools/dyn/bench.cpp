@@ -45,9 +45,12 @@ benchmark::Quartiles measure(const std::function<void()>& round) {
   return benchmark::quartiles(times);
 }
 
+/// Of very large models derivatives are left out, and said to be: they take some twenty matrices of nv x nv.
+Need needOf(const CompactModel& model) { return model.nv() <= 1000 ? Need::derivatives : Need::mass_matrix; }
+
 /// Everything that is measured lives here.
 struct Subjects {
-  explicit Subjects(const CompactModel& m) : model(m), states(randomStates(m, state_count, 1)), data(m, Need::derivatives), truth() {}
+  explicit Subjects(const CompactModel& m) : model(m), states(randomStates(m, state_count, 1)), data(m, needOf(m)), truth() {}
   const CompactModel& model;
   std::vector<State> states;
   Data data;
@@ -147,7 +150,8 @@ struct BatchSubject {
   Columns<T> q, v, a, tau;
 
   BatchSubject(const CompactModel& model, int states, int threads)
-      : batch(model, states, Need::derivatives | Need::mass_matrix | Need::kinematics | Need::jacobians, threads),
+      : batch(model, states, (model.nv() <= 200 ? Need::derivatives : Need::mass_matrix) | Need::mass_matrix | Need::kinematics | Need::jacobians,
+              threads),
         q(model.nq(), states),
         v(model.nv(), states),
         a(v),

@@ -29,6 +29,7 @@ Json flat(const Eigen::Ref<const Eigen::MatrixXd>& M) {
 struct Quantity {
   const char* key;
   std::function<void(const CompactModel&, Data&, const State&, Json&)> write;
+  Need need = Need::mass_matrix;  ///< derivatives take much more memory, of size nv^2
 };
 
 /// A result that a singular mass matrix does not have is null, and KEY_error says why.
@@ -50,34 +51,52 @@ const std::vector<Quantity>& quantities() {
       {"gravity_torque", [](auto& m, auto& d, auto& s, Json& out) { out["gravity_torque"] = flat(generalizedGravity(m, d, s.q)); }},
       {"M", [](auto& m, auto& d, auto& s, Json& out) { out["M"] = flat(crba(m, d, s.q)); }},
       {"aba", [](auto& m, auto& d, auto& s, Json& out) { writeRegular("aba", out, [&] { return aba(m, d, s.q, s.v, s.tau); }); }},
-      {"Minv", [](auto& m, auto& d, auto& s, Json& out) { writeRegular("Minv", out, [&] { return computeMinverse(m, d, s.q); }); }},
-      {"dtau_dq", [](auto& m, auto& d, auto& s, Json& out) { out["dtau_dq"] = flat(computeRNEADerivatives(m, d, s.q, s.v, s.a).dtau_dq); }},
-      {"dtau_dv", [](auto& m, auto& d, auto& s, Json& out) { out["dtau_dv"] = flat(computeRNEADerivatives(m, d, s.q, s.v, s.a).dtau_dv); }},
-      {"ddq_dq", [](auto& m, auto& d, auto& s,
-                    Json& out) { writeRegular("ddq_dq", out, [&] { return computeABADerivatives(m, d, s.q, s.v, s.tau).ddq_dq; }); }},
-      {"ddq_dv", [](auto& m, auto& d, auto& s,
-                    Json& out) { writeRegular("ddq_dv", out, [&] { return computeABADerivatives(m, d, s.q, s.v, s.tau).ddq_dv; }); }},
-      {"coriolis_matrix", [](auto& m, auto& d, auto& s, Json& out) { out["coriolis_matrix"] = flat(computeCoriolisMatrix(m, d, s.q, s.v)); }},
-      {"hg", [](auto& m, auto& d, auto& s, Json& out) { writeRegular("hg", out, [&] { return ccrba(m, d, s.q, s.v).hg; }); }},
-      {"Ag", [](auto& m, auto& d, auto& s, Json& out) { writeRegular("Ag", out, [&] { return ccrba(m, d, s.q, s.v).Ag; }); }},
-      {"dAg", [](auto& m, auto& d, auto& s,
-                 Json& out) { writeRegular("dAg", out, [&] { return computeCentroidalMomentumTimeVariation(m, d, s.q, s.v, s.a).dAg; }); }},
-      {"dhg", [](auto& m, auto& d, auto& s,
-                 Json& out) { writeRegular("dhg", out, [&] { return computeCentroidalMomentumTimeVariation(m, d, s.q, s.v, s.a).dhg; }); }},
-      {"dhg_dq", [](auto& m, auto& d, auto& s,
-                    Json& out) { writeRegular("dhg_dq", out, [&] { return computeCentroidalDynamicsDerivatives(m, d, s.q, s.v, s.a).dhg_dq; }); }},
+      {"Minv", [](auto& m, auto& d, auto& s, Json& out) { writeRegular("Minv", out, [&] { return computeMinverse(m, d, s.q); }); },
+       Need::derivatives},
+      {"dtau_dq", [](auto& m, auto& d, auto& s, Json& out) { out["dtau_dq"] = flat(computeRNEADerivatives(m, d, s.q, s.v, s.a).dtau_dq); },
+       Need::derivatives},
+      {"dtau_dv", [](auto& m, auto& d, auto& s, Json& out) { out["dtau_dv"] = flat(computeRNEADerivatives(m, d, s.q, s.v, s.a).dtau_dv); },
+       Need::derivatives},
+      {"ddq_dq",
+       [](auto& m, auto& d, auto& s, Json& out) { writeRegular("ddq_dq", out, [&] { return computeABADerivatives(m, d, s.q, s.v, s.tau).ddq_dq; }); },
+       Need::derivatives},
+      {"ddq_dv",
+       [](auto& m, auto& d, auto& s, Json& out) { writeRegular("ddq_dv", out, [&] { return computeABADerivatives(m, d, s.q, s.v, s.tau).ddq_dv; }); },
+       Need::derivatives},
+      {"coriolis_matrix", [](auto& m, auto& d, auto& s, Json& out) { out["coriolis_matrix"] = flat(computeCoriolisMatrix(m, d, s.q, s.v)); },
+       Need::derivatives},
+      {"hg", [](auto& m, auto& d, auto& s, Json& out) { writeRegular("hg", out, [&] { return ccrba(m, d, s.q, s.v).hg; }); }, Need::derivatives},
+      {"Ag", [](auto& m, auto& d, auto& s, Json& out) { writeRegular("Ag", out, [&] { return ccrba(m, d, s.q, s.v).Ag; }); }, Need::derivatives},
+      {"dAg",
+       [](auto& m, auto& d, auto& s, Json& out) {
+         writeRegular("dAg", out, [&] { return computeCentroidalMomentumTimeVariation(m, d, s.q, s.v, s.a).dAg; });
+       },
+       Need::derivatives},
+      {"dhg",
+       [](auto& m, auto& d, auto& s, Json& out) {
+         writeRegular("dhg", out, [&] { return computeCentroidalMomentumTimeVariation(m, d, s.q, s.v, s.a).dhg; });
+       },
+       Need::derivatives},
+      {"dhg_dq",
+       [](auto& m, auto& d, auto& s, Json& out) {
+         writeRegular("dhg_dq", out, [&] { return computeCentroidalDynamicsDerivatives(m, d, s.q, s.v, s.a).dhg_dq; });
+       },
+       Need::derivatives},
       {"dhgdot_dq",
        [](auto& m, auto& d, auto& s, Json& out) {
          writeRegular("dhgdot_dq", out, [&] { return computeCentroidalDynamicsDerivatives(m, d, s.q, s.v, s.a).dhgdot_dq; });
-       }},
+       },
+       Need::derivatives},
       {"dhgdot_dv",
        [](auto& m, auto& d, auto& s, Json& out) {
          writeRegular("dhgdot_dv", out, [&] { return computeCentroidalDynamicsDerivatives(m, d, s.q, s.v, s.a).dhgdot_dv; });
-       }},
+       },
+       Need::derivatives},
       {"dhgdot_da",
        [](auto& m, auto& d, auto& s, Json& out) {
          writeRegular("dhgdot_da", out, [&] { return computeCentroidalDynamicsDerivatives(m, d, s.q, s.v, s.a).dhgdot_da; });
-       }},
+       },
+       Need::derivatives},
       {"com", [](auto& m, auto& d, auto& s, Json& out) { out["com"] = flat(centerOfMass(m, d, s.q).position); }},
       {"vcom", [](auto& m, auto& d, auto& s, Json& out) { out["vcom"] = flat(centerOfMass(m, d, s.q, s.v).velocity); }},
       {"acom", [](auto& m, auto& d, auto& s, Json& out) { out["acom"] = flat(centerOfMass(m, d, s.q, s.v, s.a).acceleration); }},
@@ -193,7 +212,10 @@ void run(const Options& o) {
     frames.push_back(model.frameId(name));
     if (frames.back() < 0) throw Error(ErrorCode::argument, "--frames " + name + ": the model has no such frame; `dyn info` lists them");
   }
-  Data data(model, Need::derivatives);
+  Need need = Need::mass_matrix;
+  for (const Quantity& quantity : quantities())
+    if (only.empty() || only.count(quantity.key)) need = need | quantity.need;
+  Data data(model, need);
   std::string out;
   Json head = describe(model, o.model.root);
   head["samples"] = Json::array();
