@@ -1,0 +1,38 @@
+// Scratch of one thread that computes blocks of states.
+#pragma once
+
+#include "kernels/derivatives.hpp"
+#include "kernels/table.hpp"
+
+namespace dyn::kernels {
+
+/// Scratch of one thread for blocks of states.
+template <class S>
+struct BlockScratch {
+  Workspace<S> w;
+  S *q, *v, *a, *result, *M, *J;
+  DerivativeWorkspace<S> d;
+  S *matrix, *inverse;  ///< nvx * nvx
+  S* maps[5];           ///< 6 nvx each
+
+  static std::size_t carve(BlockScratch& s, const CompactImpl& m, Room room, char* base) {
+    Arena arena(base);
+    dyn::carve(s.w, m, arena);
+    const auto nq = static_cast<std::size_t>(m.nqx), nv = static_cast<std::size_t>(m.nvx);
+    arena.take(s.q, nq);
+    arena.take(s.v, nv);
+    arena.take(s.a, nv);
+    arena.take(s.result, nv);
+    arena.take(s.M, room.mass_matrix ? nv * nv : 0);
+    arena.take(s.J, room.jacobian ? 6 * nv : 0);
+    if (room.derivatives) {
+      dyn::kernels::carve(s.d, m, arena);
+      arena.take(s.matrix, nv * nv);
+      arena.take(s.inverse, m.damping.empty() ? 0 : nv * nv);
+      for (S*& map : s.maps) arena.take(map, 6 * nv);
+    }
+    return arena.used();
+  }
+};
+
+}  // namespace dyn::kernels
