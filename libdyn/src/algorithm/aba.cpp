@@ -1,4 +1,5 @@
 #include "algorithm/crba.hpp"
+#include "algorithm/dense_factors.hpp"
 #include "algorithm/external.hpp"
 #include "kernels/losses.hpp"
 #include "kernels/table.hpp"
@@ -6,42 +7,8 @@
 #include <dyn/algorithm/aba.hpp>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
 namespace dyn::detail {
-
-namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-/// In-place solution of M x = b by square-root-free Cholesky from the leaves to the root (Featherstone 2008, ch. 8); couplings connect
-/// distant joints, so M is taken as dense. A pivot of the rounding of its diagonal's size is zero.
-void solveDense(const CompactImpl& m, double* M, double* x, double* diagonal) {
-  const std::ptrdiff_t n = m.nv;
-  for (std::ptrdiff_t k = 0; k < n; ++k) diagonal[k] = M[k * n + k];
-  for (std::ptrdiff_t k = n - 1; k >= 0; --k) {
-    const double pivot = M[k * n + k];
-    if (!(pivot > 8 * std::numeric_limits<double>::epsilon() * diagonal[k]) || !std::isfinite(pivot)) {
-      std::size_t joint = m.joints.size() - 1;
-      while (m.joints[joint].idx_v > k || m.joints[joint].nv == 0) --joint;
-      refuseSingular("aba", m.joints[joint].name);
-    }
-    for (std::ptrdiff_t i = 0; i < k; ++i) {
-      const double l = M[k * n + i] / pivot;
-      if (l == 0) continue;
-      for (std::ptrdiff_t j = 0; j <= i; ++j) M[i * n + j] -= l * M[k * n + j];
-      x[i] -= l * x[k];
-    }
-  }
-  for (std::ptrdiff_t k = 0; k < n; ++k) {
-    double sum = x[k];
-    for (std::ptrdiff_t i = 0; i < k; ++i) sum -= M[k * n + i] * x[i];
-    x[k] = sum / M[k * n + k];
-  }
-}
-
-}  // namespace
 
 const double* aba(const CompactModel& model, Data& data, VectorView q, VectorView v, VectorView tau, const Force<double>* fext, std::size_t count) {
   const CompactImpl& m = model.impl();
@@ -53,7 +20,8 @@ const double* aba(const CompactModel& model, Data& data, VectorView q, VectorVie
     const double* bias = rnea(model, data, q, v, zero, fext, count);
     for (int k = 0; k < m.nv; ++k) d.ddq[k] = tau.data[k] - bias[k];
     massMatrix(m, d);
-    solveDense(m, d.M, d.ddq, d.ax);
+    factorDense("aba", m, d.M, d.ax);
+    solveDense(m, d.M, d.ddq);
     return d.ddq;
   }
   const Inputs in = readInputs("aba", model, data, q, &v, nullptr);
@@ -73,7 +41,7 @@ const double* aba(const CompactModel& model, Data& data, VectorView q, VectorVie
     kernels::active().single.aba(m, d, in.v, effective, external, d.ddq);
     body = d.failed[0];
   }
-  if (body != 0) refuseSingular("aba", m.joints[at(m.index[at(body)].joint)].name);
+  checkFactors("aba", m, body);
   return d.ddq;
 }
 

@@ -68,10 +68,7 @@ template <class T>
 void fail(const char* algorithm, const CompactImpl& m, const Failure& failure, const StatesView<T>& q) {
   if (failure.state == std::numeric_limits<int>::max()) return;
   const auto name = [](int state, const char* what) { return "state " + std::to_string(state) + ": " + what; };
-  if (failure.body != 0) {
-    const int joint = m.index[static_cast<std::size_t>(failure.body)].joint;
-    refuseSingular(name(failure.state, algorithm).c_str(), m.joints[static_cast<std::size_t>(joint)].name);
-  }
+  checkFactors(name(failure.state, algorithm).c_str(), m, failure.body);
   Eigen::VectorXd column(m.nq);
   for (int state = failure.state; state < failure.state + failure.count; ++state) {
     for (int i = 0; i < m.nq; ++i) column[i] = static_cast<double>(q.data[state * q.stride + i]);

@@ -45,9 +45,7 @@ void choleskyDecompose(const CompactModel& model, Data& data) {
   const CompactImpl& m = model.impl();
   DataImpl& d = data.impl();
   const int failed = kernels::active().single.choleskyDecompose(m, d.derivatives, d.M);
-  if (failed == 0) return;
-  const int body = m.dof_body[static_cast<std::size_t>(failed - 1)];
-  refuseSingular("cholesky::decompose", m.joints[static_cast<std::size_t>(m.index[static_cast<std::size_t>(body)].joint)].name);
+  checkFactors("cholesky::decompose", m, failed == 0 ? 0 : m.dof_body[static_cast<std::size_t>(failed - 1)]);
 }
 
 void choleskyTimes(const CompactModel& model, Data& data, Product product, const MatrixOut& X) {

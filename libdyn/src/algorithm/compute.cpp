@@ -17,13 +17,11 @@ namespace {
 
 using Q = Quantity;
 
-bool any(Quantity set, Quantity wanted) { return has(set, wanted); }
-
 /// How far kinematics go: -1 not at all, 0 placements, 1 velocities, 2 accelerations.
 int kinematicOrder(Quantity what) {
   if (has(what, Q::accelerations)) return 2;
-  if (any(what, Q::velocities | Q::energies)) return 1;
-  return any(what, Q::placements | Q::center_of_mass) ? 0 : -1;
+  if (has(what, Q::velocities | Q::energies)) return 1;
+  return has(what, Q::placements | Q::center_of_mass) ? 0 : -1;
 }
 
 void sums(const CompactImpl& m, const DataImpl& d, Quantity what, int order, const double* v, ComputedViews& out) {
@@ -74,7 +72,7 @@ ComputedViews separately(const CompactModel& model, Data& data, Quantity what, V
     out.C = coriolisMatrix(model, data, q, v);
     counted(passes.derivatives);
   }
-  if (any(what, Q::centroidal_map | Q::centroidal_rate)) {
+  if (has(what, Q::centroidal_map | Q::centroidal_rate)) {
     const bool rate = has(what, Q::centroidal_rate);
     const CentroidalViews x = centroidal(model, data, rate ? CentroidalTask::rate : CentroidalTask::map, q, v, rate ? &a : nullptr);
     out.hg = x.hg;
@@ -92,13 +90,13 @@ ComputedViews separately(const CompactModel& model, Data& data, Quantity what, V
 
 ComputedViews compute(const CompactModel& model, Data& data, Quantity what, VectorView q, VectorView v, VectorView a) {
   if (has(what, Q::mass_matrix)) checkData("compute: the mass matrix", model, data, Need::mass_matrix);
-  if (any(what, Q::minverse | Q::coriolis | Q::centroidal_map | Q::centroidal_rate | Q::rnea_derivatives))
+  if (has(what, Q::minverse | Q::coriolis | Q::centroidal_map | Q::centroidal_rate | Q::rnea_derivatives))
     checkData("compute", model, data, Need::derivatives);
   const CompactImpl& m = model.impl();
   DataImpl& d = data.impl();
   const Inputs in = readInputs("compute", model, data, q, &v, &a);
   if (!m.couplings.empty()) return separately(model, data, what, q, v, a);
-  if (any(what, Q::centroidal_map | Q::centroidal_rate) && !(m.mass > 0))
+  if (has(what, Q::centroidal_map | Q::centroidal_rate) && !(m.mass > 0))
     throw Error(ErrorCode::singular, "compute: the model has no mass, so no centre of mass; give its bodies inertias");
 
   const kernels::SingleKernels& k = kernels::active().single;
@@ -107,10 +105,10 @@ ComputedViews compute(const CompactModel& model, Data& data, Quantity what, Vect
   if (static_cast<unsigned>(what) == 0) return out;
   constexpr Quantity by_velocity =
       Q::velocities | Q::accelerations | Q::energies | Q::rnea | Q::nle | Q::coriolis | Q::centroidal_map | Q::centroidal_rate | Q::rnea_derivatives;
-  evaluateJoints(m, d, in.q, any(what, by_velocity) ? in.v : nullptr);
+  evaluateJoints(m, d, in.q, has(what, by_velocity) ? in.v : nullptr);
   ++passes.joints;
   constexpr Quantity by_subspaces = Q::coriolis | Q::centroidal_rate | Q::rnea_derivatives;
-  if (any(what, by_subspaces)) {
+  if (has(what, by_subspaces)) {
     k.evaluateSubspaces(m, d.derivatives, in.q, in.v);
     ++passes.subspaces;
   }
@@ -161,7 +159,7 @@ ComputedViews compute(const CompactModel& model, Data& data, Quantity what, Vect
     out.C = d.C;
     ++passes.derivatives;
   }
-  if (any(what, Q::centroidal_map | Q::centroidal_rate)) {
+  if (has(what, Q::centroidal_map | Q::centroidal_rate)) {
     const bool rate = has(what, Q::centroidal_rate);
     const CentroidalViews x = centroidalOfEvaluated(m, d, rate ? CentroidalTask::rate : CentroidalTask::map, in.v, in.a);
     out.hg = x.hg;
@@ -173,7 +171,7 @@ ComputedViews compute(const CompactModel& model, Data& data, Quantity what, Vect
     ++(rate ? passes.derivatives : passes.inertias);
   }
   // At rest last: joints whose subspace varies have another bias there.
-  if (has(what, Q::gravity) && any(what, by_velocity)) {
+  if (has(what, Q::gravity) && has(what, by_velocity)) {
     bool varying = false;
     for (const TypeBatch& batch : m.batches) varying = varying || batch.shape == Shape::dense;
     if (varying) {

@@ -1,3 +1,4 @@
+#include "algorithm/dense_factors.hpp"
 #include "algorithm/external.hpp"
 #include "algorithm/followers.hpp"
 #include "algorithm/inputs.hpp"
@@ -8,13 +9,8 @@
 #include <dyn/algorithm/derivatives.hpp>
 
 #include <algorithm>
-#include <limits>
 
 namespace dyn {
-
-void checkFactors(const char* algorithm, const CompactImpl& m, int failed_body) {
-  if (failed_body != 0) refuseSingular(algorithm, m.joints[static_cast<std::size_t>(m.index[static_cast<std::size_t>(failed_body)].joint)].name);
-}
 
 namespace detail {
 
@@ -82,37 +78,19 @@ DerivativeViews rneaDerivatives(const CompactModel& model, Data& data, VectorVie
 
 namespace {
 
-/// Couplings connect distant joints, so M is taken as dense.
 void invertDense(const char* algorithm, const CompactImpl& m, DataImpl& d) {
-  const Eigen::Index n = m.nv;
-  const Eigen::Map<const Eigen::MatrixXd> M(d.M, n, n);
-  Eigen::Map<Eigen::MatrixXd> factors(d.expanded[0], n, n), inverse(d.Minv, n, n);
-  factors = M;
-  for (Eigen::Index k = 0; k < n; ++k) {
-    const double pivot = factors(k, k);
-    if (!(pivot > 8 * std::numeric_limits<double>::epsilon() * M(k, k))) {
-      std::size_t joint = m.joints.size() - 1;
-      while (m.joints[joint].idx_v > k || m.joints[joint].nv == 0) --joint;
-      refuseSingular(algorithm, m.joints[joint].name);
-    }
-    for (Eigen::Index i = k + 1; i < n; ++i) {
-      const double l = factors(i, k) / pivot;
-      for (Eigen::Index j = i; j < n; ++j) factors(j, i) -= l * factors(j, k);
-    }
-    for (Eigen::Index i = k + 1; i < n; ++i) factors(i, k) /= pivot;
+  const std::ptrdiff_t n = m.nv;
+  double* factors = d.expanded[0];
+  std::copy(d.M, d.M + n * n, factors);
+  factorDense(algorithm, m, factors, d.column);
+  std::fill(d.Minv, d.Minv + n * n, 0.0);
+  for (std::ptrdiff_t k = 0; k < n; ++k) {
+    d.Minv[(n + 1) * k] = 1;
+    solveDense(m, factors, d.Minv + n * k);
   }
-  inverse.setIdentity();
-  for (Eigen::Index c = 0; c < n; ++c) {
-    double* x = d.Minv + c * n;
-    for (Eigen::Index k = c; k < n; ++k)
-      for (Eigen::Index i = k + 1; i < n; ++i) x[i] -= factors(i, k) * x[k];
-    for (Eigen::Index k = c; k < n; ++k) x[k] /= factors(k, k);
-    for (Eigen::Index k = n; k-- > 0;)
-      for (Eigen::Index i = k + 1; i < n; ++i) x[k] -= factors(i, k) * x[i];
-  }
-  for (Eigen::Index i = 0; i < n; ++i)
-    for (Eigen::Index j = 0; j < i; ++j) inverse(i, j) = inverse(j, i);
-  std::fill(d.expanded[0], d.expanded[0] + static_cast<std::ptrdiff_t>(m.nvx) * m.nvx, 0.0);
+  for (std::ptrdiff_t i = 0; i < n; ++i)
+    for (std::ptrdiff_t j = 0; j < i; ++j) d.Minv[i * n + j] = d.Minv[j * n + i];
+  std::fill(factors, factors + static_cast<std::ptrdiff_t>(m.nvx) * m.nvx, 0.0);
 }
 
 }  // namespace

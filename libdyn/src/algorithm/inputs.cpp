@@ -102,6 +102,10 @@ void refuseZero(const char* argument, const CompactImpl& m, int i) {
               {"", 0, m.joints[at(m.index[at(i)].joint)].name});
 }
 
+void checkFactors(const char* algorithm, const CompactImpl& m, int failed_body) {
+  if (failed_body != 0) refuseSingular(algorithm, m.joints[static_cast<std::size_t>(m.index[static_cast<std::size_t>(failed_body)].joint)].name);
+}
+
 void checkConfiguration(const char* argument, const CompactImpl& m, const double* q) {
   for (int i = 1; i < m.bodies(); ++i) {
     const BodyIndex& x = m.index[at(i)];

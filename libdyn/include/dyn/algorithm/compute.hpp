@@ -24,7 +24,8 @@ enum class Quantity : unsigned {
   rnea_derivatives = 16384,  ///< M comes with them
 };
 constexpr Quantity operator|(Quantity a, Quantity b) { return static_cast<Quantity>(static_cast<unsigned>(a) | static_cast<unsigned>(b)); }
-constexpr bool has(Quantity set, Quantity one) { return (static_cast<unsigned>(set) & static_cast<unsigned>(one)) != 0; }
+/// Whether any of the wanted ones is in the set.
+constexpr bool has(Quantity set, Quantity wanted) { return (static_cast<unsigned>(set) & static_cast<unsigned>(wanted)) != 0; }
 
 /// Walks over the model that a call made.
 struct Passes {
