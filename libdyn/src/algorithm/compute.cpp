@@ -155,7 +155,7 @@ ComputedViews compute(const CompactModel& model, Data& data, Quantity what, Vect
   }
   if (has(what, Q::coriolis)) {
     k.coriolis(m, d, d.derivatives, in.v);
-    k.assemble(m, d.derivatives.by_q, d.C);
+    k.assemble(m, d.derivatives.by_v, d.C);
     out.C = d.C;
     ++passes.derivatives;
   }

@@ -35,13 +35,13 @@ const double* coriolisMatrix(const CompactModel& model, Data& data, VectorView q
   k.evaluateSubspaces(m, d.derivatives, in.q, in.v);
   if (m.couplings.empty()) {
     k.coriolis(m, d, d.derivatives, in.v);
-    k.assemble(m, d.derivatives.by_q, d.C);
+    k.assemble(m, d.derivatives.by_v, d.C);
     return d.C;
   }
   double *C = d.expanded[0], *M = d.expanded[2];
   k.massMatrix(m, d, M);
   k.coriolis(m, d, d.derivatives, in.v);
-  k.assemble(m, d.derivatives.by_q, C);
+  k.assemble(m, d.derivatives.by_v, C);
   fold(m, d, C, M);
   keepUsersEntries(m, C, d.C);
   for (double* x : {C, M}) std::fill(x, x + static_cast<std::ptrdiff_t>(m.nvx) * m.nvx, 0.0);  // folding has written where there are no paths

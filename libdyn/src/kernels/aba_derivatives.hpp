@@ -50,26 +50,18 @@ void abaDerivativesInward(const Order& order, Workspace<S>& w, DerivativeWorkspa
     CoriolisMap<S> map = coriolisMap(d.body[i]);
     if (!order.isLeaf(i)) {
       IA += w.IA[i];
-      map = {map.linear + d.coriolis[i].linear, map.angular + d.coriolis[i].angular};
+      map += d.coriolis[i];
     }
     const Force<S> f = w.f[i];
-    for (int k = Joint::nv - 1; k >= 0; --k) {
-      const Column<Joint, S> column{w.dof[iv + k].S_};
-      const Force<S> W = column.force(IA);
-      const S pivot = column.along(W) + order.armature(iv + k);
-      noteVanishing(pivot, column, IA, i, w.failed);
-      const S inverse = S(1) / pivot;
-      keepFactor(d, iv + k, pivot, inverse, inverse * W);
+    eliminateJoint<Joint>(order, w, d, IA, i, iv, [&](int k, const auto& column, const Force<S>& W, const S& inverse) {
       Vec3<S> lever{};
       if constexpr (Joint::has_linear) lever += transposeTimes(map.linear, column.s.linear);
       if constexpr (Joint::has_angular) lever += transposeTimes(map.angular, column.s.angular);
       lever = inverse * lever;
       writeVector(lever, Rows<S>{d.force[D::lever], d.force.stride}, iv + k);
-      if (k == 0 && order.isRoot(i)) break;
-      IA.subtractOuter(W, inverse * W);
       subtractOuter(map.linear, W.linear, lever);
       subtractOuter(map.angular, W.angular, lever);
-    }
+    });
     if (order.isRoot(i)) return;
     // What each column hands to the parent; by q the subtree's force turns, too.
     for (int m = 0; m < Joint::nv; ++m) {
@@ -78,8 +70,7 @@ void abaDerivativesInward(const Order& order, Workspace<S>& w, DerivativeWorkspa
       const auto handed = [&](const Motion<S>& acceleration, const Vec3<S>& turning) {
         return IA * acceleration + Force<S>{map.linear * turning, map.angular * turning};
       };
-      const Force<S> turned{cross(s.angular, f.linear), cross(s.angular, f.angular) + cross(s.linear, f.linear)};
-      writeForce(handed(x.acceleration, x.velocity.angular) + turned, Rows<S>{d.force[D::force_by_q], d.force.stride}, iv + m);
+      writeForce(handed(x.acceleration, x.velocity.angular) + turnedOf<Joint>(s, f), Rows<S>{d.force[D::force_by_q], d.force.stride}, iv + m);
       writeForce(handed(x.rate, s.angular), Rows<S>{d.force[D::force_by_v], d.force.stride}, iv + m);
     }
     const Vec3<S>& r = w.r[i];

@@ -110,20 +110,17 @@ CentroidalState<S> centroidal(const Bodies<S>& bodies, Workspace<S>& w, Derivati
           to[6 * k + 3 + r] = angular[r];
         }
       };
-      const auto turned = [&](const Force<S>& f) {
-        return Force<S>{cross(s.angular, f.linear), cross(s.angular, f.angular) + cross(s.linear, f.linear)};
-      };
       const Force<S> U = read(0);
       if (out.Ag) write(out.Ag, U);
       const auto inertiaTimes = [&](const Motion<S>& b) { return rigidForce(w.mass[i], w.h[i], w.Io[i], b); };
       if (out.dAg) {
         // d(I s)/dt = I ds/dt + (v x* I - I v x) s, of which coriolis() is the second part plus s x* (momentum).
         const Motion<S> ds = change.rate - change.velocity;
-        const Force<S> rate = inertiaTimes(ds) + coriolis(c, s.angular) - turned(c.momentum);
+        const Force<S> rate = inertiaTimes(ds) + coriolis(c, s.angular) - turned(s, c.momentum);
         write(out.dAg, {rate.linear, rate.angular - cross(dy, U.linear)});
       }
       if (out.dh_dq) {
-        const Force<S> change_of_momentum = turned(c.momentum) + inertiaTimes(change.velocity);
+        const Force<S> change_of_momentum = turned(s, c.momentum) + inertiaTimes(change.velocity);
         write(out.dh_dq, {change_of_momentum.linear, change_of_momentum.angular + cross(dy, U.linear)});
       }
       if (out.dhdot_dq) {

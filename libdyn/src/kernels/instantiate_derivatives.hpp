@@ -53,8 +53,7 @@ void addDerivatives(SingleKernels& k) {
     const Bodies<double> bodies{m, w};
     std::fill(d.scratch.first, d.scratch.first + m.nvx, 0.0);
     derivativesOutward(bodies, w, d, Vec3<double>{}, v, static_cast<const double*>(d.scratch.first), static_cast<const Force<double>*>(nullptr));
-    derivativesInward(bodies, w, d);
-    coriolisSweep<Wide>(bodies, w, d);
+    coriolisMatrix<Wide>(bodies, w, d);
   };
   k.factorTimes = [](const CompactImpl& m, D& d, FactorProduct product, double* x) { kernels::factorTimes<Wide>(m, d.factors, product, x); };
   k.assemble = [](const CompactImpl& m, const PathMatrix<double>& from, double* out) { from.assemble<Wide>(m.dof_end, Rows<double>{out, m.nvx}); };
@@ -154,9 +153,8 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b)
       evaluateSubspaceDerivatives(m, d, s.q, s.v);
       std::fill(s.a, s.a + n, S(0));
       derivativesOutward(bodies, w, d, Vec3<S>{}, s.v, s.a, none);
-      derivativesInward(bodies, w, d);
-      coriolisSweep<S>(bodies, w, d);
-      return put(0, whole(d.by_q), n * n);
+      coriolisMatrix<S>(bodies, w, d);
+      return put(0, whole(d.by_v), n * n);
     default: {
       CentroidalMaps<S> maps;
       maps.Ag = s.maps[0];

@@ -20,6 +20,21 @@ void keepFactor(DerivativeWorkspace<S>& d, int k, const S& pivot, const S& inver
   writeForce(row, d.force, k);
 }
 
+/// Eliminates the degrees of freedom of body i, the last first: update(k, column, W, inverse) is called for each, W = IA s.
+template <class Joint, class S, class Order, class Update>
+void eliminateJoint(const Order& order, Workspace<S>& w, DerivativeWorkspace<S>& d, ArticulatedInertia<S>& IA, int i, int iv, Update&& update) {
+  for (int k = Joint::nv - 1; k >= 0; --k) {
+    const Column<Joint, S> column{w.dof[iv + k].S_};
+    const Force<S> W = column.force(IA);
+    const S pivot = column.along(W) + order.armature(iv + k), inverse = S(1) / pivot;
+    noteVanishing(pivot, column, IA, i, w.failed);
+    const Force<S> row = inverse * W;
+    keepFactor(d, iv + k, pivot, inverse, row);
+    update(k, column, W, inverse);
+    if (k > 0 || !order.isRoot(i)) IA.subtractOuter(W, row);
+  }
+}
+
 /// Pivots and force columns, of bodies whose rigid inertias are in w.mass, w.h and w.Io. w.failed tells lane by lane whether one vanished.
 template <class S, class Order>
 void articulatedFactors(const Order& order, Workspace<S>& w, DerivativeWorkspace<S>& d) {
@@ -27,15 +42,7 @@ void articulatedFactors(const Order& order, Workspace<S>& w, DerivativeWorkspace
   order.backward([&]<class Joint>(const Joint&, int i, int iv) {
     ArticulatedInertia<S> IA = ArticulatedInertia<S>::rigid(w.mass[i], w.h[i], w.Io[i]);
     if (!order.isLeaf(i)) IA += w.IA[i];
-    for (int k = Joint::nv - 1; k >= 0; --k) {
-      const Column<Joint, S> column{w.dof[iv + k].S_};
-      const Force<S> W = column.force(IA);
-      const S pivot = column.along(W) + order.armature(iv + k), inverse = S(1) / pivot;
-      noteVanishing(pivot, column, IA, i, w.failed);
-      const Force<S> row = inverse * W;
-      keepFactor(d, iv + k, pivot, inverse, row);
-      if (k > 0 || !order.isRoot(i)) IA.subtractOuter(W, row);
-    }
+    eliminateJoint<Joint>(order, w, d, IA, i, iv, [](int, const auto&, const Force<S>&, const S&) {});
     if (!order.isRoot(i)) order.handOver(w.IA, i, IA.shifted(w.r[i]));
   });
 }

@@ -50,6 +50,20 @@ Force<S> rigidForceOf(const S& mass, const Vec3<S>& h, const Sym3<S>& I, const M
   }
 }
 
+/// s x* f: how a force that is fixed to a body changes when the body turns with s (Featherstone 2008, eq. 2.32).
+template <class S>
+Force<S> turned(const Motion<S>& s, const Force<S>& f) {
+  return {cross(s.angular, f.linear), cross(s.angular, f.angular) + cross(s.linear, f.linear)};
+}
+template <class Joint, class S>
+Force<S> turnedOf(const Motion<S>& s, const Force<S>& f) {
+  if constexpr (!Joint::has_linear) {
+    return {cross(s.angular, f.linear), cross(s.angular, f.angular)};
+  } else {
+    return turned(s, f);
+  }
+}
+
 /// What a joint of varying subspace adds, in aligned axes; zero for the others.
 template <class S>
 struct SubspaceTerms {
@@ -162,11 +176,8 @@ void derivativesInward(const Order& order, Workspace<S>& w, DerivativeWorkspace<
       const DofVariation<S>& x = d.dof[iv + k];
       writeForce(rigidForceOf<Joint>(mass, h, I, s), d.force, iv + k);
       writeVector(coriolisLever<Joint>(c, s), Rows<S>{d.force[D::lever], d.force.stride}, iv + k);
-      Force<S> turned;
-      if constexpr (Joint::has_angular) turned = {cross(s.angular, f.linear), cross(s.angular, f.angular)};
-      if constexpr (Joint::has_linear) turned.angular += cross(s.linear, f.linear);
-      writeForce(rigidForce(mass, h, I, x.acceleration) + coriolis(c, x.velocity.angular) + turned, Rows<S>{d.force[D::force_by_q], d.force.stride},
-                 iv + k);
+      writeForce(rigidForce(mass, h, I, x.acceleration) + coriolis(c, x.velocity.angular) + turnedOf<Joint>(s, f),
+                 Rows<S>{d.force[D::force_by_q], d.force.stride}, iv + k);
       writeForce(rigidForceOf<Joint>(mass, h, I, x.rate) + coriolis(c, s.angular), Rows<S>{d.force[D::force_by_v], d.force.stride}, iv + k);
     }
     if (order.isRoot(i)) return;

@@ -29,7 +29,7 @@ struct SingleKernels {
   /// Of aba without losses, at its accelerations a; and M^-1; n x n each. Returns the body whose pivot vanished, or 0.
   int (*abaDerivatives)(const CompactImpl&, Workspace<double>&, Derivatives&, const double* v, const double* a, const Force<double>* fext,
                         double* by_q, double* by_v, double* inverse);
-  /// C into by_q.
+  /// C into by_v.
   void (*coriolis)(const CompactImpl&, Workspace<double>&, Derivatives&, const double* v);
   /// One of these, n x n.
   void (*assemble)(const CompactImpl&, const PathMatrix<double>&, double* out);
