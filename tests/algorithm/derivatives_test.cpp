@@ -1,5 +1,6 @@
 // Derivatives against differences of the algorithms themselves, for every joint type that is loaded, plugins included.
 #include "support/catch.hpp"
+#include "support/difference.hpp"
 #include "support/random_model.hpp"
 #include "support/registry.hpp"
 
@@ -22,10 +23,6 @@ Eigen::VectorXd derivative(const std::function<Eigen::VectorXd(double)>& f) {
     for (int k = 1; k <= i; ++k, power *= 4) table[i][k] = (power * table[i][k - 1] - table[i - 1][k - 1]) / (power - 1);
   }
   return table[rounds - 1][rounds - 1];
-}
-
-double off(const Eigen::MatrixXd& x, const Eigen::MatrixXd& expected) {
-  return (x - expected).cwiseAbs().maxCoeff() / std::max(1.0, expected.cwiseAbs().maxCoeff());
 }
 
 struct State {

@@ -1,18 +1,11 @@
 // Dynamics are linear in the bodies' inertial parameters.
 #include "support/catch.hpp"
+#include "support/difference.hpp"
 #include "support/random_model.hpp"
 #include "support/registry.hpp"
 
 using namespace dyn;
 using namespace dyn::test;
-
-namespace {
-
-double off(const Eigen::MatrixXd& x, const Eigen::MatrixXd& expected) {
-  return (x - expected).cwiseAbs().maxCoeff() / std::max(1.0, expected.cwiseAbs().maxCoeff());
-}
-
-}  // namespace
 
 TEST_CASE("torques and energies are regressors times parameters, for all joint types and followers", "[regressor]") {
   const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 7)));

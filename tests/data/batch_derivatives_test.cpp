@@ -1,5 +1,7 @@
 // Derivatives of many states are those of each.
+#include "support/cam_model.hpp"
 #include "support/catch.hpp"
+#include "support/difference.hpp"
 #include "support/random_model.hpp"
 #include "support/registry.hpp"
 
@@ -10,10 +12,6 @@ namespace {
 
 template <class T>
 using Matrix = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>;
-
-double off(const Eigen::MatrixXd& x, const Eigen::MatrixXd& expected) {
-  return (x - expected).cwiseAbs().maxCoeff() / std::max(1.0, expected.cwiseAbs().maxCoeff());
-}
 
 template <class T>
 void checkAll(const CompactModel& model, int states, int threads, std::uint64_t seed, double tolerance, double solved) {
@@ -101,13 +99,7 @@ TEST_CASE("derivatives of batches with followers", "[batch]") {
 }
 
 TEST_CASE("what is wrong with a batch of derivatives is said with the state", "[batch]") {
-  Model description;
-  JointDescription joint;
-  joint.name = "cam";
-  joint.type = "cam_follower";
-  joint.parameters["h"] = std::vector<double>{0.1};
-  description.addBody("follower", 0, joint, {1, {}, {1, 0, 0, 1, 0, 1}});
-  const CompactModel model = compile(description, registry());
+  const CompactModel model = compile(camModel(), registry());
   BatchData batch(model, 10, Need::derivatives);
   Eigen::MatrixXd q = Eigen::MatrixXd::Constant(1, 10, 1.0);
   const Eigen::MatrixXd zero = Eigen::MatrixXd::Zero(1, 10);

@@ -1,4 +1,5 @@
 // Many states at once give what one state after the other gives, whatever the lanes, the threads and the number of states.
+#include "support/cam_model.hpp"
 #include "support/catch.hpp"
 #include "support/random_model.hpp"
 #include "support/registry.hpp"
@@ -190,13 +191,7 @@ TEST_CASE("what is wrong with a batch is said with the state", "[batch]") {
   CHECK(!tau.col(4).allFinite());
   for (const int k : {3, 5, 18}) CHECK(tau.col(k) == right.col(k));
 
-  Model massless;
-  JointDescription joint;
-  joint.name = "cam";
-  joint.type = "cam_follower";
-  joint.parameters["h"] = std::vector<double>{0.1};
-  massless.addBody("follower", 0, joint, {1, {}, {1, 0, 0, 1, 0, 1}});
-  const CompactModel cam = compile(massless, registry());
+  const CompactModel cam = compile(camModel(), registry());
   BatchData cams(cam, 10);
   Eigen::MatrixXd q = Eigen::MatrixXd::Constant(1, 10, 1.0);
   const Eigen::MatrixXd zero = Eigen::MatrixXd::Zero(1, 10);
