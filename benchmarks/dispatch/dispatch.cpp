@@ -109,7 +109,7 @@ void addOrder(const std::shared_ptr<Memory>& memory, const char* name, int evalu
         kernels::addLosses(s.scene.m, -1.0, v, s.tau.data());
         kernels::abaOutward(o, s.w, v, static_cast<const Force<double>*>(nullptr));
         kernels::abaInward(o, s.w, s.tau.data());
-        kernels::abaSolve(o, s.w, s.ddq.data());
+        kernels::abaSolve(o, s.w, o.gravity(), s.ddq.data());
       },
       x.ddq.data(), x.ddq.size());
 }

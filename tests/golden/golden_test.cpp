@@ -83,6 +83,26 @@ void checkDerivatives(const CompactModel& model, Data& data, const nlohmann::jso
   check(s, "dhgdot_da", rowMajor(c.dhgdot_da));
 }
 
+void checkContacts(const CompactModel& model, Data& data, const nlohmann::json& contacts, const nlohmann::json& s, const Checker& check) {
+  std::vector<ConstraintDescription> descriptions;
+  for (const nlohmann::json& frame : contacts["frames"])
+    descriptions.push_back(contacts["dim"] == 6 ? frameContact(frame["name"].get<std::string>()) : pointContact(frame["name"].get<std::string>()));
+  ConstraintData feet(ConstraintSet(model, descriptions));
+  const Eigen::VectorXd q = vectorOf(s["q"]), v = vectorOf(s["v"]), tau = vectorOf(s["tau"]);
+  for (const ConstraintMethod method : {ConstraintMethod::articulated, ConstraintMethod::kkt}) {
+    const ConstrainedMotion x = constraintDynamics(model, data, q, v, tau, feet, method);
+    check(s, "contact_ddq", rowMajor(x.ddq));
+    check(s, "contact_lambda", rowMajor(x.lambda));
+  }
+  check(s, "contact_J", rowMajor(computeConstraintJacobian(model, data, q, feet)));
+  check(s, "contact_gamma", rowMajor(computeConstraintMotion(model, data, q, v, feet).bias));
+  for (const auto& [restitution, name] : {std::pair(0.0, "impulse_"), std::pair(0.5, "impulse_restitution_0.5_")}) {
+    const ConstrainedImpact x = impulseDynamics(model, data, q, v, restitution, feet);
+    check(s, std::string(name) + "v_after", rowMajor(x.v_after));
+    check(s, std::string(name) + "lambda", rowMajor(x.impulse));
+  }
+}
+
 }  // namespace
 
 TEST_CASE("robots agree with the golden data", "[golden]") {
@@ -127,6 +147,7 @@ TEST_CASE("robots agree with the golden data", "[golden]") {
     check(s, "potential_energy", {computePotentialEnergy(model, data, q)});
     checkFrames(model, data, document, s, check);
     checkDerivatives(model, data, s, check);
+    if (!document["contacts"]["frames"].empty()) checkContacts(model, data, document["contacts"], s, check);
     forwardKinematics(model, data, q);
     for (const nlohmann::json& frame : s["oMf"]) {
       const int id = model.frameId(frame["name"].get<std::string>());

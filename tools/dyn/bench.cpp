@@ -1,5 +1,6 @@
 // dyn bench: ns a call of each algorithm, median of repetitions over random states; beside it, where there is a truth, the error.
 #include "commands.hpp"
+#include "contacts.hpp"
 #include "model_options.hpp"
 #include "states.hpp"
 #include "truth.hpp"
@@ -50,10 +51,12 @@ Need needOf(const CompactModel& model) { return model.nv() <= 1000 ? Need::deriv
 
 /// Everything that is measured lives here.
 struct Subjects {
-  explicit Subjects(const CompactModel& m) : model(m), states(randomStates(m, state_count, 1)), data(m, needOf(m)), truth() {}
+  Subjects(const CompactModel& m, const ConstraintSet& set)
+      : model(m), states(randomStates(m, state_count, 1)), data(m, needOf(m)), constraints(set), truth() {}
   const CompactModel& model;
   std::vector<State> states;
   Data data;
+  ConstraintData constraints;
   std::vector<TruthSample> truth;
 };
 
@@ -137,6 +140,10 @@ void addSingle(Subjects& x, std::vector<Entry>& entries) {
   add("coriolis", [](auto& m, auto& d, auto& s) { computeCoriolisMatrix(m, d, s.q, s.v); });
   add("torque_regressor", [](auto& m, auto& d, auto& s) { computeJointTorqueRegressor(m, d, s.q, s.v, s.a); });
   add("center_of_mass_jacobian", [](auto& m, auto& d, auto& s) { jacobianCenterOfMass(m, d, s.q); });
+  ConstraintData& c = x.constraints;
+  add("constraint_dynamics", [&c](auto& m, auto& d, auto& s) { constraintDynamics(m, d, s.q, s.v, s.tau, c); });
+  add("constraint_dynamics_kkt", [&c](auto& m, auto& d, auto& s) { constraintDynamics(m, d, s.q, s.v, s.tau, c, ConstraintMethod::kkt); });
+  add("impulse", [&c](auto& m, auto& d, auto& s) { impulseDynamics(m, d, s.q, s.v, 0.0, c); });
   add("make_data", [](auto& m, auto&, auto&) { const Data made(m); });
 }
 
@@ -215,16 +222,32 @@ struct Options {
   bool json = false;
   int threads = 1;
   std::string truth;
+  std::vector<std::string> contacts;
 };
+
+/// Those that the command line names; else the model's own; else where the robot stands.
+ConstraintSet constraintsOf(const Options& o, const CompactModel& model) {
+  if (!o.contacts.empty()) return ConstraintSet(model, readContacts(o.contacts));
+  const ConstraintSet own(model);
+  return own.rows() > 0 || model.njoints() < 2 ? own : ConstraintSet(model, lowestLeaves(model));
+}
+
+std::string namesOf(const ConstraintSet& set) {
+  std::string names;
+  for (int k = 0; k < set.count(); ++k)
+    names += (k ? ", " : "") + set.description(k).name + " (" + std::to_string(set.rows(k)) + ")";
+  return names;
+}
 
 void run(const Options& o) {
   const CompactModel model = o.model.compile();
-  Subjects subjects(model);
+  Subjects subjects(model, constraintsOf(o, model));
   if (!o.truth.empty()) subjects.truth = readTruth(o.truth, model);
   std::vector<Entry> entries;
   addSingle(subjects, entries);
   addBatch<double>(subjects, "double", o.threads, entries);
   addBatch<float>(subjects, "float", o.threads, entries);
+  if (!o.json) std::printf("constraints (rows): %s\n", namesOf(subjects.constraints.set()).c_str());
   if (!o.json)
     std::printf("%s, %d degrees of freedom, %d random states, median of 11%s\n%-26s %-8s %-8s %12s %20s %10s\n", model.name().c_str(), model.nv(),
                 state_count, o.truth.empty() ? "" : "; errors in units of roundoff, u", "algorithm", "scalar", "mode", "ns a state", "quartiles",
@@ -259,6 +282,9 @@ void addBench(CLI::App& app) {
   o->model.add(*sub);
   sub->add_flag("--json", o->json, "one JSON object a line");
   sub->add_option("--truth", o->truth, "a file of states with reference results of many digits: errors are shown beside times");
+  sub->add_option("--contacts", o->contacts,
+                  "FRAME:6d or FRAME:3d, ... for constraint_dynamics and impulse; without: the model's own constraints, or where it stands")
+      ->delimiter(',');
   sub->add_option("--threads", o->threads, "of batches")->capture_default_str()->check(CLI::Range(1, 256));
   sub->callback([o] { run(*o); });
 }

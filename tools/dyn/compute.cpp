@@ -1,5 +1,6 @@
 // dyn compute: states in, dynamics out, as JSON with the keys of the golden data.
 #include "commands.hpp"
+#include "contacts.hpp"
 #include "model_options.hpp"
 #include "states.hpp"
 
@@ -117,6 +118,47 @@ const std::vector<Quantity>& quantities() {
   return all;
 }
 
+/// The same of contacts, which the command line names.
+struct ContactQuantity {
+  const char* key;
+  std::function<void(const CompactModel&, Data&, ConstraintData&, const State&, Json&)> write;
+};
+
+const std::vector<ContactQuantity>& contactQuantities() {
+  static const std::vector<ContactQuantity> all = [] {
+    std::vector<ContactQuantity> made = {
+        {"contact_ddq",
+         [](auto& m, auto& d, auto& c, auto& s, Json& out) {
+           writeRegular("contact_ddq", out, [&] { return constraintDynamics(m, d, s.q, s.v, s.tau, c).ddq; });
+         }},
+        {"contact_lambda",
+         [](auto& m, auto& d, auto& c, auto& s, Json& out) {
+           writeRegular("contact_lambda", out, [&] { return constraintDynamics(m, d, s.q, s.v, s.tau, c).lambda; });
+         }},
+        {"contact_J", [](auto& m, auto& d, auto& c, auto& s, Json& out) { out["contact_J"] = flat(computeConstraintJacobian(m, d, s.q, c)); }},
+        {"contact_gamma",
+         [](auto& m, auto& d, auto& c, auto& s, Json& out) { out["contact_gamma"] = flat(computeConstraintMotion(m, d, s.q, s.v, c).bias); }},
+    };
+    static const std::pair<double, std::pair<const char*, const char*>> impacts[] = {
+        {0.0, {"impulse_v_after", "impulse_lambda"}}, {0.5, {"impulse_restitution_0.5_v_after", "impulse_restitution_0.5_lambda"}}};
+    for (const auto& [restitution, keys] : impacts) {
+      made.push_back({keys.first, [e = restitution, key = keys.first](auto& m, auto& d, auto& c, auto& s, Json& out) {
+                        writeRegular(key, out, [&] { return impulseDynamics(m, d, s.q, s.v, e, c).v_after; });
+                      }});
+      made.push_back({keys.second, [e = restitution, key = keys.second](auto& m, auto& d, auto& c, auto& s, Json& out) {
+                        writeRegular(key, out, [&] { return impulseDynamics(m, d, s.q, s.v, e, c).impulse; });
+                      }});
+    }
+    return made;
+  }();
+  return all;
+}
+
+template <class Quantities>
+bool isKeyOf(const Quantities& quantities, const std::string& key) {
+  return std::any_of(quantities.begin(), quantities.end(), [&](const auto& q) { return key == q.key; });
+}
+
 /// The Jacobian entries of a frame, named frame<index>_...
 void writeFrame(const CompactModel& m, Data& d, const State& s, int frame, const std::string& prefix, Json& out) {
   const std::pair<const char*, ReferenceFrame> references[] = {
@@ -195,7 +237,7 @@ bool allFinite(const Json& value) {
 struct Options {
   ModelOptions model;
   std::string states;
-  std::vector<std::string> only, frames;
+  std::vector<std::string> only, frames, contacts;
 };
 
 void run(const Options& o) {
@@ -203,8 +245,9 @@ void run(const Options& o) {
   const std::vector<State> states = readStates(o.states, model);
   std::set<std::string> only(o.only.begin(), o.only.end());
   for (const std::string& key : only) {
-    const auto known = [&](const Quantity& q) { return key == q.key; };
-    if (std::none_of(quantities().begin(), quantities().end(), known))
+    if (o.contacts.empty() && isKeyOf(contactQuantities(), key))
+      throw Error(ErrorCode::argument, "--only " + key + ": name the contacts, as in --contacts left_sole_link:6d,right_sole_link:6d");
+    if (!isKeyOf(quantities(), key) && !isKeyOf(contactQuantities(), key))
       throw Error(ErrorCode::argument, "--only " + key + ": there is no such quantity; `dyn compute --help` lists them");
   }
   std::vector<int> frames;
@@ -216,6 +259,7 @@ void run(const Options& o) {
   for (const Quantity& quantity : quantities())
     if (only.empty() || only.count(quantity.key)) need = need | quantity.need;
   Data data(model, need);
+  ConstraintData contacts(ConstraintSet(model, readContacts(o.contacts)));
   std::string out;
   Json head = describe(model, o.model.root);
   head["samples"] = Json::array();
@@ -226,6 +270,8 @@ void run(const Options& o) {
     Json sample = {{"q", flat(s.q)}, {"v", flat(s.v)}, {"a", flat(s.a)}, {"tau", flat(s.tau)}};
     for (const Quantity& quantity : quantities())
       if (only.empty() || only.count(quantity.key)) quantity.write(model, data, s, sample);
+    for (const ContactQuantity& quantity : contactQuantities())
+      if (!o.contacts.empty() && (only.empty() || only.count(quantity.key))) quantity.write(model, data, contacts, s, sample);
     for (std::size_t f = 0; f < frames.size(); ++f) writeFrame(model, data, s, frames[f], "frame" + std::to_string(f) + "_", sample);
     if (!allFinite(sample))
       throw Error(ErrorCode::argument, "sample " + std::to_string(i) + ": a result is not finite (overflow, or a zero quaternion?)");
@@ -251,8 +297,11 @@ void addCompute(CLI::App& app) {
       ->required();
   std::string keys;
   for (const Quantity& q : quantities()) keys += std::string(keys.empty() ? "" : ", ") + q.key;
+  for (const ContactQuantity& q : contactQuantities()) keys += std::string(", ") + q.key;
   sub->add_option("--only", o->only, "quantities to compute: " + keys)->delimiter(',');
   sub->add_option("--frames", o->frames, "frames whose Jacobians are wanted")->delimiter(',');
+  sub->add_option("--contacts", o->contacts, "frames that rest on the world, FRAME:6d or FRAME:3d (a point): adds the keys contact_ and impulse_")
+      ->delimiter(',');
   sub->callback([o] { run(*o); });
 }
 

@@ -18,6 +18,7 @@ enum class ErrorCode {
   parameter,   ///< a joint parameter that is unknown, missing or ill-typed
   plugin,      ///< a shared object that cannot be loaded
   singular,    ///< a mass matrix that is singular at the given configuration
+  closure,     ///< constraints that no configuration near the given one keeps
 };
 
 /// The place an error speaks of; empty parts are left out of the message.

@@ -1,12 +1,9 @@
 #include "algorithm/crba.hpp"
 #include "algorithm/dense_factors.hpp"
 #include "algorithm/external.hpp"
-#include "kernels/losses.hpp"
 #include "kernels/table.hpp"
 
 #include <dyn/algorithm/aba.hpp>
-
-#include <algorithm>
 
 namespace dyn::detail {
 
@@ -27,18 +24,15 @@ const double* aba(const CompactModel& model, Data& data, VectorView q, VectorVie
   const Inputs in = readInputs("aba", model, data, q, &v, nullptr);
   checkSize("aba", "tau", tau, m.nv);
   const Force<double>* external = readExternalForces("aba", m, d, fext, count);
-  const double* effective = tau.data;
-  if (!m.damping.empty() || !m.friction.empty()) {
-    std::copy(tau.data, tau.data + m.nv, d.tau);
-    kernels::addLosses(m, -1.0, in.v, d.tau);
-    effective = d.tau;
-  }
+  const double* effective = lessLosses(m, d, tau.data, in.v);
   int body = 0;
   if (kernels::useStrips(m) && external == nullptr) {
     if (!kernels::active().strips.aba(m, d.strips.data(), in.q, in.v, effective, d.ddq, body)) checkConfiguration("q", m, in.q);
   } else {
     evaluateJoints(m, d, in.q, in.v);
-    kernels::active().single.aba(m, d, in.v, effective, external, d.ddq);
+    const kernels::SingleKernels& k = kernels::active().single;
+    k.articulate(m, d, in.v, effective, external);
+    k.accelerate(m, d, m.gravity, d.ddq);
     body = d.failed[0];
   }
   checkFactors("aba", m, body);

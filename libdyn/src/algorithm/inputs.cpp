@@ -2,6 +2,7 @@
 
 #include "joint/coordinate.hpp"
 #include "kernels/evaluate.hpp"
+#include "kernels/losses.hpp"
 #include "kernels/table.hpp"
 
 #include <dyn/error.hpp>
@@ -169,6 +170,13 @@ Motion<double> subspaceRate(const CompactImpl& m, const DataImpl& d, int i, int 
     rate.angular[r] = S[(3 + r) * batch.count].d;
   }
   return rate;
+}
+
+const double* lessLosses(const CompactImpl& m, DataImpl& d, const double* tau, const double* v) {
+  if (m.damping.empty() && m.friction.empty()) return tau;
+  std::copy(tau, tau + m.nv, d.tau);
+  kernels::addLosses(m, -1.0, v, d.tau);
+  return d.tau;
 }
 
 void reduceForces(const CompactImpl& m, const DataImpl& d, double* expanded, double* user) {

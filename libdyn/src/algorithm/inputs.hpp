@@ -43,6 +43,9 @@ void evaluateSubspaceRates(const CompactImpl& m, DataImpl& d, const double* q, c
 /// Column k of dS/dt of body i in its own axes; zero for constant subspaces.
 Motion<double> subspaceRate(const CompactImpl& m, const DataImpl& d, int i, int k);
 
+/// tau less damping and friction, in d.tau; tau itself where the model has none. Without couplings.
+const double* lessLosses(const CompactImpl& m, DataImpl& d, const double* tau, const double* v);
+
 /// tau_x of the expanded coordinates to the user's: each follower's share goes to its master. Works in place on `expanded`.
 void reduceForces(const CompactImpl& m, const DataImpl& d, double* expanded, double* user);
 

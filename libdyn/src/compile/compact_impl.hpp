@@ -64,6 +64,8 @@ struct PackedCoupling {
   std::vector<double> constants;
 };
 
+struct PackedConstraints;
+
 struct CompactImpl {
   std::string name;
   Vec3<double> gravity;
@@ -101,6 +103,7 @@ struct CompactImpl {
   std::vector<SE3<double>> frame_placement;  ///< in the body's core frame
   ModelLimits limits;
   CompileReport report;
+  std::shared_ptr<const PackedConstraints> constraints;  ///< of the description itself
 
   template <class T>
   const auto& constantsIn() const {

@@ -67,6 +67,6 @@ void canonicalise(Draft& draft);
 /// 5. Warnings for what would make the mass matrix singular everywhere: moving leaves without inertia.
 void inspect(Draft& draft);
 /// 6. The arrays that the recursions run over.
-std::shared_ptr<const CompactImpl> pack(Draft&& draft, const CompileOptions& options);
+std::shared_ptr<CompactImpl> pack(Draft&& draft, const CompileOptions& options);
 
 }  // namespace dyn

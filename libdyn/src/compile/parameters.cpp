@@ -77,4 +77,17 @@ CheckedParameters checkParameters(const Parameters& parameters, const JointTypeI
   return checked;
 }
 
+std::pair<const CouplingType*, std::vector<double>> prepareCoupling(const Coupling& coupling, const JointRegistry& registry, const Where& where) {
+  const CouplingType& type = registry.couplingType(coupling.type, where);
+  const CheckedParameters checked = checkParameters(coupling.parameters, type.info(), where);
+  const std::vector<ParameterArgument> arguments = checked.arguments();
+  char message[256] = "";
+  int count = 0;
+  if (!type.prepare(arguments.data(), count, message, sizeof message))
+    throw Error(ErrorCode::parameter, "coupling '" + coupling.type + "': " + message, where);
+  std::vector<double> constants(static_cast<std::size_t>(count));
+  type.constants(arguments.data(), constants.data());
+  return {&type, std::move(constants)};
+}
+
 }  // namespace dyn

@@ -16,7 +16,7 @@ class Packer {
  public:
   Packer(Draft&& draft, const CompileOptions& options) : draft_(std::move(draft)), options_(options), out_(std::make_shared<CompactImpl>()) {}
 
-  std::shared_ptr<const CompactImpl> run() {
+  std::shared_ptr<CompactImpl> run() {
     out_->name = draft_.name;
     out_->gravity = draft_.gravity;
     out_->report = std::move(draft_.report);
@@ -244,6 +244,6 @@ class Packer {
 
 }  // namespace
 
-std::shared_ptr<const CompactImpl> pack(Draft&& draft, const CompileOptions& options) { return Packer(std::move(draft), options).run(); }
+std::shared_ptr<CompactImpl> pack(Draft&& draft, const CompileOptions& options) { return Packer(std::move(draft), options).run(); }
 
 }  // namespace dyn

@@ -1,6 +1,7 @@
 #include "compile/parameters.hpp"
 
 #include <cmath>
+#include <tuple>
 #include <unordered_map>
 
 namespace dyn {
@@ -166,15 +167,7 @@ class Resolver {
       if (c.type.empty()) continue;
       const Where where = whereOf(body.joint, body.joint.name);
       DraftCoupling coupling;
-      coupling.type = &registry_.couplingType(c.type, where);
-      const CheckedParameters checked = checkParameters(c.parameters, coupling.type->info(), where);
-      const std::vector<ParameterArgument> arguments = checked.arguments();
-      char message[256] = "";
-      int count = 0;
-      if (!coupling.type->prepare(arguments.data(), count, message, sizeof message))
-        throw Error(ErrorCode::parameter, "coupling '" + c.type + "': " + message, where);
-      coupling.constants.resize(static_cast<std::size_t>(count));
-      coupling.type->constants(arguments.data(), coupling.constants.data());
+      std::tie(coupling.type, coupling.constants) = prepareCoupling(c, registry_, where);
       const auto master = by_name.find(c.master);
       if (master == by_name.end()) throw Error(ErrorCode::model, "follows joint '" + c.master + "', which does not exist", where);
       coupling.master = master->second;

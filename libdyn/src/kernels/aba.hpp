@@ -99,13 +99,13 @@ void abaInward(const Order& order, Workspace<S>& w, const S* tau) {
   });
 }
 
-/// Accelerations, parents first; within a joint in the reverse order of elimination.
+/// Accelerations under this gravity, parents first; within a joint in the reverse order of elimination.
 template <class S, class Order>
-void abaSolve(const Order& order, Workspace<S>& w, S* ddq) {
+void abaSolve(const Order& order, Workspace<S>& w, const Vec3<S>& gravity, S* ddq) {
   w.acc[0] = {};
   order.forward([&]<class Joint>(const Joint&, int i, int iv) {
     Motion<S> parent = order.parent(w.acc, i);
-    if (order.isRoot(i)) parent.linear = isFlyingRoot<Joint>(order, i) ? transposeTimes(w.rel[i].R, -order.gravity()) : -order.gravity();
+    if (order.isRoot(i)) parent.linear = isFlyingRoot<Joint>(order, i) ? transposeTimes(w.rel[i].R, -gravity) : -gravity;
     constexpr int last = Joint::nv - 1;
     const S x = w.dof[iv + last].y - dot(parent, w.dof[iv + last].W);
     Motion<S> a = parent + w.beta[i];

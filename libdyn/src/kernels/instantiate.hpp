@@ -18,6 +18,9 @@ namespace dyn::kernels {
 // Those of derivatives are instantiated in another source (kernels/instantiate_derivatives.hpp).
 template <class Wide, class Panel>
 void addDerivatives(SingleKernels& k);
+/// kernels/instantiate_constraints.hpp.
+template <class Panel>
+void addConstraints(SingleKernels& k);
 template <class S>
 void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b);
 
@@ -40,12 +43,16 @@ SingleKernels singleKernels() {
     addLosses(m, 1.0, v, tau);
   };
   k.massMatrix = [](const CompactImpl& m, W& w, double* M) { kernels::massMatrix(Bodies<double>{m, w}, w, M); };
-  k.aba = [](const CompactImpl& m, W& w, const double* v, const double* tau, const Force<double>* fext, double* ddq) {
+  k.articulate = [](const CompactImpl& m, W& w, const double* v, const double* tau, const Force<double>* fext) {
     const Bodies<double> bodies{m, w};
     abaOutward(bodies, w, v, fext);
     abaInward(bodies, w, tau);
-    abaSolve(bodies, w, ddq);
   };
+  k.accelerate = [](const CompactImpl& m, W& w, const Vec3<double>& gravity, double* ddq) { abaSolve(Bodies<double>{m, w}, w, gravity, ddq); };
+  k.placeOutward = [](const CompactImpl& m, W& w, const double* v) {
+    abaOutward(Bodies<double>{m, w}, w, v, static_cast<const Force<double>*>(nullptr));
+  };
+  addConstraints<Panel>(k);
   addDerivatives<Wide, Panel>(k);
   return k;
 }
@@ -110,7 +117,7 @@ void runBlock(const CompactImpl& m, char* scratch, Block<T>& b) {
       addLosses(m, -1.0, s.v, s.a);
       abaOutward(bodies, w, s.v, static_cast<const Force<S>*>(nullptr));
       abaInward(bodies, w, s.a);
-      abaSolve(bodies, w, s.result);
+      abaSolve(bodies, w, bodies.gravity(), s.result);
       for (int l = 0; l < b.q.states; ++l) b.failed[l] = w.failed[l];
       break;
   }

@@ -120,7 +120,7 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b)
       addLosses(m, -1.0, s.v, s.a);
       abaOutward(bodies, w, s.v, none);
       abaInward(bodies, w, s.a);
-      abaSolve(bodies, w, s.result);
+      abaSolve(bodies, w, bodies.gravity(), s.result);
       put(3, s.result, n);
       evaluateSubspaceDerivatives(m, d, s.q, s.v);
       derivativesOutward(bodies, w, d, bodies.gravity(), s.v, s.result, none);

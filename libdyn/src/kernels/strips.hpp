@@ -337,7 +337,7 @@ StripKernels stripKernels() {
     gatherDofs(m.strips, tau, s.a);
     abaOutward(strips, s.w, s.v, static_cast<const Force<S>*>(nullptr));
     abaInward(strips, s.w, s.a);
-    abaSolve(strips, s.w, s.result);
+    abaSolve(strips, s.w, strips.gravity(), s.result);
     scatterDofs(m.strips, s.result, ddq);
     failed = 0;
     for (int l = 0; l < strip_lanes; ++l)

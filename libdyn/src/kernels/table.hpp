@@ -10,7 +10,13 @@
 
 #include <initializer_list>
 
+namespace dyn {
+struct PackedConstraints;
+}
+
 namespace dyn::kernels {
+
+struct ConstraintWorkspace;
 
 /// One state. Joints are asked first; vectors are in expanded coordinates.
 struct SingleKernels {
@@ -19,7 +25,14 @@ struct SingleKernels {
   void (*jointJacobians)(const CompactImpl&, Workspace<double>&, double* J);  ///< as forwardKinematics; J: 6 numbers a degree of freedom
   void (*rnea)(const CompactImpl&, Workspace<double>&, const double* v, const double* a, const Force<double>* fext, double* tau);
   void (*massMatrix)(const CompactImpl&, Workspace<double>&, double* M);
-  void (*aba)(const CompactImpl&, Workspace<double>&, const double* v, const double* tau, const Force<double>* fext, double* ddq);
+  void (*aba)(const CompactImpl&, Workspace<double>&, const double* v, const double* tau, const Force<double>* fext, double* ddq);  /// aba, in two parts: everything but the accelerations, and these, under the gravity given. Between them forces of constraints are found.
+  void (*articulate)(const CompactImpl&, Workspace<double>&, const double* v, const double* tau, const Force<double>* fext);
+  void (*accelerate)(const CompactImpl&, Workspace<double>&, const Vec3<double>& gravity, double* ddq);
+  /// The outward half of `articulate`: poses, columns, velocity-dependent accelerations.
+  void (*placeOutward)(const CompactImpl&, Workspace<double>&, const double* v);
+  void (*constraintSweep)(const CompactImpl&, const Workspace<double>&, const PackedConstraints&, bool eliminated, ConstraintWorkspace&);
+  void (*delassusMatrix)(const Workspace<double>&, const PackedConstraints&, ConstraintWorkspace&);
+  std::size_t constraint_layout;  ///< constraintLayoutStamp(), as `layout` below
 
   using Derivatives = DerivativeWorkspace<double>;
   /// How subspaces vary, which all derivatives take.

@@ -1,0 +1,172 @@
+#include "compile/constraints.hpp"
+
+#include "compile/parameters.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+#include <tuple>
+
+namespace dyn {
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+class Packer {
+ public:
+  Packer(const CompactModel& model, const JointRegistry* registry) : model_(model), m_(model.impl()), registry_(registry) {}
+
+  PackedConstraints run(const std::vector<ConstraintDescription>& descriptions) {
+    out_.descriptions = descriptions;
+    std::set<std::string> names;
+    for (const ConstraintDescription& d : descriptions) {
+      current_ = &d;
+      if (!names.insert(d.name).second) refuse("there are two constraints of that name; a contact stands in a set once, others need names of their own");
+      for (const double gain : {d.baumgarte.position, d.baumgarte.velocity})
+        if (!(gain >= 0) || !std::isfinite(gain)) refuse("a Baumgarte gain is negative or no number");
+      out_.first_row.push_back(out_.rows);
+      std::visit([&](const auto& relation) { pack(relation); }, d.relation);
+    }
+    out_.first_row.push_back(out_.rows);
+    listBodies();
+    return std::move(out_);
+  }
+
+ private:
+  [[noreturn]] void refuse(const std::string& why, ErrorCode code = ErrorCode::model) const {
+    throw Error(code, "constraint '" + current_->name + "': " + why, current_->where);
+  }
+
+  int frame(const std::string& name) const {
+    const int id = model_.frameId(name);
+    if (id < 0) refuse("the model has no body or frame '" + name + "'");
+    return id;
+  }
+  int joint(const std::string& name) const {
+    const int id = model_.jointId(name);
+    if (id <= 0) refuse("the model has no moving joint '" + name + "'");
+    return id;
+  }
+  int takeRows(int count) {
+    out_.rows += count;
+    return out_.rows - count;
+  }
+
+  void pack(const FrameConstraint& c) {
+    PackedFrameConstraint p;
+    const int ids[2] = {frame(c.frame), frame(c.other)};
+    const SE3<double>* placements[2] = {&c.placement, &c.other_placement};
+    for (int e = 0; e < 2; ++e) {
+      p.body[e] = m_.frame_body[at(ids[e])];
+      p.placement[e] = cast<double>(cast<long double>(m_.frame_placement[at(ids[e])]) * cast<long double>(*placements[e]));
+      for (int k = 0; k < 12; ++k)
+        if (!std::isfinite(k < 9 ? placements[e]->R.m[k] : placements[e]->p[k - 9])) refuse("its placement has an entry that is not finite");
+    }
+    if (p.body[0] == p.body[1]) refuse("'" + c.frame + "' and '" + c.other + "' belong to one body" + (p.body[0] == 0 ? ", the world" : ""));
+    const auto rotations = std::count(c.free.begin() + 3, c.free.end(), true);
+    if (c.has_target && rotations == 2)
+      refuse("two rotations are free: as a joint that has no angle to keep; free one (a hinge), all (a ball), or cut the mechanism elsewhere");
+    p.rows = static_cast<int>(std::count(c.free.begin(), c.free.end(), false));
+    if (p.rows == 0) refuse("all directions are free");
+    p.row = takeRows(p.rows);
+    p.free = c.free;
+    p.axes = c.axes;
+    p.has_target = c.has_target;
+    p.baumgarte = current_->baumgarte;
+    if (p.baumgarte.position > 0 && !p.has_target) refuse("it has a gain on an error of position, but no place to be at (has_target)");
+    out_.frames.push_back(std::move(p));
+  }
+
+  void pack(const JointCoupling& c) {
+    if (registry_ == nullptr) refuse("couplings are looked up in a registry, and none was given", ErrorCode::argument);
+    PackedJointCoupling p;
+    p.body = single(joint(c.joint));
+    p.master = single(joint(c.coupling.master));
+    if (p.body == p.master) refuse("a joint cannot follow itself");
+    std::tie(p.type, p.constants) = prepareCoupling(c.coupling, *registry_, current_->where);
+    p.row = takeRows(1);
+    p.baumgarte = current_->baumgarte;
+    out_.couplings.push_back(std::move(p));
+  }
+
+  /// The body of a joint of one degree of freedom that is the state's own.
+  int single(int id) const {
+    const JointRecord& record = model_.joints()[at(id)];
+    if (record.nv != 1) refuse("joint '" + record.name + "' has " + std::to_string(record.nv) + " degrees of freedom of its own; couplings are for one");
+    int body = m_.body_of_joint[at(id)];
+    while (m_.index[at(body)].user_v < 0 && m_.index[at(body - 1)].joint == id) --body;
+    return body;
+  }
+
+  void pack(const JointLock& c) {
+    const int id = joint(c.joint);
+    const JointRecord& record = model_.joints()[at(id)];
+    if (record.nv == 0) refuse("joint '" + c.joint + "' follows another and has no freedom of its own");
+    if (!c.configuration.empty() && c.configuration.size() != at(record.nq))
+      refuse("it needs " + std::to_string(record.nq) + " coordinates, it was given " + std::to_string(c.configuration.size()), ErrorCode::size);
+    if (current_->baumgarte.position > 0 && c.configuration.empty()) refuse("it has a gain on an error of position, but no configuration to be at");
+    for (int body = 1; body < m_.bodies(); ++body) {
+      const BodyIndex& x = m_.index[at(body)];
+      if (x.joint != id || x.user_v < 0) continue;
+      PackedJointLock p;
+      p.body = body;
+      p.rows = x.nv;
+      p.row = takeRows(x.nv);
+      p.baumgarte = current_->baumgarte;
+      if (!c.configuration.empty()) {
+        const auto first = c.configuration.begin() + (x.user_q - record.idx_q);
+        p.configuration.assign(first, first + x.nq);
+      }
+      out_.locks.push_back(std::move(p));
+    }
+  }
+
+  /// Every body on a way from a constraint to the world, and the rows that act on its subtree.
+  void listBodies() {
+    std::vector<std::pair<int, int>> range(m_.index.size(), {std::numeric_limits<int>::max(), 0});
+    const auto acts = [&](int body, int row, int rows) {
+      for (; body > 0; body = m_.index[at(body)].parent) {
+        range[at(body)].first = std::min(range[at(body)].first, row);
+        range[at(body)].second = std::max(range[at(body)].second, row + rows);
+      }
+    };
+    for (const auto& c : out_.frames)
+      for (const int body : c.body) acts(body, c.row, c.rows);
+    for (const auto& c : out_.couplings)
+      for (const int body : {c.body, c.master}) acts(body, c.row, 1);
+    for (const auto& c : out_.locks) acts(c.body, c.row, c.rows);
+    out_.body_at.assign(m_.index.size(), -1);
+    for (int i = m_.bodies() - 1; i > 0; --i) {
+      if (range[at(i)].second == 0) continue;
+      out_.body_at[at(i)] = static_cast<int>(out_.bodies.size());
+      out_.bodies.push_back({i, -1, static_cast<int>(out_.dofs.size()), range[at(i)].first, range[at(i)].second});
+      for (int k = 0; k < m_.index[at(i)].nv; ++k) out_.dofs.push_back(m_.index[at(i)].idx_v + k);
+    }
+    for (ConstrainedBody& b : out_.bodies) b.parent = out_.body_at[at(m_.index[at(b.body)].parent)];
+  }
+
+  const CompactModel& model_;
+  const CompactImpl& m_;
+  const JointRegistry* registry_;
+  const ConstraintDescription* current_ = nullptr;
+  PackedConstraints out_;
+};
+
+}  // namespace
+
+PackedConstraints packConstraints(const CompactModel& model, const std::vector<ConstraintDescription>& descriptions, const JointRegistry* registry) {
+  return Packer(model, registry).run(descriptions);
+}
+
+void attachConstraints(const std::shared_ptr<CompactImpl>& compact, const std::vector<ConstraintDescription>& descriptions,
+                       const JointRegistry& registry) {
+  // Looked up through a model that does not own what it is about to be part of.
+  const CompactModel seen(std::shared_ptr<const CompactImpl>(compact.get(), [](const CompactImpl*) {}));
+  compact->constraints = std::make_shared<PackedConstraints>(packConstraints(seen, descriptions, &registry));
+  if (!descriptions.empty())
+    compact->report.passes.push_back("constraints: " + std::to_string(descriptions.size()) + ", of " + std::to_string(compact->constraints->rows) + " rows");
+}
+
+}  // namespace dyn

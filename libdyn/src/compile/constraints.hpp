@@ -1,0 +1,68 @@
+// Constraints with their names looked up: what the kernels and algorithms of constrained dynamics read.
+#pragma once
+
+#include "compile/compact_impl.hpp"
+
+#include <dyn/joint/registry.hpp>
+#include <dyn/model/constraint.hpp>
+
+#include <vector>
+
+namespace dyn {
+
+struct PackedFrameConstraint {
+  int row = 0, rows = 0;
+  int body[2] = {0, 0};
+  SE3<double> placement[2];  ///< of the constraint's frames, in the bodies' core frames
+  std::array<bool, 6> free{};
+  ConstraintAxes axes = ConstraintAxes::LOCAL;
+  bool has_target = false;
+  Baumgarte baumgarte;
+  bool turnsFreely() const { return free[3] && free[4] && free[5]; }
+};
+
+/// One row: v_follower - f'(q_master) v_master.
+struct PackedJointCoupling {
+  int row = 0;
+  int body = 0, master = 0;
+  const CouplingType* type = nullptr;
+  std::vector<double> constants;
+  Baumgarte baumgarte;
+};
+
+/// A row a degree of freedom of a body; joints made of joints are several of these.
+struct PackedJointLock {
+  int row = 0, rows = 0;
+  int body = 0;
+  std::vector<double> configuration;  ///< nq, or empty
+  Baumgarte baumgarte;
+};
+
+/// A body between a constraint and the world, children before parents.
+struct ConstrainedBody {
+  int body = 0;
+  int parent = -1;         ///< its parent's place in the list; -1: the world
+  int dof = 0;             ///< place of its first degree of freedom among those of the list
+  int begin = 0, end = 0;  ///< rows that act on its subtree are among these
+};
+
+struct PackedConstraints {
+  std::vector<ConstraintDescription> descriptions;
+  std::vector<int> first_row;  ///< by description, and the number of rows at the end
+  std::vector<PackedFrameConstraint> frames;
+  std::vector<PackedJointCoupling> couplings;
+  std::vector<PackedJointLock> locks;
+  std::vector<ConstrainedBody> bodies;
+  std::vector<int> dofs;     ///< of these bodies: number in the model
+  std::vector<int> body_at;  ///< by body: its place in `bodies`, or -1
+  int rows = 0;
+};
+
+/// `registry` is needed for couplings only. Throws Error(model | argument | joint_type | parameter), naming the constraint.
+PackedConstraints packConstraints(const CompactModel& model, const std::vector<ConstraintDescription>& descriptions, const JointRegistry* registry);
+
+/// 7. The description's own constraints, looked up in what became of it, with their line in the report.
+void attachConstraints(const std::shared_ptr<CompactImpl>& compact, const std::vector<ConstraintDescription>& descriptions,
+                       const JointRegistry& registry);
+
+}  // namespace dyn

@@ -1,0 +1,62 @@
+#include "constraint/constraint_data.hpp"
+
+#include <dyn/constraint/constraint_set.hpp>
+#include <dyn/error.hpp>
+
+namespace dyn {
+
+ConstraintSet::ConstraintSet(const CompactModel& model) : model_(model), impl_(model.impl().constraints) {}
+
+ConstraintSet::ConstraintSet(const CompactModel& model, const std::vector<ConstraintDescription>& constraints, const JointRegistry* registry)
+    : model_(model), impl_(std::make_shared<PackedConstraints>(packConstraints(model, constraints, registry))) {}
+
+namespace {
+std::size_t checked(int constraint, int count) {
+  if (constraint < 0 || constraint >= count)
+    throw Error(ErrorCode::argument, "constraint " + std::to_string(constraint) + " does not exist; the set has " + std::to_string(count));
+  return static_cast<std::size_t>(constraint);
+}
+}  // namespace
+
+int ConstraintSet::rows() const { return impl_->rows; }
+int ConstraintSet::count() const { return static_cast<int>(impl_->descriptions.size()); }
+const ConstraintDescription& ConstraintSet::description(int constraint) const { return impl_->descriptions[checked(constraint, count())]; }
+int ConstraintSet::firstRow(int constraint) const { return impl_->first_row[checked(constraint, count())]; }
+int ConstraintSet::rows(int constraint) const {
+  const std::size_t k = checked(constraint, count());
+  return impl_->first_row[k + 1] - impl_->first_row[k];
+}
+
+namespace {
+void carveAll(ConstraintDataImpl& d, Arena& arena) {
+  const PackedConstraints& c = d.set.impl();
+  const CompactImpl& m = d.set.model().impl();
+  const auto rows = static_cast<std::size_t>(c.rows), nv = static_cast<std::size_t>(m.nvx);
+  arena.take(d.frames, c.frames.size());
+  kernels::carve(d.workspace, c, arena);
+  d.solver.carve(c.rows, arena);
+  for (double** vector : {&d.motion.bias, &d.motion.velocity, &d.motion.error, &d.lambda, &d.wanted, &d.step, &d.left, &d.gamma}) arena.take(*vector, rows);
+  arena.take(d.J, rows * nv);
+  arena.take(d.X, rows * nv);
+  arena.take(d.expanded, nv);
+  arena.take(d.v_after, nv);
+  arena.take(d.q, 2 * static_cast<std::size_t>(m.nqx));
+}
+}  // namespace
+
+ConstraintData::ConstraintData(const ConstraintSet& set) : impl_(std::make_unique<ConstraintDataImpl>(set)) {
+  Arena count(nullptr);
+  carveAll(*impl_, count);
+  impl_->block = PackMemory(count.used());  // zeroed
+  Arena arena(impl_->block.data());
+  carveAll(*impl_, arena);
+}
+
+ConstraintData::~ConstraintData() = default;
+ConstraintData::ConstraintData(ConstraintData&&) noexcept = default;
+ConstraintData& ConstraintData::operator=(ConstraintData&&) noexcept = default;
+
+const ConstraintSet& ConstraintData::set() const { return impl_->set; }
+std::size_t ConstraintData::bytes() const { return impl_->block.bytes() + sizeof(ConstraintDataImpl); }
+
+}  // namespace dyn

@@ -1,0 +1,154 @@
+#include "algorithm/external.hpp"
+#include "constraint/kkt.hpp"
+#include "constraint/solution.hpp"
+#include "kernels/table.hpp"
+
+#include <dyn/constraint/dynamics.hpp>
+#include <dyn/error.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace dyn::detail {
+
+namespace {
+
+/// lambda and what of the wanted motion it leaves undone, by the factors in c.solver.
+ConstrainedViews solved(ConstraintDataImpl& c, const double* motion) {
+  const int iterations = c.solver.solve(c.wanted, c.lambda);
+  return {motion, c.lambda, c.solver.residual(c.lambda, c.wanted, c.left), c.solver.rank(), iterations};
+}
+
+/// The forces in c.lambda, and what the motions that they give to the rows lack, by the factors in c.solver: products with small entries of
+/// the Delassus matrix have lost digits that the motions still have. `wanted(row motions)` leaves in c.wanted what they lack.
+template <class Wanted>
+ConstrainedViews refined(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c, const double* q, const Vec3<double>& gravity, const double* motion,
+                         Wanted&& wanted) {
+  const PackedConstraints& packed = c.set.impl();
+  ConstrainedViews out = solved(c, motion);
+  kernels::addConstraintForces(packed, c.workspace, c.lambda, d);
+  kernels::accelerateConstrained(m, d, packed, gravity, c.workspace);
+  rowAccelerations(m, d, packed, c.frames, q, c.workspace, c.gamma);
+  wanted(c.gamma);
+  double* more = c.step;
+  c.solver.solve(c.wanted, more);
+  out.residual = c.solver.residual(more, c.wanted, c.left);
+  kernels::addConstraintForces(packed, c.workspace, more, d);
+  for (int r = 0; r < packed.rows; ++r) c.lambda[r] += more[r];
+  return out;
+}
+
+void factorDelassus(ConstraintData& constraints) {
+  ConstraintDataImpl& c = constraints.impl();
+  c.solver.factor(c.workspace.delassus, c.workspace.stride, c.workspace.bound, constraints.settings);
+}
+
+}  // namespace
+
+ConstrainedViews constraintDynamics(const CompactModel& model, Data& data, VectorView q, VectorView v, VectorView tau, ConstraintData& constraints,
+                                    ConstraintMethod method, const Force<double>* fext, std::size_t count) {
+  const char* algorithm = "constraintDynamics";
+  checkConstraints(algorithm, model, data, constraints);
+  checkSize(algorithm, "tau", tau, model.nv());
+  const CompactImpl& m = model.impl();
+  DataImpl& d = data.impl();
+  ConstraintDataImpl& c = constraints.impl();
+  if (method == ConstraintMethod::kkt || !m.couplings.empty()) {
+    const double* bias = rnea(model, data, q, v, {d.zero, m.nv}, fext, count);
+    for (int k = 0; k < m.nv; ++k) d.ddq[k] = tau.data[k] - bias[k];
+    projectInertia(algorithm, model, data, q, &v, c);
+    solveInertia(model, data, d.ddq);
+    addRowsOf(m, c, d.ddq, c.gamma);
+    factorDelassus(constraints);
+    wantedAccelerations(c, c.gamma);
+    const ConstrainedViews out = solved(c, d.ddq);
+    addMotionOf(m, c, c.lambda, d.ddq);
+    return out;
+  }
+  const Inputs in = readInputs(algorithm, model, data, q, &v, nullptr);
+  const Force<double>* external = readExternalForces(algorithm, m, d, fext, count);
+  const kernels::SingleKernels& k = kernels::active().single;
+  evaluateJoints(m, d, in.q, in.v);
+  k.articulate(m, d, in.v, lessLosses(m, d, tau.data, in.v), external);
+  checkFactors(algorithm, m, d.failed[0]);
+  prepareRows(m, d, c, in.q, in.v);
+  articulateRows(m, d, c, true);
+  factorDelassus(constraints);
+  wantedAccelerations(c, c.workspace.free);
+  const ConstrainedViews out = refined(m, d, c, in.q, m.gravity, d.ddq, [&](double* rows) {
+    addGravity(m, d, c.set.impl(), c.frames, rows);
+    wantedAccelerations(c, rows);
+  });
+  k.accelerate(m, d, m.gravity, d.ddq);
+  return out;
+}
+
+ConstrainedViews impulseDynamics(const CompactModel& model, Data& data, VectorView q, VectorView v, double restitution, ConstraintData& constraints) {
+  const char* algorithm = "impulseDynamics";
+  checkConstraints(algorithm, model, data, constraints);
+  if (!(restitution >= 0 && restitution <= 1))
+    throw Error(ErrorCode::argument, "impulseDynamics: restitution is " + std::to_string(restitution) + ", it must be between 0 and 1");
+  const CompactImpl& m = model.impl();
+  DataImpl& d = data.impl();
+  ConstraintDataImpl& c = constraints.impl();
+  double* change = d.ddq;
+  const bool coupled = !m.couplings.empty();
+  const kernels::SingleKernels& k = kernels::active().single;
+  if (coupled) {
+    projectInertia(algorithm, model, data, q, &v, c);
+  } else {
+    const Inputs in = readInputs(algorithm, model, data, q, &v, nullptr);
+    evaluateJoints(m, d, in.q, d.zero);
+    k.articulate(m, d, d.zero, d.zero, nullptr);
+    checkFactors(algorithm, m, d.failed[0]);
+    prepareRows(m, d, c, in.q, in.v);
+    articulateRows(m, d, c, false);
+  }
+  factorDelassus(constraints);
+  const auto stillWanted = [&](const double* change_of_rows) {
+    for (int r = 0; r < c.set.rows(); ++r) c.wanted[r] = -(1 + restitution) * c.motion.velocity[r] - (change_of_rows ? change_of_rows[r] : 0.0);
+  };
+  stillWanted(nullptr);
+  ConstrainedViews out;
+  if (coupled) {
+    out = solved(c, c.v_after);
+    std::fill_n(change, m.nv, 0.0);
+    addMotionOf(m, c, c.lambda, change);
+  } else {
+    out = refined(m, d, c, q.data, {}, c.v_after, stillWanted);
+    k.accelerate(m, d, {}, change);
+  }
+  for (int i = 0; i < m.nv; ++i) c.v_after[i] = v.data[i] + change[i];
+  return out;
+}
+
+ConstraintMotionViews constraintMotion(const CompactModel& model, Data& data, VectorView q, VectorView v, ConstraintData& constraints) {
+  const char* algorithm = "computeConstraintMotion";
+  checkConstraints(algorithm, model, data, constraints);
+  const CompactImpl& m = model.impl();
+  DataImpl& d = data.impl();
+  ConstraintDataImpl& c = constraints.impl();
+  const Inputs in = readInputs(algorithm, model, data, q, &v, nullptr);
+  evaluateJoints(m, d, in.q, in.v);
+  kernels::active().single.placeOutward(m, d, in.v);
+  prepareRows(m, d, c, in.q, in.v);
+  rigidRows(m, d, c);
+  for (int r = 0; r < c.set.rows(); ++r) c.gamma[r] += c.motion.bias[r];
+  return {c.motion.velocity, c.gamma, c.motion.error};
+}
+
+const double* constraintJacobian(const CompactModel& model, Data& data, VectorView q, ConstraintData& constraints) {
+  const char* algorithm = "computeConstraintJacobian";
+  checkConstraints(algorithm, model, data, constraints);
+  const CompactImpl& m = model.impl();
+  DataImpl& d = data.impl();
+  ConstraintDataImpl& c = constraints.impl();
+  const Inputs in = readInputs(algorithm, model, data, q, nullptr, nullptr);
+  evaluateJoints(m, d, in.q, in.v);
+  kernels::active().single.placeOutward(m, d, in.v);
+  prepareRows(m, d, c, in.q, nullptr);
+  rigidRows(m, d, c);
+  return c.J;
+}
+
+}  // namespace dyn::detail

@@ -1,0 +1,21 @@
+// Constraints by way of M: J, M^-1 J^T and the Delassus matrix as their product, for any model.
+#pragma once
+
+#include "constraint/constraint_data.hpp"
+
+#include <dyn/data/data.hpp>
+
+namespace dyn {
+
+/// M, factored, J, X = M^-1 J^T, and the Delassus matrix with its bounds; rows located, and c.gamma what velocities give to their
+/// accelerations beside the rows' own bias. v: null at rest.
+void projectInertia(const char* algorithm, const CompactModel& model, Data& data, VectorView q, const VectorView* v, ConstraintDataImpl& c);
+
+/// x = M^-1 x by these factors.
+void solveInertia(const CompactModel& model, Data& data, double* x);
+
+/// out += J x, and x += X lambda.
+void addRowsOf(const CompactImpl& m, const ConstraintDataImpl& c, const double* x, double* out);
+void addMotionOf(const CompactImpl& m, const ConstraintDataImpl& c, const double* lambda, double* x);
+
+}  // namespace dyn

@@ -1,0 +1,278 @@
+#include "constraint/rows.hpp"
+
+#include "joint/coordinate.hpp"
+
+#include <dyn/lie/so3.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace dyn {
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// World axes from those of the tree's aligned frames.
+Mat3<double> treeAxes(const CompactImpl& m, const Workspace<double>& w, int root) {
+  return root > 0 && m.index[at(root)].flying_root ? w.rel[root].R : Mat3<double>::identity();
+}
+
+/// From a body towards the world, as far as `stop`.
+struct Way {
+  Vec3<double> origin;        ///< of the body, from the origin of `stop`, or of the root body's tree
+  Motion<double> velocity;    ///< of a point fixed to the body, relative to `stop`
+  int root = 0;               ///< the last body before the world, where there is nothing to stop at
+};
+
+/// `point`: from the body's origin.
+Way wayOf(const CompactImpl& m, const Workspace<double>& w, int body, int stop, const Vec3<double>& point, const double* v) {
+  Way way;
+  for (int i = body; i != stop; i = m.index[at(i)].parent) {
+    const BodyIndex& x = m.index[at(i)];
+    if (v) {
+      const Vec3<double> lever = way.origin + point;
+      for (int k = 0; k < x.nv; ++k) {
+        const Motion<double>& S = w.dof[x.idx_v + k].S_;
+        way.velocity += v[x.idx_v + k] * Motion<double>{S.linear + cross(S.angular, lever), S.angular};
+      }
+    }
+    way.origin += w.r[i];
+    way.root = i;
+  }
+  return way;
+}
+
+int commonAncestor(const CompactImpl& m, int a, int b) {
+  while (a != b) {
+    // Numbers are depth first: the larger one is no ancestor of the other.
+    int& larger = a > b ? a : b;
+    larger = m.index[at(larger)].parent;
+  }
+  return a;
+}
+
+/// The rotation that brings b to a, two unit vectors, the shortest way.
+Vec3<double> tilt(const Vec3<double>& a, const Vec3<double>& b) {
+  const Vec3<double> n = cross(b, a);
+  const double sine = std::sqrt(dot(n, n)), cosine = dot(a, b);
+  if (sine > 0) return (std::atan2(sine, cosine) / sine) * n;
+  if (cosine > 0) return {};
+  // Opposite: any axis across leads there.
+  const Vec3<double> across = cross(b, std::abs(b.x) < 0.5 ? Vec3<double>{1, 0, 0} : Vec3<double>{0, 1, 0});
+  return (M_PI / std::sqrt(dot(across, across))) * across;
+}
+
+/// How far the first frame is turned against the second, in directions that are not free: a vector in the axes of both rotations.
+Vec3<double> turnedBy(const PackedFrameConstraint& c, const Mat3<double>& first, const Mat3<double>& second) {
+  if (c.turnsFreely()) return {};
+  for (int k = 0; k < 3; ++k)
+    if (c.free[at(3 + k)]) return tilt(first.col(k), second.col(k));
+  return second * log3(transpose(second) * first);
+}
+
+FrameRows locate(const CompactImpl& m, const Workspace<double>& w, const PackedFrameConstraint& c, const double* v) {
+  FrameRows out;
+  Mat3<double> frames[2];
+  for (int e = 0; e < 2; ++e) frames[e] = w.R[c.body[e]] * c.placement[e].R;
+  const int stop = commonAncestor(m, c.body[0], c.body[1]);
+  const Vec3<double> target = w.R[c.body[1]] * c.placement[1].p;  // from the second body's origin
+  out.lever[0] = w.R[c.body[0]] * c.placement[0].p;
+  const Way first = wayOf(m, w, c.body[0], stop, out.lever[0], v);
+  Mat3<double> turn = Mat3<double>::identity();
+  Mat3<double> trees[2] = {turn, turn};
+  const Way second = wayOf(m, w, c.body[1], stop, {}, nullptr);
+  if (stop > 0) {
+    out.lever[1] = first.origin + out.lever[0] - second.origin;
+  } else {
+    trees[0] = treeAxes(m, w, first.root);
+    trees[1] = treeAxes(m, w, second.root);
+    turn = transpose(trees[1]) * trees[0];
+    const auto inWorld = [&](int e, int root, const Vec3<double>& x) {
+      return root > 0 && m.index[at(root)].flying_root ? trees[e] * x + w.rel[root].p : x;
+    };
+    out.lever[1] = transposeTimes(trees[1], inWorld(0, first.root, first.origin + out.lever[0]) - inWorld(1, second.root, second.origin));
+  }
+  out.turn = turn;
+  frames[1] = transpose(turn) * frames[1];
+  if (v) {
+    const Motion<double> other = wayOf(m, w, c.body[1], stop, out.lever[1], v).velocity;
+    out.relative = first.velocity - Motion<double>{transposeTimes(turn, other.linear), transposeTimes(turn, other.angular)};
+    out.w[0] = w.w[c.body[0]];
+    out.w[1] = transposeTimes(turn, w.w[c.body[1]]);
+  }
+  switch (c.axes) {
+    case ConstraintAxes::LOCAL:
+      out.axes = frames[0];
+      break;
+    case ConstraintAxes::OTHER:
+      out.axes = frames[1];
+      break;
+    case ConstraintAxes::LOCAL_WORLD_ALIGNED:
+      out.axes = transpose(treeAxes(m, w, [&] {
+        int root = c.body[0];
+        while (root > 0 && m.index[at(root)].parent > 0) root = m.index[at(root)].parent;
+        return root;
+      }()));
+  }
+  if (c.has_target) {
+    out.error.linear = transposeTimes(out.axes, transposeTimes(turn, out.lever[1] - target));
+    out.error.angular = transposeTimes(out.axes, turnedBy(c, frames[0], frames[1]));
+  }
+  return out;
+}
+
+/// d/dt of the relative velocity in the constraint's axes, less what the accelerations of the bodies' origins give.
+Motion<double> biasOf(const PackedFrameConstraint& c, const FrameRows& x) {
+  const Vec3<double>&w1 = x.w[0], &w2 = x.w[1], &V = x.relative.linear;
+  const Vec3<double> second = transposeTimes(x.turn, x.lever[1]);
+  Motion<double> bias{cross(w1, cross(w1, x.lever[0])) - cross(w2, cross(w2, second)) - cross(w2, V), {}};
+  // A point that cannot move at all is held by its own acceleration, whatever its axes do.
+  const bool point = c.turnsFreely() && c.rows == 3;
+  if (c.axes == ConstraintAxes::OTHER || (c.axes == ConstraintAxes::LOCAL && !point)) {
+    const Vec3<double>& turning = c.axes == ConstraintAxes::LOCAL ? w1 : w2;
+    bias.linear -= cross(turning, V);
+    bias.angular -= cross(turning, x.relative.angular);
+  }
+  return bias;
+}
+
+double component(const Motion<double>& x, int k) { return k < 3 ? x.linear[k] : x.angular[k - 3]; }
+
+const TypeBatch& batchOf(const CompactImpl& m, int body) { return m.batches[at(m.index[at(body)].batch)]; }
+const double* constantsOf(const CompactImpl& m, int body) { return batchOf(m, body).constants.data() + m.index[at(body)].slot; }
+
+/// f and its derivatives at the master's coordinate.
+void evaluateCoupling(const CompactImpl& m, const PackedJointCoupling& c, const double* q, double* f) {
+  const TypeBatch& batch = batchOf(m, c.master);
+  const double x = coordinateOf(*batch.type, constantsOf(m, c.master), batch.count, q + m.index[at(c.master)].idx_q);
+  c.type->evaluate(c.constants.data(), static_cast<int>(c.constants.size()), x, f);
+}
+
+void differenceOf(const CompactImpl& m, int body, const double* from, const double* to, double* v) {
+  const TypeBatch& batch = batchOf(m, body);
+  ConfigurationBatch<double> b;
+  b.count = 1;
+  b.constants = constantsOf(m, body);
+  b.constants_stride = batch.count;
+  b.q_stride = b.v_stride = 1;
+  b.q0 = from;
+  b.q1 = to;
+  b.v_out = v;
+  batch.type->difference(b);
+}
+
+}  // namespace
+
+void locateRows(const CompactImpl& m, const Workspace<double>& w, const PackedConstraints& c, const double* q, const double* v, FrameRows* frames,
+                const RowMotion& rows) {
+  for (std::size_t k = 0; k < c.frames.size(); ++k) {
+    const PackedFrameConstraint& f = c.frames[k];
+    frames[k] = locate(m, w, f, v);
+    const FrameRows& x = frames[k];
+    const auto inAxes = [&](const Motion<double>& a) { return Motion<double>{transposeTimes(x.axes, a.linear), transposeTimes(x.axes, a.angular)}; };
+    const Motion<double> velocity = inAxes(x.relative), bias = v ? inAxes(biasOf(f, x)) : Motion<double>{};
+    eachDirection(f, [&](int row, int direction) {
+      rows.velocity[row] = component(velocity, direction);
+      rows.bias[row] = component(bias, direction);
+      rows.error[row] = component(x.error, direction);
+    });
+  }
+  for (const PackedJointCoupling& k : c.couplings) {
+    double f[4], q_wanted[max_joint_nq];
+    evaluateCoupling(m, k, q, f);
+    const BodyIndex &follower = m.index[at(k.body)], &master = m.index[at(k.master)];
+    const double vm = v ? v[master.idx_v] : 0.0;
+    rows.velocity[k.row] = (v ? v[follower.idx_v] : 0.0) - f[1] * vm;
+    rows.bias[k.row] = -f[2] * vm * vm;
+    setCoordinate(*batchOf(m, k.body).type, constantsOf(m, k.body), batchOf(m, k.body).count, f[0], q_wanted);
+    differenceOf(m, k.body, q_wanted, q + follower.idx_q, rows.error + k.row);
+  }
+  for (const PackedJointLock& k : c.locks) {
+    const BodyIndex& x = m.index[at(k.body)];
+    for (int r = 0; r < k.rows; ++r) {
+      rows.velocity[k.row + r] = v ? v[x.idx_v + r] : 0.0;
+      rows.bias[k.row + r] = rows.error[k.row + r] = 0;
+    }
+    if (!k.configuration.empty()) differenceOf(m, k.body, k.configuration.data(), q + x.idx_q, rows.error + k.row);
+  }
+}
+
+void writeRowForces(const CompactImpl& m, const PackedConstraints& c, const FrameRows* frames, const double* q, kernels::ConstraintWorkspace& x) {
+  std::fill_n(x.force, 6 * x.stride * static_cast<std::ptrdiff_t>(c.bodies.size()), 0.0);
+  std::fill_n(x.share, x.stride * static_cast<std::ptrdiff_t>(c.dofs.size()), 0.0);
+  const auto write = [&](int body, int row, const Force<double>& f) {
+    if (body == 0) return;
+    double* to = x.forceOf(c.body_at[at(body)]) + row;
+    for (int a = 0; a < 3; ++a) {
+      to[a * x.stride] += f.linear[a];
+      to[(3 + a) * x.stride] += f.angular[a];
+    }
+  };
+  for (std::size_t k = 0; k < c.frames.size(); ++k) {
+    const PackedFrameConstraint& f = c.frames[k];
+    const FrameRows& s = frames[k];
+    eachDirection(f, [&](int row, int direction) {
+      const Vec3<double> d = s.axes.col(direction % 3), other = -(s.turn * d);
+      if (direction < 3) {
+        write(f.body[0], row, {d, cross(s.lever[0], d)});
+        write(f.body[1], row, {other, cross(s.lever[1], other)});
+      } else {
+        write(f.body[0], row, {{}, d});
+        write(f.body[1], row, {{}, other});
+      }
+    });
+  }
+  const auto enter = [&](int body, int k, int row, double value) { x.shareOf(c.bodies[at(c.body_at[at(body)])].dof + k)[row] += value; };
+  for (const PackedJointCoupling& k : c.couplings) {
+    double f[4];
+    evaluateCoupling(m, k, q, f);
+    enter(k.body, 0, k.row, 1);
+    enter(k.master, 0, k.row, -f[1]);
+  }
+  for (const PackedJointLock& k : c.locks)
+    for (int r = 0; r < k.rows; ++r) enter(k.body, r, k.row + r, 1);
+}
+
+void rowAccelerations(const CompactImpl& m, const Workspace<double>& w, const PackedConstraints& c, const FrameRows* frames, const double* q,
+                      const kernels::ConstraintWorkspace& x, double* out) {
+  for (std::size_t k = 0; k < c.frames.size(); ++k) {
+    const PackedFrameConstraint& f = c.frames[k];
+    const FrameRows& s = frames[k];
+    const auto seen = [&](int e) {
+      if (f.body[e] == 0) return Motion<double>{};
+      const Motion<double>& a = w.acc[f.body[e]];
+      return Motion<double>{a.linear + cross(a.angular, s.lever[e]), a.angular};
+    };
+    const Motion<double> other = seen(1);
+    const Motion<double> relative = seen(0) - Motion<double>{transposeTimes(s.turn, other.linear), transposeTimes(s.turn, other.angular)};
+    eachDirection(f, [&](int row, int direction) {
+      out[row] = dot(s.axes.col(direction % 3), direction < 3 ? relative.linear : relative.angular);
+    });
+  }
+  const auto motionOf = [&](int body, int k) { return x.motion[c.bodies[at(c.body_at[at(body)])].dof + k]; };
+  for (const PackedJointCoupling& k : c.couplings) {
+    double f[4];
+    evaluateCoupling(m, k, q, f);
+    out[k.row] = motionOf(k.body, 0) - f[1] * motionOf(k.master, 0);
+  }
+  for (const PackedJointLock& k : c.locks)
+    for (int r = 0; r < k.rows; ++r) out[k.row + r] = motionOf(k.body, r);
+}
+
+void addGravity(const CompactImpl& m, const Workspace<double>& w, const PackedConstraints& c, const FrameRows* frames, double* accelerations) {
+  for (std::size_t k = 0; k < c.frames.size(); ++k) {
+    const PackedFrameConstraint& f = c.frames[k];
+    // Where both bodies move, both fall.
+    if (f.body[0] > 0 && f.body[1] > 0) continue;
+    int root = f.body[0];
+    while (root > 0 && m.index[at(root)].parent > 0) root = m.index[at(root)].parent;
+    const Vec3<double> gravity = transposeTimes(treeAxes(m, w, root), m.gravity);
+    const double sign = f.body[0] > 0 ? 1 : -1;
+    eachDirection(f, [&](int row, int direction) {
+      if (direction < 3) accelerations[row] += sign * dot(frames[k].axes.col(direction), gravity);
+    });
+  }
+}
+
+}  // namespace dyn

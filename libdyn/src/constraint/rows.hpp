@@ -1,0 +1,51 @@
+// Where constraints are, how fast they are violated, and what their forces do: everything about rows that one pass from each constraint to
+// the world finds.
+#pragma once
+
+#include "compile/constraints.hpp"
+#include "data/data_impl.hpp"
+#include "kernels/constraints.hpp"
+
+namespace dyn {
+
+/// Of one constraint between frames, in the aligned axes of the first one's tree unless it says otherwise. Relative: as seen from the second
+/// body, of the point of the first that is the constraint's origin.
+struct FrameRows {
+  Mat3<double> axes;        ///< the constraint's
+  Vec3<double> lever[2];    ///< from each body's origin to the constraint's; of the second body in the axes of its own tree
+  Mat3<double> turn;        ///< axes of the second body's tree from those of the first's; for the world, its axes
+  Motion<double> relative;  ///< velocity
+  Vec3<double> w[2];        ///< angular velocities
+  Motion<double> error;     ///< in the constraint's axes; zero for constraints without a target
+};
+
+/// Bias of a row's acceleration beside what the kernel's sweep finds, its velocity and its error of position.
+struct RowMotion {
+  double* bias;
+  double* velocity;
+  double* error;
+};
+
+/// After the kernel's outward pass. q and v in expanded coordinates; v may be null (at rest).
+void locateRows(const CompactImpl& m, const Workspace<double>& w, const PackedConstraints& c, const double* q, const double* v, FrameRows* frames,
+                const RowMotion& rows);
+
+/// Writes the rows' unit forces for the kernel's sweep.
+void writeRowForces(const CompactImpl& m, const PackedConstraints& c, const FrameRows* frames, const double* q, kernels::ConstraintWorkspace& x);
+
+/// Accelerations of the rows by those of their bodies, w.acc, and joints, without their bias.
+void rowAccelerations(const CompactImpl& m, const Workspace<double>& w, const PackedConstraints& c, const FrameRows* frames, const double* q,
+                      const kernels::ConstraintWorkspace& x, double* out);
+
+/// What gravity adds to the rows' accelerations of a sweep in which the world falls up.
+void addGravity(const CompactImpl& m, const Workspace<double>& w, const PackedConstraints& c, const FrameRows* frames, double* accelerations);
+
+/// The direction of each row of a constraint between frames, linear ones first, in its own axes: use(row, 0 to 5).
+template <class Use>
+void eachDirection(const PackedFrameConstraint& c, Use&& use) {
+  int row = c.row;
+  for (int k = 0; k < 6; ++k)
+    if (!c.free[static_cast<std::size_t>(k)]) use(row++, k);
+}
+
+}  // namespace dyn

@@ -1,0 +1,68 @@
+#include "constraint/solution.hpp"
+
+#include "kernels/table.hpp"
+
+#include <dyn/error.hpp>
+
+#include <algorithm>
+#include <string>
+
+namespace dyn {
+
+namespace {
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+}  // namespace
+
+void checkConstraints(const char* algorithm, const CompactModel& model, const Data& data, const ConstraintData& constraints) {
+  checkData(algorithm, model, data);
+  if (&constraints.set().model().impl() != &model.impl())
+    throw Error(ErrorCode::argument, std::string(algorithm) + ": the constraints were looked up in another model; make a ConstraintSet of this one");
+}
+
+void prepareRows(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c, const double* q, const double* v) {
+  const PackedConstraints& packed = c.set.impl();
+  locateRows(m, d, packed, q, v, c.frames, c.motion);
+  writeRowForces(m, packed, c.frames, q, c.workspace);
+}
+
+void articulateRows(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c, bool gravity) {
+  const PackedConstraints& packed = c.set.impl();
+  const kernels::SingleKernels& k = kernels::active().single;
+  k.constraintSweep(m, d, packed, true, c.workspace);
+  if (gravity) addGravity(m, d, packed, c.frames, c.workspace.free);
+  k.delassusMatrix(d, packed, c.workspace);
+}
+
+void rigidRows(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c) {
+  const PackedConstraints& packed = c.set.impl();
+  kernels::active().single.constraintSweep(m, d, packed, false, c.workspace);
+  const std::ptrdiff_t rows = packed.rows;
+  std::fill_n(c.J, rows * m.nvx, 0.0);
+  for (std::size_t k = 0; k < packed.dofs.size(); ++k)
+    std::copy_n(c.workspace.shareOf(static_cast<int>(k)), rows, c.J + rows * packed.dofs[k]);
+  std::copy_n(c.workspace.free, rows, c.gamma);
+  if (m.couplings.empty()) return;
+  // Followers accelerate by themselves where their masters do not.
+  for (std::size_t k = 0; k < m.couplings.size(); ++k) {
+    const std::ptrdiff_t s = m.index[at(m.couplings[k].body)].idx_v;
+    for (std::ptrdiff_t r = 0; r < rows; ++r) c.gamma[r] += d.ax[s] * c.J[rows * s + r];
+  }
+  for (std::size_t k = m.couplings.size(); k-- > 0;) {
+    const std::ptrdiff_t s = m.index[at(m.couplings[k].body)].idx_v, t = m.index[at(m.couplings[k].master)].idx_v;
+    for (std::ptrdiff_t r = 0; r < rows; ++r) c.J[rows * t + r] += d.G[k] * c.J[rows * s + r];
+  }
+  for (std::size_t k = 0; k < m.v_of_user.size(); ++k) std::copy_n(c.J + rows * m.v_of_user[k], rows, c.J + rows * static_cast<std::ptrdiff_t>(k));
+}
+
+void wantedAccelerations(ConstraintDataImpl& c, const double* free) {
+  const PackedConstraints& packed = c.set.impl();
+  const auto put = [&](int row, int rows, const Baumgarte& b) {
+    for (int r = row; r < row + rows; ++r)
+      c.wanted[r] = -(free[r] + c.motion.bias[r] + b.velocity * c.motion.velocity[r] + b.position * c.motion.error[r]);
+  };
+  for (const auto& k : packed.frames) put(k.row, k.rows, k.baumgarte);
+  for (const auto& k : packed.couplings) put(k.row, 1, k.baumgarte);
+  for (const auto& k : packed.locks) put(k.row, k.rows, k.baumgarte);
+}
+
+}  // namespace dyn

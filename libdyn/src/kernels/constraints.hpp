@@ -1,0 +1,183 @@
+// Forces of constraints on their way to the world, all rows at once, in packs over rows.
+//
+// A constraint's row is a unit force on one body, and the opposite one on another. Going up, each degree of freedom takes its share y of the
+// force and, where it is free to move (eliminated), passes on what its articulated body does not yield to. The shares are J, or L^-T J^T with
+// M = L^T D L; J M^-1 J^T, the Delassus matrix, is Y^T D^-1 Y. O(bodies between constraints and world x rows).
+// Featherstone 2008, ch. 7 for the elimination; Popov and Vereshchagin 1978 and Featherstone 2010 (LTL factors, J M^-1 J^T) for its use.
+#pragma once
+
+#include "compile/constraints.hpp"
+#include "kernels/subtree.hpp"
+
+namespace dyn::kernels {
+
+/// Arrays of one number a row of the constraints, `stride` numbers long: a multiple of the widest pack's.
+struct ConstraintWorkspace {
+  std::ptrdiff_t stride = 0;
+  double* force = nullptr;     ///< six arrays a body of PackedConstraints::bodies: about its joint's origin, aligned axes
+  double* share = nullptr;     ///< one a degree of freedom of these bodies
+  double* free = nullptr;      ///< acceleration of each row without constraint forces, from the sweep
+  double* bound = nullptr;     ///< what the diagonal of the Delassus matrix could be if nothing cancelled
+  double* delassus = nullptr;  ///< rows of the matrix
+  double* scaled = nullptr;    ///< one number a degree of freedom of these bodies
+  double* motion = nullptr;    ///< the same: acceleration
+
+  double* forceOf(int body) const { return force + 6 * body * stride; }
+  double* shareOf(int dof) const { return share + dof * stride; }
+};
+
+constexpr std::size_t constraintLayoutStamp() {
+  return (sizeof(PackedConstraints) * 1000003 + sizeof(ConstrainedBody)) * 1000003 + sizeof(ConstraintWorkspace);
+}
+
+inline void carve(ConstraintWorkspace& x, const PackedConstraints& c, Arena& arena) {
+  constexpr std::ptrdiff_t widest = 8;
+  x.stride = (c.rows + widest - 1) / widest * widest;
+  const auto stride = static_cast<std::size_t>(x.stride);
+  arena.take(x.force, 6 * stride * c.bodies.size());
+  arena.take(x.share, stride * c.dofs.size());
+  arena.take(x.free, stride);
+  arena.take(x.bound, stride);
+  arena.take(x.delassus, stride * static_cast<std::size_t>(c.rows));
+  arena.take(x.scaled, c.dofs.size());
+  arena.take(x.motion, c.dofs.size());
+}
+
+/// From x.force, where constraints have put their columns (zero elsewhere), and x.share, where those on joints have put theirs.
+/// Eliminated: after abaInward; `free` is the acceleration of the rows that abaSolve would find, with the world falling up.
+/// Otherwise after abaOutward: shares are J, and `free` is what velocities alone give. Either way the bound is by dof.inverse, which is there
+/// once joints have been eliminated, or as the caller has put it.
+template <class Wide>
+void constraintSweep(const CompactImpl& m, const Workspace<double>& w, const PackedConstraints& c, bool eliminated, ConstraintWorkspace& x) {
+  constexpr int width = lanes_of<Wide>;
+  const auto load = [](const double* from) {
+    if constexpr (width == 1) {
+      return *from;
+    } else {
+      return Wide::load(from);
+    }
+  };
+  const auto store = [](const Wide& value, double* to) {
+    if constexpr (width == 1) {
+      *to = value;
+    } else {
+      value.store(to);
+    }
+  };
+  std::fill_n(x.free, x.stride, 0.0);
+  std::fill_n(x.bound, x.stride, 0.0);
+  for (std::size_t slot = 0; slot < c.bodies.size(); ++slot) {
+    const ConstrainedBody& here = c.bodies[slot];
+    const BodyIndex& index = m.index[static_cast<std::size_t>(here.body)];
+    const bool root = index.parent == 0;
+    const Vec3<double>& r = w.r[here.body];
+    const Motion<double>& beta = w.beta[here.body];
+    const Vec3<double> fall = index.flying_root ? transposeTimes(w.rel[here.body].R, -m.gravity) : -m.gravity;
+    for (int first = here.begin / width * width; first < here.end; first += width) {
+      const auto row = [&](int component) { return x.forceOf(static_cast<int>(slot)) + component * x.stride + first; };
+      Force<Wide> F{{load(row(0)), load(row(1)), load(row(2))}, {load(row(3)), load(row(4)), load(row(5))}};
+      Wide free = load(x.free + first), bound = load(x.bound + first);
+      const auto along = [](const auto& s, const Force<Wide>& f) {
+        return Wide(s.linear.x) * f.linear.x + Wide(s.linear.y) * f.linear.y + Wide(s.linear.z) * f.linear.z + Wide(s.angular.x) * f.angular.x +
+               Wide(s.angular.y) * f.angular.y + Wide(s.angular.z) * f.angular.z;
+      };
+      for (int k = 0; k < index.nv; ++k) {
+        const DofFactor<double>& dof = w.dof[index.idx_v + k];
+        double* share = x.shareOf(here.dof + k) + first;
+        const Wide own = load(share), y = own + along(dof.S_, F);
+        store(y, share);
+        const bool last = k == index.nv - 1;
+        bound += Wide(dof.inverse) *
+                 (own * own + Wide(dot(dof.S_.linear, dof.S_.linear)) * dot(F.linear, F.linear) +
+                  Wide(dot(dof.S_.angular, dof.S_.angular)) * dot(F.angular, F.angular));
+        if (last) free += along(beta, F);
+        if (!eliminated) continue;
+        free += y * Wide(dof.y);
+        const Wide less = last ? y : Wide(dof.inverse) * y;
+        if (last) F.angular += cross(broadcast<Wide>(r), F.linear);  // abaInward has moved this W to the parent
+        F.linear -= Vec3<Wide>{less * Wide(dof.W.linear.x), less * Wide(dof.W.linear.y), less * Wide(dof.W.linear.z)};
+        F.angular -= Vec3<Wide>{less * Wide(dof.W.angular.x), less * Wide(dof.W.angular.y), less * Wide(dof.W.angular.z)};
+      }
+      if (!eliminated) F.angular += cross(broadcast<Wide>(r), F.linear);
+      if (root && eliminated) free += Wide(fall.x) * F.linear.x + Wide(fall.y) * F.linear.y + Wide(fall.z) * F.linear.z;
+      store(free, x.free + first);
+      store(bound, x.bound + first);
+      if (root) continue;
+      const auto add = [&](int component, const Wide& value) {
+        double* to = x.forceOf(here.parent) + component * x.stride + first;
+        store(load(to) + value, to);
+      };
+      for (int a = 0; a < 3; ++a) {
+        add(a, F.linear[a]);
+        add(3 + a, F.angular[a]);
+      }
+    }
+  }
+}
+
+/// The Delassus matrix from the shares of an eliminated sweep, all of it. O(dofs x rows^2).
+template <class Wide>
+void delassusMatrix(const Workspace<double>& w, const PackedConstraints& c, ConstraintWorkspace& x) {
+  constexpr int width = lanes_of<Wide>;
+  const std::size_t count = c.dofs.size();
+  for (int row = 0; row < c.rows; ++row) {
+    for (std::size_t k = 0; k < count; ++k) x.scaled[k] = w.dof[c.dofs[k]].inverse * x.shareOf(static_cast<int>(k))[row];
+    for (int first = row / width * width; first < c.rows; first += width) {
+      Wide sum(0);
+      for (std::size_t k = 0; k < count; ++k) {
+        const double* share = x.shareOf(static_cast<int>(k)) + first;
+        if constexpr (width == 1) {
+          sum += x.scaled[k] * *share;
+        } else {
+          sum += Wide(x.scaled[k]) * Wide::load(share);
+        }
+      }
+      double* out = x.delassus + row * x.stride + first;
+      if constexpr (width == 1) {
+        *out = sum;
+      } else {
+        sum.store(out);
+      }
+    }
+    for (int column = 0; column < row; ++column) x.delassus[row * x.stride + column] = x.delassus[column * x.stride + row];
+  }
+}
+
+/// abaSolve for the bodies between constraints and the world only: w.acc and x.motion. O(these).
+inline void accelerateConstrained(const CompactImpl& m, Workspace<double>& w, const PackedConstraints& c, const Vec3<double>& gravity,
+                                  ConstraintWorkspace& x) {
+  w.acc[0] = {};
+  for (std::size_t slot = c.bodies.size(); slot-- > 0;) {
+    const ConstrainedBody& here = c.bodies[slot];
+    const int i = here.body;
+    const BodyIndex& index = m.index[static_cast<std::size_t>(i)];
+    Motion<double> a = w.acc[index.parent];
+    if (index.parent == 0) a.linear = index.flying_root ? transposeTimes(w.rel[i].R, -gravity) : -gravity;
+    const int last = index.nv - 1;
+    const DofFactor<double>& first = w.dof[index.idx_v + last];
+    double qdd = first.y - dot(a, first.W);
+    if (index.parent != 0) a.linear += cross(a.angular, w.r[i]);
+    a += w.beta[i] + qdd * first.S_;
+    x.motion[here.dof + last] = qdd;
+    for (int k = last - 1; k >= 0; --k) {
+      const DofFactor<double>& f = w.dof[index.idx_v + k];
+      qdd = f.y - dot(a, f.W) * f.inverse;
+      a += qdd * f.S_;
+      x.motion[here.dof + k] = qdd;
+    }
+    w.acc[i] = a;
+  }
+}
+
+/// Adds to what abaSolve starts from what forces of the constraints, one a row, give to each degree of freedom.
+inline void addConstraintForces(const PackedConstraints& c, const ConstraintWorkspace& x, const double* lambda, Workspace<double>& w) {
+  for (std::size_t k = 0; k < c.dofs.size(); ++k) {
+    const double* share = x.shareOf(static_cast<int>(k));
+    double sum = 0;
+    for (int row = 0; row < c.rows; ++row) sum += share[row] * lambda[row];
+    DofFactor<double>& dof = w.dof[c.dofs[k]];
+    dof.y += dof.inverse * sum;
+  }
+}
+
+}  // namespace dyn::kernels

@@ -1,0 +1,10 @@
+// The constraints of the table in module.cpp.
+#include "kernels/instantiate_constraints.hpp"
+
+#include <dyn_sdk/pack.hpp>
+
+namespace dyn::kernels {
+
+template void addConstraints<Pack<double>>(SingleKernels&);
+
+}  // namespace dyn::kernels

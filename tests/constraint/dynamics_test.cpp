@@ -1,0 +1,116 @@
+// Constrained dynamics against dense equations in extended precision, and laws that hold whatever the constraints.
+#include "constraint/support.hpp"
+#include "support/registry.hpp"
+
+#include <algorithm>
+
+using namespace dyn;
+using namespace dyn::test;
+
+namespace {
+
+struct Scene {
+  CompactModel model;
+  std::vector<ConstraintDescription> constraints;
+  Eigen::VectorXd q, v, tau;
+};
+
+/// A random tree, a few constraints of random kinds between random bodies of it and the world.
+Scene randomScene(std::uint64_t seed, int bodies, int constraints) {
+  Random random(seed);
+  const Model description = randomTree(registry(), bodies, seed, seed % 2 == 0);
+  const CompactModel model = compile(description, registry());
+  Scene s{model, {}, {}, {}, {}};
+  std::vector<std::string> names;
+  for (const FrameRecord& f : model.frames()) names.push_back(f.name);
+  for (int k = 0; k < constraints; ++k) {
+    FrameConstraint c;
+    do {
+      c.frame = names[static_cast<std::size_t>(random.below(static_cast<int>(names.size())))];
+      c.other = random.below(2) == 0 ? "universe" : names[static_cast<std::size_t>(random.below(static_cast<int>(names.size())))];
+    } while (model.frames()[static_cast<std::size_t>(model.frameId(c.frame))].joint == model.frames()[static_cast<std::size_t>(model.frameId(c.other))].joint);
+    const int kind = random.below(4);
+    if (kind == 0) c.free = {false, false, false, true, true, true};
+    if (kind > 1)
+      for (bool& free : c.free) free = random.below(2) == 0;
+    c.free[static_cast<std::size_t>(random.below(6))] = false;
+    c.axes = static_cast<ConstraintAxes>(random.below(3));
+    ConstraintDescription d;
+    d.name = "c" + std::to_string(k);
+    d.relation = c;
+    s.constraints.push_back(d);
+  }
+  s.q = integrate(model, neutral(model), random.vector(model.nv(), 1));
+  s.v = random.vector(model.nv(), 1);
+  s.tau = random.vector(model.nv(), 5);
+  return s;
+}
+
+}  // namespace
+
+TEST_CASE("rows are what frames' velocities and accelerations say", "[constraint]") {
+  const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 30)));
+  const Scene s = randomScene(seed, 10, 4);
+  Data data(s.model, Need::derivatives);
+  ConstraintData c(ConstraintSet(s.model, s.constraints));
+  const DenseRows rows = denseRows(s.model, data, s.constraints, s.q, s.v);
+  const auto close = [](const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+    return a.rows() == b.rows() && (a - b).cwiseAbs().maxCoeff() <= 1e-12 * (1 + b.cwiseAbs().maxCoeff());
+  };
+  CHECK(close(computeConstraintJacobian(s.model, data, s.q, c), rows.J));
+  const ConstraintMotion motion = computeConstraintMotion(s.model, data, s.q, s.v, c);
+  CHECK(close(motion.velocity, rows.velocity));
+  CHECK(close(motion.bias, rows.gamma));
+}
+
+TEST_CASE("biases are the derivatives of the rows' velocities", "[constraint]") {
+  const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 20)));
+  Scene s = randomScene(seed, 8, 4);
+  // A point held by its own acceleration is the one exception.
+  for (ConstraintDescription& d : s.constraints) std::get<FrameConstraint>(d.relation).free[5] = false;
+  Data data(s.model, Need::derivatives);
+  ConstraintData c(ConstraintSet(s.model, s.constraints));
+  const Eigen::VectorXd a = s.tau, gamma = computeConstraintMotion(s.model, data, s.q, s.v, c).bias;
+  const Eigen::VectorXd wanted = computeConstraintJacobian(s.model, data, s.q, c) * a + gamma;
+  // q(t) with these v and a: to second order for flat coordinates and to first for others, which central differences make second.
+  const auto velocityAt = [&](double t) {
+    const Eigen::VectorXd v = s.v + t * a, q = integrate(s.model, s.q, Eigen::VectorXd(t * s.v + 0.5 * t * t * a));
+    return Eigen::VectorXd(computeConstraintMotion(s.model, data, q, v, c).velocity);
+  };
+  const double h = 1e-3;
+  const Eigen::VectorXd rate = (8 * (velocityAt(h) - velocityAt(-h)) - (velocityAt(2 * h) - velocityAt(-2 * h))) / (12 * h);
+  CHECK((rate - wanted).cwiseAbs().maxCoeff() <= 1e-6 * (1 + wanted.cwiseAbs().maxCoeff()));
+}
+
+TEST_CASE("accelerations and forces solve the dense equations", "[constraint]") {
+  const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 40)));
+  const Scene s = randomScene(seed, 12, 1 + static_cast<int>(seed % 3));
+  Data data(s.model, Need::derivatives);
+  const DenseRows rows = denseRows(s.model, data, s.constraints, s.q, s.v);
+  const Eigen::MatrixXd M = crba(s.model, data, s.q);
+  const Eigen::VectorXd h = nonLinearEffects(s.model, data, s.q, s.v);
+  const DenseSolution wanted =
+      solveKkt(M, rows.J, s.tau.cast<long double>() - h.cast<long double>(), -rows.gamma.cast<long double>());
+  const LongMatrix D = rows.J.cast<long double>() * M.cast<long double>().ldlt().solve(LongMatrix(rows.J.transpose().cast<long double>()));
+  const Eigen::VectorXd spectrum = D.cast<double>().selfadjointView<Eigen::Lower>().eigenvalues();
+  const double largest = spectrum.maxCoeff();
+  double smallest = largest;
+  for (const double x : spectrum)
+    if (x > 1e-12 * largest) smallest = std::min(smallest, x);
+  // What is lost is the condition of that part of the Delassus matrix which is not zero.
+  const double tolerance = 1e-14 * (largest / smallest) + 1e-11;
+  if (tolerance > 1e-6) return;  // nearly dependent: neither side knows
+  ConstraintData c(ConstraintSet(s.model, s.constraints));
+  for (const ConstraintMethod method : {ConstraintMethod::articulated, ConstraintMethod::kkt}) {
+    const ConstrainedMotion x = constraintDynamics(s.model, data, s.q, s.v, s.tau, c, method);
+    INFO("condition " << largest / smallest << ", rank " << x.rank << " of " << rows.J.rows());
+    CHECK(relativeTo(x.ddq, wanted.x) <= tolerance);
+    CHECK(relativeTo(x.lambda, wanted.lambda) <= tolerance);
+    const Eigen::VectorXd left = rows.J * Eigen::VectorXd(x.ddq) + rows.gamma;
+    CHECK(std::abs(x.residual - left.cwiseAbs().maxCoeff()) <= tolerance * (1 + h.cwiseAbs().maxCoeff() + x.residual));
+  }
+  const ConstrainedImpact impact = impulseDynamics(s.model, data, s.q, s.v, 0.3, c);
+  const DenseSolution after = solveKkt(M, rows.J, LongVector::Zero(s.model.nv()), -1.3L * rows.velocity.cast<long double>());
+  CHECK(relativeTo(impact.v_after - s.v, after.x) <= tolerance);
+  CHECK(relativeTo(impact.impulse, after.lambda) <= tolerance);
+}
