@@ -27,7 +27,9 @@ const double* aba(const CompactModel& model, Data& data, VectorView q, VectorVie
   const double* effective = lessLosses(m, d, tau.data, in.v);
   int body = 0;
   if (kernels::useStrips(m) && external == nullptr) {
-    if (!kernels::active().strips.aba(m, d.strips.data(), in.q, in.v, effective, d.ddq, body)) checkConfiguration("q", m, in.q);
+    const kernels::StripKernels& k = kernels::active().strips;
+    if (!k.articulate(m, d.strips.data(), in.q, in.v, effective, body)) checkConfiguration("q", m, in.q);
+    k.accelerate(m, d.strips.data(), m.gravity, d.ddq);
   } else {
     evaluateJoints(m, d, in.q, in.v);
     const kernels::SingleKernels& k = kernels::active().single;

@@ -23,7 +23,8 @@ class Packer {
     std::set<std::string> names;
     for (const ConstraintDescription& d : descriptions) {
       current_ = &d;
-      if (!names.insert(d.name).second) refuse("there are two constraints of that name; a contact stands in a set once, others need names of their own");
+      if (!names.insert(d.name).second)
+        refuse("there are two constraints of that name; a contact stands in a set once, others need names of their own");
       for (const double gain : {d.baumgarte.position, d.baumgarte.velocity})
         if (!(gain >= 0) || !std::isfinite(gain)) refuse("a Baumgarte gain is negative or no number");
       out_.first_row.push_back(out_.rows);
@@ -65,6 +66,12 @@ class Packer {
         if (!std::isfinite(k < 9 ? placements[e]->R.m[k] : placements[e]->p[k - 9])) refuse("its placement has an entry that is not finite");
     }
     if (p.body[0] == p.body[1]) refuse("'" + c.frame + "' and '" + c.other + "' belong to one body" + (p.body[0] == 0 ? ", the world" : ""));
+    for (int e = 0; e < 2; ++e)
+      for (int i = p.body[e]; i > 0; i = m_.index[at(i)].parent) p.root[e] = i;
+    // Numbers are depth first: the larger one is not above the other.
+    int a = p.body[0], b = p.body[1];
+    while (a != b) (a > b ? a : b) = m_.index[at(std::max(a, b))].parent;
+    p.common = a;
     const auto rotations = std::count(c.free.begin() + 3, c.free.end(), true);
     if (c.has_target && rotations == 2)
       refuse("two rotations are free: as a joint that has no angle to keep; free one (a hinge), all (a ball), or cut the mechanism elsewhere");
@@ -94,7 +101,8 @@ class Packer {
   /// The body of a joint of one degree of freedom that is the state's own.
   int single(int id) const {
     const JointRecord& record = model_.joints()[at(id)];
-    if (record.nv != 1) refuse("joint '" + record.name + "' has " + std::to_string(record.nv) + " degrees of freedom of its own; couplings are for one");
+    if (record.nv != 1)
+      refuse("joint '" + record.name + "' has " + std::to_string(record.nv) + " degrees of freedom of its own; couplings are for one");
     int body = m_.body_of_joint[at(id)];
     while (m_.index[at(body)].user_v < 0 && m_.index[at(body - 1)].joint == id) --body;
     return body;
@@ -144,6 +152,16 @@ class Packer {
       out_.bodies.push_back({i, -1, static_cast<int>(out_.dofs.size()), range[at(i)].first, range[at(i)].second});
       for (int k = 0; k < m_.index[at(i)].nv; ++k) out_.dofs.push_back(m_.index[at(i)].idx_v + k);
     }
+    for (std::size_t s = 1; s < m_.strips.strips.size(); ++s)
+      for (int l = 0; l < strip_lanes; ++l) {
+        const Strip& strip = m_.strips.strips[s];
+        const int place = strip.body[l] < 0 ? -1 : out_.body_at[at(strip.body[l])];
+        if (place < 0) continue;
+        ConstrainedBody& b = out_.bodies[at(place)];
+        b.strip = static_cast<int>(s);
+        b.lane = l;
+        b.strip_dof = strip.dof;
+      }
     for (ConstrainedBody& b : out_.bodies) b.parent = out_.body_at[at(m_.index[at(b.body)].parent)];
   }
 
@@ -166,7 +184,8 @@ void attachConstraints(const std::shared_ptr<CompactImpl>& compact, const std::v
   const CompactModel seen(std::shared_ptr<const CompactImpl>(compact.get(), [](const CompactImpl*) {}));
   compact->constraints = std::make_shared<PackedConstraints>(packConstraints(seen, descriptions, &registry));
   if (!descriptions.empty())
-    compact->report.passes.push_back("constraints: " + std::to_string(descriptions.size()) + ", of " + std::to_string(compact->constraints->rows) + " rows");
+    compact->report.passes.push_back("constraints: " + std::to_string(descriptions.size()) + ", of " + std::to_string(compact->constraints->rows) +
+                                     " rows");
 }
 
 }  // namespace dyn

@@ -13,6 +13,8 @@ namespace dyn {
 struct PackedFrameConstraint {
   int row = 0, rows = 0;
   int body[2] = {0, 0};
+  int root[2] = {0, 0};      ///< of their trees
+  int common = 0;            ///< the last body that moves both, or 0
   SE3<double> placement[2];  ///< of the constraint's frames, in the bodies' core frames
   std::array<bool, 6> free{};
   ConstraintAxes axes = ConstraintAxes::LOCAL;
@@ -44,6 +46,8 @@ struct ConstrainedBody {
   int parent = -1;         ///< its parent's place in the list; -1: the world
   int dof = 0;             ///< place of its first degree of freedom among those of the list
   int begin = 0, end = 0;  ///< rows that act on its subtree are among these
+  // Where the model has strips: the body's, its lane there, and the strip's first degree of freedom.
+  int strip = 0, lane = 0, strip_dof = 0;
 };
 
 struct PackedConstraints {

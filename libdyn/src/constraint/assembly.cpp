@@ -21,9 +21,7 @@ double prepareStep(const CompactModel& model, Data& data, VectorView q, Constrai
   DataImpl& d = data.impl();
   if (m.couplings.empty()) {
     const Inputs in = readInputs(algorithm, model, data, q, nullptr, nullptr);
-    evaluateJoints(m, d, in.q, d.zero);
-    kernels::active().single.articulate(m, d, d.zero, d.zero, nullptr);
-    checkFactors(algorithm, m, d.failed[0]);
+    articulateBodies(algorithm, m, d, c, in.q, d.zero, d.zero, nullptr);
     prepareRows(m, d, c, in.q, nullptr);
     articulateRows(m, d, c, false);
   } else {
@@ -38,8 +36,7 @@ double prepareStep(const CompactModel& model, Data& data, VectorView q, Constrai
 /// M^-1 J^T lambda into d.ddq.
 void motionOfForces(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c) {
   if (m.couplings.empty()) {
-    kernels::addConstraintForces(c.set.impl(), c.workspace, c.lambda, d);
-    kernels::active().single.accelerate(m, d, {}, d.ddq);
+    accelerateBodies(m, d, c, c.lambda, {}, d.ddq);
   } else {
     std::fill_n(d.ddq, m.nv, 0.0);
     addMotionOf(m, c, c.lambda, d.ddq);
@@ -61,7 +58,7 @@ AssemblyViews projectConfiguration(const CompactModel& model, Data& data, Vector
   int iterations = 0;
   while (error > 0 && iterations < settings.max_iterations) {
     ++iterations;
-    c.solver.factor(c.workspace.delassus, c.workspace.stride, c.workspace.bound, constraints.settings);
+    c.solver.factor(c.workspace, constraints.settings);
     for (int r = 0; r < c.set.rows(); ++r) c.wanted[r] = -c.motion.error[r];
     c.solver.solve(c.wanted, c.lambda);
     motionOfForces(m, d, c);

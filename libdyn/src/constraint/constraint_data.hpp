@@ -17,13 +17,14 @@ struct ConstraintDataImpl {
   FrameRows* frames = nullptr;
   kernels::ConstraintWorkspace workspace;
   DelassusSolver solver;
+  bool in_strips = false;  ///< the last recursion, whose rest is to follow
   RowMotion motion{};
   double* lambda = nullptr;
-  double* wanted = nullptr;    ///< right-hand side of the equation for lambda
-  double* step = nullptr;      ///< a correction of lambda
-  double* left = nullptr;      ///< what of it is not met
-  double* J = nullptr;         ///< rows x nv, column-major
-  double* X = nullptr;         ///< nv x rows, M^-1 J^T
+  double* wanted = nullptr;  ///< right-hand side of the equation for lambda
+  double* step = nullptr;    ///< a correction of lambda
+  double* left = nullptr;    ///< what of it is not met
+  double* J = nullptr;       ///< rows x nv, column-major
+  double* X = nullptr;       ///< nv x rows, M^-1 J^T
   double* gamma = nullptr;
   double* expanded = nullptr;  ///< nvx
   double* v_after = nullptr;   ///< nv

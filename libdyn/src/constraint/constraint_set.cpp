@@ -31,11 +31,12 @@ namespace {
 void carveAll(ConstraintDataImpl& d, Arena& arena) {
   const PackedConstraints& c = d.set.impl();
   const CompactImpl& m = d.set.model().impl();
-  const auto rows = static_cast<std::size_t>(c.rows), nv = static_cast<std::size_t>(m.nvx);
+  const std::size_t rows = static_cast<std::size_t>(c.rows) + most_lanes, nv = static_cast<std::size_t>(m.nvx);
   arena.take(d.frames, c.frames.size());
   kernels::carve(d.workspace, c, arena);
   d.solver.carve(c.rows, arena);
-  for (double** vector : {&d.motion.bias, &d.motion.velocity, &d.motion.error, &d.lambda, &d.wanted, &d.step, &d.left, &d.gamma}) arena.take(*vector, rows);
+  for (double** vector : {&d.motion.bias, &d.motion.velocity, &d.motion.error, &d.lambda, &d.wanted, &d.step, &d.left, &d.gamma})
+    arena.take(*vector, rows);
   arena.take(d.J, rows * nv);
   arena.take(d.X, rows * nv);
   arena.take(d.expanded, nv);

@@ -1,5 +1,7 @@
 #include "constraint/delassus_solver.hpp"
 
+#include "kernels/table.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -37,79 +39,54 @@ void solveTriangle(const double* A, int n, int stride, double* x) {
 void DelassusSolver::carve(int rows, Arena& arena) {
   n_ = rows;
   const auto n = static_cast<std::size_t>(rows);
-  arena.take(L_, n * n);
+  arena.take(C_, n * n);
   arena.take(gram_, n * n);
-  arena.take(inverse_, n);
-  arena.take(work_, 3 * n);
+  arena.take(left_, n);
+  arena.take(step_, n + most_lanes);
+  arena.take(vector_, n);
 }
 
-int DelassusSolver::factor(const double* D, std::ptrdiff_t stride, const double* bound, const ConstraintSettings& settings) {
-  D_ = D;
-  stride_ = stride;
-  bound_ = bound;
+void DelassusSolver::factor(kernels::ConstraintWorkspace& x, const ConstraintSettings& settings) {
+  x_ = &x;
   settings_ = settings;
   rank_ = n_;
-  regular_ = factorRegular(settings.mu);
+  regular_ = kernels::active().single.invertDelassus(n_, x, settings.mu, settings.rank_tolerance);
   if (!regular_) factorSingular();
-  return rank_;
-}
-
-/// L diag L^T by columns of the lower triangle; false where a pivot vanishes.
-bool DelassusSolver::factorRegular(double mu) {
-  for (int j = 0; j < n_; ++j) {
-    // Row j of L times the diagonal, then row j of L.
-    double* row = entry(L_, j);
-    double pivot = D_[j * stride_ + j] + mu;
-    for (int i = 0; i < j; ++i) {
-      const double* other = entry(L_, i);
-      double sum = D_[j * stride_ + i];
-      for (int k = 0; k < i; ++k) sum -= row[k] * other[k];
-      row[i] = sum;
-    }
-    for (int i = 0; i < j; ++i) {
-      const double scaled = row[i] * inverse_[i];
-      pivot -= scaled * row[i];
-      row[i] = scaled;
-    }
-    // NaN goes on, to come out as NaN.
-    if (pivot <= settings_.rank_tolerance * bound_[j] && !(mu > 0)) return false;
-    inverse_[j] = 1 / pivot;
-    row[j] = pivot;
-  }
-  return true;
 }
 
 /// Cholesky by the largest pivots, as far as they are more than rounding: rows of C, in the order of D.
 void DelassusSolver::factorSingular() {
-  double* left = work_;  // of the diagonal
-  for (int i = 0; i < n_; ++i) left[i] = D_[i * stride_ + i];
-  std::fill_n(L_, static_cast<std::ptrdiff_t>(n_) * n_, 0.0);
+  const double *D = x_->delassus, *bound = x_->bound;
+  const std::ptrdiff_t stride = x_->stride;
+  double* left = left_;  // of the diagonal
+  for (int i = 0; i < n_; ++i) left[i] = D[i * stride + i];
+  std::fill_n(C_, static_cast<std::ptrdiff_t>(n_) * n_, 0.0);
   for (rank_ = 0; rank_ < n_; ++rank_) {
     int best = -1;
     double ratio = settings_.rank_tolerance;
     for (int i = 0; i < n_; ++i)
-      if (left[i] > ratio * bound_[i]) {
+      if (left[i] > ratio * bound[i]) {
         best = i;
-        ratio = left[i] / bound_[i];
+        ratio = left[i] / bound[i];
       }
     if (best < 0) break;
     const double pivot = std::sqrt(left[best]);
-    const double* chosen = entry(L_, best);
+    const double* chosen = entry(C_, best);
     for (int i = 0; i < n_; ++i) {
       if (i == best || left[i] == 0) continue;
-      double* row = entry(L_, i);
-      double sum = D_[i * stride_ + best];
+      double* row = entry(C_, i);
+      double sum = D[i * stride + best];
       for (int k = 0; k < rank_; ++k) sum -= row[k] * chosen[k];
       row[rank_] = sum / pivot;
       left[i] = std::max(left[i] - row[rank_] * row[rank_], 0.0);
     }
-    entry(L_, best)[rank_] = pivot;
+    entry(C_, best)[rank_] = pivot;
     left[best] = 0;
   }
   for (int i = 0; i < rank_; ++i)
     for (int j = 0; j <= i; ++j) {
       double sum = 0;
-      for (int k = 0; k < n_; ++k) sum += entry(L_, k)[i] * entry(L_, k)[j];
+      for (int k = 0; k < n_; ++k) sum += entry(C_, k)[i] * entry(C_, k)[j];
       entry(gram_, i)[j] = sum;
     }
   factorTriangle(gram_, rank_, n_);
@@ -117,32 +94,27 @@ void DelassusSolver::factorSingular() {
 
 void DelassusSolver::apply(double* x) const {
   if (regular_) {
-    for (int i = 0; i < n_; ++i)
-      for (int k = 0; k < i; ++k) x[i] -= entry(L_, i)[k] * x[k];
-    for (int i = 0; i < n_; ++i) x[i] *= inverse_[i];
-    for (int i = n_ - 1; i >= 0; --i)
-      for (int k = 0; k < i; ++k) x[k] -= entry(L_, i)[k] * x[i];
-    return;
+    std::copy_n(x, n_, vector_);
+    return kernels::active().single.timesRows(n_, x_->stride, x_->inverse, vector_, x);
   }
-  double* y = work_;
+  double* y = left_;
   std::fill_n(y, rank_, 0.0);
   for (int i = 0; i < n_; ++i)
-    for (int k = 0; k < rank_; ++k) y[k] += entry(L_, i)[k] * x[i];
+    for (int k = 0; k < rank_; ++k) y[k] += entry(C_, i)[k] * x[i];
   solveTriangle(gram_, rank_, n_, y);
   solveTriangle(gram_, rank_, n_, y);
   for (int i = 0; i < n_; ++i) {
     x[i] = 0;
-    for (int k = 0; k < rank_; ++k) x[i] += entry(L_, i)[k] * y[k];
+    for (int k = 0; k < rank_; ++k) x[i] += entry(C_, i)[k] * y[k];
   }
 }
 
 double DelassusSolver::residual(const double* x, const double* b, double* out) const {
+  kernels::active().single.timesRows(n_, x_->stride, x_->delassus, x, out);
   double largest = 0;
   for (int i = 0; i < n_; ++i) {
-    double sum = -b[i];
-    for (int k = 0; k < n_; ++k) sum += D_[i * stride_ + k] * x[k];
-    out[i] = sum;
-    if (!(std::abs(sum) <= largest)) largest = std::abs(sum);
+    out[i] -= b[i];
+    if (!(std::abs(out[i]) <= largest)) largest = std::abs(out[i]);
   }
   return largest;
 }
@@ -152,17 +124,16 @@ int DelassusSolver::solve(const double* b, double* x) {
   apply(x);
   const bool proximal = settings_.mu > 0;
   if (regular_ && !proximal) return 1;
-  double* step = work_ + n_;
   // What the constraints contradict each other in stays: no iteration takes it away, and it must not build up.
   const int most = proximal ? settings_.max_iterations : 3;
   double before = HUGE_VAL;
   int iterations = 1;
   for (; iterations < most; ++iterations) {
-    const double error = residual(x, b, step);
+    const double error = residual(x, b, step_);
     if (!(error < before) || (proximal && error <= settings_.tolerance)) break;
     before = error;
-    apply(step);
-    for (int i = 0; i < n_; ++i) x[i] -= step[i];
+    apply(step_);
+    for (int i = 0; i < n_; ++i) x[i] -= step_[i];
   }
   return iterations;
 }

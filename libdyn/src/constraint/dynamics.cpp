@@ -19,28 +19,28 @@ ConstrainedViews solved(ConstraintDataImpl& c, const double* motion) {
   return {motion, c.lambda, c.solver.residual(c.lambda, c.wanted, c.left), c.solver.rank(), iterations};
 }
 
-/// The forces in c.lambda, and what the motions that they give to the rows lack, by the factors in c.solver: products with small entries of
-/// the Delassus matrix have lost digits that the motions still have. `wanted(row motions)` leaves in c.wanted what they lack.
+/// The forces in c.lambda, the accelerations that they make of the last articulateBodies, and between the two one correction: products with
+/// small entries of the Delassus matrix have lost digits that the motions of the rows still have. `wanted(motions)` leaves in c.wanted what
+/// these lack.
 template <class Wanted>
-ConstrainedViews refined(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c, const double* q, const Vec3<double>& gravity, const double* motion,
-                         Wanted&& wanted) {
+ConstrainedViews refined(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c, const double* q, const Vec3<double>& gravity, double* ddq,
+                         const double* motion, Wanted&& wanted) {
   const PackedConstraints& packed = c.set.impl();
-  ConstrainedViews out = solved(c, motion);
-  kernels::addConstraintForces(packed, c.workspace, c.lambda, d);
-  kernels::accelerateConstrained(m, d, packed, gravity, c.workspace);
+  ConstrainedViews out{motion, c.lambda, 0, c.solver.rank(), c.solver.solve(c.wanted, c.lambda)};
+  kernels::active().single.addConstraintForces(packed, c.workspace, c.lambda, d);
+  kernels::active().single.accelerateConstrained(m, d, packed, gravity, c.workspace);
   rowAccelerations(m, d, packed, c.frames, q, c.workspace, c.gamma);
   wanted(c.gamma);
-  double* more = c.step;
-  c.solver.solve(c.wanted, more);
-  out.residual = c.solver.residual(more, c.wanted, c.left);
-  kernels::addConstraintForces(packed, c.workspace, more, d);
-  for (int r = 0; r < packed.rows; ++r) c.lambda[r] += more[r];
+  c.solver.solve(c.wanted, c.step);
+  out.residual = c.solver.residual(c.step, c.wanted, c.left);
+  accelerateBodies(m, d, c, c.step, gravity, ddq);
+  for (int r = 0; r < packed.rows; ++r) c.lambda[r] += c.step[r];
   return out;
 }
 
 void factorDelassus(ConstraintData& constraints) {
   ConstraintDataImpl& c = constraints.impl();
-  c.solver.factor(c.workspace.delassus, c.workspace.stride, c.workspace.bound, constraints.settings);
+  c.solver.factor(c.workspace, constraints.settings);
 }
 
 }  // namespace
@@ -66,21 +66,15 @@ ConstrainedViews constraintDynamics(const CompactModel& model, Data& data, Vecto
     return out;
   }
   const Inputs in = readInputs(algorithm, model, data, q, &v, nullptr);
-  const Force<double>* external = readExternalForces(algorithm, m, d, fext, count);
-  const kernels::SingleKernels& k = kernels::active().single;
-  evaluateJoints(m, d, in.q, in.v);
-  k.articulate(m, d, in.v, lessLosses(m, d, tau.data, in.v), external);
-  checkFactors(algorithm, m, d.failed[0]);
+  articulateBodies(algorithm, m, d, c, in.q, in.v, lessLosses(m, d, tau.data, in.v), readExternalForces(algorithm, m, d, fext, count));
   prepareRows(m, d, c, in.q, in.v);
   articulateRows(m, d, c, true);
   factorDelassus(constraints);
   wantedAccelerations(c, c.workspace.free);
-  const ConstrainedViews out = refined(m, d, c, in.q, m.gravity, d.ddq, [&](double* rows) {
+  return refined(m, d, c, in.q, m.gravity, d.ddq, d.ddq, [&](double* rows) {
     addGravity(m, d, c.set.impl(), c.frames, rows);
     wantedAccelerations(c, rows);
   });
-  k.accelerate(m, d, m.gravity, d.ddq);
-  return out;
 }
 
 ConstrainedViews impulseDynamics(const CompactModel& model, Data& data, VectorView q, VectorView v, double restitution, ConstraintData& constraints) {
@@ -92,31 +86,25 @@ ConstrainedViews impulseDynamics(const CompactModel& model, Data& data, VectorVi
   DataImpl& d = data.impl();
   ConstraintDataImpl& c = constraints.impl();
   double* change = d.ddq;
-  const bool coupled = !m.couplings.empty();
-  const kernels::SingleKernels& k = kernels::active().single;
-  if (coupled) {
-    projectInertia(algorithm, model, data, q, &v, c);
-  } else {
-    const Inputs in = readInputs(algorithm, model, data, q, &v, nullptr);
-    evaluateJoints(m, d, in.q, d.zero);
-    k.articulate(m, d, d.zero, d.zero, nullptr);
-    checkFactors(algorithm, m, d.failed[0]);
-    prepareRows(m, d, c, in.q, in.v);
-    articulateRows(m, d, c, false);
-  }
-  factorDelassus(constraints);
+  ConstrainedViews out;
   const auto stillWanted = [&](const double* change_of_rows) {
     for (int r = 0; r < c.set.rows(); ++r) c.wanted[r] = -(1 + restitution) * c.motion.velocity[r] - (change_of_rows ? change_of_rows[r] : 0.0);
   };
-  stillWanted(nullptr);
-  ConstrainedViews out;
-  if (coupled) {
+  if (!m.couplings.empty()) {
+    projectInertia(algorithm, model, data, q, &v, c);
+    factorDelassus(constraints);
+    stillWanted(nullptr);
     out = solved(c, c.v_after);
     std::fill_n(change, m.nv, 0.0);
     addMotionOf(m, c, c.lambda, change);
   } else {
-    out = refined(m, d, c, q.data, {}, c.v_after, stillWanted);
-    k.accelerate(m, d, {}, change);
+    const Inputs in = readInputs(algorithm, model, data, q, &v, nullptr);
+    articulateBodies(algorithm, m, d, c, in.q, d.zero, d.zero, nullptr);
+    prepareRows(m, d, c, in.q, in.v);
+    articulateRows(m, d, c, false);
+    factorDelassus(constraints);
+    stillWanted(nullptr);
+    out = refined(m, d, c, in.q, {}, change, c.v_after, stillWanted);
   }
   for (int i = 0; i < m.nv; ++i) c.v_after[i] = v.data[i] + change[i];
   return out;

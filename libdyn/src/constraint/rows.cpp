@@ -18,38 +18,25 @@ Mat3<double> treeAxes(const CompactImpl& m, const Workspace<double>& w, int root
   return root > 0 && m.index[at(root)].flying_root ? w.rel[root].R : Mat3<double>::identity();
 }
 
-/// From a body towards the world, as far as `stop`.
-struct Way {
-  Vec3<double> origin;        ///< of the body, from the origin of `stop`, or of the root body's tree
-  Motion<double> velocity;    ///< of a point fixed to the body, relative to `stop`
-  int root = 0;               ///< the last body before the world, where there is nothing to stop at
-};
-
-/// `point`: from the body's origin.
-Way wayOf(const CompactImpl& m, const Workspace<double>& w, int body, int stop, const Vec3<double>& point, const double* v) {
-  Way way;
-  for (int i = body; i != stop; i = m.index[at(i)].parent) {
-    const BodyIndex& x = m.index[at(i)];
-    if (v) {
-      const Vec3<double> lever = way.origin + point;
-      for (int k = 0; k < x.nv; ++k) {
-        const Motion<double>& S = w.dof[x.idx_v + k].S_;
-        way.velocity += v[x.idx_v + k] * Motion<double>{S.linear + cross(S.angular, lever), S.angular};
-      }
-    }
-    way.origin += w.r[i];
-    way.root = i;
-  }
-  return way;
+/// The origin of `body`, from that of `stop`, which is above it; for 0, of the world or of a flying root.
+Vec3<double> originFrom(const CompactImpl& m, const Workspace<double>& w, int body, int stop) {
+  Vec3<double> sum;
+  for (int i = body; i != stop; i = m.index[at(i)].parent) sum += w.r[i];
+  return sum;
 }
 
-int commonAncestor(const CompactImpl& m, int a, int b) {
-  while (a != b) {
-    // Numbers are depth first: the larger one is no ancestor of the other.
-    int& larger = a > b ? a : b;
-    larger = m.index[at(larger)].parent;
+/// The velocity relative to `stop` of the point of `body` at `lever` from its origin.
+Motion<double> velocityFrom(const CompactImpl& m, const Workspace<double>& w, int body, int stop, Vec3<double> lever, const double* v) {
+  Motion<double> sum;
+  for (int i = body; i != stop; i = m.index[at(i)].parent) {
+    const BodyIndex& x = m.index[at(i)];
+    Motion<double> own;
+    for (int k = 0; k < x.nv; ++k) own += v[x.idx_v + k] * w.dof[x.idx_v + k].S_;
+    sum.linear += own.linear + cross(own.angular, lever);
+    sum.angular += own.angular;
+    lever += w.r[i];
   }
-  return a;
+  return sum;
 }
 
 /// The rotation that brings b to a, two unit vectors, the shortest way.
@@ -71,55 +58,41 @@ Vec3<double> turnedBy(const PackedFrameConstraint& c, const Mat3<double>& first,
   return second * log3(transpose(second) * first);
 }
 
-FrameRows locate(const CompactImpl& m, const Workspace<double>& w, const PackedFrameConstraint& c, const double* v) {
-  FrameRows out;
-  Mat3<double> frames[2];
-  for (int e = 0; e < 2; ++e) frames[e] = w.R[c.body[e]] * c.placement[e].R;
-  const int stop = commonAncestor(m, c.body[0], c.body[1]);
-  const Vec3<double> target = w.R[c.body[1]] * c.placement[1].p;  // from the second body's origin
+void locate(const CompactImpl& m, const Workspace<double>& w, const PackedFrameConstraint& c, const double* v, FrameRows& out) {
+  const bool on_world = c.body[1] == 0;
+  const Mat3<double> first = w.R[c.body[0]] * c.placement[0].R;
+  const Mat3<double> trees[2] = {treeAxes(m, w, c.root[0]), treeAxes(m, w, c.root[1])};
   out.lever[0] = w.R[c.body[0]] * c.placement[0].p;
-  const Way first = wayOf(m, w, c.body[0], stop, out.lever[0], v);
-  Mat3<double> turn = Mat3<double>::identity();
-  Mat3<double> trees[2] = {turn, turn};
-  const Way second = wayOf(m, w, c.body[1], stop, {}, nullptr);
-  if (stop > 0) {
-    out.lever[1] = first.origin + out.lever[0] - second.origin;
-  } else {
-    trees[0] = treeAxes(m, w, first.root);
-    trees[1] = treeAxes(m, w, second.root);
-    turn = transpose(trees[1]) * trees[0];
-    const auto inWorld = [&](int e, int root, const Vec3<double>& x) {
-      return root > 0 && m.index[at(root)].flying_root ? trees[e] * x + w.rel[root].p : x;
+  out.lever[1] = {};
+  out.error = {};
+  out.turn = c.common > 0 ? Mat3<double>::identity() : (on_world ? trees[0] : transpose(trees[1]) * trees[0]);
+  // The world's own lever is asked for by targets only.
+  if (c.common > 0) {
+    out.lever[1] = originFrom(m, w, c.body[0], c.common) + out.lever[0] - originFrom(m, w, c.body[1], c.common);
+  } else if (!on_world || c.has_target) {
+    const auto inWorld = [&](int e, const Vec3<double>& x) {
+      return c.root[e] > 0 && m.index[at(c.root[e])].flying_root ? trees[e] * x + w.rel[c.root[e]].p : x;
     };
-    out.lever[1] = transposeTimes(trees[1], inWorld(0, first.root, first.origin + out.lever[0]) - inWorld(1, second.root, second.origin));
+    out.lever[1] = transposeTimes(trees[1], inWorld(0, originFrom(m, w, c.body[0], 0) + out.lever[0]) - inWorld(1, originFrom(m, w, c.body[1], 0)));
   }
-  out.turn = turn;
-  frames[1] = transpose(turn) * frames[1];
+  out.relative = {};
+  out.w[0] = out.w[1] = {};
   if (v) {
-    const Motion<double> other = wayOf(m, w, c.body[1], stop, out.lever[1], v).velocity;
-    out.relative = first.velocity - Motion<double>{transposeTimes(turn, other.linear), transposeTimes(turn, other.angular)};
+    out.relative = velocityFrom(m, w, c.body[0], c.common, out.lever[0], v);
     out.w[0] = w.w[c.body[0]];
-    out.w[1] = transposeTimes(turn, w.w[c.body[1]]);
+    if (!on_world) {
+      const Motion<double> other = velocityFrom(m, w, c.body[1], c.common, out.lever[1], v);
+      out.relative -= Motion<double>{transposeTimes(out.turn, other.linear), transposeTimes(out.turn, other.angular)};
+      out.w[1] = transposeTimes(out.turn, w.w[c.body[1]]);
+    }
   }
-  switch (c.axes) {
-    case ConstraintAxes::LOCAL:
-      out.axes = frames[0];
-      break;
-    case ConstraintAxes::OTHER:
-      out.axes = frames[1];
-      break;
-    case ConstraintAxes::LOCAL_WORLD_ALIGNED:
-      out.axes = transpose(treeAxes(m, w, [&] {
-        int root = c.body[0];
-        while (root > 0 && m.index[at(root)].parent > 0) root = m.index[at(root)].parent;
-        return root;
-      }()));
-  }
-  if (c.has_target) {
-    out.error.linear = transposeTimes(out.axes, transposeTimes(turn, out.lever[1] - target));
-    out.error.angular = transposeTimes(out.axes, turnedBy(c, frames[0], frames[1]));
-  }
-  return out;
+  Mat3<double> second;
+  if (c.has_target || c.axes == ConstraintAxes::OTHER) second = transpose(out.turn) * (w.R[c.body[1]] * c.placement[1].R);
+  out.axes = c.axes == ConstraintAxes::LOCAL ? first : (c.axes == ConstraintAxes::OTHER ? second : transpose(trees[0]));
+  if (!c.has_target) return;
+  const Vec3<double> target = w.R[c.body[1]] * c.placement[1].p;  // from the second body's origin
+  out.error.linear = transposeTimes(out.axes, transposeTimes(out.turn, out.lever[1] - target));
+  out.error.angular = transposeTimes(out.axes, turnedBy(c, first, second));
 }
 
 /// d/dt of the relative velocity in the constraint's axes, less what the accelerations of the bodies' origins give.
@@ -168,8 +141,8 @@ void locateRows(const CompactImpl& m, const Workspace<double>& w, const PackedCo
                 const RowMotion& rows) {
   for (std::size_t k = 0; k < c.frames.size(); ++k) {
     const PackedFrameConstraint& f = c.frames[k];
-    frames[k] = locate(m, w, f, v);
-    const FrameRows& x = frames[k];
+    FrameRows& x = frames[k];
+    locate(m, w, f, v, x);
     const auto inAxes = [&](const Motion<double>& a) { return Motion<double>{transposeTimes(x.axes, a.linear), transposeTimes(x.axes, a.angular)}; };
     const Motion<double> velocity = inAxes(x.relative), bias = v ? inAxes(biasOf(f, x)) : Motion<double>{};
     eachDirection(f, [&](int row, int direction) {
@@ -246,9 +219,7 @@ void rowAccelerations(const CompactImpl& m, const Workspace<double>& w, const Pa
     };
     const Motion<double> other = seen(1);
     const Motion<double> relative = seen(0) - Motion<double>{transposeTimes(s.turn, other.linear), transposeTimes(s.turn, other.angular)};
-    eachDirection(f, [&](int row, int direction) {
-      out[row] = dot(s.axes.col(direction % 3), direction < 3 ? relative.linear : relative.angular);
-    });
+    eachDirection(f, [&](int row, int direction) { out[row] = dot(s.axes.col(direction % 3), direction < 3 ? relative.linear : relative.angular); });
   }
   const auto motionOf = [&](int body, int k) { return x.motion[c.bodies[at(c.body_at[at(body)])].dof + k]; };
   for (const PackedJointCoupling& k : c.couplings) {
@@ -265,9 +236,7 @@ void addGravity(const CompactImpl& m, const Workspace<double>& w, const PackedCo
     const PackedFrameConstraint& f = c.frames[k];
     // Where both bodies move, both fall.
     if (f.body[0] > 0 && f.body[1] > 0) continue;
-    int root = f.body[0];
-    while (root > 0 && m.index[at(root)].parent > 0) root = m.index[at(root)].parent;
-    const Vec3<double> gravity = transposeTimes(treeAxes(m, w, root), m.gravity);
+    const Vec3<double> gravity = transposeTimes(treeAxes(m, w, f.root[0]), m.gravity);
     const double sign = f.body[0] > 0 ? 1 : -1;
     eachDirection(f, [&](int row, int direction) {
       if (direction < 3) accelerations[row] += sign * dot(frames[k].axes.col(direction), gravity);

@@ -19,6 +19,34 @@ void checkConstraints(const char* algorithm, const CompactModel& model, const Da
     throw Error(ErrorCode::argument, std::string(algorithm) + ": the constraints were looked up in another model; make a ConstraintSet of this one");
 }
 
+void articulateBodies(const char* algorithm, const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c, const double* q, const double* v,
+                      const double* tau, const Force<double>* external) {
+  c.in_strips = kernels::useStrips(m) && external == nullptr;
+  if (c.in_strips) {
+    const kernels::StripKernels& k = kernels::active().strips;
+    int failed = 0;
+    if (!k.articulate(m, d.strips.data(), q, v, tau, failed)) checkConfiguration("q", m, q);
+    checkFactors(algorithm, m, failed);
+    k.readBodies(m, d.strips.data(), c.set.impl(), d);
+  } else {
+    evaluateJoints(m, d, q, v);
+    kernels::active().single.articulate(m, d, v, tau, external);
+    checkFactors(algorithm, m, d.failed[0]);
+  }
+}
+
+void accelerateBodies(const CompactImpl& m, DataImpl& d, const ConstraintDataImpl& c, const double* forces, const Vec3<double>& gravity,
+                      double* ddq) {
+  kernels::active().single.addConstraintForces(c.set.impl(), c.workspace, forces, d);
+  if (c.in_strips) {
+    const kernels::StripKernels& k = kernels::active().strips;
+    k.writeShares(d, c.set.impl(), d.strips.data());
+    k.accelerate(m, d.strips.data(), gravity, ddq);
+  } else {
+    kernels::active().single.accelerate(m, d, gravity, ddq);
+  }
+}
+
 void prepareRows(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c, const double* q, const double* v) {
   const PackedConstraints& packed = c.set.impl();
   locateRows(m, d, packed, q, v, c.frames, c.motion);
@@ -30,7 +58,7 @@ void articulateRows(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c, bo
   const kernels::SingleKernels& k = kernels::active().single;
   k.constraintSweep(m, d, packed, true, c.workspace);
   if (gravity) addGravity(m, d, packed, c.frames, c.workspace.free);
-  k.delassusMatrix(d, packed, c.workspace);
+  k.delassusMatrix(packed, c.workspace);
 }
 
 void rigidRows(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c) {
@@ -38,8 +66,7 @@ void rigidRows(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c) {
   kernels::active().single.constraintSweep(m, d, packed, false, c.workspace);
   const std::ptrdiff_t rows = packed.rows;
   std::fill_n(c.J, rows * m.nvx, 0.0);
-  for (std::size_t k = 0; k < packed.dofs.size(); ++k)
-    std::copy_n(c.workspace.shareOf(static_cast<int>(k)), rows, c.J + rows * packed.dofs[k]);
+  for (std::size_t k = 0; k < packed.dofs.size(); ++k) std::copy_n(c.workspace.shareOf(static_cast<int>(k)), rows, c.J + rows * packed.dofs[k]);
   std::copy_n(c.workspace.free, rows, c.gamma);
   if (m.couplings.empty()) return;
   // Followers accelerate by themselves where their masters do not.

@@ -9,6 +9,13 @@ namespace dyn {
 /// Throws Error(argument) unless both were made for the model.
 void checkConstraints(const char* algorithm, const CompactModel& model, const Data& data, const ConstraintData& constraints);
 
+/// The articulated-body recursion up to the accelerations, in strips where the model has them: what constraints need of the bodies between them
+/// and the world is in d either way. Throws Error(singular).
+void articulateBodies(const char* algorithm, const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c, const double* q, const double* v,
+                      const double* tau, const Force<double>* external);
+/// Adds what the rows' forces give to those bodies' degrees of freedom, and the rest of the recursion.
+void accelerateBodies(const CompactImpl& m, DataImpl& d, const ConstraintDataImpl& c, const double* forces, const Vec3<double>& gravity, double* ddq);
+
 /// After the kernel's outward pass: rows located, their forces written. v may be null.
 void prepareRows(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c, const double* q, const double* v);
 

@@ -11,6 +11,23 @@
 
 namespace dyn::kernels {
 
+template <class Wide>
+Wide loadPack(const double* from) {
+  if constexpr (lanes_of<Wide> == 1) {
+    return *from;
+  } else {
+    return Wide::load(from);
+  }
+}
+template <class Wide>
+void storePack(const Wide& value, double* to) {
+  if constexpr (lanes_of<Wide> == 1) {
+    *to = value;
+  } else {
+    value.store(to);
+  }
+}
+
 /// Arrays of one number a row of the constraints, `stride` numbers long: a multiple of the widest pack's.
 struct ConstraintWorkspace {
   std::ptrdiff_t stride = 0;
@@ -19,11 +36,14 @@ struct ConstraintWorkspace {
   double* free = nullptr;      ///< acceleration of each row without constraint forces, from the sweep
   double* bound = nullptr;     ///< what the diagonal of the Delassus matrix could be if nothing cancelled
   double* delassus = nullptr;  ///< rows of the matrix
-  double* scaled = nullptr;    ///< one number a degree of freedom of these bodies
-  double* motion = nullptr;    ///< the same: acceleration
+  double* scaled = nullptr;    ///< the shares over the degrees of freedom's pivots
+  double* inverse = nullptr;   ///< rows of its inverse
+  double* column = nullptr;    ///< scratch of one row
+  double* motion = nullptr;    ///< one number a degree of freedom of these bodies: acceleration
 
   double* forceOf(int body) const { return force + 6 * body * stride; }
   double* shareOf(int dof) const { return share + dof * stride; }
+  double* scaledOf(int dof) const { return scaled + dof * stride; }
 };
 
 constexpr std::size_t constraintLayoutStamp() {
@@ -39,7 +59,9 @@ inline void carve(ConstraintWorkspace& x, const PackedConstraints& c, Arena& are
   arena.take(x.free, stride);
   arena.take(x.bound, stride);
   arena.take(x.delassus, stride * static_cast<std::size_t>(c.rows));
-  arena.take(x.scaled, c.dofs.size());
+  arena.take(x.scaled, stride * c.dofs.size());
+  arena.take(x.inverse, stride * static_cast<std::size_t>(c.rows));
+  arena.take(x.column, stride);
   arena.take(x.motion, c.dofs.size());
 }
 
@@ -50,20 +72,8 @@ inline void carve(ConstraintWorkspace& x, const PackedConstraints& c, Arena& are
 template <class Wide>
 void constraintSweep(const CompactImpl& m, const Workspace<double>& w, const PackedConstraints& c, bool eliminated, ConstraintWorkspace& x) {
   constexpr int width = lanes_of<Wide>;
-  const auto load = [](const double* from) {
-    if constexpr (width == 1) {
-      return *from;
-    } else {
-      return Wide::load(from);
-    }
-  };
-  const auto store = [](const Wide& value, double* to) {
-    if constexpr (width == 1) {
-      *to = value;
-    } else {
-      value.store(to);
-    }
-  };
+  const auto load = [](const double* from) { return loadPack<Wide>(from); };
+  const auto store = [](const Wide& value, double* to) { storePack(value, to); };
   std::fill_n(x.free, x.stride, 0.0);
   std::fill_n(x.bound, x.stride, 0.0);
   for (std::size_t slot = 0; slot < c.bodies.size(); ++slot) {
@@ -84,16 +94,16 @@ void constraintSweep(const CompactImpl& m, const Workspace<double>& w, const Pac
       for (int k = 0; k < index.nv; ++k) {
         const DofFactor<double>& dof = w.dof[index.idx_v + k];
         double* share = x.shareOf(here.dof + k) + first;
-        const Wide own = load(share), y = own + along(dof.S_, F);
+        const Wide own = load(share), y = own + along(dof.S_, F), scaled = Wide(dof.inverse) * y;
         store(y, share);
+        store(scaled, x.scaledOf(here.dof + k) + first);
         const bool last = k == index.nv - 1;
-        bound += Wide(dof.inverse) *
-                 (own * own + Wide(dot(dof.S_.linear, dof.S_.linear)) * dot(F.linear, F.linear) +
-                  Wide(dot(dof.S_.angular, dof.S_.angular)) * dot(F.angular, F.angular));
+        bound += Wide(dof.inverse) * (own * own + Wide(dot(dof.S_.linear, dof.S_.linear)) * dot(F.linear, F.linear) +
+                                      Wide(dot(dof.S_.angular, dof.S_.angular)) * dot(F.angular, F.angular));
         if (last) free += along(beta, F);
         if (!eliminated) continue;
         free += y * Wide(dof.y);
-        const Wide less = last ? y : Wide(dof.inverse) * y;
+        const Wide less = last ? y : scaled;
         if (last) F.angular += cross(broadcast<Wide>(r), F.linear);  // abaInward has moved this W to the parent
         F.linear -= Vec3<Wide>{less * Wide(dof.W.linear.x), less * Wide(dof.W.linear.y), less * Wide(dof.W.linear.z)};
         F.angular -= Vec3<Wide>{less * Wide(dof.W.angular.x), less * Wide(dof.W.angular.y), less * Wide(dof.W.angular.z)};
@@ -117,35 +127,85 @@ void constraintSweep(const CompactImpl& m, const Workspace<double>& w, const Pac
 
 /// The Delassus matrix from the shares of an eliminated sweep, all of it. O(dofs x rows^2).
 template <class Wide>
-void delassusMatrix(const Workspace<double>& w, const PackedConstraints& c, ConstraintWorkspace& x) {
-  constexpr int width = lanes_of<Wide>;
-  const std::size_t count = c.dofs.size();
-  for (int row = 0; row < c.rows; ++row) {
-    for (std::size_t k = 0; k < count; ++k) x.scaled[k] = w.dof[c.dofs[k]].inverse * x.shareOf(static_cast<int>(k))[row];
-    for (int first = row / width * width; first < c.rows; first += width) {
-      Wide sum(0);
-      for (std::size_t k = 0; k < count; ++k) {
-        const double* share = x.shareOf(static_cast<int>(k)) + first;
-        if constexpr (width == 1) {
-          sum += x.scaled[k] * *share;
-        } else {
-          sum += Wide(x.scaled[k]) * Wide::load(share);
-        }
+void delassusMatrix(const PackedConstraints& c, ConstraintWorkspace& x) {
+  constexpr int width = lanes_of<Wide>, tile = 8;
+  const auto count = static_cast<int>(c.dofs.size());
+  // A tile of rows and a pack of columns at a time, above the diagonal, in registers through all degrees of freedom.
+  for (int row = 0; row < c.rows; row += tile)
+    for (int column = row / width * width; column < c.rows; column += width) {
+      Wide sums[tile];
+      for (Wide& sum : sums) sum = Wide(0);
+      for (int k = 0; k < count; ++k) {
+        const Wide share = loadPack<Wide>(x.shareOf(k) + column);
+        const double* scaled = x.scaledOf(k) + row;
+        for (int r = 0; r < tile; ++r) sums[r] += Wide(scaled[r]) * share;
       }
-      double* out = x.delassus + row * x.stride + first;
-      if constexpr (width == 1) {
-        *out = sum;
-      } else {
-        sum.store(out);
-      }
+      for (int r = 0; r < std::min(tile, c.rows - row); ++r) storePack(sums[r], x.delassus + (row + r) * x.stride + column);
     }
+  for (int row = 1; row < c.rows; ++row)
     for (int column = 0; column < row; ++column) x.delassus[row * x.stride + column] = x.delassus[column * x.stride + row];
+}
+
+/// (D + mu)^-1 into x.inverse, by exchanging one row after the other (Gauss and Jordan): a product with it waits for nothing, where solutions
+/// with triangles wait for each row. False where a pivot is not above tolerance times its bound.
+template <class Wide>
+bool invertDelassus(int rows, ConstraintWorkspace& x, double mu, double tolerance) {
+  constexpr int width = lanes_of<Wide>;
+  // Windows of this are unit vectors, part by part: what is written number by number and read as a pack stalls the core.
+  alignas(64) static constexpr auto unit = [] {
+    std::array<double, 2 * width> e{};
+    e[width] = 1;
+    return e;
+  }();
+  const auto unitPack = [&](int k, int first) {
+    const int shift = k - first;
+    return shift < 0 || shift >= width ? Wide(0) : loadPack<Wide>(unit.data() + width - shift);
+  };
+  for (int i = 0; i < rows; ++i)
+    for (int first = 0; first < rows; first += width)
+      storePack(loadPack<Wide>(x.delassus + i * x.stride + first) + Wide(mu) * unitPack(i, first), x.inverse + i * x.stride + first);
+  for (int k = 0; k < rows; ++k) {
+    double* row = x.inverse + k * x.stride;
+    const double pivot = row[k];
+    // NaN goes on, to come out as NaN.
+    if (pivot <= tolerance * x.bound[k] && !(mu > 0)) return false;
+    const double inverse = 1 / pivot;
+    for (int first = 0; first < rows; first += width) {
+      const Wide e = unitPack(k, first), scaled = Wide(inverse) * loadPack<Wide>(row + first) + Wide(inverse - 1) * e;
+      storePack(scaled, row + first);
+      storePack(scaled + e, x.column + first);
+    }
+    for (int i = 0; i < rows; ++i) {
+      if (i == k) continue;
+      double* other = x.inverse + i * x.stride;
+      const Wide factor(-other[k]);
+      for (int first = 0; first < rows; first += width)
+        storePack(loadPack<Wide>(other + first) + factor * loadPack<Wide>(x.column + first), other + first);
+    }
+  }
+  return true;
+}
+
+/// out = A x for a symmetric matrix of rows.
+template <class Wide>
+void timesRows(int rows, std::ptrdiff_t stride, const double* A, const double* x, double* out) {
+  constexpr int width = lanes_of<Wide>;
+  for (int first = 0; first < rows; first += width) {
+    Wide even(0), odd(0);
+    int k = 0;
+    for (; k + 1 < rows; k += 2) {
+      even += Wide(x[k]) * loadPack<Wide>(A + k * stride + first);
+      odd += Wide(x[k + 1]) * loadPack<Wide>(A + (k + 1) * stride + first);
+    }
+    if (k < rows) even += Wide(x[k]) * loadPack<Wide>(A + k * stride + first);
+    storePack(even + odd, out + first);
   }
 }
 
 /// abaSolve for the bodies between constraints and the world only: w.acc and x.motion. O(these).
-inline void accelerateConstrained(const CompactImpl& m, Workspace<double>& w, const PackedConstraints& c, const Vec3<double>& gravity,
-                                  ConstraintWorkspace& x) {
+template <class Wide>
+void accelerateConstrained(const CompactImpl& m, Workspace<double>& w, const PackedConstraints& c, const Vec3<double>& gravity,
+                           ConstraintWorkspace& x) {
   w.acc[0] = {};
   for (std::size_t slot = c.bodies.size(); slot-- > 0;) {
     const ConstrainedBody& here = c.bodies[slot];
@@ -170,13 +230,13 @@ inline void accelerateConstrained(const CompactImpl& m, Workspace<double>& w, co
 }
 
 /// Adds to what abaSolve starts from what forces of the constraints, one a row, give to each degree of freedom.
-inline void addConstraintForces(const PackedConstraints& c, const ConstraintWorkspace& x, const double* lambda, Workspace<double>& w) {
+template <class Wide>
+void addConstraintForces(const PackedConstraints& c, const ConstraintWorkspace& x, const double* lambda, Workspace<double>& w) {
   for (std::size_t k = 0; k < c.dofs.size(); ++k) {
-    const double* share = x.shareOf(static_cast<int>(k));
-    double sum = 0;
-    for (int row = 0; row < c.rows; ++row) sum += share[row] * lambda[row];
-    DofFactor<double>& dof = w.dof[c.dofs[k]];
-    dof.y += dof.inverse * sum;
+    const double* scaled = x.scaledOf(static_cast<int>(k));
+    Wide sum(0);
+    for (int first = 0; first < c.rows; first += lanes_of<Wide>) sum += loadPack<Wide>(scaled + first) * loadPack<Wide>(lambda + first);
+    w.dof[c.dofs[k]].y += total<double>(sum);
   }
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "kernels/constraints.hpp"
+#include "kernels/strip_scratch.hpp"
 #include "kernels/table.hpp"
 
 namespace dyn::kernels {
@@ -12,8 +13,48 @@ void addConstraints(SingleKernels& k) {
   k.constraintSweep = [](const CompactImpl& m, const Workspace<double>& w, const PackedConstraints& c, bool eliminated, ConstraintWorkspace& x) {
     kernels::constraintSweep<Panel>(m, w, c, eliminated, x);
   };
-  k.delassusMatrix = [](const Workspace<double>& w, const PackedConstraints& c, ConstraintWorkspace& x) { kernels::delassusMatrix<Panel>(w, c, x); };
+  k.delassusMatrix = kernels::delassusMatrix<Panel>;
+  k.invertDelassus = kernels::invertDelassus<Panel>;
+  k.timesRows = kernels::timesRows<Panel>;
+  k.addConstraintForces = kernels::addConstraintForces<Panel>;
+  k.accelerateConstrained = kernels::accelerateConstrained<Panel>;
   k.constraint_layout = constraintLayoutStamp();
+}
+
+/// One lane of a struct of packs.
+template <class To, class S, class From>
+void readLane(const From& from, int lane, To& to) {
+  static_assert(sizeof(From) == sizeof(To) * static_cast<std::size_t>(lanes_of<S>));
+  const auto* numbers = reinterpret_cast<const double*>(&from) + lane;
+  auto* out = reinterpret_cast<double*>(&to);
+  for (std::size_t k = 0; k < sizeof(To) / sizeof(double); ++k) out[k] = numbers[k * static_cast<std::size_t>(lanes_of<S>)];
+}
+
+template <class S>
+void addStripConstraints(StripKernels& k) {
+  k.readBodies = [](const CompactImpl& m, const char* scratch, const PackedConstraints& c, Workspace<double>& w) {
+    const Workspace<S>& from = reinterpret_cast<const StripScratch<S>*>(scratch)->w;
+    for (const ConstrainedBody& b : c.bodies) {
+      const int i = b.body;
+      const BodyIndex& index = m.index[static_cast<std::size_t>(i)];
+      const auto read = [&](const auto& packs, auto& to) { readLane<std::remove_reference_t<decltype(to)>, S>(packs, b.lane, to); };
+      read(from.R[b.strip], w.R[i]);
+      read(from.r[b.strip], w.r[i]);
+      read(from.w[b.strip], w.w[i]);
+      read(from.beta[b.strip], w.beta[i]);
+      if (index.flying_root) read(from.rel[b.strip], w.rel[i]);
+      for (int l = 0; l < index.nv; ++l) read(from.dof[b.strip_dof + l], w.dof[index.idx_v + l]);
+    }
+  };
+  k.writeShares = [](const Workspace<double>& w, const PackedConstraints& c, char* scratch) {
+    Workspace<S>& to = reinterpret_cast<StripScratch<S>*>(scratch)->w;
+    for (std::size_t b = 0; b < c.bodies.size(); ++b) {
+      const ConstrainedBody& here = c.bodies[b];
+      const int end = b + 1 < c.bodies.size() ? c.bodies[b + 1].dof : static_cast<int>(c.dofs.size());
+      for (int l = here.dof; l < end; ++l)
+        reinterpret_cast<double*>(&to.dof[here.strip_dof + l - here.dof].y)[here.lane] = w.dof[c.dofs[static_cast<std::size_t>(l)]].y;
+    }
+  };
 }
 
 }  // namespace dyn::kernels

@@ -6,5 +6,6 @@
 namespace dyn::kernels {
 
 template void addConstraints<Pack<double>>(SingleKernels&);
+template void addStripConstraints<Pack<double, xsimd::fma3<xsimd::avx2>>>(StripKernels&);
 
 }  // namespace dyn::kernels

@@ -5,6 +5,7 @@
 #include "kernels/crba.hpp"
 #include "kernels/losses.hpp"
 #include "kernels/rnea.hpp"
+#include "kernels/strip_scratch.hpp"
 
 #include <dyn_sdk/pack.hpp>
 
@@ -171,42 +172,6 @@ struct Strips {
   }
 };
 
-/// Scratch of a model's strips.
-template <class S>
-struct StripScratch {
-  Workspace<S> w;
-  S *v, *a, *result;
-
-  static std::size_t carve(StripScratch& s, const CompactImpl& m, char* base) {
-    const StripPlan& plan = m.strips;
-    Arena arena(base);
-    arena.take(s.w.joints, m.batches.size());
-    JointMemory<S> counted;
-    for (std::size_t b = 0; b < m.batches.size(); ++b)
-      dyn::carve(s.w.joints ? s.w.joints[b] : counted, m.batches[b], plan.batches[b].slots, true, arena);
-    const std::size_t n = plan.strips.size();
-    arena.take(s.w.rel, n);
-    arena.take(s.w.a, n);
-    arena.take(s.w.w, n);
-    arena.take(s.w.f, n);
-    arena.take(s.w.R, n);
-    arena.take(s.w.r, n);
-    arena.take(s.w.beta, n);
-    arena.take(s.w.IA, n);
-    arena.take(s.w.pA, n);
-    arena.take(s.w.acc, n);
-    arena.take(s.w.h, n);
-    arena.take(s.w.Io, n);
-    arena.take(s.w.mass, n);
-    const auto dofs = static_cast<std::size_t>(plan.dofs);
-    arena.take(s.w.dof, dofs);
-    arena.take(s.v, dofs);
-    arena.take(s.a, dofs);
-    arena.take(s.result, dofs);
-    return arena.used();
-  }
-};
-
 /// The only joint of its type, which is most often a flying root: asked once, and given to all lanes.
 template <class S>
 void evaluateAlone(const TypeBatch& batch, const StripBatch& strips, const JointMemory<S>& memory, const double* q, const double* v) {
@@ -297,6 +262,10 @@ void scatterDofs(const StripPlan& plan, const S* from, double* to) {
   }
 }
 
+/// kernels/instantiate_constraints.hpp.
+template <class S>
+void addStripConstraints(StripKernels& k);
+
 template <class S>
 StripKernels stripKernels() {
   StripKernels k;
@@ -329,7 +298,7 @@ StripKernels stripKernels() {
     kernels::massMatrix(Strips<S>{m, s.w}, s.w, M);
     return finite;
   };
-  k.aba = [](const CompactImpl& m, char* scratch, const double* q, const double* v, const double* tau, double* ddq, int& failed) {
+  k.articulate = [](const CompactImpl& m, char* scratch, const double* q, const double* v, const double* tau, int& failed) {
     auto& s = *reinterpret_cast<StripScratch<S>*>(scratch);
     const Strips<S> strips{m, s.w};
     const bool finite = evaluateStrips(m, s.w, q, v);
@@ -337,13 +306,17 @@ StripKernels stripKernels() {
     gatherDofs(m.strips, tau, s.a);
     abaOutward(strips, s.w, s.v, static_cast<const Force<S>*>(nullptr));
     abaInward(strips, s.w, s.a);
-    abaSolve(strips, s.w, strips.gravity(), s.result);
-    scatterDofs(m.strips, s.result, ddq);
     failed = 0;
     for (int l = 0; l < strip_lanes; ++l)
       if (s.w.failed[l] != 0 && failed == 0) failed = m.strips.strips[static_cast<std::size_t>(s.w.failed[l])].body[l];
     return finite;
   };
+  k.accelerate = [](const CompactImpl& m, char* scratch, const Vec3<double>& gravity, double* ddq) {
+    auto& s = *reinterpret_cast<StripScratch<S>*>(scratch);
+    abaSolve(Strips<S>{m, s.w}, s.w, cast<S>(gravity), s.result);
+    scatterDofs(m.strips, s.result, ddq);
+  };
+  addStripConstraints<S>(k);
   return k;
 }
 

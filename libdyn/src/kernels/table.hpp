@@ -25,13 +25,21 @@ struct SingleKernels {
   void (*jointJacobians)(const CompactImpl&, Workspace<double>&, double* J);  ///< as forwardKinematics; J: 6 numbers a degree of freedom
   void (*rnea)(const CompactImpl&, Workspace<double>&, const double* v, const double* a, const Force<double>* fext, double* tau);
   void (*massMatrix)(const CompactImpl&, Workspace<double>&, double* M);
-  void (*aba)(const CompactImpl&, Workspace<double>&, const double* v, const double* tau, const Force<double>* fext, double* ddq);  /// aba, in two parts: everything but the accelerations, and these, under the gravity given. Between them forces of constraints are found.
+  void (*aba)(const CompactImpl&, Workspace<double>&, const double* v, const double* tau, const Force<double>* fext,
+              double* ddq);  /// aba, in two parts: everything but the accelerations, and these, under the gravity given. Between them forces of
+                             /// constraints are found.
   void (*articulate)(const CompactImpl&, Workspace<double>&, const double* v, const double* tau, const Force<double>* fext);
   void (*accelerate)(const CompactImpl&, Workspace<double>&, const Vec3<double>& gravity, double* ddq);
   /// The outward half of `articulate`: poses, columns, velocity-dependent accelerations.
   void (*placeOutward)(const CompactImpl&, Workspace<double>&, const double* v);
   void (*constraintSweep)(const CompactImpl&, const Workspace<double>&, const PackedConstraints&, bool eliminated, ConstraintWorkspace&);
-  void (*delassusMatrix)(const Workspace<double>&, const PackedConstraints&, ConstraintWorkspace&);
+  void (*delassusMatrix)(const PackedConstraints&, ConstraintWorkspace&);
+  /// The inverse of the Delassus matrix with mu on its diagonal; false where a pivot is not above tolerance times its bound.
+  bool (*invertDelassus)(int rows, ConstraintWorkspace&, double mu, double tolerance);
+  /// Vectors of one number a row have room for a pack, with zeros in it.
+  void (*timesRows)(int rows, std::ptrdiff_t stride, const double* A, const double* x, double* out);
+  void (*addConstraintForces)(const PackedConstraints&, const ConstraintWorkspace&, const double* lambda, Workspace<double>&);
+  void (*accelerateConstrained)(const CompactImpl&, Workspace<double>&, const PackedConstraints&, const Vec3<double>& gravity, ConstraintWorkspace&);
   std::size_t constraint_layout;  ///< constraintLayoutStamp(), as `layout` below
 
   using Derivatives = DerivativeWorkspace<double>;
@@ -65,8 +73,12 @@ struct StripKernels {
   void (*prepare)(const CompactImpl&, char* scratch) = nullptr;
   bool (*rnea)(const CompactImpl&, char* scratch, const double* q, const double* v, const double* a, double* tau) = nullptr;
   bool (*massMatrix)(const CompactImpl&, char* scratch, const double* q, double* M) = nullptr;
-  /// failed: the body whose pivot vanished, or 0.
-  bool (*aba)(const CompactImpl&, char* scratch, const double* q, const double* v, const double* tau, double* ddq, int& failed) = nullptr;
+  /// As SingleKernels'. failed: the body whose pivot vanished, or 0.
+  bool (*articulate)(const CompactImpl&, char* scratch, const double* q, const double* v, const double* tau, int& failed) = nullptr;
+  void (*accelerate)(const CompactImpl&, char* scratch, const Vec3<double>& gravity, double* ddq) = nullptr;
+  /// What `articulate` has left of the constraints' bodies, out of the lanes; and what their forces add, back into them.
+  void (*readBodies)(const CompactImpl&, const char* scratch, const PackedConstraints&, Workspace<double>&) = nullptr;
+  void (*writeShares)(const Workspace<double>&, const PackedConstraints&, char* scratch) = nullptr;
 };
 
 enum class Task {

@@ -14,6 +14,7 @@ struct Motion {
   friend Motion operator-(const Motion& a, const Motion& b) { return {a.linear - b.linear, a.angular - b.angular}; }
   friend Motion operator*(const S& s, const Motion& a) { return {s * a.linear, s * a.angular}; }
   Motion& operator+=(const Motion& b) { return *this = *this + b; }
+  Motion& operator-=(const Motion& b) { return *this = *this - b; }
 
   /// v x m, the derivative of a motion m fixed in a frame that moves with v (Featherstone 2008, eq. 2.31).
   Motion cross(const Motion& m) const { return {dyn::cross(angular, m.linear) + dyn::cross(linear, m.angular), dyn::cross(angular, m.angular)}; }
