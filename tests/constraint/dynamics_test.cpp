@@ -7,47 +7,6 @@
 using namespace dyn;
 using namespace dyn::test;
 
-namespace {
-
-struct Scene {
-  CompactModel model;
-  std::vector<ConstraintDescription> constraints;
-  Eigen::VectorXd q, v, tau;
-};
-
-/// A random tree, a few constraints of random kinds between random bodies of it and the world.
-Scene randomScene(std::uint64_t seed, int bodies, int constraints) {
-  Random random(seed);
-  const Model description = randomTree(registry(), bodies, seed, seed % 2 == 0);
-  const CompactModel model = compile(description, registry());
-  Scene s{model, {}, {}, {}, {}};
-  std::vector<std::string> names;
-  for (const FrameRecord& f : model.frames()) names.push_back(f.name);
-  for (int k = 0; k < constraints; ++k) {
-    FrameConstraint c;
-    do {
-      c.frame = names[static_cast<std::size_t>(random.below(static_cast<int>(names.size())))];
-      c.other = random.below(2) == 0 ? "universe" : names[static_cast<std::size_t>(random.below(static_cast<int>(names.size())))];
-    } while (model.frames()[static_cast<std::size_t>(model.frameId(c.frame))].joint == model.frames()[static_cast<std::size_t>(model.frameId(c.other))].joint);
-    const int kind = random.below(4);
-    if (kind == 0) c.free = {false, false, false, true, true, true};
-    if (kind > 1)
-      for (bool& free : c.free) free = random.below(2) == 0;
-    c.free[static_cast<std::size_t>(random.below(6))] = false;
-    c.axes = static_cast<ConstraintAxes>(random.below(3));
-    ConstraintDescription d;
-    d.name = "c" + std::to_string(k);
-    d.relation = c;
-    s.constraints.push_back(d);
-  }
-  s.q = integrate(model, neutral(model), random.vector(model.nv(), 1));
-  s.v = random.vector(model.nv(), 1);
-  s.tau = random.vector(model.nv(), 5);
-  return s;
-}
-
-}  // namespace
-
 TEST_CASE("rows are what frames' velocities and accelerations say", "[constraint]") {
   const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 30)));
   const Scene s = randomScene(seed, 10, 4);
@@ -89,8 +48,7 @@ TEST_CASE("accelerations and forces solve the dense equations", "[constraint]") 
   const DenseRows rows = denseRows(s.model, data, s.constraints, s.q, s.v);
   const Eigen::MatrixXd M = crba(s.model, data, s.q);
   const Eigen::VectorXd h = nonLinearEffects(s.model, data, s.q, s.v);
-  const DenseSolution wanted =
-      solveKkt(M, rows.J, s.tau.cast<long double>() - h.cast<long double>(), -rows.gamma.cast<long double>());
+  const DenseSolution wanted = solveKkt(M, rows.J, s.tau.cast<long double>() - h.cast<long double>(), -rows.gamma.cast<long double>());
   const LongMatrix D = rows.J.cast<long double>() * M.cast<long double>().ldlt().solve(LongMatrix(rows.J.transpose().cast<long double>()));
   const Eigen::VectorXd spectrum = D.cast<double>().selfadjointView<Eigen::Lower>().eigenvalues();
   const double largest = spectrum.maxCoeff();

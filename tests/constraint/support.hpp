@@ -2,12 +2,13 @@
 #pragma once
 
 #include "support/random_model.hpp"
+#include "support/registry.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <Eigen/QR>
-#include <Eigen/Geometry>
-#include <Eigen/Eigenvalues>
 
 namespace dyn::test {
 
@@ -99,6 +100,44 @@ inline DenseSolution solveKkt(const Eigen::MatrixXd& M, const Eigen::MatrixXd& J
 
 inline double relativeTo(const Eigen::VectorXd& x, const LongVector& reference) {
   return static_cast<double>((x.cast<long double>() - reference).cwiseAbs().maxCoeff() / std::max(1.0L, reference.cwiseAbs().maxCoeff()));
+}
+
+struct Scene {
+  CompactModel model;
+  std::vector<ConstraintDescription> constraints;
+  Eigen::VectorXd q, v, tau;
+};
+
+/// A random tree, a few constraints of random kinds between random bodies of it and the world.
+inline Scene randomScene(std::uint64_t seed, int bodies, int constraints) {
+  Random random(seed);
+  const Model description = randomTree(registry(), bodies, seed, seed % 2 == 0);
+  const CompactModel model = compile(description, registry());
+  Scene s{model, {}, {}, {}, {}};
+  std::vector<std::string> names;
+  for (const FrameRecord& f : model.frames()) names.push_back(f.name);
+  for (int k = 0; k < constraints; ++k) {
+    FrameConstraint c;
+    do {
+      c.frame = names[static_cast<std::size_t>(random.below(static_cast<int>(names.size())))];
+      c.other = random.below(2) == 0 ? "universe" : names[static_cast<std::size_t>(random.below(static_cast<int>(names.size())))];
+    } while (model.frames()[static_cast<std::size_t>(model.frameId(c.frame))].joint ==
+             model.frames()[static_cast<std::size_t>(model.frameId(c.other))].joint);
+    const int kind = random.below(4);
+    if (kind == 0) c.free = {false, false, false, true, true, true};
+    if (kind > 1)
+      for (bool& free : c.free) free = random.below(2) == 0;
+    c.free[static_cast<std::size_t>(random.below(6))] = false;
+    c.axes = static_cast<ConstraintAxes>(random.below(3));
+    ConstraintDescription d;
+    d.name = "c" + std::to_string(k);
+    d.relation = c;
+    s.constraints.push_back(d);
+  }
+  s.q = integrate(model, neutral(model), random.vector(model.nv(), 1));
+  s.v = random.vector(model.nv(), 1);
+  s.tau = random.vector(model.nv(), 5);
+  return s;
 }
 
 }  // namespace dyn::test

@@ -52,7 +52,7 @@ Need needOf(const CompactModel& model) { return model.nv() <= 1000 ? Need::deriv
 /// Everything that is measured lives here.
 struct Subjects {
   Subjects(const CompactModel& m, const ConstraintSet& set)
-      : model(m), states(randomStates(m, state_count, 1)), data(m, needOf(m)), constraints(set), truth() {}
+      : model(m), states(randomStates(m, state_count, 1)), data(m, needOf(m)), constraints(set, needOf(m)), truth() {}
   const CompactModel& model;
   std::vector<State> states;
   Data data;
@@ -143,6 +143,7 @@ void addSingle(Subjects& x, std::vector<Entry>& entries) {
   ConstraintData& c = x.constraints;
   add("constraint_dynamics", [&c](auto& m, auto& d, auto& s) { constraintDynamics(m, d, s.q, s.v, s.tau, c); });
   add("constraint_dynamics_kkt", [&c](auto& m, auto& d, auto& s) { constraintDynamics(m, d, s.q, s.v, s.tau, c, ConstraintMethod::kkt); });
+  add("constraint_dynamics_derivatives", [&c](auto& m, auto& d, auto& s) { computeConstraintDynamicsDerivatives(m, d, s.q, s.v, s.tau, c); });
   add("impulse", [&c](auto& m, auto& d, auto& s) { impulseDynamics(m, d, s.q, s.v, 0.0, c); });
   add("make_data", [](auto& m, auto&, auto&) { const Data made(m); });
 }
@@ -234,8 +235,7 @@ ConstraintSet constraintsOf(const Options& o, const CompactModel& model) {
 
 std::string namesOf(const ConstraintSet& set) {
   std::string names;
-  for (int k = 0; k < set.count(); ++k)
-    names += (k ? ", " : "") + set.description(k).name + " (" + std::to_string(set.rows(k)) + ")";
+  for (int k = 0; k < set.count(); ++k) names += (k ? ", " : "") + set.description(k).name + " (" + std::to_string(set.rows(k)) + ")";
   return names;
 }
 
@@ -249,7 +249,7 @@ void run(const Options& o) {
   addBatch<float>(subjects, "float", o.threads, entries);
   if (!o.json) std::printf("constraints (rows): %s\n", namesOf(subjects.constraints.set()).c_str());
   if (!o.json)
-    std::printf("%s, %d degrees of freedom, %d random states, median of 11%s\n%-26s %-8s %-8s %12s %20s %10s\n", model.name().c_str(), model.nv(),
+    std::printf("%s, %d degrees of freedom, %d random states, median of 11%s\n%-32s %-8s %-8s %12s %20s %10s\n", model.name().c_str(), model.nv(),
                 state_count, o.truth.empty() ? "" : "; errors in units of roundoff, u", "algorithm", "scalar", "mode", "ns a state", "quartiles",
                 o.truth.empty() ? "" : "error");
   for (const Entry& entry : entries) {
@@ -265,7 +265,7 @@ void run(const Options& o) {
         char range[48], off[24] = "";
         std::snprintf(range, sizeof range, "%.1f .. %.1f", t.low, t.high);
         if (!std::isnan(error)) std::snprintf(off, sizeof off, "%.1f u", error);
-        std::printf("%-26s %-8s %-8s %12.1f %20s %10s\n", entry.algorithm, entry.scalar, entry.mode, t.median, range, off);
+        std::printf("%-32s %-8s %-8s %12.1f %20s %10s\n", entry.algorithm, entry.scalar, entry.mode, t.median, range, off);
       }
     } catch (const Error& e) {
       if (e.code() != ErrorCode::singular && e.code() != ErrorCode::argument) throw;

@@ -20,6 +20,7 @@
 #include <dyn/algorithm/rnea.hpp>
 #include <dyn/compile/compile.hpp>
 #include <dyn/constraint/assembly.hpp>
+#include <dyn/constraint/derivatives.hpp>
 #include <dyn/constraint/dynamics.hpp>
 #include <dyn/spatial/eigen.hpp>
 #include <dyn/spatial/inertial_parameters.hpp>

@@ -1,12 +1,12 @@
 #include "algorithm/followers.hpp"
 #include "algorithm/inputs.hpp"
-#include "algorithm/placement.hpp"
+#include "algorithm/motion_derivatives.hpp"
 #include "kernels/jacobians.hpp"
 #include "kernels/table.hpp"
 
 #include <dyn/algorithm/kinematics_derivatives.hpp>
 
-namespace dyn::detail {
+namespace dyn {
 
 namespace {
 
@@ -55,6 +55,31 @@ Motion<double> carried(const Motion<double>& s, const Motion<double>& m, Referen
 
 }  // namespace
 
+void motionDerivatives(const CompactImpl& m, DataImpl& d, const PointOnBody& point, ReferenceFrame reference, double* const columns[5]) {
+  const SE3<double> oMf = d.oM[point.body] * point.placement;
+  const Motion<double> v = point.placement.actInv(d.v[point.body]), a = point.placement.actInv(d.a[point.body]);
+  for (int r = 0; r < 5; ++r) std::fill_n(columns[r], 6 * m.nvx, 0.0);
+  kernels::Walk<double> walk;
+  kernels::walkSupports<double>({m, d}, d, {point.body, point.placement}, nullptr, walk, [&](int i, int k, const Motion<double>& S) {
+    const Variation x = variationOf(m, d, S, i, k);
+    const Motion<double> s = kernels::seen(walk, x.column), dv = kernels::seen(walk, x.velocity);
+    const Motion<double> results[5] = {dv + carried(s, v, reference), s, dv.cross(v) + kernels::seen(walk, x.acceleration) + carried(s, a, reference),
+                                       s.cross(v) + kernels::seen(walk, x.rate), s};
+    for (int r = 0; r < 5; ++r) kernels::writeMotion(express(results[r], oMf, reference), columns[r] + 6 * (m.index[at(i)].idx_v + k));
+  });
+  if (!m.couplings.empty()) {
+    double* none = d.columns;
+    std::fill_n(none, 6 * m.nvx, 0.0);
+    for (std::size_t k = m.couplings.size(); k-- > 0;) {
+      foldColumn(m, d, k, 6, columns[0], columns[1], none);
+      foldColumn(m, d, k, 6, columns[2], columns[3], columns[4]);
+    }
+    for (int r = 0; r < 5; ++r) keepUsersColumns(m, 6, columns[r]);
+  }
+}
+
+namespace detail {
+
 void forwardKinematicsDerivatives(const CompactModel& model, Data& data, VectorView q, VectorView v, VectorView a) {
   checkData("computeForwardKinematicsDerivatives", model, data, Need::derivatives);
   forwardKinematics(model, data, q, &v, &a);
@@ -77,31 +102,13 @@ void motionDerivatives(const CompactModel& model, Data& data, Subject subject, i
   const PointOnBody point = subject == Subject::joint ? jointOnBody(model, id) : frameOnBody(model, id);
   const CompactImpl& m = model.impl();
   DataImpl& d = data.impl();
-  const SE3<double> oMf = d.oM[point.body] * point.placement;
-  const Motion<double> v = point.placement.actInv(d.v[point.body]), a = point.placement.actInv(d.a[point.body]);
-  // Velocity by q and v, acceleration by q, v and a; the frame's columns in expanded coordinates.
   double* const columns[5] = {d.Ag, d.dAg, d.dh_dq, d.dhdot_dq, d.dhdot_dv};
-  for (double* out : columns) std::fill_n(out, 6 * m.nvx, 0.0);
-  kernels::Walk<double> walk;
-  kernels::walkSupports<double>({m, d}, d, {point.body, point.placement}, nullptr, walk, [&](int i, int k, const Motion<double>& S) {
-    const Variation x = variationOf(m, d, S, i, k);
-    const Motion<double> s = kernels::seen(walk, x.column), dv = kernels::seen(walk, x.velocity);
-    const Motion<double> results[5] = {dv + carried(s, v, reference), s, dv.cross(v) + kernels::seen(walk, x.acceleration) + carried(s, a, reference),
-                                       s.cross(v) + kernels::seen(walk, x.rate), s};
-    for (int r = 0; r < 5; ++r) kernels::writeMotion(express(results[r], oMf, reference), columns[r] + 6 * (m.index[at(i)].idx_v + k));
-  });
-  if (!m.couplings.empty()) {
-    double* none = d.columns;
-    std::fill_n(none, 6 * m.nvx, 0.0);
-    for (std::size_t k = m.couplings.size(); k-- > 0;) {
-      foldColumn(m, d, k, 6, columns[0], columns[1], none);
-      foldColumn(m, d, k, 6, columns[2], columns[3], columns[4]);
-    }
-    for (double* out : columns) keepUsersColumns(m, 6, out);
-  }
+  dyn::motionDerivatives(m, d, point, reference, columns);
   for (int r = 0; r < 5; ++r)
     if (const MatrixOut* out = outputs[r].second)
       for (int k = 0; k < m.nv; ++k) std::copy_n(columns[r] + 6 * k, 6, out->column(k));
 }
 
-}  // namespace dyn::detail
+}  // namespace detail
+
+}  // namespace dyn

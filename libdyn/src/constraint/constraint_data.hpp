@@ -10,9 +10,10 @@ namespace dyn {
 
 /// Vectors are of one number a row.
 struct ConstraintDataImpl {
-  explicit ConstraintDataImpl(const ConstraintSet& s) : set(s) {}
+  ConstraintDataImpl(const ConstraintSet& s, Need n) : set(s), needs(n) {}
 
   ConstraintSet set;
+  Need needs;
   PackMemory block;
   FrameRows* frames = nullptr;
   kernels::ConstraintWorkspace workspace;
@@ -29,6 +30,14 @@ struct ConstraintDataImpl {
   double* expanded = nullptr;  ///< nvx
   double* v_after = nullptr;   ///< nv
   double* q = nullptr;         ///< nq, twice
+
+  // With Need::derivatives only.
+  double* columns[2][5] = {};                       ///< 6 x nvx each: motion of a constraint's two frames by q and v
+  double *row_by_q = nullptr, *row_by_v = nullptr;  ///< rows x nv
+  double *lambda_dq = nullptr, *lambda_dv = nullptr, *lambda_dtau = nullptr;
+  double *motion_dq = nullptr, *motion_dv = nullptr, *motion_dtau = nullptr;  ///< nv x nv
+  Force<double>* fext = nullptr;                                              ///< one a joint
+  double* change = nullptr;                                                   ///< nv
 };
 
 }  // namespace dyn

@@ -42,10 +42,17 @@ void carveAll(ConstraintDataImpl& d, Arena& arena) {
   arena.take(d.expanded, nv);
   arena.take(d.v_after, nv);
   arena.take(d.q, 2 * static_cast<std::size_t>(m.nqx));
+  if (!has(d.needs, Need::derivatives)) return;
+  for (auto& end : d.columns)
+    for (double*& columns : end) arena.take(columns, 6 * nv);
+  for (double** matrix : {&d.row_by_q, &d.row_by_v, &d.lambda_dq, &d.lambda_dv, &d.lambda_dtau}) arena.take(*matrix, rows * nv);
+  for (double** matrix : {&d.motion_dq, &d.motion_dv, &d.motion_dtau}) arena.take(*matrix, nv * nv);
+  arena.take(d.fext, m.joints.size());
+  arena.take(d.change, nv);
 }
 }  // namespace
 
-ConstraintData::ConstraintData(const ConstraintSet& set) : impl_(std::make_unique<ConstraintDataImpl>(set)) {
+ConstraintData::ConstraintData(const ConstraintSet& set, Need needs) : impl_(std::make_unique<ConstraintDataImpl>(set, needs)) {
   Arena count(nullptr);
   carveAll(*impl_, count);
   impl_->block = PackMemory(count.used());  // zeroed

@@ -1,8 +1,7 @@
 // Constraints of one model, looked up once and used from then on; and the memory of their forces.
 #pragma once
 
-#include <dyn/compile/compact_model.hpp>
-#include <dyn/data/views.hpp>
+#include <dyn/data/data.hpp>
 #include <dyn/joint/registry.hpp>
 #include <dyn/model/constraint.hpp>
 
@@ -54,7 +53,8 @@ struct ConstraintSettings {
 /// Scratch and results of a set of constraints, for one thread. All memory is taken when it is made.
 class DYN_API ConstraintData {
  public:
-  explicit ConstraintData(const ConstraintSet& set);
+  /// Need::derivatives for those of constrained dynamics.
+  explicit ConstraintData(const ConstraintSet& set, Need needs = Need::state);
   ~ConstraintData();
   ConstraintData(ConstraintData&&) noexcept;
   ConstraintData& operator=(ConstraintData&&) noexcept;

@@ -1,0 +1,152 @@
+// Derivatives of constrained dynamics and of impacts against differences of high order.
+#include "constraint/support.hpp"
+
+using namespace dyn;
+using namespace dyn::test;
+
+namespace {
+
+/// The derivative of f along each of the n directions in which `moved` leads: of fourth order.
+template <class F, class Moved>
+Eigen::MatrixXd differences(Eigen::Index n, double h, Moved&& moved, F&& f) {
+  Eigen::MatrixXd out;
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const auto at = [&](double t) {
+      Eigen::VectorXd step = Eigen::VectorXd::Zero(n);
+      step[k] = t;
+      return Eigen::VectorXd(f(moved(step)));
+    };
+    const Eigen::VectorXd column = (8 * (at(h) - at(-h)) - (at(2 * h) - at(-2 * h))) / (12 * h);
+    if (k == 0) out.resize(column.size(), n);
+    out.col(k) = column;
+  }
+  return out;
+}
+
+double distance(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) { return (a - b).cwiseAbs().maxCoeff() / (1 + b.cwiseAbs().maxCoeff()); }
+
+/// Some of the constraints with a place to be at, away from it, and feedback; none with two free rotations.
+void addTargets(Scene& s, std::uint64_t seed) {
+  Random random(seed);
+  Data data(s.model);
+  forwardKinematics(s.model, data, s.q);
+  for (ConstraintDescription& d : s.constraints) {
+    auto& c = std::get<FrameConstraint>(d.relation);
+    d.baumgarte.velocity = 3;
+    if (std::count(c.free.begin() + 3, c.free.end(), true) == 2) c.free[3] = c.free[4] = c.free[5] = false;
+    if (random.below(3) == 0 || (c.axes == ConstraintAxes::LOCAL_WORLD_ALIGNED && (c.free[3] || c.free[4] || c.free[5]))) continue;
+    c.has_target = true;
+    d.baumgarte.position = 20;
+    const SE3<double> first = framePlacement(s.model, data, s.model.frameId(c.frame)),
+                      second = framePlacement(s.model, data, s.model.frameId(c.other));
+    c.other_placement = second.inverse() * first * SE3<double>{exp3(random.vector(0.3)), random.vector(0.2)};
+  }
+}
+
+/// Enough freedom is left for the equations to be regular.
+bool wellPosed(const ConstrainedMotion& x, const ConstraintSet& set) {
+  return x.rank == set.rows() && x.lambda.cwiseAbs().maxCoeff() < 1e4 && x.ddq.cwiseAbs().maxCoeff() < 1e4;
+}
+
+}  // namespace
+
+TEST_CASE("derivatives of constrained dynamics are those of differences", "[constraint]") {
+  const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 40)));
+  Scene s = randomScene(seed, 9, 1 + static_cast<int>(seed % 2));
+  addTargets(s, seed);
+  if (seed % 5 == 0) {
+    ConstraintDescription lock = lockJoint(s.model.joints()[3].name);
+    lock.baumgarte = {seed % 10 == 0 ? 9.0 : 0.0, 2};
+    const JointRecord& j = s.model.joints()[3];
+    if (seed % 10 == 0) {
+      const Eigen::VectorXd at = integrate(s.model, s.q, Eigen::VectorXd::Constant(s.model.nv(), 0.1)).segment(j.idx_q, j.nq);
+      std::get<JointLock>(lock.relation).configuration.assign(at.data(), at.data() + at.size());
+    }
+    s.constraints.push_back(lock);
+  }
+  Data data(s.model, Need::derivatives);
+  ConstraintData c(ConstraintSet(s.model, s.constraints), Need::derivatives);
+  if (!wellPosed(constraintDynamics(s.model, data, s.q, s.v, s.tau, c), c.set())) return;
+  const ConstraintDynamicsDerivatives x = computeConstraintDynamicsDerivatives(s.model, data, s.q, s.v, s.tau, c);
+  const Eigen::MatrixXd ddq_dq = x.ddq_dq, ddq_dv = x.ddq_dv, ddq_dtau = x.ddq_dtau, lambda_dq = x.lambda_dq, lambda_dv = x.lambda_dv,
+                        lambda_dtau = x.lambda_dtau;
+  const Eigen::Index n = s.model.nv(), rows = c.set().rows();
+  const auto both = [&](const Eigen::VectorXd& q, const Eigen::VectorXd& v, const Eigen::VectorXd& tau) {
+    const ConstrainedMotion y = constraintDynamics(s.model, data, q, v, tau, c);
+    Eigen::VectorXd out(n + rows);
+    out << y.ddq, y.lambda;
+    return out;
+  };
+  const double h = 1e-3;
+  const Eigen::MatrixXd by_q = differences(
+      n, h, [&](const Eigen::VectorXd& e) { return integrate(s.model, s.q, e); }, [&](const Eigen::VectorXd& q) { return both(q, s.v, s.tau); });
+  const Eigen::MatrixXd by_v = differences(
+      n, h, [&](const Eigen::VectorXd& e) { return Eigen::VectorXd(s.v + e); }, [&](const Eigen::VectorXd& v) { return both(s.q, v, s.tau); });
+  const Eigen::MatrixXd by_tau = differences(
+      n, h, [&](const Eigen::VectorXd& e) { return Eigen::VectorXd(s.tau + e); }, [&](const Eigen::VectorXd& tau) { return both(s.q, s.v, tau); });
+  CHECK(distance(ddq_dq, by_q.topRows(n)) < 1e-6);
+  CHECK(distance(lambda_dq, by_q.bottomRows(rows)) < 1e-6);
+  CHECK(distance(ddq_dv, by_v.topRows(n)) < 1e-7);
+  CHECK(distance(lambda_dv, by_v.bottomRows(rows)) < 1e-7);
+  CHECK(distance(ddq_dtau, by_tau.topRows(n)) < 1e-8);
+  CHECK(distance(lambda_dtau, by_tau.bottomRows(rows)) < 1e-8);
+}
+
+TEST_CASE("derivatives of couplings kept by forces are those of differences", "[constraint]") {
+  const Model description = randomTree(registry(), 8, 5);
+  std::vector<std::string> single;
+  const CompactModel model = compile(description, registry());
+  for (const JointRecord& j : model.joints())
+    if (j.nv == 1 && j.nq == 1) single.push_back(j.name);
+  REQUIRE(single.size() >= 2);
+  ConstraintDescription gear = coupleJoint(single[0], {"mimic", single[1], {{"coefficients", std::vector<double>{0.1, 0.7, -0.4, 0.3}}}});
+  gear.baumgarte = {7, 3};
+  Random random(8);
+  const Eigen::VectorXd q = integrate(model, neutral(model), random.vector(model.nv(), 1)), v = random.vector(model.nv(), 1),
+                        tau = random.vector(model.nv(), 5);
+  Data data(model, Need::derivatives);
+  ConstraintData c(ConstraintSet(model, {gear, pointContact("tool")}, &registry()), Need::derivatives);
+  const ConstraintDynamicsDerivatives x = computeConstraintDynamicsDerivatives(model, data, q, v, tau, c);
+  const Eigen::MatrixXd ddq_dq = x.ddq_dq, ddq_dv = x.ddq_dv, lambda_dq = x.lambda_dq;
+  const double h = 1e-3;
+  const auto at = [&](const Eigen::VectorXd& q1, const Eigen::VectorXd& v1) {
+    const ConstrainedMotion y = constraintDynamics(model, data, q1, v1, tau, c);
+    Eigen::VectorXd out(model.nv() + 4);
+    out << y.ddq, y.lambda;
+    return out;
+  };
+  const Eigen::MatrixXd by_q = differences(
+      model.nv(), h, [&](const Eigen::VectorXd& e) { return integrate(model, q, e); }, [&](const Eigen::VectorXd& q1) { return at(q1, v); });
+  const Eigen::MatrixXd by_v = differences(
+      model.nv(), h, [&](const Eigen::VectorXd& e) { return Eigen::VectorXd(v + e); }, [&](const Eigen::VectorXd& v1) { return at(q, v1); });
+  CHECK(distance(ddq_dq, by_q.topRows(model.nv())) < 1e-6);
+  CHECK(distance(lambda_dq, by_q.bottomRows(4)) < 1e-6);
+  CHECK(distance(ddq_dv, by_v.topRows(model.nv())) < 1e-7);
+}
+
+TEST_CASE("derivatives of impacts are those of differences", "[constraint]") {
+  const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 20)));
+  const Scene s = randomScene(seed, 9, 1 + static_cast<int>(seed % 2));
+  Data data(s.model, Need::derivatives);
+  ConstraintData c(ConstraintSet(s.model, s.constraints), Need::derivatives);
+  if (!wellPosed(constraintDynamics(s.model, data, s.q, s.v, s.tau, c), c.set())) return;
+  const double restitution = 0.3;
+  const ImpulseDynamicsDerivatives x = computeImpulseDynamicsDerivatives(s.model, data, s.q, s.v, restitution, c);
+  const Eigen::MatrixXd v_dq = x.v_after_dq, v_dv = x.v_after_dv, impulse_dq = x.impulse_dq, impulse_dv = x.impulse_dv;
+  const Eigen::Index n = s.model.nv(), rows = c.set().rows();
+  const auto both = [&](const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
+    const ConstrainedImpact y = impulseDynamics(s.model, data, q, v, restitution, c);
+    Eigen::VectorXd out(n + rows);
+    out << y.v_after, y.impulse;
+    return out;
+  };
+  const double h = 1e-3;
+  const Eigen::MatrixXd by_q = differences(
+      n, h, [&](const Eigen::VectorXd& e) { return integrate(s.model, s.q, e); }, [&](const Eigen::VectorXd& q) { return both(q, s.v); });
+  const Eigen::MatrixXd by_v = differences(
+      n, h, [&](const Eigen::VectorXd& e) { return Eigen::VectorXd(s.v + e); }, [&](const Eigen::VectorXd& v) { return both(s.q, v); });
+  CHECK(distance(v_dq, by_q.topRows(n)) < 1e-6);
+  CHECK(distance(impulse_dq, by_q.bottomRows(rows)) < 1e-6);
+  CHECK(distance(v_dv, by_v.topRows(n)) < 1e-8);
+  CHECK(distance(impulse_dv, by_v.bottomRows(rows)) < 1e-8);
+}
