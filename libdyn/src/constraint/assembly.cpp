@@ -1,6 +1,6 @@
 #include "constraint/kkt.hpp"
 #include "constraint/solution.hpp"
-#include "kernels/table.hpp"
+#include "kernels/constraint_table.hpp"
 
 #include <dyn/algorithm/configuration.hpp>
 #include <dyn/constraint/assembly.hpp>

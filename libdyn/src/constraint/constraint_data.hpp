@@ -38,6 +38,8 @@ struct ConstraintDataImpl {
   double *motion_dq = nullptr, *motion_dv = nullptr, *motion_dtau = nullptr;  ///< nv x nv
   Force<double>* fext = nullptr;                                              ///< one a joint
   double* change = nullptr;                                                   ///< nv
+  double *Jt = nullptr, *Xt = nullptr;  ///< -J^T, nv x rows; X^T, `stride` numbers a column
+  double* force = nullptr;              ///< nv x nv: derivatives of the generalised forces, or right-hand sides
 };
 
 }  // namespace dyn

@@ -38,7 +38,7 @@ void carveAll(ConstraintDataImpl& d, Arena& arena) {
   for (double** vector : {&d.motion.bias, &d.motion.velocity, &d.motion.error, &d.lambda, &d.wanted, &d.step, &d.left, &d.gamma})
     arena.take(*vector, rows);
   arena.take(d.J, rows * nv);
-  arena.take(d.X, rows * nv);
+  arena.take(d.X, rows * nv + most_lanes);
   arena.take(d.expanded, nv);
   arena.take(d.v_after, nv);
   arena.take(d.q, 2 * static_cast<std::size_t>(m.nqx));
@@ -46,7 +46,10 @@ void carveAll(ConstraintDataImpl& d, Arena& arena) {
   for (auto& end : d.columns)
     for (double*& columns : end) arena.take(columns, 6 * nv);
   for (double** matrix : {&d.row_by_q, &d.row_by_v, &d.lambda_dq, &d.lambda_dv, &d.lambda_dtau}) arena.take(*matrix, rows * nv);
-  for (double** matrix : {&d.motion_dq, &d.motion_dv, &d.motion_dtau}) arena.take(*matrix, nv * nv);
+  for (double** matrix : {&d.motion_dq, &d.motion_dv, &d.motion_dtau}) arena.take(*matrix, nv * nv + most_lanes);
+  arena.take(d.Jt, rows * nv);
+  arena.take(d.Xt, nv * rows);
+  arena.take(d.force, nv * nv);
   arena.take(d.fext, m.joints.size());
   arena.take(d.change, nv);
 }

@@ -1,6 +1,6 @@
 #include "constraint/delassus_solver.hpp"
 
-#include "kernels/table.hpp"
+#include "kernels/constraint_table.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -50,7 +50,7 @@ void DelassusSolver::factor(kernels::ConstraintWorkspace& x, const ConstraintSet
   x_ = &x;
   settings_ = settings;
   rank_ = n_;
-  regular_ = kernels::active().single.invertDelassus(n_, x, settings.mu, settings.rank_tolerance);
+  regular_ = kernels::constraintKernels().invertDelassus(n_, x, settings.mu, settings.rank_tolerance);
   if (!regular_) factorSingular();
 }
 
@@ -95,7 +95,7 @@ void DelassusSolver::factorSingular() {
 void DelassusSolver::apply(double* x) const {
   if (regular_) {
     std::copy_n(x, n_, vector_);
-    return kernels::active().single.timesRows(n_, x_->stride, x_->inverse, vector_, x);
+    return kernels::constraintKernels().timesRows(n_, x_->stride, x_->inverse, vector_, x);
   }
   double* y = left_;
   std::fill_n(y, rank_, 0.0);
@@ -110,7 +110,7 @@ void DelassusSolver::apply(double* x) const {
 }
 
 double DelassusSolver::residual(const double* x, const double* b, double* out) const {
-  kernels::active().single.timesRows(n_, x_->stride, x_->delassus, x, out);
+  kernels::constraintKernels().timesRows(n_, x_->stride, x_->delassus, x, out);
   double largest = 0;
   for (int i = 0; i < n_; ++i) {
     out[i] -= b[i];

@@ -24,6 +24,7 @@ class DelassusSolver {
   /// out = D x - b; returns its largest entry.
   double residual(const double* x, const double* b, double* out) const;
   int rank() const { return rank_; }
+  bool regular() const { return regular_ && !(settings_.mu > 0); }
 
  private:
   void factorSingular();

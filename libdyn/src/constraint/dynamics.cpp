@@ -1,7 +1,7 @@
 #include "algorithm/external.hpp"
 #include "constraint/kkt.hpp"
 #include "constraint/solution.hpp"
-#include "kernels/table.hpp"
+#include "kernels/constraint_table.hpp"
 
 #include <dyn/constraint/dynamics.hpp>
 #include <dyn/error.hpp>
@@ -27,8 +27,8 @@ ConstrainedViews refined(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& 
                          const double* motion, Wanted&& wanted) {
   const PackedConstraints& packed = c.set.impl();
   ConstrainedViews out{motion, c.lambda, 0, c.solver.rank(), c.solver.solve(c.wanted, c.lambda)};
-  kernels::active().single.addConstraintForces(packed, c.workspace, c.lambda, d);
-  kernels::active().single.accelerateConstrained(m, d, packed, gravity, c.workspace);
+  kernels::constraintKernels().addForces(packed, c.workspace, c.lambda, d);
+  kernels::constraintKernels().accelerate(m, d, packed, gravity, c.workspace);
   rowAccelerations(m, d, packed, c.frames, q, c.workspace, c.gamma);
   wanted(c.gamma);
   c.solver.solve(c.wanted, c.step);

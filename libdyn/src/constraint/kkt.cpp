@@ -2,7 +2,7 @@
 
 #include "algorithm/dense_factors.hpp"
 #include "constraint/solution.hpp"
-#include "kernels/table.hpp"
+#include "kernels/constraint_table.hpp"
 
 #include <dyn/algorithm/cholesky.hpp>
 #include <dyn/algorithm/crba.hpp>

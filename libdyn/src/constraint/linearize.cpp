@@ -270,20 +270,19 @@ void linearizeRows(const CompactModel& model, DataImpl& d, ConstraintDataImpl& c
 void rowForcesOnBodies(const CompactModel& model, const DataImpl& d, const ConstraintDataImpl& c, Force<double>* fext) {
   const CompactImpl& m = model.impl();
   std::fill_n(fext, m.joints.size(), Force<double>{});
-  for (const PackedFrameConstraint& f : c.set.impl().frames) {
-    const SE3<double> poses[2] = {d.oM[f.body[0]] * f.placement[0], d.oM[f.body[1]] * f.placement[1]};
-    const SE3<double> X = poses[0].inverse() * poses[1];
-    const Mat3<double> axes =
-        f.axes == ConstraintAxes::LOCAL ? Mat3<double>::identity() : (f.axes == ConstraintAxes::OTHER ? X.R : transpose(poses[0].R));
-    const Force<double> wrench = wrenchOf(f, axes, c.lambda);
-    const auto add = [&](int e, const Force<double>& in_frame) {
+  for (std::size_t k = 0; k < c.set.impl().frames.size(); ++k) {
+    const PackedFrameConstraint& f = c.set.impl().frames[k];
+    const FrameRows& x = c.frames[k];
+    const Force<double> wrench = wrenchOf(f, x.axes, c.lambda);
+    const auto add = [&](int e, const Force<double>& at_point) {
       if (f.body[e] == 0) return;
+      const Mat3<double>& R = d.R[f.body[e]];
+      const Vec moment = at_point.angular + cross(x.lever[e], at_point.linear);
       const std::size_t joint = at(m.index[at(f.body[e])].joint);
-      fext[joint] += m.user_frame[joint].actInv(f.placement[e].act(in_frame));
+      fext[joint] += m.user_frame[joint].actInv(Force<double>{transposeTimes(R, at_point.linear), transposeTimes(R, moment)});
     };
     add(0, wrench);
-    const Force<double> back = X.actInv(wrench);
-    add(1, {-back.linear, -back.angular});
+    add(1, {-(x.turn * wrench.linear), -(x.turn * wrench.angular)});
   }
 }
 

@@ -17,8 +17,8 @@ struct RowDerivatives {
 /// After forwardKinematicsDerivatives at these q (expanded), v and a, for the forces c.lambda.
 void linearizeRows(const CompactModel& model, DataImpl& d, ConstraintDataImpl& c, const double* q, RowQuantity quantity, const RowDerivatives& out);
 
-/// External forces on joints' bodies, as the user numbers them, that forces of the rows amount to where bodies are now. Needs
-/// forwardKinematics. Constraints on joints have none.
+/// External forces on joints' bodies, as the user numbers them, that forces of the rows amount to where the rows were located
+/// last. Constraints on joints have none.
 void rowForcesOnBodies(const CompactModel& model, const DataImpl& d, const ConstraintDataImpl& c, Force<double>* fext);
 
 }  // namespace dyn

@@ -1,6 +1,6 @@
 #include "constraint/solution.hpp"
 
-#include "kernels/table.hpp"
+#include "kernels/constraint_table.hpp"
 
 #include <dyn/error.hpp>
 
@@ -27,7 +27,7 @@ void articulateBodies(const char* algorithm, const CompactImpl& m, DataImpl& d, 
     int failed = 0;
     if (!k.articulate(m, d.strips.data(), q, v, tau, failed)) checkConfiguration("q", m, q);
     checkFactors(algorithm, m, failed);
-    k.readBodies(m, d.strips.data(), c.set.impl(), d);
+    kernels::constraintKernels().readBodies(m, d.strips.data(), c.set.impl(), d);
   } else {
     evaluateJoints(m, d, q, v);
     kernels::active().single.articulate(m, d, v, tau, external);
@@ -37,10 +37,10 @@ void articulateBodies(const char* algorithm, const CompactImpl& m, DataImpl& d, 
 
 void accelerateBodies(const CompactImpl& m, DataImpl& d, const ConstraintDataImpl& c, const double* forces, const Vec3<double>& gravity,
                       double* ddq) {
-  kernels::active().single.addConstraintForces(c.set.impl(), c.workspace, forces, d);
+  kernels::constraintKernels().addForces(c.set.impl(), c.workspace, forces, d);
   if (c.in_strips) {
     const kernels::StripKernels& k = kernels::active().strips;
-    k.writeShares(d, c.set.impl(), d.strips.data());
+    kernels::constraintKernels().writeShares(d, c.set.impl(), d.strips.data());
     k.accelerate(m, d.strips.data(), gravity, ddq);
   } else {
     kernels::active().single.accelerate(m, d, gravity, ddq);
@@ -55,15 +55,15 @@ void prepareRows(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c, const
 
 void articulateRows(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c, bool gravity) {
   const PackedConstraints& packed = c.set.impl();
-  const kernels::SingleKernels& k = kernels::active().single;
-  k.constraintSweep(m, d, packed, true, c.workspace);
+  const kernels::ConstraintKernels& k = kernels::constraintKernels();
+  k.sweep(m, d, packed, true, c.workspace);
   if (gravity) addGravity(m, d, packed, c.frames, c.workspace.free);
   k.delassusMatrix(packed, c.workspace);
 }
 
 void rigidRows(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c) {
   const PackedConstraints& packed = c.set.impl();
-  kernels::active().single.constraintSweep(m, d, packed, false, c.workspace);
+  kernels::constraintKernels().sweep(m, d, packed, false, c.workspace);
   const std::ptrdiff_t rows = packed.rows;
   std::fill_n(c.J, rows * m.nvx, 0.0);
   for (std::size_t k = 0; k < packed.dofs.size(); ++k) std::copy_n(c.workspace.shareOf(static_cast<int>(k)), rows, c.J + rows * packed.dofs[k]);

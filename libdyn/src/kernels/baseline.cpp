@@ -5,11 +5,13 @@
 
 namespace dyn::kernels {
 
-const Kernels scalar{"scalar", layoutStamp(), singleKernels<double>(), blockKernels<double>(), blockKernels<float>()};
+extern const ConstraintKernels scalar_constraints, baseline_constraints;
+
+const Kernels scalar{"scalar", layoutStamp(), singleKernels<double>(), blockKernels<double>(), blockKernels<float>(), &scalar_constraints};
 
 #if DYN_HAS_PACKS
 const Kernels baseline{xsimd::default_arch::name(), layoutStamp(), singleKernels<Pack<double>>(), blockKernels<Pack<double>>(),
-                       blockKernels<Pack<float>>()};
+                       blockKernels<Pack<float>>(), &baseline_constraints};
 #else
 const Kernels baseline = scalar;
 #endif

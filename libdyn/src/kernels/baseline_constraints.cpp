@@ -5,9 +5,10 @@
 
 namespace dyn::kernels {
 
-template void addConstraints<double>(SingleKernels&);
+extern const ConstraintKernels scalar_constraints, baseline_constraints;
+const ConstraintKernels scalar_constraints = singleConstraintKernels<double>();
 #if DYN_HAS_PACKS
-template void addConstraints<Pack<double>>(SingleKernels&);
+const ConstraintKernels baseline_constraints = singleConstraintKernels<Pack<double>>();
 #endif
 
 }  // namespace dyn::kernels

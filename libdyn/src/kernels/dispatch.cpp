@@ -1,7 +1,6 @@
 // Which table: that of the instruction set chosen for this process, if it is installed.
 #include "joint/processor.hpp"
-#include "kernels/constraints.hpp"
-#include "kernels/table.hpp"
+#include "kernels/constraint_table.hpp"
 
 #include <dyn/error.hpp>
 
@@ -30,7 +29,7 @@ const Kernels* open(const std::string& name, std::string& problem) {
   }
   const auto entry = reinterpret_cast<const Kernels* (*)()>(dlsym(library, "dyn_kernels"));
   const Kernels* table = entry ? entry() : nullptr;
-  if (table == nullptr || table->layout != layoutStamp() || table->single.constraint_layout != constraintLayoutStamp()) {
+  if (table == nullptr || table->layout != layoutStamp() || table->constraints->layout != constraintLayoutStamp()) {
     problem = moduleFile(name) + " belongs to another libdyn";
     return nullptr;
   }

@@ -18,9 +18,6 @@ namespace dyn::kernels {
 // Those of derivatives are instantiated in another source (kernels/instantiate_derivatives.hpp).
 template <class Wide, class Panel>
 void addDerivatives(SingleKernels& k);
-/// kernels/instantiate_constraints.hpp.
-template <class Panel>
-void addConstraints(SingleKernels& k);
 template <class S>
 void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b);
 
@@ -52,7 +49,6 @@ SingleKernels singleKernels() {
   k.placeOutward = [](const CompactImpl& m, W& w, const double* v) {
     abaOutward(Bodies<double>{m, w}, w, v, static_cast<const Force<double>*>(nullptr));
   };
-  addConstraints<Panel>(k);
   addDerivatives<Wide, Panel>(k);
   return k;
 }

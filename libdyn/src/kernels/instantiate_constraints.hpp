@@ -1,25 +1,10 @@
 // The kernels of constraints of one table.
 #pragma once
 
-#include "kernels/constraints.hpp"
+#include "kernels/constraint_table.hpp"
 #include "kernels/strip_scratch.hpp"
-#include "kernels/table.hpp"
 
 namespace dyn::kernels {
-
-/// Panel: what rows are worked on in, side by side.
-template <class Panel>
-void addConstraints(SingleKernels& k) {
-  k.constraintSweep = [](const CompactImpl& m, const Workspace<double>& w, const PackedConstraints& c, bool eliminated, ConstraintWorkspace& x) {
-    kernels::constraintSweep<Panel>(m, w, c, eliminated, x);
-  };
-  k.delassusMatrix = kernels::delassusMatrix<Panel>;
-  k.invertDelassus = kernels::invertDelassus<Panel>;
-  k.timesRows = kernels::timesRows<Panel>;
-  k.addConstraintForces = kernels::addConstraintForces<Panel>;
-  k.accelerateConstrained = kernels::accelerateConstrained<Panel>;
-  k.constraint_layout = constraintLayoutStamp();
-}
 
 /// One lane of a struct of packs.
 template <class To, class S, class From>
@@ -30,8 +15,9 @@ void readLane(const From& from, int lane, To& to) {
   for (std::size_t k = 0; k < sizeof(To) / sizeof(double); ++k) out[k] = numbers[k * static_cast<std::size_t>(lanes_of<S>)];
 }
 
+/// S: the strips' packs.
 template <class S>
-void addStripConstraints(StripKernels& k) {
+void addStripConstraints(ConstraintKernels& k) {
   k.readBodies = [](const CompactImpl& m, const char* scratch, const PackedConstraints& c, Workspace<double>& w) {
     const Workspace<S>& from = reinterpret_cast<const StripScratch<S>*>(scratch)->w;
     for (const ConstrainedBody& b : c.bodies) {
@@ -55,6 +41,21 @@ void addStripConstraints(StripKernels& k) {
         reinterpret_cast<double*>(&to.dof[here.strip_dof + l - here.dof].y)[here.lane] = w.dof[c.dofs[static_cast<std::size_t>(l)]].y;
     }
   };
+}
+
+/// Panel: what rows are worked on in, side by side.
+template <class Panel>
+ConstraintKernels singleConstraintKernels() {
+  ConstraintKernels k{};
+  k.layout = constraintLayoutStamp();
+  k.sweep = kernels::constraintSweep<Panel>;
+  k.delassusMatrix = kernels::delassusMatrix<Panel>;
+  k.invertDelassus = kernels::invertDelassus<Panel>;
+  k.timesRows = kernels::timesRows<Panel>;
+  k.addForces = kernels::addConstraintForces<Panel>;
+  k.accelerate = kernels::accelerateConstrained<Panel>;
+  k.solveColumns = kernels::solveColumns<Panel>;
+  return k;
 }
 
 }  // namespace dyn::kernels

@@ -4,6 +4,10 @@
 
 #include <dyn_sdk/pack.hpp>
 
+namespace dyn::kernels {
+extern const ConstraintKernels module_constraints;
+}
+
 extern "C" __attribute__((visibility("default"))) const dyn::kernels::Kernels* dyn_kernels() {
   using namespace dyn::kernels;
   // Four joints in lanes, or degrees of freedom, whatever the width: limbs come in twos and fours, and are about as long.
@@ -13,6 +17,7 @@ extern "C" __attribute__((visibility("default"))) const dyn::kernels::Kernels* d
                              singleKernels<Quad, dyn::Pack<double>>(),
                              blockKernels<dyn::Pack<double>>(),
                              blockKernels<dyn::Pack<float>>(),
+                             &module_constraints,
                              stripKernels<Quad>()};
   return &table;
 }

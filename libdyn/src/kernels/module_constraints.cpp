@@ -5,7 +5,11 @@
 
 namespace dyn::kernels {
 
-template void addConstraints<Pack<double>>(SingleKernels&);
-template void addStripConstraints<Pack<double, xsimd::fma3<xsimd::avx2>>>(StripKernels&);
+extern const ConstraintKernels module_constraints;
+const ConstraintKernels module_constraints = [] {
+  ConstraintKernels k = singleConstraintKernels<Pack<double>>();
+  addStripConstraints<Pack<double, xsimd::fma3<xsimd::avx2>>>(k);
+  return k;
+}();
 
 }  // namespace dyn::kernels

@@ -262,10 +262,6 @@ void scatterDofs(const StripPlan& plan, const S* from, double* to) {
   }
 }
 
-/// kernels/instantiate_constraints.hpp.
-template <class S>
-void addStripConstraints(StripKernels& k);
-
 template <class S>
 StripKernels stripKernels() {
   StripKernels k;
@@ -316,7 +312,6 @@ StripKernels stripKernels() {
     abaSolve(Strips<S>{m, s.w}, s.w, cast<S>(gravity), s.result);
     scatterDofs(m.strips, s.result, ddq);
   };
-  addStripConstraints<S>(k);
   return k;
 }
 

@@ -10,13 +10,9 @@
 
 #include <initializer_list>
 
-namespace dyn {
-struct PackedConstraints;
-}
-
 namespace dyn::kernels {
 
-struct ConstraintWorkspace;
+struct ConstraintKernels;  // kernels/constraint_table.hpp
 
 /// One state. Joints are asked first; vectors are in expanded coordinates.
 struct SingleKernels {
@@ -32,15 +28,6 @@ struct SingleKernels {
   void (*accelerate)(const CompactImpl&, Workspace<double>&, const Vec3<double>& gravity, double* ddq);
   /// The outward half of `articulate`: poses, columns, velocity-dependent accelerations.
   void (*placeOutward)(const CompactImpl&, Workspace<double>&, const double* v);
-  void (*constraintSweep)(const CompactImpl&, const Workspace<double>&, const PackedConstraints&, bool eliminated, ConstraintWorkspace&);
-  void (*delassusMatrix)(const PackedConstraints&, ConstraintWorkspace&);
-  /// The inverse of the Delassus matrix with mu on its diagonal; false where a pivot is not above tolerance times its bound.
-  bool (*invertDelassus)(int rows, ConstraintWorkspace&, double mu, double tolerance);
-  /// Vectors of one number a row have room for a pack, with zeros in it.
-  void (*timesRows)(int rows, std::ptrdiff_t stride, const double* A, const double* x, double* out);
-  void (*addConstraintForces)(const PackedConstraints&, const ConstraintWorkspace&, const double* lambda, Workspace<double>&);
-  void (*accelerateConstrained)(const CompactImpl&, Workspace<double>&, const PackedConstraints&, const Vec3<double>& gravity, ConstraintWorkspace&);
-  std::size_t constraint_layout;  ///< constraintLayoutStamp(), as `layout` below
 
   using Derivatives = DerivativeWorkspace<double>;
   /// How subspaces vary, which all derivatives take.
@@ -76,9 +63,6 @@ struct StripKernels {
   /// As SingleKernels'. failed: the body whose pivot vanished, or 0.
   bool (*articulate)(const CompactImpl&, char* scratch, const double* q, const double* v, const double* tau, int& failed) = nullptr;
   void (*accelerate)(const CompactImpl&, char* scratch, const Vec3<double>& gravity, double* ddq) = nullptr;
-  /// What `articulate` has left of the constraints' bodies, out of the lanes; and what their forces add, back into them.
-  void (*readBodies)(const CompactImpl&, const char* scratch, const PackedConstraints&, Workspace<double>&) = nullptr;
-  void (*writeShares)(const Workspace<double>&, const PackedConstraints&, char* scratch) = nullptr;
 };
 
 enum class Task {
@@ -141,6 +125,7 @@ struct Kernels {
   SingleKernels single;
   BlockKernels<double> doubles;
   BlockKernels<float> floats;
+  const ConstraintKernels* constraints;
   StripKernels strips = {};
 };
 
