@@ -45,6 +45,7 @@ class Reader {
                            (options_.mimic == Mimic::coupled ? " mimic joints follow their masters" : " mimic joints move on their own"));
     if (limits_without_use_ > 0)
       d_.notes().push_back(std::to_string(limits_without_use_) + " fixed, floating or planar joints have a <limit> or <dynamics>, which is ignored");
+    model_.constraints = readConstraints(d_, outline_);
     model_.notes = d_.notes();
     return std::move(model_);
   }

@@ -20,7 +20,9 @@
 #include <dyn/algorithm/rnea.hpp>
 #include <dyn/compile/compile.hpp>
 #include <dyn/constraint/assembly.hpp>
+#include <dyn/constraint/delassus.hpp>
 #include <dyn/constraint/derivatives.hpp>
 #include <dyn/constraint/dynamics.hpp>
+#include <dyn/constraint/friction.hpp>
 #include <dyn/spatial/eigen.hpp>
 #include <dyn/spatial/inertial_parameters.hpp>

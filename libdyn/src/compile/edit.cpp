@@ -102,6 +102,28 @@ class Holder {
   std::unordered_map<std::string, std::vector<int>> followers_;
 };
 
+/// Names of an appended model get its prefix; its universe is where it hangs.
+void moveConstraint(ConstraintDescription& c, const std::string& prefix, const std::string& at, const SE3<double>& placement) {
+  const auto moveFrame = [&](std::string& frame, SE3<double>& pose) {
+    if (frame == "universe") {
+      frame = at;
+      pose = placement * pose;
+    } else {
+      frame = prefix + frame;
+    }
+  };
+  if (auto* frames = std::get_if<FrameConstraint>(&c.relation)) {
+    moveFrame(frames->frame, frames->placement);
+    moveFrame(frames->other, frames->other_placement);
+  } else if (auto* coupling = std::get_if<JointCoupling>(&c.relation)) {
+    coupling->joint = prefix + coupling->joint;
+    coupling->coupling.master = prefix + coupling->coupling.master;
+  } else {
+    auto& lock = std::get<JointLock>(c.relation);
+    lock.joint = prefix + lock.joint;
+  }
+}
+
 }  // namespace
 
 Model reduce(const Model& model, const JointRegistry& registry, const std::vector<LockedJoint>& lock) {
@@ -188,6 +210,14 @@ Model append(const Model& model, const Model& other, const std::string& at, cons
       frame.body += offset;
     }
     out.frames.push_back(std::move(frame));
+  }
+  std::unordered_set<std::string> names;
+  for (const ConstraintDescription& c : out.constraints) names.insert(c.name);
+  for (ConstraintDescription c : other.constraints) {
+    c.name = prefix + c.name;
+    unique(names, c.name);
+    moveConstraint(c, prefix, at, placement);
+    out.constraints.push_back(std::move(c));
   }
   for (const std::string& note : other.notes) out.notes.push_back(note);
   return out;

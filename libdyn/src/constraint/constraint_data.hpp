@@ -1,6 +1,7 @@
 // The arena behind ConstraintData.
 #pragma once
 
+#include "constraint/cone_solver.hpp"
 #include "constraint/delassus_solver.hpp"
 #include "constraint/rows.hpp"
 
@@ -18,6 +19,7 @@ struct ConstraintDataImpl {
   FrameRows* frames = nullptr;
   kernels::ConstraintWorkspace workspace;
   DelassusSolver solver;
+  ConeSolver cone_solver;
   bool in_strips = false;  ///< the last recursion, whose rest is to follow
   RowMotion motion{};
   double* lambda = nullptr;
@@ -27,9 +29,13 @@ struct ConstraintDataImpl {
   double* J = nullptr;       ///< rows x nv, column-major
   double* X = nullptr;       ///< nv x rows, M^-1 J^T
   double* gamma = nullptr;
-  double* expanded = nullptr;  ///< nvx
-  double* v_after = nullptr;   ///< nv
-  double* q = nullptr;         ///< nq, twice
+  double* expanded = nullptr;      ///< nvx
+  double* v_after = nullptr;       ///< nv
+  double* q = nullptr;             ///< nq, twice
+  double* matrix = nullptr;        ///< rows x rows
+  Force<double>* total = nullptr;  ///< one a body of the constraints
+  double* shares = nullptr;        ///< one a degree of freedom of these
+  PackedCone* cones = nullptr;     ///< one a constraint
 
   // With Need::derivatives only.
   double* columns[2][5] = {};                       ///< 6 x nvx each: motion of a constraint's two frames by q and v
@@ -38,8 +44,8 @@ struct ConstraintDataImpl {
   double *motion_dq = nullptr, *motion_dv = nullptr, *motion_dtau = nullptr;  ///< nv x nv
   Force<double>* fext = nullptr;                                              ///< one a joint
   double* change = nullptr;                                                   ///< nv
-  double *Jt = nullptr, *Xt = nullptr;  ///< -J^T, nv x rows; X^T, `stride` numbers a column
-  double* force = nullptr;              ///< nv x nv: derivatives of the generalised forces, or right-hand sides
+  double *Jt = nullptr, *Xt = nullptr;                                        ///< -J^T, nv x rows; X^T, `stride` numbers a column
+  double* force = nullptr;                                                    ///< nv x nv: derivatives of the generalised forces, or right-hand sides
 };
 
 }  // namespace dyn

@@ -42,6 +42,11 @@ void carveAll(ConstraintDataImpl& d, Arena& arena) {
   arena.take(d.expanded, nv);
   arena.take(d.v_after, nv);
   arena.take(d.q, 2 * static_cast<std::size_t>(m.nqx));
+  arena.take(d.matrix, rows * rows);
+  arena.take(d.total, c.bodies.size());
+  arena.take(d.shares, c.dofs.size());
+  arena.take(d.cones, c.descriptions.size());
+  d.cone_solver.carve(c.rows, arena);
   if (!has(d.needs, Need::derivatives)) return;
   for (auto& end : d.columns)
     for (double*& columns : end) arena.take(columns, 6 * nv);

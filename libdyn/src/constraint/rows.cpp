@@ -171,40 +171,60 @@ void locateRows(const CompactImpl& m, const Workspace<double>& w, const PackedCo
   }
 }
 
-void writeRowForces(const CompactImpl& m, const PackedConstraints& c, const FrameRows* frames, const double* q, kernels::ConstraintWorkspace& x) {
-  std::fill_n(x.force, 6 * x.stride * static_cast<std::ptrdiff_t>(c.bodies.size()), 0.0);
-  std::fill_n(x.share, x.stride * static_cast<std::ptrdiff_t>(c.dofs.size()), 0.0);
-  const auto write = [&](int body, int row, const Force<double>& f) {
-    if (body == 0) return;
-    double* to = x.forceOf(c.body_at[at(body)]) + row;
-    for (int a = 0; a < 3; ++a) {
-      to[a * x.stride] += f.linear[a];
-      to[(3 + a) * x.stride] += f.angular[a];
-    }
-  };
+namespace {
+
+/// Every row's unit force: onBody(body, row, force about its joint's origin, aligned axes), onJoint(body, k, row, share of its k-th degree of
+/// freedom).
+template <class OnBody, class OnJoint>
+void eachRowForce(const CompactImpl& m, const PackedConstraints& c, const FrameRows* frames, const double* q, OnBody&& onBody, OnJoint&& onJoint) {
   for (std::size_t k = 0; k < c.frames.size(); ++k) {
     const PackedFrameConstraint& f = c.frames[k];
     const FrameRows& s = frames[k];
     eachDirection(f, [&](int row, int direction) {
       const Vec3<double> d = s.axes.col(direction % 3), other = -(s.turn * d);
       if (direction < 3) {
-        write(f.body[0], row, {d, cross(s.lever[0], d)});
-        write(f.body[1], row, {other, cross(s.lever[1], other)});
+        if (f.body[0] > 0) onBody(f.body[0], row, Force<double>{d, cross(s.lever[0], d)});
+        if (f.body[1] > 0) onBody(f.body[1], row, Force<double>{other, cross(s.lever[1], other)});
       } else {
-        write(f.body[0], row, {{}, d});
-        write(f.body[1], row, {{}, other});
+        if (f.body[0] > 0) onBody(f.body[0], row, Force<double>{{}, d});
+        if (f.body[1] > 0) onBody(f.body[1], row, Force<double>{{}, other});
       }
     });
   }
-  const auto enter = [&](int body, int k, int row, double value) { x.shareOf(c.bodies[at(c.body_at[at(body)])].dof + k)[row] += value; };
   for (const PackedJointCoupling& k : c.couplings) {
     double f[4];
     evaluateCoupling(m, k, q, f);
-    enter(k.body, 0, k.row, 1);
-    enter(k.master, 0, k.row, -f[1]);
+    onJoint(k.body, 0, k.row, 1.0);
+    onJoint(k.master, 0, k.row, -f[1]);
   }
   for (const PackedJointLock& k : c.locks)
-    for (int r = 0; r < k.rows; ++r) enter(k.body, r, k.row + r, 1);
+    for (int r = 0; r < k.rows; ++r) onJoint(k.body, r, k.row + r, 1.0);
+}
+
+}  // namespace
+
+void writeRowForces(const CompactImpl& m, const PackedConstraints& c, const FrameRows* frames, const double* q, kernels::ConstraintWorkspace& x) {
+  std::fill_n(x.force, 6 * x.stride * static_cast<std::ptrdiff_t>(c.bodies.size()), 0.0);
+  std::fill_n(x.share, x.stride * static_cast<std::ptrdiff_t>(c.dofs.size()), 0.0);
+  eachRowForce(
+      m, c, frames, q,
+      [&](int body, int row, const Force<double>& f) {
+        double* to = x.forceOf(c.body_at[at(body)]) + row;
+        for (int a = 0; a < 3; ++a) {
+          to[a * x.stride] += f.linear[a];
+          to[(3 + a) * x.stride] += f.angular[a];
+        }
+      },
+      [&](int body, int k, int row, double share) { x.shareOf(c.bodies[at(c.body_at[at(body)])].dof + k)[row] += share; });
+}
+
+void sumRowForces(const CompactImpl& m, const PackedConstraints& c, const FrameRows* frames, const double* q, const double* lambda,
+                  Force<double>* bodies, double* shares) {
+  std::fill_n(bodies, c.bodies.size(), Force<double>{});
+  std::fill_n(shares, c.dofs.size(), 0.0);
+  eachRowForce(
+      m, c, frames, q, [&](int body, int row, const Force<double>& f) { bodies[c.body_at[at(body)]] += lambda[row] * f; },
+      [&](int body, int k, int row, double share) { shares[c.bodies[at(c.body_at[at(body)])].dof + k] += lambda[row] * share; });
 }
 
 void rowAccelerations(const CompactImpl& m, const Workspace<double>& w, const PackedConstraints& c, const FrameRows* frames, const double* q,

@@ -33,6 +33,10 @@ void locateRows(const CompactImpl& m, const Workspace<double>& w, const PackedCo
 /// Writes the rows' unit forces for the kernel's sweep.
 void writeRowForces(const CompactImpl& m, const PackedConstraints& c, const FrameRows* frames, const double* q, kernels::ConstraintWorkspace& x);
 
+/// The same with forces of the rows: one force a body of the constraints, and shares of their degrees of freedom.
+void sumRowForces(const CompactImpl& m, const PackedConstraints& c, const FrameRows* frames, const double* q, const double* lambda,
+                  Force<double>* bodies, double* shares);
+
 /// Accelerations of the rows by those of their bodies, w.acc, and joints, without their bias.
 void rowAccelerations(const CompactImpl& m, const Workspace<double>& w, const PackedConstraints& c, const FrameRows* frames, const double* q,
                       const kernels::ConstraintWorkspace& x, double* out);

@@ -1,0 +1,81 @@
+// Contacts with friction: forces that only push, within Coulomb's cone.
+#pragma once
+
+#include <dyn/algorithm/rnea.hpp>
+#include <dyn/constraint/constraint_set.hpp>
+
+namespace dyn {
+
+/// A contact of a set: one whose rows are the three translations (x, y, z in its axes), with z along the normal, away from the other body.
+/// Constraints of the set that no cone names hold both ways.
+struct FrictionCone {
+  int constraint = 0;
+  double friction = 0;  ///< coefficient: tangential force at most friction * normal force; not negative
+};
+
+struct ContactSettings {
+  double tolerance = 1e-9;  ///< [m/s] for velocities, and with the Delassus matrix' mean for impulses
+  int max_iterations = 2000;
+  double restitution = 0;  ///< of normal velocities that approach, in [0, 1]
+};
+
+/// How well the conditions are kept: the force is in its cone exactly.
+struct ContactResidual {
+  double penetration;      ///< [m/s] largest normal velocity into the other body, or violation of a row that holds both ways
+  double complementarity;  ///< [J] largest |impulse . (velocity + friction |slip| normal)| of a contact: normal and dissipation conditions at once
+};
+
+struct ContactStep {
+  VectorResult v_after;   ///< nv
+  VectorResult impulse;   ///< rows [N s]
+  VectorResult velocity;  ///< rows, after [m/s]
+  ContactResidual residual;
+  bool converged;
+  int iterations;
+};
+
+struct ContactForces {
+  VectorResult lambda;  ///< rows [N, N m]
+  VectorResult left;    ///< nv: generalised force that they cannot explain
+  bool converged;
+  int iterations;
+};
+
+/// A point contact of `frame`, at `point` in its axes, with the other body, whose surface there has this normal, in the axes of `other`.
+DYN_API ConstraintDescription frictionContact(const std::string& name, const std::string& frame, const Vec3<double>& point,
+                                              const Vec3<double>& normal, const std::string& other = "universe");
+
+namespace detail {
+struct ContactViews {
+  const double *motion, *force, *velocity;
+  ContactResidual residual;
+  bool converged;
+  int iterations;
+};
+DYN_API ContactViews contactStep(const CompactModel&, Data&, VectorView q, VectorView v, VectorView tau, double dt, ConstraintData&,
+                                 const FrictionCone* cones, std::size_t count, const ContactSettings&);
+DYN_API ContactViews contactForces(const CompactModel&, Data&, VectorView q, VectorView v, VectorView a, VectorView tau, ConstraintData&,
+                                   const FrictionCone* cones, std::size_t count, const ContactSettings&);
+}  // namespace detail
+
+/// One step of time at the level of velocities, q held: M (v_after - v) = dt (tau - C v - g) + J^T impulse with 0 <= normal impulse, normal
+/// velocity >= -restitution * before, one of the two zero, and friction that opposes slip at the edge of its cone (Signorini, Coulomb; the cone
+/// itself, not a pyramid). By the alternating direction method with de Saxce's correction (Carpentier, Le Lidec, Montaut 2024); sets whose
+/// forces are not determined are as good as others. Nothing is thrown where it does not converge: see `converged` and the residual.
+/// O(n + rows^3 + iterations rows^2). Throws Error(argument | size | singular).
+inline ContactStep contactStep(const CompactModel& model, Data& data, const VectorArg& q, const VectorArg& v, const VectorArg& tau, double dt,
+                               ConstraintData& constraints, const std::vector<FrictionCone>& cones, const ContactSettings& settings = {}) {
+  const detail::ContactViews x = detail::contactStep(model, data, q, v, tau, dt, constraints, cones.data(), cones.size(), settings);
+  const int rows = constraints.set().rows();
+  return {{x.motion, model.nv()}, {x.force, rows}, {x.velocity, rows}, x.residual, x.converged, x.iterations};
+}
+
+/// Forces within their cones that explain the acceleration a under tau best: J^T lambda nearest to M a + C v + g - tau, in the metric of M^-1.
+inline ContactForces contactForces(const CompactModel& model, Data& data, const VectorArg& q, const VectorArg& v, const VectorArg& a,
+                                   const VectorArg& tau, ConstraintData& constraints, const std::vector<FrictionCone>& cones,
+                                   const ContactSettings& settings = {}) {
+  const detail::ContactViews x = detail::contactForces(model, data, q, v, a, tau, constraints, cones.data(), cones.size(), settings);
+  return {{x.force, constraints.set().rows()}, {x.motion, model.nv()}, x.converged, x.iterations};
+}
+
+}  // namespace dyn

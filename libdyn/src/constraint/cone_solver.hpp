@@ -1,0 +1,45 @@
+// Forces in Coulomb cones: 0 in G x + g + friction |tangential velocity| normal + normal cone of the cones at x.
+#pragma once
+
+#include "kernels/constraints.hpp"
+
+#include <dyn/constraint/friction.hpp>
+
+namespace dyn {
+
+/// Of which three rows a cone is; rows that are in none are free.
+struct PackedCone {
+  int row;
+  double friction;
+};
+
+struct ConeProblem {
+  int rows;
+  const PackedCone* cones;
+  std::size_t count;
+  const double* g;
+  bool dissipative;  ///< slip opens the normal velocity (de Saxce): contacts. Otherwise the nearest force in the cones is sought
+};
+
+struct ConeSolution {
+  bool converged;
+  int iterations;
+};
+
+/// Memory of one set of constraints.
+class ConeSolver {
+ public:
+  void carve(int rows, Arena& arena);
+  /// G is w.delassus; w.inverse is overwritten. x: forces in their cones; w's vectors have room for a pack.
+  ConeSolution solve(kernels::ConstraintWorkspace& w, const ConeProblem& problem, const ContactSettings& settings, double* x);
+  /// G x + g of the last solution.
+  const double* velocity() const { return velocity_; }
+
+ private:
+  double *force_ = nullptr, *dual_ = nullptr, *right_ = nullptr, *velocity_ = nullptr, *sum_ = nullptr;
+};
+
+/// x into the cone: nearest point.
+void projectOntoCone(double friction, double* x);
+
+}  // namespace dyn

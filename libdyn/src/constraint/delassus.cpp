@@ -1,0 +1,97 @@
+#include "constraint/kkt.hpp"
+#include "constraint/solution.hpp"
+#include "kernels/constraint_table.hpp"
+
+#include <dyn/constraint/delassus.hpp>
+
+#include <algorithm>
+
+namespace dyn::detail {
+
+namespace {
+
+/// Bodies articulated at rest, or M factored; rows located. After it degrees of freedom have no forces to yield to.
+void prepare(const char* algorithm, const CompactModel& model, Data& data, VectorView q, ConstraintData& constraints) {
+  checkConstraints(algorithm, model, data, constraints);
+  const CompactImpl& m = model.impl();
+  DataImpl& d = data.impl();
+  ConstraintDataImpl& c = constraints.impl();
+  if (!m.couplings.empty()) return projectInertia(algorithm, model, data, q, nullptr, c);
+  const Inputs in = readInputs(algorithm, model, data, q, nullptr, nullptr);
+  articulateBodies(algorithm, m, d, c, in.q, d.zero, d.zero, nullptr);
+  std::copy_n(in.q, m.nqx, c.q);
+  prepareRows(m, d, c, in.q, nullptr);
+}
+
+void form(const char* algorithm, const CompactModel& model, Data& data, VectorView q, ConstraintData& constraints) {
+  prepare(algorithm, model, data, q, constraints);
+  if (model.impl().couplings.empty()) articulateRows(model.impl(), data.impl(), constraints.impl(), false);
+}
+
+}  // namespace
+
+const double* delassusMatrix(const CompactModel& model, Data& data, VectorView q, ConstraintData& constraints) {
+  form("computeDelassusMatrix", model, data, q, constraints);
+  ConstraintDataImpl& c = constraints.impl();
+  const std::ptrdiff_t rows = c.set.rows();
+  for (std::ptrdiff_t r = 0; r < rows; ++r) std::copy_n(c.workspace.delassus + c.workspace.stride * r, rows, c.matrix + rows * r);
+  return c.matrix;
+}
+
+const double* operationalSpaceInertia(const CompactModel& model, Data& data, VectorView q, ConstraintData& constraints) {
+  form("computeOperationalSpaceInertia", model, data, q, constraints);
+  ConstraintDataImpl& c = constraints.impl();
+  const std::ptrdiff_t rows = c.set.rows();
+  c.solver.factor(c.workspace, constraints.settings);
+  std::fill_n(c.wanted, rows, 0.0);
+  for (std::ptrdiff_t r = 0; r < rows; ++r) {
+    c.wanted[r] = 1;
+    c.solver.solve(c.wanted, c.step);
+    c.wanted[r] = 0;
+    std::copy_n(c.step, rows, c.matrix + rows * r);
+  }
+  return c.matrix;
+}
+
+void prepareDelassus(const CompactModel& model, Data& data, VectorView q, ConstraintData& constraints) {
+  prepare("DelassusOperator", model, data, q, constraints);
+}
+
+void applyDelassus(const CompactModel& model, Data& data, ConstraintData& constraints, VectorView x, const VectorOut& out) {
+  const CompactImpl& m = model.impl();
+  DataImpl& d = data.impl();
+  ConstraintDataImpl& c = constraints.impl();
+  const PackedConstraints& packed = c.set.impl();
+  checkSize("DelassusOperator", "x", x, packed.rows);
+  checkSize("DelassusOperator", "out", {out.data(), out.size()}, packed.rows);
+  if (!m.couplings.empty()) {
+    std::fill_n(c.v_after, m.nv, 0.0);
+    for (int k = 0; k < m.nv; ++k)
+      for (int r = 0; r < packed.rows; ++r) c.v_after[k] += c.J[static_cast<std::ptrdiff_t>(packed.rows) * k + r] * x.data[r];
+    solveInertia(model, data, c.v_after);
+    std::fill_n(out.data(), packed.rows, 0.0);
+    addRowsOf(m, c, c.v_after, out.data());
+    return;
+  }
+  // One force a body, on its way to the world; each degree of freedom yields to its share.
+  sumRowForces(m, packed, c.frames, c.q, x.data, c.total, c.shares);
+  for (std::size_t slot = 0; slot < packed.bodies.size(); ++slot) {
+    const ConstrainedBody& here = packed.bodies[slot];
+    const BodyIndex& index = m.index[static_cast<std::size_t>(here.body)];
+    Force<double> F = c.total[slot];
+    for (int k = 0; k < index.nv; ++k) {
+      DofFactor<double>& dof = d.dof[index.idx_v + k];
+      const double share = c.shares[here.dof + k] + dot(dof.S_, F), scaled = dof.inverse * share;
+      dof.y = scaled;
+      const bool last = k == index.nv - 1;
+      if (last) F.angular += cross(d.r[here.body], F.linear);
+      F -= (last ? share : scaled) * dof.W;
+    }
+    if (here.parent >= 0) c.total[static_cast<std::size_t>(here.parent)] += F;
+  }
+  kernels::constraintKernels().accelerate(m, d, packed, {}, c.workspace);
+  rowAccelerations(m, d, packed, c.frames, c.q, c.workspace, out.data());
+  for (const int dof : packed.dofs) d.dof[dof].y = 0;
+}
+
+}  // namespace dyn::detail
