@@ -46,6 +46,8 @@ struct ConstraintDataImpl {
   double* change = nullptr;                                                   ///< nv
   double *Jt = nullptr, *Xt = nullptr;                                        ///< -J^T, nv x rows; X^T, `stride` numbers a column
   double* force = nullptr;                                                    ///< nv x nv: derivatives of the generalised forces, or right-hand sides
+  double *inertia = nullptr, *solved = nullptr;  ///< M^-1, padded columns; scratch, nv x rows
+  int* places = nullptr;  ///< scratch of nv numbers
 };
 
 }  // namespace dyn

@@ -38,7 +38,7 @@ void carveAll(ConstraintDataImpl& d, Arena& arena) {
   for (double** vector : {&d.motion.bias, &d.motion.velocity, &d.motion.error, &d.lambda, &d.wanted, &d.step, &d.left, &d.gamma})
     arena.take(*vector, rows);
   arena.take(d.J, rows * nv);
-  arena.take(d.X, rows * nv + most_lanes);
+  arena.take(d.X, rows * (nv + most_lanes));
   arena.take(d.expanded, nv);
   arena.take(d.v_after, nv);
   arena.take(d.q, 2 * static_cast<std::size_t>(m.nqx));
@@ -55,8 +55,11 @@ void carveAll(ConstraintDataImpl& d, Arena& arena) {
   arena.take(d.Jt, rows * nv);
   arena.take(d.Xt, nv * rows);
   arena.take(d.force, nv * nv);
+  arena.take(d.inertia, nv * (nv + most_lanes));
+  arena.take(d.solved, rows * nv + most_lanes);
+  arena.take(d.places, nv + 1);
   arena.take(d.fext, m.joints.size());
-  arena.take(d.change, nv);
+  arena.take(d.change, nv + 1);
 }
 }  // namespace
 

@@ -26,35 +26,48 @@ void check(const char* algorithm, const CompactModel& model, const Data& data, c
         std::string(algorithm) + ": the constraints' data was made without Need::derivatives; make it as ConstraintData(set, Need::derivatives)");
 }
 
-/// c.X = M^-1 J^T, by columns, and its transpose.
+/// A call of the kernel for `count` columns with the model's M^-1, and with `rows` of the constraints' rows.
+kernels::ConstrainedColumns columnsOf(const CompactModel& model, ConstraintDataImpl& c, int rows, int count) {
+  return {model.nv(), rows, count, c.inertia, c.X, c.Xt, nullptr, nullptr, nullptr, nullptr, c.wanted, c.step, c.change, c.places};
+}
+
+/// M^-1 with gaps between its columns, c.X = M^-1 J^T likewise, and its transpose.
 void projectRows(const CompactModel& model, const DataImpl& d, ConstraintDataImpl& c) {
-  const std::ptrdiff_t n = model.nv(), rows = c.set.rows(), stride = c.workspace.stride;
+  const std::ptrdiff_t n = model.nv(), rows = c.set.rows(), stride = c.workspace.stride, padded = kernels::ConstrainedColumns::padded(n);
+  for (std::ptrdiff_t k = 0; k < n; ++k) std::copy_n(d.Minv + n * k, n, c.inertia + padded * k);
   for (std::ptrdiff_t r = 0; r < rows; ++r)
     for (std::ptrdiff_t k = 0; k < n; ++k) c.Jt[n * r + k] = -c.J[rows * k + r];
-  const int count = static_cast<int>(rows);
-  kernels::constraintKernels().solveColumns(c.workspace,
-                                            {model.nv(), 0, count, d.Minv, nullptr, nullptr, c.Jt, nullptr, c.X, nullptr, nullptr, nullptr});
-  for (std::ptrdiff_t k = 0; k < n; ++k)
-    for (std::ptrdiff_t r = 0; r < rows; ++r) c.Xt[stride * k + r] = c.X[n * r + k];
+  kernels::ConstrainedColumns call = columnsOf(model, c, 0, static_cast<int>(rows));
+  call.force = c.Jt;
+  call.x = c.solved;
+  call.lambda = c.left;
+  kernels::constraintKernels().solveColumns(c.workspace, call);
+  for (std::ptrdiff_t r = 0; r < rows; ++r) {
+    std::copy_n(c.solved + n * r, n, c.X + padded * r);
+    for (std::ptrdiff_t k = 0; k < n; ++k) c.Xt[stride * k + r] = c.solved[n * r + k];
+  }
 }
 
 /// Solves M x - J^T lambda = -force, J x = -row for all columns; row may be null: zero.
-void solveColumns(const CompactModel& model, const DataImpl& d, ConstraintDataImpl& c, const double* force, const double* row, double* x,
-                  double* lambda) {
-  const Eigen::Index n = model.nv(), rows = c.set.rows();
+void solveColumns(const CompactModel& model, ConstraintDataImpl& c, const double* force, const double* row, double* x, double* lambda) {
+  const Eigen::Index n = model.nv(), rows = c.set.rows(), padded = kernels::ConstrainedColumns::padded(n);
   if (c.solver.regular()) {
-    kernels::constraintKernels().solveColumns(
-        c.workspace, {model.nv(), c.set.rows(), model.nv(), d.Minv, c.X, c.Xt, force, row, x, lambda, c.wanted, c.step});
+    kernels::ConstrainedColumns call = columnsOf(model, c, c.set.rows(), model.nv());
+    call.force = force;
+    call.row = row;
+    call.x = x;
+    call.lambda = lambda;
+    kernels::constraintKernels().solveColumns(c.workspace, call);
     return;
   }
-  const ConstMatrix Minv(d.Minv, n, n), X(c.X, n, rows);
+  const ConstMatrix Minv(c.inertia, padded, n), X(c.X, padded, rows);
   for (Eigen::Index k = 0; k < n; ++k) {
     const Eigen::Map<const Eigen::VectorXd> f(force + n * k, n);
     Eigen::Map<Eigen::VectorXd> change(x + n * k, n), wanted(c.wanted, rows), step(c.step, rows);
-    wanted.noalias() = X.transpose().lazyProduct(f);
+    wanted.noalias() = X.topRows(n).transpose().lazyProduct(f);
     if (row) wanted -= ConstMatrix(row, rows, n).col(k);
     c.solver.solve(c.wanted, c.step);
-    change.noalias() = X.lazyProduct(step) - Minv.lazyProduct(f);
+    change.noalias() = X.topRows(n).lazyProduct(step) - Minv.topRows(n).lazyProduct(f);
     Matrix(lambda, rows, n).col(k) = step;
   }
 }
@@ -81,11 +94,11 @@ ConstrainedDerivativeViews constraintDynamicsDerivatives(const CompactModel& mod
   linearizeRows(model, d, c, expandedConfiguration(model, d, q), RowQuantity::acceleration, {c.row_by_q, c.row_by_v, c.J, c.force});
   minverse(model, data, q);
   projectRows(model, d, c);
-  solveColumns(model, d, c, c.force, c.row_by_q, c.motion_dq, c.lambda_dq);
-  solveColumns(model, d, c, d.dtau_dv, c.row_by_v, c.motion_dv, c.lambda_dv);
+  solveColumns(model, c, c.force, c.row_by_q, c.motion_dq, c.lambda_dq);
+  solveColumns(model, c, d.dtau_dv, c.row_by_v, c.motion_dv, c.lambda_dv);
   std::fill_n(c.force, n * n, 0.0);
   Matrix(c.force, n, n).diagonal().setConstant(-1);
-  solveColumns(model, d, c, c.force, nullptr, c.motion_dtau, c.lambda_dtau);
+  solveColumns(model, c, c.force, nullptr, c.motion_dtau, c.lambda_dtau);
   return {c.v_after, c.lambda, c.motion_dq, c.motion_dv, c.motion_dtau, c.lambda_dq, c.lambda_dv, c.lambda_dtau};
 }
 
@@ -112,11 +125,11 @@ ConstrainedDerivativeViews impulseDynamicsDerivatives(const CompactModel& model,
   linearizeRows(model, d, c, expandedConfiguration(model, d, q), RowQuantity::velocity, {c.row_by_q, nullptr, c.J, c.force});
   minverse(model, data, q);
   projectRows(model, d, c);
-  solveColumns(model, d, c, c.force, c.row_by_q, c.motion_dq, c.lambda_dq);
+  solveColumns(model, c, c.force, c.row_by_q, c.motion_dq, c.lambda_dq);
   // By v: M (dv_after - dv) = J^T dimpulse, J dv_after = -restitution J dv.
   std::fill_n(c.force, n * n, 0.0);
   Matrix(c.row_by_v, rows, n) = (1 + restitution) * Matrix(c.J, rows, n);
-  solveColumns(model, d, c, c.force, c.row_by_v, c.motion_dv, c.lambda_dv);
+  solveColumns(model, c, c.force, c.row_by_v, c.motion_dv, c.lambda_dv);
   Matrix(c.motion_dv, n, n).diagonal().array() += 1;
   return {c.v_after, c.lambda, c.motion_dq, c.motion_dv, nullptr, c.lambda_dq, c.lambda_dv, nullptr};
 }
