@@ -72,6 +72,43 @@ TEST_CASE("no algorithm allocates once Data exists", "[no_alloc]") {
   CHECK(allocationsOf([&] { dDifference(model, q, next, ArgumentPosition::ARG0, square); }) == 0);
 }
 
+TEST_CASE("no algorithm of constraints allocates once their data exists", "[no_alloc]") {
+  const JointRegistry registry = JointRegistry::standard();
+  const bool coupled = GENERATE(false, true);
+  Model description = randomTree(registry, 25, 5, true);
+  if (coupled) addFollower(description);
+  const CompactModel model = compile(description, registry);
+  Data data(model, Need::derivatives);
+  ConstraintDescription target = closeLoop("target", "b20", "b4", {false, false, false, false, false, true});
+  target.baumgarte = {10, 5};
+  ConstraintDescription twice = pointContact("tool");
+  twice.name = "tool again";
+  const bool singular = GENERATE(false, true);
+  std::vector<ConstraintDescription> set = {pointContact("tool"), target, lockJoint(model.joints()[2].name)};
+  if (singular) set.push_back(twice);
+  ConstraintData c(ConstraintSet(model, set), Need::derivatives);
+  Eigen::VectorXd q = integrate(model, neutral(model), Eigen::VectorXd::Constant(model.nv(), 0.7));
+  const Eigen::VectorXd v = Eigen::VectorXd::Constant(model.nv(), 0.2), tau = v;
+  const std::vector<FrictionCone> cones = {{0, 0.5}};
+  Eigen::VectorXd rows = Eigen::VectorXd::Ones(c.set().rows());
+
+  CHECK(allocationsOf([&] { constraintDynamics(model, data, q, v, tau, c); }) == 0);
+  CHECK(allocationsOf([&] { constraintDynamics(model, data, q, v, tau, c, ConstraintMethod::kkt); }) == 0);
+  CHECK(allocationsOf([&] { impulseDynamics(model, data, q, v, 0.5, c); }) == 0);
+  CHECK(allocationsOf([&] { computeConstraintMotion(model, data, q, v, c); }) == 0);
+  CHECK(allocationsOf([&] { computeConstraintJacobian(model, data, q, c); }) == 0);
+  CHECK(allocationsOf([&] { computeConstraintDynamicsDerivatives(model, data, q, v, tau, c); }) == 0);
+  CHECK(allocationsOf([&] { computeImpulseDynamicsDerivatives(model, data, q, v, 0.5, c); }) == 0);
+  CHECK(allocationsOf([&] { computeDelassusMatrix(model, data, q, c); }) == 0);
+  CHECK(allocationsOf([&] { computeOperationalSpaceInertia(model, data, q, c); }) == 0);
+  CHECK(allocationsOf([&] { DelassusOperator(model, data, q, c).apply(rows, rows); }) == 0);
+  CHECK(allocationsOf([&] { contactStep(model, data, q, v, tau, 1e-3, c, cones); }) == 0);
+  CHECK(allocationsOf([&] { contactForces(model, data, q, v, tau, tau, c, cones); }) == 0);
+  CHECK(allocationsOf([&] { projectConfiguration(model, data, q, c); }) == 0);
+  c.settings.mu = 1e-3;
+  CHECK(allocationsOf([&] { constraintDynamics(model, data, q, v, tau, c); }) == 0);
+}
+
 TEST_CASE("a humanoid's Data takes at most 150 kB", "[no_alloc]") {
   DYN_NEEDS_SHARED();
   urdf::Options options;

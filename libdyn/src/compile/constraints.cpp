@@ -72,6 +72,14 @@ class Packer {
     int a = p.body[0], b = p.body[1];
     while (a != b) (a > b ? a : b) = m_.index[at(std::max(a, b))].parent;
     p.common = a;
+    std::set<int> dofs;
+    if (!m_.couplings.empty())
+      for (int k = 0; k < m_.nv; ++k) dofs.insert(k);
+    else
+      for (const int end : p.body)
+        for (int i = end; i > 0; i = m_.index[at(i)].parent)
+          for (int k = 0; k < m_.index[at(i)].nv; ++k) dofs.insert(m_.index[at(i)].idx_v + k);
+    p.dofs.assign(dofs.begin(), dofs.end());
     const auto rotations = std::count(c.free.begin() + 3, c.free.end(), true);
     if (c.has_target && rotations == 2)
       refuse("two rotations are free: as a joint that has no angle to keep; free one (a hinge), all (a ball), or cut the mechanism elsewhere");

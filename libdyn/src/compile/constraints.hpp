@@ -17,6 +17,7 @@ struct PackedFrameConstraint {
   int common = 0;            ///< the last body that moves both, or 0
   SE3<double> placement[2];  ///< of the constraint's frames, in the bodies' core frames
   std::array<bool, 6> free{};
+  std::vector<int> dofs;  ///< the user's, of all that moves one of the two frames; of models with followers, all
   ConstraintAxes axes = ConstraintAxes::LOCAL;
   bool has_target = false;
   Baumgarte baumgarte;

@@ -235,7 +235,7 @@ void linearizeRows(const CompactModel& model, DataImpl& d, ConstraintDataImpl& c
     const RelativeMotion x(m, d, c, f);
     const Force<double> wrench = wrenchOf(f, x.axes(), c.lambda);
     const Baumgarte& b = f.baumgarte;
-    for (int k = 0; k < m.nv; ++k) {
+    for (const int k : f.dofs) {
       const RelativeMotion::Column s = x.column(k);
       const Twist v_dq = s.v_dq + turned(s.lag, x.velocity());
       const Twist a_dq = acceleration ? s.a_dq + turned(s.lag, x.rate()) : Twist{};
@@ -252,13 +252,13 @@ void linearizeRows(const CompactModel& model, DataImpl& d, ConstraintDataImpl& c
     // The force turns with its axes, where its derivative so far has it turn with each body, and its point moves on the second.
     const bool local = f.axes == ConstraintAxes::LOCAL;
     if (local && f.body[1] == 0) continue;
-    for (int k = 0; k < m.nv; ++k) {
+    for (const int k : f.dofs) {
       const RelativeMotion::Column s = x.column(k);
       const auto turnedWrench = [&](const Vec& w) { return Force<double>{cross(w, wrench.linear), cross(w, wrench.angular)}; };
       const Force<double> first = turnedWrench(-s.lag);
       Force<double> second = turnedWrench(s.s.angular - s.lag);
       second.angular += cross(s.s.linear, wrench.linear);
-      for (int i = 0; i < m.nv; ++i) {
+      for (const int i : f.dofs) {
         const auto [s1, s2] = x.motions(i);
         out.force_by_q[nv * k + i] += dot(s2, second) - dot(s1, first);
       }
