@@ -5,6 +5,8 @@
 #include "support/shared.hpp"
 #include "support/truth_model.hpp"
 
+#include <dyn/parsers/urdf.hpp>
+
 #include <cmath>
 #include <fstream>
 #include <functional>
@@ -287,5 +289,114 @@ TEST_CASE("Andrews' squeezer moves as the reference does", "[mechanism]") {
     }
     const Vector lambda = constraintDynamics(m.model, m.data, m.q, m.v, m.force(m.q, m.v), m.loops).lambda;
     for (int r = 0; r < 6; ++r) CHECK(std::abs(lambda[r] + number(state["lam"][static_cast<std::size_t>(r)])) < 1e-8 * 200);
+  }
+}
+
+TEST_CASE("the flyball governor moves as the reference does", "[mechanism]") {
+  DYN_NEEDS_SHARED();
+  // A shaft, a slider on it, two rods with balls; spring-dampers of 0.5 m at rest tie the slider to the rods' middles. Stiff: 1.5 ms.
+  constexpr double K = 8e5, C = 4e4, length = 0.5, middle = 0.5;
+  const nlohmann::json truth = truthFile("data/ref_flyball.json"), document = truthFile("models/flyball.json");
+  Model model;
+  const auto inertiaOf = [](const nlohmann::json& b) {
+    const auto c = b["com"].get<std::vector<double>>();
+    const auto I = b.contains("inertia") ? b["inertia"].get<std::vector<double>>() : std::vector<double>(6, 0.0);
+    return Inertia<double>{b["mass"].get<double>(), {c[0], c[1], c[2]}, {I[0], I[1], I[2], I[3], I[4], I[5]}};
+  };
+  std::map<std::string, int> bodies{{"universe", 0}};
+  for (const auto& j : document["joints"]) {
+    Inertia<double> Y;
+    if (j.contains("bodies")) {
+      for (const auto& b : j["bodies"]) Y = Y + inertiaOf(b);
+    } else {
+      Y = inertiaOf(j);
+    }
+    const std::string name = j["name"];
+    bodies[name] = model.addBody(name + "_link", bodies.at(j["parent"]), jointOf(j, "fly"), Y);
+  }
+  Mechanism m(model, {});
+  const auto dof = [&](const char* name) { return m.model.joints()[static_cast<std::size_t>(m.model.jointId(name))].idx_v; };
+  const int slider = dof("slider"), rods[2] = {dof("rod0"), dof("rod1")}, shaft = dof("shaft");
+  m.q[slider] = 0.5;
+  for (const int rod : rods) m.q[rod] = M_PI / 6;
+  m.v[shaft] = 2 * M_PI;
+  m.force = [&, n = m.model.nv()](const Vector& q, const Vector& v) {
+    Vector tau = Vector::Zero(n);
+    for (const int rod : rods) {
+        // In the rod's plane, from the slider's end, as far from the shaft as the rod hangs, to the middle of the rod; up is z.
+      const double c = std::cos(q[rod]), s = std::sin(q[rod]), x = middle * c, z = 1 - middle * s - q[slider];
+      const double dx = -middle * s * v[rod], dz = -middle * c * v[rod] - v[slider];
+      const double l = std::hypot(x, z), pull = K * (l - length) + C * (x * dx + z * dz) / l;
+      tau[rod] += -pull / l * (x * -middle * s + z * -middle * c);
+      tau[slider] += pull / l * z;
+    }
+    return tau;
+  };
+  double now = 0;
+  for (const auto& state : truth["states"]) {
+    const double t = std::stod(state["t"].get<std::string>());
+    m.run(t - now, std::max(1, static_cast<int>(std::lround((t - now) / (t <= 0.01 ? 1e-4 : 5e-4)))));  // the first oscillation dies in 1 ms
+    now = t;
+    INFO("at " << t << " s");
+    CHECK(std::abs(m.q[slider] - std::stod(state["s"].get<std::string>())) < 1e-9);
+    CHECK(std::abs(m.v[slider] - std::stod(state["s_dot"].get<std::string>())) < 1e-8);
+    for (const int rod : rods) CHECK(std::abs(m.q[rod] - std::stod(state["beta"].get<std::string>())) < 1e-9);
+  }
+}
+
+TEST_CASE("redundant contacts of robots have the rank and the motion of those that are enough", "[mechanism]") {
+  DYN_NEEDS_SHARED();
+  const auto load = [](const std::string& robot) {
+    urdf::Options options;
+    options.root = "free_flyer";
+    return compile(urdf::load(sharedFolder() + "/models/" + robot + ".urdf", options), registry());
+  };
+  const auto renamed = [](ConstraintDescription c, const std::string& name, const Vec3<double>& point = {}) {
+    c.name = name;
+    std::get<FrameConstraint>(c.relation).placement.p = point;
+    return c;
+  };
+  const auto solve = [](const CompactModel& model, const std::vector<ConstraintDescription>& set, std::uint64_t seed) {
+    Data data(model);
+    ConstraintData c(ConstraintSet(model, set));
+    Random random(seed);
+    const Vector q = randomConfiguration(model, seed), tau = random.vector(model.nv(), 5);
+    const ConstrainedMotion x = constraintDynamics(model, data, q, Vector::Zero(model.nv()), tau, c);
+    CHECK(x.lambda.allFinite());
+    CHECK(x.residual <= 1e-9);
+    return std::pair(x.rank, Vector(x.ddq));
+  };
+  const auto same = [](const Vector& a, const Vector& b) { return (a - b).cwiseAbs().maxCoeff() <= 1e-9 * b.cwiseAbs().maxCoeff(); };
+
+  const CompactModel hyq = load("hyq"), talos = load("talos");
+  std::vector<ConstraintDescription> feet, twice;
+  for (const char* foot : {"lf_foot", "rf_foot", "lh_foot", "rh_foot"}) {
+    feet.push_back(pointContact(foot));
+    twice.push_back(pointContact(foot));
+    twice.push_back(renamed(pointContact(foot), std::string(foot) + " again"));
+  }
+  std::vector<ConstraintDescription> soles, corners;
+  for (const char* sole : {"left_sole_link", "right_sole_link"}) {
+    soles.push_back(frameContact(sole));
+    for (int k = 0; k < 4; ++k)
+      corners.push_back(renamed(pointContact(sole), sole + std::to_string(k), {k < 2 ? 0.1 : -0.1, k % 2 ? 0.06 : -0.06, 0}));
+  }
+  std::vector<ConstraintDescription> line;
+  for (int k = 0; k < 3; ++k) line.push_back(renamed(pointContact("left_sole_link"), "point" + std::to_string(k), {0.1 * k, 0, 0}));
+  for (std::uint64_t seed = 1; seed < 5; ++seed) {
+    const auto [rank, ddq] = solve(hyq, feet, seed);
+    const auto [rank_twice, ddq_twice] = solve(hyq, twice, seed);
+    CHECK(rank == 12);
+    CHECK(rank_twice == 12);
+    CHECK(same(ddq_twice, ddq));
+    const auto [rank_soles, ddq_soles] = solve(talos, soles, seed);
+    const auto [rank_corners, ddq_corners] = solve(talos, corners, seed);
+    CHECK(rank_soles == 12);
+    CHECK(rank_corners == 12);
+    CHECK(same(ddq_corners, ddq_soles));
+    CHECK(solve(talos, line, seed).first == 5);
+    CHECK(solve(talos, {soles[0], renamed(frameContact("left_sole_link"), "again")}, seed).first == 6);
+    // Two points of one leg keep their distance by themselves.
+    CHECK(solve(hyq, {feet[0], renamed(pointContact("lf_foot"), "shin", {0.1, 0, 0})}, seed).first == 5);
   }
 }

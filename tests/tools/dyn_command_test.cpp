@@ -179,7 +179,7 @@ TEST_CASE("states that cannot be used are refused with the sample's number", "[c
 TEST_CASE("compute knows contacts by frames", "[command]") {
   const Folder folder;
   const std::string states = folder.write("states.json", zero_state), line = "compute " + biped + " --root free_flyer --states " + states;
-  const Answer all = run(line + " --contacts left_sole:6d,right_sole:3d");
+  const Answer all = run(line + " --contacts left_foot:6d,right_foot:3d");
   INFO(all.err);
   CHECK(all.code == 0);
   const nlohmann::json sample = nlohmann::json::parse(all.out)["samples"][0];
@@ -187,13 +187,13 @@ TEST_CASE("compute knows contacts by frames", "[command]") {
   for (const char* key : {"contact_ddq", "impulse_v_after", "impulse_restitution_0.5_v_after"}) CHECK(sample[key].size() == sample["v"].size());
   CHECK(sample["contact_J"].size() == 9 * sample["v"].size());
   CHECK(sample.contains("rnea"));
-  const nlohmann::json one = nlohmann::json::parse(run(line + " --contacts left_sole:6d --only contact_ddq").out)["samples"][0];
+  const nlohmann::json one = nlohmann::json::parse(run(line + " --contacts left_foot:6d --only contact_ddq").out)["samples"][0];
   CHECK(one.contains("contact_ddq"));
   CHECK_FALSE(one.contains("contact_lambda"));
   CHECK_FALSE(one.contains("rnea"));
-  CHECK_THAT(run(line + " --contacts left_sole").err, containing("FRAME:6d or FRAME:3d"));
+  CHECK_THAT(run(line + " --contacts left_foot").err, containing("FRAME:6d or FRAME:3d"));
   CHECK_THAT(run(line + " --contacts nose:6d").err, containing("no body or frame 'nose'"));
-  CHECK_THAT(run(line + " --contacts left_sole:6d,left_sole:3d").err, containing("two constraints of that name"));
+  CHECK_THAT(run(line + " --contacts left_foot:6d,left_foot:3d").err, containing("two constraints of that name"));
   CHECK_THAT(run(line + " --only contact_ddq").err, containing("name the contacts"));
 }
 
