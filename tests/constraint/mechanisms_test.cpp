@@ -344,6 +344,34 @@ TEST_CASE("the flyball governor moves as the reference does", "[mechanism]") {
   }
 }
 
+TEST_CASE("straight legs that cannot keep their feet where they are give the least residual", "[mechanism]") {
+  DYN_NEEDS_SHARED();
+  urdf::Options options;
+  options.root = "free_flyer";
+  CompileOptions no_losses;
+  no_losses.dissipation = false;
+  const CompactModel model = compile(urdf::load(sharedFolder() + "/models/hyq.urdf", options), registry(), no_losses);
+  Data data(model, Need::derivatives);
+  ConstraintData c(ConstraintSet(model, {pointContact("lf_foot"), pointContact("rf_foot"), pointContact("lh_foot"), pointContact("rh_foot")}));
+  int met = 0;
+  const nlohmann::json truth = truthFile("data/hyq.json");
+  for (const auto& sample : truth["samples"]) {
+    const auto vector = [&](const char* key) {
+      const auto x = sample[key].get<std::vector<double>>();
+      return Vector(Eigen::Map<const Vector>(x.data(), static_cast<Eigen::Index>(x.size())));
+    };
+    const bool straight = sample["note"] == "neutral configuration";
+    met += straight;
+    for (const ConstraintMethod method : {ConstraintMethod::articulated, ConstraintMethod::kkt}) {
+      const ConstrainedMotion x = constraintDynamics(model, data, vector("q"), vector("v"), vector("tau"), c, method);
+      CHECK(x.rank == (straight ? 11 : 12));
+      CHECK(std::abs(x.residual - (straight ? 0.63 : 0.0)) < (straight ? 0.005 : 1e-9));
+      CHECK(x.lambda.cwiseAbs().maxCoeff() < 1000);
+    }
+  }
+  CHECK(met == 1);
+}
+
 TEST_CASE("redundant contacts of robots have the rank and the motion of those that are enough", "[mechanism]") {
   DYN_NEEDS_SHARED();
   const auto load = [](const std::string& robot) {

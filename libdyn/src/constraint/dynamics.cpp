@@ -31,8 +31,9 @@ ConstrainedViews refined(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& 
   kernels::constraintKernels().accelerate(m, d, packed, gravity, c.workspace);
   rowAccelerations(m, d, packed, c.frames, q, c.workspace, c.gamma);
   wanted(c.gamma);
+  for (int r = 0; r < packed.rows; ++r)
+    if (!(std::abs(c.wanted[r]) <= out.residual)) out.residual = std::abs(c.wanted[r]);
   c.solver.solve(c.wanted, c.step);
-  out.residual = c.solver.residual(c.step, c.wanted, c.left);
   accelerateBodies(m, d, c, c.step, gravity, ddq);
   for (int r = 0; r < packed.rows; ++r) c.lambda[r] += c.step[r];
   return out;

@@ -17,7 +17,7 @@ enum class ConstraintMethod { articulated, kkt };
 struct ConstrainedMotion {
   VectorResult ddq;     ///< nv
   VectorResult lambda;  ///< rows
-  double residual;      ///< largest violation of the rows' accelerations that is left: rounding, unless constraints contradict each other
+  double residual;      ///< largest violation of the rows' accelerations, as bodies move: rounding, unless constraints contradict each other
   int rank;             ///< of the rows; less than their number where some imply others. Forces are those of least norm then
   int iterations;       ///< of the solution for lambda
 };
