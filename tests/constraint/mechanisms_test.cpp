@@ -158,7 +158,8 @@ TEST_CASE("four-bars pass through the position where their bars are in line", "[
   const double theta = -m.q[m.model.joints()[static_cast<std::size_t>(m.model.jointId("crank0"))].idx_q];
   const double expected = std::stod(truth["theta10"].get<std::string>());
   INFO("energy " << worst << ", closure " << drift << ", angle off by " << theta - expected);
-  CHECK(worst < 1e-9);
+  // 1e-9 J for one square, and as much of the energy of more.
+  CHECK(worst < 5e-11 * std::stod(truth["E0_above_base"].get<std::string>()));
   CHECK(drift < 1e-12);
   CHECK(std::abs(theta - expected) < 1e-8);
   CHECK(std::abs(std::sin(theta) - std::stod(truth["B0x10"].get<std::string>())) < 1e-8);
