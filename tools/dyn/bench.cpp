@@ -127,6 +127,11 @@ void addSingle(Subjects& x, std::vector<Entry>& entries) {
       [step](auto& m, auto& d, auto& s) { differences(m, s, *step, [&](auto& q, auto& v, auto& a) { rnea(m, d, q, v, a); }); });
   add("aba_finite_differences",
       [step](auto& m, auto& d, auto& s) { differences(m, s, *step, [&](auto& q, auto& v, auto& a) { aba(m, d, q, v, a); }); });
+  // n^3 numbers: for models of some dozens of degrees of freedom.
+  if (x.model.nv() <= 100) {
+    const auto second = std::make_shared<SecondDerivativeData>(x.model);
+    add("rnea_second_derivatives", [second](auto& m, auto& d, auto& s) { computeRNEASecondOrderDerivatives(m, d, *second, s.q, s.v, s.a); });
+  }
   add("minverse", [](auto& m, auto& d, auto& s) { computeMinverse(m, d, s.q); });
   add("cholesky_decompose", [](auto& m, auto& d, auto&) { cholesky::decompose(m, d); });
   add("cholesky_solve", [step](auto& m, auto& d, auto& s) {

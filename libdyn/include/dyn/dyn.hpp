@@ -18,6 +18,7 @@
 #include <dyn/algorithm/layout.hpp>
 #include <dyn/algorithm/regressor.hpp>
 #include <dyn/algorithm/rnea.hpp>
+#include <dyn/algorithm/second_derivatives.hpp>
 #include <dyn/compile/compile.hpp>
 #include <dyn/constraint/assembly.hpp>
 #include <dyn/constraint/delassus.hpp>

@@ -51,6 +51,9 @@ class JointTypeOf final : public JointType {
   void kinematics(const JointBatch<Dual<double>>& batch) const noexcept override {
     for (int i = 0; i < batch.count * batch.lanes; ++i) evaluateAt<Dual<double>>(batch, i, constantsOf(batch, i));
   }
+  void kinematics(const JointBatch<Dual<Dual<double>>>& batch) const noexcept override {
+    for (int i = 0; i < batch.count * batch.lanes; ++i) evaluateAt<Dual<Dual<double>>>(batch, i, constantsOf(batch, i));
+  }
 
   void neutral(const ConfigurationBatch<double>& b) const noexcept override {
     for (int i = 0; i < b.count; ++i) {

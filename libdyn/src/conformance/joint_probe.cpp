@@ -47,12 +47,10 @@ JointMotion<S> JointProbe::motion(const S* q, const S* v) const {
   b.subspace = dense ? subspace : nullptr;
   b.bias = dense && v ? bias : nullptr;
   type_.kinematics(b);
-  if (instance_.shape == Shape::dense_constant)
-    for (int i = 0; i < 6 * max_joint_nv; ++i) subspace[i] = S(instance_.subspace[i]);
 
   JointMotion<S> result;
   result.pose = poseFromComponents<S>(instance_.shape, pose);
-  const kernels::Slot<S> slot{pose, subspace, 1, subspace, bias, 1};
+  const kernels::Slot<S> slot{pose, subspace, 1, instance_.subspace, bias, 1};
   kernels::withShape<S>(instance_.shape, nv(), [&]<class Kernel>() {
     const Kernel kernel(slot);
     for (int k = 0; k < nv(); ++k) result.columns[k] = kernel.column(k);

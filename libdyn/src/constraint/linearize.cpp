@@ -25,7 +25,7 @@ Twist turned(const Vec& w, const Twist& x) { return {cross(w, x.linear), cross(w
 /// One constraint between frames in the axes of the first, at its origin, 1; the second's quantities moved there. r: the difference.
 class RelativeMotion {
  public:
-  RelativeMotion(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c, const PackedFrameConstraint& f) : c_(f) {
+  RelativeMotion(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c, const PackedFrameConstraint& f, const FrameRows& rows) : c_(f) {
     for (int e = 0; e < 2; ++e) {
       moves_[e] = f.body[e] > 0;
       if (!moves_[e]) continue;
@@ -54,7 +54,7 @@ class RelativeMotion {
     point_ = f.turnsFreely() && f.rows == 3 && f.axes == ConstraintAxes::LOCAL;
     lag_ = f.axes == ConstraintAxes::OTHER ? v_.angular : (f.axes == ConstraintAxes::LOCAL_WORLD_ALIGNED || point_ ? v1_.angular : Vec{});
     rate_ = a_ + turned(lag_, v_);
-    if (f.has_target) error_ = {-X_.p, turn()};
+    error_ = {axes_ * rows.error.linear, axes_ * rows.error.angular};
   }
 
   /// Columns of degree of freedom k.
@@ -112,15 +112,6 @@ class RelativeMotion {
   Vec lagOf(const Twist& relative, const Twist& first) const {
     if (c_.axes == ConstraintAxes::OTHER) return relative.angular;
     return c_.axes == ConstraintAxes::LOCAL_WORLD_ALIGNED || point_ ? first.angular : Vec{};
-  }
-  Vec turn() const {
-    if (c_.turnsFreely()) return {};
-    for (int k = 0; k < 3; ++k)
-      if (c_.free[at(3 + k)]) {
-        const Vec first = axis(k), second = X_.R.col(k);
-        return quotient(dot(first, second)).value * cross(second, first);
-      }
-    return -log3(X_.R);
   }
   static Vec axis(int k) {
     Vec e;
@@ -231,8 +222,9 @@ void linearizeRows(const CompactModel& model, DataImpl& d, ConstraintDataImpl& c
   const bool acceleration = quantity == RowQuantity::acceleration;
   for (double* matrix : {out.by_q, out.by_v, out.J})
     if (matrix) std::fill_n(matrix, rows * nv, 0.0);
-  for (const PackedFrameConstraint& f : packed.frames) {
-    const RelativeMotion x(m, d, c, f);
+  for (std::size_t i = 0; i < packed.frames.size(); ++i) {
+    const PackedFrameConstraint& f = packed.frames[i];
+    const RelativeMotion x(m, d, c, f, c.frames[i]);
     const Force<double> wrench = wrenchOf(f, x.axes(), c.lambda);
     const Baumgarte& b = f.baumgarte;
     for (const int k : f.dofs) {
@@ -258,9 +250,9 @@ void linearizeRows(const CompactModel& model, DataImpl& d, ConstraintDataImpl& c
       const Force<double> first = turnedWrench(-s.lag);
       Force<double> second = turnedWrench(s.s.angular - s.lag);
       second.angular += cross(s.s.linear, wrench.linear);
-      for (const int i : f.dofs) {
-        const auto [s1, s2] = x.motions(i);
-        out.force_by_q[nv * k + i] += dot(s2, second) - dot(s1, first);
+      for (const int l : f.dofs) {
+        const auto [s1, s2] = x.motions(l);
+        out.force_by_q[nv * k + l] += dot(s2, second) - dot(s1, first);
       }
     }
   }

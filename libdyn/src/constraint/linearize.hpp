@@ -14,7 +14,7 @@ struct RowDerivatives {
   double *by_q, *by_v, *J, *force_by_q;
 };
 
-/// After forwardKinematicsDerivatives at these q (expanded), v and a, for the forces c.lambda.
+/// After rows were located at q (expanded), and forwardKinematicsDerivatives at q, v and a; for the forces c.lambda.
 void linearizeRows(const CompactModel& model, DataImpl& d, ConstraintDataImpl& c, const double* q, RowQuantity quantity, const RowDerivatives& out);
 
 /// External forces on joints' bodies, as the user numbers them, that forces of the rows amount to where the rows were located

@@ -32,4 +32,31 @@ SE3<S> poseFromComponents(Shape shape, const S* c) {
   return core;
 }
 
+/// The other way, which is linear: of a pose, or of a derivative of one.
+template <class S>
+void componentsOfPose(Shape shape, const Mat3<S>& R, const Vec3<S>& p, S* c) {
+  switch (shape) {
+    case Shape::revolute:
+      c[0] = R(0, 0);
+      c[1] = R(1, 0);
+      break;
+    case Shape::prismatic:
+      c[0] = p.z;
+      break;
+    case Shape::translation:
+      for (int i = 0; i < 3; ++i) c[i] = p[i];
+      break;
+    case Shape::planar:
+      c[0] = p.x;
+      c[1] = p.y;
+      c[2] = R(0, 0);
+      c[3] = R(1, 0);
+      break;
+    default:
+      for (int i = 0; i < 9; ++i) c[i] = R.m[i];
+      if (shape == Shape::spherical) return;
+      for (int i = 0; i < 3; ++i) c[9 + i] = p[i];
+  }
+}
+
 }  // namespace dyn

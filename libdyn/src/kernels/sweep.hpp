@@ -23,7 +23,7 @@ struct Bodies {
   /// Constants of body i; packs of states have them in every lane.
   decltype(auto) constants(int i) const {
     const BodyConstants<Real<S>>& c = m.constantsIn<Real<S>>()[static_cast<std::size_t>(i)];
-    if constexpr (lanes_of<S> == 1) {
+    if constexpr (std::is_same_v<S, Real<S>>) {
       return (c);
     } else {
       return broadcast<S>(c);

@@ -107,6 +107,7 @@ class JointType {
   virtual void kinematics(const JointBatch<double>& batch) const noexcept = 0;
   virtual void kinematics(const JointBatch<float>& batch) const noexcept = 0;
   virtual void kinematics(const JointBatch<Dual<double>>& batch) const noexcept = 0;
+  virtual void kinematics(const JointBatch<Dual<Dual<double>>>& batch) const noexcept = 0;
 
   /// q_out = the configuration at which the joint is "at zero".
   virtual void neutral(const ConfigurationBatch<double>& batch) const noexcept = 0;

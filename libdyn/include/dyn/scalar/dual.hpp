@@ -1,6 +1,8 @@
 // Forward-mode differentiation: a value and its derivative in one direction. Nests, so Dual<Dual<double>> has second derivatives.
 #pragma once
 
+#include <dyn/scalar/select.hpp>
+
 #include <cmath>
 #include <concepts>
 #include <cstddef>
@@ -102,6 +104,12 @@ void sincos(const Dual<T>& angle, Dual<T>& sine, Dual<T>& cosine) {
   sine = Dual<T>(s, c * angle.d);
   cosine = Dual<T>(c, -(s * angle.d));
 }
+
+template <class T>
+struct RealOf<Dual<T>> {
+  using type = Real<T>;
+  static constexpr int lanes = lanes_of<T>;
+};
 
 /// The plain number inside any scalar, for decisions that must not be differentiated.
 inline double valueOf(double x) { return x; }
