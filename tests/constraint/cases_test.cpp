@@ -12,10 +12,10 @@ using namespace dyn::test;
 
 namespace {
 
-CompactModel biped(CompileOptions options = {}) {
+CompactModel biped() {
   urdf::Options o;
   o.root = "free_flyer";
-  return compile(urdf::load(DYN_SOURCE_DIR "/models/biped.urdf", o), registry(), options);
+  return compile(urdf::load(DYN_SOURCE_DIR "/models/biped.urdf", o), registry());
 }
 
 struct State {
@@ -106,8 +106,8 @@ TEST_CASE("nothing depends on the order of constraints", "[constraint]") {
   const Eigen::VectorXd ddq = solve(model, data, s, c).ddq, lambda = c.set().rows() ? Eigen::VectorXd(solve(model, data, s, c).lambda) : ddq;
   std::vector<std::size_t> order = {0, 1, 2, 3};
   while (std::next_permutation(order.begin(), order.end())) {
-    std::vector<ConstraintDescription> other;
-    for (const std::size_t k : order) other.push_back(set[k]);
+    std::vector<ConstraintDescription> other(set.size());
+    std::transform(order.begin(), order.end(), other.begin(), [&](std::size_t k) { return set[k]; });
     ConstraintData d(ConstraintSet(model, other));
     const ConstrainedMotion x = solve(model, data, s, d);
     CHECK(distance(x.ddq, ddq) <= 1e-10);

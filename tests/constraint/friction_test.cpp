@@ -36,6 +36,7 @@ struct Box {
   }
   static std::vector<ConstraintDescription> corners() {
     std::vector<ConstraintDescription> out;
+    out.reserve(4);
     for (int k = 0; k < 4; ++k)
       out.push_back(frictionContact("corner" + std::to_string(k), "box", {k < 2 ? 0.1 : -0.1, k % 2 ? 0.1 : -0.1, -0.1}, {0, 0, 1}));
     return out;
@@ -141,7 +142,8 @@ TEST_CASE("balls roll on a box that slides: closed form of the rolling benchmark
   for (int k = 0; k < balls; ++k) {
     const JointRecord& joint = model.joints()[static_cast<std::size_t>(model.jointId("ball" + std::to_string(k) + "_joint"))];
     q[joint.idx_q] = 0.2 * (k % 5 - 2);
-    q[joint.idx_q + 1] = 0.2 * (k / 5 - 2);
+    const int row = k / 5;
+    q[joint.idx_q + 1] = 0.2 * (row - 2);
     q[joint.idx_q + 2] = 2 * half + radius;
   }
   const JointRecord& box = model.joints()[static_cast<std::size_t>(model.jointId("box_joint"))];

@@ -324,7 +324,7 @@ TEST_CASE("the flyball governor moves as the reference does", "[mechanism]") {
   m.force = [&, n = m.model.nv()](const Vector& q, const Vector& v) {
     Vector tau = Vector::Zero(n);
     for (const int rod : rods) {
-        // In the rod's plane, from the slider's end, as far from the shaft as the rod hangs, to the middle of the rod; up is z.
+      // In the rod's plane, from the slider's end, as far from the shaft as the rod hangs, to the middle of the rod; up is z.
       const double c = std::cos(q[rod]), s = std::sin(q[rod]), x = middle * c, z = 1 - middle * s - q[slider];
       const double dx = -middle * s * v[rod], dz = -middle * c * v[rod] - v[slider];
       const double l = std::hypot(x, z), pull = K * (l - length) + C * (x * dx + z * dz) / l;
@@ -411,6 +411,7 @@ TEST_CASE("redundant contacts of robots have the rank and the motion of those th
       corners.push_back(renamed(pointContact(sole), sole + std::to_string(k), {k < 2 ? 0.1 : -0.1, k % 2 ? 0.06 : -0.06, 0}));
   }
   std::vector<ConstraintDescription> line;
+  line.reserve(3);
   for (int k = 0; k < 3; ++k) line.push_back(renamed(pointContact("left_sole_link"), "point" + std::to_string(k), {0.1 * k, 0, 0}));
   for (std::uint64_t seed = 1; seed < 5; ++seed) {
     const auto [rank, ddq] = solve(hyq, feet, seed);

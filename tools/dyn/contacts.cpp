@@ -37,6 +37,7 @@ std::vector<ConstraintDescription> lowestLeaves(const CompactModel& model) {
     frames.push_back(std::find_if(model.frames().begin(), model.frames().end(), carried)->name);
   }
   std::vector<ConstraintDescription> contacts;
+  contacts.reserve(frames.size());
   for (const std::string& frame : frames) contacts.push_back(frames.size() <= 2 ? frameContact(frame) : pointContact(frame));
   return contacts;
 }
