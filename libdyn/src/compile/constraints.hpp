@@ -61,6 +61,7 @@ struct PackedConstraints {
   std::vector<int> dofs;     ///< of these bodies: number in the model
   std::vector<int> body_at;  ///< by body: its place in `bodies`, or -1
   int rows = 0;
+  bool actsOnJoints() const { return !couplings.empty() || !locks.empty(); }
 };
 
 /// `registry` is needed for couplings only. Throws Error(model | argument | joint_type | parameter), naming the constraint.

@@ -204,8 +204,11 @@ void eachRowForce(const CompactImpl& m, const PackedConstraints& c, const FrameR
 }  // namespace
 
 void writeRowForces(const CompactImpl& m, const PackedConstraints& c, const FrameRows* frames, const double* q, kernels::ConstraintWorkspace& x) {
-  std::fill_n(x.force, 6 * x.stride * static_cast<std::ptrdiff_t>(c.bodies.size()), 0.0);
-  std::fill_n(x.share, x.stride * static_cast<std::ptrdiff_t>(c.dofs.size()), 0.0);
+  // Rows that do not act on a body's subtree stay zero there.
+  for (std::size_t b = 0; b < c.bodies.size(); ++b)
+    for (int a = 0; a < 6; ++a)
+      std::fill(x.forceOf(static_cast<int>(b)) + a * x.stride + c.bodies[b].begin, x.forceOf(static_cast<int>(b)) + a * x.stride + c.bodies[b].end, 0.0);
+  if (c.actsOnJoints()) std::fill_n(x.share, x.stride * static_cast<std::ptrdiff_t>(c.dofs.size()), 0.0);
   eachRowForce(
       m, c, frames, q,
       [&](int body, int row, const Force<double>& f) {

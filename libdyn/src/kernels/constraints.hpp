@@ -38,7 +38,7 @@ struct ConstraintWorkspace {
   double* delassus = nullptr;  ///< rows of the matrix
   double* scaled = nullptr;    ///< the shares over the degrees of freedom's pivots
   double* inverse = nullptr;   ///< rows of its inverse
-  double* column = nullptr;    ///< scratch of one row
+  double* column = nullptr;    ///< scratch of two rows
   double* motion = nullptr;    ///< one number a degree of freedom of these bodies: acceleration
 
   double* forceOf(int body) const { return force + 6 * body * stride; }
@@ -61,7 +61,7 @@ inline void carve(ConstraintWorkspace& x, const PackedConstraints& c, Arena& are
   arena.take(x.delassus, stride * static_cast<std::size_t>(c.rows));
   arena.take(x.scaled, stride * c.dofs.size());
   arena.take(x.inverse, stride * static_cast<std::size_t>(c.rows));
-  arena.take(x.column, stride);
+  arena.take(x.column, 2 * stride);
   arena.take(x.motion, c.dofs.size());
 }
 
@@ -76,6 +76,7 @@ void constraintSweep(const CompactImpl& m, const Workspace<double>& w, const Pac
   const auto store = [](const Wide& value, double* to) { storePack(value, to); };
   std::fill_n(x.free, x.stride, 0.0);
   std::fill_n(x.bound, x.stride, 0.0);
+  const bool on_joints = c.actsOnJoints();
   for (std::size_t slot = 0; slot < c.bodies.size(); ++slot) {
     const ConstrainedBody& here = c.bodies[slot];
     const BodyIndex& index = m.index[static_cast<std::size_t>(here.body)];
@@ -94,7 +95,7 @@ void constraintSweep(const CompactImpl& m, const Workspace<double>& w, const Pac
       for (int k = 0; k < index.nv; ++k) {
         const DofFactor<double>& dof = w.dof[index.idx_v + k];
         double* share = x.shareOf(here.dof + k) + first;
-        const Wide own = load(share), y = own + along(dof.S_, F), scaled = Wide(dof.inverse) * y;
+        const Wide own = on_joints ? load(share) : Wide(0), y = own + along(dof.S_, F), scaled = Wide(dof.inverse) * y;
         store(y, share);
         store(scaled, x.scaledOf(here.dof + k) + first);
         const bool last = k == index.nv - 1;
@@ -146,43 +147,75 @@ void delassusMatrix(const PackedConstraints& c, ConstraintWorkspace& x) {
     for (int column = 0; column < row; ++column) x.delassus[row * x.stride + column] = x.delassus[column * x.stride + row];
 }
 
-/// (D + mu)^-1 into x.inverse, by exchanging one row after the other (Gauss and Jordan): a product with it waits for nothing, where solutions
-/// with triangles wait for each row. False where a pivot is not above tolerance times its bound.
+/// Entry k of a vector is 1, in packs. Windows of a row of zeros around a one: what is written number by number and read as a pack stalls
+/// the core.
 template <class Wide>
-bool invertDelassus(int rows, ConstraintWorkspace& x, double mu, double tolerance) {
+Wide unitPack(int k, int first) {
   constexpr int width = lanes_of<Wide>;
-  // Windows of this are unit vectors, part by part: what is written number by number and read as a pack stalls the core.
   alignas(64) static constexpr auto unit = [] {
     std::array<double, 2 * width> e{};
     e[width] = 1;
     return e;
   }();
-  const auto unitPack = [&](int k, int first) {
-    const int shift = k - first;
-    return shift < 0 || shift >= width ? Wide(0) : loadPack<Wide>(unit.data() + width - shift);
-  };
-  for (int i = 0; i < rows; ++i)
-    for (int first = 0; first < rows; first += width)
-      storePack(loadPack<Wide>(x.delassus + i * x.stride + first) + Wide(mu) * unitPack(i, first), x.inverse + i * x.stride + first);
-  for (int k = 0; k < rows; ++k) {
-    double* row = x.inverse + k * x.stride;
-    const double pivot = row[k];
-    // NaN goes on, to come out as NaN.
-    if (pivot <= tolerance * x.bound[k] && !(mu > 0)) return false;
-    const double inverse = 1 / pivot;
-    for (int first = 0; first < rows; first += width) {
-      const Wide e = unitPack(k, first), scaled = Wide(inverse) * loadPack<Wide>(row + first) + Wide(inverse - 1) * e;
-      storePack(scaled, row + first);
-      storePack(scaled + e, x.column + first);
+  const int shift = k - first;
+  return shift < 0 || shift >= width ? Wide(0) : loadPack<Wide>(unit.data() + width - shift);
+}
+
+/// Rows and columns k to k + size of x.inverse exchanged (Gauss and Jordan), P the inverse of the block where they meet.
+template <class Wide, int size>
+void exchangeRows(int rows, ConstraintWorkspace& x, int k, const double (&P)[size][size]) {
+  constexpr int width = lanes_of<Wide>;
+  for (int first = 0; first < rows; first += width) {
+    Wide e[size], row[size];
+    Wide outside(1);
+    for (int j = 0; j < size; ++j) {
+      e[j] = unitPack<Wide>(k + j, first);
+      outside -= e[j];
     }
-    for (int i = 0; i < rows; ++i) {
-      if (i == k) continue;
-      double* other = x.inverse + i * x.stride;
-      const Wide factor(-other[k]);
-      for (int first = 0; first < rows; first += width)
-        storePack(loadPack<Wide>(other + first) + factor * loadPack<Wide>(x.column + first), other + first);
+    for (int j = 0; j < size; ++j) row[j] = outside * loadPack<Wide>(x.inverse + (k + j) * x.stride + first) + e[j];
+    for (int i = 0; i < size; ++i) {
+      Wide sum = Wide(P[i][0]) * row[0];
+      for (int j = 1; j < size; ++j) sum += Wide(P[i][j]) * row[j];
+      storePack(sum, x.inverse + (k + i) * x.stride + first);
+      storePack(sum + e[i], x.column + i * x.stride + first);
     }
   }
+  for (int i = 0; i < rows; ++i) {
+    if (i >= k && i < k + size) continue;
+    double* other = x.inverse + i * x.stride;
+    Wide factor[size];
+    for (int j = 0; j < size; ++j) factor[j] = Wide(-other[k + j]);
+    for (int first = 0; first < rows; first += width) {
+      Wide sum = loadPack<Wide>(other + first);
+      for (int j = 0; j < size; ++j) sum += factor[j] * loadPack<Wide>(x.column + j * x.stride + first);
+      storePack(sum, other + first);
+    }
+  }
+}
+
+/// (D + mu)^-1 into x.inverse, two rows at a time: a product with it waits for nothing, where solutions with triangles wait for each row.
+/// False where a pivot is not above tolerance times its bound; NaN goes on, to come out as NaN.
+template <class Wide>
+bool invertDelassus(int rows, ConstraintWorkspace& x, double mu, double tolerance) {
+  constexpr int width = lanes_of<Wide>;
+  const auto vanishes = [&](double pivot, int row) { return pivot <= tolerance * x.bound[row] && !(mu > 0); };
+  for (int i = 0; i < rows; ++i)
+    for (int first = 0; first < rows; first += width)
+      storePack(loadPack<Wide>(x.delassus + i * x.stride + first) + Wide(mu) * unitPack<Wide>(i, first), x.inverse + i * x.stride + first);
+  int k = 0;
+  for (; k + 1 < rows; k += 2) {
+    const double *upper = x.inverse + k * x.stride + k, *lower = upper + x.stride;
+    const double a = upper[0], b = upper[1], c = lower[1];
+    if (vanishes(a, k)) return false;
+    const double first = 1 / a, ratio = b * first, left = c - b * ratio;
+    if (vanishes(left, k + 1)) return false;
+    const double second = 1 / left, across = -ratio * second;
+    exchangeRows<Wide, 2>(rows, x, k, {{first - ratio * across, across}, {across, second}});
+  }
+  if (k == rows) return true;
+  const double pivot = x.inverse[k * x.stride + k];
+  if (vanishes(pivot, k)) return false;
+  exchangeRows<Wide, 1>(rows, x, k, {{1 / pivot}});
   return true;
 }
 
