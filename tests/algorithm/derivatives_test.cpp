@@ -116,6 +116,15 @@ void checkCentroidal(const CompactModel& model, std::uint64_t seed) {
   CHECK(off(x.dhgdot_dq, force.by_q) < 1e-9);
   CHECK(off(x.dhgdot_dv, force.by_v) < 1e-9);
   CHECK(off(x.dhgdot_da, force.by_a) < 1e-9);
+  const auto eigen = [](const Vec3<double>& y) { return Eigen::VectorXd(toEigen(y)); };
+  const CenterOfMassDerivatives center = computeCenterOfMassDerivatives(model, data, s.q, s.v, s.a);
+  const Differences velocity =
+      differences(model, s, [&](const State& t) -> Eigen::VectorXd { return eigen(centerOfMass(model, other, t.q, t.v).velocity); });
+  const Differences acceleration =
+      differences(model, s, [&](const State& t) -> Eigen::VectorXd { return eigen(centerOfMass(model, other, t.q, t.v, t.a).acceleration); });
+  CHECK(off(center.vcom_dq, velocity.by_q) < 1e-9);
+  CHECK(off(center.acom_dq, acceleration.by_q) < 1e-9);
+  CHECK(off(center.acom_dv, acceleration.by_v) < 1e-9);
 }
 
 }  // namespace

@@ -50,6 +50,18 @@ CentroidalViews centroidal(const CompactModel& model, Data& data, CentroidalTask
   return centroidalOfEvaluated(m, d, task, in.v, in.a);
 }
 
+CenterOfMassViews centerOfMassDerivatives(const CompactModel& model, Data& data, VectorView q, VectorView v, VectorView a) {
+  centroidal(model, data, CentroidalTask::derivatives, q, v, &a);
+  const CompactImpl& m = model.impl();
+  DataImpl& d = data.impl();
+  double* const out[3] = {d.columns, d.columns + static_cast<std::ptrdiff_t>(3) * m.nvx, d.columns + static_cast<std::ptrdiff_t>(6) * m.nvx};
+  const double* const from[3] = {d.dh_dq, d.dhdot_dq, d.dhdot_dv};
+  for (int map = 0; map < 3; ++map)
+    for (int k = 0; k < m.nv; ++k)
+      for (int r = 0; r < 3; ++r) out[map][3 * k + r] = from[map][6 * k + r] / m.mass;
+  return {out[0], out[1], out[2]};
+}
+
 CentroidalViews centroidalOfEvaluated(const CompactImpl& m, DataImpl& d, CentroidalTask task, const double* v, const double* a) {
   kernels::CentroidalMaps<double> maps;
   maps.Ag = d.Ag;

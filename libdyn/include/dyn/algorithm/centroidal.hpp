@@ -23,6 +23,11 @@ struct CentroidalDerivatives {
   MatrixResult dhg_dq;                           ///< of the momentum; dhg/dv = Ag
   MatrixResult dhgdot_dq, dhgdot_dv, dhgdot_da;  ///< of its rate; the last is Ag
 };
+/// World axes, 3 x nv each. The derivative of the position is jacobianCenterOfMass, which is also that of the velocity by v and of the
+/// acceleration by a.
+struct CenterOfMassDerivatives {
+  MatrixResult vcom_dq, acom_dq, acom_dv;
+};
 
 namespace detail {
 struct CentroidalViews {
@@ -30,6 +35,10 @@ struct CentroidalViews {
   const Mat3<double>* inertia;
 };
 enum class CentroidalTask { map, rate, derivatives };
+struct CenterOfMassViews {
+  const double *vcom_dq, *acom_dq, *acom_dv;
+};
+DYN_API CenterOfMassViews centerOfMassDerivatives(const CompactModel&, Data&, VectorView q, VectorView v, VectorView a);
 DYN_API CentroidalViews centroidal(const CompactModel&, Data&, CentroidalTask, VectorView q, VectorView v, const VectorView* a);
 }  // namespace detail
 
@@ -52,6 +61,14 @@ inline CentroidalDerivatives computeCentroidalDynamicsDerivatives(const CompactM
   const detail::CentroidalViews x = detail::centroidal(model, data, detail::CentroidalTask::derivatives, q, v, &acceleration);
   const int n = model.nv();
   return {{x.dh_dq, 6, n}, {x.dhdot_dq, 6, n}, {x.dhdot_dv, 6, n}, {x.Ag, 6, n}};
+}
+
+/// Of velocity and acceleration (gravity not included) of the centre of mass, in the tangent space of q: those of momentum over mass.
+inline CenterOfMassDerivatives computeCenterOfMassDerivatives(const CompactModel& model, Data& data, const VectorArg& q, const VectorArg& v,
+                                                              const VectorArg& a) {
+  const detail::CenterOfMassViews x = detail::centerOfMassDerivatives(model, data, q, v, a);
+  const int n = model.nv();
+  return {{x.vcom_dq, 3, n}, {x.acom_dq, 3, n}, {x.acom_dv, 3, n}};
 }
 
 }  // namespace dyn
