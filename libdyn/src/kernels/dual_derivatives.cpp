@@ -71,8 +71,8 @@ void setChange(const CompactImpl& m, const Workspace<double>& w, const Derivativ
   call.subspace = subspace;
   call.bias = bias;
   for (int along = 0; along < x.nv; ++along) {
-    for (int c = 0; c < x.nq; ++c) twice_q[c] = Dual<D>(D(q[x.idx_q + c], c == along ? 1.0 : 0.0), D(c == k ? 1.0 : 0.0, 0.0));
-    for (int c = 0; c < x.nv; ++c) twice_v[c] = Dual<D>(D(v[x.idx_v + c], 0.0), D(0.0, 0.0));
+    for (int c = 0; c < x.nq && sign != 0; ++c) twice_q[c] = Dual<D>(D(q[x.idx_q + c], c == along ? 1.0 : 0.0), D(c == k ? 1.0 : 0.0, 0.0));
+    for (int c = 0; c < x.nv && sign != 0; ++c) twice_v[c] = Dual<D>(D(v[x.idx_v + c], 0.0), D(0.0, 0.0));
     if (sign != 0) batch.type->kinematics(call);
     for (int c = 0; c < 6 * x.nv; ++c) twice.columns[(6 * x.nv * along + c) * twice.stride + x.slot].d = sign != 0 ? subspace[c].d.d : 0.0;
     for (int c = 0; c < 6; ++c) twice.bias[(6 * along + c) * twice.stride + x.slot].d = sign != 0 ? bias[c].d.d : 0.0;
@@ -86,6 +86,15 @@ void changesOf(const CompactImpl& m, const PathMatrix<D>& matrix, D* scratch, do
 }
 
 }  // namespace
+
+void moveAlong(const CompactImpl& m, const Workspace<double>& w, const DerivativeWorkspace<double>& d, const double* q, const double* v, int i, int k,
+               DualState& s) {
+  setChange(m, w, d, q, v, i, k, 1, s);
+}
+
+void standStill(const CompactImpl& m, const Workspace<double>& w, const DerivativeWorkspace<double>& d, int i, int k, DualState& s) {
+  setChange(m, w, d, nullptr, nullptr, i, k, 0, s);
+}
 
 void carve(DualState& s, const CompactImpl& m, Arena& arena) {
   dyn::carve(s.w, m, arena);
@@ -116,7 +125,7 @@ void loadState(const CompactImpl& m, const Workspace<double>& w, const Derivativ
 
 void derivativesAlong(const CompactImpl& m, const Workspace<double>& w, const DerivativeWorkspace<double>& d, const double* q, const double* v, int i,
                       int k, DualState& s, double* by_q, double* by_v, double* by_a) {
-  setChange(m, w, d, q, v, i, k, 1, s);
+  moveAlong(m, w, d, q, v, i, k, s);
   const Bodies<D> bodies{m, s.w};
   derivativesOutward(bodies, s.w, s.d, bodies.gravity(), s.v, s.a, static_cast<const Force<D>*>(nullptr));
   derivativesInward(bodies, s.w, s.d);
@@ -124,7 +133,7 @@ void derivativesAlong(const CompactImpl& m, const Workspace<double>& w, const De
   changesOf(m, s.d.by_q, s.matrix, by_q);
   changesOf(m, s.d.by_v, s.matrix, by_v);
   changesOf(m, s.d.by_a, s.matrix, by_a);
-  setChange(m, w, d, q, v, i, k, 0, s);
+  standStill(m, w, d, i, k, s);
 }
 
 }  // namespace dyn::kernels
