@@ -20,7 +20,8 @@ struct ConstraintDataImpl {
   kernels::ConstraintWorkspace workspace;
   DelassusSolver solver;
   ConeSolver cone_solver;
-  bool in_strips = false;  ///< the last recursion, whose rest is to follow
+  bool in_strips = false;   ///< the last recursion, whose rest is to follow
+  bool by_inertia = false;  ///< the last free motion was found by M
   RowMotion motion{};
   double* lambda = nullptr;
   double* wanted = nullptr;  ///< right-hand side of the equation for lambda
@@ -46,8 +47,8 @@ struct ConstraintDataImpl {
   double* change = nullptr;                                                   ///< nv
   double *Jt = nullptr, *Xt = nullptr;                                        ///< -J^T, nv x rows; X^T, `stride` numbers a column
   double* force = nullptr;                                                    ///< nv x nv: derivatives of the generalised forces, or right-hand sides
-  double *inertia = nullptr, *solved = nullptr;  ///< M^-1, padded columns; scratch, nv x rows
-  int* places = nullptr;  ///< scratch of nv numbers
+  double *inertia = nullptr, *solved = nullptr;                               ///< M^-1, padded columns; scratch, nv x rows
+  int* places = nullptr;                                                      ///< scratch of nv numbers
 };
 
 }  // namespace dyn

@@ -1,4 +1,3 @@
-#include "algorithm/external.hpp"
 #include "constraint/kkt.hpp"
 #include "constraint/solution.hpp"
 #include "kernels/constraint_table.hpp"
@@ -54,25 +53,14 @@ ConstrainedViews constraintDynamics(const CompactModel& model, Data& data, Vecto
   const CompactImpl& m = model.impl();
   DataImpl& d = data.impl();
   ConstraintDataImpl& c = constraints.impl();
-  if (method == ConstraintMethod::kkt || !m.couplings.empty()) {
-    const double* bias = rnea(model, data, q, v, {d.zero, m.nv}, fext, count);
-    for (int k = 0; k < m.nv; ++k) d.ddq[k] = tau.data[k] - bias[k];
-    projectInertia(algorithm, model, data, q, &v, c);
-    solveInertia(model, data, d.ddq);
-    addRowsOf(m, c, d.ddq, c.gamma);
-    factorDelassus(constraints);
-    wantedAccelerations(c, c.gamma);
+  freeMotion(algorithm, model, data, q, v, tau, fext, count, method == ConstraintMethod::kkt, c);
+  factorDelassus(constraints);
+  if (c.by_inertia) {
     const ConstrainedViews out = solved(c, d.ddq);
     addMotionOf(m, c, c.lambda, d.ddq);
     return out;
   }
-  const Inputs in = readInputs(algorithm, model, data, q, &v, nullptr);
-  articulateBodies(algorithm, m, d, c, in.q, in.v, lessLosses(m, d, tau.data, in.v), readExternalForces(algorithm, m, d, fext, count));
-  prepareRows(m, d, c, in.q, in.v);
-  articulateRows(m, d, c, true);
-  factorDelassus(constraints);
-  wantedAccelerations(c, c.workspace.free);
-  return refined(m, d, c, in.q, m.gravity, d.ddq, d.ddq, [&](double* rows) {
+  return refined(m, d, c, q.data, m.gravity, d.ddq, d.ddq, [&](double* rows) {
     addGravity(m, d, c.set.impl(), c.frames, rows);
     wantedAccelerations(c, rows);
   });
@@ -114,14 +102,8 @@ ConstrainedViews impulseDynamics(const CompactModel& model, Data& data, VectorVi
 ConstraintMotionViews constraintMotion(const CompactModel& model, Data& data, VectorView q, VectorView v, ConstraintData& constraints) {
   const char* algorithm = "computeConstraintMotion";
   checkConstraints(algorithm, model, data, constraints);
-  const CompactImpl& m = model.impl();
-  DataImpl& d = data.impl();
   ConstraintDataImpl& c = constraints.impl();
-  const Inputs in = readInputs(algorithm, model, data, q, &v, nullptr);
-  evaluateJoints(m, d, in.q, in.v);
-  kernels::active().single.placeOutward(m, d, in.v);
-  prepareRows(m, d, c, in.q, in.v);
-  rigidRows(m, d, c);
+  placeRows(algorithm, model, data, q, &v, c);
   for (int r = 0; r < c.set.rows(); ++r) c.gamma[r] += c.motion.bias[r];
   return {c.motion.velocity, c.gamma, c.motion.error};
 }
@@ -129,14 +111,8 @@ ConstraintMotionViews constraintMotion(const CompactModel& model, Data& data, Ve
 const double* constraintJacobian(const CompactModel& model, Data& data, VectorView q, ConstraintData& constraints) {
   const char* algorithm = "computeConstraintJacobian";
   checkConstraints(algorithm, model, data, constraints);
-  const CompactImpl& m = model.impl();
-  DataImpl& d = data.impl();
   ConstraintDataImpl& c = constraints.impl();
-  const Inputs in = readInputs(algorithm, model, data, q, nullptr, nullptr);
-  evaluateJoints(m, d, in.q, in.v);
-  kernels::active().single.placeOutward(m, d, in.v);
-  prepareRows(m, d, c, in.q, nullptr);
-  rigidRows(m, d, c);
+  placeRows(algorithm, model, data, q, nullptr, c);
   return c.J;
 }
 

@@ -1,6 +1,5 @@
 #include "constraint/kkt.hpp"
 #include "constraint/solution.hpp"
-#include "kernels/table.hpp"
 
 #include <dyn/constraint/friction.hpp>
 #include <dyn/error.hpp>
@@ -19,16 +18,12 @@ ConstraintDescription frictionContact(const std::string& name, const std::string
   Vec3<double> x = least - dot(least, z) * z;
   x = (1 / std::sqrt(dot(x, x))) * x;
   const Vec3<double> y = cross(z, x);
-  FrameConstraint c;
-  c.frame = frame;
-  c.other = other;
+  ConstraintDescription d = pointContact(frame, other);
+  d.name = name;
+  auto& c = std::get<FrameConstraint>(d.relation);
   c.placement.p = point;
   c.other_placement.R = {{x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z}};
-  c.free = {false, false, false, true, true, true};
   c.axes = ConstraintAxes::OTHER;
-  ConstraintDescription d;
-  d.name = name;
-  d.relation = c;
   return d;
 }
 
@@ -41,49 +36,28 @@ void readCones(const char* algorithm, ConstraintDataImpl& c, const FrictionCone*
   const PackedConstraints& packed = c.set.impl();
   const auto refuse = [&](const std::string& why) { throw Error(ErrorCode::argument, std::string(algorithm) + ": " + why); };
   if (!(settings.restitution >= 0 && settings.restitution <= 1)) refuse("restitution must be between 0 and 1");
+  const auto refuseContact = [&](int id, const char* why) { refuse("contact '" + c.set.description(id).name + "'" + why); };
   for (std::size_t i = 0; i < count; ++i) {
     const int id = cones[i].constraint;
     if (id < 0 || id >= c.set.count())
       refuse("cone " + std::to_string(i) + " is of constraint " + std::to_string(id) + ", and the set has " + std::to_string(c.set.count()));
-    const std::string name = "contact '" + c.set.description(id).name + "'";
-    if (!(cones[i].friction >= 0) || !std::isfinite(cones[i].friction)) refuse(name + ": its friction is negative or no number");
+    if (!(cones[i].friction >= 0) || !std::isfinite(cones[i].friction)) refuseContact(id, ": its friction is negative or no number");
     const int row = packed.first_row[static_cast<std::size_t>(id)];
     const auto frame = std::find_if(packed.frames.begin(), packed.frames.end(), [&](const auto& f) { return f.row == row; });
-    if (frame == packed.frames.end() || frame->rows != 3 || !frame->turnsFreely()) refuse(name + " is no point contact, which friction is for");
+    if (frame == packed.frames.end() || frame->rows != 3 || !frame->turnsFreely()) refuseContact(id, " is no point contact, which friction is for");
     for (std::size_t k = 0; k < i; ++k)
-      if (c.cones[k].row == row) refuse(name + " has two cones");
+      if (c.cones[k].row == row) refuseContact(id, " has two cones");
     c.cones[i] = {row, cones[i].friction};
   }
-}
-
-/// The Delassus matrix of the state, and the rows' accelerations without forces, their bias included, into c.wanted; d.ddq, of coupled models.
-void prepare(const char* algorithm, const CompactModel& model, Data& data, VectorView q, VectorView v, VectorView tau, ConstraintDataImpl& c) {
-  const CompactImpl& m = model.impl();
-  DataImpl& d = data.impl();
-  if (m.couplings.empty()) {
-    const Inputs in = readInputs(algorithm, model, data, q, &v, nullptr);
-    articulateBodies(algorithm, m, d, c, in.q, in.v, lessLosses(m, d, tau.data, in.v), nullptr);
-    prepareRows(m, d, c, in.q, in.v);
-    articulateRows(m, d, c, true);
-    wantedAccelerations(c, c.workspace.free);
-  } else {
-    const double* bias = rnea(model, data, q, v, {d.zero, m.nv}, nullptr, 0);
-    for (int k = 0; k < m.nv; ++k) d.ddq[k] = tau.data[k] - bias[k];
-    projectInertia(algorithm, model, data, q, &v, c);
-    solveInertia(model, data, d.ddq);
-    addRowsOf(m, c, d.ddq, c.gamma);
-    wantedAccelerations(c, c.gamma);
-  }
-  for (int r = 0; r < c.set.rows(); ++r) c.wanted[r] = -c.wanted[r];
 }
 
 /// d.ddq with forces of the rows.
 void accelerate(const CompactModel& model, DataImpl& d, ConstraintDataImpl& c, const double* forces) {
   const CompactImpl& m = model.impl();
-  if (m.couplings.empty()) {
-    accelerateBodies(m, d, c, forces, m.gravity, d.ddq);
-  } else {
+  if (c.by_inertia) {
     addMotionOf(m, c, forces, d.ddq);
+  } else {
+    accelerateBodies(m, d, c, forces, m.gravity, d.ddq);
   }
 }
 
@@ -98,9 +72,9 @@ ContactViews contactStep(const CompactModel& model, Data& data, VectorView q, Ve
   DataImpl& d = data.impl();
   ConstraintDataImpl& c = constraints.impl();
   readCones(algorithm, c, cones, count, settings);
-  prepare(algorithm, model, data, q, v, tau, c);
+  freeMotion(algorithm, model, data, q, v, tau, nullptr, 0, false, c);
   const int rows = c.set.rows();
-  for (int r = 0; r < rows; ++r) c.wanted[r] = c.motion.velocity[r] + dt * c.wanted[r];
+  for (int r = 0; r < rows; ++r) c.wanted[r] = c.motion.velocity[r] - dt * c.wanted[r];
   for (std::size_t k = 0; k < count; ++k) {
     const int normal = c.cones[k].row + 2;
     c.wanted[normal] += settings.restitution * std::min(0.0, c.motion.velocity[normal]);
@@ -134,23 +108,18 @@ ContactViews contactForces(const CompactModel& model, Data& data, VectorView q, 
   checkSize(algorithm, "tau", tau, model.nv());
   checkSize(algorithm, "a", a, model.nv());
   const CompactImpl& m = model.impl();
-  DataImpl& d = data.impl();
   ConstraintDataImpl& c = constraints.impl();
   readCones(algorithm, c, cones, count, settings);
   const int rows = c.set.rows();
   const double* wanted = rnea(model, data, q, v, a, nullptr, 0);
   for (int k = 0; k < m.nv; ++k) c.v_after[k] = wanted[k] - tau.data[k];
   // Rows' accelerations at a, from the bodies' own; then what is missing from those without forces.
-  const Inputs in = readInputs(algorithm, model, data, q, &v, nullptr);
-  evaluateJoints(m, d, in.q, in.v);
-  kernels::active().single.placeOutward(m, d, in.v);
-  prepareRows(m, d, c, in.q, in.v);
-  rigidRows(m, d, c);
+  placeRows(algorithm, model, data, q, &v, c);
   addRowsOf(m, c, a.data, c.gamma);
   wantedAccelerations(c, c.gamma);
   for (int r = 0; r < rows; ++r) c.step[r] = c.wanted[r];
-  prepare(algorithm, model, data, q, v, tau, c);
-  for (int r = 0; r < rows; ++r) c.wanted[r] += c.step[r];
+  freeMotion(algorithm, model, data, q, v, tau, nullptr, 0, false, c);
+  for (int r = 0; r < rows; ++r) c.wanted[r] = c.step[r] - c.wanted[r];
   const ConeSolution found = c.cone_solver.solve(c.workspace, {rows, c.cones, count, c.wanted, false}, settings, c.lambda);
   for (int k = 0; k < m.nv; ++k)
     for (int r = 0; r < rows; ++r) c.v_after[k] -= c.lambda[r] * c.J[static_cast<std::ptrdiff_t>(rows) * k + r];

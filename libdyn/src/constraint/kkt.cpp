@@ -16,12 +16,8 @@ void projectInertia(const char* algorithm, const CompactModel& model, Data& data
   DataImpl& d = data.impl();
   detail::crba(model, data, q);
   const double* inertia = m.couplings.empty() ? d.M : d.Mx;
-  const Inputs in = readInputs(algorithm, model, data, q, v, nullptr);
-  evaluateJoints(m, d, in.q, in.v);
-  kernels::active().single.placeOutward(m, d, in.v);
   for (std::ptrdiff_t k = 0; k < m.nvx; ++k) d.dof[k].inverse = 1 / inertia[(m.nvx + 1) * k];
-  prepareRows(m, d, c, in.q, v ? in.v : nullptr);
-  rigidRows(m, d, c);
+  placeRows(algorithm, model, data, q, v, c);
   if (m.couplings.empty()) {
     detail::choleskyDecompose(model, data);
   } else {

@@ -207,7 +207,8 @@ void writeRowForces(const CompactImpl& m, const PackedConstraints& c, const Fram
   // Rows that do not act on a body's subtree stay zero there.
   for (std::size_t b = 0; b < c.bodies.size(); ++b)
     for (int a = 0; a < 6; ++a)
-      std::fill(x.forceOf(static_cast<int>(b)) + a * x.stride + c.bodies[b].begin, x.forceOf(static_cast<int>(b)) + a * x.stride + c.bodies[b].end, 0.0);
+      std::fill(x.forceOf(static_cast<int>(b)) + a * x.stride + c.bodies[b].begin, x.forceOf(static_cast<int>(b)) + a * x.stride + c.bodies[b].end,
+                0.0);
   if (c.actsOnJoints()) std::fill_n(x.share, x.stride * static_cast<std::ptrdiff_t>(c.dofs.size()), 0.0);
   eachRowForce(
       m, c, frames, q,

@@ -1,7 +1,10 @@
 #include "constraint/solution.hpp"
 
+#include "algorithm/external.hpp"
+#include "constraint/kkt.hpp"
 #include "kernels/constraint_table.hpp"
 
+#include <dyn/algorithm/rnea.hpp>
 #include <dyn/error.hpp>
 
 #include <algorithm>
@@ -79,6 +82,37 @@ void rigidRows(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c) {
     for (std::ptrdiff_t r = 0; r < rows; ++r) c.J[rows * t + r] += d.G[k] * c.J[rows * s + r];
   }
   for (std::size_t k = 0; k < m.v_of_user.size(); ++k) std::copy_n(c.J + rows * m.v_of_user[k], rows, c.J + rows * static_cast<std::ptrdiff_t>(k));
+}
+
+void placeRows(const char* algorithm, const CompactModel& model, Data& data, VectorView q, const VectorView* v, ConstraintDataImpl& c) {
+  const CompactImpl& m = model.impl();
+  DataImpl& d = data.impl();
+  const Inputs in = readInputs(algorithm, model, data, q, v, nullptr);
+  evaluateJoints(m, d, in.q, in.v);
+  kernels::active().single.placeOutward(m, d, in.v);
+  prepareRows(m, d, c, in.q, v ? in.v : nullptr);
+  rigidRows(m, d, c);
+}
+
+void freeMotion(const char* algorithm, const CompactModel& model, Data& data, VectorView q, VectorView v, VectorView tau, const Force<double>* fext,
+                std::size_t count, bool by_inertia, ConstraintDataImpl& c) {
+  const CompactImpl& m = model.impl();
+  DataImpl& d = data.impl();
+  c.by_inertia = by_inertia || !m.couplings.empty();
+  if (c.by_inertia) {
+    const double* bias = detail::rnea(model, data, q, v, {d.zero, m.nv}, fext, count);
+    for (int k = 0; k < m.nv; ++k) d.ddq[k] = tau.data[k] - bias[k];
+    projectInertia(algorithm, model, data, q, &v, c);
+    solveInertia(model, data, d.ddq);
+    addRowsOf(m, c, d.ddq, c.gamma);
+    wantedAccelerations(c, c.gamma);
+  } else {
+    const Inputs in = readInputs(algorithm, model, data, q, &v, nullptr);
+    articulateBodies(algorithm, m, d, c, in.q, in.v, lessLosses(m, d, tau.data, in.v), readExternalForces(algorithm, m, d, fext, count));
+    prepareRows(m, d, c, in.q, in.v);
+    articulateRows(m, d, c, true);
+    wantedAccelerations(c, c.workspace.free);
+  }
 }
 
 void wantedAccelerations(ConstraintDataImpl& c, const double* free) {

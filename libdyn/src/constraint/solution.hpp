@@ -26,6 +26,14 @@ void articulateRows(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c, bo
 /// After placeOutward and prepareRows.
 void rigidRows(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c);
 
+/// All of this at one state, v null at rest, for what needs rows and no dynamics.
+void placeRows(const char* algorithm, const CompactModel& model, Data& data, VectorView q, const VectorView* v, ConstraintDataImpl& c);
+
+/// The motion without constraint forces, by M or by the articulated recursion (c.by_inertia; models with followers always by M): the Delassus
+/// matrix, and what the rows' accelerations lack, into c.wanted. By M, d.ddq has the accelerations.
+void freeMotion(const char* algorithm, const CompactModel& model, Data& data, VectorView q, VectorView v, VectorView tau, const Force<double>* fext,
+                std::size_t count, bool by_inertia, ConstraintDataImpl& c);
+
 /// What the rows' accelerations are to be beside `free` ones, bias and feedback included, into c.wanted.
 void wantedAccelerations(ConstraintDataImpl& c, const double* free);
 
