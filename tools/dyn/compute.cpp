@@ -45,63 +45,56 @@ void writeRegular(const char* key, Json& out, Compute&& compute) {
   }
 }
 
+/// One key of one result, and one that a singular mass matrix does not have.
+template <class Compute>
+Quantity plain(const char* key, Compute compute, Need need = Need::mass_matrix) {
+  return {key, [key, compute](auto& m, auto& d, auto& s, Json& out) { out[key] = flat(compute(m, d, s)); }, need};
+}
+template <class Compute>
+Quantity regular(const char* key, Compute compute, Need need = Need::mass_matrix) {
+  return {key, [key, compute](auto& m, auto& d, auto& s, Json& out) { writeRegular(key, out, [&] { return compute(m, d, s); }); }, need};
+}
+
 const std::vector<Quantity>& quantities() {
+  constexpr Need derivatives = Need::derivatives;
   static const std::vector<Quantity> all = {
-      {"rnea", [](auto& m, auto& d, auto& s, Json& out) { out["rnea"] = flat(rnea(m, d, s.q, s.v, s.a)); }},
-      {"nle", [](auto& m, auto& d, auto& s, Json& out) { out["nle"] = flat(nonLinearEffects(m, d, s.q, s.v)); }},
-      {"gravity_torque", [](auto& m, auto& d, auto& s, Json& out) { out["gravity_torque"] = flat(generalizedGravity(m, d, s.q)); }},
-      {"M", [](auto& m, auto& d, auto& s, Json& out) { out["M"] = flat(crba(m, d, s.q)); }},
-      {"aba", [](auto& m, auto& d, auto& s, Json& out) { writeRegular("aba", out, [&] { return aba(m, d, s.q, s.v, s.tau); }); }},
-      {"Minv", [](auto& m, auto& d, auto& s, Json& out) { writeRegular("Minv", out, [&] { return computeMinverse(m, d, s.q); }); },
-       Need::derivatives},
-      {"dtau_dq", [](auto& m, auto& d, auto& s, Json& out) { out["dtau_dq"] = flat(computeRNEADerivatives(m, d, s.q, s.v, s.a).dtau_dq); },
-       Need::derivatives},
-      {"dtau_dv", [](auto& m, auto& d, auto& s, Json& out) { out["dtau_dv"] = flat(computeRNEADerivatives(m, d, s.q, s.v, s.a).dtau_dv); },
-       Need::derivatives},
-      {"ddq_dq",
-       [](auto& m, auto& d, auto& s, Json& out) { writeRegular("ddq_dq", out, [&] { return computeABADerivatives(m, d, s.q, s.v, s.tau).ddq_dq; }); },
-       Need::derivatives},
-      {"ddq_dv",
-       [](auto& m, auto& d, auto& s, Json& out) { writeRegular("ddq_dv", out, [&] { return computeABADerivatives(m, d, s.q, s.v, s.tau).ddq_dv; }); },
-       Need::derivatives},
-      {"coriolis_matrix", [](auto& m, auto& d, auto& s, Json& out) { out["coriolis_matrix"] = flat(computeCoriolisMatrix(m, d, s.q, s.v)); },
-       Need::derivatives},
-      {"hg", [](auto& m, auto& d, auto& s, Json& out) { writeRegular("hg", out, [&] { return ccrba(m, d, s.q, s.v).hg; }); }, Need::derivatives},
-      {"Ag", [](auto& m, auto& d, auto& s, Json& out) { writeRegular("Ag", out, [&] { return ccrba(m, d, s.q, s.v).Ag; }); }, Need::derivatives},
-      {"dAg",
-       [](auto& m, auto& d, auto& s, Json& out) {
-         writeRegular("dAg", out, [&] { return computeCentroidalMomentumTimeVariation(m, d, s.q, s.v, s.a).dAg; });
-       },
-       Need::derivatives},
-      {"dhg",
-       [](auto& m, auto& d, auto& s, Json& out) {
-         writeRegular("dhg", out, [&] { return computeCentroidalMomentumTimeVariation(m, d, s.q, s.v, s.a).dhg; });
-       },
-       Need::derivatives},
-      {"dhg_dq",
-       [](auto& m, auto& d, auto& s, Json& out) {
-         writeRegular("dhg_dq", out, [&] { return computeCentroidalDynamicsDerivatives(m, d, s.q, s.v, s.a).dhg_dq; });
-       },
-       Need::derivatives},
-      {"dhgdot_dq",
-       [](auto& m, auto& d, auto& s, Json& out) {
-         writeRegular("dhgdot_dq", out, [&] { return computeCentroidalDynamicsDerivatives(m, d, s.q, s.v, s.a).dhgdot_dq; });
-       },
-       Need::derivatives},
-      {"dhgdot_dv",
-       [](auto& m, auto& d, auto& s, Json& out) {
-         writeRegular("dhgdot_dv", out, [&] { return computeCentroidalDynamicsDerivatives(m, d, s.q, s.v, s.a).dhgdot_dv; });
-       },
-       Need::derivatives},
-      {"dhgdot_da",
-       [](auto& m, auto& d, auto& s, Json& out) {
-         writeRegular("dhgdot_da", out, [&] { return computeCentroidalDynamicsDerivatives(m, d, s.q, s.v, s.a).dhgdot_da; });
-       },
-       Need::derivatives},
-      {"com", [](auto& m, auto& d, auto& s, Json& out) { out["com"] = flat(centerOfMass(m, d, s.q).position); }},
-      {"vcom", [](auto& m, auto& d, auto& s, Json& out) { out["vcom"] = flat(centerOfMass(m, d, s.q, s.v).velocity); }},
-      {"acom", [](auto& m, auto& d, auto& s, Json& out) { out["acom"] = flat(centerOfMass(m, d, s.q, s.v, s.a).acceleration); }},
-      {"Jcom", [](auto& m, auto& d, auto& s, Json& out) { out["Jcom"] = flat(jacobianCenterOfMass(m, d, s.q)); }},
+      plain("rnea", [](auto& m, auto& d, auto& s) { return rnea(m, d, s.q, s.v, s.a); }),
+      plain("nle", [](auto& m, auto& d, auto& s) { return nonLinearEffects(m, d, s.q, s.v); }),
+      plain("gravity_torque", [](auto& m, auto& d, auto& s) { return generalizedGravity(m, d, s.q); }),
+      plain("M", [](auto& m, auto& d, auto& s) { return crba(m, d, s.q); }),
+      regular("aba", [](auto& m, auto& d, auto& s) { return aba(m, d, s.q, s.v, s.tau); }),
+      regular(
+          "Minv", [](auto& m, auto& d, auto& s) { return computeMinverse(m, d, s.q); }, derivatives),
+      plain(
+          "dtau_dq", [](auto& m, auto& d, auto& s) { return computeRNEADerivatives(m, d, s.q, s.v, s.a).dtau_dq; }, derivatives),
+      plain(
+          "dtau_dv", [](auto& m, auto& d, auto& s) { return computeRNEADerivatives(m, d, s.q, s.v, s.a).dtau_dv; }, derivatives),
+      regular(
+          "ddq_dq", [](auto& m, auto& d, auto& s) { return computeABADerivatives(m, d, s.q, s.v, s.tau).ddq_dq; }, derivatives),
+      regular(
+          "ddq_dv", [](auto& m, auto& d, auto& s) { return computeABADerivatives(m, d, s.q, s.v, s.tau).ddq_dv; }, derivatives),
+      plain(
+          "coriolis_matrix", [](auto& m, auto& d, auto& s) { return computeCoriolisMatrix(m, d, s.q, s.v); }, derivatives),
+      regular(
+          "hg", [](auto& m, auto& d, auto& s) { return ccrba(m, d, s.q, s.v).hg; }, derivatives),
+      regular(
+          "Ag", [](auto& m, auto& d, auto& s) { return ccrba(m, d, s.q, s.v).Ag; }, derivatives),
+      regular(
+          "dAg", [](auto& m, auto& d, auto& s) { return computeCentroidalMomentumTimeVariation(m, d, s.q, s.v, s.a).dAg; }, derivatives),
+      regular(
+          "dhg", [](auto& m, auto& d, auto& s) { return computeCentroidalMomentumTimeVariation(m, d, s.q, s.v, s.a).dhg; }, derivatives),
+      regular(
+          "dhg_dq", [](auto& m, auto& d, auto& s) { return computeCentroidalDynamicsDerivatives(m, d, s.q, s.v, s.a).dhg_dq; }, derivatives),
+      regular(
+          "dhgdot_dq", [](auto& m, auto& d, auto& s) { return computeCentroidalDynamicsDerivatives(m, d, s.q, s.v, s.a).dhgdot_dq; }, derivatives),
+      regular(
+          "dhgdot_dv", [](auto& m, auto& d, auto& s) { return computeCentroidalDynamicsDerivatives(m, d, s.q, s.v, s.a).dhgdot_dv; }, derivatives),
+      regular(
+          "dhgdot_da", [](auto& m, auto& d, auto& s) { return computeCentroidalDynamicsDerivatives(m, d, s.q, s.v, s.a).dhgdot_da; }, derivatives),
+      plain("com", [](auto& m, auto& d, auto& s) { return centerOfMass(m, d, s.q).position; }),
+      plain("vcom", [](auto& m, auto& d, auto& s) { return centerOfMass(m, d, s.q, s.v).velocity; }),
+      plain("acom", [](auto& m, auto& d, auto& s) { return centerOfMass(m, d, s.q, s.v, s.a).acceleration; }),
+      plain("Jcom", [](auto& m, auto& d, auto& s) { return jacobianCenterOfMass(m, d, s.q); }),
       {"kinetic_energy", [](auto& m, auto& d, auto& s, Json& out) { out["kinetic_energy"] = computeKineticEnergy(m, d, s.q, s.v); }},
       {"potential_energy", [](auto& m, auto& d, auto& s, Json& out) { out["potential_energy"] = computePotentialEnergy(m, d, s.q); }},
       {"oMf",
@@ -127,10 +120,8 @@ struct ContactQuantity {
 const std::vector<ContactQuantity>& contactQuantities() {
   static const std::vector<ContactQuantity> all = [] {
     std::vector<ContactQuantity> made = {
-        {"contact_ddq",
-         [](auto& m, auto& d, auto& c, auto& s, Json& out) {
-           writeRegular("contact_ddq", out, [&] { return constraintDynamics(m, d, s.q, s.v, s.tau, c).ddq; });
-         }},
+        {"contact_ddq", [](auto& m, auto& d, auto& c, auto& s,
+                           Json& out) { writeRegular("contact_ddq", out, [&] { return constraintDynamics(m, d, s.q, s.v, s.tau, c).ddq; }); }},
         {"contact_lambda",
          [](auto& m, auto& d, auto& c, auto& s, Json& out) {
            writeRegular("contact_lambda", out, [&] { return constraintDynamics(m, d, s.q, s.v, s.tau, c).lambda; });
