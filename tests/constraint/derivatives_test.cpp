@@ -23,6 +23,19 @@ Eigen::MatrixXd differences(Eigen::Index n, double h, Moved&& moved, F&& f) {
   return out;
 }
 
+/// Of f(q, v), by q in its tangent space and by v.
+struct StateDifferences {
+  Eigen::MatrixXd by_q, by_v;
+};
+template <class F>
+StateDifferences stateDifferences(const CompactModel& model, const Eigen::VectorXd& q, const Eigen::VectorXd& v, F&& f) {
+  constexpr double h = 1e-3;
+  const auto turned = [&](const Eigen::VectorXd& e) { return integrate(model, q, e); };
+  const auto faster = [&](const Eigen::VectorXd& e) { return Eigen::VectorXd(v + e); };
+  return {differences(model.nv(), h, turned, [&](const Eigen::VectorXd& moved) { return f(moved, v); }),
+          differences(model.nv(), h, faster, [&](const Eigen::VectorXd& moved) { return f(q, moved); })};
+}
+
 double distance(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) { return (a - b).cwiseAbs().maxCoeff() / (1 + b.cwiseAbs().maxCoeff()); }
 
 /// Some of the constraints with a place to be at, away from it, and feedback; none with two free rotations.
@@ -78,10 +91,8 @@ TEST_CASE("derivatives of constrained dynamics are those of differences", "[cons
     return out;
   };
   const double h = 1e-3;
-  const Eigen::MatrixXd by_q = differences(
-      n, h, [&](const Eigen::VectorXd& e) { return integrate(s.model, s.q, e); }, [&](const Eigen::VectorXd& q) { return both(q, s.v, s.tau); });
-  const Eigen::MatrixXd by_v = differences(
-      n, h, [&](const Eigen::VectorXd& e) { return Eigen::VectorXd(s.v + e); }, [&](const Eigen::VectorXd& v) { return both(s.q, v, s.tau); });
+  const auto [by_q, by_v] =
+      stateDifferences(s.model, s.q, s.v, [&](const Eigen::VectorXd& q, const Eigen::VectorXd& v) { return both(q, v, s.tau); });
   const Eigen::MatrixXd by_tau = differences(
       n, h, [&](const Eigen::VectorXd& e) { return Eigen::VectorXd(s.tau + e); }, [&](const Eigen::VectorXd& tau) { return both(s.q, s.v, tau); });
   CHECK(distance(ddq_dq, by_q.topRows(n)) < 1e-6);
@@ -108,17 +119,13 @@ TEST_CASE("derivatives of couplings kept by forces are those of differences", "[
   ConstraintData c(ConstraintSet(model, {gear, pointContact("tool")}, &registry()), Need::derivatives);
   const ConstraintDynamicsDerivatives x = computeConstraintDynamicsDerivatives(model, data, q, v, tau, c);
   const Eigen::MatrixXd ddq_dq = x.ddq_dq, ddq_dv = x.ddq_dv, lambda_dq = x.lambda_dq;
-  const double h = 1e-3;
   const auto at = [&](const Eigen::VectorXd& q1, const Eigen::VectorXd& v1) {
     const ConstrainedMotion y = constraintDynamics(model, data, q1, v1, tau, c);
     Eigen::VectorXd out(model.nv() + 4);
     out << y.ddq, y.lambda;
     return out;
   };
-  const Eigen::MatrixXd by_q = differences(
-      model.nv(), h, [&](const Eigen::VectorXd& e) { return integrate(model, q, e); }, [&](const Eigen::VectorXd& q1) { return at(q1, v); });
-  const Eigen::MatrixXd by_v = differences(
-      model.nv(), h, [&](const Eigen::VectorXd& e) { return Eigen::VectorXd(v + e); }, [&](const Eigen::VectorXd& v1) { return at(q, v1); });
+  const auto [by_q, by_v] = stateDifferences(model, q, v, at);
   CHECK(distance(ddq_dq, by_q.topRows(model.nv())) < 1e-6);
   CHECK(distance(lambda_dq, by_q.bottomRows(4)) < 1e-6);
   CHECK(distance(ddq_dv, by_v.topRows(model.nv())) < 1e-7);
@@ -140,11 +147,7 @@ TEST_CASE("derivatives of impacts are those of differences", "[constraint]") {
     out << y.v_after, y.impulse;
     return out;
   };
-  const double h = 1e-3;
-  const Eigen::MatrixXd by_q = differences(
-      n, h, [&](const Eigen::VectorXd& e) { return integrate(s.model, s.q, e); }, [&](const Eigen::VectorXd& q) { return both(q, s.v); });
-  const Eigen::MatrixXd by_v = differences(
-      n, h, [&](const Eigen::VectorXd& e) { return Eigen::VectorXd(s.v + e); }, [&](const Eigen::VectorXd& v) { return both(s.q, v); });
+  const auto [by_q, by_v] = stateDifferences(s.model, s.q, s.v, both);
   CHECK(distance(v_dq, by_q.topRows(n)) < 1e-6);
   CHECK(distance(impulse_dq, by_q.bottomRows(rows)) < 1e-6);
   CHECK(distance(v_dv, by_v.topRows(n)) < 1e-8);
