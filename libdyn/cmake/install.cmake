@@ -3,7 +3,7 @@
 include(CMakePackageConfigHelpers)
 
 set(DYN_CMAKE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/libdyn)
-install(TARGETS libdyn dyn_sdk libdyn_parsers EXPORT libdynTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(TARGETS libdyn dyn_sdk libdyn_geometry libdyn_parsers EXPORT libdynTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(EXPORT libdynTargets NAMESPACE libdyn:: DESTINATION ${DYN_CMAKE_DIR})
 install(DIRECTORY libdyn/include/dyn libdyn/sdk/dyn_sdk parsers/include/dyn DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(TARGETS dyn_standard LIBRARY DESTINATION ${DYN_PLUGIN_DIR})
@@ -23,4 +23,5 @@ function(dyn_pkg_config DYN_PC_NAME DYN_PC_LIBRARY DYN_PC_REQUIRES DYN_PC_DESCRI
   install(FILES ${CMAKE_BINARY_DIR}/${DYN_PC_NAME}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 endfunction()
 dyn_pkg_config(libdyn dyn eigen3 "Kinematics and dynamics of robots; joints come from plugins")
+dyn_pkg_config(libdyn-geometry dyn_geometry libdyn "Collision and distance, for libdyn")
 dyn_pkg_config(libdyn-parsers dyn_parsers libdyn "Robots from URDF, for libdyn")

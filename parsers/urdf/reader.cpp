@@ -1,4 +1,5 @@
 #include "extension.hpp"
+#include "geometry.hpp"
 
 #include <dyn/parsers/urdf.hpp>
 
@@ -55,6 +56,7 @@ class Reader {
     const XMLElement& link = *outline_.link.at(name);
     const int body = model_.addBody(name, parent, std::move(joint), inertia(link));
     model_.bodies.back().where = d_.where(link);
+    for (GeometryDescription& g : readGeometries(d_, link, body)) model_.geometries.push_back(std::move(g));
     return body;
   }
 

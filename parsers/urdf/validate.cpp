@@ -187,7 +187,7 @@ class Validator {
   void reportIgnored() const {
     static const std::map<std::string, std::unordered_set<std::string>> read = {
         {"robot", {"link", "joint", "libdyn"}},
-        {"link", {"inertial"}},
+        {"link", {"inertial", "collision", "visual", "collision_checking"}},
         {"joint", {"origin", "parent", "child", "axis", "limit", "dynamics", "mimic"}},
         {"inertial", {"origin", "mass", "inertia"}}};
     std::map<std::string, std::pair<int, int>> ignored;  // tag -> count, first line

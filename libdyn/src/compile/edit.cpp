@@ -219,6 +219,20 @@ Model append(const Model& model, const Model& other, const std::string& at, cons
     moveConstraint(c, prefix, at, placement);
     out.constraints.push_back(std::move(c));
   }
+  names.clear();
+  for (const GeometryDescription& g : out.geometries) names.insert(g.name);
+  for (GeometryDescription g : other.geometries) {
+    g.name = prefix + g.name;
+    unique(names, g.name);
+    if (g.body == 0) {
+      g.placement = pose * g.placement;
+      g.body = carrier;
+    } else {
+      g.body += offset;
+    }
+    out.geometries.push_back(std::move(g));
+  }
+  for (const DisabledCollision& d : other.disabled_collisions) out.disabled_collisions.push_back({prefix + d.body, prefix + d.other, d.reason});
   for (const std::string& note : other.notes) out.notes.push_back(note);
   return out;
 }

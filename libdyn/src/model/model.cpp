@@ -32,6 +32,13 @@ int Model::addFrame(const std::string& frame, int body, const SE3<double>& place
   return static_cast<int>(frames.size()) - 1;
 }
 
+int Model::addGeometry(const std::string& geometry, int body, const SE3<double>& placement, GeometryShape shape) {
+  if (body < 0 || body >= static_cast<int>(bodies.size()))
+    throw Error(ErrorCode::argument, "geometry '" + geometry + "': body " + std::to_string(body) + " does not exist");
+  geometries.push_back({geometry, body, placement, std::move(shape), GeometryDescription::Role::collision, {}});
+  return static_cast<int>(geometries.size()) - 1;
+}
+
 int Model::findBody(const std::string& body) const {
   for (std::size_t i = 0; i < bodies.size(); ++i)
     if (bodies[i].name == body) return static_cast<int>(i);

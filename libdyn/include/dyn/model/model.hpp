@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dyn/model/constraint.hpp>
+#include <dyn/model/geometry_description.hpp>
 #include <dyn/spatial/inertia.hpp>
 
 #include <string>
@@ -30,9 +31,11 @@ struct DYN_API Model {
   std::string name;
   Vec3<double> gravity{0, 0, -9.81};  ///< in the world [m/s^2]
   std::vector<BodyDescription> bodies;
-  std::vector<FrameDescription> frames;  ///< beside those that every body is
+  std::vector<FrameDescription> frames;            ///< beside those that every body is
   std::vector<ConstraintDescription> constraints;  ///< of the mechanism itself: closed loops, gears
-  std::vector<std::string> notes;        ///< what a parser ignored or found odd, once each
+  std::vector<GeometryDescription> geometries;
+  std::vector<DisabledCollision> disabled_collisions;
+  std::vector<std::string> notes;  ///< what a parser ignored or found odd, once each
 
   Model();
 
@@ -41,6 +44,8 @@ struct DYN_API Model {
   int addBody(const std::string& body, int parent, JointDescription joint, const Inertia<double>& inertia = {});
   /// Appends a frame; returns its index in `frames`. Throws as addBody.
   int addFrame(const std::string& frame, int body, const SE3<double>& placement);
+  /// Appends a volume for collision; returns its index in `geometries`. Throws as addBody.
+  int addGeometry(const std::string& geometry, int body, const SE3<double>& placement, GeometryShape shape);
   /// Index of the body of that name, or of the body that the joint of that name carries; -1 if there is none.
   int findBody(const std::string& body) const;
   int findJoint(const std::string& joint) const;

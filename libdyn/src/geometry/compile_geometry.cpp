@@ -1,0 +1,255 @@
+// From described volumes to compiled ones: which pairs are checked, what they need, and nothing else.
+#include "geometry/geometry_impl.hpp"
+#include "geometry/load.hpp"
+
+#include <algorithm>
+#include <set>
+#include <unordered_set>
+
+namespace dyn {
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+constexpr std::size_t most_pairs = std::size_t{1} << 24;
+/// Pairs from which on looking them up in a tree is faster than asking each (measured: benchmarks/README.md).
+constexpr std::size_t pairs_for_tree = 64;
+
+/// A collision geometry on its way.
+struct Candidate {
+  const GeometryDescription* description;
+  int joint;
+  SE3<double> placement;  ///< in the joint's frame
+};
+
+class Compiler {
+ public:
+  Compiler(const CompactModel& model, const Model& description, const GeometryOptions& options)
+      : model_(model), description_(description), options_(options), loader_(options.packages) {}
+
+  std::shared_ptr<const GeometryImpl> run() {
+    collect();
+    choosePairs();
+    applyNames();
+    leaveOutMissing();
+    keepNeeded();
+    chooseTrees();
+    say();
+    return std::move(out_);
+  }
+
+ private:
+  void collect() {
+    out_->report.described = static_cast<int>(description_.geometries.size());
+    out_->joints = model_.njoints();
+    out_->nv = model_.nv();
+    std::unordered_set<std::string> names;
+    for (const GeometryDescription& g : description_.geometries) {
+      if (g.role != GeometryDescription::Role::collision) continue;
+      if (!names.insert(g.name).second) throw Error(ErrorCode::model, "two geometries are called '" + g.name + "'", g.where);
+      if (g.body < 0 || g.body >= static_cast<int>(description_.bodies.size()))
+        throw Error(ErrorCode::model, "geometry '" + g.name + "' is on body " + std::to_string(g.body) + ", which does not exist", g.where);
+      Candidate c{&g, 0, g.placement};
+      if (g.body > 0) {
+        const std::string& body = bodyOf(g);
+        const int frame = model_.frameId(body);
+        if (frame < 0)
+          throw Error(ErrorCode::model,
+                      "geometry '" + g.name + "': the compiled model has no body '" + body + "'; it was made from another description", g.where);
+        const FrameRecord& f = model_.frames()[at(frame)];
+        c.joint = f.joint;
+        c.placement = f.placement * g.placement;
+      }
+      candidates_.push_back(c);
+    }
+    if (candidates_.size() * candidates_.size() / 2 > most_pairs)
+      throw Error(ErrorCode::model, std::to_string(candidates_.size()) + " collision geometries make more than " + std::to_string(most_pairs) +
+                                        " pairs; merge obstacles that stand still into voxels or meshes");
+  }
+
+  const std::string& bodyOf(const GeometryDescription& g) const { return description_.bodies[at(g.body)].name; }
+
+  void choosePairs() {
+    if (options_.pairs == GeometryOptions::Pairs::none) return;
+    std::set<std::pair<int, int>> disabled;
+    for (const DisabledCollision& d : description_.disabled_collisions) {
+      const int a = description_.findBody(d.body), b = description_.findBody(d.other);
+      if (a >= 0 && b >= 0) disabled.insert(std::minmax(a, b));
+    }
+    GeometryReport& report = out_->report;
+    const int n = static_cast<int>(candidates_.size());
+    for (int a = 0; a < n; ++a) {
+      for (int b = a + 1; b < n; ++b) {
+        const Candidate &ca = candidates_[at(a)], &cb = candidates_[at(b)];
+        if (ca.joint == cb.joint) {
+          ++report.rigid;
+        } else if (adjacent(ca, cb)) {
+          ++report.adjacent;
+        } else if (disabled.count(std::minmax(ca.description->body, cb.description->body))) {
+          ++report.disabled;
+        } else {
+          pairs_.insert({a, b});
+        }
+      }
+    }
+  }
+
+  /// A joint connects their bodies. What stands in the world is no robot's base.
+  bool adjacent(const Candidate& a, const Candidate& b) const {
+    if (a.description->body == 0 || b.description->body == 0) return false;
+    return model_.joints()[at(a.joint)].parent == b.joint || model_.joints()[at(b.joint)].parent == a.joint;
+  }
+
+  std::vector<int> named(const std::string& name) const {
+    std::vector<int> found;
+    for (std::size_t i = 0; i < candidates_.size(); ++i) {
+      const GeometryDescription& g = *candidates_[i].description;
+      if (g.name == name || bodyOf(g) == name) found.push_back(static_cast<int>(i));
+    }
+    if (found.empty() && description_.findBody(name) < 0)
+      throw Error(ErrorCode::argument, "there is no collision geometry and no body '" + name + "' to make a pair of");
+    return found;
+  }
+
+  void applyNames() {
+    const auto each = [&](const PairName& p, const auto& apply) {
+      const std::vector<int> first = named(p.a), second = named(p.b);
+      for (const int a : first)
+        for (const int b : second)
+          if (a != b) apply(std::minmax(a, b));
+    };
+    for (const PairName& p : options_.add) each(p, [&](std::pair<int, int> x) { pairs_.insert(x); });
+    for (const PairName& p : options_.remove) each(p, [&](std::pair<int, int> x) { out_->report.removed += static_cast<int>(pairs_.erase(x)); });
+  }
+
+  std::vector<bool> needed() const {
+    std::vector<bool> needed(candidates_.size());
+    for (const auto& [a, b] : pairs_) needed[at(a)] = needed[at(b)] = true;
+    return needed;
+  }
+
+  void leaveOutMissing() {
+    const std::vector<bool> need = needed();
+    std::string all;
+    std::vector<bool> missing(candidates_.size());
+    for (std::size_t i = 0; i < candidates_.size(); ++i) {
+      const GeometryDescription& g = *candidates_[i].description;
+      if (!need[i] || loader_.available(g)) continue;
+      missing[i] = true;
+      out_->report.missing.push_back("'" + g.name + "': " + uriOf(g));
+      all += (all.empty() ? "" : ", ") + out_->report.missing.back();
+    }
+    if (all.empty()) return;
+    if (options_.missing == GeometryOptions::Missing::refuse)
+      throw Error(ErrorCode::file,
+                  std::to_string(out_->report.missing.size()) + " geometries have files that are not there: " + all +
+                      "; name the packages' folders (GeometryOptions::packages, --package, ROS_PACKAGE_PATH), or skip what is missing");
+    for (auto p = pairs_.begin(); p != pairs_.end();) p = missing[at(p->first)] || missing[at(p->second)] ? pairs_.erase(p) : std::next(p);
+  }
+
+  void keepNeeded() {
+    const std::vector<bool> need = needed();
+    std::vector<int> kept(candidates_.size(), -1);
+    std::set<std::string> unread;
+    for (const GeometryDescription& g : description_.geometries)
+      if (!uriOf(g).empty()) unread.insert(uriOf(g));
+    for (std::size_t i = 0; i < candidates_.size(); ++i) {
+      if (!need[i]) continue;
+      const Candidate& c = candidates_[i];
+      kept[i] = static_cast<int>(out_->records.size());
+      out_->index[c.description->name] = kept[i];
+      out_->records.push_back({c.description->name, bodyOf(*c.description), c.joint, c.placement});
+      out_->volumes.push_back(loader_.load(*c.description));
+      out_->still_placement.push_back(c.joint == 0 ? c.placement : SE3<double>{});
+      if (c.joint != 0) out_->moving.push_back(kept[i]);
+      unread.erase(uriOf(*c.description));
+    }
+    for (const auto& [a, b] : pairs_) out_->pairs.push_back({kept[at(a)], kept[at(b)]});
+    out_->pairs_of.assign(out_->records.size() + 1, 0);
+    for (const CollisionPair& p : out_->pairs) ++out_->pairs_of[at(p.a) + 1];
+    for (std::size_t i = 1; i < out_->pairs_of.size(); ++i) out_->pairs_of[i] += out_->pairs_of[i - 1];
+    out_->report.kept = static_cast<int>(out_->records.size());
+    out_->report.pairs = static_cast<int>(out_->pairs.size());
+    out_->report.files_read = loader_.filesRead();
+    out_->report.files_not_needed = static_cast<int>(unread.size());
+  }
+
+  void chooseTrees() {
+    // By which of the two move; a half-space meets every box, so no tree helps to find it.
+    std::vector<int> with_still, both_move;
+    for (std::size_t p = 0; p < out_->pairs.size(); ++p) {
+      const auto [a, b] = out_->pairs[p];
+      const bool bounded = out_->volumes[at(a)]->bounded() && out_->volumes[at(b)]->bounded();
+      const int move = (out_->records[at(a)].joint != 0 ? 1 : 0) + (out_->records[at(b)].joint != 0 ? 1 : 0);
+      if (!bounded || move == 0) {
+        out_->listed.push_back(static_cast<int>(p));
+      } else {
+        (move == 1 ? with_still : both_move).push_back(static_cast<int>(p));
+      }
+    }
+    if (with_still.size() >= pairs_for_tree) {
+      auto tree = std::make_unique<Broadphase>(static_cast<int>(out_->records.size()));
+      for (std::size_t g = 0; g < out_->records.size(); ++g)
+        if (out_->records[g].joint == 0 && out_->volumes[g]->bounded() && !out_->volumes[g]->empty())
+          tree->place(static_cast<int>(g), moved(out_->volumes[g]->bounds(), out_->still_placement[g]));
+      tree->update();
+      out_->still = std::move(tree);
+    } else {
+      out_->listed.insert(out_->listed.end(), with_still.begin(), with_still.end());
+    }
+    // A tree of what moves is renewed for each state; asking each pair costs less than that for long.
+    out_->tree_of_moving = both_move.size() >= 16 * pairs_for_tree;
+    if (!out_->tree_of_moving) out_->listed.insert(out_->listed.end(), both_move.begin(), both_move.end());
+    std::sort(out_->listed.begin(), out_->listed.end());
+  }
+
+  void say() {
+    GeometryReport& r = out_->report;
+    const auto line = [&](const std::string& text) { r.lines.push_back(text); };
+    line("geometries: " + std::to_string(r.kept) + " of " + std::to_string(r.described) + " described are in a pair, " +
+         std::to_string(r.described - static_cast<int>(candidates_.size())) + " are only to be looked at");
+    line("pairs: " + std::to_string(r.pairs) + "; left out " + std::to_string(r.rigid) + " of one rigid body, " + std::to_string(r.adjacent) +
+         " of neighbours, " + std::to_string(r.disabled) + " disabled by the description, " + std::to_string(r.removed) + " by name");
+    line("files: " + std::to_string(r.files_read) + " read, " + std::to_string(r.files_not_needed) + " not needed");
+    line(std::string("broadphase: ") + (out_->still ? "a tree of what stands still, " : "") + (out_->tree_of_moving ? "a tree of what moves, " : "") +
+         std::to_string(out_->listed.size()) + " pairs asked one by one");
+    for (const std::string& m : r.missing) line("missing: " + m);
+  }
+
+  const CompactModel& model_;
+  const Model& description_;
+  const GeometryOptions& options_;
+  VolumeLoader loader_;
+  std::vector<Candidate> candidates_;
+  std::set<std::pair<int, int>> pairs_;
+  std::shared_ptr<GeometryImpl> out_ = std::make_shared<GeometryImpl>();
+};
+
+}  // namespace
+
+int GeometryImpl::pairOf(int a, int b) const {
+  if (a > b) std::swap(a, b);
+  const auto first = pairs.begin() + pairs_of[at(a)], last = pairs.begin() + pairs_of[at(a) + 1];
+  const auto found = std::lower_bound(first, last, b, [](const CollisionPair& p, int x) { return p.b < x; });
+  return found != last && found->b == b ? static_cast<int>(found - pairs.begin()) : -1;
+}
+
+GeometryModel::GeometryModel(std::shared_ptr<const GeometryImpl> impl) : impl_(std::move(impl)) {}
+const std::vector<GeometryRecord>& GeometryModel::geometries() const { return impl_->records; }
+const std::vector<CollisionPair>& GeometryModel::pairs() const { return impl_->pairs; }
+const GeometryReport& GeometryModel::report() const { return impl_->report; }
+int GeometryModel::geometryId(const std::string& name) const {
+  const auto found = impl_->index.find(name);
+  return found == impl_->index.end() ? -1 : found->second;
+}
+int GeometryModel::pairId(const std::string& a, const std::string& b) const {
+  const int i = geometryId(a), j = geometryId(b);
+  return i < 0 || j < 0 || i == j ? -1 : impl_->pairOf(i, j);
+}
+
+GeometryModel compileGeometry(const CompactModel& model, const Model& description, const GeometryOptions& options) {
+  return GeometryModel(Compiler(model, description, options).run());
+}
+
+}  // namespace dyn

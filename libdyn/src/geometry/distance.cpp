@@ -1,0 +1,85 @@
+#include "geometry/queries.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace dyn {
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+Distance distanceOf(const GeometryImpl& m, const GeometryDataImpl& d, int pair, double beyond) {
+  const PlacedPair p = placed(m, d, pair);
+  const Separation s = nearest(p.a, p.b, p.aMb, beyond);
+  return {pair, s.distance, p.oMa.R * s.normal, p.oMa.act(s.on_a), p.oMa.act(s.on_b)};
+}
+
+/// Adds sign * normal . J of the body's point at x to `row`.
+void addVelocity(const CompactModel& model, Data& data, int joint, const Vec3<double>& x, const Vec3<double>& normal, std::vector<double>& jacobian,
+                 double* row) {
+  if (joint == 0) return;
+  const int nv = model.nv();
+  getJointJacobian(model, data, joint, ReferenceFrame::LOCAL_WORLD_ALIGNED, MatrixOut(jacobian.data(), 6, nv));
+  const Vec3<double> moment = cross(x - jointPlacement(model, data, joint).p, normal);
+  for (int k = 0; k < nv; ++k) {
+    const double* column = jacobian.data() + 6 * k;
+    row[k] += normal.x * column[0] + normal.y * column[1] + normal.z * column[2] + moment.x * column[3] + moment.y * column[4] + moment.z * column[5];
+  }
+}
+
+}  // namespace
+
+Distance computeDistance(const GeometryModel& geometry, GeometryData& data, int pair) {
+  checkPair(geometry.impl(), pair);
+  return distanceOf(geometry.impl(), data.impl(), pair, infinity);
+}
+
+const std::vector<Distance>& computeDistances(const GeometryModel& geometry, GeometryData& data) {
+  GeometryDataImpl& d = data.impl();
+  d.distances.clear();
+  for (std::size_t p = 0; p < geometry.impl().pairs.size(); ++p) d.distances.push_back(distanceOf(geometry.impl(), d, static_cast<int>(p), infinity));
+  return d.distances;
+}
+
+Distance computeMinimumDistance(const GeometryModel& geometry, GeometryData& data) {
+  const GeometryImpl& m = geometry.impl();
+  const GeometryDataImpl& d = data.impl();
+  Distance best;
+  best.distance = infinity;
+  const int n = static_cast<int>(m.pairs.size());
+  // The pair whose spheres are nearest first: it rules out most of the others.
+  int start = -1;
+  double nearest_bound = infinity;
+  for (int p = 0; p < n; ++p) {
+    const double bound = sphereBound(m, d, p);
+    if (bound < nearest_bound) nearest_bound = bound, start = p;
+  }
+  if (start < 0) return best;
+  best = distanceOf(m, d, start, infinity);
+  for (int p = 0; p < n; ++p) {
+    // Volumes that overlap may do so deeper than any other, whatever their spheres say.
+    if (p == start || sphereBound(m, d, p) > std::max(best.distance, 0.0)) continue;
+    const Distance x = distanceOf(m, d, p, std::max(best.distance, 0.0));
+    if (x.distance < best.distance || (x.distance == best.distance && p < best.pair)) best = x;
+  }
+  return best;
+}
+
+void computeDistanceDerivative(const CompactModel& model, Data& data, const GeometryModel& geometry, GeometryData& geometry_data,
+                               const Distance& distance, const VectorOut& derivative) {
+  const GeometryImpl& m = geometry.impl();
+  checkPair(m, distance.pair);
+  if (model.nv() != m.nv || derivative.size() != m.nv)
+    throw Error(ErrorCode::size, "computeDistanceDerivative: the derivative has " + std::to_string(derivative.size()) +
+                                     " numbers; it needs nv = " + std::to_string(m.nv));
+  std::fill_n(derivative.data(), m.nv, 0.0);
+  std::vector<double>& jacobian = geometry_data.impl().jacobian;
+  const auto [a, b] = m.pairs[at(distance.pair)];
+  addVelocity(model, data, m.records[at(b)].joint, distance.nearest_b, distance.normal, jacobian, derivative.data());
+  addVelocity(model, data, m.records[at(a)].joint, distance.nearest_a, -distance.normal, jacobian, derivative.data());
+}
+
+}  // namespace dyn

@@ -1,0 +1,71 @@
+#include "geometry/geometry_impl.hpp"
+
+#include <dyn/algorithm/kinematics.hpp>
+
+namespace dyn {
+
+namespace {
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+}  // namespace
+
+GeometryDataImpl::GeometryDataImpl(const GeometryModel& geometry, int most_contacts) : model(geometry) {
+  const GeometryImpl& m = geometry.impl();
+  const std::size_t n = m.records.size();
+  placement.resize(n);
+  center.resize(n);
+  bounds.resize(n);
+  if (m.tree_of_moving) moving = std::make_unique<Broadphase>(static_cast<int>(n));
+  near_pairs.reserve(m.pairs.size());
+  colliding.reserve(m.pairs.size());
+  contacts.reserve(at(most_contacts));
+  distances.reserve(m.pairs.size());
+  jacobian.resize(6 * at(m.nv));
+  for (std::size_t g = 0; g < n; ++g) place(static_cast<int>(g), m.records[g].joint == 0 ? m.still_placement[g] : m.records[g].placement);
+}
+
+void GeometryDataImpl::place(int geometry, const SE3<double>& oMg) {
+  const Volume& volume = *model.impl().volumes[at(geometry)];
+  placement[at(geometry)] = oMg;
+  if (volume.empty() || !volume.bounded()) return;
+  center[at(geometry)] = oMg.act(volume.bounds().center());
+  bounds[at(geometry)] = moved(volume.bounds(), oMg);
+  if (moving) moving->place(geometry, bounds[at(geometry)]);
+}
+
+GeometryData::GeometryData(const GeometryModel& model, int contacts) {
+  if (contacts < 0) throw Error(ErrorCode::argument, "GeometryData: " + std::to_string(contacts) + " contacts; it takes none or more");
+  impl_ = std::make_unique<GeometryDataImpl>(model, contacts);
+}
+GeometryData::~GeometryData() = default;
+GeometryData::GeometryData(GeometryData&&) noexcept = default;
+GeometryData& GeometryData::operator=(GeometryData&&) noexcept = default;
+
+void updateGeometryPlacements(const CompactModel& model, const Data& data, const GeometryModel& geometry, GeometryData& geometry_data) {
+  const GeometryImpl& m = geometry.impl();
+  if (model.njoints() != m.joints)
+    throw Error(ErrorCode::argument, "updateGeometryPlacements: the geometry was compiled for a model of " + std::to_string(m.joints) +
+                                         " joints, this one has " + std::to_string(model.njoints()));
+  GeometryDataImpl& d = geometry_data.impl();
+  // Geometries of one body follow one another.
+  int joint = -1;
+  SE3<double> oMj;
+  for (const int g : m.moving) {
+    const GeometryRecord& r = m.records[at(g)];
+    if (r.joint != joint) oMj = jointPlacement(model, data, joint = r.joint);
+    d.place(g, oMj * r.placement);
+  }
+  if (d.moving) d.moving->update();
+}
+
+void updateGeometryPlacements(const CompactModel& model, Data& data, const GeometryModel& geometry, GeometryData& geometry_data, const VectorArg& q) {
+  forwardKinematics(model, data, q);
+  updateGeometryPlacements(model, data, geometry, geometry_data);
+}
+
+SE3<double> geometryPlacement(const GeometryModel& geometry, const GeometryData& geometry_data, int id) {
+  const std::size_t n = geometry.impl().records.size();
+  if (id < 0 || at(id) >= n) throw Error(ErrorCode::argument, "geometry " + std::to_string(id) + " does not exist; there are " + std::to_string(n));
+  return geometry_data.impl().placement[at(id)];
+}
+
+}  // namespace dyn

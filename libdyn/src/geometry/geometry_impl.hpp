@@ -1,0 +1,58 @@
+// What GeometryModel and GeometryData hold.
+#pragma once
+
+#include "geometry/broadphase.hpp"
+#include "geometry/volume.hpp"
+
+#include <dyn/geometry/collision.hpp>
+#include <dyn/geometry/distance.hpp>
+
+#include <memory>
+#include <unordered_map>
+#include <vector>
+
+namespace dyn {
+
+struct GeometryImpl {
+  std::vector<GeometryRecord> records;
+  std::vector<std::shared_ptr<const Volume>> volumes;  ///< by geometry; those of one file and scale are one
+  std::unordered_map<std::string, int> index;          ///< by name
+  std::vector<CollisionPair> pairs;                    ///< ascending
+  std::vector<int> pairs_of;                           ///< pairs whose first is a: from pairs_of[a] up to pairs_of[a + 1]
+  int joints = 0, nv = 0;
+
+  std::vector<int> moving;                   ///< geometries of joints that are not the universe
+  std::vector<SE3<double>> still_placement;  ///< by geometry, of those that stand still
+  /// Boxes of bounded geometries that stand still, where there are so many pairs with them that a tree pays; else null.
+  std::unique_ptr<const Broadphase> still;
+  bool tree_of_moving = false;  ///< the same of pairs that both move: then each GeometryData has a tree of its own
+  std::vector<int> listed;      ///< pairs that no tree finds
+
+  GeometryReport report;
+
+  /// -1 if the two are not checked against each other.
+  int pairOf(int a, int b) const;
+};
+
+struct GeometryDataImpl {
+  explicit GeometryDataImpl(const GeometryModel& geometry, int contacts);
+
+  GeometryModel model;
+  std::vector<SE3<double>> placement;  ///< by geometry, in the world
+  std::vector<Vec3<double>> center;    ///< of bounding spheres, in the world
+  std::vector<Bounds> bounds;          ///< in the world
+  std::unique_ptr<Broadphase> moving;  ///< where the model asks for it
+  std::vector<int> near_pairs;         ///< room for what the trees find
+  std::vector<int> colliding;
+  std::vector<Contact> contacts;
+  std::vector<Distance> distances;
+  std::vector<double> jacobian;  ///< 6 x nv
+  int first = -1;
+
+  void place(int geometry, const SE3<double>& oMg);
+};
+
+/// The pairs whose bounding boxes may meet, ascending.
+const std::vector<int>& nearPairs(const GeometryImpl& m, GeometryDataImpl& d);
+
+}  // namespace dyn

@@ -1,0 +1,149 @@
+#include "geometry/gjk.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace dyn {
+
+namespace {
+
+constexpr double u = std::numeric_limits<double>::epsilon();
+constexpr int most_iterations = 128;
+
+/// Weights of the point of a segment that is nearest to the origin.
+void nearestOfTwo(const Vec3<double>& a, const Vec3<double>& b, double* weight) {
+  const Vec3<double> d = b - a;
+  const double length2 = dot(d, d);
+  const double t = length2 > 0 ? std::clamp(-dot(a, d) / length2, 0.0, 1.0) : 0.0;
+  weight[0] = 1 - t;
+  weight[1] = t;
+}
+
+/// The same for a triangle: by its normal inside of it, else the best of its sides.
+void nearestOfThree(const Vec3<double>& a, const Vec3<double>& b, const Vec3<double>& c, double* weight) {
+  // Differences between the corners that lie closest together have the most digits.
+  const Vec3<double> n = cross(b - a, c - a);
+  const double area2 = dot(n, n);
+  if (area2 > 0) {
+    // Seen along n: signed areas of the triangles that the origin makes with the sides.
+    const double wa = dot(n, cross(b, c)), wb = dot(n, cross(c, a)), wc = dot(n, cross(a, b));
+    const double sum = wa + wb + wc;
+    if (wa >= 0 && wb >= 0 && wc >= 0 && sum > 0) {
+      weight[0] = wa / sum;
+      weight[1] = wb / sum;
+      weight[2] = wc / sum;
+      return;
+    }
+  }
+  const Vec3<double>* p[3] = {&a, &b, &c};
+  double best = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3;
+    double w[2];
+    nearestOfTwo(*p[i], *p[j], w);
+    const Vec3<double> x = w[0] * *p[i] + w[1] * *p[j];
+    if (dot(x, x) >= best) continue;
+    best = dot(x, x);
+    weight[i] = w[0];
+    weight[j] = w[1];
+    weight[3 - i - j] = 0;
+  }
+}
+
+/// True if the origin is inside a tetrahedron whose volume is more than rounding of points of this size.
+bool nearestOfFour(const Difference::Point* p, double size, double* weight) {
+  static constexpr int faces[4][4] = {{0, 1, 2, 3}, {0, 2, 3, 1}, {0, 3, 1, 2}, {1, 3, 2, 0}};  // three corners and the opposite one
+  double best = std::numeric_limits<double>::infinity();
+  bool inside = true;
+  for (const auto& f : faces) {
+    const Vec3<double>&a = p[f[0]].w, &b = p[f[1]].w, &c = p[f[2]].w, &d = p[f[3]].w;
+    const Vec3<double> n = cross(b - a, c - a);
+    const double of_corner = dot(n, d - a), of_origin = -dot(n, a);
+    const Vec3<double> ab = b - a, ac = c - a, ad = d - a;
+    const double rounding = 16 * u * size * (norm(ab) * norm(ac) + (norm(ab) + norm(ac)) * norm(ad));
+    if (std::fabs(of_corner) > rounding && of_corner * of_origin >= 0) continue;  // the origin is on the corner's side
+    inside = false;
+    double w[3];
+    nearestOfThree(a, b, c, w);
+    const Vec3<double> x = w[0] * a + w[1] * b + w[2] * c;
+    if (dot(x, x) >= best) continue;
+    best = dot(x, x);
+    for (int i = 0; i < 3; ++i) weight[f[i]] = w[i];
+    weight[f[3]] = 0;
+  }
+  return inside;
+}
+
+}  // namespace
+
+Vec3<double> Simplex::nearest() const {
+  Vec3<double> v;
+  for (int i = 0; i < count; ++i) v += weight[i] * points[i].w;
+  return v;
+}
+
+bool Simplex::reduce(double size) {
+  switch (count) {
+    case 1:
+      weight[0] = 1;
+      break;
+    case 2:
+      nearestOfTwo(points[0].w, points[1].w, weight);
+      break;
+    case 3:
+      nearestOfThree(points[0].w, points[1].w, points[2].w, weight);
+      break;
+    default:
+      if (nearestOfFour(points, size, weight)) return true;
+  }
+  int kept = 0;
+  for (int i = 0; i < count; ++i) {
+    if (!(weight[i] > 0)) continue;
+    points[kept] = points[i];
+    weight[kept++] = weight[i];
+  }
+  count = kept;
+  return false;
+}
+
+GjkResult gjk(const Difference& difference, double beyond) {
+  GjkResult r;
+  // Any first direction does; that between the frames' origins is often near.
+  Vec3<double> v = -difference.aMb.p;
+  if (!(dot(v, v) > 0)) v = {1, 0, 0};
+  Simplex& s = r.simplex;
+  s.points[0] = difference.support(-v);
+  s.weight[0] = 1;
+  s.count = 1;
+  v = s.points[0].w;
+  r.size = norm(v);
+  for (int k = 0; k < most_iterations; ++k) {
+    const double v2 = dot(v, v);
+    // As near to the origin as rounding lets one say.
+    if (v2 <= 100 * u * u * r.size * r.size) {
+      r.overlap = true;
+      break;
+    }
+    ++r.iterations;
+    const Difference::Point p = difference.support(-v);
+    r.size = std::max(r.size, norm(p.w));
+    const double vw = dot(v, p.w);
+    r.lower_bound = std::max(r.lower_bound, vw / std::sqrt(v2));
+    if (r.lower_bound > beyond || v2 - vw <= 8 * u * v2) break;
+    Simplex next = s;
+    next.points[next.count++] = p;
+    if (next.reduce(r.size)) {
+      s = next;
+      r.overlap = true;
+      break;
+    }
+    const Vec3<double> nearer = next.nearest();
+    if (!(dot(nearer, nearer) < v2)) break;  // rounding: this is as near as it gets
+    s = next;
+    v = nearer;
+  }
+  r.v = v;
+  return r;
+}
+
+}  // namespace dyn

@@ -1,0 +1,32 @@
+// Distance of two convex cores that do not overlap: Gilbert, Johnson, Keerthi, "A fast procedure for computing the distance between complex
+// objects in three-dimensional space", IEEE J. Robotics and Automation 4(2), 1988.
+#pragma once
+
+#include "geometry/convex.hpp"
+
+namespace dyn {
+
+/// Up to four points of a Minkowski difference, and the convex combination of them that is nearest to the origin.
+struct Simplex {
+  Difference::Point points[4];
+  double weight[4] = {};
+  int count = 0;
+
+  Vec3<double> nearest() const;
+  /// Finds the weights and forgets the points that have none. True if the origin is inside of four; `size` is that of the points' numbers.
+  bool reduce(double size);
+};
+
+struct GjkResult {
+  bool overlap = false;
+  Vec3<double> v;          ///< the difference's point nearest to the origin
+  double lower_bound = 0;  ///< of the distance of the cores
+  int iterations = 0;
+  double size = 0;  ///< the largest |w| met
+  Simplex simplex;
+};
+
+/// Stops early when the distance is sure to be larger than `beyond`.
+GjkResult gjk(const Difference& difference, double beyond);
+
+}  // namespace dyn

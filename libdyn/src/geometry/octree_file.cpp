@@ -1,0 +1,39 @@
+#include "geometry/files.hpp"
+
+#include <octomap/octomap.h>
+
+#include <fstream>
+#include <memory>
+
+namespace dyn {
+
+namespace {
+
+/// What octomap says on the standard streams about a broken file goes into the Error instead.
+std::unique_ptr<octomap::AbstractOcTree> read(const std::string& path, bool binary) {
+  if (!binary) return std::unique_ptr<octomap::AbstractOcTree>(octomap::AbstractOcTree::read(path));
+  auto tree = std::make_unique<octomap::OcTree>(1.0);
+  if (!tree->readBinary(path)) return nullptr;
+  return tree;
+}
+
+}  // namespace
+
+geometry::Voxels readOctree(const std::string& path) {
+  const Where where{path, 0, ""};
+  const bool binary = path.size() > 3 && path.compare(path.size() - 3, 3, ".bt") == 0;
+  std::unique_ptr<octomap::AbstractOcTree> any;
+  try {
+    any = read(path, binary);
+  } catch (const std::exception& e) {
+    throw Error(ErrorCode::syntax, std::string("is no octree: ") + e.what(), where);
+  }
+  const auto* tree = dynamic_cast<const octomap::OcTree*>(any.get());
+  if (tree == nullptr) throw Error(ErrorCode::syntax, "is no octree of occupancies (octomap's .bt or .ot)", where);
+  geometry::Voxels voxels;
+  for (auto leaf = tree->begin_leafs(); leaf != tree->end_leafs(); ++leaf)
+    if (tree->isNodeOccupied(*leaf)) voxels.cubes.push_back({{leaf.getX(), leaf.getY(), leaf.getZ()}, leaf.getSize()});
+  return voxels;
+}
+
+}  // namespace dyn

@@ -1,0 +1,58 @@
+#include "geometry/files.hpp"
+
+#include <cstdlib>
+#include <filesystem>
+
+namespace dyn {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+bool startsWith(const std::string& text, const std::string& start) { return text.compare(0, start.size(), start) == 0; }
+
+std::string existing(const fs::path& path) {
+  std::error_code error;
+  return fs::is_regular_file(path, error) ? path.lexically_normal().string() : "";
+}
+
+/// Folders of an environment variable, separated by colons.
+void addFrom(const char* variable, const char* below, std::vector<fs::path>& folders) {
+  const char* value = std::getenv(variable);
+  if (value == nullptr) return;
+  const std::string text = value;
+  for (std::size_t first = 0; first <= text.size();) {
+    const std::size_t last = std::min(text.find(':', first), text.size());
+    if (last > first) folders.push_back(fs::path(text.substr(first, last - first)) / below);
+    first = last + 1;
+  }
+}
+
+std::string inPackages(const std::string& rest, const std::vector<std::string>& packages) {
+  std::vector<fs::path> folders(packages.begin(), packages.end());
+  addFrom("ROS_PACKAGE_PATH", "", folders);
+  addFrom("AMENT_PREFIX_PATH", "share", folders);
+  const std::size_t slash = rest.find('/');
+  if (slash == std::string::npos) return "";
+  const std::string package = rest.substr(0, slash), path = rest.substr(slash + 1);
+  for (const fs::path& folder : folders) {
+    if (std::string found = existing(folder / package / path); !found.empty()) return found;
+    // The folder may be the package itself; a path that ends in '/' has an empty last part.
+    const fs::path itself = folder.has_filename() ? folder.filename() : folder.parent_path().filename();
+    if (itself != package) continue;
+    if (std::string found = existing(folder / path); !found.empty()) return found;
+  }
+  return "";
+}
+
+}  // namespace
+
+std::string resolveUri(const std::string& uri, const std::vector<std::string>& packages, const std::string& beside) {
+  for (const std::string scheme : {"package://", "model://"})
+    if (startsWith(uri, scheme)) return inPackages(uri.substr(scheme.size()), packages);
+  if (startsWith(uri, "file://")) return existing(uri.substr(7));
+  const fs::path path(uri);
+  return existing(path.is_absolute() ? path : fs::path(beside).parent_path() / path);
+}
+
+}  // namespace dyn

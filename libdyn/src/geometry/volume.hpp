@@ -1,0 +1,84 @@
+// A volume as compiled: one convex solid, or many convex pieces (triangles, cubes) in a tree of boxes. All in the geometry's own frame.
+#pragma once
+
+#include "geometry/convex.hpp"
+
+#include <dyn/model/geometry_description.hpp>
+
+#include <array>
+#include <limits>
+#include <vector>
+
+namespace dyn {
+
+/// An axis-aligned box.
+struct Bounds {
+  Vec3<double> lower{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+  Vec3<double> upper{-std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+
+  void add(const Vec3<double>& x) {
+    for (int i = 0; i < 3; ++i) {
+      lower[i] = std::fmin(lower[i], x[i]);
+      upper[i] = std::fmax(upper[i], x[i]);
+    }
+  }
+  void add(const Bounds& b) {
+    add(b.lower);
+    add(b.upper);
+  }
+  Vec3<double> center() const { return 0.5 * (lower + upper); }
+  Vec3<double> half() const { return 0.5 * (upper - lower); }
+  bool meets(const Bounds& b) const {
+    return lower.x <= b.upper.x && b.lower.x <= upper.x && lower.y <= b.upper.y && b.lower.y <= upper.y && lower.z <= b.upper.z &&
+           b.lower.z <= upper.z;
+  }
+};
+
+/// The smallest box with axes of the frame that X leads to around a box that X moves.
+Bounds moved(const Bounds& b, const SE3<double>& X);
+
+class Volume {
+ public:
+  struct Node {
+    Bounds bounds;
+    int left = -1, right = -1;  ///< -1: a leaf, of the piece `piece`
+    int piece = 0;
+  };
+
+  static Volume solid(const Convex& convex);
+  static Volume hull(std::vector<Vec3<double>> points);
+  static Volume triangles(const std::vector<Vec3<double>>& vertices, const std::vector<std::array<int, 3>>& triangles);
+  static Volume cubes(const std::vector<geometry::Voxels::Cube>& cubes);
+
+  Volume(const Volume&) = delete;  // pieces point into it
+  Volume& operator=(const Volume&) = delete;
+  Volume(Volume&&) = default;
+  Volume& operator=(Volume&&) = default;
+
+  /// No pieces: nothing collides with it.
+  bool empty() const { return pieces_.empty(); }
+  /// One solid, without a tree.
+  bool single() const { return nodes_.empty() && !pieces_.empty(); }
+  /// A half-space has no bounds; its box is infinite.
+  bool bounded() const { return pieces_.empty() || pieces_.front().core != Core::half_space; }
+  const Convex& piece(int i) const { return pieces_[static_cast<std::size_t>(i)]; }
+  const Vec3<double>& center(int i) const { return centers_[static_cast<std::size_t>(i)]; }  ///< of a piece, in the volume's frame
+  const Node& node(int i) const { return nodes_[static_cast<std::size_t>(i)]; }              ///< 0 is the root
+  const Bounds& bounds() const { return bounds_; }
+  /// Of a sphere around the box's center that holds the volume.
+  double radius() const { return radius_; }
+
+ private:
+  Volume() = default;
+  void addPiece(const Convex& piece, const Vec3<double>& center, const Bounds& bounds);
+  void buildTree(const std::vector<Bounds>& bounds);
+
+  std::vector<Vec3<double>> points_;
+  std::vector<Convex> pieces_;
+  std::vector<Vec3<double>> centers_;
+  std::vector<Node> nodes_;
+  Bounds bounds_;
+  double radius_ = 0;
+};
+
+}  // namespace dyn

@@ -1,0 +1,60 @@
+#include "urdf/document.hpp"
+
+#include <dyn/parsers/srdf.hpp>
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+
+namespace dyn::srdf {
+
+void parse(const std::string& text, const std::string& name, Model& model) {
+  const urdf::Document document(text, name);
+  std::vector<DisabledCollision> found;
+  std::vector<std::string> notes;
+  for (const tinyxml2::XMLElement* e = document.robot().FirstChildElement("disable_collisions"); e; e = e->NextSiblingElement("disable_collisions")) {
+    DisabledCollision d{document.text(*e, "link1"), document.text(*e, "link2"), e->Attribute("reason") ? e->Attribute("reason") : ""};
+    for (const std::string& link : {d.body, d.other})
+      if (model.findBody(link) < 0) notes.push_back(name + ":" + std::to_string(e->GetLineNum()) + ": there is no link '" + link + "'");
+    found.push_back(std::move(d));
+  }
+  model.disabled_collisions.insert(model.disabled_collisions.end(), found.begin(), found.end());
+  model.notes.insert(model.notes.end(), notes.begin(), notes.end());
+}
+
+void load(const std::string& path, Model& model) { parse(urdf::readFile(path), path, model); }
+
+std::string text(const std::string& robot, const std::vector<DisabledCollision>& disabled) {
+  tinyxml2::XMLPrinter printer;
+  printer.PushHeader(false, true);
+  printer.OpenElement("robot");
+  printer.PushAttribute("name", robot.c_str());
+  for (const DisabledCollision& d : disabled) {
+    printer.OpenElement("disable_collisions");
+    printer.PushAttribute("link1", d.body.c_str());
+    printer.PushAttribute("link2", d.other.c_str());
+    printer.PushAttribute("reason", d.reason.c_str());
+    printer.CloseElement();
+  }
+  printer.CloseElement();
+  return printer.CStr();
+}
+
+void write(const std::string& path, const std::string& robot, const std::vector<DisabledCollision>& disabled) {
+  const std::string content = text(robot, disabled);
+  const std::string temporary = path + ".tmp" + std::to_string(getpid());
+  const auto fail = [&](const char* what) {
+    const std::string why = std::strerror(errno);
+    std::remove(temporary.c_str());
+    throw Error(ErrorCode::file, std::string("cannot be ") + what + ": " + why, {path, 0, ""});
+  };
+  std::FILE* file = std::fopen(temporary.c_str(), "w");
+  if (file == nullptr) fail("written");
+  const bool written = std::fputs(content.c_str(), file) >= 0;
+  if (std::fclose(file) != 0 || !written) fail("written");
+  if (std::rename(temporary.c_str(), path.c_str()) != 0) fail("replaced");
+}
+
+}  // namespace dyn::srdf

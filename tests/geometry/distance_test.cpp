@@ -1,0 +1,210 @@
+// Signed distances of all pairs of solids against closed forms and against the definition.
+#include "geometry/oracle.hpp"
+#include "geometry/scene.hpp"
+
+using namespace dyn;
+using namespace dyn::test;
+namespace g = dyn::geometry;
+
+namespace {
+
+enum Kind { sphere, box, capsule, cylinder, cone, hull, kinds };
+const char* const names[] = {"sphere", "box", "capsule", "cylinder", "cone", "hull"};
+
+GeometryShape randomShape(int kind, Random& random, double size) {
+  const auto side = [&] { return size * random.uniform(0.2, 2); };
+  switch (kind) {
+    case sphere:
+      return g::Sphere{side() / 2};
+    case box:
+      return g::Box{{side(), side(), side()}};
+    case capsule:
+      return g::Capsule{side() / 2, side()};
+    case cylinder:
+      return g::Cylinder{side() / 2, side()};
+    case cone:
+      return g::Cone{side() / 2, side()};
+    default: {
+      const double x = side() / 2, y = side() / 2, z = side() / 2;
+      return g::ConvexHull{{{x, 0, 0}, {-x, 0, 0}, {0, y, 0}, {0, -y, 0}, {0, 0, z}, {0, 0, -z}}};
+    }
+  }
+}
+
+bool curved(const GeometryShape& x) { return std::holds_alternative<g::Cylinder>(x) || std::holds_alternative<g::Cone>(x); }
+
+/// Whether two kinds have a closed form, and it.
+std::optional<Wide> closedForm(const Placed& a, const Placed& b) {
+  for (const auto& [x, y] : {std::pair(&a, &b), std::pair(&b, &a)}) {
+    const auto* ball = std::get_if<g::Sphere>(&x->shape);
+    if (ball == nullptr) continue;
+    if (!std::holds_alternative<g::ConvexHull>(y->shape)) return outside(*y, x->pose.p) - ball->radius;
+  }
+  if (curved(a.shape) || curved(b.shape)) return std::nullopt;
+  Wide margin = 0;
+  for (const Placed* x : {&a, &b}) {
+    if (const auto* c = std::get_if<g::Capsule>(&x->shape)) margin += c->radius;
+    if (const auto* s = std::get_if<g::Sphere>(&x->shape)) margin += s->radius;
+  }
+  return ofPolytopes(polytopeOf(a), polytopeOf(b)) - margin;
+}
+
+struct Situation {
+  const char* name;
+  double size;
+  double spread;  ///< of positions, in sizes
+  bool aligned;   ///< axes parallel
+};
+
+constexpr Situation situations[] = {{"apart", 1, 3, false},          {"near", 1, 1, false},
+                                    {"deep inside", 1, 0.1, false},  {"concentric", 1, 0, false},
+                                    {"axes parallel", 1, 1, true},   {"concentric, axes parallel", 1, 0, true},
+                                    {"a nanometre", 1e-9, 1, false}, {"a thousand kilometres", 1e6, 1, false}};
+
+void check(const GeometryShape& a, const SE3<double>& at, const GeometryShape& b, const SE3<double>& pose, double size) {
+  TwoSolids scene(a, at, b);
+  const Distance found = scene.distance(pose);
+  const SE3<double> there = geometryPlacement(scene.geometry, scene.geometry_data, 1);
+  const Placed pa{a, cast<Wide>(at)}, pb{b, cast<Wide>(there)};
+  // Of the solids' size: rounding where the search ends at corners, sides and faces; cylinders and cones that overlap are searched to 1e-8.
+  const double rounding = 1e-14 * size, search = 2e-8 * size;
+  const std::optional<Wide> closed = closedForm(pa, pb);
+  if (closed) {
+    CHECK(std::fabs(static_cast<double>(found.distance - *closed)) <= (curved(a) || curved(b) ? search : rounding));
+  } else {
+    // No direction parts them farther. (That they are not nearer is what the nearest points say, below.)
+    CHECK(mostParted(pa, pb) <= found.distance + search);
+  }
+  // The normal parts the two by just that distance, and the nearest points are in the solids and that far apart.
+  CHECK(std::fabs(dot(found.normal, found.normal) - 1) < 1e-14);
+  CHECK(std::fabs(static_cast<double>(parted(pa, pb, wide(found.normal)) - found.distance)) <= 5 * search);
+  const Vec3<double> gap = found.nearest_b - found.nearest_a - found.distance * found.normal;
+  CHECK(std::sqrt(dot(gap, gap)) <= rounding);
+  CHECK(outside(pa, wide(found.nearest_a)) <= 1e-6 * size);
+  CHECK(outside(pb, wide(found.nearest_b)) <= 1e-6 * size);
+}
+
+}  // namespace
+
+TEST_CASE("signed distances are those of the closed forms and of the definition, whatever the pair, place and size", "[geometry]") {
+  for (int i = 0; i < kinds; ++i) {
+    for (int j = 0; j < kinds; ++j) {
+      for (const Situation& s : situations) {
+        const bool closed = i == sphere || j == sphere || (i != cylinder && i != cone && j != cylinder && j != cone);
+        Random random(static_cast<std::uint64_t>(1000 * i + 100 * j + 1));
+        for (int k = 0; k < (closed ? 40 : 6); ++k) {
+          INFO(names[i] << " and " << names[j] << ", " << s.name << ", " << k);
+          const GeometryShape a = randomShape(i, random, s.size), b = randomShape(j, random, s.size);
+          SE3<double> at = random.pose(), pose = random.pose();
+          at.p = s.size * at.p;
+          if (s.aligned) pose.R = at.R;
+          pose.p = at.p + (s.size * s.spread) * random.vector(1);
+          check(a, at, b, pose, s.size);
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("solids that touch have no distance", "[geometry]") {
+  for (int i = 0; i < kinds; ++i) {
+    for (int j = 0; j < kinds; ++j) {
+      Random random(static_cast<std::uint64_t>(i * kinds + j));
+      INFO(names[i] << " and " << names[j]);
+      for (int k = 0; k < 5; ++k) {
+        const GeometryShape a = randomShape(i, random, 1), b = randomShape(j, random, 1);
+        SE3<double> pose = random.pose();
+        pose.p = 3 * random.vector(1);
+        TwoSolids scene(a, {}, b);
+        // Moved to contact along the normal, a little more, a little less.
+        const Distance before = scene.distance(pose);
+        for (const double more : {0.0, 1e-15, -1e-15, 1e-12, -1e-12, 1e-9, -1e-9, 1e-6, -1e-6}) {
+          SE3<double> touching = pose;
+          touching.p -= (before.distance - more) * before.normal;
+          const double d = scene.distance(touching).distance;
+          INFO(before.distance << " " << more);
+          // Pushed in along the normal of a corner they may slip past one another.
+          CHECK(d >= more - 2e-8);
+          CHECK(d <= std::fabs(more) + 2e-8);
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("signed distance changes no faster than the solids move, through contact and inside", "[geometry]") {
+  for (int i = 0; i < kinds; ++i) {
+    for (int j = i; j < kinds; ++j) {
+      Random random(static_cast<std::uint64_t>(i * kinds + j));
+      INFO(names[i] << " and " << names[j]);
+      const GeometryShape a = randomShape(i, random, 1), b = randomShape(j, random, 1);
+      TwoSolids scene(a, {}, b);
+      SE3<double> pose = random.pose();
+      const Vec3<double> direction = random.vector(1), from = (4 / std::sqrt(dot(direction, direction))) * direction, to = -from;
+      const int steps = 500;
+      double last = 0;
+      bool apart = false, inside = false;
+      for (int k = 0; k <= steps; ++k) {
+        pose.p = from + (static_cast<double>(k) / steps) * (to - from);
+        const double d = scene.distance(pose).distance;
+        const double moved = std::sqrt(dot(to - from, to - from)) / steps;
+        if (k > 0) CHECK(std::fabs(d - last) <= moved + 2e-8);
+        apart = apart || d > 0;
+        inside = inside || d < 0;
+        last = d;
+      }
+      CHECK(apart);
+      CHECK(inside);
+    }
+  }
+}
+
+TEST_CASE("round solids in special places", "[geometry]") {
+  struct Case {
+    const char* name;
+    GeometryShape a, b;
+    SE3<double> pose;
+    double distance;
+  };
+  const Mat3<double> about_x = exp3(Vec3<double>{std::acos(-1.0) / 2, 0, 0}), over = exp3(Vec3<double>{std::acos(-1.0), 0, 0}),
+                     I = Mat3<double>::identity();
+  const g::Cylinder c1{0.3, 1}, c2{0.2, 0.8};
+  const g::Cone k1{0.3, 0.4}, k2{0.6, 0.8};
+  const Case cases[] = {
+      {"cylinders side by side", c1, c2, {I, {0.7, 0, 0.1}}, 0.2},
+      {"cylinders one on the other", c1, c2, {I, {0.1, 0, 1}}, 0.1},
+      {"cylinders crossing over", c1, c2, {about_x, {0.9, 0, 0.1}}, 0.4},
+      {"cylinders, one inside of the other", c1, c2, {I, {}}, -0.5},
+      {"flat cylinders, one inside of the other", g::Cylinder{2, 0.1}, g::Cylinder{1, 0.3}, {I, {}}, -0.2},
+      {"cones tip to tip", k1, k2, {over, {0, 0, 0.7}}, 0.1},
+      {"cone on a cylinder", c1, k1, {I, {0, 0, 0.8}}, 0.1},
+      {"cone's tip in a box", g::Box{{1, 1, 1}}, k1, {over, {0, 0, 0.65}}, -0.05},
+      {"capsule beside a cylinder", c1, g::Capsule{0.1, 0.5}, {I, {0.6, 0, 0}}, 0.2},
+      {"capsule within a cylinder", c1, g::Capsule{0.1, 0.5}, {I, {}}, -0.4},
+  };
+  for (const Case& c : cases) {
+    INFO(c.name);
+    TwoSolids scene(c.a, {}, c.b);
+    CHECK(scene.distance(c.pose).distance == approx(c.distance).margin(1e-9));
+  }
+}
+
+TEST_CASE("half-spaces are as far as the deepest point", "[geometry]") {
+  for (int kind = 0; kind < kinds; ++kind) {
+    Random random(static_cast<std::uint64_t>(kind) + 5);
+    for (int k = 0; k < 20; ++k) {
+      const GeometryShape b = randomShape(kind, random, 1);
+      const g::HalfSpace plane{random.vector(1), random.uniform()};
+      const SE3<double> at = random.pose(), pose = random.pose();
+      TwoSolids scene(plane, at, b);
+      const Distance d = scene.distance(pose);
+      const V3 n = cast<Wide>(at.R) * unit(wide(plane.normal));
+      const Wide offset = plane.offset / length(wide(plane.normal)) + dot(n, wide(at.p));
+      const Placed placed{b, cast<Wide>(geometryPlacement(scene.geometry, scene.geometry_data, 1))};
+      CHECK(std::fabs(static_cast<double>(d.distance - (dot(n, support(placed, -n)) - offset))) < 1e-14);
+      CHECK(computeCollision(scene.geometry, scene.geometry_data, 0) == (d.distance <= 0));
+      const Vec3<double> gap = d.nearest_b - d.nearest_a - d.distance * d.normal;
+      CHECK(std::sqrt(dot(gap, gap)) < 1e-14);
+    }
+  }
+}

@@ -1,0 +1,59 @@
+// Small scenes: one solid in the world, one on a free body.
+#pragma once
+
+#include "support/random_model.hpp"
+#include "support/registry.hpp"
+
+#include <dyn/geometry/collision.hpp>
+#include <dyn/geometry/distance.hpp>
+
+#include <Eigen/Geometry>
+
+namespace dyn::test {
+
+inline JointDescription jointOf(const std::string& name, const std::string& type, const SE3<double>& placement = {}) {
+  JointDescription j;
+  j.name = name;
+  j.type = type;
+  j.placement = placement;
+  return j;
+}
+
+inline Eigen::VectorXd configurationOf(const SE3<double>& pose) {
+  Eigen::Matrix3d R;
+  for (int i = 0; i < 9; ++i) R(i / 3, i % 3) = pose.R.m[i];
+  Eigen::VectorXd q(7);
+  q << pose.p.x, pose.p.y, pose.p.z, Eigen::Quaterniond(R).normalized().coeffs();
+  return q;
+}
+
+/// `a` stands in the world, `b` moves freely.
+struct TwoSolids {
+  Model description;
+  CompactModel model;
+  GeometryModel geometry;
+  Data data;
+  GeometryData geometry_data;
+
+  static Model describe(const GeometryShape& a, const SE3<double>& at, const GeometryShape& b) {
+    Model m;
+    m.addBody("body", 0, jointOf("joint", "free_flyer"), {1, {}, {1, 0, 0, 1, 0, 1}});
+    m.addGeometry("a", 0, at, a);
+    m.addGeometry("b", 1, {}, b);
+    return m;
+  }
+  TwoSolids(const GeometryShape& a, const SE3<double>& at, const GeometryShape& b)
+      : description(describe(a, at, b)),
+        model(compile(description, registry())),
+        geometry(compileGeometry(model, description)),
+        data(model),
+        geometry_data(geometry) {}
+
+  void move(const SE3<double>& pose) { updateGeometryPlacements(model, data, geometry, geometry_data, configurationOf(pose)); }
+  Distance distance(const SE3<double>& pose) {
+    move(pose);
+    return computeDistance(geometry, geometry_data, 0);
+  }
+};
+
+}  // namespace dyn::test

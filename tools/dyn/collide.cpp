@@ -1,0 +1,158 @@
+// dyn collide: which volumes of a robot and its surroundings touch, how far the others are apart, and which pairs need no asking.
+#include "commands.hpp"
+#include "model_options.hpp"
+#include "states.hpp"
+
+#include <dyn/geometry/collision.hpp>
+#include <dyn/geometry/distance.hpp>
+#include <dyn/parsers/srdf.hpp>
+
+#include <cstdio>
+#include <map>
+#include <memory>
+#include <set>
+
+namespace dyn::tool {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct CollideOptions : ModelOptions {
+  std::string states, scene, srdf, out;
+  std::vector<std::string> packages;
+  bool skip_missing = false, all_distances = false;
+  int learn = 0;
+  std::uint64_t seed = 1;
+
+  void add(CLI::App& app) {
+    ModelOptions::add(app);
+    app.add_option("--states", states, "JSON with {\"samples\":[{\"q\":[...]}, ...]}; - for standard input; without it the neutral configuration");
+    app.add_option("--scene", scene, "a URDF whose volumes stand in the world");
+    app.add_option("--srdf", srdf, "pairs that are not to be checked (disable_collisions)");
+    app.add_option("--package", packages, "folder of packages, or a package, for package:// (repeatable); then ROS_PACKAGE_PATH, AMENT_PREFIX_PATH");
+    app.add_flag("--skip-missing", skip_missing, "leave out volumes whose files are not there");
+    app.add_flag("--distances", all_distances, "distances of all pairs, not only the least");
+    app.add_option("--learn", learn, "sample so many configurations and write an SRDF of the pairs of links that always or never collide")
+        ->check(CLI::PositiveNumber);
+    app.add_option("--out", out, "where --learn writes; without it on standard output");
+    app.add_option("--seed", seed, "of --learn")->capture_default_str();
+  }
+
+  GeometryOptions geometryOptions() const {
+    GeometryOptions options;
+    options.packages = packages;
+    options.missing = skip_missing ? GeometryOptions::Missing::skip : GeometryOptions::Missing::refuse;
+    return options;
+  }
+};
+
+Json flat(const Vec3<double>& x) { return Json{x.x, x.y, x.z}; }
+
+Json pairOf(const GeometryModel& geometry, int pair) {
+  const CollisionPair& p = geometry.pairs()[static_cast<std::size_t>(pair)];
+  return Json{{"a", geometry.geometries()[static_cast<std::size_t>(p.a)].name}, {"b", geometry.geometries()[static_cast<std::size_t>(p.b)].name}};
+}
+
+Json json(const GeometryModel& geometry, const Distance& x) {
+  Json out = pairOf(geometry, x.pair);
+  out["distance"] = x.distance;
+  out["normal"] = flat(x.normal);
+  out["nearest_a"] = flat(x.nearest_a);
+  out["nearest_b"] = flat(x.nearest_b);
+  return out;
+}
+
+Json answer(const CollideOptions& o, const GeometryModel& geometry, GeometryData& data) {
+  Json out;
+  out["collisions"] = Json::array();
+  for (const int pair : computeCollisions(geometry, data)) {
+    const Distance x = computeDistance(geometry, data, pair);
+    Json entry = pairOf(geometry, pair);
+    entry["depth"] = -x.distance;
+    entry["normal"] = flat(x.normal);
+    entry["position"] = flat(0.5 * (x.nearest_a + x.nearest_b));
+    out["collisions"].push_back(std::move(entry));
+  }
+  if (o.all_distances) {
+    out["distances"] = Json::array();
+    for (const Distance& x : computeDistances(geometry, data)) out["distances"].push_back(json(geometry, x));
+  }
+  const Distance least = computeMinimumDistance(geometry, data);
+  out["minimum"] = least.pair < 0 ? Json(nullptr) : json(geometry, least);
+  return out;
+}
+
+void collide(const CollideOptions& o, const Model& description) {
+  const CompactModel model = dyn::compile(description, o.registry(), o.compileOptions());
+  const GeometryModel geometry = compileGeometry(model, description, o.geometryOptions());
+  GeometryData geometry_data(geometry);
+  Data data(model);
+  Json out;
+  out["model"] = model.name();
+  out["report"] = geometry.report().lines;
+  out["pairs"] = geometry.pairs().size();
+  out["states"] = Json::array();
+  const auto at = [&](const Eigen::VectorXd& q) {
+    updateGeometryPlacements(model, data, geometry, geometry_data, q);
+    out["states"].push_back(answer(o, geometry, geometry_data));
+  };
+  if (o.states.empty()) {
+    at(neutral(model));
+  } else {
+    for (const State& s : readStates(o.states, model)) at(s.q);
+  }
+  std::printf("%s\n", out.dump(2).c_str());
+}
+
+/// Pairs of links by what sampling says of them. Pairs with the world are the scene's and not the robot's.
+void learn(const CollideOptions& o, const Model& description) {
+  const CompactModel model = dyn::compile(description, o.registry(), o.compileOptions());
+  const GeometryModel geometry = compileGeometry(model, description, o.geometryOptions());
+  const std::vector<GeometryRecord>& records = geometry.geometries();
+  const auto bodies = [&](int pair) {
+    const CollisionPair& p = geometry.pairs()[static_cast<std::size_t>(pair)];
+    return std::pair(records[static_cast<std::size_t>(p.a)].body, records[static_cast<std::size_t>(p.b)].body);
+  };
+  std::map<std::pair<std::string, std::string>, int> collisions;
+  for (std::size_t p = 0; p < geometry.pairs().size(); ++p) collisions[bodies(static_cast<int>(p))] = 0;
+  GeometryData geometry_data(geometry);
+  Data data(model);
+  for (const State& s : randomStates(model, o.learn, o.seed)) {
+    updateGeometryPlacements(model, data, geometry, geometry_data, s.q);
+    std::set<std::pair<std::string, std::string>> hit;
+    for (const int pair : computeCollisions(geometry, geometry_data)) hit.insert(bodies(pair));
+    for (const auto& pair : hit) ++collisions[pair];
+  }
+  std::vector<DisabledCollision> found = description.disabled_collisions;
+  int always = 0, never = 0;
+  for (const auto& [pair, count] : collisions) {
+    if (pair.first == "universe" || pair.second == "universe" || (count != 0 && count != o.learn)) continue;
+    found.push_back({pair.first, pair.second, count == 0 ? "Never" : "Always"});
+    ++(count == 0 ? never : always);
+  }
+  if (o.out.empty()) {
+    std::printf("%s", srdf::text(model.name(), found).c_str());
+  } else {
+    srdf::write(o.out, model.name(), found);
+  }
+  std::fprintf(stderr, "%d configurations: of %zu pairs of links %d always collide and %d never do\n", o.learn, collisions.size(), always, never);
+}
+
+void run(const CollideOptions& o) {
+  Model description = o.description();
+  if (!o.srdf.empty()) srdf::load(o.srdf, description);
+  if (!o.scene.empty()) description = append(description, urdf::load(o.scene), "universe", {}, "scene/");
+  o.learn > 0 ? learn(o, description) : collide(o, description);
+}
+
+}  // namespace
+
+void addCollide(CLI::App& app) {
+  CLI::App* sub = app.add_subcommand("collide", "colliding pairs and least distances of states, as JSON; --learn proposes an SRDF");
+  auto o = std::make_shared<CollideOptions>();
+  o->add(*sub);
+  sub->callback([o] { run(*o); });
+}
+
+}  // namespace dyn::tool
