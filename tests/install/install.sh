@@ -39,7 +39,7 @@ cmake --build "$work/user/build" >/dev/null
 "$work/user/build/user" "$robot"
 say "the same with pkg-config"
 export PKG_CONFIG_PATH=$prefix/lib/pkgconfig:$(dirname "$(find "$prefix" -name libdyn.pc)")
-g++ -std=c++20 -O1 "$work/user/main.cpp" -o "$work/user/plain" $(pkg-config --cflags --libs libdyn-parsers) \
+g++ -std=c++20 -O1 "$work/user/main.cpp" -o "$work/user/plain" $(pkg-config --cflags --libs libdyn-geometry libdyn-parsers) \
   -Wl,-rpath,"$(pkg-config --variable=libdir libdyn)"
 "$work/user/plain" "$robot"
 
@@ -56,12 +56,20 @@ g++ -std=c++20 -shared -fPIC "$work/readme/2.cpp" -o "$work/readme/cam_follower.
 env -u DYN_PLUGIN_PATH "$prefix/bin/dyn" plugin check "$work/readme/cam_follower.so" --rounds 1 | tail -1
 
 say "a component that is not there is refused by name"
-printf 'cmake_minimum_required(VERSION 3.25)\nproject(p LANGUAGES CXX)\nfind_package(libdyn REQUIRED COMPONENTS geometry)\n' >"$work/CMakeLists.txt"
+printf 'cmake_minimum_required(VERSION 3.25)\nproject(p LANGUAGES CXX)\nfind_package(libdyn REQUIRED COMPONENTS simulation)\n' >"$work/CMakeLists.txt"
 if cmake -S "$work" -B "$work/none" -DCMAKE_PREFIX_PATH="$prefix" >"$work/none.log" 2>&1; then
-  echo "find_package accepted the component geometry" >&2
+  echo "find_package accepted the component simulation" >&2
   exit 1
 fi
-grep -q "geometry is not part" "$work/none.log"
+grep -q "simulation is not part" "$work/none.log"
+
+say "who does not ask for collision does not link it"
+for library in libdyn.so libdyn_parsers.so; do
+  if objdump -p "$(find "$prefix" -name $library)" | grep -E 'NEEDED.*(fcl|assimp|octomap|ccd|qhull)'; then
+    echo "$library needs a library of collision" >&2
+    exit 1
+  fi
+done
 
 say "the installed tree moved"
 mv "$work/first" "$work/second"

@@ -4,12 +4,23 @@
 
 #include <fstream>
 #include <memory>
+#include <string>
 
 namespace dyn {
 
 namespace {
 
-/// What octomap says on the standard streams about a broken file goes into the Error instead.
+/// How many nodes the header promises: octomap takes a file that ends early for a smaller tree.
+std::size_t promisedNodes(const std::string& path) {
+  std::ifstream file(path);
+  std::string word;
+  std::size_t nodes = 0;
+  while (file >> word && word != "data") {
+    if (word == "size") file >> nodes;
+  }
+  return nodes;
+}
+
 std::unique_ptr<octomap::AbstractOcTree> read(const std::string& path, bool binary) {
   if (!binary) return std::unique_ptr<octomap::AbstractOcTree>(octomap::AbstractOcTree::read(path));
   auto tree = std::make_unique<octomap::OcTree>(1.0);
@@ -29,7 +40,10 @@ geometry::Voxels readOctree(const std::string& path) {
     throw Error(ErrorCode::syntax, std::string("is no octree: ") + e.what(), where);
   }
   const auto* tree = dynamic_cast<const octomap::OcTree*>(any.get());
-  if (tree == nullptr) throw Error(ErrorCode::syntax, "is no octree of occupancies (octomap's .bt or .ot)", where);
+  if (tree == nullptr) throw Error(ErrorCode::syntax, "is no octree of occupancies (octomap's .bt or .ot), or ends early", where);
+  if (tree->size() != promisedNodes(path))
+    throw Error(ErrorCode::syntax, "ends early: it promises " + std::to_string(promisedNodes(path)) + " nodes and has " + std::to_string(tree->size()),
+                where);
   geometry::Voxels voxels;
   for (auto leaf = tree->begin_leafs(); leaf != tree->end_leafs(); ++leaf)
     if (tree->isNodeOccupied(*leaf)) voxels.cubes.push_back({{leaf.getX(), leaf.getY(), leaf.getZ()}, leaf.getSize()});

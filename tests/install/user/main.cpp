@@ -1,13 +1,35 @@
-// A user's program: a robot from a file, its dynamics there and back. Prints a result that must not depend on how it was compiled.
+// A user's program: a robot from a file, its dynamics there and back, what it bumps into. Prints a result that must not depend on how it was compiled.
 #include <dyn/dyn.hpp>
+#include <dyn/geometry/collision.hpp>
+#include <dyn/geometry/distance.hpp>
 #include <dyn/parsers/urdf.hpp>
 
 #include <cstdio>
+#include <string>
+
+/// Of the robot's last body, grown by a ball, from a hundred balls in the world: so many that they are found through FCL's tree.
+static double leastDistance(dyn::Model description, const Eigen::VectorXd& q) {
+  description.addGeometry("tip", static_cast<int>(description.bodies.size()) - 1, {}, dyn::geometry::Sphere{0.05});
+  for (int i = 0; i < 100; ++i)
+    description.addGeometry("o" + std::to_string(i), 0, {dyn::Mat3<double>::identity(), {0.3 * (i % 10) + 0.2, 0.3 * (i / 10), 0.1}},
+                            dyn::geometry::Box{{0.1, 0.1, 0.2}});
+  const dyn::CompactModel model = dyn::compile(description, dyn::JointRegistry::standard());
+  const dyn::GeometryModel geometry = dyn::compileGeometry(model, description);
+  dyn::Data data(model);
+  dyn::GeometryData placed(geometry);
+  dyn::updateGeometryPlacements(model, data, geometry, placed, q);
+  dyn::GeometryBatch batch(model, geometry, 4, 2);
+  const Eigen::MatrixXd Q = q.replicate(1, 4);
+  const bool any = dyn::computeCollisions(model, batch, Q).sum() > 0;
+  const double distance = dyn::computeMinimumDistance(geometry, placed).distance;
+  return any == (distance <= 0) && any == dyn::anyCollision(geometry, placed) ? distance : -1e9;
+}
 
 int main(int argc, char** argv) {
   if (argc != 2) return 2;
   try {
-    const dyn::CompactModel model = dyn::compile(dyn::urdf::load(argv[1]), dyn::JointRegistry::standard());
+    const dyn::Model description = dyn::urdf::load(argv[1]);
+    const dyn::CompactModel model = dyn::compile(description, dyn::JointRegistry::standard());
     dyn::Data data(model, dyn::Need::mass_matrix);
     const Eigen::VectorXd q = Eigen::VectorXd::Constant(model.nq(), 0.6);
     const Eigen::Matrix<double, 1, 1> v(0.3);  // of fixed size, aligned as this program's flags say
@@ -19,7 +41,7 @@ int main(int argc, char** argv) {
       std::fprintf(stderr, "rnea and aba disagree\n");
       return 1;
     }
-    std::printf("tau %.15g M %.15g\n", tau[0], M(0, 0));
+    std::printf("tau %.15g M %.15g distance %.15g\n", tau[0], M(0, 0), leastDistance(description, q));
   } catch (const dyn::Error& e) {
     std::fprintf(stderr, "%s\n", e.what());
     return 1;

@@ -1,0 +1,248 @@
+// Meshes and octrees from files: good ones are what they say, broken ones are an error within seconds and bounded memory.
+#include "geometry/scene.hpp"
+
+#include <dyn/parsers/urdf.hpp>
+
+#include <sys/resource.h>
+
+#include <chrono>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+using namespace dyn;
+using namespace dyn::test;
+namespace g = dyn::geometry;
+namespace fs = std::filesystem;
+
+namespace {
+
+struct Folder {
+  fs::path path;
+  Folder() {
+    std::string pattern = (fs::temp_directory_path() / "dyn_geometry_XXXXXX").string();
+    REQUIRE(mkdtemp(pattern.data()) != nullptr);
+    path = pattern;
+  }
+  ~Folder() { fs::remove_all(path); }
+  std::string write(const std::string& name, const std::string& bytes) const {
+    fs::create_directories((path / name).parent_path());
+    std::ofstream(path / name, std::ios::binary) << bytes;
+    return (path / name).string();
+  }
+};
+
+/// A box of sides 2 x 2 x 2 without its lid, so that it is not convex, or with it.
+g::TriangleMesh openBox(bool lid) {
+  g::TriangleMesh m;
+  for (int i = 0; i < 8; ++i) m.vertices.push_back({i & 1 ? 1. : -1., i & 2 ? 1. : -1., i & 4 ? 1. : -1.});
+  const int quads[6][4] = {{0, 2, 3, 1}, {0, 1, 5, 4}, {1, 3, 7, 5}, {3, 2, 6, 7}, {2, 0, 4, 6}, {4, 5, 7, 6}};
+  for (int i = 0; i < (lid ? 6 : 5); ++i) {
+    m.triangles.push_back({quads[i][0], quads[i][1], quads[i][2]});
+    m.triangles.push_back({quads[i][0], quads[i][2], quads[i][3]});
+  }
+  return m;
+}
+
+std::string binaryStl(const g::TriangleMesh& m, std::uint32_t claimed) {
+  std::string bytes(80, ' ');
+  const auto put = [&](const auto& x) { bytes.append(reinterpret_cast<const char*>(&x), sizeof x); };
+  put(claimed);
+  for (const auto& t : m.triangles) {
+    for (int i = 0; i < 3; ++i) put(0.0f);
+    for (const int corner : t)
+      for (int i = 0; i < 3; ++i) put(static_cast<float>(m.vertices[static_cast<std::size_t>(corner)][i]));
+    put(std::uint16_t{0});
+  }
+  return bytes;
+}
+std::string binaryStl(const g::TriangleMesh& m) { return binaryStl(m, static_cast<std::uint32_t>(m.triangles.size())); }
+
+std::string obj(const g::TriangleMesh& m) {
+  std::string text;
+  for (const auto& v : m.vertices) text += "v " + std::to_string(v.x) + " " + std::to_string(v.y) + " " + std::to_string(v.z) + "\n";
+  for (const auto& t : m.triangles) text += "f " + std::to_string(t[0] + 1) + " " + std::to_string(t[1] + 1) + " " + std::to_string(t[2] + 1) + "\n";
+  return text;
+}
+
+std::string dae(const g::TriangleMesh& m) {
+  std::string positions, indices;
+  for (const auto& v : m.vertices) positions += std::to_string(v.x) + " " + std::to_string(v.y) + " " + std::to_string(v.z) + " ";
+  for (const auto& t : m.triangles)
+    for (const int corner : t) indices += std::to_string(corner) + " ";
+  const std::string n = std::to_string(m.vertices.size());
+  return R"(<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><asset><unit meter="1"/><up_axis>Y_UP</up_axis></asset>
+<library_geometries><geometry id="m"><mesh><source id="p"><float_array id="pa" count=")" +
+         std::to_string(3 * m.vertices.size()) + "\">" + positions + R"(</float_array><technique_common><accessor source="#pa" count=")" + n +
+         R"(" stride="3"><param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common></source>
+<vertices id="v"><input semantic="POSITION" source="#p"/></vertices><triangles count=")" +
+         std::to_string(m.triangles.size()) + R"("><input semantic="VERTEX" source="#v" offset="0"/><p>)" + indices +
+         R"(</p></triangles></mesh></geometry></library_geometries>
+<library_visual_scenes><visual_scene id="s"><node id="n"><instance_geometry url="#m"/></node></visual_scene></library_visual_scenes>
+<scene><instance_visual_scene url="#s"/></scene></COLLADA>)";
+}
+
+/// Of a ball of radius 0.1 from a file's shape.
+double distanceFrom(const GeometryShape& shape, const Vec3<double>& at) {
+  TwoSolids scene(shape, {}, g::Sphere{0.1});
+  return scene.distance({Mat3<double>::identity(), at}).distance;
+}
+
+}  // namespace
+
+TEST_CASE("meshes of every format are the surface that they say, wherever the file is found", "[geometry]") {
+  const Folder folder;
+  const g::TriangleMesh open = openBox(false), closed = openBox(true);
+  const auto [name, text] =
+      GENERATE_COPY(std::pair<std::string, std::string>{"a.stl", binaryStl(open)}, std::pair<std::string, std::string>{"a.obj", obj(open)},
+                    std::pair<std::string, std::string>{"a.dae", dae(open)});
+  folder.write("robot_description/meshes/" + name, text);
+  const std::string file = (folder.path / "robot_description/meshes" / name).string();
+  INFO(name);
+  // From outside, through the open top, and inside: a surface.
+  for (const std::string& uri : {file, "file://" + file}) {
+    CHECK(distanceFrom(g::MeshFile{uri}, {2, 0, 0}) == approx(0.9).epsilon(1e-12));
+    CHECK(distanceFrom(g::MeshFile{uri}, {0, 0, 2}) == approx(std::sqrt(2.0) - 0.1).epsilon(1e-12));
+    CHECK(distanceFrom(g::MeshFile{uri}, {0, 0, 0}) == approx(0.9).epsilon(1e-12));
+    CHECK(distanceFrom(g::MeshFile{uri}, {0, 0, -0.95}) == approx(-0.05).epsilon(1e-9));
+    CHECK(distanceFrom(g::MeshFile{uri, {2, 1, 1}}, {4, 0, 0}) == approx(1.9).epsilon(1e-12));
+    CHECK(distanceFrom(g::MeshFile{uri, {-1, 1, 3}}, {0, 0, -4}) == approx(0.9).epsilon(1e-12));
+    CHECK(distanceFrom(g::MeshFile{uri, {1, 1, 1}, true}, {0, 0, 0.5}) == approx(-0.6).epsilon(1e-12));
+  }
+  // Convex meshes are solids.
+  CHECK(distanceFrom(closed, {0, 0, 0.5}) == approx(-0.6).epsilon(1e-12));
+
+  // Packages by folder of packages, by their own folder, by environment; and beside the URDF.
+  Model m = TwoSolids::describe(g::MeshFile{"package://robot_description/meshes/" + name}, {}, g::Sphere{0.1});
+  const CompactModel model = compile(m, registry());
+  GeometryOptions options;
+  CHECK_THROWS_WITH(compileGeometry(model, m, options), containing("package://robot_description/meshes/" + name) && containing("'a'"));
+  for (const std::string& given :
+       {folder.path.string(), (folder.path / "robot_description").string(), (folder.path / "robot_description/").string()}) {
+    options.packages = {"/nowhere", given};
+    CHECK(compileGeometry(model, m, options).report().files_read == 1);
+  }
+  options.packages.clear();
+  setenv("ROS_PACKAGE_PATH", ("/nowhere:" + folder.path.string()).c_str(), 1);
+  CHECK(compileGeometry(model, m, options).report().files_read == 1);
+  unsetenv("ROS_PACKAGE_PATH");
+  folder.write("share/robot_description/meshes/" + name, text);
+  setenv("AMENT_PREFIX_PATH", folder.path.c_str(), 1);
+  CHECK(compileGeometry(model, m, options).report().files_read == 1);
+  unsetenv("AMENT_PREFIX_PATH");
+  const std::string robot = folder.write("robot_description/r.urdf", "<robot name='r'><link name='l'><collision><geometry><mesh filename='meshes/" +
+                                                                         name + "'/></geometry></collision></link></robot>");
+  Model beside = urdf::load(robot, {.root = "free_flyer"});
+  beside.addGeometry("ball", 0, {}, g::Sphere{0.1});
+  CHECK(compileGeometry(compile(beside, registry()), beside).report().files_read == 1);
+}
+
+TEST_CASE("files are read once each, and only those that a pair needs", "[geometry]") {
+  const Folder folder;
+  const std::string used = folder.write("used.stl", binaryStl(openBox(false)));
+  Model m;
+  for (int i = 0; i < 5; ++i) {
+    m.addBody("b" + std::to_string(i), 0, jointOf("j" + std::to_string(i), "free_flyer"), {1, {}, {1, 0, 0, 1, 0, 1}});
+    m.addGeometry("g" + std::to_string(i), i + 1, {}, g::MeshFile{used});
+  }
+  m.addGeometry("scaled", 5, {}, g::MeshFile{used, {2, 2, 2}});
+  // Broken and absent files that nothing needs are no error.
+  GeometryDescription seen;
+  seen.name = "seen";
+  seen.body = 1;
+  seen.shape = g::MeshFile{"package://none/visual.dae"};
+  seen.role = GeometryDescription::Role::visual;
+  m.geometries.push_back(seen);
+  m.addGeometry("alone", 0, {}, g::MeshFile{folder.write("broken.stl", "solid")});
+  GeometryOptions options;
+  for (int i = 0; i < 5; ++i) options.remove.push_back({"alone", "g" + std::to_string(i)});
+  options.remove.push_back({"alone", "scaled"});
+  const GeometryModel geometry = compileGeometry(compile(m, registry()), m, options);
+  CHECK(geometry.report().files_read == 1);
+  CHECK(geometry.report().files_not_needed == 2);
+  CHECK(geometry.report().kept == 6);
+  CHECK(geometry.report().described == 8);
+  CHECK(geometry.report().removed == 6);
+}
+
+TEST_CASE("missing meshes are named all at once, and skipped where the caller allows", "[geometry]") {
+  Model m = TwoSolids::describe(g::MeshFile{"package://none/a.stl"}, {}, g::Sphere{0.1});
+  m.addGeometry("c", 1, {}, g::MeshFile{"also/none.stl"});
+  m.addGeometry("d", 0, {}, g::Sphere{1});
+  const CompactModel model = compile(m, registry());
+  CHECK_THROWS_WITH(compileGeometry(model, m), containing("'a': package://none/a.stl") && containing("'c': also/none.stl"));
+  GeometryOptions options;
+  options.missing = GeometryOptions::Missing::skip;
+  const GeometryModel geometry = compileGeometry(model, m, options);
+  CHECK(geometry.report().missing.size() == 2);
+  CHECK(geometry.pairs().size() == 1);
+  CHECK(geometry.geometryId("a") == -1);
+}
+
+TEST_CASE("broken files are an error that names them, soon and without eating memory", "[geometry]") {
+  const Folder folder;
+  const g::TriangleMesh box = openBox(true);
+  g::TriangleMesh nan = box, infinite = box;
+  nan.vertices[3].y = std::numeric_limits<double>::quiet_NaN();
+  infinite.vertices[0].z = std::numeric_limits<double>::infinity();
+  const std::string good = binaryStl(box), text = obj(box), scene = dae(box);
+  const std::pair<std::string, std::string> files[] = {
+      {"empty.stl", ""},
+      {"short.stl", good.substr(0, 60)},
+      {"header.stl", good.substr(0, 84)},
+      {"truncated.stl", good.substr(0, good.size() / 2)},
+      {"billion.stl", binaryStl(box, 1000000000)},
+      {"most.stl", binaryStl(box, 0xffffffffu)},
+      {"zero.stl", binaryStl({}, 0)},
+      {"nan.stl", binaryStl(nan)},
+      {"infinite.stl", binaryStl(infinite)},
+      {"text.stl", "solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0\n"},
+      {"words.stl", "solid x\nfacet normal 0 0 1\nouter loop\nvertex a b c\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n"},
+      {"noise.stl", std::string(5000, '\x81')},
+      {"empty.obj", ""},
+      {"truncated.obj", text.substr(0, 40)},
+      {"vertices.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n"},
+      {"names.obj", "v 0 0 0\nf 1 2 3\n"},
+      {"negative.obj", "v 0 0 0\nv 1 0 0\nf -5 -6 -7\n"},
+      {"huge.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 1000000000\n"},
+      {"nan.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"},
+      {"truncated.dae", scene.substr(0, scene.size() / 2)},
+      {"empty.dae", "<COLLADA/>"},
+      {"other.dae", "<robot/>"},
+      {"unknown.xyz", "what is this"},
+      {"empty.bt", ""},
+      {"text.bt", "no octree"},
+      {"header.bt", "# Octomap OcTree binary file\nid OcTree\nsize 1000000000\nres 0.1\ndata\n"},
+      {"zero.bt", "# Octomap OcTree binary file\nid OcTree\nsize 1\nres 0\ndata\n\x01\x02"},
+      {"text.ot", "no octree"},
+      {"header.ot", "# Octomap OcTree file\nid OcTree\nsize 1000000000\nres 0.1\ndata\n"},
+  };
+  for (const auto& [name, bytes] : files) {
+    INFO(name);
+    const std::string path = folder.write(name, bytes);
+    const bool octree = name.size() > 3 && (name.substr(name.size() - 3) == ".bt" || name.substr(name.size() - 3) == ".ot");
+    const GeometryShape shape = octree ? GeometryShape(g::OctreeFile{path}) : GeometryShape(g::MeshFile{path});
+    CHECK_THROWS_WITH(distanceFrom(shape, {}), containing(path));
+  }
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  CHECK(usage.ru_maxrss < 1 << 20);  // kB
+}
+
+TEST_CASE("cubes of an octree are solid, and one without leaves is nowhere", "[geometry]") {
+  const g::Voxels voxels{{{{0, 0, 0}, 1}, {{1, 0, 0}, 1}, {{4, 4, 4}, 0.5}}};
+  CHECK(distanceFrom(voxels, {3, 0, 0}) == approx(1.4).epsilon(1e-12));
+  CHECK(distanceFrom(voxels, {0, 0, 0}) == approx(-0.6).epsilon(1e-12));
+  CHECK(distanceFrom(voxels, {4, 4, 5}) == approx(0.65).epsilon(1e-12));
+  CHECK(distanceFrom(g::Voxels{{{{2, 0, 0}, 1}}}, {2, 0, 2}) == approx(1.4).epsilon(1e-12));
+  CHECK(std::isinf(distanceFrom(g::Voxels{}, {})));
+  // A file of one occupied leaf, at depth 1 of 16: the unit cube in the first octant; and of none.
+  const Folder folder;
+  const std::string header = "# Octomap OcTree binary file\nid OcTree\nsize ", rest = "\nres 3.0517578125e-05\ndata\n";
+  const std::string one = folder.write("one.bt", header + "2" + rest + std::string("\x00\x80", 2));
+  CHECK(distanceFrom(g::OctreeFile{one}, {0.5, 0.5, 2}) == approx(0.9).epsilon(1e-12));
+  CHECK(distanceFrom(g::OctreeFile{one}, {0.5, 0.5, 0.5}) == approx(-0.6).epsilon(1e-12));
+  CHECK(std::isinf(distanceFrom(g::OctreeFile{folder.write("none.bt", header + "0" + rest)}, {})));
+  CHECK_THROWS_WITH(distanceFrom(g::OctreeFile{folder.write("short.bt", header + "9" + rest + std::string("\x00\x80", 2))}, {}),
+                    containing("ends early"));
+}

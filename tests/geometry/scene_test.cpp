@@ -1,0 +1,348 @@
+// Which pairs are checked, what is loaded for them, and that nothing that collides is missed.
+#include "geometry/scene.hpp"
+
+#include <dyn/parsers/srdf.hpp>
+#include <dyn/parsers/urdf.hpp>
+
+#include <set>
+
+using namespace dyn;
+using namespace dyn::test;
+namespace g = dyn::geometry;
+
+namespace {
+
+/// base - upper - lower - tool (fixed to lower), a ball on each; the base is fixed to the world.
+Model arm() {
+  Model m;
+  const auto joint = [](const char* name, const char* type) {
+    JointDescription j = jointOf(name, type, {Mat3<double>::identity(), {0, 0, 0.5}});
+    if (std::string(type) == "revolute") j.parameters["axis"] = std::vector<double>{0, 1, 0};
+    return j;
+  };
+  const Inertia<double> Y{1, {}, {1, 0, 0, 1, 0, 1}};
+  m.addBody("base", 0, joint("root", "fixed"), Y);
+  m.addBody("upper", 1, joint("shoulder", "revolute"), Y);
+  m.addBody("lower", 2, joint("elbow", "revolute"), Y);
+  m.addBody("tool", 3, joint("flange", "fixed"), Y);
+  for (int i = 1; i <= 4; ++i) m.addGeometry(m.bodies[static_cast<std::size_t>(i)].name + "_ball", i, {}, g::Sphere{0.2});
+  m.addGeometry("table", 0, {Mat3<double>::identity(), {1, 0, 0}}, g::Box{{1, 1, 0.1}});
+  return m;
+}
+
+std::set<std::string> pairsOf(const GeometryModel& geometry) {
+  std::set<std::string> names;
+  const auto& records = geometry.geometries();
+  for (const CollisionPair& p : geometry.pairs())
+    names.insert(records[static_cast<std::size_t>(p.a)].name + " " + records[static_cast<std::size_t>(p.b)].name);
+  return names;
+}
+
+GeometryShape someShape(Random& random, double size) {
+  const auto side = [&] { return size * random.uniform(0.3, 1); };
+  switch (random.below(6)) {
+    case 0:
+      return g::Sphere{side() / 2};
+    case 1:
+      return g::Box{{side(), side(), side()}};
+    case 2:
+      return g::Capsule{side() / 3, side()};
+    case 3:
+      return g::Cylinder{side() / 2, side()};
+    case 4:
+      return g::Cone{side() / 2, side()};
+    default: {
+      g::ConvexHull hull;
+      for (int i = 0; i < 12; ++i) hull.points.push_back(side() * random.vector(0.5));
+      return hull;
+    }
+  }
+}
+
+/// A random tree with a volume or two on each body, among `obstacles` of all kinds.
+Model clutter(int bodies, int obstacles, std::uint64_t seed) {
+  Random random(seed);
+  Model m = randomTree(registry(), bodies, seed);
+  for (int i = 1; i <= bodies; ++i)
+    for (int k = 0; k <= random.below(2); ++k)
+      m.addGeometry("g" + std::to_string(i) + "." + std::to_string(k), i, random.pose(), someShape(random, 0.4));
+  for (int i = 0; i < obstacles; ++i) {
+    SE3<double> pose = random.pose();
+    pose.p = random.vector(2);
+    if (i == 0) {
+      m.addGeometry("ground", 0, pose, g::HalfSpace{{0, 0, 1}, -1.5});
+    } else if (i == 1) {
+      std::vector<double> heights;
+      for (int k = 0; k < 36; ++k) heights.push_back(random.uniform(-0.2, 0.2));
+      m.addGeometry("field", 0, pose, heightField(6, 6, heights, -1, -1, 0.4, 0.4));
+    } else if (i == 2) {
+      g::Voxels voxels;
+      for (int k = 0; k < 50; ++k) voxels.cubes.push_back({random.vector(0.6), random.uniform(0.05, 0.15)});
+      m.addGeometry("voxels", 0, pose, voxels);
+    } else {
+      m.addGeometry("o" + std::to_string(i), 0, pose, someShape(random, 0.5));
+    }
+  }
+  return m;
+}
+
+}  // namespace
+
+TEST_CASE("pairs of one rigid body and of neighbours are left out, those with the world are not", "[geometry]") {
+  const Model description = arm();
+  const CompactModel model = compile(description, registry());
+  const GeometryModel geometry = compileGeometry(model, description);
+  // The base is welded to the world as the table is; the first moving body is the base's neighbour but not the table's.
+  CHECK(pairsOf(geometry) ==
+        std::set<std::string>{"base_ball lower_ball", "base_ball tool_ball", "upper_ball table", "lower_ball table", "tool_ball table"});
+  CHECK(geometry.report().rigid == 2);
+  CHECK(geometry.report().adjacent == 3);
+  CHECK(geometry.pairId("table", "tool_ball") >= 0);
+  CHECK(geometry.pairId("table", "tool_ball") == geometry.pairId("tool_ball", "table"));
+  CHECK(geometry.pairId("table", "base_ball") == -1);
+  CHECK(geometry.pairId("table", "nobody") == -1);
+}
+
+TEST_CASE("joints that are locked weld their bodies", "[geometry]") {
+  const Model description = arm();
+  CompileOptions options;
+  options.lock = {{"elbow", {}}};
+  const CompactModel model = compile(description, registry(), options);
+  CHECK(pairsOf(compileGeometry(model, description)) == std::set<std::string>{"upper_ball table", "lower_ball table", "tool_ball table"});
+}
+
+TEST_CASE("pairs are added and removed by the names of geometries and bodies", "[geometry]") {
+  const Model description = arm();
+  const CompactModel model = compile(description, registry());
+  GeometryOptions options;
+  options.remove = {{"table", "upper_ball"}, {"base", "tool"}};
+  options.add = {{"upper", "lower"}};
+  CHECK(pairsOf(compileGeometry(model, description, options)) ==
+        std::set<std::string>{"base_ball lower_ball", "lower_ball table", "tool_ball table", "upper_ball lower_ball"});
+  options = {};
+  options.pairs = GeometryOptions::Pairs::none;
+  CHECK(compileGeometry(model, description, options).geometries().empty());
+  options.add = {{"tool", "table"}};
+  const GeometryModel one = compileGeometry(model, description, options);
+  CHECK(pairsOf(one) == std::set<std::string>{"tool_ball table"});
+  CHECK(one.geometries().size() == 2);
+  options.add = {{"tool", "chair"}};
+  CHECK_THROWS_WITH(compileGeometry(model, description, options), containing("no collision geometry and no body 'chair'"));
+}
+
+TEST_CASE("an SRDF disables pairs of links, and what is written is read back", "[geometry]") {
+  Model description = arm();
+  srdf::parse(R"(<robot name="arm"><group name="all"/><disable_collisions link1="base" link2="lower" reason="Never"/>
+    <disable_collisions link1="base" link2="chair" reason="User"/></robot>)",
+              "arm.srdf", description);
+  REQUIRE(description.disabled_collisions.size() == 2);
+  CHECK(description.disabled_collisions[0].reason == "Never");
+  CHECK_THAT(description.notes.back(), containing("no link 'chair'"));
+  const CompactModel model = compile(description, registry());
+  const GeometryModel geometry = compileGeometry(model, description);
+  CHECK(geometry.pairId("base_ball", "lower_ball") == -1);
+  CHECK(geometry.pairId("base_ball", "tool_ball") >= 0);
+  CHECK(geometry.report().disabled == 1);
+  Model again = arm();
+  srdf::parse(srdf::text("arm", {{"a&b", "tool", "<Always>"}}), "again.srdf", again);
+  CHECK(again.disabled_collisions.at(0).body == "a&b");
+  CHECK(again.disabled_collisions.at(0).reason == "<Always>");
+  CHECK_THROWS_WITH(srdf::parse("<robot><disable_collisions link1='a'/></robot>", "bad.srdf", again), containing("bad.srdf:1"));
+  CHECK(again.disabled_collisions.size() == 1);
+  CHECK_THROWS_AS(srdf::write("/nowhere/arm.srdf", "arm", {}), Error);
+}
+
+TEST_CASE("volumes without size and names used twice are refused, and say which", "[geometry]") {
+  const auto compiled = [](const GeometryShape& shape) {
+    Model m = arm();
+    m.addGeometry("odd", 0, {}, shape);
+    return compileGeometry(compile(m, registry()), m);
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const GeometryShape bad[] = {g::Sphere{-1},
+                               g::Sphere{nan},
+                               g::Box{{1, 0, 1}},
+                               g::Cylinder{0, 1},
+                               g::Cone{1, -1},
+                               g::Capsule{1, nan},
+                               g::ConvexHull{},
+                               g::HalfSpace{{0, 0, 0}, 1},
+                               g::TriangleMesh{},
+                               g::TriangleMesh{{{0, 0, 0}}, {{0, 0, 1}}},
+                               g::TriangleMesh{{{nan, 0, 0}}, {{0, 0, 0}}},
+                               g::Voxels{{{{0, 0, 0}, -1}}},
+                               g::MeshFile{"none.stl", {1, 1, 1}, false}};
+  for (const GeometryShape& shape : bad) {
+    INFO(shape.index());
+    CHECK_THROWS_WITH(compiled(shape), containing("'odd'"));
+  }
+  CHECK_NOTHROW(compiled(g::Voxels{}));
+  Model twice = arm();
+  twice.addGeometry("table", 0, {}, g::Sphere{1});
+  CHECK_THROWS_WITH(compileGeometry(compile(twice, registry()), twice), containing("two geometries are called 'table'"));
+  CHECK_THROWS_AS(twice.addGeometry("far", 9, {}, g::Sphere{1}), Error);
+}
+
+TEST_CASE("an empty scene has no collisions and no least distance", "[geometry]") {
+  Model m;
+  m.addBody("body", 0, jointOf("joint", "free_flyer"), {1, {}, {1, 0, 0, 1, 0, 1}});
+  m.addGeometry("voxels", 0, {}, g::Voxels{});
+  m.addGeometry("ball", 1, {}, g::Sphere{1});
+  const bool with_pair = GENERATE(false, true);
+  if (!with_pair) m.geometries.clear();
+  const CompactModel model = compile(m, registry());
+  const GeometryModel geometry = compileGeometry(model, m);
+  Data data(model);
+  GeometryData geometry_data(geometry);
+  updateGeometryPlacements(model, data, geometry, geometry_data, neutral(model));
+  CHECK_FALSE(anyCollision(geometry, geometry_data));
+  CHECK(computeCollisions(geometry, geometry_data).empty());
+  CHECK(computeContacts(geometry, geometry_data).empty());
+  CHECK(std::isinf(computeMinimumDistance(geometry, geometry_data).distance));
+  CHECK_THROWS_AS(computeDistance(geometry, geometry_data, 1), Error);
+}
+
+TEST_CASE("whatever trees and spheres rule out, no collision is missed that asking every pair finds", "[geometry]") {
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    // From few pairs to more than both trees begin at.
+    const int bodies = 4 + 5 * static_cast<int>(seed), obstacles = 4 + 8 * static_cast<int>(seed % 5);
+    const Model description = clutter(bodies, obstacles, seed);
+    const CompactModel model = compile(description, registry());
+    const GeometryModel geometry = compileGeometry(model, description);
+    Data data(model);
+    GeometryData geometry_data(geometry, 100000);
+    Random random(seed);
+    int hits = 0;
+    for (int k = 0; k < 10; ++k) {
+      const Eigen::VectorXd q = integrate(model, neutral(model), random.vector(model.nv(), 1.5));
+      updateGeometryPlacements(model, data, geometry, geometry_data, q);
+      std::vector<int> all;
+      Distance least;
+      least.distance = std::numeric_limits<double>::infinity();
+      for (int p = 0; p < static_cast<int>(geometry.pairs().size()); ++p) {
+        const Distance d = computeDistance(geometry, geometry_data, p);
+        if (d.distance <= 0) all.push_back(p);
+        if (d.distance < least.distance) least = d;
+        CHECK(computeCollision(geometry, geometry_data, p) == (d.distance <= 0));
+      }
+      CHECK(computeCollisions(geometry, geometry_data) == all);
+      CHECK(anyCollision(geometry, geometry_data) == !all.empty());
+      CHECK(firstCollision(geometry_data) == (all.empty() ? -1 : all.front()));
+      std::vector<int> touched;
+      double deepest = -std::numeric_limits<double>::infinity();
+      for (const Contact& c : computeContacts(geometry, geometry_data)) {
+        if (touched.empty() || touched.back() != c.pair) touched.push_back(c.pair);
+        deepest = std::max(deepest, c.depth);
+      }
+      CHECK(touched == all);
+      const Distance found = computeMinimumDistance(geometry, geometry_data);
+      CHECK(found.distance == approx(least.distance).margin(1e-12));
+      if (!all.empty()) CHECK(deepest == approx(-least.distance).margin(1e-12));
+      CHECK(computeDistances(geometry, geometry_data).size() == geometry.pairs().size());
+      hits += static_cast<int>(all.size());
+    }
+    CHECK(hits > 0);
+  }
+}
+
+TEST_CASE("a batch says what each state says, whatever the number of threads", "[geometry]") {
+  const Model description = clutter(9, 30, 3);
+  const CompactModel model = compile(description, registry());
+  const GeometryModel geometry = compileGeometry(model, description);
+  Data data(model);
+  GeometryData geometry_data(geometry);
+  Random random(1);
+  Eigen::MatrixXd Q(model.nq(), 300);
+  std::vector<unsigned char> expected;
+  for (int k = 0; k < Q.cols(); ++k) {
+    Q.col(k) = integrate(model, neutral(model), random.vector(model.nv(), 1));
+    updateGeometryPlacements(model, data, geometry, geometry_data, Q.col(k));
+    expected.push_back(anyCollision(geometry, geometry_data) ? 1 : 0);
+  }
+  CHECK(std::set<unsigned char>(expected.begin(), expected.end()).size() == 2);
+  for (const int threads : {1, 2, 5}) {
+    GeometryBatch batch(model, geometry, 512, threads);
+    const auto flags = computeCollisions(model, batch, Q);
+    CHECK(std::vector<unsigned char>(flags.begin(), flags.end()) == expected);
+    CHECK_THROWS_AS(computeCollisions(model, batch, Q.topRows(2)), Error);
+    Eigen::MatrixXd bad = Q;
+    bad(0, 17) = std::numeric_limits<double>::quiet_NaN();
+    CHECK_THROWS_WITH(computeCollisions(model, batch, bad), containing("state 17"));
+  }
+  CHECK_THROWS_AS(GeometryBatch(model, geometry, 0, 1), Error);
+}
+
+TEST_CASE("the derivative of the distance is that of its differences", "[geometry]") {
+  int compared = 0;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    const Model description = clutter(6, 6, seed);
+    const CompactModel model = compile(description, registry());
+    const GeometryModel geometry = compileGeometry(model, description);
+    Data data(model);
+    GeometryData geometry_data(geometry);
+    Random random(seed);
+    const Eigen::VectorXd q = integrate(model, neutral(model), random.vector(model.nv(), 1));
+    updateGeometryPlacements(model, data, geometry, geometry_data, q);
+    const std::vector<Distance> distances = computeDistances(geometry, geometry_data);
+    std::vector<Eigen::VectorXd> analytic;
+    for (const Distance& d : distances) {
+      analytic.emplace_back(model.nv());
+      computeDistanceDerivative(model, data, geometry, geometry_data, d, analytic.back());
+    }
+    const double h = 1e-5;
+    for (int k = 0; k < model.nv(); ++k) {
+      std::vector<double> ahead, behind;
+      for (const double s : {h, -h}) {
+        updateGeometryPlacements(model, data, geometry, geometry_data, integrate(model, q, s * Eigen::VectorXd::Unit(model.nv(), k)));
+        for (const Distance& d : computeDistances(geometry, geometry_data)) (s > 0 ? ahead : behind).push_back(d.distance);
+      }
+      for (std::size_t p = 0; p < distances.size(); ++p) {
+        // Where nearest features change within the step the two one-sided differences differ, and there is no derivative to compare with.
+        const double right = (ahead[p] - distances[p].distance) / h, left = (distances[p].distance - behind[p]) / h;
+        if (distances[p].distance <= 0 || std::fabs(right - left) > 1e-3) continue;
+        CHECK(analytic[p][k] == approx(0.5 * (right + left)).margin(2e-5));
+        ++compared;
+      }
+    }
+  }
+  CHECK(compared > 1000);
+}
+
+TEST_CASE("URDF's collisions and visuals become geometries of their links", "[geometry]") {
+  const Model m = urdf::parse(R"(<robot name="r"><link name="a">
+      <collision><origin xyz="1 2 3"/><geometry><box size="1 2 3"/></geometry></collision>
+      <collision name="rod"><geometry><cylinder radius="0.5" length="2"/></geometry></collision>
+      <collision/>
+      <collision><geometry><mesh filename="package://p/m.stl" scale="2 2 2"/></geometry></collision>
+      <collision_checking><capsule name="rod"/></collision_checking>
+      <visual><geometry><sphere radius="1"/></geometry></visual>
+      <visual><geometry><torus/></geometry></visual></link></robot>)",
+                              "r.urdf");
+  REQUIRE(m.geometries.size() == 4);
+  CHECK(m.geometries[0].name == "a_0");
+  CHECK(m.geometries[0].placement.p.z == 3);
+  CHECK(std::get<g::Box>(m.geometries[0].shape).size.y == 2);
+  CHECK(std::get<g::Capsule>(m.geometries[1].shape).length == 2);
+  CHECK(std::get<g::MeshFile>(m.geometries[2].shape).scale.x == 2);
+  CHECK(m.geometries[3].role == GeometryDescription::Role::visual);
+  CHECK(m.geometries[3].where.line == 7);
+  CHECK(m.notes.size() == 2);
+  CHECK_THROWS_WITH(
+      urdf::parse(R"(<robot><link name="a"><collision><geometry><sphere radius="1m"/></geometry></collision></link></robot>)", "x.urdf"),
+      containing("'1m'"));
+}
+
+TEST_CASE("a model that is appended brings its geometries", "[geometry]") {
+  Model scene;
+  scene.addGeometry("shelf", 0, {}, g::Box{{1, 1, 1}});
+  const Model both = append(append(arm(), arm(), "tool", {Mat3<double>::identity(), {0, 0, 1}}, "second/"), scene, "universe", {}, "scene/");
+  CHECK(both.geometries.size() == 11);
+  CHECK(both.geometries[5].name == "second/base_ball");
+  CHECK(both.bodies[static_cast<std::size_t>(both.geometries[5].body)].name == "second/base");
+  // What stood in the second's world stands on what carries it.
+  CHECK(both.geometries[9].name == "second/table");
+  CHECK(both.bodies[static_cast<std::size_t>(both.geometries[9].body)].name == "tool");
+  CHECK(both.geometries[9].placement.p.z == 1);
+  CHECK(both.geometries[10].body == 0);
+  CHECK_THROWS_WITH(append(both, scene, "universe", {}, "scene/"), containing("'scene/shelf'"));
+}
