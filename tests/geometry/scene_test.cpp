@@ -4,6 +4,8 @@
 #include <dyn/parsers/srdf.hpp>
 #include <dyn/parsers/urdf.hpp>
 
+#include <alloc_guard.hpp>
+
 #include <set>
 
 using namespace dyn;
@@ -202,9 +204,8 @@ TEST_CASE("an empty scene has no collisions and no least distance", "[geometry]"
   CHECK_THROWS_AS(computeDistance(geometry, geometry_data, 1), Error);
 }
 
-TEST_CASE("whatever trees and spheres rule out, no collision is missed that asking every pair finds", "[geometry]") {
+TEST_CASE("whatever boxes and spheres rule out, no collision is missed that asking every pair finds", "[geometry]") {
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
-    // From few pairs to more than both trees begin at.
     const int bodies = 4 + 5 * static_cast<int>(seed), obstacles = 4 + 8 * static_cast<int>(seed % 5);
     const Model description = clutter(bodies, obstacles, seed);
     const CompactModel model = compile(description, registry());
@@ -243,6 +244,60 @@ TEST_CASE("whatever trees and spheres rule out, no collision is missed that aski
     }
     CHECK(hits > 0);
   }
+}
+
+TEST_CASE("in a crowd of bodies and obstacles trees find what asking every pair finds", "[geometry]") {
+  Random random(4);
+  Model m;
+  for (int i = 0; i < 270; ++i) {
+    m.addBody("b" + std::to_string(i), 0, jointOf("j" + std::to_string(i), "free_flyer"), {1, {}, {1, 0, 0, 1, 0, 1}});
+    m.addGeometry("g" + std::to_string(i), i + 1, random.pose(), someShape(random, 0.3));
+  }
+  for (int i = 0; i < 600; ++i) {
+    SE3<double> pose = random.pose();
+    pose.p = random.vector(3);
+    m.addGeometry("o" + std::to_string(i), 0, pose, someShape(random, 0.3));
+  }
+  m.addGeometry("ground", 0, {}, g::HalfSpace{{0, 0, 1}, -2.5});
+  m.addGeometry("nothing", 0, {}, g::Voxels{});
+  const CompactModel model = compile(m, registry());
+  const GeometryModel geometry = compileGeometry(model, m);
+  CHECK_THAT(geometry.report().lines[3], containing("a tree of what stands still, a tree of what moves, 270 pairs always asked"));
+  Data data(model);
+  GeometryData geometry_data(geometry);
+  for (int k = 0; k < 3; ++k) {
+    Eigen::VectorXd q = randomConfiguration(model, static_cast<std::uint64_t>(k));
+    for (int i = 0; i < 270; ++i) q.segment<3>(7 * i) *= 3;
+    updateGeometryPlacements(model, data, geometry, geometry_data, q);
+    std::vector<int> all;
+    for (int p = 0; p < static_cast<int>(geometry.pairs().size()); ++p)
+      if (computeCollision(geometry, geometry_data, p)) all.push_back(p);
+    CHECK(all.size() > 10);
+    CHECK(computeCollisions(geometry, geometry_data) == all);
+  }
+}
+
+TEST_CASE("asking about a scene with a few moving bodies allocates nothing", "[geometry][no_alloc]") {
+  if (!tool::canCountAllocations()) {
+    WARN("skipped: a sanitizer owns malloc in this build");
+    return;
+  }
+  const Model description = clutter(8, 40, 2);
+  const CompactModel model = compile(description, registry());
+  const GeometryModel geometry = compileGeometry(model, description);
+  Data data(model);
+  GeometryData geometry_data(geometry);
+  const Eigen::VectorXd q = neutral(model);
+  Eigen::VectorXd row(model.nv());
+  const long before = tool::allocationCount();
+  updateGeometryPlacements(model, data, geometry, geometry_data, q);
+  anyCollision(geometry, geometry_data);
+  computeCollisions(geometry, geometry_data);
+  computeContacts(geometry, geometry_data);
+  computeDistances(geometry, geometry_data);
+  const Distance d = computeMinimumDistance(geometry, geometry_data);
+  computeDistanceDerivative(model, data, geometry, geometry_data, d, row);
+  CHECK(tool::allocationCount() == before);
 }
 
 TEST_CASE("a batch says what each state says, whatever the number of threads", "[geometry]") {

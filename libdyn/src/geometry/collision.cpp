@@ -8,13 +8,6 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// What a tree's answer needs to become a pair.
-struct Finder {
-  const GeometryImpl& m;
-  std::vector<int>& pairs;
-  int geometry;
-};
-
 bool collidesBySpheres(const GeometryImpl& m, const GeometryDataImpl& d, int pair) {
   if (sphereBound(m, d, pair) > 0) return false;
   const PlacedPair p = placed(m, d, pair);
@@ -24,32 +17,40 @@ bool collidesBySpheres(const GeometryImpl& m, const GeometryDataImpl& d, int pai
 }  // namespace
 
 const std::vector<int>& nearPairs(const GeometryImpl& m, GeometryDataImpl& d) {
-  d.near_pairs.clear();
-  Finder finder{m, d.near_pairs, 0};
-  const auto add = [](void* context, int other) {
-    Finder& f = *static_cast<Finder*>(context);
-    if (const int pair = f.m.pairOf(f.geometry, other); pair >= 0) f.pairs.push_back(pair);
-    return true;
-  };
-  if (m.still) {
-    for (const int g : m.moving) {
-      finder.geometry = g;
-      if (m.volumes[at(g)]->bounded() && !m.volumes[at(g)]->empty()) m.still->meeting(d.bounds[at(g)], add, &finder);
+  d.near_pairs = m.unbounded;
+  struct Finder {
+    const GeometryImpl& m;
+    std::vector<int>& pairs;
+    int moving;
+    void add(int other) {
+      if (const int pair = m.pairOf(moving, other); pair >= 0) pairs.push_back(pair);
+    }
+  } finder{m, d.near_pairs, 0};
+  for (const int g : m.moving) {
+    if (!m.volumes[at(g)]->bounded() || m.volumes[at(g)]->empty()) continue;
+    finder.moving = g;
+    if (m.still_tree) {
+      const auto found = [](void* context, int other) {
+        static_cast<Finder*>(context)->add(other);
+        return true;
+      };
+      m.still_tree->meeting(d.bounds[at(g)], found, &finder);
+    } else {
+      m.still_boxes.meeting(d.bounds[at(g)], [&](int other) { finder.add(other); });
     }
   }
   if (d.moving) {
-    d.moving->pairs(
-        [](void* context, int a, int b) {
-          Finder& f = *static_cast<Finder*>(context);
-          const int pair = f.m.pairOf(a, b);
-          if (pair >= 0 && f.m.records[at(a)].joint != 0 && f.m.records[at(b)].joint != 0) f.pairs.push_back(pair);
-          return true;
-        },
-        &finder);
+    const auto found = [](void* context, int a, int b) {
+      Finder& f = *static_cast<Finder*>(context);
+      f.moving = a;
+      f.add(b);
+      return true;
+    };
+    d.moving->pairs(found, &finder);
   }
   for (const int pair : m.listed) {
     const auto [a, b] = m.pairs[at(pair)];
-    if (!m.volumes[at(a)]->bounded() || !m.volumes[at(b)]->bounded() || d.bounds[at(a)].meets(d.bounds[at(b)])) d.near_pairs.push_back(pair);
+    if (d.bounds[at(a)].meets(d.bounds[at(b)])) d.near_pairs.push_back(pair);
   }
   std::sort(d.near_pairs.begin(), d.near_pairs.end());
   return d.near_pairs;

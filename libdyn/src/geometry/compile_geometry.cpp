@@ -13,8 +13,9 @@ namespace {
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 constexpr std::size_t most_pairs = std::size_t{1} << 24;
-/// Pairs from which on looking them up in a tree is faster than asking each (measured: benchmarks/README.md).
-constexpr std::size_t pairs_for_tree = 64;
+/// From which on looking them up in FCL's tree is faster (measured: benchmarks/README.md): boxes that stand still, pairs that both move.
+constexpr int still_for_tree = 512;
+constexpr std::size_t moving_pairs_for_tree = 32768;
 
 /// A collision geometry on its way.
 struct Candidate {
@@ -63,9 +64,6 @@ class Compiler {
       }
       candidates_.push_back(c);
     }
-    if (candidates_.size() * candidates_.size() / 2 > most_pairs)
-      throw Error(ErrorCode::model, std::to_string(candidates_.size()) + " collision geometries make more than " + std::to_string(most_pairs) +
-                                        " pairs; merge obstacles that stand still into voxels or meshes");
   }
 
   const std::string& bodyOf(const GeometryDescription& g) const { return description_.bodies[at(g.body)].name; }
@@ -89,10 +87,17 @@ class Compiler {
         } else if (disabled.count(std::minmax(ca.description->body, cb.description->body))) {
           ++report.disabled;
         } else {
-          pairs_.insert({a, b});
+          addPair({a, b});
         }
       }
     }
+  }
+
+  void addPair(std::pair<int, int> x) {
+    if (pairs_.size() == most_pairs)
+      throw Error(ErrorCode::model, std::to_string(candidates_.size()) + " collision geometries make more than " + std::to_string(most_pairs) +
+                                        " pairs; merge obstacles into voxels or meshes, or name the pairs to be checked");
+    pairs_.push_back(x);
   }
 
   /// A joint connects their bodies. What stands in the world is no robot's base.
@@ -119,8 +124,12 @@ class Compiler {
         for (const int b : second)
           if (a != b) apply(std::minmax(a, b));
     };
-    for (const PairName& p : options_.add) each(p, [&](std::pair<int, int> x) { pairs_.insert(x); });
-    for (const PairName& p : options_.remove) each(p, [&](std::pair<int, int> x) { out_->report.removed += static_cast<int>(pairs_.erase(x)); });
+    for (const PairName& p : options_.add) each(p, [&](std::pair<int, int> x) { addPair(x); });
+    std::sort(pairs_.begin(), pairs_.end());
+    pairs_.erase(std::unique(pairs_.begin(), pairs_.end()), pairs_.end());
+    std::set<std::pair<int, int>> removed;
+    for (const PairName& p : options_.remove) each(p, [&](std::pair<int, int> x) { removed.insert(x); });
+    out_->report.removed = static_cast<int>(std::erase_if(pairs_, [&](const auto& x) { return removed.count(x) > 0; }));
   }
 
   std::vector<bool> needed() const {
@@ -145,7 +154,7 @@ class Compiler {
       throw Error(ErrorCode::file,
                   std::to_string(out_->report.missing.size()) + " geometries have files that are not there: " + all +
                       "; name the packages' folders (GeometryOptions::packages, --package, ROS_PACKAGE_PATH), or skip what is missing");
-    for (auto p = pairs_.begin(); p != pairs_.end();) p = missing[at(p->first)] || missing[at(p->second)] ? pairs_.erase(p) : std::next(p);
+    std::erase_if(pairs_, [&](const auto& x) { return missing[at(x.first)] || missing[at(x.second)]; });
   }
 
   void keepNeeded() {
@@ -176,32 +185,32 @@ class Compiler {
   }
 
   void chooseTrees() {
-    // By which of the two move; a half-space meets every box, so no tree helps to find it.
-    std::vector<int> with_still, both_move;
+    std::vector<bool> asked(out_->records.size());  // geometries that stand still and meet others by their boxes
     for (std::size_t p = 0; p < out_->pairs.size(); ++p) {
       const auto [a, b] = out_->pairs[p];
-      const bool bounded = out_->volumes[at(a)]->bounded() && out_->volumes[at(b)]->bounded();
-      const int move = (out_->records[at(a)].joint != 0 ? 1 : 0) + (out_->records[at(b)].joint != 0 ? 1 : 0);
-      if (!bounded || move == 0) {
+      const bool moves_a = out_->records[at(a)].joint != 0, moves_b = out_->records[at(b)].joint != 0;
+      if (!out_->volumes[at(a)]->bounded() || !out_->volumes[at(b)]->bounded() || (!moves_a && !moves_b)) {
+        out_->unbounded.push_back(static_cast<int>(p));
+      } else if (moves_a && moves_b) {
         out_->listed.push_back(static_cast<int>(p));
       } else {
-        (move == 1 ? with_still : both_move).push_back(static_cast<int>(p));
+        asked[at(moves_a ? b : a)] = true;
       }
     }
-    if (with_still.size() >= pairs_for_tree) {
-      auto tree = std::make_unique<Broadphase>(static_cast<int>(out_->records.size()));
-      for (std::size_t g = 0; g < out_->records.size(); ++g)
-        if (out_->records[g].joint == 0 && out_->volumes[g]->bounded() && !out_->volumes[g]->empty())
-          tree->place(static_cast<int>(g), moved(out_->volumes[g]->bounds(), out_->still_placement[g]));
-      tree->update();
-      out_->still = std::move(tree);
+    std::vector<int> still;
+    for (std::size_t g = 0; g < asked.size(); ++g)
+      if (asked[g] && !out_->volumes[g]->empty()) still.push_back(static_cast<int>(g));
+    const auto boxOf = [&](int g) { return moved(out_->volumes[at(g)]->bounds(), out_->still_placement[at(g)]); };
+    if (static_cast<int>(still.size()) < still_for_tree) {
+      for (const int g : still) out_->still_boxes.add(g, boxOf(g));
     } else {
-      out_->listed.insert(out_->listed.end(), with_still.begin(), with_still.end());
+      auto tree = std::make_unique<Broadphase>(static_cast<int>(out_->records.size()));
+      for (const int g : still) tree->place(g, boxOf(g));
+      tree->update();
+      out_->still_tree = std::move(tree);
     }
-    // A tree of what moves is renewed for each state; asking each pair costs less than that for long.
-    out_->tree_of_moving = both_move.size() >= 16 * pairs_for_tree;
-    if (!out_->tree_of_moving) out_->listed.insert(out_->listed.end(), both_move.begin(), both_move.end());
-    std::sort(out_->listed.begin(), out_->listed.end());
+    out_->tree_of_moving = out_->listed.size() >= moving_pairs_for_tree;
+    if (out_->tree_of_moving) out_->listed.clear();
   }
 
   void say() {
@@ -212,8 +221,10 @@ class Compiler {
     line("pairs: " + std::to_string(r.pairs) + "; left out " + std::to_string(r.rigid) + " of one rigid body, " + std::to_string(r.adjacent) +
          " of neighbours, " + std::to_string(r.disabled) + " disabled by the description, " + std::to_string(r.removed) + " by name");
     line("files: " + std::to_string(r.files_read) + " read, " + std::to_string(r.files_not_needed) + " not needed");
-    line(std::string("broadphase: ") + (out_->still ? "a tree of what stands still, " : "") + (out_->tree_of_moving ? "a tree of what moves, " : "") +
-         std::to_string(out_->listed.size()) + " pairs asked one by one");
+    line(std::string("broadphase: ") +
+         (out_->still_tree ? "a tree of what stands still" : std::to_string(out_->still_boxes.size()) + " boxes that stand still side by side") +
+         ", " + (out_->tree_of_moving ? "a tree of what moves" : std::to_string(out_->listed.size()) + " pairs that move one by one") + ", " +
+         std::to_string(out_->unbounded.size()) + " pairs always asked");
     for (const std::string& m : r.missing) line("missing: " + m);
   }
 
@@ -222,7 +233,7 @@ class Compiler {
   const GeometryOptions& options_;
   VolumeLoader loader_;
   std::vector<Candidate> candidates_;
-  std::set<std::pair<int, int>> pairs_;
+  std::vector<std::pair<int, int>> pairs_;  ///< ascending
   std::shared_ptr<GeometryImpl> out_ = std::make_shared<GeometryImpl>();
 };
 

@@ -20,7 +20,9 @@ GeometryDataImpl::GeometryDataImpl(const GeometryModel& geometry, int most_conta
   contacts.reserve(at(most_contacts));
   distances.reserve(m.pairs.size());
   jacobian.resize(6 * at(m.nv));
-  for (std::size_t g = 0; g < n; ++g) place(static_cast<int>(g), m.records[g].joint == 0 ? m.still_placement[g] : m.records[g].placement);
+  for (std::size_t g = 0; g < n; ++g)
+    if (m.records[g].joint == 0) place(static_cast<int>(g), m.still_placement[g]);
+  for (const int g : m.moving) place(g, m.records[at(g)].placement);
 }
 
 void GeometryDataImpl::place(int geometry, const SE3<double>& oMg) {
@@ -29,7 +31,7 @@ void GeometryDataImpl::place(int geometry, const SE3<double>& oMg) {
   if (volume.empty() || !volume.bounded()) return;
   center[at(geometry)] = oMg.act(volume.bounds().center());
   bounds[at(geometry)] = moved(volume.bounds(), oMg);
-  if (moving) moving->place(geometry, bounds[at(geometry)]);
+  if (moving && model.impl().records[at(geometry)].joint != 0) moving->place(geometry, bounds[at(geometry)]);
 }
 
 GeometryData::GeometryData(const GeometryModel& model, int contacts) {

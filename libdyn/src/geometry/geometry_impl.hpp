@@ -23,10 +23,12 @@ struct GeometryImpl {
 
   std::vector<int> moving;                   ///< geometries of joints that are not the universe
   std::vector<SE3<double>> still_placement;  ///< by geometry, of those that stand still
-  /// Boxes of bounded geometries that stand still, where there are so many pairs with them that a tree pays; else null.
-  std::unique_ptr<const Broadphase> still;
-  bool tree_of_moving = false;  ///< the same of pairs that both move: then each GeometryData has a tree of its own
-  std::vector<int> listed;      ///< pairs that no tree finds
+  /// Boxes of what stands still and is bounded: side by side where they are few, in a tree where they are many; numbers are geometries.
+  BoxArray still_boxes;
+  std::unique_ptr<const Broadphase> still_tree;
+  bool tree_of_moving = false;  ///< many pairs of which both move: each GeometryData has a tree of its own
+  std::vector<int> listed;      ///< else those pairs, to be asked one by one
+  std::vector<int> unbounded;   ///< pairs with half-spaces, whose box meets every other; and pairs that the user wants of what stands still
 
   GeometryReport report;
 

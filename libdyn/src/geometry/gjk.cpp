@@ -124,7 +124,6 @@ GjkResult gjk(const Difference& difference, double beyond) {
       r.overlap = true;
       break;
     }
-    ++r.iterations;
     const Difference::Point p = difference.support(-v);
     r.size = std::max(r.size, norm(p.w));
     const double vw = dot(v, p.w);

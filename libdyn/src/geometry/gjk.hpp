@@ -4,6 +4,8 @@
 
 #include "geometry/convex.hpp"
 
+#include <limits>
+
 namespace dyn {
 
 /// Up to four points of a Minkowski difference, and the convex combination of them that is nearest to the origin.
@@ -19,10 +21,9 @@ struct Simplex {
 
 struct GjkResult {
   bool overlap = false;
-  Vec3<double> v;          ///< the difference's point nearest to the origin
-  double lower_bound = 0;  ///< of the distance of the cores
-  int iterations = 0;
-  double size = 0;  ///< the largest |w| met
+  Vec3<double> v;                                                 ///< the difference's point nearest to the origin
+  double lower_bound = -std::numeric_limits<double>::infinity();  ///< of the signed distance of the cores
+  double size = 0;                                                ///< the largest |w| met
   Simplex simplex;
 };
 

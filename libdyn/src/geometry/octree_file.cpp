@@ -42,8 +42,8 @@ geometry::Voxels readOctree(const std::string& path) {
   const auto* tree = dynamic_cast<const octomap::OcTree*>(any.get());
   if (tree == nullptr) throw Error(ErrorCode::syntax, "is no octree of occupancies (octomap's .bt or .ot), or ends early", where);
   if (tree->size() != promisedNodes(path))
-    throw Error(ErrorCode::syntax, "ends early: it promises " + std::to_string(promisedNodes(path)) + " nodes and has " + std::to_string(tree->size()),
-                where);
+    throw Error(ErrorCode::syntax,
+                "ends early: it promises " + std::to_string(promisedNodes(path)) + " nodes and has " + std::to_string(tree->size()), where);
   geometry::Voxels voxels;
   for (auto leaf = tree->begin_leafs(); leaf != tree->end_leafs(); ++leaf)
     if (tree->isNodeOccupied(*leaf)) voxels.cubes.push_back({{leaf.getX(), leaf.getY(), leaf.getZ()}, leaf.getSize()});

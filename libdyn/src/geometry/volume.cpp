@@ -55,6 +55,24 @@ Bounds moved(const Bounds& b, const SE3<double>& X) {
   return {c - r, c + r};
 }
 
+void BoxArray::add(int number, const Bounds& b) {
+  for (int i = 0; i < 3; ++i) {
+    lower_[i].push_back(b.lower[i]);
+    upper_[i].push_back(b.upper[i]);
+  }
+  numbers_.push_back(number);
+}
+
+void BoxArray::gaps(const Bounds& b, std::size_t first, std::size_t count, double* __restrict gap) const {
+  const auto larger = [](double x, double y) { return x > y ? x : y; };
+  const double *const lx = lower_[0].data() + first, *const ly = lower_[1].data() + first, *const lz = lower_[2].data() + first;
+  const double *const ux = upper_[0].data() + first, *const uy = upper_[1].data() + first, *const uz = upper_[2].data() + first;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double x = larger(lx[i] - b.upper.x, b.lower.x - ux[i]), y = larger(ly[i] - b.upper.y, b.lower.y - uy[i]);
+    gap[i] = larger(larger(x, y), larger(lz[i] - b.upper.z, b.lower.z - uz[i]));
+  }
+}
+
 void Volume::addPiece(const Convex& piece, const Vec3<double>& center, const Bounds& bounds) {
   pieces_.push_back(piece);
   centers_.push_back(center);

@@ -37,6 +37,33 @@ struct Bounds {
 /// The smallest box with axes of the frame that X leads to around a box that X moves.
 Bounds moved(const Bounds& b, const SE3<double>& X);
 
+/// Boxes side by side by coordinate, so that one instruction asks several.
+class BoxArray {
+ public:
+  void add(int number, const Bounds& b);
+  int size() const { return static_cast<int>(numbers_.size()); }
+  /// Calls found(number) for each box that meets `b`.
+  template <class Found>
+  void meeting(const Bounds& b, const Found& found) const {
+    constexpr std::size_t block = 64;
+    double gap[block];
+    const std::size_t n = numbers_.size();
+    for (std::size_t first = 0; first < n; first += block) {
+      const std::size_t count = n - first < block ? n - first : block;
+      gaps(b, first, count, gap);
+      for (std::size_t i = 0; i < count; ++i)
+        if (gap[i] <= 0) found(numbers_[first + i]);
+    }
+  }
+
+ private:
+  /// The largest of the gaps along the three axes.
+  void gaps(const Bounds& b, std::size_t first, std::size_t count, double* gap) const;
+
+  std::vector<double> lower_[3], upper_[3];
+  std::vector<int> numbers_;
+};
+
 class Volume {
  public:
   struct Node {
