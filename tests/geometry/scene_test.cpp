@@ -103,6 +103,12 @@ TEST_CASE("pairs of one rigid body and of neighbours are left out, those with th
   CHECK(geometry.pairId("table", "tool_ball") == geometry.pairId("tool_ball", "table"));
   CHECK(geometry.pairId("table", "base_ball") == -1);
   CHECK(geometry.pairId("table", "nobody") == -1);
+  // Nor is a link of another model that stands in the world.
+  Model scene;
+  scene.addBody("shelf", 0, jointOf("stand", "fixed"), {1, {}, {1, 0, 0, 1, 0, 1}});
+  scene.addGeometry("board", 1, {}, g::Box{{1, 1, 1}});
+  const Model both = append(description, scene, "universe", {}, "scene/");
+  CHECK(compileGeometry(compile(both, registry()), both).pairId("upper_ball", "scene/board") >= 0);
 }
 
 TEST_CASE("joints that are locked weld their bodies", "[geometry]") {

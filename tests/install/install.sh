@@ -46,14 +46,16 @@ g++ -std=c++20 -O1 "$work/user/main.cpp" -o "$work/user/plain" $(pkg-config --cf
 say "the examples of the README"
 mkdir -p "$work/readme"
 awk -v folder="$work/readme" '/^```cpp$/ {n++; inside = 1; next} /^```$/ {inside = 0} inside {print > (folder "/" n ".cpp")}' "$source/README.md"
-g++ -std=c++20 "$work/readme/1.cpp" -o "$work/readme/program" $(pkg-config --cflags --libs libdyn-parsers) \
-  -Wl,-rpath,"$(pkg-config --variable=libdir libdyn)"
-"$work/readme/program" "$source/models/biped.urdf"
-g++ -std=c++20 "$work/readme/3.cpp" -o "$work/readme/batch" $(pkg-config --cflags --libs libdyn-parsers) \
-  -Wl,-rpath,"$(pkg-config --variable=libdir libdyn)"
-"$work/readme/batch" "$source/models/biped.urdf"
-g++ -std=c++20 -shared -fPIC "$work/readme/2.cpp" -o "$work/readme/cam_follower.so" $(pkg-config --cflags libdyn)
-env -u DYN_PLUGIN_PATH "$prefix/bin/dyn" plugin check "$work/readme/cam_follower.so" --rounds 1 | tail -1
+for example in "$work"/readme/*.cpp; do
+  if grep -q DYN_EXPORT_JOINTS "$example"; then
+    g++ -std=c++20 -shared -fPIC "$example" -o "$work/readme/cam_follower.so" $(pkg-config --cflags libdyn)
+    env -u DYN_PLUGIN_PATH "$prefix/bin/dyn" plugin check "$work/readme/cam_follower.so" --rounds 1 | tail -1
+    continue
+  fi
+  g++ -std=c++20 "$example" -o "${example%.cpp}" $(pkg-config --cflags --libs libdyn-parsers libdyn-geometry) \
+    -Wl,-rpath,"$(pkg-config --variable=libdir libdyn)"
+  "${example%.cpp}" "$source/models/biped.urdf"
+done
 
 say "a component that is not there is refused by name"
 printf 'cmake_minimum_required(VERSION 3.25)\nproject(p LANGUAGES CXX)\nfind_package(libdyn REQUIRED COMPONENTS simulation)\n' >"$work/CMakeLists.txt"

@@ -62,7 +62,8 @@ const std::string zero_state = R"({"samples":[{"q":[0,0,0,0,0,0,1)" + [] {
 }  // namespace
 
 TEST_CASE("help is there for every subcommand, and a wrong command line exits with 2", "[command]") {
-  for (const char* sub : {"", "info", "check", "compute", "demo", "bench", "profile", "plugin", "plugin list", "plugin check", "plugin new"}) {
+  for (const char* sub :
+       {"", "info", "check", "collide", "compute", "demo", "bench", "profile", "plugin", "plugin list", "plugin check", "plugin new"}) {
     const Answer a = run(std::string(sub) + " --help");
     INFO(sub << a.err);
     CHECK(a.code == 0);
@@ -83,7 +84,7 @@ TEST_CASE("a robot that cannot be read exits with 1 and says file and reason, in
   const Folder folder;
   const std::string broken = folder.write("broken.urdf", "<robot name='r'>\n<link name='a'/>\n<link name='a'/>\n</robot>\n");
   const std::string states = folder.write("states.json", R"({"samples":[]})");
-  for (const std::string sub : {"info", "check", "compute", "demo", "bench", "profile"}) {
+  for (const std::string sub : {"info", "check", "collide", "compute", "demo", "bench", "profile"}) {
     INFO(sub);
     const std::string extra = sub == "compute" ? " --states " + states : "";
     const Answer missing = run(sub + " /nowhere/robot.urdf" + extra), bad = run(sub + " " + broken + extra);
@@ -251,6 +252,43 @@ TEST_CASE("compute takes a golden file as it is and answers with its keys", "[co
   const nlohmann::json sample = nlohmann::json::parse(only.out)["samples"][0];
   CHECK(sample.contains("M"));
   CHECK(!sample.contains("aba"));
+}
+
+TEST_CASE("collide says what touches and how far the rest is, and learns which pairs never do", "[command]") {
+  const std::string arm = DYN_SOURCE_DIR "/models/arm.urdf";
+  const Folder folder;
+  const std::string states = folder.write("s.json", R"({"samples":[{"q":[0,0,0,0,0,0,0]},{"q":[0,1.5,0,2,0,2,0]}]})");
+  const std::string scene = folder.write("scene.urdf", R"(<robot name="scene"><link name="table"><collision><origin xyz="0 0 1.4"/>
+      <geometry><box size="2 2 0.1"/></geometry></collision></link></robot>)");
+  const Answer answer = run("collide '" + arm + "' --scene '" + scene + "' --states '" + states + "'");
+  REQUIRE(answer.code == 0);
+  const auto json = nlohmann::json::parse(answer.out);
+  CHECK(json["states"].size() == 2);
+  // The arm stands upright, its flange ends at z = 1.3 m; the table's underside is at 1.35 m.
+  CHECK(json["states"][0]["collisions"].empty());
+  CHECK(json["states"][0]["minimum"]["a"] == "flange_0");
+  CHECK(json["states"][0]["minimum"]["b"] == "scene/table_0");
+  CHECK(json["states"][0]["minimum"]["distance"].get<double>() == approx(0.05).epsilon(1e-9));
+  for (const auto& hit : json["states"][1]["collisions"]) CHECK(hit["depth"].get<double>() >= 0);
+  CHECK(nlohmann::json::parse(run("collide '" + arm + "' --distances").out)["states"][0]["distances"].size() == json["pairs"].get<std::size_t>() - 7);
+
+  const std::string srdf = (folder.path / "arm.srdf").string();
+  const Answer learned = run("collide '" + arm + "' --learn 500 --out '" + srdf + "'");
+  REQUIRE(learned.code == 0);
+  CHECK_THAT(learned.err, containing("never do"));
+  CHECK_THAT(textOf(srdf), containing("reason=\"Never\""));
+  const auto fewer = nlohmann::json::parse(run("collide '" + arm + "' --srdf '" + srdf + "'").out);
+  CHECK(fewer["pairs"] < json["pairs"]);
+  CHECK_THAT(run("collide '" + arm + "' --learn 50").out, containing("<disable_collisions"));
+
+  const Answer refused = run("collide '" + arm + "' --srdf /nowhere.srdf");
+  CHECK(refused.code == 1);
+  CHECK_THAT(refused.err, containing("/nowhere.srdf"));
+  const std::string mesh =
+      folder.write("mesh.urdf", R"(<robot name="m"><link name="a"><collision><geometry><mesh filename="package://p/a.stl"/></geometry>
+      </collision></link></robot>)");
+  CHECK_THAT(run("collide '" + mesh + "' --root free_flyer --scene '" + scene + "'").err, containing("package://p/a.stl"));
+  CHECK(run("collide '" + mesh + "' --root free_flyer --scene '" + scene + "' --skip-missing").code == 0);
 }
 
 TEST_CASE("where the mass matrix is singular aba says so", "[command]") {

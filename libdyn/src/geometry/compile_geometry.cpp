@@ -77,6 +77,7 @@ class Compiler {
     }
     GeometryReport& report = out_->report;
     const int n = static_cast<int>(candidates_.size());
+    groupBodies();
     for (int a = 0; a < n; ++a) {
       for (int b = a + 1; b < n; ++b) {
         const Candidate &ca = candidates_[at(a)], &cb = candidates_[at(b)];
@@ -100,10 +101,28 @@ class Compiler {
     pairs_.push_back(x);
   }
 
-  /// A joint connects their bodies. What stands in the world is no robot's base.
+  /// A joint connects their rigid bodies. What stands in the world is welded to it, but not to a robot's base that stands there too.
   bool adjacent(const Candidate& a, const Candidate& b) const {
-    if (a.description->body == 0 || b.description->body == 0) return false;
-    return model_.joints()[at(a.joint)].parent == b.joint || model_.joints()[at(b.joint)].parent == a.joint;
+    const int ga = group_[at(a.description->body)], gb = group_[at(b.description->body)];
+    return parent_[at(ga)] == gb || parent_[at(gb)] == ga;
+  }
+
+  /// For each described body the first of those that it is welded to, itself if there is none before it, and for each such first body the
+  /// one that carries it by a joint; the universe carries none.
+  void groupBodies() {
+    const std::vector<BodyDescription>& bodies = description_.bodies;
+    group_.assign(bodies.size(), 0);
+    parent_.assign(bodies.size(), -1);
+    const auto jointOf = [&](std::size_t body) {
+      const int frame = model_.frameId(bodies[body].name);
+      return frame < 0 ? -1 : model_.frames()[at(frame)].joint;
+    };
+    for (std::size_t i = 1; i < bodies.size(); ++i) {
+      const int p = bodies[i].parent;
+      const bool welded = p > 0 && jointOf(i) == jointOf(at(p));
+      group_[i] = welded ? group_[at(p)] : static_cast<int>(i);
+      if (!welded && p > 0) parent_[i] = group_[at(p)];
+    }
   }
 
   std::vector<int> named(const std::string& name) const {
@@ -232,6 +251,7 @@ class Compiler {
   const Model& description_;
   const GeometryOptions& options_;
   VolumeLoader loader_;
+  std::vector<int> group_, parent_;
   std::vector<Candidate> candidates_;
   std::vector<std::pair<int, int>> pairs_;  ///< ascending
   std::shared_ptr<GeometryImpl> out_ = std::make_shared<GeometryImpl>();
