@@ -11,8 +11,9 @@ namespace {
 enum Kind { sphere, box, capsule, cylinder, cone, hull, kinds };
 const char* const names[] = {"sphere", "box", "capsule", "cylinder", "cone", "hull"};
 
-GeometryShape randomShape(int kind, Random& random, double size) {
-  const auto side = [&] { return size * random.uniform(0.2, 2); };
+/// Sides are of the given size, times or through powers of ten up to `ratio`.
+GeometryShape randomShape(int kind, Random& random, double size, double ratio = 0) {
+  const auto side = [&] { return size * random.uniform(0.2, 2) * std::pow(10, ratio > 0 ? random.uniform(-ratio, ratio) : 0); };
   switch (kind) {
     case sphere:
       return g::Sphere{side() / 2};
@@ -52,14 +53,20 @@ std::optional<Wide> closedForm(const Placed& a, const Placed& b) {
 struct Situation {
   const char* name;
   double size;
-  double spread;  ///< of positions, in sizes
-  bool aligned;   ///< axes parallel
+  double spread;     ///< of positions, in sizes
+  bool aligned;      ///< axes parallel
+  double ratio = 0;  ///< of sides, as a power of ten
 };
 
-constexpr Situation situations[] = {{"apart", 1, 3, false},          {"near", 1, 1, false},
-                                    {"deep inside", 1, 0.1, false},  {"concentric", 1, 0, false},
-                                    {"axes parallel", 1, 1, true},   {"concentric, axes parallel", 1, 0, true},
-                                    {"a nanometre", 1e-9, 1, false}, {"a thousand kilometres", 1e6, 1, false}};
+constexpr Situation situations[] = {{"apart", 1, 3, false},
+                                    {"near", 1, 1, false},
+                                    {"deep inside", 1, 0.1, false},
+                                    {"concentric", 1, 0, false},
+                                    {"axes parallel", 1, 1, true},
+                                    {"concentric, axes parallel", 1, 0, true},
+                                    {"a nanometre", 1e-9, 1, false},
+                                    {"a thousand kilometres", 1e6, 1, false},
+                                    {"slender, flat, large and small", 1, 1, false, 2}};
 
 void check(const GeometryShape& a, const SE3<double>& at, const GeometryShape& b, const SE3<double>& pose, double size) {
   TwoSolids scene(a, at, b);
@@ -94,12 +101,12 @@ TEST_CASE("signed distances are those of the closed forms and of the definition,
         Random random(static_cast<std::uint64_t>(1000 * i + 100 * j + 1));
         for (int k = 0; k < (closed ? 40 : 6); ++k) {
           INFO(names[i] << " and " << names[j] << ", " << s.name << ", " << k);
-          const GeometryShape a = randomShape(i, random, s.size), b = randomShape(j, random, s.size);
+          const GeometryShape a = randomShape(i, random, s.size, s.ratio), b = randomShape(j, random, s.size, s.ratio);
           SE3<double> at = random.pose(), pose = random.pose();
           at.p = s.size * at.p;
           if (s.aligned) pose.R = at.R;
           pose.p = at.p + (s.size * s.spread) * random.vector(1);
-          check(a, at, b, pose, s.size);
+          check(a, at, b, pose, s.size * std::pow(10, s.ratio));
         }
       }
     }

@@ -12,7 +12,7 @@ constexpr double u = std::numeric_limits<double>::epsilon();
 constexpr int most_points = 160;
 constexpr int most_faces = 2 * most_points;
 constexpr int points_in_search = 96;  ///< then only downwards
-constexpr double proof = 1e-8;        ///< of the solids' size: how far below the depth found another one could hide
+constexpr double proof = 1e-8;        ///< of the depth found: how far below it another one could hide
 constexpr int most_refinements = 8;
 
 struct Face {
@@ -221,7 +221,7 @@ void search(const Difference& difference, Polytope& polytope, double size, Penet
       out.depth = reach;
       out.normal = face.normal;
     }
-    if (reach - face.distance <= proof * size || !polytope.grow(f, p)) break;
+    if (reach - face.distance <= proof * std::fabs(reach) + 8 * u * size || !polytope.grow(f, p)) break;
     f = polytope.points() < points_in_search ? polytope.nearestFace() : polytope.nearestNewFace();
   }
 }
