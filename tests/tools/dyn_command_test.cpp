@@ -63,7 +63,7 @@ const std::string zero_state = R"({"samples":[{"q":[0,0,0,0,0,0,1)" + [] {
 
 TEST_CASE("help is there for every subcommand, and a wrong command line exits with 2", "[command]") {
   for (const char* sub :
-       {"", "info", "check", "collide", "compute", "demo", "bench", "profile", "plugin", "plugin list", "plugin check", "plugin new"}) {
+       {"", "info", "check", "codegen", "collide", "compute", "demo", "bench", "profile", "plugin", "plugin list", "plugin check", "plugin new"}) {
     const Answer a = run(std::string(sub) + " --help");
     INFO(sub << a.err);
     CHECK(a.code == 0);
@@ -84,9 +84,9 @@ TEST_CASE("a robot that cannot be read exits with 1 and says file and reason, in
   const Folder folder;
   const std::string broken = folder.write("broken.urdf", "<robot name='r'>\n<link name='a'/>\n<link name='a'/>\n</robot>\n");
   const std::string states = folder.write("states.json", R"({"samples":[]})");
-  for (const std::string sub : {"info", "check", "collide", "compute", "demo", "bench", "profile"}) {
+  for (const std::string sub : {"info", "check", "codegen", "collide", "compute", "demo", "bench", "profile"}) {
     INFO(sub);
-    const std::string extra = sub == "compute" ? " --states " + states : "";
+    const std::string extra = sub == "compute" ? " --states " + states : sub == "codegen" ? " --functions rnea" : "";
     const Answer missing = run(sub + " /nowhere/robot.urdf" + extra), bad = run(sub + " " + broken + extra);
     CHECK(missing.code == 1);
     CHECK_THAT(missing.err, containing("/nowhere/robot.urdf") && containing("does not exist"));
@@ -289,6 +289,28 @@ TEST_CASE("collide says what touches and how far the rest is, and learns which p
       </collision></link></robot>)");
   CHECK_THAT(run("collide '" + mesh + "' --root free_flyer --scene '" + scene + "'").err, containing("package://p/a.stl"));
   CHECK(run("collide '" + mesh + "' --root free_flyer --scene '" + scene + "' --skip-missing").code == 0);
+}
+
+TEST_CASE("codegen writes source that compiles anywhere and passes its own test", "[command]") {
+  const Folder folder;
+  const std::string out = (folder.path / "generated").string(), arm = DYN_SOURCE_DIR "/models/arm.urdf";
+  for (const std::string how : {"", " --lanes 4", " --float"}) {
+    INFO(how);
+    const Answer a = run("codegen '" + arm + "' --functions rnea,crba,aba,rnea_derivatives,frames --out '" + out + "'" + how);
+    REQUIRE(a.code == 0);
+    CHECK_THAT(a.out, containing("rnea") && containing("operations"));
+    const std::string program = (folder.path / "test").string();
+    const std::string c =
+        "cd '" + out + "' && cc -std=c99 -O1 -Wall -Werror arm.c arm_test.c -lm -o '" + program + "' && '" + program + "' >/dev/null";
+    CHECK(std::system(c.c_str()) == 0);
+  }
+  CHECK_THAT(textOf(fs::path(out) / "arm.h"), containing("void rnea(const dyn_real* q, const dyn_real* v, const dyn_real* a, dyn_real* tau)"));
+  CHECK_THAT(textOf(fs::path(out) / "CMakeLists.txt"), containing("add_test"));
+  const Answer unknown = run("codegen '" + arm + "' --functions fly");
+  CHECK(unknown.code == 1);
+  CHECK_THAT(unknown.err, containing("'fly'") && containing("rnea"));
+  CHECK(run("codegen '" + arm + "' --functions rnea --lanes 3").code == 1);
+  CHECK(run("codegen '" + arm + "' --functions rnea --out /proc/none").code == 1);
 }
 
 TEST_CASE("where the mass matrix is singular aba says so", "[command]") {

@@ -1,9 +1,9 @@
 // dyn bench: ns a call of each algorithm, median of repetitions over random states; beside it, where there is a truth, the error.
+#include "bench.hpp"
+
 #include "commands.hpp"
 #include "contacts.hpp"
 #include "model_options.hpp"
-#include "states.hpp"
-#include "truth.hpp"
 
 #include <report/quartiles.hpp>
 
@@ -16,15 +16,6 @@
 namespace dyn::tool {
 
 namespace {
-
-/// One line: how long `round` takes for each of the states that it goes through, and the largest error at those of the truth.
-struct Entry {
-  const char *algorithm, *scalar, *mode;
-  std::function<void()> round;
-  std::function<double()> error;
-};
-
-constexpr int state_count = 256;
 
 /// ns a state.
 benchmark::Quartiles measure(const std::function<void()>& round) {
@@ -46,28 +37,11 @@ benchmark::Quartiles measure(const std::function<void()>& round) {
   return benchmark::quartiles(times);
 }
 
-/// Of very large models derivatives are left out, and said to be: they take some twenty matrices of nv x nv.
-Need needOf(const CompactModel& model) { return model.nv() <= 1000 ? Need::derivatives : Need::mass_matrix; }
-
-/// Everything that is measured lives here.
-struct Subjects {
-  Subjects(const CompactModel& m, const ConstraintSet& set)
-      : model(m), states(randomStates(m, state_count, 1)), data(m, needOf(m)), constraints(set, needOf(m)), truth() {}
-  const CompactModel& model;
-  std::vector<State> states;
-  Data data;
-  ConstraintData constraints;
-  std::vector<TruthSample> truth;
-};
-
 /// The numbers of a result, for what has no truth none.
 template <class Result>
 Eigen::VectorXd numbersOf(const Result& result) {
   return result.template cast<double>().reshaped();
 }
-
-/// The worst over samples; NaN if none has a truth.
-double worst(double a, double b) { return std::isnan(a) ? b : (std::isnan(b) ? a : std::max(a, b)); }
 
 /// Calls f at the state, and with each entry of q, in its tangent space, and of v and a moved.
 template <class Function>
@@ -228,7 +202,7 @@ struct Options {
   bool json = false;
   int threads = 1;
   std::string truth;
-  std::vector<std::string> contacts;
+  std::vector<std::string> contacts, codegen;
 };
 
 /// Those that the command line names; else the model's own; else where the robot stands.
@@ -252,6 +226,7 @@ void run(const Options& o) {
   addSingle(subjects, entries);
   addBatch<double>(subjects, "double", o.threads, entries);
   addBatch<float>(subjects, "float", o.threads, entries);
+  addGenerated(subjects, o.codegen, entries);
   if (!o.json) std::printf("constraints (rows): %s\n", namesOf(subjects.constraints.set()).c_str());
   if (!o.json)
     std::printf("%s, %d degrees of freedom, %d random states, median of 11%s\n%-32s %-8s %-8s %12s %20s %10s\n", model.name().c_str(), model.nv(),
@@ -270,11 +245,11 @@ void run(const Options& o) {
         char range[48], off[24] = "";
         std::snprintf(range, sizeof range, "%.1f .. %.1f", t.low, t.high);
         if (!std::isnan(error)) std::snprintf(off, sizeof off, "%.1f u", error);
-        std::printf("%-32s %-8s %-8s %12.1f %20s %10s\n", entry.algorithm, entry.scalar, entry.mode, t.median, range, off);
+        std::printf("%-32s %-8s %-8s %12.1f %20s %10s\n", entry.algorithm.c_str(), entry.scalar.c_str(), entry.mode.c_str(), t.median, range, off);
       }
     } catch (const Error& e) {
       if (e.code() != ErrorCode::singular && e.code() != ErrorCode::argument) throw;
-      std::fprintf(stderr, "dyn: %s, %s, %s: %s\n", entry.algorithm, entry.scalar, entry.mode, e.what());
+      std::fprintf(stderr, "dyn: %s, %s, %s: %s\n", entry.algorithm.c_str(), entry.scalar.c_str(), entry.mode.c_str(), e.what());
     }
   }
 }
@@ -290,6 +265,7 @@ void addBench(CLI::App& app) {
   sub->add_option("--contacts", o->contacts,
                   "FRAME:6d or FRAME:3d, ... for constraint_dynamics and impulse; without: the model's own constraints, or where it stands")
       ->delimiter(',');
+  sub->add_option("--codegen", o->codegen, "code generated for this model too: names of functions as dyn codegen knows them, or all")->delimiter(',');
   sub->add_option("--threads", o->threads, "of batches")->capture_default_str()->check(CLI::Range(1, 256));
   sub->callback([o] { run(*o); });
 }

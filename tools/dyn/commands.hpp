@@ -12,6 +12,7 @@ struct ExitCode {
 
 void addInfo(CLI::App& app);
 void addCheck(CLI::App& app);
+void addCodegen(CLI::App& app);
 void addCollide(CLI::App& app);
 void addCompute(CLI::App& app);
 void addDemo(CLI::App& app);

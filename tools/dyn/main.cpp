@@ -11,6 +11,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   dyn::tool::addInfo(app);
   dyn::tool::addCheck(app);
+  dyn::tool::addCodegen(app);
   dyn::tool::addCollide(app);
   dyn::tool::addCompute(app);
   dyn::tool::addDemo(app);

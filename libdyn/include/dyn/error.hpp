@@ -18,6 +18,7 @@ enum class ErrorCode {
   parameter,   ///< a joint parameter that is unknown, missing or ill-typed
   plugin,      ///< a shared object that cannot be loaded
   singular,    ///< a mass matrix that is singular at the given configuration
+  compiler,    ///< a compiler that is not there, fails or takes too long
   closure,     ///< constraints that no configuration near the given one keeps
 };
 

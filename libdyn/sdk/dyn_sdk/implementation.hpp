@@ -54,6 +54,11 @@ class JointTypeOf final : public JointType {
   void kinematics(const JointBatch<Dual<Dual<double>>>& batch) const noexcept override {
     for (int i = 0; i < batch.count * batch.lanes; ++i) evaluateAt<Dual<Dual<double>>>(batch, i, constantsOf(batch, i));
   }
+  bool kinematics([[maybe_unused]] const JointBatch<Traced>& batch) const noexcept override {
+    if constexpr (Author::branch_free)
+      for (int i = 0; i < batch.count; ++i) evaluateAt<Traced>(batch, i, constantsOf(batch, i));
+    return Author::branch_free;
+  }
 
   void neutral(const ConfigurationBatch<double>& b) const noexcept override {
     for (int i = 0; i < b.count; ++i) {

@@ -24,7 +24,10 @@ void placeAligned(const Joint& joint, const Order& order, const SE3<S>& placemen
     w.r[i] = {};
   } else {
     const Mat3<S>& parent = order.parent(w.R, i);
-    w.R[i] = composedRotation(parent, rel.R);
+    // Generated code pays for every operation: there a few products in a row go by before they are brought back to the rotations.
+    bool renew = true;
+    if constexpr (is_symbolic<S>) renew = order.index(i).depth % 8 == 0;
+    w.R[i] = renew ? composedRotation(parent, rel.R) : parent * rel.R;
     w.r[i] = parent * rel.p;
   }
 }

@@ -11,6 +11,7 @@ namespace dyn::kernels {
 template <class S>
 void noteSmall(const S& pivot, const S& least, int where, int* failed) {
   using T = Real<S>;
+  if constexpr (is_symbolic<S>) return;
   if (allOf(both(pivot > least, pivot <= S(std::numeric_limits<T>::max())))) return;
   const T *p = reinterpret_cast<const T*>(&pivot), *l = reinterpret_cast<const T*>(&least);
   for (int i = 0; i < lanes_of<S>; ++i)

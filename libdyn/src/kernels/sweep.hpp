@@ -7,8 +7,8 @@
 namespace dyn::kernels {
 
 // The loop over a run is a function of its own for each shape, and all that it calls is inlined into it: steps are a few instructions
-// each, where compilers count lines. Sanitized code is not, and grows too much.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+// each, where compilers count lines. Sanitized code is not, and grows too much; nor is that on scalars whose operations are calls.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || defined(DYN_PLAIN_LOOPS)
 #define DYN_RUN_LOOP __attribute__((noinline))
 #else
 #define DYN_RUN_LOOP __attribute__((flatten, noinline))

@@ -6,6 +6,7 @@
 
 #include <dyn/joint/shape.hpp>
 #include <dyn/scalar/dual.hpp>
+#include <dyn/scalar/traced.hpp>
 #include <dyn/spatial/se3.hpp>
 
 namespace dyn {
@@ -108,6 +109,8 @@ class JointType {
   virtual void kinematics(const JointBatch<float>& batch) const noexcept = 0;
   virtual void kinematics(const JointBatch<Dual<double>>& batch) const noexcept = 0;
   virtual void kinematics(const JointBatch<Dual<Dual<double>>>& batch) const noexcept = 0;
+  /// False if the type's functions cannot be traced; then nothing is written.
+  virtual bool kinematics(const JointBatch<Traced>& batch) const noexcept = 0;
 
   /// q_out = the configuration at which the joint is "at zero".
   virtual void neutral(const ConfigurationBatch<double>& batch) const noexcept = 0;

@@ -48,7 +48,7 @@ struct Quaternion {
     const S n2 = sumOfSquares(x, y, z, w);
     const auto ordinary = both(n2 > S(1e-30), n2 < S(1e30));
     Mat3<S> R = unitMatrix(S(2) / n2);
-    if (allOf(ordinary)) return R;
+    if (is_symbolic<S> || allOf(ordinary)) return R;
     const Mat3<S> careful = normalized().unitMatrix(S(2));
     for (int i = 0; i < 9; ++i) R.m[i] = select(ordinary, R.m[i], careful.m[i]);
     return R;

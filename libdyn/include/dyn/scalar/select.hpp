@@ -24,4 +24,8 @@ using Real = typename RealOf<S>::type;
 template <class S>
 inline constexpr int lanes_of = RealOf<S>::lanes;
 
+/// Whether values are not known yet: code for numbers of every size then takes those of ordinary size for granted.
+template <class S>
+inline constexpr bool is_symbolic = false;
+
 }  // namespace dyn

@@ -1,0 +1,143 @@
+// Expression graphs: what a function does with its inputs, operation by operation, to be replayed on any scalar, differentiated, or written
+// as source code.
+#pragma once
+
+#include <dyn/export.hpp>
+#include <dyn/scalar/traced.hpp>
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace dyn {
+
+struct GraphNode {
+  Operation operation = Operation::constant;
+  std::uint32_t argument[4] = {};  ///< nodes before this one; of an input its number
+  double value = 0;                ///< of a constant
+};
+
+/// How many of each, for one evaluation.
+struct OperationCounts {
+  int additions = 0;  ///< and subtractions and negations
+  int multiplications = 0;
+  int divisions = 0;  ///< and square roots
+  int functions = 0;  ///< sine and cosine of one angle count as one each
+  int selections = 0;
+  int total() const { return additions + multiplications + divisions + functions + selections; }
+};
+
+/// Arguments come before what uses them; every node leads to an output, and no two compute the same.
+struct Graph {
+  int inputs = 0;
+  std::vector<GraphNode> nodes;
+  std::vector<std::uint32_t> outputs;
+
+  DYN_API OperationCounts count() const;
+};
+
+/// Makes a graph: each operation once, constants folded, products with 0, 1 and -1 and sums with 0 left out (numbers are taken to be finite),
+/// signs moved to where they cost least.
+class DYN_API GraphBuilder final : public Recorder {
+ public:
+  GraphBuilder();
+  ~GraphBuilder();
+  GraphBuilder(const GraphBuilder&) = delete;
+  GraphBuilder& operator=(const GraphBuilder&) = delete;
+
+  /// The next input, a value that is not known.
+  Traced input();
+  Traced record(Operation operation, const Traced& a, const Traced& b, const Traced& c, const Traced& d) noexcept override;
+  /// The graph of these results. What does not lead to one is left out.
+  Graph finish(std::span<const Traced> results) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// The graph of f(in, out), run once on values that are not known. Throws what f throws.
+DYN_API Graph traceFunction(int inputs, int outputs, const std::function<void(const Traced* in, Traced* out)>& f);
+
+// Replaying. S has the arithmetic operators, is made from double, and its namespace has sqrt, sin, cos, tan, exp, log, atan2, abs as far as the
+// graph uses them. selectLess(a, b, x, y) is a < b ? x : y; scalars that record something themselves bring their own: CppAD's CondExpLt, CasADi's
+// if_else, ADOL-C's condassign.
+
+template <class S>
+S selectLess(const S& a, const S& b, const S& x, const S& y) {
+  return select(a < b, x, y);
+}
+
+/// All values of the graph; `values` has as many as nodes.
+template <class S>
+void replayNodes(const Graph& graph, const S* in, S* values) {
+  using std::sqrt, std::sin, std::cos, std::tan, std::exp, std::log, std::atan2, std::abs;
+  for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
+    const GraphNode& n = graph.nodes[i];
+    const auto arg = [&](int k) -> const S& { return values[n.argument[k]]; };
+    switch (n.operation) {
+      case Operation::input:
+        values[i] = in[n.argument[0]];
+        break;
+      case Operation::constant:
+        values[i] = S(n.value);
+        break;
+      case Operation::add:
+        values[i] = arg(0) + arg(1);
+        break;
+      case Operation::subtract:
+        values[i] = arg(0) - arg(1);
+        break;
+      case Operation::multiply:
+        values[i] = arg(0) * arg(1);
+        break;
+      case Operation::divide:
+        values[i] = arg(0) / arg(1);
+        break;
+      case Operation::negate:
+        values[i] = -arg(0);
+        break;
+      case Operation::sqrt:
+        values[i] = sqrt(arg(0));
+        break;
+      case Operation::sin:
+        values[i] = sin(arg(0));
+        break;
+      case Operation::cos:
+        values[i] = cos(arg(0));
+        break;
+      case Operation::tan:
+        values[i] = tan(arg(0));
+        break;
+      case Operation::exp:
+        values[i] = exp(arg(0));
+        break;
+      case Operation::log:
+        values[i] = log(arg(0));
+        break;
+      case Operation::atan2:
+        values[i] = atan2(arg(0), arg(1));
+        break;
+      case Operation::abs:
+        values[i] = abs(arg(0));
+        break;
+      case Operation::select_less:
+        values[i] = selectLess(arg(0), arg(1), arg(2), arg(3));
+        break;
+    }
+  }
+}
+
+/// The function itself: in has graph.inputs numbers, the result one for each output.
+template <class S>
+std::vector<S> replay(const Graph& graph, std::span<const S> in) {
+  std::vector<S> values(graph.nodes.size()), out;
+  replayNodes(graph, in.data(), values.data());
+  out.reserve(graph.outputs.size());
+  for (const std::uint32_t o : graph.outputs) out.push_back(values[o]);
+  return out;
+}
+
+}  // namespace dyn

@@ -1,0 +1,29 @@
+// C source of traced functions: C99, nothing but <math.h>; vectors of states by gcc's and clang's vector types.
+#pragma once
+
+#include <dyn/codegen/trace.hpp>
+
+#include <string>
+#include <vector>
+
+namespace dyn {
+
+struct SourceOptions {
+  bool single_precision = false;  ///< float for double
+  /// States a call computes side by side: 1, or a power of two. With more than one, argument x of n numbers is x[n][lanes].
+  int lanes = 1;
+  /// Operations a function at most; longer ones are cut into pieces, for the compiler's sake.
+  int piece = 4000;
+  std::string prefix;  ///< of all names
+};
+
+struct Source {
+  std::string header;  ///< declarations, with the shapes of all arguments in words
+  std::string code;    ///< includes the header by the name given
+};
+
+/// void PREFIXname(const double* q, const double* v, ..., double* tau, ...): inputs, then outputs, in the order of the function's arguments.
+/// Deterministic. Throws Error(argument) for names that C does not allow or that are there twice, and for lanes that are no power of two.
+DYN_API Source writeSource(const std::vector<TracedFunction>& functions, const std::string& header_name, const SourceOptions& options = {});
+
+}  // namespace dyn

@@ -1,0 +1,178 @@
+// A scalar that records what is done with it. Any function that is written over scalars and has no branch on their values, run once on
+// these, leaves its expression graph in the recorder (dyn/codegen/graph.hpp).
+#pragma once
+
+#include <dyn/scalar/dual.hpp>
+#include <dyn/scalar/select.hpp>
+
+#include <cmath>
+#include <cstdint>
+
+namespace dyn {
+
+enum class Operation : std::int32_t {
+  input,
+  constant,
+  add,
+  subtract,
+  multiply,
+  divide,
+  negate,
+  sqrt,
+  sin,
+  cos,
+  tan,
+  exp,
+  log,
+  atan2,
+  abs,
+  select_less,  ///< a < b ? c : d
+};
+
+/// How many values it takes.
+constexpr int arity(Operation o) {
+  switch (o) {
+    case Operation::input:
+    case Operation::constant:
+      return 0;
+    case Operation::add:
+    case Operation::subtract:
+    case Operation::multiply:
+    case Operation::divide:
+    case Operation::atan2:
+      return 2;
+    case Operation::select_less:
+      return 4;
+    default:
+      return 1;
+  }
+}
+
+class Recorder;
+
+/// A number that is known, or the value of a node in a recorder's graph.
+struct Traced {
+  Recorder* recorder = nullptr;  ///< null: a known number
+  double value = 0;              ///< of a known number
+  std::uint32_t node = 0;        ///< of one that is not
+
+  Traced() = default;
+  template <class A>
+    requires std::is_arithmetic_v<A>
+  Traced(A x) : value(static_cast<double>(x)) {}  // NOLINT: a number is a constant
+
+  Traced& operator+=(const Traced& b);
+  Traced& operator-=(const Traced& b);
+  Traced& operator*=(const Traced& b);
+  Traced& operator/=(const Traced& b);
+};
+
+/// Takes down operations. Plugins call it through this interface, so that they need not be linked to the library.
+class Recorder {
+ public:
+  /// The result of an operation on up to four values, of which one at least is not known.
+  virtual Traced record(Operation operation, const Traced& a, const Traced& b, const Traced& c, const Traced& d) noexcept = 0;
+
+ protected:
+  ~Recorder() = default;
+};
+
+/// The number that an operation gives. `input` and `constant` give a.
+inline double applied(Operation operation, double a, double b = 0, double c = 0, double d = 0) {
+  switch (operation) {
+    case Operation::input:
+    case Operation::constant:
+      return a;
+    case Operation::add:
+      return a + b;
+    case Operation::subtract:
+      return a - b;
+    case Operation::multiply:
+      return a * b;
+    case Operation::divide:
+      return a / b;
+    case Operation::negate:
+      return -a;
+    case Operation::sqrt:
+      return std::sqrt(a);
+    case Operation::sin:
+      return std::sin(a);
+    case Operation::cos:
+      return std::cos(a);
+    case Operation::tan:
+      return std::tan(a);
+    case Operation::exp:
+      return std::exp(a);
+    case Operation::log:
+      return std::log(a);
+    case Operation::atan2:
+      return std::atan2(a, b);
+    case Operation::abs:
+      return std::fabs(a);
+    case Operation::select_less:
+      return a < b ? c : d;
+  }
+  return 0;
+}
+
+namespace detail {
+inline Traced trace(Operation operation, const Traced& a, const Traced& b = 0, const Traced& c = 0, const Traced& d = 0) {
+  const Traced& unknown = a.recorder ? a : b.recorder ? b : c.recorder ? c : d;
+  if (unknown.recorder) return unknown.recorder->record(operation, a, b, c, d);
+  return applied(operation, a.value, b.value, c.value, d.value);
+}
+}  // namespace detail
+
+inline Traced operator+(const Traced& a, const Traced& b) { return detail::trace(Operation::add, a, b); }
+inline Traced operator-(const Traced& a, const Traced& b) { return detail::trace(Operation::subtract, a, b); }
+inline Traced operator*(const Traced& a, const Traced& b) { return detail::trace(Operation::multiply, a, b); }
+inline Traced operator/(const Traced& a, const Traced& b) { return detail::trace(Operation::divide, a, b); }
+inline Traced operator-(const Traced& a) { return detail::trace(Operation::negate, a); }
+inline Traced& Traced::operator+=(const Traced& b) { return *this = *this + b; }
+inline Traced& Traced::operator-=(const Traced& b) { return *this = *this - b; }
+inline Traced& Traced::operator*=(const Traced& b) { return *this = *this * b; }
+inline Traced& Traced::operator/=(const Traced& b) { return *this = *this / b; }
+inline Traced sqrt(const Traced& a) { return detail::trace(Operation::sqrt, a); }
+inline Traced sin(const Traced& a) { return detail::trace(Operation::sin, a); }
+inline Traced cos(const Traced& a) { return detail::trace(Operation::cos, a); }
+inline Traced tan(const Traced& a) { return detail::trace(Operation::tan, a); }
+inline Traced exp(const Traced& a) { return detail::trace(Operation::exp, a); }
+inline Traced log(const Traced& a) { return detail::trace(Operation::log, a); }
+inline Traced atan2(const Traced& y, const Traced& x) { return detail::trace(Operation::atan2, y, x); }
+inline Traced abs(const Traced& a) { return detail::trace(Operation::abs, a); }
+inline void sincos(const Traced& angle, Traced& sine, Traced& cosine) {
+  sine = sin(angle);
+  cosine = cos(angle);
+}
+
+/// What comparing gives: a < b, or not so. There is nothing to branch on: select() takes it.
+struct TracedCondition {
+  Traced a, b;
+  bool negated = false;
+};
+inline TracedCondition operator<(const Traced& a, const Traced& b) { return {a, b, false}; }
+inline TracedCondition operator>(const Traced& a, const Traced& b) { return {b, a, false}; }
+inline TracedCondition operator<=(const Traced& a, const Traced& b) { return {b, a, true}; }
+inline TracedCondition operator>=(const Traced& a, const Traced& b) { return {a, b, true}; }
+inline TracedCondition operator!(const TracedCondition& c) { return {c.a, c.b, !c.negated}; }
+inline Traced select(const TracedCondition& c, const Traced& x, const Traced& y) {
+  return c.negated ? detail::trace(Operation::select_less, c.a, c.b, y, x) : detail::trace(Operation::select_less, c.a, c.b, x, y);
+}
+inline TracedCondition operator&(const TracedCondition& x, const TracedCondition& y) { return {0.5, select(x, select(y, 1, 0), 0)}; }
+inline TracedCondition operator|(const TracedCondition& x, const TracedCondition& y) { return {0.5, select(x, 1, select(y, 1, 0))}; }
+inline TracedCondition operator==(const Traced& a, const Traced& b) { return (a <= b) & (b <= a); }
+inline TracedCondition both(const TracedCondition& x, const TracedCondition& y) { return x & y; }
+/// Of a condition that nobody knows yet neither may be relied on: code that asks must be right whichever way it goes on.
+inline bool allOf(const TracedCondition&) { return false; }
+inline bool anyOf(const TracedCondition&) { return true; }
+
+template <>
+inline constexpr bool is_symbolic<Traced> = true;
+
+template <>
+struct RealOf<Traced> {
+  using type = double;
+  static constexpr int lanes = 1;
+};
+
+}  // namespace dyn

@@ -1,0 +1,198 @@
+#include <dyn/codegen/differentiate.hpp>
+
+#include <utility>
+
+namespace dyn {
+
+namespace {
+
+/// The partial derivatives of a node by its arguments, where it has values x and its arguments a.
+void partials(const GraphNode& n, const Traced& x, const Traced* a, Traced* out) {
+  switch (n.operation) {
+    case Operation::input:
+    case Operation::constant:
+      return;
+    case Operation::add:
+      out[0] = out[1] = 1;
+      return;
+    case Operation::subtract:
+      out[0] = 1;
+      out[1] = -1;
+      return;
+    case Operation::multiply:
+      out[0] = a[1];
+      out[1] = a[0];
+      return;
+    case Operation::divide:
+      out[0] = 1 / a[1];
+      out[1] = -(x * out[0]);
+      return;
+    case Operation::negate:
+      out[0] = -1;
+      return;
+    case Operation::sqrt:
+      out[0] = 0.5 / x;
+      return;
+    case Operation::sin:
+      out[0] = cos(a[0]);
+      return;
+    case Operation::cos:
+      out[0] = -sin(a[0]);
+      return;
+    case Operation::tan:
+      out[0] = 1 + x * x;
+      return;
+    case Operation::exp:
+      out[0] = x;
+      return;
+    case Operation::log:
+      out[0] = 1 / a[0];
+      return;
+    case Operation::atan2: {
+      const Traced r = 1 / (a[0] * a[0] + a[1] * a[1]);
+      out[0] = a[1] * r;
+      out[1] = -(a[0] * r);
+      return;
+    }
+    case Operation::abs:
+      out[0] = select(a[0] < 0, -1, 1);
+      return;
+    case Operation::select_less:
+      out[0] = out[1] = 0;
+      out[2] = select(a[0] < a[1], 1, 0);
+      out[3] = select(a[0] < a[1], 0, 1);
+      return;
+  }
+}
+
+/// The graph once more in a builder, with all values at hand.
+struct Replayed {
+  GraphBuilder builder;
+  std::vector<Traced> in, values;
+  explicit Replayed(const Graph& g) : values(g.nodes.size()) {
+    for (int i = 0; i < g.inputs; ++i) in.push_back(builder.input());
+    replayNodes(g, in.data(), values.data());
+  }
+  void partialsOf(const Graph& g, std::size_t i, Traced* out) const {
+    Traced a[4];
+    const GraphNode& n = g.nodes[i];
+    for (int k = 0; k < arity(n.operation); ++k) a[k] = values[n.argument[k]];
+    partials(n, values[i], a, out);
+  }
+};
+
+bool isZero(const Traced& x) { return !x.recorder && x.value == 0; }
+
+/// Changes by column, ascending; those that are zero are not there.
+using Changes = std::vector<std::pair<int, Traced>>;
+
+void addScaled(Changes& to, const Changes& from, const Traced& factor) {
+  if (isZero(factor) || from.empty()) return;
+  Changes sum;
+  sum.reserve(to.size() + from.size());
+  auto a = to.begin();
+  for (const auto& [column, change] : from) {
+    while (a != to.end() && a->first < column) sum.push_back(*a++);
+    const Traced share = factor * change;
+    const bool both = a != to.end() && a->first == column;
+    const Traced total = both ? a->second + share : share;
+    if (both) ++a;
+    if (!isZero(total)) sum.emplace_back(column, total);
+  }
+  sum.insert(sum.end(), a, to.end());
+  to = std::move(sum);
+}
+
+JacobianGraph forward(const Graph& g) {
+  Replayed r(g);
+  std::vector<Changes> changes(g.nodes.size());
+  for (std::size_t i = 0; i < g.nodes.size(); ++i) {
+    const GraphNode& n = g.nodes[i];
+    if (n.operation == Operation::input) changes[i] = {{static_cast<int>(n.argument[0]), Traced(1)}};
+    Traced by[4];
+    r.partialsOf(g, i, by);
+    for (int k = 0; k < arity(n.operation); ++k) addScaled(changes[i], changes[n.argument[k]], by[k]);
+  }
+  JacobianGraph out;
+  std::vector<Traced> entries;
+  for (std::size_t row = 0; row < g.outputs.size(); ++row)
+    for (const auto& [column, change] : changes[g.outputs[row]]) {
+      out.sparsity.row.push_back(static_cast<int>(row));
+      out.sparsity.column.push_back(column);
+      entries.push_back(change);
+    }
+  out.graph = r.builder.finish(entries);
+  return out;
+}
+
+/// Shares of all nodes in what `share` starts with, handed from the last node to the first.
+void handBack(const Graph& g, const Replayed& r, std::vector<Traced>& share) {
+  for (std::size_t i = g.nodes.size(); i-- > 0;) {
+    if (isZero(share[i])) continue;
+    Traced by[4];
+    r.partialsOf(g, i, by);
+    for (int k = 0; k < arity(g.nodes[i].operation); ++k) share[g.nodes[i].argument[k]] += share[i] * by[k];
+  }
+}
+
+std::vector<Traced> sharesOfInputs(const Graph& g, const std::vector<Traced>& share) {
+  std::vector<Traced> out(static_cast<std::size_t>(g.inputs));
+  for (std::size_t i = 0; i < g.nodes.size(); ++i)
+    if (g.nodes[i].operation == Operation::input) out[g.nodes[i].argument[0]] = share[i];
+  return out;
+}
+
+JacobianGraph reverse(const Graph& g) {
+  Replayed r(g);
+  JacobianGraph out;
+  std::vector<Traced> entries;
+  for (std::size_t row = 0; row < g.outputs.size(); ++row) {
+    std::vector<Traced> share(g.nodes.size());
+    share[g.outputs[row]] = 1;
+    handBack(g, r, share);
+    const std::vector<Traced> of_inputs = sharesOfInputs(g, share);
+    for (std::size_t column = 0; column < of_inputs.size(); ++column) {
+      if (isZero(of_inputs[column])) continue;
+      out.sparsity.row.push_back(static_cast<int>(row));
+      out.sparsity.column.push_back(static_cast<int>(column));
+      entries.push_back(of_inputs[column]);
+    }
+  }
+  out.graph = r.builder.finish(entries);
+  return out;
+}
+
+}  // namespace
+
+JacobianGraph differentiate(const Graph& graph, Mode mode) {
+  JacobianGraph out = mode == Mode::forward ? forward(graph) : reverse(graph);
+  out.sparsity.rows = static_cast<int>(graph.outputs.size());
+  out.sparsity.columns = graph.inputs;
+  return out;
+}
+
+Graph gradient(const Graph& graph) {
+  Replayed r(graph);
+  std::vector<Traced> share(graph.nodes.size());
+  for (const std::uint32_t o : graph.outputs) share[o] += r.builder.input();
+  handBack(graph, r, share);
+  return r.builder.finish(sharesOfInputs(graph, share));
+}
+
+Graph directional(const Graph& graph) {
+  Replayed r(graph);
+  std::vector<Traced> direction, change(graph.nodes.size()), out;
+  for (int i = 0; i < graph.inputs; ++i) direction.push_back(r.builder.input());
+  for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
+    const GraphNode& n = graph.nodes[i];
+    if (n.operation == Operation::input) change[i] = direction[n.argument[0]];
+    Traced by[4];
+    r.partialsOf(graph, i, by);
+    for (int k = 0; k < arity(n.operation); ++k)
+      if (!isZero(by[k])) change[i] += by[k] * change[n.argument[k]];
+  }
+  for (const std::uint32_t o : graph.outputs) out.push_back(change[o]);
+  return r.builder.finish(out);
+}
+
+}  // namespace dyn

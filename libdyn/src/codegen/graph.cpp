@@ -1,0 +1,210 @@
+#include <dyn/codegen/graph.hpp>
+
+#include <bit>
+#include <unordered_map>
+#include <utility>
+
+namespace dyn {
+
+namespace {
+
+struct Key {
+  Operation operation;
+  std::uint32_t a, b, c, d;
+  bool operator==(const Key&) const = default;
+};
+struct KeyHash {
+  std::size_t operator()(const Key& k) const {
+    std::uint64_t h = static_cast<std::uint64_t>(k.operation);
+    for (const std::uint64_t x : {k.a, k.b, k.c, k.d}) h = (h ^ x) * 0x9e3779b97f4a7c15u, h ^= h >> 29;
+    return static_cast<std::size_t>(h);
+  }
+};
+
+}  // namespace
+
+OperationCounts Graph::count() const {
+  OperationCounts out;
+  for (const GraphNode& n : nodes) switch (n.operation) {
+      case Operation::input:
+      case Operation::constant:
+        break;
+      case Operation::add:
+      case Operation::subtract:
+      case Operation::negate:
+      case Operation::abs:
+        ++out.additions;
+        break;
+      case Operation::multiply:
+        ++out.multiplications;
+        break;
+      case Operation::divide:
+      case Operation::sqrt:
+        ++out.divisions;
+        break;
+      case Operation::select_less:
+        ++out.selections;
+        break;
+      default:
+        ++out.functions;
+    }
+  return out;
+}
+
+struct GraphBuilder::Impl {
+  GraphBuilder* self;
+  std::vector<GraphNode> nodes;
+  std::unordered_map<Key, std::uint32_t, KeyHash> known;
+  std::unordered_map<std::uint64_t, std::uint32_t> constants;  ///< by their bits
+  int inputs = 0;
+
+  Traced traced(std::uint32_t node) const {
+    const GraphNode& n = nodes[node];
+    if (n.operation == Operation::constant) return n.value;
+    Traced out;
+    out.recorder = self;
+    out.node = node;
+    return out;
+  }
+  std::uint32_t constant(double x) {
+    const auto [found, is_new] = constants.emplace(std::bit_cast<std::uint64_t>(x), static_cast<std::uint32_t>(nodes.size()));
+    if (is_new) nodes.push_back({Operation::constant, {}, x});
+    return found->second;
+  }
+  std::uint32_t nodeOf(const Traced& x) { return x.recorder ? x.node : constant(x.value); }
+  bool isKnown(const Traced& x, double value) const { return !x.recorder && x.value == value; }
+  bool isNegation(const Traced& x) const { return x.recorder && nodes[x.node].operation == Operation::negate; }
+  Traced argument(const Traced& x, int k) const { return traced(nodes[x.node].argument[k]); }
+  /// c x with c known: c, and x in `rest`.
+  bool isScaled(const Traced& x, double& factor, Traced& rest) const {
+    if (!x.recorder || nodes[x.node].operation != Operation::multiply || nodes[nodes[x.node].argument[0]].operation != Operation::constant)
+      return false;
+    factor = nodes[nodes[x.node].argument[0]].value;
+    rest = argument(x, 1);
+    return true;
+  }
+  const std::uint32_t* find(Operation o, const Traced& a, const Traced& b) {
+    const auto found = known.find({o, nodeOf(a), nodeOf(b), 0, 0});
+    return found == known.end() ? nullptr : &found->second;
+  }
+
+  Traced node(Operation o, const Traced& a, const Traced& b = 0, const Traced& c = 0, const Traced& d = 0) {
+    const int n = arity(o);
+    const Key key{o, nodeOf(a), n > 1 ? nodeOf(b) : 0, n > 2 ? nodeOf(c) : 0, n > 2 ? nodeOf(d) : 0};
+    const auto [found, is_new] = known.emplace(key, static_cast<std::uint32_t>(nodes.size()));
+    if (is_new) nodes.push_back({o, {key.a, key.b, key.c, key.d}, 0});
+    return traced(found->second);
+  }
+
+  Traced add(const Traced& a, const Traced& b) {
+    if (isKnown(a, 0)) return b;
+    if (isKnown(b, 0)) return a;
+    if (isNegation(b)) return a - argument(b, 0);
+    if (isNegation(a)) return b - argument(a, 0);
+    return nodeOf(a) <= nodeOf(b) ? node(Operation::add, a, b) : node(Operation::add, b, a);
+  }
+  Traced subtract(const Traced& a, const Traced& b) {
+    if (isKnown(b, 0)) return a;
+    if (isKnown(a, 0)) return -b;
+    if (a.recorder && b.recorder && a.node == b.node) return 0;
+    if (isNegation(b)) return a + argument(b, 0);
+    if (isNegation(a)) return -(argument(a, 0) + b);
+    if (const std::uint32_t* reversed = find(Operation::subtract, b, a)) return -traced(*reversed);
+    return node(Operation::subtract, a, b);
+  }
+  Traced multiply(const Traced& a, const Traced& b) {
+    if (a.recorder && !b.recorder) return multiply(b, a);
+    if (isNegation(a)) return -(argument(a, 0) * b);
+    if (isNegation(b)) return -(a * argument(b, 0));
+    if (!a.recorder) {
+      if (a.value == 0) return 0;
+      if (a.value == 1) return b;
+      if (a.value < 0) return -(Traced(-a.value) * b);
+      double factor;
+      Traced rest;
+      if (isScaled(b, factor, rest)) return Traced(a.value * factor) * rest;
+      return node(Operation::multiply, a, b);
+    }
+    return nodeOf(a) <= nodeOf(b) ? node(Operation::multiply, a, b) : node(Operation::multiply, b, a);
+  }
+  Traced divide(const Traced& a, const Traced& b) {
+    if (isKnown(a, 0)) return 0;
+    if (isKnown(b, 1)) return a;
+    if (isNegation(a)) return -(argument(a, 0) / b);
+    if (isNegation(b)) return -(a / argument(b, 0));
+    if (a.recorder && b.recorder && a.node == b.node) return 1;
+    // A quotient costs several products: where the reciprocal is there already it is used.
+    if (!isKnown(a, 1))
+      if (const std::uint32_t* reciprocal = find(Operation::divide, 1, b)) return a * traced(*reciprocal);
+    return node(Operation::divide, a, b);
+  }
+  Traced negate(const Traced& a) { return isNegation(a) ? argument(a, 0) : node(Operation::negate, a); }
+};
+
+GraphBuilder::GraphBuilder() : impl_(std::make_unique<Impl>()) { impl_->self = this; }
+GraphBuilder::~GraphBuilder() = default;
+
+Traced GraphBuilder::input() {
+  impl_->nodes.push_back({Operation::input, {static_cast<std::uint32_t>(impl_->inputs++)}, 0});
+  return impl_->traced(static_cast<std::uint32_t>(impl_->nodes.size() - 1));
+}
+
+Traced GraphBuilder::record(Operation operation, const Traced& a, const Traced& b, const Traced& c, const Traced& d) noexcept {
+  Impl& g = *impl_;
+  switch (operation) {
+    case Operation::add:
+      return g.add(a, b);
+    case Operation::subtract:
+      return g.subtract(a, b);
+    case Operation::multiply:
+      return g.multiply(a, b);
+    case Operation::divide:
+      return g.divide(a, b);
+    case Operation::negate:
+      return g.negate(a);
+    case Operation::sin:
+      return g.isNegation(a) ? -sin(g.argument(a, 0)) : g.node(operation, a);
+    case Operation::cos:
+    case Operation::abs:
+      return g.node(operation, g.isNegation(a) ? g.argument(a, 0) : a);
+    case Operation::select_less:
+      if (!a.recorder && !b.recorder) return a.value < b.value ? c : d;
+      if (g.nodeOf(c) == g.nodeOf(d)) return c;
+      return g.node(operation, a, b, c, d);
+    default:
+      return g.node(operation, a, b, c, d);
+  }
+}
+
+Graph GraphBuilder::finish(std::span<const Traced> results) const {
+  Impl& g = *impl_;
+  Graph out;
+  out.inputs = g.inputs;
+  std::vector<std::uint32_t> ends;
+  for (const Traced& r : results) ends.push_back(g.nodeOf(r));
+  std::vector<char> live(g.nodes.size(), 0);
+  for (const std::uint32_t e : ends) live[e] = 1;
+  for (std::size_t i = g.nodes.size(); i-- > 0;)
+    if (live[i])
+      for (int k = 0; k < arity(g.nodes[i].operation); ++k) live[g.nodes[i].argument[k]] = 1;
+  std::vector<std::uint32_t> number(g.nodes.size(), 0);
+  for (std::size_t i = 0; i < g.nodes.size(); ++i) {
+    if (!live[i]) continue;
+    number[i] = static_cast<std::uint32_t>(out.nodes.size());
+    GraphNode n = g.nodes[i];
+    for (int k = 0; k < arity(n.operation); ++k) n.argument[k] = number[n.argument[k]];
+    out.nodes.push_back(n);
+  }
+  for (const std::uint32_t e : ends) out.outputs.push_back(number[e]);
+  return out;
+}
+
+Graph traceFunction(int inputs, int outputs, const std::function<void(const Traced* in, Traced* out)>& f) {
+  GraphBuilder builder;
+  std::vector<Traced> in, out(static_cast<std::size_t>(outputs));
+  for (int i = 0; i < inputs; ++i) in.push_back(builder.input());
+  f(in.data(), out.data());
+  return builder.finish(out);
+}
+
+}  // namespace dyn

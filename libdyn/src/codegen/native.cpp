@@ -1,0 +1,208 @@
+#include "codegen/cache.hpp"
+#include "codegen/process.hpp"
+
+#include <dyn/codegen/native.hpp>
+#include <dyn/error.hpp>
+
+#include <boost/dll/shared_library.hpp>
+
+#include <cstdlib>
+#include <deque>
+#include <fstream>
+#include <map>
+#include <mutex>
+
+namespace dyn {
+
+struct CompiledFunction::Impl {
+  std::string name;
+  std::vector<ArgumentShape> inputs, outputs;
+  bool cached = false;
+  bool plain = true;  ///< one state, in double
+  void (*code)(const void* const* in, void* const* out) = nullptr;
+};
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// All arguments behind two pointers, whatever their number.
+std::string uniformEntry(const TracedFunction& f) {
+  std::string out = "__attribute__((visibility(\"default\"))) void dyn_call(const void* const* in, void* const* out) {\n  " + f.name + "(";
+  for (std::size_t i = 0; i < f.inputs.size(); ++i) out += "(const dyn_real*)in[" + std::to_string(i) + "], ";
+  for (std::size_t i = 0; i < f.outputs.size(); ++i) out += "(dyn_real*)out[" + std::to_string(i) + "], ";
+  out.resize(out.size() - 2);
+  return out + ");\n}\n";
+}
+
+std::string compilerOf(const NativeOptions& options) {
+  if (!options.compiler.empty()) return options.compiler;
+  const char* given = std::getenv("CC");
+  return given && *given ? given : "cc";
+}
+
+/// What the compiler says of itself, asked once for each.
+std::string versionOf(const std::string& compiler) {
+  static std::mutex mutex;
+  static std::map<std::string, std::string> known;
+  const std::lock_guard lock(mutex);
+  if (const auto found = known.find(compiler); found != known.end()) return found->second;
+  const ProcessResult r = runProcess({compiler, "--version"}, 10);
+  if (!r.started || r.exit_code != 0)
+    throw Error(ErrorCode::compiler,
+                "there is no compiler '" + compiler + "'; install one (apt install gcc), or name it in CC or NativeOptions::compiler");
+  return known[compiler] = r.output;
+}
+
+/// Code for one processor is not for another.
+std::string processor() {
+  std::ifstream info("/proc/cpuinfo");
+  std::string line;
+  while (std::getline(info, line))
+    if (line.compare(0, 5, "flags") == 0 || line.compare(0, 8, "Features") == 0) return line;
+  return "";
+}
+
+/// Libraries are never closed: copies of functions may be anywhere.
+void* symbolOf(const std::string& path) {
+  static std::mutex mutex;
+  static auto& all = *new std::deque<boost::dll::shared_library>;
+  boost::dll::shared_library library;
+  boost::dll::fs::error_code error;
+  library.load(path, static_cast<boost::dll::load_mode::type>(boost::dll::load_mode::rtld_now | boost::dll::load_mode::rtld_local), error);
+  if (error || !library.has("dyn_call")) return nullptr;
+  const std::lock_guard lock(mutex);
+  all.push_back(std::move(library));
+  return reinterpret_cast<void*>(&all.back().get<void(const void* const*, void* const*)>("dyn_call"));
+}
+
+class Workshop {
+ public:
+  explicit Workshop(const ObjectCache& cache) : path(cache.workshop()) {}
+  ~Workshop() {
+    std::error_code error;
+    fs::remove_all(path, error);
+  }
+  Workshop(const Workshop&) = delete;
+  Workshop& operator=(const Workshop&) = delete;
+  const fs::path path;
+};
+
+std::string compileSource(const ObjectCache& cache, const std::string& key, const std::string& text, const std::vector<std::string>& command,
+                          const TracedFunction& f, const NativeOptions& options) {
+  const Workshop workshop(cache);
+  const fs::path source = workshop.path / "code.c", object = workshop.path / "code.so";
+  std::ofstream file(source);
+  file << text;
+  file.close();
+  if (!file) throw Error(ErrorCode::file, "cannot be written", {source.string(), 0, ""});
+  std::vector<std::string> all = command;
+  all.insert(all.end(), {"-o", object.string(), source.string(), "-lm"});
+  const ProcessResult r = runProcess(all, options.seconds);
+  if (r.timed_out)
+    throw Error(ErrorCode::compiler, "'" + f.name + "' (" + std::to_string(f.graph.count().total()) + " operations) was not compiled within " +
+                                         std::to_string(options.seconds) + " s; allow more (NativeOptions::seconds), or compile with -O1");
+  if (!r.started || r.exit_code != 0)
+    throw Error(ErrorCode::compiler, "'" + f.name + "' was not compiled by " + command[0] + ": " + r.output.substr(0, 2000));
+  return cache.enter(key, object);
+}
+
+CompiledFunction make(const TracedFunction& f, const ObjectCache& cache, const NativeOptions& options) {
+  const std::size_t operations = static_cast<std::size_t>(f.graph.count().total());
+  if (operations > options.operations)
+    throw Error(ErrorCode::compiler, "'" + f.name + "' has " + std::to_string(operations) + " operations, more than the " +
+                                         std::to_string(options.operations) + " that may be compiled (NativeOptions::operations)");
+  SourceOptions how;
+  how.single_precision = options.single_precision;
+  how.lanes = options.lanes;
+  const Source source = writeSource({f}, "code.h", how);
+  // One file: the header stands where it would be included.
+  const std::string text = source.header.substr(source.header.find("typedef")) + source.code.substr(source.code.find('\n') + 1) + uniformEntry(f);
+  std::vector<std::string> command{compilerOf(options),   "-std=gnu99",         "-shared",         "-fPIC",
+                                   "-fvisibility=hidden", "-ffp-contract=fast", "-fno-math-errno", "-fno-trapping-math"};
+  command.insert(command.end(), options.flags.begin(), options.flags.end());
+  std::string identity = text + versionOf(command[0]) + processor();
+  for (const std::string& word : command) identity += '\0' + word;
+  const std::string key = digest(identity);
+
+  auto impl = std::make_shared<CompiledFunction::Impl>();
+  impl->name = f.name;
+  impl->inputs = f.inputs;
+  impl->outputs = f.outputs;
+  impl->plain = options.lanes == 1 && !options.single_precision;
+  std::string object = cache.find(key);
+  impl->cached = !object.empty();
+  void* symbol = impl->cached ? symbolOf(object) : nullptr;
+  if (symbol == nullptr) {
+    impl->cached = false;
+    if (options.progress) options.progress("compiling " + f.name + ", " + std::to_string(operations) + " operations");
+    object = compileSource(cache, key, text, command, f, options);
+    symbol = symbolOf(object);
+  }
+  if (symbol == nullptr) throw Error(ErrorCode::compiler, "'" + f.name + "' was compiled but cannot be loaded", {object, 0, ""});
+  impl->code = reinterpret_cast<void (*)(const void* const*, void* const*)>(symbol);
+  return CompiledFunction(std::move(impl));
+}
+
+}  // namespace
+
+CompiledFunction::CompiledFunction(std::shared_ptr<const Impl> impl) : impl_(std::move(impl)) {}
+const std::string& CompiledFunction::name() const { return impl_->name; }
+const std::vector<ArgumentShape>& CompiledFunction::inputs() const { return impl_->inputs; }
+const std::vector<ArgumentShape>& CompiledFunction::outputs() const { return impl_->outputs; }
+bool CompiledFunction::cached() const { return impl_->cached; }
+void CompiledFunction::call(const void* const* in, void* const* out) const { impl_->code(in, out); }
+
+void CompiledFunction::operator()(std::initializer_list<VectorArg> in, std::initializer_list<VectorOut> out) const {
+  constexpr std::size_t most = 8;
+  if (!impl_->plain) throw Error(ErrorCode::argument, "'" + impl_->name + "' is of several states or in float: use call()");
+  if (in.size() != impl_->inputs.size() || out.size() != impl_->outputs.size() || in.size() > most || out.size() > most)
+    throw Error(ErrorCode::size, "'" + impl_->name + "' takes " + std::to_string(impl_->inputs.size()) + " arguments and has " +
+                                     std::to_string(impl_->outputs.size()) + " results; it was given " + std::to_string(in.size()) + " and " +
+                                     std::to_string(out.size()));
+  const void* from[most];
+  void* to[most];
+  const auto check = [&](const ArgumentShape& shape, std::ptrdiff_t size) {
+    if (size != shape.size())
+      throw Error(ErrorCode::size,
+                  "'" + impl_->name + "': " + shape.name + " has " + std::to_string(size) + " numbers, it needs " + std::to_string(shape.size()));
+  };
+  std::size_t i = 0;
+  for (const VectorArg& a : in) {
+    const VectorView view = a;
+    check(impl_->inputs[i], view.size);
+    from[i++] = view.data;
+  }
+  i = 0;
+  for (const VectorOut& a : out) {
+    check(impl_->outputs[i], a.size());
+    to[i++] = a.data();
+  }
+  impl_->code(from, to);
+}
+
+CompiledModel::CompiledModel(std::vector<CompiledFunction> functions) : functions_(std::move(functions)) {}
+
+const CompiledFunction& CompiledModel::function(const std::string& name) const {
+  for (const CompiledFunction& f : functions_)
+    if (f.name() == name) return f;
+  throw Error(ErrorCode::argument, "there is no compiled function '" + name + "'");
+}
+
+CompiledModel compileNative(const std::vector<TracedFunction>& functions, const NativeOptions& options) {
+  const ObjectCache cache(options.cache);
+  std::vector<CompiledFunction> out;
+  for (const TracedFunction& f : functions) out.push_back(make(f, cache, options));
+  return CompiledModel(std::move(out));
+}
+
+CompiledModel compileNative(const CompactModel& model, const std::vector<std::string>& functions, const NativeOptions& options) {
+  std::vector<TracedFunction> traced;
+  for (const std::string& f : functions) {
+    if (options.progress) options.progress("tracing " + f);
+    traced.push_back(trace(model, f));
+  }
+  return compileNative(traced, options);
+}
+
+}  // namespace dyn

@@ -1,0 +1,10 @@
+// What every generated source begins with: the number type, its functions, sines and cosines of many angles at once.
+#pragma once
+
+#include <string>
+
+namespace dyn {
+
+std::string codegenPrelude(bool single_precision, int lanes);
+
+}  // namespace dyn

@@ -1,0 +1,382 @@
+#include "compile/compact_impl.hpp"
+#include "kernels/aba.hpp"
+#include "kernels/aba_derivatives.hpp"
+#include "kernels/centroidal.hpp"
+#include "kernels/crba.hpp"
+#include "kernels/jacobians.hpp"
+#include "kernels/losses.hpp"
+#include "kernels/minverse.hpp"
+#include "kernels/rnea.hpp"
+#include "kernels/rnea_derivatives.hpp"
+
+#include <dyn/codegen/differentiate.hpp>
+#include <dyn/codegen/trace.hpp>
+#include <dyn/error.hpp>
+
+#include <algorithm>
+#include <memory>
+
+namespace dyn {
+
+namespace {
+
+using T = Traced;
+constexpr const Force<T>* no_forces = nullptr;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// The recursions' memory in traced numbers, and the joints evaluated in them.
+class Tracer {
+ public:
+  explicit Tracer(const CompactImpl& m) : m_(m), bodies{m, w} {
+    Arena counted(nullptr);
+    carve(counted);
+    const std::size_t bytes = counted.used() + Arena::alignment;
+    memory_ = std::make_unique<char[]>(bytes);  // zero: known numbers that are zero
+    const auto address = reinterpret_cast<std::uintptr_t>(memory_.get());
+    Arena arena(memory_.get() + (Arena::alignment - address % Arena::alignment) % Arena::alignment);
+    carve(arena);
+    atRest(w);
+  }
+
+  Traced* input(int size) {
+    const std::size_t first = inputs_.size();
+    inputs_.emplace_back();
+    for (int i = 0; i < size; ++i) inputs_[first].push_back(builder.input());
+    return inputs_[first].data();
+  }
+
+  /// Poses, subspaces and, with v, biases of all joints.
+  void evaluate(const T* q, const T* v) {
+    for (std::size_t b = 0; b < m_.batches.size(); ++b) {
+      const TypeBatch& batch = m_.batches[b];
+      const JointMemory<T>& memory = w.joints[b];
+      std::vector<T> q_of(at(batch.nq * batch.count)), v_of(at(batch.nv * batch.count));
+      JointBatch<T> call = callOf(batch);
+      gather(batch, q, v, q_of, v_of);
+      call.q = q_of.data();
+      call.q_stride = call.v_stride = batch.count;
+      call.stride = memory.stride;
+      call.pose = memory.pose;
+      call.subspace = memory.subspace;
+      if (memory.bias && v) {
+        call.v = v_of.data();
+        call.bias = memory.bias;
+      }
+      ask(batch, call);
+    }
+  }
+
+  /// How subspaces and biases that vary change along each of a joint's own degrees of freedom: their graphs, differentiated.
+  void evaluateSubspaceDerivatives(const T* q, const T* v) {
+    for (std::size_t b = 0; b < m_.batches.size(); ++b) {
+      const TypeBatch& batch = m_.batches[b];
+      if (batch.shape != Shape::dense) continue;
+      const kernels::SubspaceDerivatives<T>& out = d.subspaces[b];
+      for (int k = 0; k < batch.count; ++k) {
+        const JacobianGraph changes = differentiate(traceFunction(batch.nq + batch.nv, 6 * batch.nv + 6, [&](const T* in, T* result) {
+          T pose[12];
+          JointBatch<T> call = callOf(batch);
+          call.count = 1;
+          call.constants += k;
+          call.q = in;
+          call.v = in + batch.nq;
+          call.q_stride = call.v_stride = call.stride = 1;
+          call.pose = pose;
+          call.subspace = result;
+          call.bias = result + 6 * batch.nv;
+          ask(batch, call);
+        }));
+        const BodyIndex& x = m_.index[at(batch.bodies[at(k)])];
+        std::vector<T> in(q + x.idx_q, q + x.idx_q + batch.nq);
+        in.insert(in.end(), v + x.idx_v, v + x.idx_v + batch.nv);
+        const std::vector<T> entries = replay<T>(changes.graph, in);
+        for (std::size_t e = 0; e < entries.size(); ++e) {
+          const int row = changes.sparsity.row[e], along = changes.sparsity.column[e];
+          if (along >= batch.nq) continue;  // by v nothing is asked
+          if (row < 6 * batch.nv) {
+            out.columns[(6 * batch.nv * along + row) * out.stride + k] = entries[e];
+          } else {
+            out.bias[(6 * along + row - 6 * batch.nv) * out.stride + k] = entries[e];
+          }
+        }
+      }
+    }
+  }
+
+  GraphBuilder builder;
+  Workspace<T> w;
+  kernels::DerivativeWorkspace<T> d;
+
+ private:
+  const CompactImpl& m_;
+
+ public:
+  kernels::Bodies<T> bodies;
+
+ private:
+  void carve(Arena& arena) {
+    dyn::carve(w, m_, arena);
+    kernels::carve(d, m_, arena);
+  }
+  static JointBatch<T> callOf(const TypeBatch& batch) {
+    JointBatch<T> call;
+    call.count = batch.count;
+    call.constants = batch.constants.data();
+    call.constant_count = batch.constant_count;
+    call.constants_stride = batch.count;
+    return call;
+  }
+  void gather(const TypeBatch& batch, const T* q, const T* v, std::vector<T>& q_of, std::vector<T>& v_of) const {
+    for (int k = 0; k < batch.count; ++k) {
+      const BodyIndex& x = m_.index[at(batch.bodies[at(k)])];
+      for (int c = 0; c < batch.nq; ++c) q_of[at(c * batch.count + k)] = q[x.idx_q + c];
+      for (int c = 0; c < batch.nv && v; ++c) v_of[at(c * batch.count + k)] = v[x.idx_v + c];
+    }
+  }
+  static void ask(const TypeBatch& batch, const JointBatch<T>& call) {
+    if (batch.type->kinematics(call)) return;
+    throw Error(ErrorCode::joint_type, std::string("type '") + batch.type->info().name +
+                                           "' cannot be traced: its plugin has pose maps with branches on q. Write them with select() and set "
+                                           "branch_free = true in the type, then build the plugin again");
+  }
+
+  std::unique_ptr<char[]> memory_;
+  std::vector<std::vector<T>> inputs_ = [] {
+    std::vector<std::vector<T>> few;
+    few.reserve(4);
+    return few;
+  }();
+};
+
+using Numbers = std::vector<T>;
+
+void append(const SE3<T>& X, Numbers& out) {
+  out.insert(out.end(), X.R.m, X.R.m + 9);
+  out.insert(out.end(), {X.p.x, X.p.y, X.p.z});
+}
+
+/// n x n, column after column, entries off the paths zero.
+void append(const CompactImpl& m, const kernels::PathMatrix<T>& from, Numbers& out) {
+  const auto n = at(m.nvx);
+  Numbers whole(n * n);
+  from.assemble<T>(m.dof_end, Rows<T>{whole.data(), m.nvx});
+  out.insert(out.end(), whole.begin(), whole.end());
+}
+
+/// What a function reads besides q, and how its results are called. `run` appends the results' numbers.
+struct Recipe {
+  const char* name;
+  std::vector<const char*> inputs;  ///< "q" has nq numbers, others nv
+  std::vector<ArgumentShape> (*outputs)(const CompactImpl&);
+  void (*run)(const CompactImpl&, Tracer&, const std::vector<T*>& in, Numbers& out);
+};
+
+std::vector<ArgumentShape> matrix(const char* name, const CompactImpl& m) { return {{name, m.nv, m.nv}}; }
+
+void inverseDynamics(const CompactImpl& m, Tracer& t, const T* q, const T* v, const T* a, Numbers& out) {
+  Numbers tau(at(m.nvx));
+  t.evaluate(q, v);
+  kernels::rneaOutward(t.bodies, t.w, v, a, no_forces);
+  kernels::rneaInward(t.bodies, t.w, tau.data());
+  kernels::addArmature(m, a, tau.data());
+  kernels::addLosses(m, 1.0, v, tau.data());
+  out = tau;
+}
+
+/// Accelerations, and the forces less losses that give them.
+void forwardDynamics(const CompactImpl& m, Tracer& t, const std::vector<T*>& in, Numbers& tau, Numbers& ddq) {
+  tau.assign(in[2], in[2] + m.nvx);
+  ddq.assign(at(m.nvx), T(0));
+  kernels::addLosses(m, -1.0, static_cast<const T*>(in[1]), tau.data());
+  t.evaluate(in[0], in[1]);
+  kernels::abaOutward(t.bodies, t.w, static_cast<const T*>(in[1]), no_forces);
+  kernels::abaInward(t.bodies, t.w, static_cast<const T*>(tau.data()));
+  kernels::abaSolve(t.bodies, t.w, t.bodies.gravity(), ddq.data());
+}
+
+void inverseOfMassMatrix(const CompactImpl& m, Tracer& t, const Rows<T>& L, Numbers& out) {
+  const auto n = at(m.nvx);
+  kernels::TreeFactors<T> factors = t.d.factors;
+  factors.L = L;
+  Numbers inverse(n * n);
+  kernels::inverseOfMassMatrix<T, T>(m, factors, t.d.scratch, Rows<T>{inverse.data(), m.nvx});
+  out.insert(out.end(), inverse.begin(), inverse.end());
+}
+
+void abaDerivatives(const CompactImpl& m, Tracer& t, const std::vector<T*>& in, Numbers& out) {
+  const auto n = at(m.nvx);
+  Numbers tau, ddq, by_q(n * n), by_v(n * n), inverse;
+  forwardDynamics(m, t, in, tau, ddq);
+  t.evaluateSubspaceDerivatives(in[0], in[1]);
+  kernels::derivativesOutward(t.bodies, t.w, t.d, t.bodies.gravity(), static_cast<const T*>(in[1]), static_cast<const T*>(ddq.data()), no_forces);
+  kernels::abaDerivativesInward(t.bodies, t.w, t.d);
+  kernels::pathSweep<T>(t.bodies, t.w, t.d);
+  kernels::ownColumns(t.bodies, t.w, t.d);
+  kernels::abaDerivative<T, T>(m, t.d, t.d.by_q, Rows<T>{by_q.data(), m.nvx});
+  kernels::abaDerivative<T, T>(m, t.d, t.d.by_v, Rows<T>{by_v.data(), m.nvx});
+  inverseOfMassMatrix(m, t, t.d.by_a.below, inverse);
+  for (std::size_t k = 0; k < m.damping.size(); ++k)
+    for (std::size_t i = 0; i < n; ++i) by_v[k * n + i] -= T(m.damping[k]) * inverse[k * n + i];
+  for (const Numbers* part : {&by_q, &by_v, &inverse}) out.insert(out.end(), part->begin(), part->end());
+}
+
+const std::vector<Recipe>& recipes() {
+  static const std::vector<Recipe> all = {
+      {"rnea",
+       {"q", "v", "a"},
+       [](const CompactImpl& m) {
+         return std::vector<ArgumentShape>{{"tau", m.nv}};
+       },
+       [](const CompactImpl& m, Tracer& t, const std::vector<T*>& in, Numbers& out) { inverseDynamics(m, t, in[0], in[1], in[2], out); }},
+      {"nonLinearEffects",
+       {"q", "v"},
+       [](const CompactImpl& m) {
+         return std::vector<ArgumentShape>{{"nle", m.nv}};
+       },
+       [](const CompactImpl& m, Tracer& t, const std::vector<T*>& in, Numbers& out) {
+         inverseDynamics(m, t, in[0], in[1], Numbers(at(m.nvx)).data(), out);
+       }},
+      {"gravity",
+       {"q"},
+       [](const CompactImpl& m) {
+         return std::vector<ArgumentShape>{{"g", m.nv}};
+       },
+       [](const CompactImpl& m, Tracer& t, const std::vector<T*>& in, Numbers& out) {
+         const Numbers zero(at(m.nvx));
+         inverseDynamics(m, t, in[0], zero.data(), zero.data(), out);
+       }},
+      {"crba",
+       {"q"},
+       [](const CompactImpl& m) { return matrix("M", m); },
+       [](const CompactImpl& m, Tracer& t, const std::vector<T*>& in, Numbers& out) {
+         out.resize(at(m.nvx) * at(m.nvx));
+         t.evaluate(in[0], nullptr);
+         kernels::massMatrix(t.bodies, t.w, out.data());
+       }},
+      {"aba",
+       {"q", "v", "tau"},
+       [](const CompactImpl& m) {
+         return std::vector<ArgumentShape>{{"ddq", m.nv}};
+       },
+       [](const CompactImpl& m, Tracer& t, const std::vector<T*>& in, Numbers& out) {
+         Numbers tau;
+         forwardDynamics(m, t, in, tau, out);
+       }},
+      {"minverse",
+       {"q"},
+       [](const CompactImpl& m) { return matrix("Minv", m); },
+       [](const CompactImpl& m, Tracer& t, const std::vector<T*>& in, Numbers& out) {
+         t.evaluate(in[0], nullptr);
+         kernels::inertiasOutward(t.bodies, t.w);
+         kernels::articulatedFactors(t.bodies, t.w, t.d);
+         kernels::factorsSweep<T>(t.bodies, t.w, t.d);
+         inverseOfMassMatrix(m, t, t.d.factors.L, out);
+       }},
+      {"forwardKinematics",
+       {"q"},
+       [](const CompactImpl& m) {
+         return std::vector<ArgumentShape>{{"oMi", 12, static_cast<int>(m.joints.size())}};
+       },
+       [](const CompactImpl& m, Tracer& t, const std::vector<T*>& in, Numbers& out) {
+         t.evaluate(in[0], nullptr);
+         kernels::forwardKinematics(t.bodies, t.w, static_cast<const T*>(nullptr), static_cast<const T*>(nullptr));
+         for (std::size_t j = 0; j < m.joints.size(); ++j) append(t.w.oM[m.body_of_joint[j]] * cast<T>(m.user_frame[j]), out);
+       }},
+      {"frames",
+       {"q"},
+       [](const CompactImpl& m) {
+         return std::vector<ArgumentShape>{{"oMf", 12, static_cast<int>(m.frames.size())}};
+       },
+       [](const CompactImpl& m, Tracer& t, const std::vector<T*>& in, Numbers& out) {
+         t.evaluate(in[0], nullptr);
+         kernels::forwardKinematics(t.bodies, t.w, static_cast<const T*>(nullptr), static_cast<const T*>(nullptr));
+         for (std::size_t f = 0; f < m.frames.size(); ++f) append(t.w.oM[m.frame_body[f]] * cast<T>(m.frame_placement[f]), out);
+       }},
+      {"jacobians",
+       {"q"},
+       [](const CompactImpl& m) {
+         return std::vector<ArgumentShape>{{"J", 6, m.nv}};
+       },
+       [](const CompactImpl& m, Tracer& t, const std::vector<T*>& in, Numbers& out) {
+         out.resize(6 * at(m.nvx));
+         t.evaluate(in[0], nullptr);
+         kernels::jointJacobians(t.bodies, t.w, out.data());
+       }},
+      {"rnea_derivatives",
+       {"q", "v", "a"},
+       [](const CompactImpl& m) {
+         return std::vector<ArgumentShape>{{"dtau_dq", m.nv, m.nv}, {"dtau_dv", m.nv, m.nv}, {"M", m.nv, m.nv}};
+       },
+       [](const CompactImpl& m, Tracer& t, const std::vector<T*>& in, Numbers& out) {
+         t.evaluate(in[0], in[1]);
+         t.evaluateSubspaceDerivatives(in[0], in[1]);
+         kernels::derivativesOutward(t.bodies, t.w, t.d, t.bodies.gravity(), static_cast<const T*>(in[1]), static_cast<const T*>(in[2]), no_forces);
+         kernels::derivativesInward(t.bodies, t.w, t.d);
+         kernels::derivativesSweep<T>(t.bodies, t.w, t.d);
+         append(m, t.d.by_q, out);
+         append(m, t.d.by_v, out);
+         append(m, t.d.by_a, out);
+       }},
+      {"aba_derivatives",
+       {"q", "v", "tau"},
+       [](const CompactImpl& m) {
+         return std::vector<ArgumentShape>{{"ddq_dq", m.nv, m.nv}, {"ddq_dv", m.nv, m.nv}, {"Minv", m.nv, m.nv}};
+       },
+       abaDerivatives},
+      {"centroidal_map",
+       {"q"},
+       [](const CompactImpl& m) {
+         return std::vector<ArgumentShape>{{"Ag", 6, m.nv}};
+       },
+       [](const CompactImpl& m, Tracer& t, const std::vector<T*>& in, Numbers& out) {
+         out.resize(6 * at(m.nvx));
+         const Numbers zero(at(m.nvx));
+         t.evaluate(in[0], nullptr);
+         kernels::momenta(t.bodies, t.w, t.d, zero.data());
+         kernels::CentroidalMaps<T> maps;
+         maps.Ag = out.data();
+         kernels::centroidal(t.bodies, t.w, t.d, maps);
+       }},
+  };
+  return all;
+}
+
+}  // namespace
+
+const std::vector<std::string>& traceableFunctions() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all;
+    for (const Recipe& r : recipes()) all.emplace_back(r.name);
+    return all;
+  }();
+  return names;
+}
+
+TracedFunction trace(const CompactModel& model, const std::string& function) {
+  const CompactImpl& m = model.impl();
+  const auto recipe = std::find_if(recipes().begin(), recipes().end(), [&](const Recipe& r) { return r.name == function; });
+  if (recipe == recipes().end()) {
+    std::string known;
+    for (const std::string& name : traceableFunctions()) known += (known.empty() ? "" : ", ") + name;
+    throw Error(ErrorCode::argument, "there is no function '" + function + "' to trace; there are " + known);
+  }
+  if (!m.couplings.empty())
+    throw Error(ErrorCode::model, "joints that follow others cannot be traced; load the model with them independent, or keep them as constraints");
+  TracedFunction out;
+  out.name = function;
+  Tracer tracer(m);
+  std::vector<T*> in;
+  for (const char* name : recipe->inputs) {
+    const int size = std::string(name) == "q" ? m.nqx : m.nvx;
+    out.inputs.push_back({name, size});
+    in.push_back(tracer.input(size));
+  }
+  out.outputs = recipe->outputs(m);
+  Numbers results;
+  recipe->run(m, tracer, in, results);
+  out.graph = tracer.builder.finish(results);
+  return out;
+}
+
+}  // namespace dyn

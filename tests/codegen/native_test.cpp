@@ -1,0 +1,302 @@
+// Every algorithm traced, compiled while the test runs, and equal to the library's; the cache; errors.
+#include "support/random_model.hpp"
+#include "support/registry.hpp"
+#include "support/shared.hpp"
+
+#include <dyn/codegen/differentiate.hpp>
+#include <dyn/codegen/native.hpp>
+#include <dyn/parsers/urdf.hpp>
+
+#include <sys/stat.h>
+
+#include <filesystem>
+#include <fstream>
+
+using namespace dyn;
+using namespace dyn::test;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// A cache of the test's own.
+struct Cache {
+  fs::path path;
+  Cache() {
+    std::string pattern = (fs::temp_directory_path() / "dyn_codegen_XXXXXX").string();
+    REQUIRE(mkdtemp(pattern.data()) != nullptr);
+    path = pattern;
+  }
+  ~Cache() { fs::remove_all(path); }
+  NativeOptions options() const {
+    NativeOptions o;
+    o.cache = path.string();
+    o.flags = {"-O1"};
+    return o;
+  }
+};
+
+/// By function, in the order of its results.
+std::vector<Eigen::VectorXd> byLibrary(const std::string& f, const CompactModel& model, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
+                                       const Eigen::VectorXd& a) {
+  Data data(model, Need::derivatives);
+  const auto flat = [](const auto& M) {
+    const Eigen::MatrixXd dense = M;
+    return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(dense.data(), dense.size()));
+  };
+  const auto poses = [](int n, const auto& poseOf) {
+    Eigen::VectorXd out(12 * n);
+    for (int i = 0; i < n; ++i) {
+      const SE3<double> X = poseOf(i);
+      for (int k = 0; k < 9; ++k) out[12 * i + k] = X.R.m[k];
+      for (int k = 0; k < 3; ++k) out[12 * i + 9 + k] = X.p[k];
+    }
+    return out;
+  };
+  if (f == "rnea") return {flat(rnea(model, data, q, v, a))};
+  if (f == "nonLinearEffects") return {flat(nonLinearEffects(model, data, q, v))};
+  if (f == "gravity") return {flat(generalizedGravity(model, data, q))};
+  if (f == "crba") return {flat(crba(model, data, q))};
+  if (f == "aba") return {flat(aba(model, data, q, v, a))};
+  if (f == "minverse") return {flat(computeMinverse(model, data, q))};
+  if (f == "jacobians") return {flat(computeJointJacobians(model, data, q))};
+  if (f == "centroidal_map") return {flat(ccrba(model, data, q, v).Ag)};
+  if (f == "rnea_derivatives") {
+    const auto x = computeRNEADerivatives(model, data, q, v, a);
+    return {flat(x.dtau_dq), flat(x.dtau_dv), flat(x.dtau_da)};
+  }
+  if (f == "aba_derivatives") {
+    const auto x = computeABADerivatives(model, data, q, v, a);
+    return {flat(x.ddq_dq), flat(x.ddq_dv), flat(x.ddq_dtau)};
+  }
+  forwardKinematics(model, data, q);
+  if (f == "frames") return {poses(static_cast<int>(model.frames().size()), [&](int i) { return framePlacement(model, data, i); })};
+  return {poses(model.njoints(), [&](int i) { return jointPlacement(model, data, i); })};
+}
+
+/// The largest difference beside the largest number.
+double difference(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+  REQUIRE(a.size() == b.size());
+  return (a - b).cwiseAbs().maxCoeff() / std::max(b.cwiseAbs().maxCoeff(), 1e-300);
+}
+
+/// Of a function with one, two or three arguments q, v, a.
+std::vector<Eigen::VectorXd> byGraph(const TracedFunction& f, const Eigen::VectorXd& q, const Eigen::VectorXd& v, const Eigen::VectorXd& a) {
+  std::vector<double> in;
+  for (std::size_t i = 0; i < f.inputs.size(); ++i) {
+    const Eigen::VectorXd& x = i == 0 ? q : i == 1 ? v : a;
+    in.insert(in.end(), x.begin(), x.end());
+  }
+  const std::vector<double> out = replay<double>(f.graph, in);
+  std::vector<Eigen::VectorXd> parts;
+  std::ptrdiff_t at = 0;
+  for (const ArgumentShape& shape : f.outputs) {
+    parts.push_back(Eigen::Map<const Eigen::VectorXd>(out.data() + at, shape.size()));
+    at += shape.size();
+  }
+  return parts;
+}
+
+std::vector<Eigen::VectorXd> byCode(const CompiledFunction& f, const Eigen::VectorXd& q, const Eigen::VectorXd& v, const Eigen::VectorXd& a) {
+  std::vector<Eigen::VectorXd> parts;
+  const void* in[] = {q.data(), v.data(), a.data()};
+  void* out[4];
+  for (const ArgumentShape& shape : f.outputs()) parts.emplace_back(shape.size());
+  for (std::size_t i = 0; i < parts.size(); ++i) out[i] = parts[i].data();
+  f.call(in, out);
+  return parts;
+}
+
+}  // namespace
+
+TEST_CASE("every algorithm traced over every joint type is the library's", "[codegen]") {
+  int traced = 0;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    const CompactModel model = compile(randomTree(registry(), 5, seed, seed % 2 == 0), registry());
+    try {
+      trace(model, "rnea");
+    } catch (const Error& e) {
+      // Splines, one of the examples' joints, look up their interval.
+      REQUIRE(e.code() == ErrorCode::joint_type);
+      CHECK_THAT(e.what(), containing("'function_joint") && containing("branch_free = true"));
+      continue;
+    }
+    ++traced;
+    Random random(seed);
+    const Eigen::VectorXd q = integrate(model, neutral(model), random.vector(model.nv(), 1)), v = random.vector(model.nv(), 1),
+                          a = random.vector(model.nv(), 2);
+    for (const std::string& name : traceableFunctions()) {
+      INFO(name << ", seed " << seed);
+      const TracedFunction f = trace(model, name);
+      const std::vector<Eigen::VectorXd> found = byGraph(f, q, v, a), expected = byLibrary(name, model, q, v, a);
+      REQUIRE(found.size() == expected.size());
+      for (std::size_t i = 0; i < found.size(); ++i) CHECK(difference(found[i], expected[i]) < 1e-11);
+    }
+  }
+  CHECK(traced >= 10);
+}
+
+TEST_CASE("every algorithm traced over the reference robots is the library's", "[codegen]") {
+  DYN_NEEDS_SHARED();
+  for (const auto& entry : fs::directory_iterator(sharedFolder() + "/models")) {
+    if (entry.path().extension() != ".urdf") continue;
+    urdf::Options options;
+    options.root = "free_flyer";
+    options.mimic = urdf::Mimic::independent;
+    options.inertias = urdf::Inertias::any;
+    const CompactModel model = compile(urdf::load(entry.path().string(), options), registry());
+    Random random(5);
+    const Eigen::VectorXd q = randomConfiguration(model, 5), v = random.vector(model.nv(), 1), a = random.vector(model.nv(), 2);
+    for (const std::string name : {"rnea", "crba", "aba", "jacobians", "rnea_derivatives"}) {
+      INFO(name << ", " << entry.path().stem());
+      const bool solves = name == "aba";
+      const TracedFunction f = trace(model, name);
+      std::vector<Eigen::VectorXd> expected;
+      try {
+        expected = byLibrary(name, model, q, v, a);
+      } catch (const Error& e) {
+        REQUIRE(e.code() == ErrorCode::singular);  // massless links at the end of a chain; the graph says nothing of it
+        continue;
+      }
+      const std::vector<Eigen::VectorXd> found = byGraph(f, q, v, a);
+      for (std::size_t i = 0; i < found.size(); ++i) CHECK(difference(found[i], expected[i]) < (solves ? 1e-9 : 1e-13));
+    }
+  }
+}
+
+TEST_CASE("compiled functions are the library's, and come from the cache the next time", "[codegen]") {
+  const Cache cache;
+  const CompactModel model = compile(urdf::load(DYN_SOURCE_DIR "/models/biped.urdf", {.root = "free_flyer"}), registry());
+  const std::vector<std::string> names = {"rnea", "crba", "aba", "minverse", "jacobians", "forwardKinematics"};
+  const CompiledModel jit = compileNative(model, names, cache.options());
+  Random random(1);
+  for (int k = 0; k < 20; ++k) {
+    const Eigen::VectorXd q = randomConfiguration(model, static_cast<std::uint64_t>(k)), v = random.vector(model.nv(), 1),
+                          a = random.vector(model.nv(), 2);
+    for (const std::string& name : names) {
+      INFO(name);
+      const std::vector<Eigen::VectorXd> found = byCode(jit.function(name), q, v, a), expected = byLibrary(name, model, q, v, a);
+      for (std::size_t i = 0; i < found.size(); ++i) CHECK(difference(found[i], expected[i]) < 1e-13);
+    }
+    Eigen::VectorXd tau(model.nv());
+    jit.function("rnea")({q, v, a}, {tau});
+    CHECK(tau == byCode(jit.function("rnea"), q, v, a)[0]);
+  }
+  CHECK_FALSE(jit.function("rnea").cached());
+  CHECK(compileNative(model, {"rnea"}, cache.options()).function("rnea").cached());
+  Eigen::VectorXd few(3), tau(model.nv()), q = neutral(model), v = Eigen::VectorXd::Zero(model.nv());
+  CHECK_THROWS_WITH(jit.function("rnea")({few, v, v}, {tau}), containing("q has 3 numbers"));
+  CHECK_THROWS_AS(jit.function("rnea")({q, v}, {tau}), Error);
+  CHECK_THROWS_WITH(jit.function("fly"), containing("'fly'"));
+
+  // Large angles, and those near multiples of pi / 2, go to the C library.
+  for (const double angle : {1e5, 3e6, 1e12, std::acos(-1.0) / 2, -std::acos(-1.0), 22.0, 0.0}) {
+    q.tail(model.nq() - 7).setConstant(angle);
+    CHECK(difference(byCode(jit.function("rnea"), q, v, v)[0], byLibrary("rnea", model, q, v, v)[0]) < 1e-13);
+  }
+}
+
+TEST_CASE("several states a call, and floats, give what single states give", "[codegen]") {
+  const Cache cache;
+  const CompactModel model = compile(urdf::load(DYN_SOURCE_DIR "/models/biped.urdf", {.root = "free_flyer"}), registry());
+  const int lanes = GENERATE(1, 4), n = model.nv();
+  const bool single = GENERATE(false, true);
+  NativeOptions options = cache.options();
+  options.lanes = lanes;
+  options.single_precision = single;
+  const CompiledModel jit = compileNative(model, {"rnea", "aba"}, options);
+  Eigen::MatrixXd Q(model.nq(), lanes), V = Eigen::MatrixXd::Random(n, lanes), A = Eigen::MatrixXd::Random(n, lanes);
+  for (int l = 0; l < lanes; ++l) Q.col(l) = randomConfiguration(model, static_cast<std::uint64_t>(l));
+  // Numbers of a state side by side: rows of the transposed.
+  const auto run = [&]<class T>(T) {
+    const Eigen::Matrix<T, -1, -1> q = Q.transpose().cast<T>(), v = V.transpose().cast<T>(), a = A.transpose().cast<T>();
+    for (const std::string name : {"rnea", "aba"}) {
+      Eigen::Matrix<T, -1, -1> out(lanes, n);
+      const void* in[] = {q.data(), v.data(), a.data()};
+      void* to[] = {out.data()};
+      jit.function(name).call(in, to);
+      for (int l = 0; l < lanes; ++l) {
+        INFO(name << " " << l);
+        const Eigen::VectorXd expected = byLibrary(name, model, Q.col(l), V.col(l), A.col(l))[0];
+        CHECK(difference(out.row(l).transpose().template cast<double>(), expected) < (std::is_same_v<T, float> ? 2e-4 : 1e-13));
+      }
+    }
+  };
+  single ? run(1.0f) : run(1.0);
+}
+
+TEST_CASE("derivatives by graphs are the analytical ones", "[codegen]") {
+  const CompactModel model = compile(urdf::load(DYN_SOURCE_DIR "/models/arm.urdf"), registry());
+  Random random(3);
+  const Eigen::VectorXd q = random.vector(7, 2), v = random.vector(7, 1), a = random.vector(7, 2);
+  Data data(model, Need::derivatives);
+  for (const std::string name : {"rnea", "aba"}) {
+    const TracedFunction f = trace(model, name);
+    const std::vector<Eigen::VectorXd> expected = byLibrary(name + "_derivatives", model, q, v, a);
+    for (const Mode mode : {Mode::forward, Mode::reverse}) {
+      const JacobianGraph J = differentiate(f.graph, mode);
+      std::vector<double> in(q.begin(), q.end());
+      in.insert(in.end(), v.begin(), v.end());
+      in.insert(in.end(), a.begin(), a.end());
+      const std::vector<double> entries = replay<double>(J.graph, in);
+      Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(7, 21);
+      for (std::size_t e = 0; e < entries.size(); ++e) dense(J.sparsity.row[e], J.sparsity.column[e]) = entries[e];
+      for (int part = 0; part < 3; ++part) {
+        const Eigen::MatrixXd block = dense.middleCols(7 * part, 7);
+        CHECK(difference(Eigen::Map<const Eigen::VectorXd>(block.data(), 49), expected[static_cast<std::size_t>(part)]) < 1e-12);
+      }
+    }
+  }
+}
+
+TEST_CASE("a cache that is damaged or not this user's alone is made anew or refused", "[codegen]") {
+  const Cache cache;
+  const CompactModel model = compile(urdf::load(DYN_SOURCE_DIR "/models/four_bar.urdf"), registry());
+  compileNative(model, {"gravity"}, cache.options());
+  const auto object = [&] {
+    for (const auto& entry : fs::directory_iterator(cache.path))
+      if (entry.path().extension() == ".so") return entry.path();
+    return fs::path();
+  }();
+  REQUIRE(!object.empty());
+  const auto cached = [&] { return compileNative(model, {"gravity"}, cache.options()).function("gravity").cached(); };
+  CHECK(cached());
+  std::ofstream(object, std::ios::app) << "x";
+  CHECK_FALSE(cached());
+  CHECK(cached());
+  std::ofstream(object) << "";
+  CHECK_FALSE(cached());
+  chmod(object.c_str(), 0777);
+  CHECK_FALSE(cached());
+  CHECK(cached());
+  for (const auto& entry : fs::directory_iterator(cache.path)) CHECK(entry.path().filename().string().find("making") == std::string::npos);
+  chmod(cache.path.c_str(), 0777);
+  CHECK_THROWS_WITH(cached(), containing("nobody else can write"));
+}
+
+TEST_CASE("what cannot be compiled says why, and the library goes on", "[codegen]") {
+  const Cache cache;
+  const CompactModel model = compile(urdf::load(DYN_SOURCE_DIR "/models/four_bar.urdf"), registry());
+  NativeOptions options = cache.options();
+  options.compiler = "no-such-compiler";
+  CHECK_THROWS_WITH(compileNative(model, {"rnea"}, options), containing("there is no compiler 'no-such-compiler'"));
+  options = cache.options();
+  options.flags = {"-no-such-flag"};
+  CHECK_THROWS_WITH(compileNative(model, {"rnea"}, options), containing("'rnea' was not compiled"));
+  options = cache.options();
+  options.operations = 10;
+  CHECK_THROWS_WITH(compileNative(model, {"rnea"}, options), containing("more than the 10"));
+  options = cache.options();
+  options.compiler = DYN_SOURCE_DIR "/tests/codegen/sleepy_compiler";
+  options.seconds = 0.3;
+  CHECK_THROWS_WITH(compileNative(model, {"rnea"}, options), containing("not compiled within"));
+  CHECK_THROWS_WITH(trace(model, "fly"), containing("'fly'") && containing("rnea"));
+  Model coupled = randomTree(registry(), 40, 1);
+  addFollower(coupled);
+  CHECK_THROWS_WITH(trace(compile(coupled, registry()), "rnea"), containing("follow others"));
+  SourceOptions three;
+  three.lanes = 3;
+  CHECK_THROWS_AS(writeSource({trace(model, "rnea")}, "x.h", three), Error);
+  TracedFunction odd = trace(model, "rnea");
+  odd.name = "rnea; system()";
+  CHECK_THROWS_WITH(writeSource({odd}, "x.h"), containing("no name in C"));
+}

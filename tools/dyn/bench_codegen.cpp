@@ -1,0 +1,84 @@
+// The modes codegen and codegen_batch of `dyn bench`.
+#include "bench.hpp"
+
+#include <dyn/codegen/native.hpp>
+
+#include <cstdio>
+#include <map>
+#include <memory>
+
+namespace dyn::tool {
+
+namespace {
+
+/// As the other modes call them.
+std::string entryName(const std::string& function) {
+  static const std::map<std::string, std::string> names = {
+      {"nonLinearEffects", "nle"}, {"forwardKinematics", "forward_kinematics"}, {"jacobians", "joint_jacobians"}, {"centroidal_map", "ccrba"}};
+  const auto found = names.find(function);
+  return found == names.end() ? function : found->second;
+}
+
+const Eigen::VectorXd& argument(const State& s, const std::string& name) { return name == "q" ? s.q : name == "v" ? s.v : name == "a" ? s.a : s.tau; }
+
+/// A function and room for what it writes: `lanes` states side by side.
+struct Subject {
+  CompiledFunction function;
+  int lanes;
+  std::vector<std::vector<double>> in;  ///< by argument, all states, groups of `lanes` one after the other
+  std::vector<std::vector<double>> out;
+
+  Subject(const CompiledFunction& f, const std::vector<State>& states, int l) : function(f), lanes(l) {
+    for (const ArgumentShape& a : f.inputs()) {
+      const auto n = static_cast<std::size_t>(a.size()), w = static_cast<std::size_t>(l);
+      std::vector<double> all(n * states.size());
+      for (std::size_t k = 0; k < states.size(); ++k)
+        for (std::size_t i = 0; i < n; ++i) all[k / w * w * n + i * w + k % w] = argument(states[k], a.name)[static_cast<Eigen::Index>(i)];
+      in.push_back(std::move(all));
+    }
+    for (const ArgumentShape& a : f.outputs()) out.emplace_back(static_cast<std::size_t>(a.size() * l));
+  }
+  void run(std::size_t group) {
+    const void* from[4];
+    void* to[4];
+    for (std::size_t i = 0; i < in.size(); ++i)
+      from[i] = in[i].data() + group * static_cast<std::size_t>(lanes) * static_cast<std::size_t>(function.inputs()[i].size());
+    for (std::size_t i = 0; i < out.size(); ++i) to[i] = out[i].data();
+    function.call(from, to);
+  }
+};
+
+void add(Subjects& x, const std::string& name, int lanes, std::vector<Entry>& entries) {
+  NativeOptions options;
+  options.lanes = lanes;
+  options.progress = [](const std::string& what) { std::fprintf(stderr, "dyn: %s\n", what.c_str()); };
+  const CompiledFunction function = compileNative(x.model, {name}, options).functions()[0];
+  const auto subject = std::make_shared<Subject>(function, x.states, lanes);
+  Entry entry{entryName(name), "double", lanes == 1 ? "codegen" : "codegen_batch", {}, {}};
+  entry.round = [subject, groups = x.states.size() / static_cast<std::size_t>(lanes)] {
+    for (std::size_t g = 0; g < groups; ++g) subject->run(g);
+  };
+  if (lanes == 1 && function.outputs().size() == 1)
+    entry.error = [&x, function, algorithm = entry.algorithm] {
+      double error = std::nan("");
+      for (const TruthSample& sample : x.truth) {
+        Subject one(function, {sample.state}, 1);
+        one.run(0);
+        error = worst(error, truthError(sample, algorithm.c_str(),
+                                        Eigen::Map<const Eigen::VectorXd>(one.out[0].data(), static_cast<Eigen::Index>(one.out[0].size())), 0x1p-53));
+      }
+      return error;
+    };
+  entries.push_back(std::move(entry));
+}
+
+}  // namespace
+
+void addGenerated(Subjects& x, const std::vector<std::string>& functions, std::vector<Entry>& entries) {
+  std::vector<std::string> names = functions;
+  if (names.size() == 1 && names[0] == "all") names = traceableFunctions();
+  for (const std::string& name : names)
+    for (const int lanes : {1, 8}) add(x, name, lanes, entries);
+}
+
+}  // namespace dyn::tool

@@ -1,0 +1,178 @@
+// dyn codegen: algorithms of one model as C source, with a CMakeLists and a test of itself against the library.
+#include "commands.hpp"
+#include "model_options.hpp"
+#include "states.hpp"
+
+#include <dyn/codegen/casadi.hpp>
+#include <dyn/codegen/native.hpp>
+
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <span>
+
+namespace dyn::tool {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct CodegenOptions : ModelOptions {
+  std::vector<std::string> functions;
+  std::string out;
+  bool compile_now = false, single_precision = false, casadi = false;
+  int lanes = 1;
+};
+
+void write(const fs::path& path, const std::string& text) {
+  const fs::path temporary = path.string() + ".tmp";
+  std::ofstream file(temporary);
+  file << text;
+  file.close();
+  std::error_code error;
+  if (file) fs::rename(temporary, path, error);
+  if (!file || error) throw Error(ErrorCode::file, "cannot be written", {path.string(), 0, ""});
+}
+
+/// Letters, digits and underscores of a model's name.
+std::string identifier(const std::string& name) {
+  std::string out;
+  for (const char c : name) out += std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
+  return out.empty() || std::isdigit(static_cast<unsigned char>(out[0])) ? "model_" + out : out;
+}
+
+std::string array(const char* type, const std::string& name, std::span<const double> numbers, int repeat) {
+  std::string out = std::string("static ") + type + " " + name + "[] = {";
+  char text[40];
+  for (const double x : numbers)
+    for (int l = 0; l < repeat; ++l) {
+      std::snprintf(text, sizeof text, "%.17g, ", x);
+      out += text;
+    }
+  return out + "};\n";
+}
+
+/// A C program that calls each function at a few states and compares with what the library found there. Lanes hold one state each, the same.
+std::string testOf(const CodegenOptions& o, const CompactModel& model, const std::vector<TracedFunction>& functions, const std::string& header) {
+  std::string arrays, calls;
+  const std::vector<State> states = randomStates(model, 3, 7);
+  for (const TracedFunction& f : functions) {
+    for (std::size_t k = 0; k < states.size(); ++k) {
+      const std::string id = f.name + "_" + std::to_string(k);
+      std::vector<double> in;
+      std::string arguments;
+      for (const ArgumentShape& a : f.inputs) {
+        const Eigen::VectorXd& x = a.name == "q" ? states[k].q : a.name == "v" ? states[k].v : a.name == "a" ? states[k].a : states[k].tau;
+        in.insert(in.end(), x.begin(), x.end());
+        arrays += array("const dyn_real", id + "_" + a.name, {x.data(), static_cast<std::size_t>(x.size())}, o.lanes);
+        arguments += id + "_" + a.name + ", ";
+      }
+      const std::vector<double> out = replay<double>(f.graph, in);
+      std::size_t first = 0;
+      std::string checks;
+      for (const ArgumentShape& a : f.outputs) {
+        const auto size = static_cast<std::size_t>(a.size());
+        arrays += array("const dyn_real", id + "_" + a.name + "_expected", {out.data() + first, size}, o.lanes);
+        arrays += "static dyn_real " + id + "_" + a.name + "[" + std::to_string(size * static_cast<std::size_t>(o.lanes)) + "];\n";
+        arguments += id + "_" + a.name + ", ";
+        checks += "  compare(\"" + f.name + ", " + a.name + "\", " + id + "_" + a.name + ", " + id + "_" + a.name + "_expected, " +
+                  std::to_string(size * static_cast<std::size_t>(o.lanes)) + ");\n";
+        first += size;
+      }
+      arguments.resize(arguments.size() - 2);
+      calls += "  " + f.name + "(" + arguments + ");\n" + checks;
+    }
+  }
+  return "/* Written by dyn codegen: results of the library at random states. */\n#include \"" + header +
+         "\"\n\n#include <math.h>\n#include <stdio.h>\n\n" + arrays +
+         "\nstatic int failed = 0;\nstatic void compare(const char* what, const dyn_real* found, const dyn_real* expected, int n) {\n"
+         "  double worst = 0, largest = 0;\n  int i;\n  for (i = 0; i < n; ++i) {\n    const double off = fabs((double)found[i] - "
+         "(double)expected[i]);\n"
+         "    if (!(off <= worst)) worst = off;\n    if (fabs((double)expected[i]) > largest) largest = fabs((double)expected[i]);\n  }\n"
+         "  printf(\"%-40s %.1e\\n\", what, largest > 0 ? worst / largest : worst);\n  if (!(worst <= " +
+         std::string(o.single_precision ? "1e-3" : "1e-12") + " * largest)) failed = 1;\n}\n\nint main(void) {\n" + calls + "  return failed;\n}\n";
+}
+
+std::string listsOf(const std::string& name) {
+  return "cmake_minimum_required(VERSION 3.16)\nproject(" + name +
+         " C)\n\nif(NOT CMAKE_BUILD_TYPE)\n  set(CMAKE_BUILD_TYPE Release CACHE STRING \"\" FORCE)\nendif()\n"
+         "include(CheckCCompilerFlag)\ncheck_c_compiler_flag(-march=native has_native)\nadd_library(" +
+         name + " " + name + ".c)\ntarget_include_directories(" + name + " PUBLIC ${CMAKE_CURRENT_SOURCE_DIR})\ntarget_compile_options(" + name +
+         " PRIVATE -O2 -ffp-contract=fast -fno-math-errno -fno-trapping-math $<$<BOOL:${has_native}>:-march=native>)\ntarget_link_libraries(" + name +
+         " PUBLIC m)\n\nenable_testing()\nadd_executable(" + name + "_test " + name + "_test.c)\ntarget_link_libraries(" + name + "_test PRIVATE " +
+         name + ")\nadd_test(NAME " + name + " COMMAND " + name + "_test)\n";
+}
+
+std::string casadiListsOf(const std::string& name) {
+  return "\n# casadi.external(\"rnea\", \"./lib" + name + "_casadi.so\")\nadd_library(" + name + "_casadi SHARED " + name +
+         "_casadi.c)\ntarget_compile_options(" + name + "_casadi PRIVATE -O2 -ffp-contract=fast -fno-math-errno -fno-trapping-math)\n" +
+         "target_link_libraries(" + name + "_casadi PRIVATE m)\n";
+}
+
+void run(const CodegenOptions& o) {
+  using Clock = std::chrono::steady_clock;
+  const CompactModel model = o.compile();
+  const std::string name = identifier(model.name());
+  std::vector<TracedFunction> functions;
+  const auto start = Clock::now();
+  for (const std::string& f : o.functions) {
+    std::fprintf(stderr, "tracing %s\n", f.c_str());
+    functions.push_back(trace(model, f));
+  }
+  SourceOptions how;
+  how.single_precision = o.single_precision;
+  how.lanes = o.lanes;
+  const Source source = writeSource(functions, name + ".h", how);
+  if (!o.out.empty()) {
+    std::error_code error;
+    fs::create_directories(o.out, error);
+    if (error) throw Error(ErrorCode::file, "cannot be made: " + error.message(), {o.out, 0, ""});
+    const fs::path folder = o.out;
+    write(folder / (name + ".h"), source.header);
+    write(folder / (name + ".c"), source.code);
+    write(folder / (name + "_test.c"), testOf(o, model, functions, name + ".h"));
+    write(folder / "CMakeLists.txt", listsOf(name) + (o.casadi ? casadiListsOf(name) : ""));
+    if (o.casadi) write(folder / (name + "_casadi.c"), writeCasadiSource(functions));
+    std::fprintf(stderr, "written to %s: cmake -S %s -B %s/build && cmake --build %s/build && ctest --test-dir %s/build\n", o.out.c_str(),
+                 o.out.c_str(), o.out.c_str(), o.out.c_str(), o.out.c_str());
+  }
+  std::printf("%-24s %10s %10s %10s %10s %10s %10s\n", "function", "operations", "sums", "products", "quotients", "functions", "selections");
+  for (const TracedFunction& f : functions) {
+    const OperationCounts n = f.graph.count();
+    std::printf("%-24s %10d %10d %10d %10d %10d %10d\n", f.name.c_str(), n.total(), n.additions, n.multiplications, n.divisions, n.functions,
+                n.selections);
+  }
+  std::printf("traced and written in %.2f s\n", std::chrono::duration<double>(Clock::now() - start).count());
+  if (!o.compile_now) return;
+  NativeOptions native;
+  native.single_precision = o.single_precision;
+  native.lanes = o.lanes;
+  native.progress = [](const std::string& what) { std::fprintf(stderr, "%s\n", what.c_str()); };
+  for (const TracedFunction& f : functions) {
+    const auto before = Clock::now();
+    const CompiledModel compiled = compileNative({f}, native);
+    std::printf("%-24s compiled in %.2f s%s\n", f.name.c_str(), std::chrono::duration<double>(Clock::now() - before).count(),
+                compiled.functions()[0].cached() ? " (from the cache)" : "");
+  }
+}
+
+}  // namespace
+
+void addCodegen(CLI::App& app) {
+  CLI::App* sub = app.add_subcommand("codegen", "algorithms of one model as C source, with a test of itself; --compile for use at run time");
+  auto o = std::make_shared<CodegenOptions>();
+  o->add(*sub);
+  std::string known;
+  for (const std::string& f : traceableFunctions()) known += (known.empty() ? "" : ", ") + f;
+  sub->add_option("--functions", o->functions, "separated by commas: " + known)->delimiter(',')->required();
+  sub->add_option("--out", o->out, "folder for source, header, CMakeLists and test");
+  sub->add_flag("--compile", o->compile_now, "compile into the cache that compileNative() uses");
+  sub->add_flag("--float", o->single_precision, "float for double");
+  sub->add_flag("--casadi", o->casadi, "beside them a CasADi external with Jacobians, NAME_casadi.c");
+  sub->add_option("--lanes", o->lanes, "states a call: 1, 2, 4, 8, ...")->capture_default_str();
+  sub->callback([o] { run(*o); });
+}
+
+}  // namespace dyn::tool
