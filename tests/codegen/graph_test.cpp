@@ -57,7 +57,7 @@ TEST_CASE("what is known, zero, one, or there already costs nothing", "[codegen]
   CHECK(operations([](const Traced* x) { return select(x[0] < x[1], x[0], x[0]); }) == 0);
   CHECK(operations([](const Traced* x) { return sin(-x[0]) + sin(x[0]); }) <= 2);
   CHECK(operations([](const Traced* x) {
-          const Traced unused = exp(x[0]) * x[1];
+          [[maybe_unused]] const Traced unused = exp(x[0]) * x[1];
           return x[1];
         }) == 0);
 }

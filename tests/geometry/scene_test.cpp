@@ -208,6 +208,8 @@ TEST_CASE("an empty scene has no collisions and no least distance", "[geometry]"
   CHECK(computeContacts(geometry, geometry_data).empty());
   CHECK(std::isinf(computeMinimumDistance(geometry, geometry_data).distance));
   CHECK_THROWS_AS(computeDistance(geometry, geometry_data, 1), Error);
+  const GeometryModel other = compileGeometry(model, m);
+  CHECK_THROWS_WITH(anyCollision(other, geometry_data), containing("another GeometryModel"));
 }
 
 TEST_CASE("whatever boxes and spheres rule out, no collision is missed that asking every pair finds", "[geometry]") {
@@ -280,6 +282,63 @@ TEST_CASE("in a crowd of bodies and obstacles trees find what asking every pair 
       if (computeCollision(geometry, geometry_data, p)) all.push_back(p);
     CHECK(all.size() > 10);
     CHECK(computeCollisions(geometry, geometry_data) == all);
+  }
+}
+
+TEST_CASE("a mesh's distance is that of its nearest triangle, voxels' that of their nearest cube", "[geometry]") {
+  Random random(6);
+  const auto field = [&](int n) {
+    std::vector<double> heights;
+    for (int k = 0; k < n * n; ++k) heights.push_back(random.uniform(-0.3, 0.3));
+    return heightField(n, n, heights, -1, -1, 2.0 / (n - 1), 2.0 / (n - 1));
+  };
+  const auto pieces = [](const GeometryShape& shape) {
+    std::vector<std::pair<GeometryShape, Vec3<double>>> out;
+    if (const auto* mesh = std::get_if<g::TriangleMesh>(&shape)) {
+      for (const auto& t : mesh->triangles) {
+        g::ConvexHull hull;
+        for (const int corner : t) hull.points.push_back(mesh->vertices[static_cast<std::size_t>(corner)]);
+        out.emplace_back(hull, Vec3<double>{});
+      }
+    } else if (const auto* voxels = std::get_if<g::Voxels>(&shape)) {
+      for (const auto& c : voxels->cubes) out.emplace_back(g::Box{{c.size, c.size, c.size}}, c.center);
+    } else {
+      out.emplace_back(shape, Vec3<double>{});
+    }
+    return out;
+  };
+  g::Voxels voxels;
+  for (int k = 0; k < 40; ++k) voxels.cubes.push_back({random.vector(0.8), random.uniform(0.05, 0.2)});
+  const GeometryShape complex[] = {field(6), field(5), voxels};
+  for (int round = 0; round < 60; ++round) {
+    const GeometryShape a = complex[static_cast<std::size_t>(random.below(3))];
+    const GeometryShape b = round % 3 == 0 ? complex[static_cast<std::size_t>(random.below(3))] : someShape(random, 0.6);
+    const SE3<double> at = random.pose();
+    SE3<double> pose = random.pose();
+    pose.p = random.vector(1.5);
+    TwoSolids whole(a, at, b);
+    const Distance found = whole.distance(pose);
+    // The same pieces as geometries of their own.
+    Model m;
+    m.addBody("body", 0, jointOf("joint", "free_flyer"), {1, {}, {1, 0, 0, 1, 0, 1}});
+    int count = 0;
+    for (const auto& [shape, p] : pieces(a)) m.addGeometry("a" + std::to_string(count++), 0, at * SE3<double>{Mat3<double>::identity(), p}, shape);
+    for (const auto& [shape, p] : pieces(b)) m.addGeometry("b" + std::to_string(count++), 1, {Mat3<double>::identity(), p}, shape);
+    const CompactModel model = compile(m, registry());
+    const GeometryModel geometry = compileGeometry(model, m);
+    Data data(model);
+    GeometryData placed(geometry, 100000);
+    updateGeometryPlacements(model, data, geometry, placed, configurationOf(pose));
+    double nearest = std::numeric_limits<double>::infinity();
+    std::size_t touching = 0;
+    for (const Distance& d : computeDistances(geometry, placed)) {
+      nearest = std::min(nearest, d.distance);
+      touching += d.distance <= 0 ? 1 : 0;
+    }
+    CHECK(found.distance == approx(nearest).margin(1e-8));
+    whole.move(pose);
+    CHECK(anyCollision(whole.geometry, whole.geometry_data) == (touching > 0));
+    CHECK(computeContacts(whole.geometry, whole.geometry_data).size() == std::min<std::size_t>(touching, 256));
   }
 }
 

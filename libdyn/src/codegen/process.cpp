@@ -39,25 +39,28 @@ ProcessResult runProcess(const std::vector<std::string>& command, double seconds
     close(ends[0]);
     return result;
   }
-  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
+  using Clock = std::chrono::steady_clock;
+  const auto end = Clock::now() + std::chrono::duration<double>(seconds);
+  int status = 0;
+  bool open = true, ended = false;
   char chunk[4096];
-  while (true) {
-    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - std::chrono::steady_clock::now()).count();
-    if (left <= 0) {
+  // Until its output has come to an end and it has too: it may close the one long before the other.
+  while (open || !ended) {
+    if (Clock::now() >= end) {
       result.timed_out = true;
       kill(-child, SIGKILL);
       break;
     }
-    pollfd wait{ends[0], POLLIN, 0};
-    if (poll(&wait, 1, static_cast<int>(left < 1000000 ? left : 1000000)) <= 0) continue;
-    const ssize_t n = read(ends[0], chunk, sizeof chunk);
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) break;
-    if (result.output.size() < 65536) result.output.append(chunk, static_cast<std::size_t>(n));
+    pollfd wait{open ? ends[0] : -1, POLLIN, 0};
+    if (poll(&wait, 1, open ? 100 : 2) > 0) {
+      const ssize_t n = read(ends[0], chunk, sizeof chunk);
+      if (n > 0 && result.output.size() < 65536) result.output.append(chunk, static_cast<std::size_t>(n));
+      open = n > 0 || (n < 0 && errno == EINTR);
+    }
+    if (!open && !ended) ended = waitpid(child, &status, WNOHANG) == child;
   }
   close(ends[0]);
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  while (!ended && waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
   result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   return result;

@@ -58,11 +58,11 @@ const std::vector<int>& nearPairs(const GeometryImpl& m, GeometryDataImpl& d) {
 
 bool computeCollision(const GeometryModel& geometry, GeometryData& data, int pair) {
   checkPair(geometry.impl(), pair);
-  return collidesBySpheres(geometry.impl(), data.impl(), pair);
+  return collidesBySpheres(geometry.impl(), dataOf("computeCollision", geometry, data), pair);
 }
 
 bool anyCollision(const GeometryModel& geometry, GeometryData& data) {
-  GeometryDataImpl& d = data.impl();
+  GeometryDataImpl& d = dataOf("anyCollision", geometry, data);
   d.first = -1;
   for (const int pair : nearPairs(geometry.impl(), d)) {
     if (!collidesBySpheres(geometry.impl(), d, pair)) continue;
@@ -75,7 +75,7 @@ bool anyCollision(const GeometryModel& geometry, GeometryData& data) {
 int firstCollision(const GeometryData& data) { return data.impl().first; }
 
 const std::vector<int>& computeCollisions(const GeometryModel& geometry, GeometryData& data) {
-  GeometryDataImpl& d = data.impl();
+  GeometryDataImpl& d = dataOf("computeCollisions", geometry, data);
   d.colliding.clear();
   for (const int pair : nearPairs(geometry.impl(), d))
     if (collidesBySpheres(geometry.impl(), d, pair)) d.colliding.push_back(pair);
@@ -83,7 +83,7 @@ const std::vector<int>& computeCollisions(const GeometryModel& geometry, Geometr
 }
 
 const std::vector<Contact>& computeContacts(const GeometryModel& geometry, GeometryData& data) {
-  GeometryDataImpl& d = data.impl();
+  GeometryDataImpl& d = dataOf("computeContacts", geometry, data);
   d.contacts.clear();
   struct Collector {
     std::vector<Contact>& contacts;

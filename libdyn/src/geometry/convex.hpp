@@ -93,7 +93,7 @@ Vec3<double> across(const Vec3<double>& n);
 
 /// Signed distance of two solids. `beyond`: once it is sure to be larger than this, any distance that is may be returned.
 /// `touch_only`: so may any negative distance once it is sure to be negative. Exact to a few units of roundoff of the solids' sizes where the
-/// solids have edges, to 1e-10 of their sizes where they are round; no threshold is absolute.
+/// search ends at corners, sides and faces; to 1e-10 where cylinders or cones are apart, to 2e-8 where they overlap. No threshold is absolute.
 Separation separation(const Convex& a, const Convex& b, const SE3<double>& aMb, double beyond, bool touch_only);
 
 }  // namespace dyn

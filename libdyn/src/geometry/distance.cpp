@@ -34,11 +34,11 @@ void addVelocity(const CompactModel& model, Data& data, int joint, const Vec3<do
 
 Distance computeDistance(const GeometryModel& geometry, GeometryData& data, int pair) {
   checkPair(geometry.impl(), pair);
-  return distanceOf(geometry.impl(), data.impl(), pair, infinity);
+  return distanceOf(geometry.impl(), dataOf("computeDistance", geometry, data), pair, infinity);
 }
 
 const std::vector<Distance>& computeDistances(const GeometryModel& geometry, GeometryData& data) {
-  GeometryDataImpl& d = data.impl();
+  GeometryDataImpl& d = dataOf("computeDistances", geometry, data);
   d.distances.clear();
   for (std::size_t p = 0; p < geometry.impl().pairs.size(); ++p) d.distances.push_back(distanceOf(geometry.impl(), d, static_cast<int>(p), infinity));
   return d.distances;
@@ -46,7 +46,7 @@ const std::vector<Distance>& computeDistances(const GeometryModel& geometry, Geo
 
 Distance computeMinimumDistance(const GeometryModel& geometry, GeometryData& data) {
   const GeometryImpl& m = geometry.impl();
-  const GeometryDataImpl& d = data.impl();
+  const GeometryDataImpl& d = dataOf("computeMinimumDistance", geometry, data);
   Distance best;
   best.distance = infinity;
   const int n = static_cast<int>(m.pairs.size());
@@ -76,7 +76,7 @@ void computeDistanceDerivative(const CompactModel& model, Data& data, const Geom
     throw Error(ErrorCode::size, "computeDistanceDerivative: the derivative has " + std::to_string(derivative.size()) +
                                      " numbers; it needs nv = " + std::to_string(m.nv));
   std::fill_n(derivative.data(), m.nv, 0.0);
-  std::vector<double>& jacobian = geometry_data.impl().jacobian;
+  std::vector<double>& jacobian = dataOf("computeDistanceDerivative", geometry, geometry_data).jacobian;
   const auto [a, b] = m.pairs[at(distance.pair)];
   addVelocity(model, data, m.records[at(b)].joint, distance.nearest_b, distance.normal, jacobian, derivative.data());
   addVelocity(model, data, m.records[at(a)].joint, distance.nearest_a, -distance.normal, jacobian, derivative.data());

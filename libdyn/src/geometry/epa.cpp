@@ -8,6 +8,8 @@ namespace dyn {
 
 namespace {
 
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
 constexpr double u = std::numeric_limits<double>::epsilon();
 constexpr int most_points = 160;
 constexpr int most_faces = 2 * most_points;
@@ -40,26 +42,26 @@ class Polytope {
     const auto fromLine = [&](const Vec3<double>& w) { return norm(cross(along, w - point_[0].w)); };
     normal = {1, 0, 0};
     int second = farthest(1, fromPoint);
-    if (second < 0 || fromPoint(point_[second].w) <= flat) second = addFarthest(directions, 7, fromPoint);
-    if (fromPoint(point_[second].w) <= flat) return false;
-    std::swap(point_[1], point_[second]);
+    if (second < 0 || fromPoint(point_[at(second)].w) <= flat) second = addFarthest(directions, 7, fromPoint);
+    if (fromPoint(point_[at(second)].w) <= flat) return false;
+    std::swap(point_[1], point_[at(second)]);
     along = (1 / fromPoint(point_[1].w)) * (point_[1].w - point_[0].w);
     normal = across(along);
     int third = farthest(2, fromLine);
-    if (third < 0 || fromLine(point_[third].w) <= flat) {
+    if (third < 0 || fromLine(point_[at(third)].w) <= flat) {
       const Vec3<double> other = cross(along, normal);
       const Vec3<double> around[] = {normal, other, normal + other, normal - other};
       third = addFarthest(around, 4, fromLine);
     }
-    if (fromLine(point_[third].w) <= flat) return false;
-    std::swap(point_[2], point_[third]);
+    if (fromLine(point_[at(third)].w) <= flat) return false;
+    std::swap(point_[2], point_[at(third)]);
     normal = cross(along, point_[2].w - point_[0].w);
     normal = (1 / norm(normal)) * normal;
     const auto fromPlane = [&](const Vec3<double>& w) { return std::fabs(dot(normal, w - point_[0].w)); };
     int fourth = farthest(3, fromPlane);
-    if (fourth < 0 || fromPlane(point_[fourth].w) <= flat) fourth = addFarthest(&normal, 1, fromPlane);
-    if (fromPlane(point_[fourth].w) <= flat) return false;
-    std::swap(point_[3], point_[fourth]);
+    if (fourth < 0 || fromPlane(point_[at(fourth)].w) <= flat) fourth = addFarthest(&normal, 1, fromPlane);
+    if (fromPlane(point_[at(fourth)].w) <= flat) return false;
+    std::swap(point_[3], point_[at(fourth)]);
     points_ = 4;
     const bool above = dot(normal, point_[3].w - point_[0].w) > 0;
     const int b = above ? 2 : 1, c = above ? 1 : 2;
@@ -76,7 +78,7 @@ class Polytope {
   }
 
   int points() const { return points_; }
-  const Face& face(int i) const { return face_[static_cast<std::size_t>(i)]; }
+  const Face& face(int i) const { return face_[at(i)]; }
 
   int nearestFace() const {
     int best = -1;
@@ -112,27 +114,27 @@ class Polytope {
         const int index = freeFace();
         if (index < 0) return false;
         const int a = f.corner[i], b = f.corner[(i + 1) % 3];
-        Face& made = face_[static_cast<std::size_t>(index)];
+        Face& made = face_[at(index)];
         made = make(a, b, apex);
         if (!made.alive) return false;
         made.neighbour[0] = beyond;
-        starts_at_[static_cast<std::size_t>(a)] = index;
+        starts_at_[at(a)] = index;
         new_face_[made_++] = index;
       }
     }
     for (int k = 0; k < made_; ++k) {
-      Face& f = face_[static_cast<std::size_t>(new_face_[k])];
-      const int next = starts_at_[static_cast<std::size_t>(f.corner[1])];
+      Face& f = face_[at(new_face_[k])];
+      const int next = starts_at_[at(f.corner[1])];
       if (next < 0) return false;
       f.neighbour[1] = next;
-      face_[static_cast<std::size_t>(next)].neighbour[2] = new_face_[k];
-      Face& outer = face_[static_cast<std::size_t>(f.neighbour[0])];
+      face_[at(next)].neighbour[2] = new_face_[k];
+      Face& outer = face_[at(f.neighbour[0])];
       for (int i = 0; i < 3; ++i)
         if (outer.corner[i] == f.corner[1] && outer.corner[(i + 1) % 3] == f.corner[0]) outer.neighbour[i] = new_face_[k];
     }
-    for (int k = 0; k < made_; ++k) starts_at_[static_cast<std::size_t>(face(new_face_[k]).corner[0])] = -1;
+    for (int k = 0; k < made_; ++k) starts_at_[at(face(new_face_[k]).corner[0])] = -1;
     for (int k = 0; k < visible_; ++k) {
-      Face& f = face_[static_cast<std::size_t>(seen_[k])];
+      Face& f = face_[at(seen_[k])];
       f.alive = f.visible = false;
     }
     return true;
@@ -140,15 +142,15 @@ class Polytope {
 
  private:
   void add(const Difference::Point& p) {
-    starts_at_[static_cast<std::size_t>(points_)] = -1;
-    point_[static_cast<std::size_t>(points_++)] = p;
+    starts_at_[at(points_)] = -1;
+    point_[at(points_++)] = p;
   }
 
   template <class Measure>
   int farthest(int from, const Measure& measure) const {
     int best = -1;
     for (int i = from; i < points_; ++i)
-      if (best < 0 || measure(point_[static_cast<std::size_t>(i)].w) > measure(point_[static_cast<std::size_t>(best)].w)) best = i;
+      if (best < 0 || measure(point_[at(i)].w) > measure(point_[at(best)].w)) best = i;
     return best;
   }
   template <class Measure>
@@ -157,7 +159,7 @@ class Polytope {
     add(difference_.support(directions[0]));
     for (int k = 0; k < 2 * count; ++k) {
       const Difference::Point p = difference_.support(k < count ? directions[k] : -directions[k - count]);
-      if (measure(p.w) > measure(point_[static_cast<std::size_t>(index)].w)) point_[static_cast<std::size_t>(index)] = p;
+      if (measure(p.w) > measure(point_[at(index)].w)) point_[at(index)] = p;
     }
     return index;
   }
@@ -167,7 +169,7 @@ class Polytope {
     f.corner[0] = a;
     f.corner[1] = b;
     f.corner[2] = c;
-    const Vec3<double>&pa = at(a), &pb = at(b), &pc = at(c);
+    const Vec3<double>&pa = corner(a), &pb = corner(b), &pc = corner(c);
     const Vec3<double> n = cross(pb - pa, pc - pa);
     const double area = norm(n);
     f.alive = area > 0;
@@ -176,10 +178,10 @@ class Polytope {
     f.distance = dot(f.normal, pa);
     return f;
   }
-  const Vec3<double>& at(int i) const { return point_[static_cast<std::size_t>(i)].w; }
-  void link(int i, std::array<int, 3> neighbours) { std::copy(neighbours.begin(), neighbours.end(), face_[static_cast<std::size_t>(i)].neighbour); }
+  const Vec3<double>& corner(int i) const { return point_[at(i)].w; }
+  void link(int i, std::array<int, 3> neighbours) { std::copy(neighbours.begin(), neighbours.end(), face_[at(i)].neighbour); }
   void see(int i) {
-    face_[static_cast<std::size_t>(i)].visible = true;
+    face_[at(i)].visible = true;
     seen_[visible_++] = i;
   }
   int freeFace() {

@@ -1,4 +1,4 @@
-#include "geometry/geometry_impl.hpp"
+#include "geometry/queries.hpp"
 
 #include <dyn/algorithm/kinematics.hpp>
 
@@ -47,7 +47,7 @@ void updateGeometryPlacements(const CompactModel& model, const Data& data, const
   if (model.njoints() != m.joints)
     throw Error(ErrorCode::argument, "updateGeometryPlacements: the geometry was compiled for a model of " + std::to_string(m.joints) +
                                          " joints, this one has " + std::to_string(model.njoints()));
-  GeometryDataImpl& d = geometry_data.impl();
+  GeometryDataImpl& d = dataOf("updateGeometryPlacements", geometry, geometry_data);
   // Geometries of one body follow one another.
   int joint = -1;
   SE3<double> oMj;

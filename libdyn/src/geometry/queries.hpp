@@ -28,6 +28,14 @@ inline double sphereBound(const GeometryImpl& m, const GeometryDataImpl& d, int 
   return norm(d.center[i] - d.center[j]) - m.volumes[i]->radius() - m.volumes[j]->radius();
 }
 
+/// Data is of the geometry that it was made for, and of its copies.
+inline GeometryDataImpl& dataOf(const char* function, const GeometryModel& geometry, GeometryData& data) {
+  GeometryDataImpl& d = data.impl();
+  if (&d.model.impl() != &geometry.impl())
+    throw Error(ErrorCode::argument, std::string(function) + ": this GeometryData was made for another GeometryModel");
+  return d;
+}
+
 inline void checkPair(const GeometryImpl& m, int pair) {
   if (pair < 0 || static_cast<std::size_t>(pair) >= m.pairs.size())
     throw Error(ErrorCode::argument, "pair " + std::to_string(pair) + " does not exist; there are " + std::to_string(m.pairs.size()));

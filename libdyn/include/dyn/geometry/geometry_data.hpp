@@ -27,7 +27,8 @@ class DYN_API GeometryData {
 };
 
 /// Places all geometries by the joints' poses that the last forwardKinematics found. O(number of geometries that move).
-/// Throws Error(argument) if `data` belongs to a model with other joints.
+/// Throws Error(argument) if `model` has other joints, or the two geometries do not belong together. Volumes meet by their places in the world: a
+/// base 10^9 m away leaves them 1e-7 m.
 DYN_API void updateGeometryPlacements(const CompactModel& model, const Data& data, const GeometryModel& geometry, GeometryData& geometry_data);
 /// The same at q, with its forwardKinematics.
 DYN_API void updateGeometryPlacements(const CompactModel& model, Data& data, const GeometryModel& geometry, GeometryData& geometry_data,
