@@ -62,6 +62,13 @@ TEST_CASE("what is known, zero, one, or there already costs nothing", "[codegen]
         }) == 0);
 }
 
+TEST_CASE("a graph that grows beyond its bound is given up", "[codegen]") {
+  GraphBuilder builder(100);
+  Traced x = builder.input(), sum = x;
+  for (int i = 0; i < 1000; ++i) sum = sum * x + Traced(i + 2);
+  CHECK_THROWS_WITH(builder.finish({&sum, 1}), containing("more than 100 operations"));
+}
+
 TEST_CASE("derivatives as graphs are those of dual numbers, forward and in reverse", "[codegen]") {
   const Graph graph = sampleGraph();
   const JacobianGraph forward = differentiate(graph, Mode::forward), reverse = differentiate(graph, Mode::reverse);
@@ -76,6 +83,7 @@ TEST_CASE("derivatives as graphs are those of dual numbers, forward and in rever
     Eigen::MatrixXd J(outs, ins);
     for (int j = 0; j < ins; ++j) {
       std::vector<Dual<double>> in;
+      in.reserve(ins);
       for (int i = 0; i < ins; ++i) in.push_back({x[static_cast<std::size_t>(i)], i == j ? 1.0 : 0.0});
       const std::vector<Dual<double>> out = replay<Dual<double>>(graph, in);
       for (int i = 0; i < outs; ++i) J(i, j) = out[static_cast<std::size_t>(i)].d;

@@ -6,6 +6,7 @@
 #include <dyn/codegen/differentiate.hpp>
 #include <dyn/codegen/native.hpp>
 #include <dyn/parsers/urdf.hpp>
+#include <dyn/scalar/wide_dual.hpp>
 
 #include <sys/stat.h>
 
@@ -245,6 +246,28 @@ TEST_CASE("derivatives by graphs are the analytical ones", "[codegen]") {
         CHECK(difference(Eigen::Map<const Eigen::VectorXd>(block.data(), 49), expected[static_cast<std::size_t>(part)]) < 1e-12);
       }
     }
+  }
+}
+
+TEST_CASE("dual numbers of any width carry all directions through an algorithm at once", "[codegen]") {
+  const CompactModel model = compile(urdf::load(DYN_SOURCE_DIR "/models/arm.urdf"), registry());
+  constexpr int n = 7;
+  using Wide = WideDual<double, 3 * n>;
+  Random random(4);
+  const Eigen::VectorXd x = random.vector(3 * n, 1);
+  std::vector<Wide> in;
+  in.reserve(3 * n);
+  for (int i = 0; i < 3 * n; ++i) in.push_back(Wide::variable(x[i], i));
+  for (const std::string name : {"rnea", "aba"}) {
+    const std::vector<Wide> out = replay<Wide>(trace(model, name).graph, in);
+    const std::vector<Eigen::VectorXd> expected = byLibrary(name + "_derivatives", model, x.head(n), x.segment(n, n), x.tail(n));
+    for (int part = 0; part < 3; ++part)
+      for (int i = 0; i < n; ++i)
+        for (int k = 0; k < n; ++k)
+          CHECK(out[static_cast<std::size_t>(i)].d[static_cast<std::size_t>(n * part + k)] ==
+                approx(expected[static_cast<std::size_t>(part)][n * k + i])
+                    .epsilon(1e-10)
+                    .margin(1e-10 * expected[static_cast<std::size_t>(part)].norm()));
   }
 }
 

@@ -75,6 +75,7 @@ Model clutter(int bodies, int obstacles, std::uint64_t seed) {
       m.addGeometry("ground", 0, pose, g::HalfSpace{{0, 0, 1}, -1.5});
     } else if (i == 1) {
       std::vector<double> heights;
+      heights.reserve(36);
       for (int k = 0; k < 36; ++k) heights.push_back(random.uniform(-0.2, 0.2));
       m.addGeometry("field", 0, pose, heightField(6, 6, heights, -1, -1, 0.4, 0.4));
     } else if (i == 2) {
@@ -289,6 +290,7 @@ TEST_CASE("a mesh's distance is that of its nearest triangle, voxels' that of th
   Random random(6);
   const auto field = [&](int n) {
     std::vector<double> heights;
+    heights.reserve(static_cast<std::size_t>(n * n));
     for (int k = 0; k < n * n; ++k) heights.push_back(random.uniform(-0.3, 0.3));
     return heightField(n, n, heights, -1, -1, 2.0 / (n - 1), 2.0 / (n - 1));
   };

@@ -132,6 +132,7 @@ std::string writeCasadiSource(const std::vector<TracedFunction>& functions, bool
   };
   for (const TracedFunction& f : functions) {
     std::vector<std::string> patterns;
+    patterns.reserve(f.outputs.size());
     for (const ArgumentShape& a : f.outputs) patterns.push_back(compressed(a));
     add(f, {}, patterns);
     if (!jacobians) continue;

@@ -1,6 +1,9 @@
 #include <dyn/codegen/graph.hpp>
+#include <dyn/error.hpp>
 
 #include <bit>
+#include <limits>
+#include <string>
 #include <unordered_map>
 #include <utility>
 
@@ -57,6 +60,8 @@ struct GraphBuilder::Impl {
   std::unordered_map<Key, std::uint32_t, KeyHash> known;
   std::unordered_map<std::uint64_t, std::uint32_t> constants;  ///< by their bits
   int inputs = 0;
+  std::size_t most_nodes = 0;
+  bool full() const { return nodes.size() > most_nodes; }
 
   Traced traced(std::uint32_t node) const {
     const GraphNode& n = nodes[node];
@@ -141,7 +146,10 @@ struct GraphBuilder::Impl {
   Traced negate(const Traced& a) { return isNegation(a) ? argument(a, 0) : node(Operation::negate, a); }
 };
 
-GraphBuilder::GraphBuilder() : impl_(std::make_unique<Impl>()) { impl_->self = this; }
+GraphBuilder::GraphBuilder(std::size_t most_nodes) : impl_(std::make_unique<Impl>()) {
+  impl_->self = this;
+  impl_->most_nodes = most_nodes;
+}
 GraphBuilder::~GraphBuilder() = default;
 
 Traced GraphBuilder::input() {
@@ -151,6 +159,8 @@ Traced GraphBuilder::input() {
 
 Traced GraphBuilder::record(Operation operation, const Traced& a, const Traced& b, const Traced& c, const Traced& d) noexcept {
   Impl& g = *impl_;
+  // A plugin's code may be on the way, which must not see an exception: known numbers bring it to its end soon.
+  if (g.full()) return std::numeric_limits<double>::quiet_NaN();
   switch (operation) {
     case Operation::add:
       return g.add(a, b);
@@ -178,6 +188,9 @@ Traced GraphBuilder::record(Operation operation, const Traced& a, const Traced& 
 
 Graph GraphBuilder::finish(std::span<const Traced> results) const {
   Impl& g = *impl_;
+  if (g.full())
+    throw Error(ErrorCode::size, "the function has more than " + std::to_string(g.most_nodes) +
+                                     " operations; what grows as the square of a long chain is better computed than generated");
   Graph out;
   out.inputs = g.inputs;
   std::vector<std::uint32_t> ends;

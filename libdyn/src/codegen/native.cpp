@@ -192,12 +192,14 @@ const CompiledFunction& CompiledModel::function(const std::string& name) const {
 CompiledModel compileNative(const std::vector<TracedFunction>& functions, const NativeOptions& options) {
   const ObjectCache cache(options.cache);
   std::vector<CompiledFunction> out;
+  out.reserve(functions.size());
   for (const TracedFunction& f : functions) out.push_back(make(f, cache, options));
   return CompiledModel(std::move(out));
 }
 
 CompiledModel compileNative(const CompactModel& model, const std::vector<std::string>& functions, const NativeOptions& options) {
   std::vector<TracedFunction> traced;
+  traced.reserve(functions.size());
   for (const std::string& f : functions) {
     if (options.progress) options.progress("tracing " + f);
     traced.push_back(trace(model, f));

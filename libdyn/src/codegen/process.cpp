@@ -19,6 +19,7 @@ ProcessResult runProcess(const std::vector<std::string>& command, double seconds
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) return result;
   std::vector<char*> arguments;
+  arguments.reserve(command.size() + 1);
   for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);
   posix_spawn_file_actions_t actions;

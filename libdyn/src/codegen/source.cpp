@@ -58,7 +58,7 @@ class Writer {
         out += "  " + qualifier + "T* const " + a.name + "_ = (" + qualifier + "T*)" + a.name + ";\n";
       }
     if (slots_ > 0) out += "  T w[" + std::to_string(slots_) + "];\n";
-    if (angles_.size() > 0) {
+    if (!angles_.empty()) {
       // Sines come in whole vectors, the last one filled up.
       constexpr std::size_t width = 16;
       const std::string count = std::to_string((angles_.size() + width - 1) / width * width);

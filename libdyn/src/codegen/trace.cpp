@@ -375,7 +375,11 @@ TracedFunction trace(const CompactModel& model, const std::string& function) {
   out.outputs = recipe->outputs(m);
   Numbers results;
   recipe->run(m, tracer, in, results);
-  out.graph = tracer.builder.finish(results);
+  try {
+    out.graph = tracer.builder.finish(results);
+  } catch (const Error& e) {
+    throw Error(e.code(), function + " of this model: " + e.what());
+  }
   return out;
 }
 

@@ -6,7 +6,7 @@
 #include <fcl/geometry/shape/sphere.h>
 #include <fcl/narrowphase/collision_object.h>
 
-#include <cstdint>
+#include <algorithm>
 #include <limits>
 #include <vector>
 
@@ -32,17 +32,21 @@ fcl::AABBd boxOf(const Bounds& b) {
 /// FCL's tree asks an object for nothing but its box, which we set ourselves: around a turned object ours is smaller.
 class Box : public fcl::CollisionObjectd {
  public:
-  explicit Box(int number) : fcl::CollisionObjectd(nullptr) {
+  explicit Box(int number) : fcl::CollisionObjectd(nullptr), number_(number) {
     // The tree asks for the kind of shape, but not for the shape. All share one, set past the constructor, which would write into it.
     static const std::shared_ptr<fcl::CollisionGeometryd> any = std::make_shared<fcl::Sphered>(1.0);
     cgeom = any;
     cgeom_const = any;
-    setUserData(reinterpret_cast<void*>(static_cast<std::intptr_t>(number)));
   }
   void place(const fcl::AABBd& box) { aabb = box; }
+  int number() const { return number_; }
+
+ private:
+  int number_;
 };
 
-int numberOf(const fcl::CollisionObjectd* object) { return static_cast<int>(reinterpret_cast<std::intptr_t>(object->getUserData())); }
+/// All objects of the trees are boxes.
+int numberOf(const fcl::CollisionObjectd* object) { return static_cast<const Box*>(object)->number(); }
 
 }  // namespace
 

@@ -38,6 +38,7 @@ std::vector<Vec3<double>> hullCorners(const std::vector<Vec3<double>>& points) {
 
   std::sort(corners.begin(), corners.end());  // the order of the description, not of qhull's memory
   std::vector<Vec3<double>> hull;
+  hull.reserve(corners.size());
   for (const int i : corners) hull.push_back(points[static_cast<std::size_t>(i)]);
   return hull;
 }

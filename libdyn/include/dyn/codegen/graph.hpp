@@ -38,11 +38,14 @@ struct Graph {
   DYN_API OperationCounts count() const;
 };
 
+/// Nodes that a graph may have before it is given up: two million are 50 MB here, and more than compilers take in an hour.
+inline constexpr std::size_t most_graph_nodes = std::size_t{1} << 21;
+
 /// Makes a graph: each operation once, constants folded, products with 0, 1 and -1 and sums with 0 left out (numbers are taken to be finite),
 /// signs moved to where they cost least.
 class DYN_API GraphBuilder final : public Recorder {
  public:
-  GraphBuilder();
+  explicit GraphBuilder(std::size_t most_nodes = most_graph_nodes);
   ~GraphBuilder();
   GraphBuilder(const GraphBuilder&) = delete;
   GraphBuilder& operator=(const GraphBuilder&) = delete;
@@ -50,7 +53,8 @@ class DYN_API GraphBuilder final : public Recorder {
   /// The next input, a value that is not known.
   Traced input();
   Traced record(Operation operation, const Traced& a, const Traced& b, const Traced& c, const Traced& d) noexcept override;
-  /// The graph of these results. What does not lead to one is left out.
+  /// The graph of these results. What does not lead to one is left out. Throws Error(size) if there were more nodes than allowed: from then on
+  /// nothing was recorded.
   Graph finish(std::span<const Traced> results) const;
 
  private:
@@ -58,7 +62,7 @@ class DYN_API GraphBuilder final : public Recorder {
   std::unique_ptr<Impl> impl_;
 };
 
-/// The graph of f(in, out), run once on values that are not known. Throws what f throws.
+/// The graph of f(in, out), run once on values that are not known. Throws what f throws, and as finish().
 DYN_API Graph traceFunction(int inputs, int outputs, const std::function<void(const Traced* in, Traced* out)>& f);
 
 // Replaying. S has the arithmetic operators, is made from double, and its namespace has sqrt, sin, cos, tan, exp, log, atan2, abs as far as the

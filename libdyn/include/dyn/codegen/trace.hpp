@@ -30,7 +30,8 @@ DYN_API const std::vector<std::string>& traceableFunctions();
 /// Runs an algorithm once on values that are not known. Results are those of the function of the same name (minverse is computeMinverse,
 /// gravity generalizedGravity), but what that checks: quaternions and pivots of zero give NaN or infinity here. Joints' and frames' poses are 12
 /// numbers a column: rotation, row after row, and position. Throws Error(argument) for a name that is not known, Error(model) for a model with joints
-/// that follow others, Error(joint_type) for a type whose plugin cannot be traced, naming it and what to do.
+/// that follow others, Error(joint_type) for a type whose plugin cannot be traced, naming it and what to do, Error(size) for
+/// more than most_graph_nodes operations.
 DYN_API TracedFunction trace(const CompactModel& model, const std::string& function);
 
 }  // namespace dyn
