@@ -10,7 +10,7 @@ extern const ConstraintKernels scalar_constraints, baseline_constraints;
 const Kernels scalar{"scalar", layoutStamp(), singleKernels<double>(), blockKernels<double>(), blockKernels<float>(), &scalar_constraints};
 
 #if DYN_HAS_PACKS
-const Kernels baseline{xsimd::default_arch::name(), layoutStamp(), singleKernels<Pack<double>>(), blockKernels<Pack<double>>(),
+const Kernels baseline{xsimd::default_arch::name(), layoutStamp(),        singleKernels<Pack<double>>(), blockKernels<Pack<double>>(),
                        blockKernels<Pack<float>>(), &baseline_constraints};
 #else
 const Kernels baseline = scalar;

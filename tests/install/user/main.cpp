@@ -1,4 +1,5 @@
-// A user's program: a robot from a file, its dynamics there and back, what it bumps into. Prints a result that must not depend on how it was compiled.
+// A user's program: a robot from a file, its dynamics there and back, what it bumps into. Prints a result that must not depend on how it was
+// compiled.
 #include <dyn/dyn.hpp>
 #include <dyn/geometry/collision.hpp>
 #include <dyn/geometry/distance.hpp>

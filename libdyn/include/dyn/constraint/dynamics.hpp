@@ -41,8 +41,8 @@ struct ConstrainedViews {
   double residual;
   int rank, iterations;
 };
-DYN_API ConstrainedViews constraintDynamics(const CompactModel&, Data&, VectorView q, VectorView v, VectorView tau, ConstraintData&,
-                                            ConstraintMethod, const Force<double>* fext, std::size_t count);
+DYN_API ConstrainedViews constraintDynamics(const CompactModel&, Data&, VectorView q, VectorView v, VectorView tau, ConstraintData&, ConstraintMethod,
+                                            const Force<double>* fext, std::size_t count);
 DYN_API ConstrainedViews impulseDynamics(const CompactModel&, Data&, VectorView q, VectorView v, double restitution, ConstraintData&);
 struct ConstraintMotionViews {
   const double *velocity, *bias, *error;
