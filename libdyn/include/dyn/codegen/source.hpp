@@ -13,7 +13,7 @@ struct SourceOptions {
   /// States a call computes side by side: 1, or a power of two. With more than one, argument x of n numbers is x[n][lanes].
   int lanes = 1;
   /// Operations a function at most; longer ones are cut into pieces, for the compiler's sake.
-  int piece = 4000;
+  int piece = 2000;
   std::string prefix;  ///< of all names
 };
 
