@@ -112,14 +112,16 @@ void learn(const CollideOptions& o, const Model& description) {
   const std::vector<GeometryRecord>& records = geometry.geometries();
   const auto bodies = [&](int pair) {
     const CollisionPair& p = geometry.pairs()[static_cast<std::size_t>(pair)];
-    return std::pair(records[static_cast<std::size_t>(p.a)].body, records[static_cast<std::size_t>(p.b)].body);
+    // In one order, whichever of their geometries comes first.
+    const std::string &a = records[static_cast<std::size_t>(p.a)].body, &b = records[static_cast<std::size_t>(p.b)].body;
+    return a < b ? std::pair(a, b) : std::pair(b, a);
   };
   std::map<std::pair<std::string, std::string>, int> collisions;
   for (std::size_t p = 0; p < geometry.pairs().size(); ++p) collisions[bodies(static_cast<int>(p))] = 0;
   GeometryData geometry_data(geometry);
   Data data(model);
-  for (const State& s : randomStates(model, o.learn, o.seed)) {
-    updateGeometryPlacements(model, data, geometry, geometry_data, s.q);
+  for (int k = 0; k < o.learn; ++k) {
+    updateGeometryPlacements(model, data, geometry, geometry_data, randomConfiguration(model, o.seed + static_cast<std::uint64_t>(k)));
     std::set<std::pair<std::string, std::string>> hit;
     for (const int pair : computeCollisions(geometry, geometry_data)) hit.insert(bodies(pair));
     for (const auto& pair : hit) ++collisions[pair];
