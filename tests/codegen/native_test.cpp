@@ -296,6 +296,30 @@ TEST_CASE("a cache that is damaged or not this user's alone is made anew or refu
   CHECK_THROWS_WITH(cached(), containing("nobody else can write"));
 }
 
+TEST_CASE("processes that compile the same at once both get it, and leave one entry", "[codegen]") {
+  if (!fs::exists(DYN_BINARY_DIR "/bin/dyn")) {
+    WARN("skipped: the command dyn is not built");
+    return;
+  }
+  const Cache cache;
+  const std::string command = "LIBDYN_CACHE='" + cache.path.string() +
+                              "' '" DYN_BINARY_DIR "/bin/dyn' codegen '" DYN_SOURCE_DIR
+                              "/models/arm.urdf' --functions crba --compile >/dev/null 2>&1";
+  CHECK(std::system(("for i in 1 2 3 4; do (" + command + "; echo $? >'" + cache.path.string() + "/code'$i) & done; wait").c_str()) == 0);
+  for (const char* i : {"1", "2", "3", "4"}) {
+    int code = -1;
+    std::ifstream(cache.path / ("code" + std::string(i))) >> code;
+    CHECK(code == 0);
+  }
+  int objects = 0;
+  for (const auto& entry : fs::directory_iterator(cache.path)) objects += entry.path().extension() == ".so" ? 1 : 0;
+  CHECK(objects == 1);
+  CHECK(std::system(("LIBDYN_CACHE='" + cache.path.string() +
+                     "' '" DYN_BINARY_DIR "/bin/dyn' codegen '" DYN_SOURCE_DIR
+                     "/models/arm.urdf' --functions crba --compile 2>/dev/null | grep -q 'from the cache'")
+                        .c_str()) == 0);
+}
+
 TEST_CASE("what cannot be compiled says why, and the library goes on", "[codegen]") {
   const Cache cache;
   const CompactModel model = compile(urdf::load(DYN_SOURCE_DIR "/models/four_bar.urdf"), registry());
