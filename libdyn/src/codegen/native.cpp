@@ -1,13 +1,11 @@
 #include "codegen/cache.hpp"
 #include "codegen/process.hpp"
+#include "joint/loader.hpp"
 
 #include <dyn/codegen/native.hpp>
 #include <dyn/error.hpp>
 
-#include <boost/dll/shared_library.hpp>
-
 #include <cstdlib>
-#include <deque>
 #include <fstream>
 #include <map>
 #include <mutex>
@@ -59,21 +57,8 @@ std::string processor() {
   std::ifstream info("/proc/cpuinfo");
   std::string line;
   while (std::getline(info, line))
-    if (line.compare(0, 5, "flags") == 0 || line.compare(0, 8, "Features") == 0) return line;
+    if (line.starts_with("flags") || line.starts_with("Features")) return line;
   return "";
-}
-
-/// Libraries are never closed: copies of functions may be anywhere.
-void* symbolOf(const std::string& path) {
-  static std::mutex mutex;
-  static auto& all = *new std::deque<boost::dll::shared_library>;
-  boost::dll::shared_library library;
-  boost::dll::fs::error_code error;
-  library.load(path, static_cast<boost::dll::load_mode::type>(boost::dll::load_mode::rtld_now | boost::dll::load_mode::rtld_local), error);
-  if (error || !library.has("dyn_call")) return nullptr;
-  const std::lock_guard lock(mutex);
-  all.push_back(std::move(library));
-  return reinterpret_cast<void*>(&all.back().get<void(const void* const*, void* const*)>("dyn_call"));
 }
 
 class Workshop {
@@ -132,12 +117,12 @@ CompiledFunction make(const TracedFunction& f, const ObjectCache& cache, const N
   impl->plain = options.lanes == 1 && !options.single_precision;
   std::string object = cache.find(key);
   impl->cached = !object.empty();
-  void* symbol = impl->cached ? symbolOf(object) : nullptr;
+  void* symbol = impl->cached ? openFunction(object, "dyn_call") : nullptr;
   if (symbol == nullptr) {
     impl->cached = false;
     if (options.progress) options.progress("compiling " + f.name + ", " + std::to_string(operations) + " operations");
     object = compileSource(cache, key, text, command, f, options);
-    symbol = symbolOf(object);
+    symbol = openFunction(object, "dyn_call");
   }
   if (symbol == nullptr) throw Error(ErrorCode::compiler, "'" + f.name + "' was compiled but cannot be loaded", {object, 0, ""});
   impl->code = reinterpret_cast<void (*)(const void* const*, void* const*)>(symbol);

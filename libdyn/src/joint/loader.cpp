@@ -44,7 +44,9 @@ void compareStamps(const dyn_plugin_stamp& theirs, const std::string& path) {
   if (theirs.layout != ours.layout) differ("layout stamp", std::to_string(theirs.layout), std::to_string(ours.layout));
 }
 
-/// Libraries are never closed: types, and models made of them, may be anywhere.
+constexpr auto load_mode = static_cast<boost::dll::load_mode::type>(boost::dll::load_mode::rtld_now | boost::dll::load_mode::rtld_local);
+
+/// Libraries are never closed: types, models made of them, and copies of functions may be anywhere.
 boost::dll::shared_library& keep(boost::dll::shared_library library) {
   static std::mutex mutex;
   static auto& all = *new std::deque<boost::dll::shared_library>;
@@ -62,11 +64,10 @@ const dyn_plugin_descriptor& openPlugin(const std::string& path, Trust trust) {
   if (!fs::is_regular_file(file)) refuse(path, "is not a file");
   if (trust == Trust::owner_only) checkPermissions(file, path);
 
-  using boost::dll::load_mode::type;
   boost::dll::shared_library opened;
   std::string reason = trialLoad(file.string());
   if (reason.empty()) try {
-      opened.load(file.string(), static_cast<type>(boost::dll::load_mode::rtld_now | boost::dll::load_mode::rtld_local));
+      opened.load(file.string(), load_mode);
     } catch (const std::exception& e) {
       reason = e.what();
     }
@@ -84,6 +85,13 @@ const dyn_plugin_descriptor& openPlugin(const std::string& path, Trust trust) {
   if (descriptor == nullptr) refuse(path, "describes nothing");
   compareStamps(descriptor->stamp, path);
   return *descriptor;
+}
+
+void* openFunction(const std::string& path, const std::string& name) {
+  boost::dll::fs::error_code error;
+  boost::dll::shared_library opened(path, load_mode, error);
+  if (error || !opened.has(name)) return nullptr;
+  return reinterpret_cast<void*>(&keep(std::move(opened)).get<void()>(name));
 }
 
 std::string builtinPluginDirectory() {
