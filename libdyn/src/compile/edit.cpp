@@ -185,6 +185,15 @@ Model append(const Model& model, const Model& other, const std::string& at, cons
     if (!names.insert(name).second) throw Error(ErrorCode::model, "append: '" + name + "' would be there twice; give the copy a prefix");
   };
   const int offset = static_cast<int>(out.bodies.size()) - 1;
+  // What hung on the copy's world hangs where the copy does.
+  const auto rehang = [&](int& body, SE3<double>& X) {
+    if (body == 0) {
+      X = pose * X;
+      body = carrier;
+    } else {
+      body += offset;
+    }
+  };
   for (std::size_t i = 1; i < other.bodies.size(); ++i) {
     BodyDescription body = other.bodies[i];
     body.name = prefix + body.name;
@@ -192,23 +201,13 @@ Model append(const Model& model, const Model& other, const std::string& at, cons
     if (!body.joint.coupling.type.empty()) body.joint.coupling.master = prefix + body.joint.coupling.master;
     unique(bodies, body.name);
     unique(joints, body.joint.name);
-    if (body.parent == 0) {
-      body.parent = carrier;
-      body.joint.placement = pose * body.joint.placement;
-    } else {
-      body.parent += offset;
-    }
+    rehang(body.parent, body.joint.placement);
     out.bodies.push_back(std::move(body));
   }
   for (FrameDescription frame : other.frames) {
     frame.name = prefix + frame.name;
     unique(bodies, frame.name);
-    if (frame.body == 0) {
-      frame.placement = pose * frame.placement;
-      frame.body = carrier;
-    } else {
-      frame.body += offset;
-    }
+    rehang(frame.body, frame.placement);
     out.frames.push_back(std::move(frame));
   }
   std::unordered_set<std::string> names;
@@ -224,12 +223,7 @@ Model append(const Model& model, const Model& other, const std::string& at, cons
   for (GeometryDescription g : other.geometries) {
     g.name = prefix + g.name;
     unique(names, g.name);
-    if (g.body == 0) {
-      g.placement = pose * g.placement;
-      g.body = carrier;
-    } else {
-      g.body += offset;
-    }
+    rehang(g.body, g.placement);
     out.geometries.push_back(std::move(g));
   }
   for (const DisabledCollision& d : other.disabled_collisions) out.disabled_collisions.push_back({prefix + d.body, prefix + d.other, d.reason});
