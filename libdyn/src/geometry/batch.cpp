@@ -1,9 +1,9 @@
 #include "data/workers.hpp"
 #include "geometry/geometry_impl.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <mutex>
 #include <string>
 
 namespace dyn {
@@ -16,14 +16,13 @@ struct GeometryBatchImpl {
     std::ptrdiff_t failed = -1;  ///< first state that could not be computed
   };
   GeometryModel geometry;
-  int capacity;
   std::vector<Scratch> scratch;
   Workers workers;
   std::vector<unsigned char> flags;
   std::atomic<std::ptrdiff_t> next{0};
 
   GeometryBatchImpl(const CompactModel& model, const GeometryModel& g, int states, int threads)
-      : geometry(g), capacity(states), workers(threads), flags(static_cast<std::size_t>(states)) {
+      : geometry(g), workers(threads), flags(static_cast<std::size_t>(states)) {
     for (int i = 0; i < threads; ++i) scratch.push_back({Data(model), GeometryData(g, 0), "", -1});
   }
 };
@@ -37,15 +36,15 @@ GeometryBatch::GeometryBatch(const CompactModel& model, const GeometryModel& geo
 GeometryBatch::~GeometryBatch() = default;
 GeometryBatch::GeometryBatch(GeometryBatch&&) noexcept = default;
 GeometryBatch& GeometryBatch::operator=(GeometryBatch&&) noexcept = default;
-int GeometryBatch::capacity() const { return impl_->capacity; }
+int GeometryBatch::capacity() const { return static_cast<int>(impl_->flags.size()); }
 
 namespace detail {
 
 const unsigned char* batchCollisions(const CompactModel& model, GeometryBatch& batch, StatesView<double> q) {
   GeometryBatchImpl& b = batch.impl();
-  if (q.rows != model.nq() || q.cols > b.capacity)
+  if (q.rows != model.nq() || q.cols > batch.capacity())
     throw Error(ErrorCode::size, "computeCollisions: Q is " + std::to_string(q.rows) + " x " + std::to_string(q.cols) + "; it needs nq = " +
-                                     std::to_string(model.nq()) + " rows and at most " + std::to_string(b.capacity) + " columns");
+                                     std::to_string(model.nq()) + " rows and at most " + std::to_string(batch.capacity()) + " columns");
   // States cost very differently: whoever is done takes the next few.
   constexpr std::ptrdiff_t share = 16;
   b.next = 0;

@@ -79,27 +79,32 @@ void Broadphase::update() {
   tree_->registered = true;
 }
 
-void Broadphase::meeting(const Bounds& bounds, Found found, void* context) const {
+namespace {
+/// A function and what it was made of, for FCL to carry.
+template <class Found>
+struct Call {
+  Found found;
+  const void* context;
+};
+}  // namespace
+
+void Broadphase::askMeeting(const Bounds& bounds, void (*found)(const void* context, int box), const void* context) const {
   Box asked(-1);
   asked.place(boxOf(bounds));
-  struct Call {
-    Found found;
-    void* context;
-  } call{found, context};
+  Call<decltype(found)> call{found, context};
   tree_->manager.collide(&asked, &call, [](fcl::CollisionObjectd* a, fcl::CollisionObjectd* b, void* data) {
-    const Call& c = *static_cast<Call*>(data);
-    return !c.found(c.context, std::max(numberOf(a), numberOf(b)));
+    const auto& c = *static_cast<Call<decltype(found)>*>(data);
+    c.found(c.context, std::max(numberOf(a), numberOf(b)));
+    return false;  // goes on
   });
 }
 
-void Broadphase::pairs(FoundPair found, void* context) const {
-  struct Call {
-    FoundPair found;
-    void* context;
-  } call{found, context};
+void Broadphase::askPairs(void (*found)(const void* context, int a, int b), const void* context) const {
+  Call<decltype(found)> call{found, context};
   tree_->manager.collide(&call, [](fcl::CollisionObjectd* a, fcl::CollisionObjectd* b, void* data) {
-    const Call& c = *static_cast<Call*>(data);
-    return !c.found(c.context, numberOf(a), numberOf(b));
+    const auto& c = *static_cast<Call<decltype(found)>*>(data);
+    c.found(c.context, numberOf(a), numberOf(b));
+    return false;
   });
 }
 

@@ -20,14 +20,22 @@ class Broadphase {
   /// After boxes have been placed, before they are looked for.
   void update();
 
-  /// Calls found(context, box) for each box that meets `bounds`; stops when it returns false.
-  using Found = bool (*)(void* context, int box);
-  void meeting(const Bounds& bounds, Found found, void* context) const;
-  /// Calls found(context, a, b) for each two boxes that meet.
-  using FoundPair = bool (*)(void* context, int a, int b);
-  void pairs(FoundPair found, void* context) const;
+  /// Calls found(box) for each box that meets `bounds`.
+  template <class Found>
+  void meeting(const Bounds& bounds, const Found& found) const {
+    askMeeting(
+        bounds, [](const void* context, int box) { (*static_cast<const Found*>(context))(box); }, &found);
+  }
+  /// Calls found(a, b) for each two boxes that meet.
+  template <class Found>
+  void pairs(const Found& found) const {
+    askPairs([](const void* context, int a, int b) { (*static_cast<const Found*>(context))(a, b); }, &found);
+  }
 
  private:
+  void askMeeting(const Bounds& bounds, void (*found)(const void* context, int box), const void* context) const;
+  void askPairs(void (*found)(const void* context, int a, int b), const void* context) const;
+
   struct Tree;
   std::unique_ptr<Tree> tree_;
 };

@@ -18,36 +18,19 @@ bool collidesBySpheres(const GeometryImpl& m, const GeometryDataImpl& d, int pai
 
 const std::vector<int>& nearPairs(const GeometryImpl& m, GeometryDataImpl& d) {
   d.near_pairs = m.unbounded;
-  struct Finder {
-    const GeometryImpl& m;
-    std::vector<int>& pairs;
-    int moving;
-    void add(int other) {
-      if (const int pair = m.pairOf(moving, other); pair >= 0) pairs.push_back(pair);
-    }
-  } finder{m, d.near_pairs, 0};
+  const auto add = [&](int a, int b) {
+    if (const int pair = m.pairOf(a, b); pair >= 0) d.near_pairs.push_back(pair);
+  };
   for (const int g : m.moving) {
     if (!m.volumes[at(g)]->bounded() || m.volumes[at(g)]->empty()) continue;
-    finder.moving = g;
+    const auto found = [&](int other) { add(g, other); };
     if (m.still_tree) {
-      const auto found = [](void* context, int other) {
-        static_cast<Finder*>(context)->add(other);
-        return true;
-      };
-      m.still_tree->meeting(d.bounds[at(g)], found, &finder);
+      m.still_tree->meeting(d.bounds[at(g)], found);
     } else {
-      m.still_boxes.meeting(d.bounds[at(g)], [&](int other) { finder.add(other); });
+      m.still_boxes.meeting(d.bounds[at(g)], found);
     }
   }
-  if (d.moving) {
-    const auto found = [](void* context, int a, int b) {
-      Finder& f = *static_cast<Finder*>(context);
-      f.moving = a;
-      f.add(b);
-      return true;
-    };
-    d.moving->pairs(found, &finder);
-  }
+  if (d.moving) d.moving->pairs(add);
   for (const int pair : m.listed) {
     const auto [a, b] = m.pairs[at(pair)];
     if (d.bounds[at(a)].meets(d.bounds[at(b)])) d.near_pairs.push_back(pair);
@@ -85,25 +68,14 @@ const std::vector<int>& computeCollisions(const GeometryModel& geometry, Geometr
 const std::vector<Contact>& computeContacts(const GeometryModel& geometry, GeometryData& data) {
   GeometryDataImpl& d = dataOf("computeContacts", geometry, data);
   d.contacts.clear();
-  struct Collector {
-    std::vector<Contact>& contacts;
-    const SE3<double>* oMa;
-    int pair;
-  } collector{d.contacts, nullptr, 0};
   for (const int pair : nearPairs(geometry.impl(), d)) {
     if (sphereBound(geometry.impl(), d, pair) > 0) continue;
     const PlacedPair p = placed(geometry.impl(), d, pair);
-    collector.oMa = &p.oMa;
-    collector.pair = pair;
-    contacts(
-        p.a, p.b, p.aMb,
-        [](void* context, const Separation& s) {
-          Collector& c = *static_cast<Collector*>(context);
-          if (c.contacts.size() == c.contacts.capacity()) return false;
-          c.contacts.push_back({c.pair, c.oMa->act(0.5 * (s.on_a + s.on_b)), c.oMa->R * s.normal, -s.distance});
-          return true;
-        },
-        &collector);
+    contacts(p.a, p.b, p.aMb, [&](const Separation& s) {
+      if (d.contacts.size() == d.contacts.capacity()) return false;
+      d.contacts.push_back({pair, p.oMa.act(0.5 * (s.on_a + s.on_b)), p.oMa.R * s.normal, -s.distance});
+      return true;
+    });
   }
   return d.contacts;
 }

@@ -189,7 +189,6 @@ class Compiler {
       out_->index[c.description->name] = kept[i];
       out_->records.push_back({c.description->name, bodyOf(*c.description), c.joint, c.placement});
       out_->volumes.push_back(loader_.load(*c.description));
-      out_->still_placement.push_back(c.joint == 0 ? c.placement : SE3<double>{});
       if (c.joint != 0) out_->moving.push_back(kept[i]);
       unread.erase(uriOf(*c.description));
     }
@@ -219,7 +218,7 @@ class Compiler {
     std::vector<int> still;
     for (std::size_t g = 0; g < asked.size(); ++g)
       if (asked[g] && !out_->volumes[g]->empty()) still.push_back(static_cast<int>(g));
-    const auto boxOf = [&](int g) { return moved(out_->volumes[at(g)]->bounds(), out_->still_placement[at(g)]); };
+    const auto boxOf = [&](int g) { return moved(out_->volumes[at(g)]->bounds(), out_->records[at(g)].placement); };
     if (static_cast<int>(still.size()) < still_for_tree) {
       for (const int g : still) out_->still_boxes.add(g, boxOf(g));
     } else {

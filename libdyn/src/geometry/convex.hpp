@@ -88,9 +88,6 @@ struct Difference {
 
 inline double norm(const Vec3<double>& x) { return std::sqrt(dot(x, x)); }
 
-/// A unit vector across n.
-Vec3<double> across(const Vec3<double>& n);
-
 /// Signed distance of two solids. `beyond`: once it is sure to be larger than this, any distance that is may be returned.
 /// `touch_only`: so may any negative distance once it is sure to be negative. Exact to a few units of roundoff of the solids' sizes where the
 /// search ends at corners, sides and faces; to 1e-10 where cylinders or cones are apart, to 2e-8 where they overlap. No threshold is absolute.

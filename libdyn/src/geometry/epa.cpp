@@ -25,6 +25,14 @@ struct Face {
   bool alive = false, visible = false;
 };
 
+/// A unit vector across n.
+Vec3<double> across(const Vec3<double>& n) {
+  const double x = std::fabs(n.x), y = std::fabs(n.y), z = std::fabs(n.z);
+  const Vec3<double> other = x <= y && x <= z ? Vec3<double>{1, 0, 0} : y <= z ? Vec3<double>{0, 1, 0} : Vec3<double>{0, 0, 1};
+  const Vec3<double> c = cross(n, other);
+  return (1 / norm(c)) * c;
+}
+
 /// A convex polytope that grows inside of the difference.
 class Polytope {
  public:
@@ -201,17 +209,6 @@ class Polytope {
   int new_face_[most_faces];
 };
 
-}  // namespace
-
-Vec3<double> across(const Vec3<double>& n) {
-  const double x = std::fabs(n.x), y = std::fabs(n.y), z = std::fabs(n.z);
-  const Vec3<double> other = x <= y && x <= z ? Vec3<double>{1, 0, 0} : y <= z ? Vec3<double>{0, 1, 0} : Vec3<double>{0, 0, 1};
-  const Vec3<double> c = cross(n, other);
-  return (1 / norm(c)) * c;
-}
-
-namespace {
-
 /// The normal along which the polytope says the solids part soonest, and how soon.
 void search(const Difference& difference, Polytope& polytope, double size, Penetration& out) {
   out.depth = std::numeric_limits<double>::infinity();
@@ -238,12 +235,9 @@ void refine(const Difference& difference, double size, Penetration& out) {
     parted.p += shift;
     const GjkResult r = gjk({difference.a, difference.b, parted}, std::numeric_limits<double>::infinity());
     if (r.overlap) return;
-    out.on_a = out.on_b = {};
-    for (int i = 0; i < r.simplex.count; ++i) {
-      out.on_a += r.simplex.weight[i] * r.simplex.points[i].on_a;
-      out.on_b += r.simplex.weight[i] * r.simplex.points[i].on_b;
-    }
-    out.on_b -= shift;
+    const Difference::Point nearest = r.simplex.nearest();
+    out.on_a = nearest.on_a;
+    out.on_b = nearest.on_b - shift;
     const Vec3<double> normal = (-1 / norm(r.v)) * r.v;
     const double reach = dot(normal, difference.support(normal).w);
     const bool settled = !(out.depth - reach > 4 * u * size);

@@ -20,9 +20,8 @@ GeometryDataImpl::GeometryDataImpl(const GeometryModel& geometry, int most_conta
   contacts.reserve(at(most_contacts));
   distances.reserve(m.pairs.size());
   jacobian.resize(6 * at(m.nv));
-  for (std::size_t g = 0; g < n; ++g)
-    if (m.records[g].joint == 0) place(static_cast<int>(g), m.still_placement[g]);
-  for (const int g : m.moving) place(g, m.records[at(g)].placement);
+  // Right for what stands still, whose joint is the universe; somewhere for the rest.
+  for (std::size_t g = 0; g < n; ++g) place(static_cast<int>(g), m.records[g].placement);
 }
 
 void GeometryDataImpl::place(int geometry, const SE3<double>& oMg) {

@@ -21,8 +21,7 @@ struct GeometryImpl {
   std::vector<int> pairs_of;                           ///< pairs whose first is a: from pairs_of[a] up to pairs_of[a + 1]
   int joints = 0, nv = 0;
 
-  std::vector<int> moving;                   ///< geometries of joints that are not the universe
-  std::vector<SE3<double>> still_placement;  ///< by geometry, of those that stand still
+  std::vector<int> moving;  ///< geometries of joints that are not the universe
   /// Boxes of what stands still and is bounded: side by side where they are few, in a tree where they are many; numbers are geometries.
   BoxArray still_boxes;
   std::unique_ptr<const Broadphase> still_tree;

@@ -57,9 +57,8 @@ bool nearestOfFour(const Difference::Point* p, double size, double* weight) {
   bool inside = true;
   for (const auto& f : faces) {
     const Vec3<double>&a = p[f[0]].w, &b = p[f[1]].w, &c = p[f[2]].w, &d = p[f[3]].w;
-    const Vec3<double> n = cross(b - a, c - a);
-    const double of_corner = dot(n, d - a), of_origin = -dot(n, a);
-    const Vec3<double> ab = b - a, ac = c - a, ad = d - a;
+    const Vec3<double> ab = b - a, ac = c - a, ad = d - a, n = cross(ab, ac);
+    const double of_corner = dot(n, ad), of_origin = -dot(n, a);
     const double rounding = 16 * u * size * (norm(ab) * norm(ac) + (norm(ab) + norm(ac)) * norm(ad));
     if (std::fabs(of_corner) > rounding && of_corner * of_origin >= 0) continue;  // the origin is on the corner's side
     inside = false;
@@ -76,10 +75,14 @@ bool nearestOfFour(const Difference::Point* p, double size, double* weight) {
 
 }  // namespace
 
-Vec3<double> Simplex::nearest() const {
-  Vec3<double> v;
-  for (int i = 0; i < count; ++i) v += weight[i] * points[i].w;
-  return v;
+Difference::Point Simplex::nearest() const {
+  Difference::Point x;
+  for (int i = 0; i < count; ++i) {
+    x.w += weight[i] * points[i].w;
+    x.on_a += weight[i] * points[i].on_a;
+    x.on_b += weight[i] * points[i].on_b;
+  }
+  return x;
 }
 
 bool Simplex::reduce(double size) {
@@ -136,7 +139,7 @@ GjkResult gjk(const Difference& difference, double beyond) {
       r.overlap = true;
       break;
     }
-    const Vec3<double> nearer = next.nearest();
+    const Vec3<double> nearer = next.nearest().w;
     if (!(dot(nearer, nearer) < v2)) break;  // rounding: this is as near as it gets
     s = next;
     v = nearer;

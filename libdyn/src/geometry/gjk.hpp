@@ -14,7 +14,8 @@ struct Simplex {
   double weight[4] = {};
   int count = 0;
 
-  Vec3<double> nearest() const;
+  /// That combination, of the difference and of both solids.
+  Difference::Point nearest() const;
   /// Finds the weights and forgets the points that have none. True if the origin is inside of four; `size` is that of the points' numbers.
   bool reduce(double size);
 };

@@ -1,5 +1,5 @@
-#include "geometry/convex.hpp"
 #include "geometry/files.hpp"
+#include "geometry/volume.hpp"
 
 #include <algorithm>
 #include <cstdio>
@@ -51,22 +51,19 @@ bool boundsConvexSolid(const geometry::TriangleMesh& mesh) {
       if (++sides[{t[k], t[(k + 1) % 3]}] > 1) return false;
   for (const auto& [side, count] : sides)
     if (!sides.count({side.second, side.first})) return false;
-  Vec3<double> lower = mesh.vertices.front(), upper = lower;
-  for (const Vec3<double>& x : mesh.vertices)
-    for (int i = 0; i < 3; ++i) {
-      lower[i] = std::min(lower[i], x[i]);
-      upper[i] = std::max(upper[i], x[i]);
-    }
-  const double slack = 1e-6 * norm(upper - lower);
+  Bounds bounds;
+  for (const Vec3<double>& x : mesh.vertices) bounds.add(x);
+  const Vec3<double> sides_of_box = bounds.upper - bounds.lower;
+  const double slack = 1e-6 * norm(sides_of_box);
   double volume = 0;
   for (const auto& t : mesh.triangles) {
     const Vec3<double>&a = mesh.vertices[static_cast<std::size_t>(t[0])], &b = mesh.vertices[static_cast<std::size_t>(t[1])],
           &c = mesh.vertices[static_cast<std::size_t>(t[2])];
     const Vec3<double> n = cross(b - a, c - a);
     const double area = norm(n);
-    volume += dot(n, a - lower);
+    volume += dot(n, a - bounds.lower);
     // A sliver has no plane of its own; its neighbours say what there is to say.
-    if (area <= 1e-12 * dot(upper - lower, upper - lower)) continue;
+    if (area <= 1e-12 * dot(sides_of_box, sides_of_box)) continue;
     for (const Vec3<double>& x : mesh.vertices)
       if (dot(n, x - a) > slack * area) return false;
   }

@@ -142,7 +142,8 @@ Separation nearest(const Volume& a, const Volume& b, const SE3<double>& aMb, dou
   return best;
 }
 
-void contacts(const Volume& a, const Volume& b, const SE3<double>& aMb, Found found, void* context) {
+void askContacts(const Volume& a, const Volume& b, const SE3<double>& aMb, bool (*found)(const void* context, const Separation& s),
+                 const void* context) {
   if (a.empty() || b.empty()) return;
   const Search search(a, b, aMb);
   search.run(0, [&](int i, int j) {

@@ -32,7 +32,7 @@ std::unique_ptr<octomap::AbstractOcTree> read(const std::string& path, bool bina
 
 geometry::Voxels readOctree(const std::string& path) {
   const Where where{path, 0, ""};
-  const bool binary = path.size() > 3 && path.compare(path.size() - 3, 3, ".bt") == 0;
+  const bool binary = path.ends_with(".bt");
   std::unique_ptr<octomap::AbstractOcTree> any;
   try {
     any = read(path, binary);
@@ -41,9 +41,9 @@ geometry::Voxels readOctree(const std::string& path) {
   }
   const auto* tree = dynamic_cast<const octomap::OcTree*>(any.get());
   if (tree == nullptr) throw Error(ErrorCode::syntax, "is no octree of occupancies (octomap's .bt or .ot), or ends early", where);
-  if (tree->size() != promisedNodes(path))
-    throw Error(ErrorCode::syntax,
-                "ends early: it promises " + std::to_string(promisedNodes(path)) + " nodes and has " + std::to_string(tree->size()), where);
+  const std::size_t promised = promisedNodes(path);
+  if (tree->size() != promised)
+    throw Error(ErrorCode::syntax, "ends early: it promises " + std::to_string(promised) + " nodes and has " + std::to_string(tree->size()), where);
   geometry::Voxels voxels;
   for (auto leaf = tree->begin_leafs(); leaf != tree->end_leafs(); ++leaf)
     if (tree->isNodeOccupied(*leaf)) voxels.cubes.push_back({{leaf.getX(), leaf.getY(), leaf.getZ()}, leaf.getSize()});

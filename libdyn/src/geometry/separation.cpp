@@ -59,10 +59,9 @@ Separation separation(const Convex& a, const Convex& b, const SE3<double>& aMb, 
   } else {
     s.normal = (-1 / distance) * found.v;
     s.distance = distance;
-    for (int i = 0; i < found.simplex.count; ++i) {
-      s.on_a += found.simplex.weight[i] * found.simplex.points[i].on_a;
-      s.on_b += found.simplex.weight[i] * found.simplex.points[i].on_b;
-    }
+    const Difference::Point nearest = found.simplex.nearest();
+    s.on_a = nearest.on_a;
+    s.on_b = nearest.on_b;
   }
   s.distance -= margin;
   s.on_a += a.margin * s.normal;

@@ -9,8 +9,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool startsWith(const std::string& text, const std::string& start) { return text.compare(0, start.size(), start) == 0; }
-
 std::string existing(const fs::path& path) {
   std::error_code error;
   return fs::is_regular_file(path, error) ? path.lexically_normal().string() : "";
@@ -49,8 +47,8 @@ std::string inPackages(const std::string& rest, const std::vector<std::string>& 
 
 std::string resolveUri(const std::string& uri, const std::vector<std::string>& packages, const std::string& beside) {
   for (const std::string scheme : {"package://", "model://"})
-    if (startsWith(uri, scheme)) return inPackages(uri.substr(scheme.size()), packages);
-  if (startsWith(uri, "file://")) return existing(uri.substr(7));
+    if (uri.starts_with(scheme)) return inPackages(uri.substr(scheme.size()), packages);
+  if (uri.starts_with("file://")) return existing(uri.substr(7));
   const fs::path path(uri);
   return existing(path.is_absolute() ? path : fs::path(beside).parent_path() / path);
 }
