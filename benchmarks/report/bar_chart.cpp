@@ -1,11 +1,9 @@
 #include "report/bar_chart.hpp"
 
-#include <dyn/error.hpp>
+#include <dyn/file.hpp>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <fstream>
 #include <sstream>
 
 namespace dyn::benchmark {
@@ -107,14 +105,6 @@ std::string BarChart::svg() const {
   return svg.str();
 }
 
-void BarChart::write(const std::string& path) const {
-  const std::string temporary = path + ".part";
-  std::ofstream file(temporary);
-  file << svg();
-  file.close();
-  if (file && std::rename(temporary.c_str(), path.c_str()) == 0) return;
-  std::remove(temporary.c_str());
-  throw Error(ErrorCode::file, "cannot be written", {path, 0, ""});
-}
+void BarChart::write(const std::string& path) const { replaceFile(path, svg()); }
 
 }  // namespace dyn::benchmark

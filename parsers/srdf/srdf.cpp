@@ -1,12 +1,7 @@
 #include "urdf/document.hpp"
 
+#include <dyn/file.hpp>
 #include <dyn/parsers/srdf.hpp>
-
-#include <unistd.h>
-
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
 
 namespace dyn::srdf {
 
@@ -43,18 +38,7 @@ std::string text(const std::string& robot, const std::vector<DisabledCollision>&
 }
 
 void write(const std::string& path, const std::string& robot, const std::vector<DisabledCollision>& disabled) {
-  const std::string content = text(robot, disabled);
-  const std::string temporary = path + ".tmp" + std::to_string(getpid());
-  const auto fail = [&](const char* what) {
-    const std::string why = std::strerror(errno);
-    std::remove(temporary.c_str());
-    throw Error(ErrorCode::file, std::string("cannot be ") + what + ": " + why, {path, 0, ""});
-  };
-  std::FILE* file = std::fopen(temporary.c_str(), "w");
-  if (file == nullptr) fail("written");
-  const bool written = std::fputs(content.c_str(), file) >= 0;
-  if (std::fclose(file) != 0 || !written) fail("written");
-  if (std::rename(temporary.c_str(), path.c_str()) != 0) fail("replaced");
+  replaceFile(path, text(robot, disabled));
 }
 
 }  // namespace dyn::srdf

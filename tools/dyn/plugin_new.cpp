@@ -2,13 +2,13 @@
 #include "plugin.hpp"
 
 #include <dyn/error.hpp>
+#include <dyn/file.hpp>
 
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 
 namespace dyn::tool {
@@ -129,10 +129,7 @@ void writeFile(const fs::path& path, std::string text, const std::string& name) 
   };
   replace("@NAME@", name);
   replace("@CLASS@", className(name));
-  std::ofstream file(path);
-  file << text;
-  file.close();
-  if (!file) throw Error(ErrorCode::file, "cannot be written", {path.string(), 0, ""});
+  replaceFile(path.string(), text);
   std::printf("wrote %s\n", path.string().c_str());
 }
 
