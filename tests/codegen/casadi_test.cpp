@@ -1,4 +1,5 @@
 // The C interface that casadi.external calls, called as CasADi calls it.
+#include "support/folder.hpp"
 #include "support/random_model.hpp"
 #include "support/registry.hpp"
 
@@ -7,12 +8,8 @@
 
 #include <dlfcn.h>
 
-#include <filesystem>
-#include <fstream>
-
 using namespace dyn;
 using namespace dyn::test;
-namespace fs = std::filesystem;
 
 namespace {
 
@@ -20,23 +17,16 @@ using Int = long long;
 
 /// A shared object of the source, in a folder that goes with it.
 struct External {
-  fs::path folder;
+  Folder folder;
   void* handle = nullptr;
   explicit External(const std::string& source) {
-    std::string pattern = (fs::temp_directory_path() / "dyn_casadi_XXXXXX").string();
-    REQUIRE(mkdtemp(pattern.data()) != nullptr);
-    folder = pattern;
-    std::ofstream(folder / "external.c") << source;
-    const std::string command = "cc -std=c99 -O1 -Wall -Werror -shared -fPIC -fvisibility=hidden -o '" + (folder / "external.so").string() + "' '" +
-                                (folder / "external.c").string() + "' -lm";
+    const std::string code = folder.write("external.c", source), object = (folder.path / "external.so").string();
+    const std::string command = "cc -std=c99 -O1 -Wall -Werror -shared -fPIC -fvisibility=hidden -o '" + object + "' '" + code + "' -lm";
     REQUIRE(std::system(command.c_str()) == 0);
-    handle = dlopen((folder / "external.so").c_str(), RTLD_NOW | RTLD_LOCAL);
+    handle = dlopen(object.c_str(), RTLD_NOW | RTLD_LOCAL);
     REQUIRE(handle != nullptr);
   }
-  ~External() {
-    dlclose(handle);
-    fs::remove_all(folder);
-  }
+  ~External() { dlclose(handle); }
   template <class F>
   F* symbol(const std::string& name) const {
     void* found = dlsym(handle, name.c_str());

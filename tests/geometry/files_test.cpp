@@ -1,5 +1,6 @@
 // Meshes and octrees from files: good ones are what they say, broken ones are an error within seconds and bounded memory.
 #include "geometry/scene.hpp"
+#include "support/folder.hpp"
 
 #include <dyn/parsers/urdf.hpp>
 
@@ -16,21 +17,6 @@ namespace g = dyn::geometry;
 namespace fs = std::filesystem;
 
 namespace {
-
-struct Folder {
-  fs::path path;
-  Folder() {
-    std::string pattern = (fs::temp_directory_path() / "dyn_geometry_XXXXXX").string();
-    REQUIRE(mkdtemp(pattern.data()) != nullptr);
-    path = pattern;
-  }
-  ~Folder() { fs::remove_all(path); }
-  std::string write(const std::string& name, const std::string& bytes) const {
-    fs::create_directories((path / name).parent_path());
-    std::ofstream(path / name, std::ios::binary) << bytes;
-    return (path / name).string();
-  }
-};
 
 /// A box of sides 2 x 2 x 2 without its lid, so that it is not convex, or with it.
 g::TriangleMesh openBox(bool lid) {

@@ -1,5 +1,5 @@
 // Shared objects that are wrong in every way known: each is an Error that names the file, and the registry stays as it was.
-#include "support/catch.hpp"
+#include "support/folder.hpp"
 
 #include <dyn/joint/registry.hpp>
 
@@ -15,15 +15,8 @@ namespace fs = std::filesystem;
 
 const fs::path bad_plugins = fs::path(DYN_BINARY_DIR) / "bad_plugins";
 
-/// A folder that only the owner can write; gone afterwards.
-struct Folder {
-  fs::path path;
-  Folder() {
-    std::string pattern = (fs::temp_directory_path() / "dyn_loader_XXXXXX").string();
-    REQUIRE(mkdtemp(pattern.data()) != nullptr);
-    path = pattern;
-  }
-  ~Folder() { fs::remove_all(path); }
+/// A folder of shared objects.
+struct Folder : dyn::test::Folder {
   fs::path copy(const std::string& file, fs::perms perms = fs::perms::owner_all) const {
     fs::path to = path / file;
     fs::copy_file(bad_plugins / file, to);

@@ -1,5 +1,6 @@
 // The command dyn as a user runs it: exit codes, keys, messages; every subcommand on good and on broken input.
 #include "errors.hpp"
+#include "support/folder.hpp"
 #include "support/shared.hpp"
 
 #include <sys/wait.h>
@@ -17,21 +18,6 @@ namespace {
 namespace fs = std::filesystem;
 
 const std::string biped = DYN_SOURCE_DIR "/models/biped.urdf";
-
-/// A folder that goes with the test.
-struct Folder {
-  fs::path path;
-  Folder() {
-    std::string pattern = (fs::temp_directory_path() / "dyn_command_XXXXXX").string();
-    REQUIRE(mkdtemp(pattern.data()) != nullptr);
-    path = pattern;
-  }
-  ~Folder() { fs::remove_all(path); }
-  std::string write(const std::string& name, const std::string& text) const {
-    std::ofstream(path / name) << text;
-    return (path / name).string();
-  }
-};
 
 std::string textOf(const fs::path& file) {
   std::ostringstream text;

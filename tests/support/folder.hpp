@@ -1,0 +1,33 @@
+// A folder of a test's own, gone with it. Only its owner can write it.
+#pragma once
+
+#include "support/catch.hpp"
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+namespace dyn::test {
+
+struct Folder {
+  std::filesystem::path path;
+
+  Folder() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "dyn_test_XXXXXX").string();
+    REQUIRE(mkdtemp(pattern.data()) != nullptr);
+    path = pattern;
+  }
+  ~Folder() { std::filesystem::remove_all(path); }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+
+  /// Writes a file, with the folders above it; returns its path.
+  std::string write(const std::string& name, const std::string& bytes) const {
+    std::filesystem::create_directories((path / name).parent_path());
+    std::ofstream(path / name, std::ios::binary) << bytes;
+    return (path / name).string();
+  }
+};
+
+}  // namespace dyn::test
