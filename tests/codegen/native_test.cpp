@@ -1,4 +1,5 @@
 // Every algorithm traced, compiled while the test runs, and equal to the library's; the cache; errors.
+#include "support/folder.hpp"
 #include "support/random_model.hpp"
 #include "support/registry.hpp"
 #include "support/shared.hpp"
@@ -20,14 +21,7 @@ namespace fs = std::filesystem;
 namespace {
 
 /// A cache of the test's own.
-struct Cache {
-  fs::path path;
-  Cache() {
-    std::string pattern = (fs::temp_directory_path() / "dyn_codegen_XXXXXX").string();
-    REQUIRE(mkdtemp(pattern.data()) != nullptr);
-    path = pattern;
-  }
-  ~Cache() { fs::remove_all(path); }
+struct Cache : Folder {
   NativeOptions options() const {
     NativeOptions o;
     o.cache = path.string();
@@ -342,8 +336,8 @@ TEST_CASE("what cannot be compiled says why, and the library goes on", "[codegen
   CHECK_THROWS_WITH(trace(compile(coupled, registry()), "rnea"), containing("follow others"));
   SourceOptions three;
   three.lanes = 3;
-  CHECK_THROWS_AS(writeSource({trace(model, "rnea")}, "x.h", three), Error);
+  CHECK_THROWS_AS(writeSource({trace(model, "rnea")}, three), Error);
   TracedFunction odd = trace(model, "rnea");
   odd.name = "rnea; system()";
-  CHECK_THROWS_WITH(writeSource({odd}, "x.h"), containing("no name in C"));
+  CHECK_THROWS_WITH(writeSource({odd}), containing("no name in C"));
 }

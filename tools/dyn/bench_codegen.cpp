@@ -19,8 +19,6 @@ std::string entryName(const std::string& function) {
   return found == names.end() ? function : found->second;
 }
 
-const Eigen::VectorXd& argument(const State& s, const std::string& name) { return name == "q" ? s.q : name == "v" ? s.v : name == "a" ? s.a : s.tau; }
-
 /// A function and room for what it writes: `lanes` states side by side.
 struct Subject {
   CompiledFunction function;
@@ -33,7 +31,7 @@ struct Subject {
       const auto n = static_cast<std::size_t>(a.size()), w = static_cast<std::size_t>(l);
       std::vector<double> all(n * states.size());
       for (std::size_t k = 0; k < states.size(); ++k)
-        for (std::size_t i = 0; i < n; ++i) all[k / w * w * n + i * w + k % w] = argument(states[k], a.name)[static_cast<Eigen::Index>(i)];
+        for (std::size_t i = 0; i < n; ++i) all[k / w * w * n + i * w + k % w] = states[k].argument(a.name)[static_cast<Eigen::Index>(i)];
       in.push_back(std::move(all));
     }
     for (const ArgumentShape& a : f.outputs()) out.emplace_back(static_cast<std::size_t>(a.size() * l));

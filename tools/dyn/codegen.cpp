@@ -5,11 +5,11 @@
 
 #include <dyn/codegen/casadi.hpp>
 #include <dyn/codegen/native.hpp>
+#include <dyn/file.hpp>
 
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <span>
 
@@ -25,16 +25,6 @@ struct CodegenOptions : ModelOptions {
   bool compile_now = false, single_precision = false, casadi = false;
   int lanes = 1;
 };
-
-void write(const fs::path& path, const std::string& text) {
-  const fs::path temporary = path.string() + ".tmp";
-  std::ofstream file(temporary);
-  file << text;
-  file.close();
-  std::error_code error;
-  if (file) fs::rename(temporary, path, error);
-  if (!file || error) throw Error(ErrorCode::file, "cannot be written", {path.string(), 0, ""});
-}
 
 /// Letters, digits and underscores of a model's name.
 std::string identifier(const std::string& name) {
@@ -64,7 +54,7 @@ std::string testOf(const CodegenOptions& o, const CompactModel& model, const std
       std::vector<double> in;
       std::string arguments;
       for (const ArgumentShape& a : f.inputs) {
-        const Eigen::VectorXd& x = a.name == "q" ? states[k].q : a.name == "v" ? states[k].v : a.name == "a" ? states[k].a : states[k].tau;
+        const Eigen::VectorXd& x = states[k].argument(a.name);
         in.insert(in.end(), x.begin(), x.end());
         arrays += array("const dyn_real", id + "_" + a.name, {x.data(), static_cast<std::size_t>(x.size())}, o.lanes);
         arguments += id + "_" + a.name + ", ";
@@ -124,17 +114,17 @@ void run(const CodegenOptions& o) {
   SourceOptions how;
   how.single_precision = o.single_precision;
   how.lanes = o.lanes;
-  const Source source = writeSource(functions, name + ".h", how);
+  const Source source = writeSource(functions, how);
   if (!o.out.empty()) {
     std::error_code error;
     fs::create_directories(o.out, error);
     if (error) throw Error(ErrorCode::file, "cannot be made: " + error.message(), {o.out, 0, ""});
     const fs::path folder = o.out;
-    write(folder / (name + ".h"), source.header);
-    write(folder / (name + ".c"), source.code);
-    write(folder / (name + "_test.c"), testOf(o, model, functions, name + ".h"));
-    write(folder / "CMakeLists.txt", listsOf(name) + (o.casadi ? casadiListsOf(name) : ""));
-    if (o.casadi) write(folder / (name + "_casadi.c"), writeCasadiSource(functions));
+    replaceFile(folder / (name + ".h"), source.header());
+    replaceFile(folder / (name + ".c"), source.code(name + ".h"));
+    replaceFile(folder / (name + "_test.c"), testOf(o, model, functions, name + ".h"));
+    replaceFile(folder / "CMakeLists.txt", listsOf(name) + (o.casadi ? casadiListsOf(name) : ""));
+    if (o.casadi) replaceFile(folder / (name + "_casadi.c"), writeCasadiSource(functions));
     std::fprintf(stderr, "written to %s: cmake -S %s -B %s/build && cmake --build %s/build && ctest --test-dir %s/build\n", o.out.c_str(),
                  o.out.c_str(), o.out.c_str(), o.out.c_str(), o.out.c_str());
   }

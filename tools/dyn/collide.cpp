@@ -16,8 +16,6 @@ namespace dyn::tool {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 struct CollideOptions : ModelOptions {
   std::string states, scene, srdf, out;
   std::vector<std::string> packages;
@@ -47,7 +45,20 @@ struct CollideOptions : ModelOptions {
   }
 };
 
-Json flat(const Vec3<double>& x) { return Json{x.x, x.y, x.z}; }
+/// A robot, compiled, with room for one state.
+struct Robot {
+  CompactModel model;
+  GeometryModel geometry;
+  Data data;
+  GeometryData placed;
+
+  Robot(const CollideOptions& o, const Model& description)
+      : model(dyn::compile(description, o.registry(), o.compileOptions())),
+        geometry(compileGeometry(model, description, o.geometryOptions())),
+        data(model),
+        placed(geometry) {}
+  void move(const Eigen::VectorXd& q) { updateGeometryPlacements(model, data, geometry, placed, q); }
+};
 
 Json pairOf(const GeometryModel& geometry, int pair) {
   const CollisionPair& p = geometry.pairs()[static_cast<std::size_t>(pair)];
@@ -84,31 +95,28 @@ Json answer(const CollideOptions& o, const GeometryModel& geometry, GeometryData
 }
 
 void collide(const CollideOptions& o, const Model& description) {
-  const CompactModel model = dyn::compile(description, o.registry(), o.compileOptions());
-  const GeometryModel geometry = compileGeometry(model, description, o.geometryOptions());
-  GeometryData geometry_data(geometry);
-  Data data(model);
+  Robot robot(o, description);
   Json out;
-  out["model"] = model.name();
-  out["report"] = geometry.report().lines;
-  out["pairs"] = geometry.pairs().size();
+  out["model"] = robot.model.name();
+  out["report"] = robot.geometry.report().lines;
+  out["pairs"] = robot.geometry.pairs().size();
   out["states"] = Json::array();
   const auto at = [&](const Eigen::VectorXd& q) {
-    updateGeometryPlacements(model, data, geometry, geometry_data, q);
-    out["states"].push_back(answer(o, geometry, geometry_data));
+    robot.move(q);
+    out["states"].push_back(answer(o, robot.geometry, robot.placed));
   };
   if (o.states.empty()) {
-    at(neutral(model));
+    at(neutral(robot.model));
   } else {
-    for (const State& s : readStates(o.states, model)) at(s.q);
+    for (const State& s : readStates(o.states, robot.model)) at(s.q);
   }
   std::printf("%s\n", out.dump(2).c_str());
 }
 
 /// Pairs of links by what sampling says of them. Pairs with the world are the scene's and not the robot's.
 void learn(const CollideOptions& o, const Model& description) {
-  const CompactModel model = dyn::compile(description, o.registry(), o.compileOptions());
-  const GeometryModel geometry = compileGeometry(model, description, o.geometryOptions());
+  Robot robot(o, description);
+  const GeometryModel& geometry = robot.geometry;
   const std::vector<GeometryRecord>& records = geometry.geometries();
   const auto bodies = [&](int pair) {
     const CollisionPair& p = geometry.pairs()[static_cast<std::size_t>(pair)];
@@ -118,12 +126,10 @@ void learn(const CollideOptions& o, const Model& description) {
   };
   std::map<std::pair<std::string, std::string>, int> collisions;
   for (std::size_t p = 0; p < geometry.pairs().size(); ++p) collisions[bodies(static_cast<int>(p))] = 0;
-  GeometryData geometry_data(geometry);
-  Data data(model);
   for (int k = 0; k < o.learn; ++k) {
-    updateGeometryPlacements(model, data, geometry, geometry_data, randomConfiguration(model, o.seed + static_cast<std::uint64_t>(k)));
+    robot.move(randomConfiguration(robot.model, o.seed + static_cast<std::uint64_t>(k)));
     std::set<std::pair<std::string, std::string>> hit;
-    for (const int pair : computeCollisions(geometry, geometry_data)) hit.insert(bodies(pair));
+    for (const int pair : computeCollisions(geometry, robot.placed)) hit.insert(bodies(pair));
     for (const auto& pair : hit) ++collisions[pair];
   }
   std::vector<DisabledCollision> found = description.disabled_collisions;
@@ -134,9 +140,9 @@ void learn(const CollideOptions& o, const Model& description) {
     ++(count == 0 ? never : always);
   }
   if (o.out.empty()) {
-    std::printf("%s", srdf::text(model.name(), found).c_str());
+    std::printf("%s", srdf::text(robot.model.name(), found).c_str());
   } else {
-    srdf::write(o.out, model.name(), found);
+    srdf::write(o.out, robot.model.name(), found);
   }
   std::fprintf(stderr, "%d configurations: of %zu pairs of links %d always collide and %d never do\n", o.learn, collisions.size(), always, never);
 }

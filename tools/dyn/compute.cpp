@@ -13,19 +13,6 @@ namespace dyn::tool {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-Json flat(const double* data, std::ptrdiff_t size) { return Json(std::vector<double>(data, data + size)); }
-Json flat(const Vec3<double>& x) { return Json{x.x, x.y, x.z}; }
-Json flat(const Mat3<double>& R) { return flat(R.m, 9); }
-Json flat(const Motion<double>& m) { return Json{m.linear.x, m.linear.y, m.linear.z, m.angular.x, m.angular.y, m.angular.z}; }
-Json flat(const Eigen::Ref<const Eigen::MatrixXd>& M) {
-  Json rows = Json::array();
-  for (Eigen::Index i = 0; i < M.rows(); ++i)
-    for (Eigen::Index j = 0; j < M.cols(); ++j) rows.push_back(M(i, j));
-  return rows;
-}
-
 /// One key of the output. `write` puts it, and keys that come with it, into the sample.
 struct Quantity {
   const char* key;

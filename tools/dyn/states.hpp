@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dyn/compile/compact_model.hpp>
+#include <dyn/spatial/motion.hpp>
 
 #include <Eigen/Core>
 #include <nlohmann/json.hpp>
@@ -11,9 +12,26 @@
 
 namespace dyn::tool {
 
+/// Results as they are written, in the order in which they are put in; numbers of a matrix row after row.
+using Json = nlohmann::ordered_json;
+
+inline Json flat(const double* data, std::ptrdiff_t size) { return Json(std::vector<double>(data, data + size)); }
+inline Json flat(const Vec3<double>& x) { return Json{x.x, x.y, x.z}; }
+inline Json flat(const Mat3<double>& R) { return flat(R.m, 9); }
+inline Json flat(const Motion<double>& m) { return Json{m.linear.x, m.linear.y, m.linear.z, m.angular.x, m.angular.y, m.angular.z}; }
+inline Json flat(const Eigen::Ref<const Eigen::MatrixXd>& M) {
+  Json rows = Json::array();
+  for (Eigen::Index i = 0; i < M.rows(); ++i)
+    for (Eigen::Index j = 0; j < M.cols(); ++j) rows.push_back(M(i, j));
+  return rows;
+}
+
 struct State {
   Eigen::VectorXd q, v, a, tau;
   bool has_v = false, has_a = false, has_tau = false;
+
+  /// By the name that functions give it: q, v, a or tau.
+  const Eigen::VectorXd& argument(const std::string& name) const { return name == "q" ? q : name == "v" ? v : name == "a" ? a : tau; }
 };
 
 /// Reads {"samples":[{"q":[],"v":[],"a":[],"tau":[]}, ...]}; "-" is standard input. Vectors that a sample leaves out are zero.

@@ -143,9 +143,7 @@ std::string writeCasadiSource(const std::vector<TracedFunction>& functions, bool
   }
   SourceOptions how;
   how.prefix = "libdyn_";
-  const Source source = writeSource(all, "", how);
-  return "/* Written by libdyn: functions for casadi.external. */\n" + source.header.substr(source.header.find("typedef")) +
-         source.code.substr(source.code.find('\n') + 1) +
+  return "/* Written by libdyn: functions for casadi.external. */\n" + writeSource(all, how).code() +
          "typedef double casadi_real;\ntypedef long long int casadi_int;\n#if defined(__GNUC__)\n#define DYN_EXPORT "
          "__attribute__((visibility(\"default\")))\n"
          "#else\n#define DYN_EXPORT\n#endif\nstatic casadi_real* dyn_zeros(casadi_real* x, int n) {\n  int i;\n  for (i = 0; i < n; ++i) x[i] = 0;\n "

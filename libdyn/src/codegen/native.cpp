@@ -100,9 +100,7 @@ CompiledFunction make(const TracedFunction& f, const ObjectCache& cache, const N
   SourceOptions how;
   how.single_precision = options.single_precision;
   how.lanes = options.lanes;
-  const Source source = writeSource({f}, "code.h", how);
-  // One file: the header stands where it would be included.
-  const std::string text = source.header.substr(source.header.find("typedef")) + source.code.substr(source.code.find('\n') + 1) + uniformEntry(f);
+  const std::string text = writeSource({f}, how).code() + uniformEntry(f);
   std::vector<std::string> command{compilerOf(options),   "-std=gnu99",         "-shared",         "-fPIC",
                                    "-fvisibility=hidden", "-ffp-contract=fast", "-fno-math-errno", "-fno-trapping-math"};
   command.insert(command.end(), options.flags.begin(), options.flags.end());

@@ -59,8 +59,9 @@ class Writer {
       }
     if (slots_ > 0) out += "  T w[" + std::to_string(slots_) + "];\n";
     if (!angles_.empty()) {
-      // Sines come in whole vectors, the last one filled up.
-      constexpr std::size_t width = 16;
+      // Sines come in whole vectors of 64 bytes, the last one filled up.
+      const std::size_t lanes = static_cast<std::size_t>(options_.lanes),
+                        width = std::max<std::size_t>((options_.single_precision ? 16 : 8) / lanes, 1);
       const std::string count = std::to_string((angles_.size() + width - 1) / width * width);
       out += "  T angle[" + count + "] = {" + (options_.lanes > 1 ? "{0}" : "0") + "}, s[" + count + "], c[" + count + "];\n";
       for (std::size_t i = 0; i < angles_.size(); ++i) {
@@ -69,7 +70,7 @@ class Writer {
         text.insert(text.find('['), "_");
         out += "  angle[" + std::to_string(i) + "] = " + text + ";\n";
       }
-      out += "  dyn_sincos(angle, s, c, " + std::to_string((angles_.size() + 7) / 8 * 8) + ");\n";
+      out += "  dyn_sincos(angle, s, c, " + count + ");\n";
     }
     for (int p = 0; p < pieces_; ++p) out += "  " + name_ + "_" + std::to_string(p) + "(" + passed() + ");\n";
     return out + "}\n\n";
@@ -240,19 +241,23 @@ std::string comment(const TracedFunction& f, int lanes) {
 
 }  // namespace
 
-Source writeSource(const std::vector<TracedFunction>& functions, const std::string& header_name, const SourceOptions& options) {
+std::string Source::header() const {
+  return "/* Written by libdyn. Matrices are column after column. */\n#pragma once\n\n" + types + "\n#ifdef __cplusplus\nextern \"C\" {\n#endif\n\n" +
+         declarations + "#ifdef __cplusplus\n}\n#endif\n";
+}
+std::string Source::code(const std::string& header_name) const { return "#include \"" + header_name + "\"\n\n" + definitions; }
+std::string Source::code() const { return types + declarations + definitions; }
+
+Source writeSource(const std::vector<TracedFunction>& functions, const SourceOptions& options) {
   checkNames(functions, options);
-  const std::string real = options.single_precision ? "float" : "double";
   Source out;
-  out.header = "/* Written by libdyn. Matrices are column after column. */\n#pragma once\n\ntypedef " + real +
-               " dyn_real;\n\n#ifdef __cplusplus\nextern \"C\" {\n#endif\n\n";
-  out.code = "#include \"" + header_name + "\"\n\n" + codegenPrelude(options.single_precision, options.lanes);
+  out.types = std::string("typedef ") + (options.single_precision ? "float" : "double") + " dyn_real;\n";
+  out.definitions = codegenPrelude(options.single_precision, options.lanes);
   for (const TracedFunction& f : functions) {
     Writer writer(f, options);
-    out.header += comment(f, options.lanes) + writer.declaration() + ";\n\n";
-    out.code += writer.definition();
+    out.declarations += comment(f, options.lanes) + writer.declaration() + ";\n\n";
+    out.definitions += writer.definition();
   }
-  out.header += "#ifdef __cplusplus\n}\n#endif\n";
   return out;
 }
 

@@ -14,6 +14,7 @@
 #include <dyn/error.hpp>
 
 #include <algorithm>
+#include <deque>
 #include <memory>
 
 namespace dyn {
@@ -28,7 +29,7 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 /// The recursions' memory in traced numbers, and the joints evaluated in them.
 class Tracer {
  public:
-  explicit Tracer(const CompactImpl& m) : m_(m), bodies{m, w} {
+  explicit Tracer(const CompactImpl& m) : bodies{m, w}, m_(m) {
     Arena counted(nullptr);
     carve(counted);
     const std::size_t bytes = counted.used() + Arena::alignment;
@@ -40,10 +41,9 @@ class Tracer {
   }
 
   Traced* input(int size) {
-    const std::size_t first = inputs_.size();
-    inputs_.emplace_back();
-    for (int i = 0; i < size; ++i) inputs_[first].push_back(builder.input());
-    return inputs_[first].data();
+    std::vector<T>& in = inputs_.emplace_back();
+    for (int i = 0; i < size; ++i) in.push_back(builder.input());
+    return in.data();
   }
 
   /// Poses, subspaces and, with v, biases of all joints.
@@ -107,12 +107,7 @@ class Tracer {
   GraphBuilder builder;
   Workspace<T> w;
   kernels::DerivativeWorkspace<T> d;
-
- private:
-  const CompactImpl& m_;
-
- public:
-  kernels::Bodies<T> bodies;
+  const kernels::Bodies<T> bodies;
 
  private:
   void carve(Arena& arena) {
@@ -141,12 +136,9 @@ class Tracer {
                                            "branch_free = true in the type, then build the plugin again");
   }
 
+  const CompactImpl& m_;
   std::unique_ptr<char[]> memory_;
-  std::vector<std::vector<T>> inputs_ = [] {
-    std::vector<std::vector<T>> few;
-    few.reserve(4);
-    return few;
-  }();
+  std::deque<std::vector<T>> inputs_;  ///< which stay where they are
 };
 
 using Numbers = std::vector<T>;

@@ -66,70 +66,20 @@ class DYN_API GraphBuilder final : public Recorder {
 DYN_API Graph traceFunction(int inputs, int outputs, const std::function<void(const Traced* in, Traced* out)>& f);
 
 // Replaying. S has the arithmetic operators, is made from double, and its namespace has sqrt, sin, cos, tan, exp, log, atan2, abs as far as the
-// graph uses them. selectLess(a, b, x, y) is a < b ? x : y; scalars that record something themselves bring their own: CppAD's CondExpLt, CasADi's
+// graph uses them. Scalars that record something themselves bring their own selectLess(a, b, x, y), a < b ? x : y: CppAD's CondExpLt, CasADi's
 // if_else, ADOL-C's condassign.
-
-template <class S>
-S selectLess(const S& a, const S& b, const S& x, const S& y) {
-  return select(a < b, x, y);
-}
 
 /// All values of the graph; `values` has as many as nodes.
 template <class S>
 void replayNodes(const Graph& graph, const S* in, S* values) {
-  using std::sqrt, std::sin, std::cos, std::tan, std::exp, std::log, std::atan2, std::abs;
   for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
     const GraphNode& n = graph.nodes[i];
-    const auto arg = [&](int k) -> const S& { return values[n.argument[k]]; };
-    switch (n.operation) {
-      case Operation::input:
-        values[i] = in[n.argument[0]];
-        break;
-      case Operation::constant:
-        values[i] = S(n.value);
-        break;
-      case Operation::add:
-        values[i] = arg(0) + arg(1);
-        break;
-      case Operation::subtract:
-        values[i] = arg(0) - arg(1);
-        break;
-      case Operation::multiply:
-        values[i] = arg(0) * arg(1);
-        break;
-      case Operation::divide:
-        values[i] = arg(0) / arg(1);
-        break;
-      case Operation::negate:
-        values[i] = -arg(0);
-        break;
-      case Operation::sqrt:
-        values[i] = sqrt(arg(0));
-        break;
-      case Operation::sin:
-        values[i] = sin(arg(0));
-        break;
-      case Operation::cos:
-        values[i] = cos(arg(0));
-        break;
-      case Operation::tan:
-        values[i] = tan(arg(0));
-        break;
-      case Operation::exp:
-        values[i] = exp(arg(0));
-        break;
-      case Operation::log:
-        values[i] = log(arg(0));
-        break;
-      case Operation::atan2:
-        values[i] = atan2(arg(0), arg(1));
-        break;
-      case Operation::abs:
-        values[i] = abs(arg(0));
-        break;
-      case Operation::select_less:
-        values[i] = selectLess(arg(0), arg(1), arg(2), arg(3));
-        break;
+    if (n.operation == Operation::input) {
+      values[i] = in[n.argument[0]];
+    } else if (n.operation == Operation::constant) {
+      values[i] = S(n.value);
+    } else {
+      values[i] = applied(n.operation, [&](int k) -> const S& { return values[n.argument[k]]; });
     }
   }
 }

@@ -17,13 +17,20 @@ struct SourceOptions {
   std::string prefix;  ///< of all names
 };
 
-struct Source {
-  std::string header;  ///< declarations, with the shapes of all arguments in words
-  std::string code;    ///< includes the header by the name given
+struct DYN_API Source {
+  std::string types;         ///< the number type
+  std::string declarations;  ///< with the shapes of all arguments in words
+  std::string definitions;
+
+  /// For programs that call the functions.
+  std::string header() const;
+  /// The functions, in a source that includes that header by this name, or in one that stands alone.
+  std::string code(const std::string& header_name) const;
+  std::string code() const;
 };
 
 /// void PREFIXname(const double* q, const double* v, ..., double* tau, ...): inputs, then outputs, in the order of the function's arguments.
 /// Deterministic. Throws Error(argument) for names that C does not allow or that are there twice, and for lanes that are no power of two.
-DYN_API Source writeSource(const std::vector<TracedFunction>& functions, const std::string& header_name, const SourceOptions& options = {});
+DYN_API Source writeSource(const std::vector<TracedFunction>& functions, const SourceOptions& options = {});
 
 }  // namespace dyn

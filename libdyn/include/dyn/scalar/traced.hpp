@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <type_traits>
 
 namespace dyn {
 
@@ -77,49 +78,59 @@ class Recorder {
   ~Recorder() = default;
 };
 
-/// The number that an operation gives. `input` and `constant` give a.
-inline double applied(Operation operation, double a, double b = 0, double c = 0, double d = 0) {
+/// a < b ? x : y. Scalars that record something themselves bring their own.
+template <class S>
+S selectLess(const S& a, const S& b, const S& x, const S& y) {
+  return select(a < b, x, y);
+}
+
+/// What an operation gives for its values, value(0), value(1), ... Inputs and constants are not made of others: they give value(0).
+template <class Value>
+auto applied(Operation operation, const Value& value) {
+  using std::sqrt, std::sin, std::cos, std::tan, std::exp, std::log, std::atan2, std::abs;
+  using S = std::remove_cvref_t<decltype(value(0))>;
   switch (operation) {
     case Operation::input:
     case Operation::constant:
-      return a;
+      break;
     case Operation::add:
-      return a + b;
+      return S(value(0) + value(1));
     case Operation::subtract:
-      return a - b;
+      return S(value(0) - value(1));
     case Operation::multiply:
-      return a * b;
+      return S(value(0) * value(1));
     case Operation::divide:
-      return a / b;
+      return S(value(0) / value(1));
     case Operation::negate:
-      return -a;
+      return S(-value(0));
     case Operation::sqrt:
-      return std::sqrt(a);
+      return S(sqrt(value(0)));
     case Operation::sin:
-      return std::sin(a);
+      return S(sin(value(0)));
     case Operation::cos:
-      return std::cos(a);
+      return S(cos(value(0)));
     case Operation::tan:
-      return std::tan(a);
+      return S(tan(value(0)));
     case Operation::exp:
-      return std::exp(a);
+      return S(exp(value(0)));
     case Operation::log:
-      return std::log(a);
+      return S(log(value(0)));
     case Operation::atan2:
-      return std::atan2(a, b);
+      return S(atan2(value(0), value(1)));
     case Operation::abs:
-      return std::fabs(a);
+      return S(abs(value(0)));
     case Operation::select_less:
-      return a < b ? c : d;
+      return S(selectLess(value(0), value(1), value(2), value(3)));
   }
-  return 0;
+  return S(value(0));
 }
 
 namespace detail {
 inline Traced trace(Operation operation, const Traced& a, const Traced& b = 0, const Traced& c = 0, const Traced& d = 0) {
   const Traced& unknown = a.recorder ? a : b.recorder ? b : c.recorder ? c : d;
   if (unknown.recorder) return unknown.recorder->record(operation, a, b, c, d);
-  return applied(operation, a.value, b.value, c.value, d.value);
+  const double known[] = {a.value, b.value, c.value, d.value};
+  return applied(operation, [&](int k) { return known[k]; });
 }
 }  // namespace detail
 
