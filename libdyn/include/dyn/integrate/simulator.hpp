@@ -1,0 +1,118 @@
+// A model's motion through time.
+//
+//   dyn::Simulator simulator(model, {.integrator = dyn::Integrator::rk4, .dt = 1e-3});
+//   simulator.reset(q, v);
+//   simulator.setController([](double t, dyn::VectorResult q, dyn::VectorResult v, dyn::VectorMap tau) { tau = -10 * v; });
+//   simulator.advance(2.0);
+//
+// The same inputs give the same bytes. After it is made a simulator of fixed steps allocates nothing; what callbacks do is theirs.
+#pragma once
+
+#include <dyn/algorithm/rnea.hpp>
+#include <dyn/constraint/constraint_set.hpp>
+#include <dyn/integrate/integrator.hpp>
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace dyn {
+
+using VectorMap = Eigen::Map<Eigen::VectorXd>;
+using MatrixMap = Eigen::Map<Eigen::MatrixXd>;
+
+/// Writes tau (nv, zero before). Called at every evaluation of the dynamics, several times a step and not in the order of time: a function
+/// of its arguments alone.
+using Controller = std::function<void(double t, VectorResult q, VectorResult v, VectorMap tau)>;
+/// Writes d tau / d q (in the tangent space) and d tau / d v, nv x nv each, zero before. Only speeds implicit integrators up, which take
+/// differences without it.
+using ControllerDerivatives = std::function<void(double t, VectorResult q, VectorResult v, MatrixMap dtau_dq, MatrixMap dtau_dv)>;
+/// Writes external forces, one a joint, the universe included, in the joint's frame [N, N m] (zero before).
+using Forces = std::function<void(double t, VectorResult q, VectorResult v, Force<double>* fext, int count)>;
+using Observer = std::function<void(double t, VectorResult q, VectorResult v)>;
+
+struct SimulatorOptions {
+  Integrator integrator = Integrator::rk4;
+  double dt = 1e-3;         ///< [s] of a step; of adaptive integrators the first that is tried
+  double tolerance = 1e-8;  ///< of adaptive integrators: error of a step [m, rad], and of velocities that of 1 or their own size, whichever is more
+  /// Constraints with a target are brought back to it after every step, velocities to what all constraints allow.
+  bool project = true;
+};
+
+/// Something that happens where a function of the state passes zero.
+struct Event {
+  enum class Direction { both, rising, falling };
+  std::string name;
+  std::function<double(double t, VectorResult q, VectorResult v)> value;
+  Direction direction = Direction::both;
+};
+
+struct SimulatorStatistics {
+  long steps = 0, rejected = 0;
+  long evaluations = 0;     ///< of the accelerations
+  long factorizations = 0;  ///< of implicit integrators' matrices
+  long iterations = 0;      ///< of their equations
+};
+
+/// One simulation, for one thread; it keeps its model alive.
+class DYN_API Simulator {
+ public:
+  /// Starts at neutral, at rest, at time 0. Throws Error(argument): a dt or tolerance that is not positive, constraints that the integrator
+  /// does not take.
+  explicit Simulator(const CompactModel& model, const SimulatorOptions& options = {});
+  explicit Simulator(const ConstraintSet& constraints, const SimulatorOptions& options = {});
+  ~Simulator();
+  Simulator(Simulator&&) noexcept;
+  Simulator& operator=(Simulator&&) noexcept;
+  Simulator(const Simulator&) = delete;
+  Simulator& operator=(const Simulator&) = delete;
+
+  const CompactModel& model() const;
+  const SimulatorOptions& options() const;
+
+  /// Throws Error(size | argument); Error(simulation) for numbers that are not finite.
+  void reset(const VectorArg& q, const VectorArg& v, double time = 0) { resetTo(q, v, time); }
+  void setController(Controller controller, ControllerDerivatives derivatives = nullptr);
+  void setForces(Forces forces);
+  /// Functions whose zeros end advance(). They are looked for between the ends of each step.
+  void setEvents(std::vector<Event> events);
+
+  double time() const;
+  VectorResult q() const;
+  VectorResult v() const;
+  /// Accelerations at the present state.
+  VectorResult acceleration();
+  /// Kinetic and potential [J].
+  double energy();
+  /// Largest error of constraints with a target [m, rad].
+  double constraintError();
+  const SimulatorStatistics& statistics() const;
+
+  /// One step; of adaptive integrators the next that keeps the tolerance. Throws Error(simulation) naming time, joint and what is wrong: a
+  /// state that is not finite, a callback that throws, a step that collapses, equations without solution. The state is then that before.
+  void step();
+  /// To this time: whole steps, the last one as long as is left. Returns the index of the event that ended it sooner, or -1. Throws as step(),
+  /// and Error(argument) for a time before the present one.
+  int advance(double until) { return advanceTo(until, nullptr, 0, nullptr); }
+  /// The same, and shows the states at `times` (ascending, none before the present one), which do not change how steps are taken: states
+  /// between the ends of a step come from its polynomial.
+  int advance(double until, const std::vector<double>& times, const Observer& observer) {
+    return advanceTo(until, times.data(), times.size(), observer);
+  }
+
+  /// Time, state and step as text, without loss: resumed, the simulation goes on to the same bytes. Options and callbacks are not in it.
+  std::string save() const;
+  /// Throws Error(syntax | size) and leaves the simulator as it was.
+  void resume(const std::string& saved);
+
+  struct Impl;
+
+ private:
+  void resetTo(VectorView q, VectorView v, double time);
+  int advanceTo(double until, const double* times, std::size_t count, const Observer& observer);
+
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace dyn

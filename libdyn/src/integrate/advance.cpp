@@ -1,0 +1,56 @@
+// From time to time: steps, the states shown between them, the event that ends them.
+#include "integrate/simulator_impl.hpp"
+
+#include <dyn/error.hpp>
+
+#include <cmath>
+
+namespace dyn {
+
+namespace {
+
+/// Times to show, ascending and within [from, to].
+void checkTimes(double from, double to, const double* times, std::size_t count) {
+  double before = from;
+  for (std::size_t k = 0; k < count; ++k) {
+    if (!(times[k] >= before) || !(times[k] <= to))
+      throw Error(ErrorCode::argument, "Simulator::advance: time " + std::to_string(k) + " is " + std::to_string(times[k]) +
+                                           " s; times ascend from the present one, " + std::to_string(from) + " s, to the last, " +
+                                           std::to_string(to) + " s");
+    before = times[k];
+  }
+}
+
+}  // namespace
+
+void Simulator::Impl::show(double t, const double* q, const double* v, const Observer& observer) const {
+  const CompactModel& m = law.model();
+  guardCallback("the observer", t, [&] { observer(t, {q, m.nq()}, {v, m.nv()}); });
+}
+
+int Simulator::advanceTo(double until, const double* times, std::size_t count, const Observer& observer) {
+  Impl& x = *impl_;
+  if (!std::isfinite(until) || until < x.now.time)
+    throw Error(ErrorCode::argument,
+                "Simulator::advance: to t = " + std::to_string(until) + " s, but it is " + std::to_string(x.now.time) + " s: time goes forward");
+  checkTimes(x.now.time, until, times, count);
+  std::size_t shown = 0;
+  if (!observer) count = 0;
+  while (shown < count && times[shown] == x.now.time) x.show(times[shown++], x.now.q.data(), x.now.v.data(), observer);
+  while (x.now.time < until) {
+    double h = x.stepTowards(until);
+    const int event = x.events.empty() ? -1 : x.findEvent(h);
+    if (event >= 0) h = x.next.time - x.now.time;
+    for (; shown < count && times[shown] < x.next.time; ++shown) {
+      x.stepper->between((times[shown] - x.now.time) / h, x.now, x.next, x.shown_q.data(), x.shown_v.data());
+      x.show(times[shown], x.shown_q.data(), x.shown_v.data(), observer);
+    }
+    x.commit();
+    for (; shown < count && times[shown] == x.now.time; ++shown) x.show(times[shown], x.now.q.data(), x.now.v.data(), observer);
+    x.readEvents();
+    if (event >= 0) return event;
+  }
+  return -1;
+}
+
+}  // namespace dyn

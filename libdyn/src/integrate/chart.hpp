@@ -1,0 +1,42 @@
+// The chart u -> q0 (+) u of a model's configuration space, and what it does to velocities.
+#pragma once
+
+#include "compile/compact_impl.hpp"
+
+#include <dyn/data/views.hpp>
+
+#include <vector>
+
+namespace dyn {
+
+/// Joints whose coordinates simply add are passed over; the others are few and have blocks of at most 6 x 6.
+class Chart {
+ public:
+  explicit Chart(const CompactModel& model);
+
+  /// q0 (+) u.
+  void point(const double* q0, const double* u, double* q) const;
+  /// du/dt of a motion that passes q = q0 (+) u with velocity v.
+  void rate(const double* q0, const double* q, const double* v, double* du) const;
+
+  /// What the discrete Lagrangian of the midpoint does to momenta and forces there, q0 (+) u being the end of the step and A = exp(-ad(u/2)):
+  /// X = A T and Y1 = J T, Y0 = A Y1, with T the inverse of exp's derivative at u and J that derivative at u/2. All commute.
+  /// momentum <- X^T momentum, at_start <- Y0^T force, at_end <- Y1^T force.
+  void midpointMaps(const double* q0, const double* u, const double* q1, double* momentum, const double* force, double* at_start,
+                    double* at_end) const;
+
+ private:
+  struct CurvedJoint {
+    const JointType* type;
+    const double* constants;
+    std::ptrdiff_t constants_stride;
+    int q, v, nv;
+  };
+  struct Blocks;
+  static ConfigurationBatch<double> callOf(const CurvedJoint& joint, Blocks& blocks);
+
+  CompactModel model_;
+  std::vector<CurvedJoint> curved_;
+};
+
+}  // namespace dyn

@@ -1,0 +1,170 @@
+// Implicit Runge-Kutta methods of collocation in the chart about the step's start, solved for the stages' accelerations by Newton's method:
+//   k_i = a(q (+) u_i, v_i),  v_i = v + h sum a_ij k_j,  u_i = h sum a_ij (du/dt)_j.
+// Newton's matrix takes du/dt for v, what is missing follows from iteration to iteration; its blocks are
+//   delta_ij 1 - h a_ij da/dv - h^2 (A^2)_ij da/dq.
+#include "integrate/stepper.hpp"
+
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace dyn {
+
+namespace {
+
+constexpr int most_stages = 3;
+
+struct Tableau {
+  int stages;
+  std::array<std::array<double, most_stages>, most_stages> a;
+  std::array<double, most_stages> b, c;
+};
+
+const double sqrt6 = std::sqrt(6.0), sqrt15 = std::sqrt(15.0);
+
+// Hairer and Wanner 1996, tables IV.5.2 and IV.5.6.
+const Tableau midpoint{1, {{{0.5}}}, {1}, {0.5}};
+const Tableau gauss6{3,
+                     {{{5.0 / 36, 2.0 / 9 - sqrt15 / 15, 5.0 / 36 - sqrt15 / 30},
+                       {5.0 / 36 + sqrt15 / 24, 2.0 / 9, 5.0 / 36 - sqrt15 / 24},
+                       {5.0 / 36 + sqrt15 / 30, 2.0 / 9 + sqrt15 / 15, 5.0 / 36}}},
+                     {5.0 / 18, 4.0 / 9, 5.0 / 18},
+                     {0.5 - sqrt15 / 10, 0.5, 0.5 + sqrt15 / 10}};
+const Tableau radau5{3,
+                     {{{(88 - 7 * sqrt6) / 360, (296 - 169 * sqrt6) / 1800, (-2 + 3 * sqrt6) / 225},
+                       {(296 + 169 * sqrt6) / 1800, (88 + 7 * sqrt6) / 360, (-2 - 3 * sqrt6) / 225},
+                       {(16 - sqrt6) / 36, (16 + sqrt6) / 36, 1.0 / 9}}},
+                     {(16 - sqrt6) / 36, (16 + sqrt6) / 36, 1.0 / 9},
+                     {(4 - sqrt6) / 10, (4 + sqrt6) / 10, 1}};
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+class CollocationStepper : public CubicStepper {
+ public:
+  CollocationStepper(Law& law, const Tableau& tableau)
+      : CubicStepper(law),
+        tableau_(tableau),
+        n_(law.model().nv()),
+        size_(tableau.stages * n_),
+        k_(n_, tableau.stages),
+        turning_(n_, tableau.stages),
+        next_turning_(n_, tableau.stages),
+        residual_(size_),
+        change_(size_),
+        u_(n_),
+        rate_(n_),
+        q_(law.model().nq()),
+        middle_v_(n_),
+        v_(n_, tableau.stages),
+        by_q_(n_, n_),
+        by_v_(n_, n_),
+        matrix_(size_, size_),
+        solver_(std::max(size_, 1)) {
+    for (int i = 0; i < tableau.stages; ++i)
+      for (int j = 0; j < tableau.stages; ++j)
+        for (int l = 0; l < tableau.stages; ++l) squared_[at(i)][at(j)] += tableau.a[at(i)][at(l)] * tableau.a[at(l)][at(j)];
+  }
+
+  StepOutcome step(double h, Moment& from, Moment& to) override {
+    h_ = h;
+    accelerationAt(from);
+    k_ = from.a.replicate(1, tableau_.stages);
+    turning_.setZero();
+    next_turning_.setZero();
+    if (!solve(from)) return StepOutcome::unsolved;
+    to.v = from.v;
+    u_.setZero();
+    for (int j = 0; j < tableau_.stages; ++j) {
+      to.v += h * tableau_.b[at(j)] * k_.col(j);
+      u_ += h * tableau_.b[at(j)] * (v_.col(j) + turning_.col(j));
+    }
+    chart_.point(from.q.data(), u_.data(), to.q.data());
+    to.has_acceleration = false;
+    return StepOutcome::taken;
+  }
+
+ private:
+  /// Iterates to where changes are rounding, with the matrix anew where they do not halve.
+  bool solve(const Moment& from) {
+    constexpr int most_iterations = 60;
+    factorize(from);
+    double before = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < most_iterations; ++i) {
+      ++law_.statistics.iterations;
+      const double turned = evaluate(from);
+      change_ = solver_.solve(residual_);
+      const Eigen::Map<const Eigen::MatrixXd> change(change_.data(), n_, tableau_.stages);
+      k_ -= change;
+      const double size = std::max(turned, n_ > 0 ? h_ * change_.cwiseAbs().maxCoeff() : 0);
+      if (!std::isfinite(size)) return false;
+      const double scale = n_ > 0 ? std::max(from.v.cwiseAbs().maxCoeff(), h_ * k_.cwiseAbs().maxCoeff()) : 0;
+      if (size <= 0x1p-52 * scale) return true;
+      if (size > 0.5 * before) {
+        // No better: rounding, if it is that small; otherwise the matrix is that of another state.
+        if (size <= 0x1p-40 * scale) return true;
+        factorize(from);
+      }
+      before = size;
+    }
+    return false;
+  }
+
+  /// Of the state in the middle of the stages as they are now.
+  void factorize(const Moment& from) {
+    ++law_.statistics.factorizations;
+    const int s = tableau_.stages;
+    middle_v_ = from.v + 0.5 * h_ / s * k_.rowwise().sum();
+    u_ = 0.5 * h_ * from.v;
+    chart_.point(from.q.data(), u_.data(), q_.data());
+    law_.derivatives(from.time + 0.5 * h_, q_.data(), middle_v_.data(), MatrixMap(by_q_.data(), n_, n_), MatrixMap(by_v_.data(), n_, n_));
+    for (int i = 0; i < s; ++i)
+      for (int j = 0; j < s; ++j) {
+        auto block = matrix_.block(i * n_, j * n_, n_, n_);
+        block = -h_ * tableau_.a[at(i)][at(j)] * by_v_ - h_ * h_ * squared_[at(i)][at(j)] * by_q_;
+        if (i == j) block.diagonal().array() += 1;
+      }
+    solver_.compute(matrix_);
+  }
+
+  /// Stages of the present accelerations, and what these are off. Returns by how much the chart's rates have changed.
+  double evaluate(const Moment& from) {
+    const int s = tableau_.stages;
+    for (int i = 0; i < s; ++i) {
+      v_.col(i) = from.v;
+      for (int j = 0; j < s; ++j) v_.col(i) += h_ * tableau_.a[at(i)][at(j)] * k_.col(j);
+    }
+    double changed = 0;
+    for (int i = 0; i < s; ++i) {
+      u_.setZero();
+      for (int j = 0; j < s; ++j) u_ += h_ * tableau_.a[at(i)][at(j)] * (v_.col(j) + turning_.col(j));
+      chart_.point(from.q.data(), u_.data(), q_.data());
+      chart_.rate(from.q.data(), q_.data(), v_.col(i).data(), rate_.data());
+      const double* a = law_.acceleration(from.time + tableau_.c[at(i)] * h_, q_.data(), v_.col(i).data());
+      residual_.segment(i * n_, n_) = k_.col(i) - VectorResult(a, n_);
+      rate_ -= v_.col(i);
+      if (n_ > 0) changed = std::max(changed, (rate_ - next_turning_.col(i)).cwiseAbs().maxCoeff());
+      next_turning_.col(i) = rate_;
+    }
+    turning_ = next_turning_;
+    return changed;
+  }
+
+  const Tableau& tableau_;
+  int n_, size_;
+  std::array<std::array<double, most_stages>, most_stages> squared_{};
+  Eigen::MatrixXd k_;
+  Eigen::MatrixXd turning_, next_turning_;  ///< du/dt less v, of the stages: bodies that turn about an axis that does
+  Eigen::VectorXd residual_, change_, u_, rate_, q_, middle_v_;
+  Eigen::MatrixXd v_, by_q_, by_v_, matrix_;
+  Eigen::PartialPivLU<Eigen::MatrixXd> solver_;
+};
+
+}  // namespace
+
+std::unique_ptr<Stepper> makeCollocationStepper(Law& law, Integrator integrator) {
+  return std::make_unique<CollocationStepper>(law, integrator == Integrator::radau5 ? radau5 : integrator == Integrator::gauss6 ? gauss6 : midpoint);
+}
+
+}  // namespace dyn

@@ -1,0 +1,71 @@
+// Zeros of functions of the state, looked for between the ends of a step.
+#include "integrate/simulator_impl.hpp"
+
+#include <dyn/error.hpp>
+
+#include <exception>
+
+namespace dyn {
+
+void Simulator::setEvents(std::vector<Event> events) {
+  for (const Event& event : events)
+    if (!event.value) throw Error(ErrorCode::argument, "Simulator::setEvents: the event '" + event.name + "' has no function");
+  impl_->events = std::move(events);
+  impl_->signs.assign(impl_->events.size(), 0);
+  impl_->readEvents();
+}
+
+int Simulator::Impl::signOf(const Event& event, double t, const double* q, const double* v) const {
+  double value = 0;
+  const CompactModel& m = law.model();
+  guardCallback(("the event '" + event.name + "'").c_str(), t, [&] { value = event.value(t, {q, m.nq()}, {v, m.nv()}); });
+  return (value > 0) - (value < 0);
+}
+
+void Simulator::Impl::readEvents() {
+  for (std::size_t k = 0; k < events.size(); ++k) signs[k] = signOf(events[k], now.time, now.q.data(), now.v.data());
+}
+
+bool Simulator::Impl::happened(std::size_t k, int sign) const {
+  if (signs[k] == 0 || sign == signs[k]) return false;
+  return events[k].direction == Event::Direction::both || (signs[k] < 0) == (events[k].direction == Event::Direction::rising);
+}
+
+int Simulator::Impl::findEvent(double h) {
+  double earliest = 1;
+  int found = -1;
+  for (std::size_t k = 0; k < events.size(); ++k) {
+    if (!happened(k, signOf(events[k], next.time, next.q.data(), next.v.data()))) continue;
+    // [low, high] keeps the sign before at low and the sign after at high.
+    double low = 0, high = 1;
+    while (high - low > 0x1p-45 && low < earliest) {
+      const double middle = 0.5 * (low + high);
+      const double t = now.time + middle * h;
+      stepper->between(middle, now, next, shown_q.data(), shown_v.data());
+      (happened(k, signOf(events[k], t, shown_q.data(), shown_v.data())) ? high : low) = middle;
+    }
+    if (found < 0 || high < earliest) {
+      earliest = high;
+      found = static_cast<int>(k);
+    }
+  }
+  if (found < 0) return -1;
+  // The step once more, as far as that. Its end is nearer the truth than the polynomial, which may be past the zero where it is not yet.
+  const auto k = static_cast<std::size_t>(found);
+  for (double more = 0x1p-45; earliest < 1; more *= 4) {
+    const double part = earliest * h, end = now.time + part;
+    stepBy(part, end);
+    project();
+    if (happened(k, signOf(events[k], next.time, next.q.data(), next.v.data()))) break;
+    earliest = std::min(1.0, earliest + more);
+  }
+  if (earliest == 1) {
+    const double end = now.time + h;
+    stepBy(h, end);
+    project();
+  }
+  whole_step = false;
+  return found;
+}
+
+}  // namespace dyn

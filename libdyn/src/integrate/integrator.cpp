@@ -1,0 +1,29 @@
+#include <dyn/error.hpp>
+#include <dyn/integrate/integrator.hpp>
+
+namespace dyn {
+
+const std::vector<IntegratorInfo>& integrators() {
+  static const std::vector<IntegratorInfo> all{
+      {Integrator::explicit_euler, "explicit_euler", 1, false, false, true},
+      {Integrator::semi_implicit_euler, "semi_implicit_euler", 1, false, false, true},
+      {Integrator::rk4, "rk4", 4, false, false, true},
+      {Integrator::dormand_prince, "dormand_prince", 5, true, false, true},
+      {Integrator::implicit_midpoint, "implicit_midpoint", 2, false, true, true},
+      {Integrator::gauss6, "gauss6", 6, false, true, true},
+      {Integrator::radau5, "radau5", 5, false, true, true},
+      {Integrator::variational, "variational", 2, false, true, false},
+  };
+  return all;
+}
+
+Integrator integratorByName(const std::string& name) {
+  std::string known;
+  for (const IntegratorInfo& info : integrators()) {
+    if (name == info.name) return info.integrator;
+    known += (known.empty() ? "" : ", ") + std::string(info.name);
+  }
+  throw Error(ErrorCode::argument, "no integrator is called '" + name + "'; there are " + known);
+}
+
+}  // namespace dyn

@@ -1,0 +1,151 @@
+#include "integrate/law.hpp"
+
+#include "compile/compact_impl.hpp"
+
+#include <dyn/algorithm/aba.hpp>
+#include <dyn/algorithm/center_of_mass.hpp>
+#include <dyn/algorithm/configuration.hpp>
+#include <dyn/algorithm/derivatives.hpp>
+#include <dyn/constraint/assembly.hpp>
+#include <dyn/constraint/derivatives.hpp>
+#include <dyn/error.hpp>
+
+#include <cmath>
+#include <cstdio>
+
+namespace dyn {
+
+namespace {
+
+Need withCouplings(const CompactModel& model, Need needs) { return model.impl().couplings.empty() ? needs : needs | Need::mass_matrix; }
+
+}  // namespace
+
+void refuseCallback(const char* callback, double t, const std::string& why) {
+  char time[32];
+  std::snprintf(time, sizeof time, "%.9g", t);
+  throw Error(ErrorCode::simulation, std::string(callback) + " threw at t = " + time + " s: " + why);
+}
+
+Law::Law(const CompactModel& model, const ConstraintSet* constraints, Need needs)
+    : model_(model),
+      data_(model, withCouplings(model, needs)),
+      tau_(Eigen::VectorXd::Zero(model.nv())),
+      moved_tau_(tau_),
+      moved_q_(model.nq()),
+      moved_v_(model.nv()),
+      direction_(tau_),
+      zero_(tau_),
+      fext_(model.joints().size()) {
+  if (constraints) constraints_.emplace(*constraints, needs);
+  if (has(needs, Need::derivatives)) {
+    tau_by_q_.resize(model.nv(), model.nv());
+    tau_by_v_.resize(model.nv(), model.nv());
+  }
+}
+
+void Law::callController(double t, const double* q, const double* v, double* tau) {
+  VectorMap out(tau, model_.nv());
+  out.setZero();
+  if (controller) guardCallback("the controller", t, [&] { controller(t, configuration(q), velocity(v), out); });
+}
+
+void Law::callForces(double t, const double* q, const double* v) {
+  for (Force<double>& f : fext_) f = Force<double>{};
+  guardCallback("the function of forces", t, [&] { forces(t, configuration(q), velocity(v), fext_.data(), static_cast<int>(fext_.size())); });
+}
+
+const double* Law::acceleration(double t, const double* q, const double* v) {
+  ++statistics.evaluations;
+  callController(t, q, v, tau_.data());
+  const VectorView at_q{q, model_.nq()}, at_v{v, model_.nv()}, tau{tau_.data(), model_.nv()};
+  const Force<double>* f = nullptr;
+  if (forces) {
+    callForces(t, q, v);
+    f = fext_.data();
+  }
+  const std::size_t count = f ? fext_.size() : 0;
+  if (!constraints_) return detail::aba(model_, data_, at_q, at_v, tau, f, count);
+  return detail::constraintDynamics(model_, data_, at_q, at_v, tau, *constraints_, ConstraintMethod::articulated, f, count).motion;
+}
+
+const double* Law::applied(double t, const double* q, const double* v) {
+  callController(t, q, v, tau_.data());
+  if (!forces) return tau_.data();
+  callForces(t, q, v);
+  const VectorView at_q{q, model_.nq()}, at_v{v, model_.nv()}, zero{zero_.data(), model_.nv()};
+  tau_ += VectorResult(detail::rnea(model_, data_, at_q, at_v, zero, nullptr, 0), model_.nv());
+  tau_ -= VectorResult(detail::rnea(model_, data_, at_q, at_v, zero, fext_.data(), fext_.size()), model_.nv());
+  return tau_.data();
+}
+
+void Law::differentiateController(double t, const double* q, const double* v) {
+  const int n = model_.nv();
+  tau_by_q_.setZero();
+  tau_by_v_.setZero();
+  if (controller_derivatives && !forces) {
+    guardCallback("the controller's derivatives", t, [&] {
+      controller_derivatives(t, configuration(q), velocity(v), MatrixMap(tau_by_q_.data(), n, n), MatrixMap(tau_by_v_.data(), n, n));
+    });
+    return;
+  }
+  // Differences: what they are off costs iterations, not accuracy.
+  applied(t, q, v);
+  moved_tau_ = tau_;
+  for (int k = 0; k < n; ++k) {
+    const double h = 0x1p-26;
+    direction_[k] = h;
+    detail::integrate(model_, {q, model_.nq()}, {direction_.data(), n}, {moved_q_.data(), model_.nq()});
+    direction_[k] = 0;
+    applied(t, moved_q_.data(), v);
+    tau_by_q_.col(k) = (tau_ - moved_tau_) / h;
+    const double hv = h * std::max(1.0, std::abs(v[k]));
+    moved_v_ = velocity(v);
+    moved_v_[k] += hv;
+    applied(t, q, moved_v_.data());
+    tau_by_v_.col(k) = (tau_ - moved_tau_) / hv;
+  }
+  tau_ = moved_tau_;
+}
+
+void Law::derivatives(double t, const double* q, const double* v, MatrixMap by_q, MatrixMap by_v) {
+  const int n = model_.nv();
+  const bool driven = controller || forces;
+  applied(t, q, v);
+  if (driven) differentiateController(t, q, v);
+  const VectorView at_q{q, model_.nq()}, at_v{v, n}, tau{tau_.data(), n};
+  const double *dq, *dv, *dtau;
+  if (constraints_) {
+    const auto x = detail::constraintDynamicsDerivatives(model_, data_, at_q, at_v, tau, *constraints_);
+    dq = x.motion_dq, dv = x.motion_dv, dtau = x.motion_dtau;
+  } else {
+    const auto x = detail::abaDerivatives(model_, data_, at_q, at_v, tau, nullptr, 0);
+    dq = x.by_q, dv = x.by_v, dtau = x.inertia;
+  }
+  by_q = MatrixResult(dq, n, n);
+  by_v = MatrixResult(dv, n, n);
+  if (!driven) return;
+  by_q.noalias() += MatrixResult(dtau, n, n).lazyProduct(tau_by_q_);
+  by_v.noalias() += MatrixResult(dtau, n, n).lazyProduct(tau_by_v_);
+}
+
+double Law::energy(const double* q, const double* v) {
+  return detail::kineticEnergy(model_, data_, {q, model_.nq()}, {v, model_.nv()}) + detail::potentialEnergy(model_, data_, {q, model_.nq()});
+}
+
+double Law::constraintError(const double* q, const double* v) {
+  if (!constraints_ || constraints_->set().rows() == 0) return 0;
+  const auto x = detail::constraintMotion(model_, data_, {q, model_.nq()}, {v, model_.nv()}, *constraints_);
+  return VectorResult(x.error, constraints_->set().rows()).cwiseAbs().maxCoeff();
+}
+
+bool Law::project(double* q, double* v) {
+  if (!constraints_ || constraints_->set().rows() == 0) return true;
+  const auto x = detail::projectConfiguration(model_, data_, {q, model_.nq()}, *constraints_, {});
+  if (!x.closed) return false;
+  std::copy_n(x.q, model_.nq(), q);
+  std::copy_n(detail::impulseDynamics(model_, data_, {q, model_.nq()}, {v, model_.nv()}, 0.0, *constraints_).motion, model_.nv(), v);
+  return true;
+}
+
+}  // namespace dyn

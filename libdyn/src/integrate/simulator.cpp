@@ -1,0 +1,228 @@
+#include "algorithm/inputs.hpp"
+#include "integrate/simulator_impl.hpp"
+
+#include <dyn/algorithm/configuration.hpp>
+#include <dyn/error.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <utility>
+
+namespace dyn {
+
+namespace {
+
+std::string number(double x) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.9g", x);
+  return text;
+}
+
+[[noreturn]] void refuse(const std::string& why) { throw Error(ErrorCode::argument, "Simulator: " + why); }
+
+const SimulatorOptions& checked(const CompactModel& model, const ConstraintSet* constraints, const SimulatorOptions& options) {
+  const IntegratorInfo& info = infoOf(options.integrator);
+  if (!(options.dt > 0) || !std::isfinite(options.dt)) refuse("dt is " + number(options.dt) + "; a step of time must be positive");
+  if (info.adaptive && !(options.tolerance > 0)) refuse("the tolerance is " + number(options.tolerance) + "; it must be positive");
+  if (constraints && !info.constrained) refuse(std::string("the integrator '") + info.name + "' takes no constraints; implicit_midpoint does");
+  if (options.integrator == Integrator::variational && !model.impl().couplings.empty())
+    refuse("the integrator 'variational' takes no joints that follow others; load them as independent ones, or use implicit_midpoint");
+  return options;
+}
+
+Need needOf(Integrator integrator) { return infoOf(integrator).implicit ? Need::derivatives : Need::state; }
+
+}  // namespace
+
+std::unique_ptr<Stepper> makeStepper(Law& law, const SimulatorOptions& options) {
+  switch (options.integrator) {
+    case Integrator::explicit_euler:
+      return makeEulerStepper(law, false);
+    case Integrator::semi_implicit_euler:
+      return makeEulerStepper(law, true);
+    case Integrator::rk4:
+    case Integrator::dormand_prince:
+      return makeExplicitStepper(law, options);
+    case Integrator::implicit_midpoint:
+    case Integrator::gauss6:
+    case Integrator::radau5:
+      return makeCollocationStepper(law, options.integrator);
+    case Integrator::variational:
+      return makeVariationalStepper(law);
+  }
+  refuse("there is no such integrator");
+}
+
+Simulator::Impl::Impl(const CompactModel& model, const ConstraintSet* constraints, const SimulatorOptions& o)
+    : options(checked(model, constraints, o)),
+      law(model, constraints, needOf(o.integrator)),
+      stepper(makeStepper(law, options)),
+      now(model),
+      next(model),
+      shown_q(model.nq()),
+      shown_v(model.nv()),
+      trial(o.dt) {
+  detail::neutral(model, now.q.data());
+  now.v.setZero();
+}
+
+void Simulator::Impl::checkFinite(const Moment& x, const std::string& after) const {
+  if (x.q.allFinite() && x.v.allFinite()) return;
+  for (const JointRecord& joint : law.model().joints()) {
+    const auto look = [&](const char* what, const Eigen::VectorXd& values, int first, int count) {
+      for (int k = first; k < first + count; ++k)
+        if (!std::isfinite(values[k]))
+          throw Error(ErrorCode::simulation, "at t = " + number(x.time) + " s its " + what + " is " + number(values[k]) + after, {{}, 0, joint.name});
+    };
+    look("configuration", x.q, joint.idx_q, joint.nq);
+    look("velocity", x.v, joint.idx_v, joint.nv);
+  }
+}
+
+void Simulator::Impl::attempt(double h, double until) {
+  next.time = until;
+  StepOutcome outcome;
+  try {
+    outcome = stepper->step(h, now, next);
+  } catch (const Error& e) {
+    if (e.code() == ErrorCode::simulation) throw;
+    throw Error(ErrorCode::simulation, "in the step from t = " + number(now.time) + " s: " + e.what());
+  }
+  if (outcome == StepOutcome::unsolved)
+    throw Error(ErrorCode::simulation,
+                "the step of " + number(h) + " s from t = " + number(now.time) + " s has equations that iterations do not solve: take shorter ones");
+}
+
+void Simulator::Impl::stepBy(double h, double until) {
+  attempt(h, until);
+  checkFinite(next, " after a step of " + number(h) + " s");
+}
+
+double Simulator::Impl::adaptiveStep(double most) {
+  // What is lost of a step that only the end of the simulation cut short would have to be found again.
+  bool rejected = false;
+  for (;;) {
+    const bool cut = trial >= most;
+    const double h = cut ? most : trial;
+    if (h < 0x1p-40 * options.dt || now.time + h == now.time)
+      throw Error(ErrorCode::simulation, "at t = " + number(now.time) + " s steps have collapsed to " + number(h) +
+                                             " s: no step keeps the tolerance of " + number(options.tolerance) + ", or none is finite");
+    attempt(h, now.time + h);
+    const double error = stepper->error();
+    const bool finite = std::isfinite(error) && next.q.allFinite() && next.v.allFinite();
+    const double factor = finite ? std::clamp(0.9 * std::pow(error, -0.2), 0.2, rejected ? 1.0 : 5.0) : 0.2;
+    if (finite && error <= 1) {
+      if (!cut || h * factor < trial) trial = h * factor;
+      return h;
+    }
+    trial = h * factor;
+    rejected = true;
+    ++law.statistics.rejected;
+  }
+}
+
+void Simulator::Impl::project() {
+  if (!options.project || !law.constrained()) return;
+  if (!law.project(next.q.data(), next.v.data()))
+    throw Error(ErrorCode::simulation,
+                "after the step to t = " + number(next.time) + " s no configuration near keeps the constraints: take shorter ones");
+  next.has_acceleration = false;
+}
+
+double Simulator::Impl::stepTowards(double until) {
+  double h = 0;
+  if (infoOf(options.integrator).adaptive) {
+    h = adaptiveStep(until - now.time);
+    // The last step ends where it is asked to, however sums are rounded.
+    next.time = h == until - now.time ? until : now.time + h;
+  } else {
+    // Times of whole steps are multiples, so that no rounding adds up.
+    const double whole = anchor + static_cast<double>(steps + 1) * options.dt;
+    const bool fits = whole <= until + slack * options.dt;
+    h = fits ? options.dt : until - now.time;
+    stepBy(h, !fits || std::abs(whole - until) <= slack * options.dt ? until : whole);
+    whole_step = fits;
+  }
+  project();
+  return h;
+}
+
+void Simulator::Impl::commit() {
+  std::swap(now, next);
+  ++law.statistics.steps;
+  if (whole_step) {
+    ++steps;
+  } else {
+    anchor = now.time;
+    steps = 0;
+  }
+}
+
+Simulator::Simulator(const CompactModel& model, const SimulatorOptions& options) : impl_(std::make_unique<Impl>(model, nullptr, options)) {}
+Simulator::Simulator(const ConstraintSet& constraints, const SimulatorOptions& options)
+    : impl_(std::make_unique<Impl>(constraints.model(), &constraints, options)) {}
+Simulator::~Simulator() = default;
+Simulator::Simulator(Simulator&&) noexcept = default;
+Simulator& Simulator::operator=(Simulator&&) noexcept = default;
+
+const CompactModel& Simulator::model() const { return impl_->law.model(); }
+const SimulatorOptions& Simulator::options() const { return impl_->options; }
+double Simulator::time() const { return impl_->now.time; }
+VectorResult Simulator::q() const { return {impl_->now.q.data(), impl_->now.q.size()}; }
+VectorResult Simulator::v() const { return {impl_->now.v.data(), impl_->now.v.size()}; }
+const SimulatorStatistics& Simulator::statistics() const { return impl_->law.statistics; }
+double Simulator::energy() { return impl_->law.energy(impl_->now.q.data(), impl_->now.v.data()); }
+double Simulator::constraintError() { return impl_->law.constraintError(impl_->now.q.data(), impl_->now.v.data()); }
+VectorResult Simulator::acceleration() {
+  Moment& x = impl_->now;
+  return {impl_->law.acceleration(x.time, x.q.data(), x.v.data()), x.v.size()};
+}
+
+void Simulator::setController(Controller controller, ControllerDerivatives derivatives) {
+  impl_->law.controller = std::move(controller);
+  impl_->law.controller_derivatives = std::move(derivatives);
+  impl_->now.has_acceleration = false;
+}
+
+void Simulator::setForces(Forces forces) {
+  impl_->law.forces = std::move(forces);
+  impl_->now.has_acceleration = false;
+}
+
+void Simulator::resetTo(VectorView q, VectorView v, double time) {
+  const CompactModel& m = model();
+  checkSize("Simulator::reset", "q", q, m.nq());
+  checkSize("Simulator::reset", "v", v, m.nv());
+  if (!std::isfinite(time)) refuse("the time is " + number(time));
+  Moment x(m);
+  x.time = time;
+  x.q = VectorResult(q.data, q.size);
+  x.v = VectorResult(v.data, v.size);
+  impl_->checkFinite(x, "");
+  checkConfiguration("q", m.impl(), q.data);
+  impl_->now = std::move(x);
+  impl_->startAt(time);
+}
+
+void Simulator::Impl::startAt(double time) {
+  anchor = time;
+  steps = 0;
+  trial = options.dt;
+  law.statistics = {};
+  readEvents();
+}
+
+void Simulator::step() {
+  Impl& x = *impl_;
+  if (infoOf(x.options.integrator).adaptive) {
+    x.stepTowards(std::numeric_limits<double>::infinity());
+  } else {
+    x.stepTowards(x.anchor + static_cast<double>(x.steps + 1) * x.options.dt);
+  }
+  x.commit();
+  x.readEvents();
+}
+
+}  // namespace dyn

@@ -1,0 +1,50 @@
+// What a Simulator holds.
+#pragma once
+
+#include "integrate/stepper.hpp"
+
+#include <vector>
+
+namespace dyn {
+
+struct Simulator::Impl {
+  /// Of dt: whole steps that end this near to a time asked for end there.
+  static constexpr double slack = 1e-9;
+
+  SimulatorOptions options;
+  Law law;
+  std::unique_ptr<Stepper> stepper;
+  Moment now, next;
+  Eigen::VectorXd shown_q, shown_v;  ///< a state between
+  double anchor = 0;                 ///< whole steps are counted from this time
+  long steps = 0;                    ///< since then
+  bool whole_step = true;            ///< the last one
+  double trial;                      ///< next step of adaptive integrators [s]
+
+  std::vector<Event> events;
+  std::vector<int> signs;  ///< of the events' functions at `now`; 0: no side is known
+
+  Impl(const CompactModel& model, const ConstraintSet* constraints, const SimulatorOptions& options);
+
+  void startAt(double time);
+  /// From `now` to `next` by at most until - now.time; returns by how much. Throws and leaves `now` as it was.
+  double stepTowards(double until);
+  /// `next` becomes `now`.
+  void commit();
+
+  void attempt(double h, double until);
+  void stepBy(double h, double until);
+  double adaptiveStep(double most);
+  void project();
+  void checkFinite(const Moment& x, const std::string& after) const;
+
+  void show(double t, const double* q, const double* v, const Observer& observer) const;
+  void readEvents();
+  /// Whether event k has come between the sign that it had at `now` and this one.
+  bool happened(std::size_t k, int sign) const;
+  int signOf(const Event& event, double t, const double* q, const double* v) const;
+  /// After a step of h: the first event in it, `next` then being just past it; -1 if there is none.
+  int findEvent(double h);
+};
+
+}  // namespace dyn

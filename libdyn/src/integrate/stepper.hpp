@@ -1,0 +1,63 @@
+// One step of a method, and the motion between its ends.
+#pragma once
+
+#include "integrate/chart.hpp"
+#include "integrate/law.hpp"
+
+#include <memory>
+
+namespace dyn {
+
+/// A state at its time, and the accelerations there, if they are known.
+struct Moment {
+  double time = 0;
+  Eigen::VectorXd q, v, a;
+  bool has_acceleration = false;
+
+  explicit Moment(const CompactModel& model) : q(model.nq()), v(model.nv()), a(model.nv()) {}
+};
+
+enum class StepOutcome {
+  taken,
+  unsolved,  ///< the step's equations have no solution near, or iterations do not reach it
+};
+
+class Stepper {
+ public:
+  virtual ~Stepper() = default;
+
+  /// From `from` by h to `to`, whose time is set.
+  virtual StepOutcome step(double h, Moment& from, Moment& to) = 0;
+  /// Error of the last step in units of the tolerance; 0 for methods without an estimate.
+  virtual double error() const { return 0; }
+  /// The state at the share theta of the last step, to about the method's order but no better than the fourth. `to` may have
+  /// been projected since.
+  virtual void between(double theta, Moment& from, Moment& to, double* q, double* v) = 0;
+};
+
+std::unique_ptr<Stepper> makeStepper(Law& law, const SimulatorOptions& options);
+
+// One factory a family of methods, for makeStepper.
+std::unique_ptr<Stepper> makeEulerStepper(Law& law, bool semi_implicit);
+std::unique_ptr<Stepper> makeExplicitStepper(Law& law, const SimulatorOptions& options);
+std::unique_ptr<Stepper> makeCollocationStepper(Law& law, Integrator integrator);
+std::unique_ptr<Stepper> makeVariationalStepper(Law& law);
+
+/// The cubics through the ends of a step with their velocities and accelerations, in the chart about its start.
+class CubicStepper : public Stepper {
+ public:
+  explicit CubicStepper(Law& law);
+  void between(double theta, Moment& from, Moment& to, double* q, double* v) override;
+
+ protected:
+  const double* accelerationAt(Moment& x);
+
+  Law& law_;
+  Chart chart_;
+  double h_ = 0;  ///< the last step
+
+ private:
+  Eigen::VectorXd u_, rate_;
+};
+
+}  // namespace dyn
