@@ -3,57 +3,28 @@
 #include <dyn/file.hpp>
 
 #include <algorithm>
-#include <cmath>
 #include <sstream>
 
 namespace dyn::benchmark {
 
 namespace {
 
-constexpr const char* colours[] = {"#1b6ca8", "#d1495b", "#edae49", "#66a182", "#2e4057", "#8d6a9f", "#c97b4a", "#7a7a7a"};
 constexpr double bar = 14, gap = 28, height = 320, left = 70, top = 50, legend = 130;
 
 void remember(std::vector<std::string>& names, const std::string& name) {
   if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
 }
 
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) out += c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '&' ? "&amp;" : std::string(1, c);
-  return out;
-}
-
-struct Mark {
-  double value;
-  bool named;
-};
-
 }  // namespace
 
-struct BarChart::Axis {
-  double low, high;  ///< of values, or of their decimal logarithms
-  bool logarithmic;
-  std::vector<Mark> marks;
-  double y(double value) const { return top + height * (high - (logarithmic ? std::log10(value) : value)) / (high - low); }
-};
-
-BarChart::Axis BarChart::axis() const {
+Axis BarChart::axis() const {
   double least = 1e300, most = 0;
   for (const auto& [key, value] : values_) {
     least = std::min(least, value);
     most = std::max(most, value);
   }
   if (most == 0) least = most = 1;
-  Axis axis{0, most, scale_ == Scale::logarithmic, {}};
-  if (!axis.logarithmic) {
-    for (int tick = 0; tick <= 4; ++tick) axis.marks.push_back({most * tick / 4, true});
-    return axis;
-  }
-  axis.low = std::floor(std::log10(least));
-  axis.high = std::max(std::ceil(std::log10(most)), axis.low + 1);
-  for (double decade = axis.low; decade <= axis.high; ++decade)
-    for (int digit = 1; digit < (decade < axis.high ? 10 : 2); ++digit) axis.marks.push_back({digit * std::pow(10, decade), digit == 1});
-  return axis;
+  return barAxis(least, most, scale_);
 }
 
 void BarChart::add(const std::string& group, const std::string& series, double value) {
@@ -69,29 +40,27 @@ std::string BarChart::svg() const {
   std::ostringstream svg;
   svg << "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" << width << "\" height=\"" << top + height + 70
       << "\" font-family=\"sans-serif\" font-size=\"12\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n";
+  const auto heightOf = [&](double value) { return top + height * (1 - axis.fraction(value)); };
   const auto text = [&](double x, double y, const std::string& what, const char* anchor) {
     svg << "<text x=\"" << x << "\" y=\"" << y << "\" text-anchor=\"" << anchor << "\">" << escaped(what) << "</text>\n";
   };
-  const auto box = [&](double x, double y, double w, double h, std::size_t colour) {
-    svg << "<rect x=\"" << x << "\" y=\"" << y << "\" width=\"" << w << "\" height=\"" << h << "\" fill=\"" << colours[colour % std::size(colours)]
-        << "\"/>\n";
+  const auto box = [&](double x, double y, double w, double h, std::size_t k) {
+    svg << "<rect x=\"" << x << "\" y=\"" << y << "\" width=\"" << w << "\" height=\"" << h << "\" fill=\"" << colour(k) << "\"/>\n";
   };
   text(left, 22, title_, "start");
   for (const Mark& mark : axis.marks) {
-    const double y = axis.y(mark.value);
+    const double y = heightOf(mark.value);
     svg << "<line x1=\"" << left << "\" x2=\"" << width - 20 << "\" y1=\"" << y << "\" y2=\"" << y << "\" stroke=\""
         << (mark.named ? "#999" : "#e6e6e6") << "\"/>\n";
     if (!mark.named) continue;
-    std::ostringstream number;
-    number << std::round(mark.value * 1000) / 1000;
-    text(left - 8, y + 4, number.str(), "end");
+    text(left - 8, y + 4, shortNumber(mark.value), "end");
   }
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     const double x = left + gap / 2 + group * static_cast<double>(g);
     for (std::size_t s = 0; s < series_.size(); ++s) {
       const auto found = values_.find({groups_[g], series_[s]});
       if (found == values_.end()) continue;
-      const double y = axis.y(found->second);
+      const double y = heightOf(found->second);
       box(x + bar * static_cast<double>(s), y, bar - 2, top + height - y, s);
     }
     text(x + (group - gap) / 2, top + height + 18, groups_[g], "middle");

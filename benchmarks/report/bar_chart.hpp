@@ -1,13 +1,13 @@
 // Bars in groups, as SVG: times of several ways to do several things.
 #pragma once
 
+#include "report/svg.hpp"
+
 #include <map>
 #include <string>
 #include <vector>
 
 namespace dyn::benchmark {
-
-enum class Scale { linear, logarithmic };
 
 class BarChart {
  public:
@@ -19,8 +19,6 @@ class BarChart {
   void write(const std::string& path) const;
 
  private:
-  /// Its height as a fraction of the axis', and the axis' marks.
-  struct Axis;
   Axis axis() const;
 
   std::string title_;

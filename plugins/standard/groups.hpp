@@ -62,9 +62,9 @@ struct Spherical : sdk::Joint<Spherical, 3, 4> {
     writeMatrix(Jexp3(w), Jv);
   }
   static void dDifference(const double* a, const double* b, double* J0, double* J1) {
-    const Vec3<double> d = quaternionDifference(quaternionAt(a), quaternionAt(b));
-    writeMatrix(Jlog3(d), J1);
-    writeMatrix(-1.0 * transpose(Jlog3(d)), J0);  // Jlog(d) exp(-d) = Jlog(-d) = Jlog(d)^T
+    const Mat3<double> J = Jlog3(quaternionDifference(quaternionAt(a), quaternionAt(b)));
+    writeMatrix(J, J1);
+    writeMatrix(-1.0 * transpose(J), J0);  // Jlog(d) exp(-d) = Jlog(-d) = Jlog(d)^T
   }
   static double normalize(double* q) { return normalizeQuaternion(q); }
 };
@@ -92,13 +92,16 @@ struct FreeFlyer : sdk::Joint<FreeFlyer, 6, 7> {
     for (int i = 0; i < 3; ++i) out[i] = q[i] + p[i];
     writeQuaternion(r * expQuaternion(m.angular), out + 3);
   }
-  static Motion<double> minus(const double* a, const double* b) {
+  /// b less a, and Jlog3 of its rotation.
+  static Motion<double> minus(const double* a, const double* b, Mat3<double>& D) {
     const Quaternion<double> ra = quaternionAt(a + 3);
     const Vec3<double> w = quaternionDifference(ra, quaternionAt(b + 3));
-    return log6(w, transposeTimes(ra.matrix(), Vec3<double>{b[0] - a[0], b[1] - a[1], b[2] - a[2]}));
+    D = Jlog3(w);
+    return {transposeTimes(D, transposeTimes(ra.matrix(), Vec3<double>{b[0] - a[0], b[1] - a[1], b[2] - a[2]})), w};
   }
   static void difference(const double* a, const double* b, double* v) {
-    const Motion<double> d = minus(a, b);
+    Mat3<double> D;
+    const Motion<double> d = minus(a, b, D);
     for (int i = 0; i < 3; ++i) {
       v[i] = d.linear[i];
       v[3 + i] = d.angular[i];
@@ -110,9 +113,11 @@ struct FreeFlyer : sdk::Joint<FreeFlyer, 6, 7> {
     writeBlocks(Jexp6(m), 1, Jv);
   }
   static void dDifference(const double* a, const double* b, double* J0, double* J1) {
-    const Motion<double> d = minus(a, b);
-    writeBlocks(Jlog6(d), 1, J1);
-    writeBlocks(Jlog6(-1.0 * d), -1, J0);  // Jlog(d) Ad(exp(-d)) = Jlog(-d)
+    Mat3<double> D;
+    const Motion<double> d = minus(a, b, D);
+    const Jacobian6<double> J = Jlog6(d, D);
+    writeBlocks(J, 1, J1);
+    writeBlocks(opposite(J), -1, J0);  // Jlog(d) Ad(exp(-d)) = Jlog(-d)
   }
   static double normalize(double* q) { return normalizeQuaternion(q + 3); }
 };

@@ -19,5 +19,6 @@ void addDemo(CLI::App& app);
 void addBench(CLI::App& app);
 void addProfile(CLI::App& app);
 void addPlugin(CLI::App& app);
+void addSimulate(CLI::App& app);
 
 }  // namespace dyn::tool

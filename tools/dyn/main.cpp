@@ -18,6 +18,7 @@ int main(int argc, char** argv) {
   dyn::tool::addBench(app);
   dyn::tool::addProfile(app);
   dyn::tool::addPlugin(app);
+  dyn::tool::addSimulate(app);
   try {
     app.parse(argc, argv);
   } catch (const dyn::tool::ExitCode& exit) {

@@ -73,8 +73,10 @@ class JointTypeOf final : public JointType {
       double q[nq + 1], v[nv + 1], out[nq + 1];
       load<nq>(b.q0, b.q_stride, i, q);
       load<nv>(b.v, b.v_stride, i, v);
-      Author::integrate(q, v, out);
-      if (b.q_out) store<nq>(out, b.q_out, b.q_stride, i);
+      if (b.q_out) {
+        Author::integrate(q, v, out);
+        store<nq>(out, b.q_out, b.q_stride, i);
+      }
       if (b.J_q) jacobians(b, i, q, v, &Author::dIntegrate);
     }
   }
@@ -84,8 +86,10 @@ class JointTypeOf final : public JointType {
       double q0[nq + 1], q1[nq + 1], out[nv + 1];
       load<nq>(b.q0, b.q_stride, i, q0);
       load<nq>(b.q1, b.q_stride, i, q1);
-      Author::difference(q0, q1, out);
-      if (b.v_out) store<nv>(out, b.v_out, b.v_stride, i);
+      if (b.v_out) {
+        Author::difference(q0, q1, out);
+        store<nv>(out, b.v_out, b.v_stride, i);
+      }
       if (b.J_q) jacobians(b, i, q0, q1, &Author::dDifference);
     }
   }

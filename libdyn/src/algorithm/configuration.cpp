@@ -7,7 +7,7 @@
 #include <cmath>
 #include <random>
 
-namespace dyn::detail {
+namespace dyn {
 
 namespace {
 
@@ -57,6 +57,17 @@ void blockDiagonal(const char* algorithm, const CompactImpl& m, ArgumentPosition
 
 }  // namespace
 
+void integrateSound(const CompactImpl& m, const double* q, const double* v, double* out) {
+  eachJoint(m, [&](const TypeBatch& batch, ConfigurationBatch<double>& call, int iq, int iv) {
+    call.q0 = q + iq;
+    call.v = v + iv;
+    call.q_out = out + iq;
+    batch.type->integrate(call);
+  });
+}
+
+namespace detail {
+
 void neutral(const CompactModel& model, double* q) {
   eachJoint(model.impl(), [&](const TypeBatch& batch, ConfigurationBatch<double>& call, int iq, int) {
     call.q_out = q + iq;
@@ -69,12 +80,7 @@ void integrate(const CompactModel& model, VectorView q, VectorView v, const Vect
   checkSize("integrate", "v", v, model.nv());
   checkSize("integrate", "the result", {out.data(), out.size()}, model.nq());
   checkConfiguration("q", model.impl(), q.data);
-  eachJoint(model.impl(), [&](const TypeBatch& batch, ConfigurationBatch<double>& call, int iq, int iv) {
-    call.q0 = q.data + iq;
-    call.v = v.data + iv;
-    call.q_out = out.data() + iq;
-    batch.type->integrate(call);
-  });
+  integrateSound(model.impl(), q.data, v.data, out.data());
 }
 
 void difference(const CompactModel& model, VectorView q0, VectorView q1, const VectorOut& v) {
@@ -180,4 +186,6 @@ void dDifference(const CompactModel& model, VectorView q0, VectorView q1, Argume
   });
 }
 
-}  // namespace dyn::detail
+}  // namespace detail
+
+}  // namespace dyn

@@ -1,6 +1,6 @@
 #include "integrate/chart.hpp"
 
-#include <dyn/algorithm/configuration.hpp>
+#include "algorithm/inputs.hpp"
 
 #include <algorithm>
 
@@ -48,9 +48,7 @@ ConfigurationBatch<double> Chart::callOf(const CurvedJoint& joint, Blocks& block
   return call;
 }
 
-void Chart::point(const double* q0, const double* u, double* q) const {
-  detail::integrate(model_, {q0, model_.nq()}, {u, model_.nv()}, {q, model_.nq()});
-}
+void Chart::point(const double* q0, const double* u, double* q) const { integrateSound(model_.impl(), q0, u, q); }
 
 void Chart::rate(const double* q0, const double* q, const double* v, double* du) const {
   std::copy_n(v, model_.nv(), du);

@@ -94,13 +94,18 @@ class ExplicitStepper : public CubicStepper {
  private:
   /// From the step's start by the first stages with these weights.
   void advance(const Moment& from, const std::array<double, most_stages>& weights, int stages, Eigen::VectorXd& q, Eigen::VectorXd& v) {
-    u_.setZero();
-    v = from.v;
+    bool first = true;
     for (int j = 0; j < stages; ++j) {
       const double w = h_ * weights[static_cast<std::size_t>(j)];
       if (w == 0) continue;
-      u_ += w * rates_.col(j);
-      v += w * accelerations_.col(j);
+      if (first) {
+        u_ = w * rates_.col(j);
+        v = from.v + w * accelerations_.col(j);
+      } else {
+        u_ += w * rates_.col(j);
+        v += w * accelerations_.col(j);
+      }
+      first = false;
     }
     chart_.point(from.q.data(), u_.data(), q.data());
   }

@@ -68,8 +68,9 @@ Simulator::Impl::Impl(const CompactModel& model, const ConstraintSet* constraint
   now.v.setZero();
 }
 
-void Simulator::Impl::checkFinite(const Moment& x, const std::string& after) const {
+void Simulator::Impl::checkFinite(const Moment& x, double h) const {
   if (x.q.allFinite() && x.v.allFinite()) return;
+  const std::string after = h > 0 ? " after a step of " + number(h) + " s" : "";
   for (const JointRecord& joint : law.model().joints()) {
     const auto look = [&](const char* what, const Eigen::VectorXd& values, int first, int count) {
       for (int k = first; k < first + count; ++k)
@@ -97,7 +98,7 @@ void Simulator::Impl::attempt(double h, double until) {
 
 void Simulator::Impl::stepBy(double h, double until) {
   attempt(h, until);
-  checkFinite(next, " after a step of " + number(h) + " s");
+  checkFinite(next, h);
 }
 
 double Simulator::Impl::adaptiveStep(double most) {
@@ -160,9 +161,9 @@ void Simulator::Impl::commit() {
   }
 }
 
-Simulator::Simulator(const CompactModel& model, const SimulatorOptions& options) : impl_(std::make_unique<Impl>(model, nullptr, options)) {}
+Simulator::Simulator(const CompactModel& model, const SimulatorOptions& options) : Simulator(ConstraintSet(model), options) {}
 Simulator::Simulator(const ConstraintSet& constraints, const SimulatorOptions& options)
-    : impl_(std::make_unique<Impl>(constraints.model(), &constraints, options)) {}
+    : impl_(std::make_unique<Impl>(constraints.model(), constraints.count() > 0 ? &constraints : nullptr, options)) {}
 Simulator::~Simulator() = default;
 Simulator::Simulator(Simulator&&) noexcept = default;
 Simulator& Simulator::operator=(Simulator&&) noexcept = default;
@@ -200,7 +201,7 @@ void Simulator::resetTo(VectorView q, VectorView v, double time) {
   x.time = time;
   x.q = VectorResult(q.data, q.size);
   x.v = VectorResult(v.data, v.size);
-  impl_->checkFinite(x, "");
+  impl_->checkFinite(x, 0);
   checkConfiguration("q", m.impl(), q.data);
   impl_->now = std::move(x);
   impl_->startAt(time);

@@ -36,7 +36,8 @@ struct Simulator::Impl {
   void stepBy(double h, double until);
   double adaptiveStep(double most);
   void project();
-  void checkFinite(const Moment& x, const std::string& after) const;
+  /// Throws Error(simulation); h is the step that led there, 0 if none did.
+  void checkFinite(const Moment& x, double h) const;
 
   void show(double t, const double* q, const double* v, const Observer& observer) const;
   void readEvents();

@@ -58,9 +58,10 @@ struct SimulatorStatistics {
 /// One simulation, for one thread; it keeps its model alive.
 class DYN_API Simulator {
  public:
-  /// Starts at neutral, at rest, at time 0. Throws Error(argument): a dt or tolerance that is not positive, constraints that the integrator
-  /// does not take.
+  /// Of a model with the constraints of its own description, closed loops and couplings. Starts at neutral, at rest, at time 0. Throws
+  /// Error(argument): a dt or tolerance that is not positive, constraints that the integrator does not take.
   explicit Simulator(const CompactModel& model, const SimulatorOptions& options = {});
+  /// With these and no others.
   explicit Simulator(const ConstraintSet& constraints, const SimulatorOptions& options = {});
   ~Simulator();
   Simulator(Simulator&&) noexcept;

@@ -44,11 +44,20 @@ Jacobian6<S> Jexp6(const Motion<S>& m) {
   return {Jexp3(w), Q};
 }
 
-/// Inverse of Jexp6 at m = log6(X).
+/// Inverse of Jexp6 at m = log6(X), whose rotation's Jlog3 is D.
+template <class S>
+Jacobian6<S> Jlog6(const Motion<S>& m, const Mat3<S>& D) {
+  return {D, S(-1) * (D * Jexp6(m).upper * D)};
+}
 template <class S>
 Jacobian6<S> Jlog6(const Motion<S>& m) {
-  const Mat3<S> D = Jlog3(m.angular);
-  return {D, S(-1) * (D * Jexp6(m).upper * D)};
+  return Jlog6(m, Jlog3(m.angular));
+}
+
+/// Jlog6 at -m, which is that of m with both blocks transposed.
+template <class S>
+Jacobian6<S> opposite(const Jacobian6<S>& Jlog) {
+  return {transpose(Jlog.diagonal), transpose(Jlog.upper)};
 }
 
 /// Matrix of the action on motions, in the same block form: [[R, [p]R], [0, R]].

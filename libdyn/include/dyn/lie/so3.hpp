@@ -7,6 +7,7 @@
 #include <dyn/scalar/select.hpp>
 #include <dyn/spatial/vector3.hpp>
 
+#include <array>
 #include <type_traits>
 
 namespace dyn {
@@ -86,6 +87,46 @@ Quaternion<S> quaternionOf(const Mat3<S>& R) {
   return q;
 }
 
+namespace detail {
+/// 1 / n! for n < 32, in more digits than any scalar here has.
+inline constexpr auto inverse_factorials = [] {
+  std::array<long double, 32> out{1};
+  for (std::size_t n = 1; n < out.size(); ++n) out[n] = out[n - 1] / static_cast<long double>(n);
+  return out;
+}();
+
+/// sum (-t2)^k / (2k + m)! from k = 0 to `last`, by Horner.
+template <int m, int last, class S>
+S alternatingSeries(const S& t2) {
+  const auto coefficient = [](int k) {
+    const long double x = inverse_factorials[static_cast<std::size_t>(2 * k + m)];
+    if constexpr (std::is_same_v<S, long double>) {
+      return x;
+    } else {
+      return S(static_cast<double>(x));
+    }
+  };
+  S sum = coefficient(last);
+  for (int k = last - 1; k >= 0; --k) sum = coefficient(k) - t2 * sum;
+  return sum;
+}
+
+/// The whole series below t = 2: the first term left out is less than 1e-20 of the sum.
+template <int m, class S>
+S rotationSeries(const S& t2) {
+  return valueOf(t2) < 0x1p-4 ? alternatingSeries<m, 6>(t2) : alternatingSeries<m, 13>(t2);
+}
+
+/// sin t / t.
+template <class S>
+S sinc(const S& t2) {
+  using std::sin, std::sqrt;
+  if (valueOf(t2) < 4.0) return rotationSeries<1>(t2);
+  const S t = sqrt(t2);
+  return sin(t) / t;
+}
+}  // namespace detail
+
 /// Coefficients of the series of SO(3) and SE(3) at angle t, t2 = t^2.
 template <class S>
 struct RotationCoefficients {
@@ -97,41 +138,29 @@ struct RotationCoefficients {
 
   RotationCoefficients(const S& a_, const S& b_, const S& c_, const S& f_, const S& g_) : a(a_), b(b_), c(c_), f(f_), g(g_) {}
   explicit RotationCoefficients(const S& t2) {
-    using std::cos, std::sin, std::sqrt;
+    using std::sin, std::sqrt;
+    a = detail::sinc(t2);
     if (valueOf(t2) < 4.0) {
-      // Alternating Taylor series sum (-t2)^k / (2k + m)!, Horner from the thirteenth term: below 1 ulp for t < 2. With the sums of
-      // m = 4 and 5, b = 1/2 - t2 d and c = 1/6 - t2 e, which turns f and g into differences that do not cancel.
-      a = series(t2, 1);
-      b = series(t2, 2);
-      c = series(t2, 3);
-      const S d = series(t2, 4), e = series(t2, 5);
+      b = detail::rotationSeries<2>(t2);
+      c = detail::rotationSeries<3>(t2);
+      // With the sums of m = 4 and 5, b = 1/2 - t2 d and c = 1/6 - t2 e, which turns f and g into differences that do not cancel.
+      const S d = detail::rotationSeries<4>(t2), e = detail::rotationSeries<5>(t2);
       f = S(2) * d - c;
       g = d - S(3) * e;
     } else {
       const S t = sqrt(t2), h = S(0.5) * t, s = sin(h) / h;
-      a = sin(t) / t;
       b = S(0.5) * s * s;
       c = (S(1) - a) / t2;
       f = (a - S(2) * b) / t2;
       g = (S(3) * c - b) / t2;
     }
   }
-
- private:
-  static S series(const S& t2, int m) {
-    // The first term left out is t2^14 m! / (28 + m)! < 1e-20 at t2 = 4.
-    S sum(1);
-    for (int k = 13; k >= 1; --k) sum = S(1) - t2 / S(static_cast<double>((2 * k + m) * (2 * k + m - 1))) * sum;
-    double factorial = 1;
-    for (int i = 2; i <= m; ++i) factorial *= i;
-    return sum / S(factorial);
-  }
 };
 
 /// sin(x/2)^2 from x2 = x^2: half of 1 - cos x without cancellation.
 template <class S>
 S quarterVersine(const S& x2) {
-  const S a = RotationCoefficients<S>(S(0.25) * x2).a;
+  const S a = detail::sinc(S(0.25) * x2);
   return S(0.25) * x2 * a * a;
 }
 
@@ -165,7 +194,7 @@ Quaternion<S> expQuaternion(const Vec3<S>& w) {
   const S t2 = dot(w, w);
   // t2 underflows for tiny w, and then sin(t/2) / t is 1/2 as it should.
   const S h2 = S(0.25) * t2;
-  const S s = S(0.5) * RotationCoefficients<S>(h2).a;
+  const S s = S(0.5) * detail::sinc(h2);
   const S c = valueOf(h2) < 1 ? S(1) - S(2) * quarterVersine(h2) : cos(S(0.5) * sqrt(t2));
   return {s * w.x, s * w.y, s * w.z, c};
 }

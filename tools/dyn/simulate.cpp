@@ -1,0 +1,204 @@
+// dyn simulate: a robot's motion through time, what it keeps on the way, and how fast it was computed.
+#include "commands.hpp"
+#include "contacts.hpp"
+#include "model_options.hpp"
+#include "trajectory.hpp"
+
+#include <dyn/file.hpp>
+
+#include <unistd.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <memory>
+#include <optional>
+#include <sstream>
+
+namespace dyn::tool {
+
+namespace {
+
+constexpr std::size_t most_numbers = 1u << 28;  ///< of a trajectory that is kept in memory: 2 GiB
+
+struct SimulateOptions : ModelOptions {
+  std::string integrator = "rk4", state, out, plot, save, resume;
+  std::vector<std::string> contacts;
+  double time = 1, dt = 1e-3, tolerance = 1e-8, every = 0;
+
+  void add(CLI::App& app) {
+    ModelOptions::add(app);
+    app.add_option("--time", time, "seconds to simulate")->capture_default_str();
+    app.add_option("--dt", dt, "seconds of a step; of the adaptive integrator the first one tried")->capture_default_str();
+    std::vector<std::string> names;
+    for (const IntegratorInfo& info : integrators()) names.emplace_back(info.name);
+    app.add_option("--integrator", integrator, "method")->check(CLI::IsMember(names))->capture_default_str();
+    app.add_option("--tolerance", tolerance, "of the adaptive integrator: error of a step [m, rad]")->capture_default_str();
+    app.add_option("--state", state, "JSON file whose first sample is where to start; otherwise at neutral and at rest");
+    app.add_option("--contacts", contacts, "hold FRAME:3d (a point) or FRAME:6d where it is (repeatable)");
+    app.add_option("--every", every, "seconds between the states of --out and --plot; without it a thousand of them, but no more than steps");
+    app.add_option("--out", out, "trajectory, .csv or .json");
+    app.add_option("--plot", plot, "picture of the configuration over time, SVG");
+    app.add_option("--save", save, "write where the simulation ended, without loss");
+    app.add_option("--resume", resume, "go on from there");
+  }
+
+  ConstraintSet constraints(const CompactModel& model) const {
+    const ConstraintSet own(model);
+    std::vector<ConstraintDescription> all;
+    for (int k = 0; k < own.count(); ++k) all.push_back(own.description(k));
+    const JointRegistry known = registry();
+    for (const ConstraintDescription& contact : readContacts(contacts)) all.push_back(contact);
+    return {model, all, &known};
+  }
+
+  /// Times of states to keep, the first and the last among them.
+  std::vector<double> times(double from, std::size_t numbers_a_state) const {
+    const double step = every > 0 ? every : std::max(dt, time / 1000), count = std::ceil(time / step - 1e-9);
+    if (count * static_cast<double>(numbers_a_state) > static_cast<double>(most_numbers))
+      throw Error(ErrorCode::argument, "--every " + std::to_string(step) + ": so many states take more than 2 GiB; keep fewer");
+    std::vector<double> all;
+    for (long k = 0; k < static_cast<long>(count); ++k) all.push_back(from + static_cast<double>(k) * step);
+    all.push_back(from + time);
+    return all;
+  }
+};
+
+/// On a terminal only.
+class Progress {
+ public:
+  Progress(double from, double to) : from_(from), to_(to), shown_(isatty(STDERR_FILENO) != 0) {}
+  ~Progress() {
+    if (shown_) std::fprintf(stderr, "\r\033[K");
+  }
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+  void at(double t) {
+    const int now = static_cast<int>(40 * (t - from_) / (to_ - from_));
+    if (!shown_ || now == bars_) return;
+    bars_ = now;
+    const std::string bar(static_cast<std::size_t>(now), '#');
+    std::fprintf(stderr, "\r[%-40s] %g s", bar.c_str(), t);
+    std::fflush(stderr);
+  }
+
+ private:
+  double from_, to_;
+  bool shown_;
+  int bars_ = -1;
+};
+
+/// A free body on the world, all others on it: momentum changes by gravity alone, if nothing else acts.
+bool floats(const CompactModel& model) {
+  int roots = 0;
+  bool free = false;
+  for (std::size_t k = 1; k < model.joints().size(); ++k) {
+    const JointRecord& joint = model.joints()[k];
+    if (joint.parent != 0) continue;
+    ++roots;
+    free = joint.type == "free_flyer";
+  }
+  return roots == 1 && free;
+}
+
+struct Momentum {
+  Eigen::VectorXd value;
+  Momentum(const CompactModel& model, Data& data, const Simulator& s) : value(ccrba(model, data, s.q(), s.v()).hg) {}
+};
+
+std::string readFile(const std::string& path) {
+  std::ifstream file(path);
+  std::ostringstream text;
+  text << file.rdbuf();
+  if (!file) throw Error(ErrorCode::file, "cannot be read", {path, 0, ""});
+  return text.str();
+}
+
+void start(const SimulateOptions& o, Simulator& simulator, const ConstraintSet& constraints) {
+  const CompactModel& model = simulator.model();
+  if (!o.resume.empty()) return simulator.resume(readFile(o.resume));
+  Eigen::VectorXd q = neutral(model), v = Eigen::VectorXd::Zero(model.nv());
+  if (!o.state.empty()) {
+    const std::vector<State> states = readStates(o.state, model);
+    if (states.empty()) throw Error(ErrorCode::syntax, "has no sample to start from", {o.state, 0, ""});
+    q = states.front().q;
+    v = states.front().v;
+  }
+  if (constraints.rows() > 0) {
+    Data data(model, Need::derivatives);
+    ConstraintData loops(constraints);
+    assemble(model, data, q, loops);
+    v = Eigen::VectorXd(projectVelocity(model, data, q, v, loops));
+  }
+  simulator.reset(q, v);
+}
+
+void run(const SimulateOptions& o) {
+  if (!(o.time >= 0) || !std::isfinite(o.time)) throw Error(ErrorCode::argument, "--time: seconds to simulate are not negative");
+  if (!o.out.empty()) checkTrajectoryFile(o.out);
+  const CompactModel model = o.compile();
+  const ConstraintSet constraints = o.constraints(model);
+  Simulator simulator(constraints, {.integrator = integratorByName(o.integrator), .dt = o.dt, .tolerance = o.tolerance});
+  start(o, simulator, constraints);
+  const double from = simulator.time(), until = from + o.time;
+  const std::vector<double> times = o.times(from, static_cast<std::size_t>(model.nq() + model.nv()) + 2);
+
+  Data data(model, Need::derivatives);
+  const bool floating = floats(model) && constraints.rows() == 0;
+  std::optional<Momentum> before;
+  if (floating) before.emplace(model, data, simulator);
+  Trajectory trajectory(model);
+  const auto clock = [] { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); };
+  double watched = 0;
+  const double started = clock();
+  std::optional<Error> failure;
+  {
+    Progress progress(from, until);
+    try {
+      simulator.advance(until, times, [&](double t, const VectorResult& q, const VectorResult& v) {
+        const double since = clock();
+        trajectory.add(t, q, v, computeKineticEnergy(model, data, q, v) + computePotentialEnergy(model, data, q));
+        progress.at(t);
+        watched += clock() - since;
+      });
+    } catch (const Error& e) {
+      failure = e;
+    }
+  }
+  const double seconds = std::max(clock() - started - watched, 1e-9);
+
+  const SimulatorStatistics& s = simulator.statistics();
+  std::printf("%s: %d degrees of freedom, %s, %s %g\n", model.name().c_str(), model.nv(), o.integrator.c_str(),
+              infoOf(simulator.options().integrator).adaptive ? "tolerance" : "dt",
+              infoOf(simulator.options().integrator).adaptive ? o.tolerance : o.dt);
+  std::printf("%ld steps (%ld rejected) to t = %.9g s in %.3g s: %.3g steps/s, %ld evaluations\n", s.steps, s.rejected, simulator.time(), seconds,
+              static_cast<double>(s.steps) / seconds, s.evaluations);
+  if (!trajectory.empty())
+    std::printf("energy: %.9g J at first, %.9g J at last, largest change %.3g J\n", trajectory.firstEnergy(), trajectory.lastEnergy(),
+                trajectory.energyDrift());
+  if (floating) {
+    Eigen::VectorXd change = Momentum(model, data, simulator).value - before->value;
+    const Vec3<double>& g = model.gravity();
+    const double impulse = model.mass() * (simulator.time() - from);
+    change.head<3>() -= impulse * Eigen::Vector3d(g.x, g.y, g.z);
+    std::printf("momentum: linear changed by %.3g N s beyond gravity's, angular about the centre of mass by %.3g N m s\n", change.head<3>().norm(),
+                change.tail<3>().norm());
+  }
+  if (constraints.rows() > 0) std::printf("constraints: %d rows, error %.3g\n", constraints.rows(), simulator.constraintError());
+  if (!o.out.empty()) trajectory.write(o.out);
+  if (!o.plot.empty()) trajectory.plot(o.plot);
+  if (!o.save.empty()) replaceFile(o.save, simulator.save());
+  if (failure) throw *failure;
+}
+
+}  // namespace
+
+void addSimulate(CLI::App& app) {
+  CLI::App* sub = app.add_subcommand("simulate", "moves a model through time; energy, momentum and constraint drift, trajectory and picture");
+  auto o = std::make_shared<SimulateOptions>();
+  o->add(*sub);
+  sub->callback([o] { run(*o); });
+}
+
+}  // namespace dyn::tool

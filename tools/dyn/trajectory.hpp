@@ -1,0 +1,40 @@
+// What a simulation passed through, as a table, as JSON and as a picture.
+#pragma once
+
+#include "states.hpp"
+
+#include <string>
+#include <vector>
+
+namespace dyn::tool {
+
+class Trajectory {
+ public:
+  explicit Trajectory(const CompactModel& model) : model_(model) {}
+
+  void add(double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v, double energy);
+  bool empty() const { return times_.empty(); }
+  double lastTime() const { return times_.back(); }
+  double firstEnergy() const { return energies_.front(); }
+  double lastEnergy() const { return energies_.back(); }
+  /// Largest difference to the first one.
+  double energyDrift() const;
+
+  /// By the file's ending: .csv (a line a state: t, q, v, energy) or .json. Throws Error(argument | file).
+  void write(const std::string& path) const;
+  /// Coordinates over time, as SVG.
+  void plot(const std::string& path) const;
+
+ private:
+  std::string csv() const;
+  Json json() const;
+
+  CompactModel model_;
+  std::vector<double> times_, energies_;
+  std::vector<Eigen::VectorXd> q_, v_;
+};
+
+/// Throws Error(argument) unless the file's ending is one that write() knows.
+void checkTrajectoryFile(const std::string& path);
+
+}  // namespace dyn::tool
