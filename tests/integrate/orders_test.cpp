@@ -22,13 +22,19 @@ double orderOf(const CompactModel& model, Integrator integrator, const State& st
 double stepFor(Integrator integrator) {
   switch (integrator) {
     case Integrator::explicit_euler:
-    case Integrator::semi_implicit_euler: return 0x1p-12;
-    case Integrator::rk4: return 0x1p-8;
+    case Integrator::semi_implicit_euler:
+      return 0x1p-12;
+    case Integrator::rk4:
+      return 0x1p-8;
     case Integrator::implicit_midpoint:
-    case Integrator::variational: return 0x1p-8;
-    case Integrator::gauss6: return 0x1p-4;
-    case Integrator::radau5: return 0x1p-6;
-    case Integrator::dormand_prince: break;
+    case Integrator::variational:
+      return 0x1p-8;
+    case Integrator::gauss6:
+      return 0x1p-4;
+    case Integrator::radau5:
+      return 0x1p-6;
+    case Integrator::dormand_prince:
+      break;
   }
   return 0;
 }
@@ -37,7 +43,7 @@ double stepFor(Integrator integrator) {
 
 TEST_CASE("orders of convergence on the double pendulum are those of theory", "[orders]") {
   DYN_NEEDS_SHARED();
-  const CompactModel model = compile(pendulum(2), registry());
+  const CompactModel model = compile(tool::pendulum(2), registry());
   const std::vector<State> reference = pendulumReference(false);
   for (const IntegratorInfo& info : integrators()) {
     if (info.adaptive) continue;
@@ -50,7 +56,7 @@ TEST_CASE("orders of convergence on the double pendulum are those of theory", "[
 TEST_CASE("orders of convergence in the attitude of a free body are those of theory", "[orders]") {
   DYN_NEEDS_SHARED();
   const bool top = GENERATE(false, true);
-  const CompactModel model = compile(top ? heavyTop() : freeBody(), registry());
+  const CompactModel model = compile(top ? tool::heavyTop() : tool::freeBody(), registry());
   const std::vector<State> reference = rigidReference(top ? "heavy_top" : "torque_free");
   for (const IntegratorInfo& info : integrators()) {
     if (info.adaptive) continue;

@@ -173,8 +173,8 @@ void locateRows(const CompactImpl& m, const Workspace<double>& w, const PackedCo
 
 namespace {
 
-/// Every row's unit force: onBody(body, row, force about its joint's origin, aligned axes), onJoint(body, k, row, share of its k-th degree of
-/// freedom).
+/// Every row's unit force: onBody(body, row, force about its joint's origin, aligned axes, its lever), onJoint(body, k, row, share of its k-th
+/// degree of freedom).
 template <class OnBody, class OnJoint>
 void eachRowForce(const CompactImpl& m, const PackedConstraints& c, const FrameRows* frames, const double* q, OnBody&& onBody, OnJoint&& onJoint) {
   for (std::size_t k = 0; k < c.frames.size(); ++k) {
@@ -183,11 +183,11 @@ void eachRowForce(const CompactImpl& m, const PackedConstraints& c, const FrameR
     eachDirection(f, [&](int row, int direction) {
       const Vec3<double> d = s.axes.col(direction % 3), other = -(s.turn * d);
       if (direction < 3) {
-        if (f.body[0] > 0) onBody(f.body[0], row, Force<double>{d, cross(s.lever[0], d)});
-        if (f.body[1] > 0) onBody(f.body[1], row, Force<double>{other, cross(s.lever[1], other)});
+        if (f.body[0] > 0) onBody(f.body[0], row, Force<double>{d, cross(s.lever[0], d)}, s.lever[0]);
+        if (f.body[1] > 0) onBody(f.body[1], row, Force<double>{other, cross(s.lever[1], other)}, s.lever[1]);
       } else {
-        if (f.body[0] > 0) onBody(f.body[0], row, Force<double>{{}, d});
-        if (f.body[1] > 0) onBody(f.body[1], row, Force<double>{{}, other});
+        if (f.body[0] > 0) onBody(f.body[0], row, Force<double>{{}, d}, Vec3<double>{});
+        if (f.body[1] > 0) onBody(f.body[1], row, Force<double>{{}, other}, Vec3<double>{});
       }
     });
   }
@@ -206,18 +206,19 @@ void eachRowForce(const CompactImpl& m, const PackedConstraints& c, const FrameR
 void writeRowForces(const CompactImpl& m, const PackedConstraints& c, const FrameRows* frames, const double* q, kernels::ConstraintWorkspace& x) {
   // Rows that do not act on a body's subtree stay zero there.
   for (std::size_t b = 0; b < c.bodies.size(); ++b)
-    for (int a = 0; a < 6; ++a)
+    for (int a = 0; a < x.components; ++a)
       std::fill(x.forceOf(static_cast<int>(b)) + a * x.stride + c.bodies[b].begin, x.forceOf(static_cast<int>(b)) + a * x.stride + c.bodies[b].end,
                 0.0);
   if (c.actsOnJoints()) std::fill_n(x.share, x.stride * static_cast<std::ptrdiff_t>(c.dofs.size()), 0.0);
   eachRowForce(
       m, c, frames, q,
-      [&](int body, int row, const Force<double>& f) {
+      [&](int body, int row, const Force<double>& f, const Vec3<double>& lever) {
         double* to = x.forceOf(c.body_at[at(body)]) + row;
         for (int a = 0; a < 3; ++a) {
           to[a * x.stride] += f.linear[a];
           to[(3 + a) * x.stride] += f.angular[a];
         }
+        to[x.reach * x.stride] += dot(f.linear, f.linear) * dot(lever, lever) + (dot(f.linear, f.linear) > 0 ? 0 : dot(f.angular, f.angular));
       },
       [&](int body, int k, int row, double share) { x.shareOf(c.bodies[at(c.body_at[at(body)])].dof + k)[row] += share; });
 }
@@ -227,7 +228,7 @@ void sumRowForces(const CompactImpl& m, const PackedConstraints& c, const FrameR
   std::fill_n(bodies, c.bodies.size(), Force<double>{});
   std::fill_n(shares, c.dofs.size(), 0.0);
   eachRowForce(
-      m, c, frames, q, [&](int body, int row, const Force<double>& f) { bodies[c.body_at[at(body)]] += lambda[row] * f; },
+      m, c, frames, q, [&](int body, int row, const Force<double>& f, const Vec3<double>&) { bodies[c.body_at[at(body)]] += lambda[row] * f; },
       [&](int body, int k, int row, double share) { shares[c.bodies[at(c.body_at[at(body)])].dof + k] += lambda[row] * share; });
 }
 

@@ -31,17 +31,19 @@ void storePack(const Wide& value, double* to) {
 /// Arrays of one number a row of the constraints, `stride` numbers long: a multiple of the widest pack's.
 struct ConstraintWorkspace {
   std::ptrdiff_t stride = 0;
-  double* force = nullptr;     ///< six arrays a body of PackedConstraints::bodies: about its joint's origin, aligned axes
+  double* force = nullptr;     ///< `components` arrays a body of PackedConstraints::bodies: about its joint's origin, aligned axes; last its reach
   double* share = nullptr;     ///< one a degree of freedom of these bodies
   double* free = nullptr;      ///< acceleration of each row without constraint forces, from the sweep
-  double* bound = nullptr;     ///< what the diagonal of the Delassus matrix could be if nothing cancelled
+  double* bound = nullptr;     ///< what the diagonal of the Delassus matrix could be if nothing cancelled and no lever lay along its force
   double* delassus = nullptr;  ///< rows of the matrix
   double* scaled = nullptr;    ///< the shares over the degrees of freedom's pivots
   double* inverse = nullptr;   ///< rows of its inverse
   double* column = nullptr;    ///< scratch of two rows
   double* motion = nullptr;    ///< one number a degree of freedom of these bodies: acceleration
 
-  double* forceOf(int body) const { return force + 6 * body * stride; }
+  /// Of a force on a body. Its reach is the square of the moment that it would have if all levers on its way stood square to it.
+  static constexpr int components = 7, reach = 6;
+  double* forceOf(int body) const { return force + components * body * stride; }
   double* shareOf(int dof) const { return share + dof * stride; }
   double* scaledOf(int dof) const { return scaled + dof * stride; }
 };
@@ -54,7 +56,7 @@ inline void carve(ConstraintWorkspace& x, const PackedConstraints& c, Arena& are
   constexpr std::ptrdiff_t widest = 8;
   x.stride = (c.rows + widest - 1) / widest * widest;
   const auto stride = static_cast<std::size_t>(x.stride);
-  arena.take(x.force, 6 * stride * c.bodies.size());
+  arena.take(x.force, ConstraintWorkspace::components * stride * c.bodies.size());
   arena.take(x.share, stride * c.dofs.size());
   arena.take(x.free, stride);
   arena.take(x.bound, stride);
@@ -87,7 +89,7 @@ void constraintSweep(const CompactImpl& m, const Workspace<double>& w, const Pac
     for (int first = here.begin / width * width; first < here.end; first += width) {
       const auto row = [&](int component) { return x.forceOf(static_cast<int>(slot)) + component * x.stride + first; };
       Force<Wide> F{{load(row(0)), load(row(1)), load(row(2))}, {load(row(3)), load(row(4)), load(row(5))}};
-      Wide free = load(x.free + first), bound = load(x.bound + first);
+      Wide free = load(x.free + first), bound = load(x.bound + first), reach = load(row(ConstraintWorkspace::reach));
       const auto along = [](const auto& s, const Force<Wide>& f) {
         return Wide(s.linear.x) * f.linear.x + Wide(s.linear.y) * f.linear.y + Wide(s.linear.z) * f.linear.z + Wide(s.angular.x) * f.angular.x +
                Wide(s.angular.y) * f.angular.y + Wide(s.angular.z) * f.angular.z;
@@ -99,9 +101,12 @@ void constraintSweep(const CompactImpl& m, const Workspace<double>& w, const Pac
         store(y, share);
         store(scaled, x.scaledOf(here.dof + k) + first);
         const bool last = k == index.nv - 1;
-        bound += Wide(dof.inverse) * (own * own + Wide(dot(dof.S_.linear, dof.S_.linear)) * dot(F.linear, F.linear) +
-                                      Wide(dot(dof.S_.angular, dof.S_.angular)) * dot(F.angular, F.angular));
-        if (last) free += along(beta, F);
+        bound += Wide(dof.inverse) *
+                 (own * own + Wide(dot(dof.S_.linear, dof.S_.linear)) * dot(F.linear, F.linear) + Wide(dot(dof.S_.angular, dof.S_.angular)) * reach);
+        if (last) {
+          free += along(beta, F);
+          reach += Wide(dot(r, r)) * dot(F.linear, F.linear);
+        }
         if (!eliminated) continue;
         free += y * Wide(dof.y);
         const Wide less = last ? y : scaled;
@@ -122,6 +127,7 @@ void constraintSweep(const CompactImpl& m, const Workspace<double>& w, const Pac
         add(a, F.linear[a]);
         add(3 + a, F.angular[a]);
       }
+      add(ConstraintWorkspace::reach, reach);
     }
   }
 }

@@ -1,0 +1,257 @@
+// Motions that are hard to follow, against digits that are known. Each bound says where it comes from: the method's order, or what
+// rounding must cost (steps times u, times the growth of a disturbance of the start).
+#include "integrate/problems.hpp"
+
+#include <algorithm>
+
+using namespace dyn;
+using namespace dyn::test;
+
+namespace {
+
+constexpr double u = 0x1p-53;
+
+double largest(const Vector& x) { return x.cwiseAbs().maxCoeff(); }
+
+/// Of the energy, at every step.
+struct Drift {
+  double most = 0, early = 0, late = 0;  ///< whole time, first and last tenth
+
+  Drift(Simulator& s, long steps) {
+    const double before = s.energy();
+    for (long k = 0; k < steps; ++k) {
+      s.step();
+      const double e = std::abs(s.energy() - before);
+      most = std::max(most, e);
+      if (k < steps / 10) early = std::max(early, e);
+      if (k >= steps - steps / 10) late = std::max(late, e);
+    }
+  }
+};
+
+}  // namespace
+
+TEST_CASE("the free body's attitude is kept through its flips, to the growth of rounding", "[motion]") {
+  DYN_NEEDS_SHARED();
+  const CompactModel model = compile(tool::freeBody(), registry());
+  const std::vector<State> reference = rigidReference("torque_free");
+  // Passing the unstable axis every 17.5 s multiplies disturbances; 100 s cost a method without error of its own 3e-11 (hardcases.md, 4.3).
+  for (std::size_t k = 1; k < reference.size(); ++k) {
+    const double bound = reference[k].time > 10 ? 1e-10 : 1e-12;
+    CHECK(errorAt(model, {.integrator = Integrator::gauss6, .dt = 0x1p-6}, reference[0], reference[k]) < bound);
+    CHECK(errorAt(model, {.integrator = Integrator::rk4, .dt = 1e-3}, reference[0], reference[k]) < bound);
+    CHECK(errorAt(model, {.integrator = Integrator::dormand_prince, .dt = 0.1, .tolerance = 1e-13}, reference[0], reference[k]) < bound);
+  }
+}
+
+TEST_CASE("implicit midpoint keeps the free body's energy and the size of its momentum", "[motion]") {
+  const CompactModel model = compile(tool::freeBody(), registry());
+  Simulator s(model, {.integrator = Integrator::implicit_midpoint, .dt = 1e-2});
+  const Vector v = (Vector(3) << 0x1p-7, 1, 0x1p-6).finished(), moments = (Vector(3) << 1, 2, 3).finished();
+  s.reset(neutral(model), v);
+  const double E = s.energy(), L = moments.cwiseProduct(v).norm();
+  const long steps = 100000;
+  double dE = 0, dL = 0;
+  for (long k = 0; k < steps; ++k) {
+    s.step();
+    dE = std::max(dE, std::abs(s.energy() - E) / E);
+    dL = std::max(dL, std::abs(moments.cwiseProduct(s.v()).norm() - L) / L);
+  }
+  // Both are quadratic in v, and Gauss' methods keep those: what is left is a rounding a step.
+  CHECK(dE < static_cast<double>(steps) * u);
+  CHECK(dL < static_cast<double>(steps) * u);
+}
+
+TEST_CASE("the heavy top nutates, precesses and spins as the elliptic functions say", "[motion]") {
+  DYN_NEEDS_SHARED();
+  const CompactModel model = compile(tool::heavyTop(), registry());
+  const std::vector<State> reference = rigidReference("heavy_top");
+  for (std::size_t k = 1; k < reference.size(); ++k) {
+    // The spin alone is 30 t rad, so a rounding a step of the angle that has been turned: 30 t u steps.
+    const double t = reference[k].time, dt = 0x1p-9, bound = 30 * t * u * t / dt;
+    INFO("at " << t << " s");
+    CHECK(errorAt(model, {.integrator = Integrator::gauss6, .dt = dt}, reference[0], reference[k]) < bound);
+    CHECK(errorAt(model, {.integrator = Integrator::dormand_prince, .tolerance = 1e-13}, reference[0], reference[k]) < 1e-11 * (1 + 30 * t));
+  }
+}
+
+TEST_CASE("the simple pendulum is where it should be after ten seconds", "[motion]") {
+  DYN_NEEDS_SHARED();
+  const nlohmann::json truth = truthFile("data/ref_pendula.json")["A01"];
+  const CompactModel model = compile(tool::pendulum(1), registry());
+  const double dt = 0x1p-8;
+  Simulator s(model, {.integrator = Integrator::gauss6, .dt = dt});
+  s.reset(Vector::Constant(1, M_PI / 2), Vector::Zero(1));
+  s.advance(10);
+  // About y, hanging down at 0: the mass is at (-sin q, -cos q). It started at x = -1; a rounding a step at speeds up to 4.4 rad/s.
+  const double bound = 4.4 * u * 10 / dt;
+  CHECK(std::abs(-std::sin(s.q()[0]) - number(truth["x"])) < bound);
+  CHECK(std::abs(-std::cos(s.q()[0]) - number(truth["y"])) < bound);
+}
+
+TEST_CASE("the double pendulum is followed to rounding where it is regular, to growth times rounding where it is chaotic", "[motion]") {
+  DYN_NEEDS_SHARED();
+  const bool chaotic = GENERATE(false, true);
+  const CompactModel model = compile(tool::pendulum(2), registry());
+  const std::vector<State> reference = pendulumReference(chaotic);
+  const std::vector<double> growth = chaotic ? std::vector<double>{15, 1.1e9} : std::vector<double>{1.9, 3.5, 5.5};
+  for (std::size_t k = 0; k < growth.size(); ++k) {
+    const State& end = reference[k + 1];
+    const double dt = 0x1p-8, bound = growth[k] * u * end.time / dt;
+    INFO("at " << end.time << " s, chaotic " << chaotic);
+    CHECK(errorAt(model, {.integrator = Integrator::gauss6, .dt = dt}, reference[0], end) < bound);
+    // Its own steps: a rounding each, and what the tolerance lets pass.
+    CHECK(errorAt(model, {.integrator = Integrator::dormand_prince, .tolerance = 1e-14}, reference[0], end) < 100 * bound);
+  }
+}
+
+TEST_CASE("over a million steps the energy of symmetric and variational methods does not drift", "[motion][long]") {
+  const CompactModel model = compile(tool::pendulum(2), registry());
+  const Integrator integrator = GENERATE(Integrator::implicit_midpoint, Integrator::variational);
+  const double dt = 0x1p-7;
+  Simulator s(model, {.integrator = integrator, .dt = dt});
+  const Vector q = (Vector(2) << 0.5, 0.25).finished(), v = Vector::Zero(2);
+  s.reset(q, v);
+  const double E = std::abs(s.energy());
+  const Drift drift(s, 1000000);
+  INFO(infoOf(integrator).name << ": most " << drift.most << ", first tenth " << drift.early << ", last tenth " << drift.late);
+  // Bounded like dt^2 with the motion's own rates: w^2 = (2 + sqrt 2) g = 33 of the faster mode.
+  CHECK(drift.most < 33 * dt * dt * E);
+  CHECK(drift.most > 1e-3 * dt * dt * E);
+  // No trend: what the last tenth reaches the first one did.
+  CHECK(drift.late < 1.01 * drift.early);
+}
+
+TEST_CASE("semi-implicit Euler drifts where the inertia depends on the configuration, as is said of it", "[motion][long]") {
+  const CompactModel model = compile(tool::pendulum(2), registry());
+  Simulator s(model, {.integrator = Integrator::semi_implicit_euler, .dt = 1e-2});
+  s.reset((Vector(2) << 0.5, 0.25).finished(), Vector::Zero(2));
+  const Drift drift(s, 100000);
+  CHECK(drift.most > 20);  // 43 J of 24 (hardcases.md, 4.3): it has gained more than it had
+}
+
+TEST_CASE("free fall: Euler's methods lose or win m g^2 h t / 2, all others nothing", "[motion]") {
+  const CompactModel model = compile(tool::body("free_flyer", 2.5, {0.1, 0, -0.2}, {0.1, 0.2, 0.25}, 9.81), registry());
+  const double g = 9.81, m = 2.5, h = 0x1p-7, t = 2;
+  for (const IntegratorInfo& info : integrators()) {
+    Simulator s(model, {.integrator = info.integrator, .dt = h});
+    const double before = s.energy();
+    s.advance(t);
+    const double law = info.integrator == Integrator::explicit_euler ? 0.5 : info.integrator == Integrator::semi_implicit_euler ? -0.5 : 0.0;
+    INFO(info.name);
+    const double energies = m * g * g * t * t;  // of motion and height, that cancel
+    CHECK(std::abs(s.energy() - before - law * m * g * g * h * t) < energies * u * t / h);
+  }
+}
+
+TEST_CASE("symmetric methods come back to where they started when time is turned", "[motion]") {
+  const CompactModel model = compile(tool::pendulum(2), registry());
+  const Integrator integrator = GENERATE(Integrator::implicit_midpoint, Integrator::gauss6, Integrator::variational);
+  const double dt = 0x1p-7, t = 10;
+  Simulator s(model, {.integrator = integrator, .dt = dt});
+  const Vector q = (Vector(2) << 0.5, 0.25).finished();
+  s.reset(q, Vector::Zero(2));
+  s.advance(t);
+  CHECK(largest(s.q() - q) > 0.1);
+  s.reset(Vector(s.q()), Vector(-s.v()));
+  s.advance(t);
+  // 3.5 is the growth over ten seconds; equations are solved to 2^-40 of the velocities at worst, and mostly to rounding.
+  CHECK(largest(s.q() - q) < 3.5 * 3.5 * 2 * t / dt * u * 10);
+}
+
+TEST_CASE("a rotation of ten million steps stays a rotation, and the right one", "[motion][long]") {
+  const CompactModel model = compile(tool::body("spherical", 1, {}, {1, 1, 1}, 0), registry());
+  Simulator s(model, {.integrator = Integrator::semi_implicit_euler, .dt = 1e-3});
+  const Vector w = (Vector(3) << 0.3, -0.4, 0.5).finished();
+  s.reset(neutral(model), w);
+  const long steps = 10000000;
+  for (long k = 0; k < steps; ++k) s.step();
+  // The exact angle, taken to a turn with more digits than a double has.
+  const long double angle =
+      std::sqrt(static_cast<long double>(0.3) * 0.3 + static_cast<long double>(0.4) * 0.4 + static_cast<long double>(0.5) * 0.5) * 1e4L;
+  const double rest = static_cast<double>(std::remainder(angle, 4 * 3.14159265358979323846264338327950288L));
+  const Vector end = integrate(model, neutral(model), Vector(w.normalized() * rest));
+  CHECK(distance(model, end, s.q()) < static_cast<double>(steps) * u);
+  CHECK(isNormalized(model, s.q(), 4 * u));
+}
+
+TEST_CASE("the stiff governor needs no small steps", "[motion][stiff]") {
+  DYN_NEEDS_SHARED();
+  const Mechanism m = flyballGovernor();
+  const nlohmann::json truth = truthFile("data/ref_flyball.json");
+  const auto error = [&](Integrator integrator, double dt) {
+    Simulator s(m.model, {.integrator = integrator, .dt = dt});
+    s.setController([&](double, const VectorResult& q, const VectorResult& v, VectorMap tau) { tau = m.force(q, v); });
+    s.reset(m.q, m.v);
+    double worst = 0;
+    for (const auto& state : truth["states"]) {
+      s.advance(number(state["t"]));
+      // The first oscillation dies in 1 ms, which long steps pass over: what they make of its end is seen later.
+      if (number(state["t"]) >= 0.1) worst = std::max(worst, std::abs(s.q()[m.dof("slider")] - number(state["s"])));
+    }
+    return worst;
+  };
+  const double long_steps = error(Integrator::radau5, 1e-2), short_steps = error(Integrator::radau5, 2.5e-3);
+  INFO(long_steps << ", " << short_steps);
+  // Fifth order: a quarter of the step, a thousandth of the error, down to what 10 s of rounding leave of a motion of 1 m.
+  CHECK(long_steps < 1e-6);
+  CHECK(short_steps < long_steps / 100);
+  // Explicit steps are bounded by the damper's rate, whatever accuracy is asked for.
+  CHECK_THROWS_WITH(error(Integrator::rk4, 2.5e-3), containing("in the step from t ="));
+}
+
+TEST_CASE("loops stay closed and keep their energy through positions where they are singular", "[motion][loops]") {
+  DYN_NEEDS_SHARED();
+  const int squares = GENERATE(1, 2, 10);
+  const nlohmann::json truth = truthFile("data/ref_pendula.json")["A02"][std::to_string(squares)];
+  const Mechanism m = fourBars(squares);
+  Simulator s(m.model, {.integrator = Integrator::dormand_prince, .tolerance = 1e-11});
+  s.reset(m.q, m.v);
+  const double before = s.energy();
+  double energy = 0, closure = 0;
+  for (int k = 1; k <= 100; ++k) {
+    s.advance(0.1 * k);
+    energy = std::max(energy, std::abs(s.energy() - before));
+    closure = std::max(closure, s.constraintError());
+  }
+  const double angle = -s.q()[m.dof("crank0")];
+  INFO("energy " << energy << ", closure " << closure << ", steps " << s.statistics().steps);
+  // The tolerance a step, over so many steps, times the mechanism's stiffness in J/rad.
+  CHECK(energy < 1e-9 * number(truth["E0_above_base"]));
+  CHECK(closure < 1e-12);
+  CHECK(std::abs(angle - number(truth["theta10"])) < 1e-8);
+}
+
+TEST_CASE("Bricard's linkage and Andrews' squeezer move as the references do", "[motion][loops]") {
+  DYN_NEEDS_SHARED();
+  SECTION("Bricard") {
+    const nlohmann::json truth = truthFile("data/ref_bricard.json");
+    for (const char* name : {"bricard", "bricard_split"}) {
+      const Mechanism m = bricard(name);
+      Simulator s(m.model, {.integrator = Integrator::dormand_prince, .tolerance = 1e-11});
+      s.reset(m.q, m.v);
+      const double before = s.energy();
+      for (const auto& state : truth["states"]) {
+        s.advance(number(state["t"]));
+        INFO(name << " at " << s.time() << " s");
+        CHECK(largest(s.q() - numbers(state["q"])) < 1e-7);
+        CHECK(std::abs(s.energy() - before) < 1e-8);
+        CHECK(s.constraintError() < 1e-12);
+      }
+    }
+  }
+  SECTION("Andrews") {
+    const Mechanism m = andrewsSqueezer();
+    Simulator s(m.model, {.integrator = Integrator::dormand_prince, .dt = 1e-6, .tolerance = 1e-10});
+    s.setController([&](double, const VectorResult& q, const VectorResult& v, VectorMap tau) { tau = m.force(q, v); });
+    s.reset(m.q, m.v);
+    const nlohmann::json truth = truthFile("data/ref_andrews.json");
+    for (const auto& state : truth["states"]) {
+      s.advance(number(state["t"]));
+      for (std::size_t k = 0; k < andrews_order.size(); ++k) {
+        INFO(andrews_order[k] << " at " << s.time() << " s");
+        CHECK(std::abs(s.q()[m.dof(andrews_order[k])] - number(state["q"][k])) < 1e-7);
+      }
+    }
+  }
+}

@@ -1,0 +1,59 @@
+#include "problems.hpp"
+
+namespace dyn::tool {
+
+int addBar(Model& model, const std::string& joint, int parent, const std::vector<double>& axis, const Vec3<double>& at, const Inertia<double>& Y) {
+  JointDescription revolute;
+  revolute.name = joint;
+  revolute.type = "revolute";
+  revolute.parameters["axis"] = axis;
+  revolute.placement.p = at;
+  return model.addBody(joint + "_link", parent, revolute, Y);
+}
+
+Model pendulum(int rods) {
+  Model model;
+  model.name = "pendulum_" + std::to_string(rods);
+  int parent = 0;
+  for (int k = 0; k < rods; ++k) {
+    const Vec3<double> at = k > 0 ? Vec3<double>{0, 0, -1} : Vec3<double>{};
+    parent = addBar(model, "j" + std::to_string(k + 1), parent, {0, 1, 0}, at, {1, {0, 0, -1}, {}});
+  }
+  return model;
+}
+
+Model body(const std::string& type, double mass, const Vec3<double>& com, const Vec3<double>& moments, double gravity) {
+  Model model;
+  model.name = type;
+  model.gravity = {0, 0, -gravity};
+  JointDescription joint;
+  joint.name = "joint";
+  joint.type = type;
+  model.addBody("body", 0, joint, {mass, com, {moments.x, 0, 0, moments.y, 0, moments.z}});
+  return model;
+}
+
+Model freeBody() { return body("spherical", 1, {}, {1, 2, 3}, 0); }
+Model heavyTop() { return body("spherical", 1, {0, 0, 1}, {1, 1, 0.5}, 9.81); }
+
+Model fourBars(int squares) {
+  Model model;
+  model.name = "four_bars_" + std::to_string(squares);
+  model.gravity = {0, -9.81, 0};
+  const double I = 1.0 / 12;
+  const Inertia<double> crank{1, {0, 0.5, 0}, {I, 0, 0, 0, 0, I}}, coupler{1, {0.5, 0, 0}, {0, 0, 0, I, 0, I}};
+  int above = addBar(model, "crank0", 0, {0, 0, 1}, {}, crank);
+  for (int k = 1; k <= squares; ++k) {
+    // A coupler from the top of the crank before, and a crank that hangs on the ground.
+    const std::string n = std::to_string(k);
+    addBar(model, "coupler" + n, above, {0, 0, 1}, {0, 1, 0}, coupler);
+    above = addBar(model, "crank" + n, 0, {0, 0, 1}, {static_cast<double>(k), 0, 0}, crank);
+    ConstraintDescription d = closeLoop("loop" + n, "coupler" + n + "_link", "crank" + n + "_link", {false, false, false, true, true, true});
+    std::get<FrameConstraint>(d.relation).placement.p = {1, 0, 0};
+    std::get<FrameConstraint>(d.relation).other_placement.p = {0, 1, 0};
+    model.constraints.push_back(d);
+  }
+  return model;
+}
+
+}  // namespace dyn::tool
