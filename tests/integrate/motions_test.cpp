@@ -197,7 +197,7 @@ TEST_CASE("the stiff governor needs no small steps", "[motion][stiff]") {
   CHECK(long_steps < 1e-6);
   CHECK(short_steps < long_steps / 100);
   // Explicit steps are bounded by the damper's rate, whatever accuracy is asked for.
-  CHECK_THROWS_WITH(error(Integrator::rk4, 2.5e-3), containing("in the step from t ="));
+  CHECK_THROWS_WITH(error(Integrator::rk4, 2.5e-3), containing("the step of 0.0025 s from t ="));
 }
 
 TEST_CASE("loops stay closed and keep their energy through positions where they are singular", "[motion][loops]") {

@@ -94,6 +94,7 @@ class CollocationStepper : public CubicStepper {
     for (int i = 0; i < most_iterations; ++i) {
       ++law_.statistics.iterations;
       const double turned = evaluate(from);
+      if (!residual_.allFinite()) return false;
       change_ = solver_.solve(residual_);
       const Eigen::Map<const Eigen::MatrixXd> change(change_.data(), n_, tableau_.stages);
       k_ -= change;

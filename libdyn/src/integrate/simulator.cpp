@@ -82,39 +82,43 @@ void Simulator::Impl::checkFinite(const Moment& x, double h) const {
   }
 }
 
-void Simulator::Impl::attempt(double h, double until) {
+bool Simulator::Impl::attempt(double h, double until, std::string& why) {
   next.time = until;
-  StepOutcome outcome;
   try {
-    outcome = stepper->step(h, now, next);
+    if (stepper->step(h, now, next) == StepOutcome::taken) return true;
+    why = "it has equations that iterations do not solve; take shorter ones";
   } catch (const Error& e) {
+    // A callback's own failure is none of the step's.
     if (e.code() == ErrorCode::simulation) throw;
-    throw Error(ErrorCode::simulation, "in the step from t = " + number(now.time) + " s: " + e.what());
+    why = e.what();
   }
-  if (outcome == StepOutcome::unsolved)
-    throw Error(ErrorCode::simulation,
-                "the step of " + number(h) + " s from t = " + number(now.time) + " s has equations that iterations do not solve: take shorter ones");
+  return false;
 }
 
 void Simulator::Impl::stepBy(double h, double until) {
-  attempt(h, until);
+  std::string why;
+  if (!attempt(h, until, why))
+    throw Error(ErrorCode::simulation, "the step of " + number(h) + " s from t = " + number(now.time) + " s cannot be taken: " + why);
   checkFinite(next, h);
 }
 
 double Simulator::Impl::adaptiveStep(double most) {
-  // What is lost of a step that only the end of the simulation cut short would have to be found again.
-  bool rejected = false;
+  bool rejected = false, taken = true, finite = true;
+  std::string why;
   for (;;) {
     const bool cut = trial >= most;
     const double h = cut ? most : trial;
     if (h < 0x1p-40 * options.dt || now.time + h == now.time)
-      throw Error(ErrorCode::simulation, "at t = " + number(now.time) + " s steps have collapsed to " + number(h) +
-                                             " s: no step keeps the tolerance of " + number(options.tolerance) + ", or none is finite");
-    attempt(h, now.time + h);
+      throw Error(ErrorCode::simulation, "at t = " + number(now.time) + " s steps have collapsed to " + number(h) + " s: " +
+                                             (!taken    ? why
+                                              : !finite ? "what they lead to is not finite"
+                                                        : "none keeps the tolerance of " + number(options.tolerance)));
+    taken = attempt(h, now.time + h, why);
     const double error = stepper->error();
-    const bool finite = std::isfinite(error) && next.q.allFinite() && next.v.allFinite();
+    finite = taken && std::isfinite(error) && next.q.allFinite() && next.v.allFinite();
     const double factor = finite ? std::clamp(0.9 * std::pow(error, -0.2), 0.2, rejected ? 1.0 : 5.0) : 0.2;
     if (finite && error <= 1) {
+      // A step that only the end of the simulation cut short says little of the next.
       if (!cut || h * factor < trial) trial = h * factor;
       return h;
     }

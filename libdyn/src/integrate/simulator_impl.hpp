@@ -3,6 +3,7 @@
 
 #include "integrate/stepper.hpp"
 
+#include <string>
 #include <vector>
 
 namespace dyn {
@@ -32,7 +33,8 @@ struct Simulator::Impl {
   /// `next` becomes `now`.
   void commit();
 
-  void attempt(double h, double until);
+  /// A step to `next`; false, and why, if there is none.
+  bool attempt(double h, double until, std::string& why);
   void stepBy(double h, double until);
   double adaptiveStep(double most);
   void project();

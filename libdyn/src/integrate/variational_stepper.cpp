@@ -58,7 +58,7 @@ class VariationalStepper : public CubicStepper {
       cholesky::solve(law_.model(), law_.data(), residual_);
       xi_ -= residual_;
       const double size = n_ > 0 ? residual_.cwiseAbs().maxCoeff() : 0, scale = n_ > 0 ? xi_.cwiseAbs().maxCoeff() : 0;
-      if (!std::isfinite(size)) return false;
+      if (!residual_.allFinite()) return false;
       if (size <= 0x1p-52 * scale) break;
       if (size > 0.5 * before && size <= 0x1p-40 * scale) break;
       no_better = size > before ? no_better + 1 : 0;
