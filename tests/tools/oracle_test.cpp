@@ -1,0 +1,87 @@
+// The fifty-digit reference agrees with the shared data, which other people's code of other methods has made.
+#include "oracle.hpp"
+
+#include "errors.hpp"
+#include "support/registry.hpp"
+#include "support/shared.hpp"
+#include "support/truth_model.hpp"
+
+#include <dyn/compile/compile.hpp>
+#include <dyn/parsers/urdf.hpp>
+
+using namespace dyn;
+using namespace dyn::test;
+using dyn::tool::TruthSample;
+
+namespace {
+
+/// max |a - b| / max |b|.
+double apart(const std::vector<long double>& a, const std::vector<long double>& b) {
+  if (a.size() != b.size()) return HUGE_VAL;
+  long double worst = 0, size = 0;
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    worst = std::max(worst, std::abs(a[k] - b[k]));
+    size = std::max(size, std::abs(b[k]));
+  }
+  return size > 0 ? static_cast<double>(worst / size) : static_cast<double>(worst);
+}
+
+void compare(const Model& description, const std::string& data, bool derivatives, double bound) {
+  CompileOptions options;
+  options.dissipation = options.armature = false;
+  const CompactModel model = compile(description, registry(), options);
+  const tool::Oracle oracle(description, model);
+  std::size_t samples = 0;
+  for (const auto& [state, entry] : tool::readSamples(sharedFolder() + "/truth/data/" + data + ".json", model)) {
+    if (++samples > 2) break;  // seconds each
+    const TruthSample ours = oracle.evaluate(state, derivatives);
+    for (const auto& [key, numbers] : ours.truth) {
+      if (!entry["truth"].contains(key)) continue;
+      INFO(data << ", sample " << samples << ", " << key);
+      const std::vector<long double> theirs = tool::flatten(entry["truth"][key]);
+      if (key == "rnea_scale" || key == "aba_scale") {
+        // Bounds of the same kind; no digit of them matters.
+        for (std::size_t k = 0; k < theirs.size(); ++k) {
+          CHECK(numbers[k] <= 4 * theirs[k]);
+          CHECK(numbers[k] >= theirs[k] / 4);
+        }
+      } else {
+        CHECK(apart(numbers, theirs) < bound);
+      }
+    }
+  }
+  CHECK(samples > 0);
+}
+
+}  // namespace
+
+TEST_CASE("the reference has all the digits of the shared data, where models are described exactly", "[oracle]") {
+  DYN_NEEDS_SHARED();
+  // Numbers are handed on as long doubles.
+  for (const char* name : {"pendulum_double", "rope_10", "free_body_a", "free_body_c", "chain_2"})
+    compare(readTruthModel(readJson(sharedFolder() + "/truth/models/" + name + ".json")), name, true, 1e-17);
+}
+
+TEST_CASE("the reference agrees for robots to what their placements are rounded to", "[oracle]") {
+  DYN_NEEDS_SHARED();
+  const auto robot = [](const std::string& name, const std::string& root) {
+    urdf::Options options;
+    options.root = root;
+    return urdf::load(sharedFolder() + "/models/" + name + ".urdf", options);
+  };
+  // A rounding of the placements' rotations is multiplied by the condition of M (4e3 to 9e4) where that is inverted.
+  compare(readTruthModel(readJson(sharedFolder() + "/truth/models/joint_translation.json")), "joint_translation", true, 1e-14);
+  compare(robot("lwr", "fixed"), "lwr", true, 1e-10);
+  compare(robot("hyq", "free_flyer"), "hyq", false, 1e-10);
+}
+
+TEST_CASE("joints without definition are refused by name", "[oracle]") {
+  Model model;
+  JointDescription joint;
+  joint.name = "cardan";
+  joint.type = "universal";
+  joint.parameters["axis"] = std::vector<double>{1, 0, 0};
+  joint.parameters["axis2"] = std::vector<double>{0, 1, 0};
+  model.addBody("body", 0, joint, {1, {}, {1, 0, 0, 1, 0, 1}});
+  CHECK_THROWS_WITH(tool::Oracle(model, compile(model, registry())), containing("joint 'cardan'") && containing("universal"));
+}

@@ -1,0 +1,387 @@
+#include "oracle.hpp"
+
+#include <dyn/error.hpp>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <boost/multiprecision/cpp_bin_float.hpp>
+#include <boost/multiprecision/eigen.hpp>
+
+#include <array>
+#include <functional>
+
+namespace dyn::tool {
+
+namespace {
+
+using Real = boost::multiprecision::number<boost::multiprecision::cpp_bin_float<50>, boost::multiprecision::et_off>;
+using Vec = Eigen::Matrix<Real, 3, 1>;
+using Mat = Eigen::Matrix<Real, 3, 3>;
+using VectorR = Eigen::Matrix<Real, Eigen::Dynamic, 1>;
+using MatrixR = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>;
+
+Vec vec(const Vec3<double>& x) { return {Real(x.x), Real(x.y), Real(x.z)}; }
+Mat cross(const Vec& w) {
+  Mat out;
+  out << Real(0), -w.z(), w.y(), w.z(), Real(0), -w.x(), -w.y(), w.x(), Real(0);
+  return out;
+}
+Vec uncross(const Mat& W) { return Vec(W(2, 1) - W(1, 2), W(0, 2) - W(2, 0), W(1, 0) - W(0, 1)) / Real(2); }
+
+/// By Rodrigues' formula.
+Mat rotation(const Vec& axis, const Real& cosine, const Real& sine) {
+  const Mat K = cross(axis);
+  return Mat::Identity() + sine * K + (Real(1) - cosine) * (K * K);
+}
+Mat rotation(const VectorR& quaternion) {
+  Vec im = quaternion.head<3>();
+  const Real n2 = quaternion.squaredNorm(), w = quaternion[3];
+  const Mat K = cross(im);
+  return Mat::Identity() + (Real(2) / n2) * (w * K + K * K);
+}
+
+/// A pose as a power series in t: value, and first and second derivatives.
+struct Series {
+  std::array<Mat, 3> R;
+  std::array<Vec, 3> p;
+
+  static Series constant(const Mat& R, const Vec& p) { return {{R, Mat::Zero(), Mat::Zero()}, {p, Vec::Zero(), Vec::Zero()}}; }
+  friend Series operator*(const Series& a, const Series& b) {
+    Series out;
+    out.R = {a.R[0] * b.R[0], a.R[1] * b.R[0] + a.R[0] * b.R[1], a.R[2] * b.R[0] + Real(2) * (a.R[1] * b.R[1]) + a.R[0] * b.R[2]};
+    out.p = {a.p[0] + a.R[0] * b.p[0], a.p[1] + a.R[1] * b.p[0] + a.R[0] * b.p[1],
+             a.p[2] + a.R[2] * b.p[0] + Real(2) * (a.R[1] * b.p[1]) + a.R[0] * b.p[2]};
+    return out;
+  }
+  Vec omega() const { return uncross(R[1] * R[0].transpose()); }
+  Vec alpha() const { return uncross(R[2] * R[0].transpose() + R[1] * R[1].transpose()); }
+};
+
+enum class Kind { fixed, turning, circle, sliding, ball, flying, translating };
+
+/// A joint's own motion: R exp(cross(turn t + turn' t^2 / 2)) and p + slide t + slide' t^2 / 2.
+struct Joint {
+  Kind kind = Kind::fixed;
+  Vec axis = Vec::Zero();
+  Series placement;
+  int parent = 0, q = 0, v = 0, nv = 0;
+
+  Mat inertia = Mat::Zero();  ///< about the centre of mass
+  Vec com = Vec::Zero();
+  Real mass = 0;
+};
+
+/// Where the joints stand: positions within joints, before they move.
+struct Place {
+  std::vector<Mat> R;
+  std::vector<Vec> p;
+};
+
+constexpr double difference_step = 1e-17;
+
+std::vector<long double> rounded(const MatrixR& x) {
+  std::vector<long double> out;
+  for (Eigen::Index i = 0; i < x.rows(); ++i)
+    for (Eigen::Index j = 0; j < x.cols(); ++j) out.push_back(x(i, j).template convert_to<long double>());
+  return out;
+}
+
+VectorR exact(const Eigen::VectorXd& x) {
+  VectorR out(x.size());
+  for (Eigen::Index k = 0; k < x.size(); ++k) out[k] = Real(x[k]);
+  return out;
+}
+
+double length(const Vec& x) { return x.norm().convert_to<double>(); }
+
+}  // namespace
+
+struct Oracle::Impl {
+  std::vector<Joint> joints;
+  Vec gravity;
+  int nv = 0;
+
+  /// Of the joint's coordinates, with its place in `at`.
+  void placeJoint(const Joint& j, const VectorR& q, Mat& R, Vec& p) const {
+    R = Mat::Identity();
+    p = Vec::Zero();
+    switch (j.kind) {
+      case Kind::fixed:
+        break;
+      case Kind::turning:
+        R = rotation(j.axis, cos(q[j.q]), sin(q[j.q]));
+        break;
+      case Kind::circle: {
+        const Real n = sqrt(q[j.q] * q[j.q] + q[j.q + 1] * q[j.q + 1]);
+        R = rotation(j.axis, q[j.q] / n, q[j.q + 1] / n);
+        break;
+      }
+      case Kind::sliding:
+        p = q[j.q] * j.axis;
+        break;
+      case Kind::ball:
+        R = rotation(VectorR(q.segment(j.q, 4)));
+        break;
+      case Kind::flying:
+        p = q.segment<3>(j.q);
+        R = rotation(VectorR(q.segment(j.q + 3, 4)));
+        break;
+      case Kind::translating:
+        p = q.segment<3>(j.q);
+        break;
+    }
+  }
+  Place place(const Eigen::VectorXd& q) const {
+    const VectorR x = exact(q);
+    Place at{std::vector<Mat>(joints.size()), std::vector<Vec>(joints.size())};
+    for (std::size_t i = 1; i < joints.size(); ++i) placeJoint(joints[i], x, at.R[i], at.p[i]);
+    return at;
+  }
+
+  /// Turning and sliding velocities of a joint, each in its moving frame.
+  void rates(const Joint& j, const VectorR& v, Vec& turn, Vec& slide) const {
+    turn = slide = Vec::Zero();
+    if (j.kind == Kind::turning || j.kind == Kind::circle) turn = v[j.v] * j.axis;
+    if (j.kind == Kind::sliding) slide = v[j.v] * j.axis;
+    if (j.kind == Kind::ball) turn = v.segment<3>(j.v);
+    if (j.kind == Kind::translating || j.kind == Kind::flying) slide = v.segment<3>(j.v);
+    if (j.kind == Kind::flying) turn = v.segment<3>(j.v + 3);
+  }
+
+  Series motion(std::size_t i, const Place& at, const VectorR& v, const VectorR& a) const {
+    const Joint& j = joints[i];
+    Vec w, s, dw, ds;
+    rates(j, v, w, s);
+    rates(j, a, dw, ds);
+    const Mat &R = at.R[i], W = cross(w), RW = R * W;
+    // A free body's linear velocity turns with it, other joints do not turn and slide at once.
+    Series out;
+    out.R = {R, RW, RW * W + R * cross(dw)};
+    out.p = {at.p[i], R * s, RW * s + R * ds};
+    return j.placement * out;
+  }
+  std::vector<Series> motions(const Place& at, const VectorR& v, const VectorR& a) const {
+    std::vector<Series> out(joints.size(), Series::constant(Mat::Identity(), Vec::Zero()));
+    for (std::size_t i = 1; i < joints.size(); ++i) out[i] = out[static_cast<std::size_t>(joints[i].parent)] * motion(i, at, v, a);
+    return out;
+  }
+
+  /// Velocities of centres of mass and angular velocities of bodies for unit velocities.
+  struct Jacobians {
+    std::vector<Eigen::Matrix<Real, 3, Eigen::Dynamic>> linear, angular;
+  };
+  Jacobians jacobians(const Place& at) const {
+    Jacobians out{std::vector<Eigen::Matrix<Real, 3, Eigen::Dynamic>>(joints.size(), Eigen::Matrix<Real, 3, Eigen::Dynamic>::Zero(3, nv)), {}};
+    out.angular = out.linear;
+    const VectorR still = VectorR::Zero(nv);
+    VectorR v = still;
+    for (int k = 0; k < nv; ++k) {
+      v[k] = 1;
+      const std::vector<Series> moved = motions(at, v, still);
+      v[k] = 0;
+      for (std::size_t i = 1; i < joints.size(); ++i) {
+        out.linear[i].col(k) = moved[i].p[1] + moved[i].R[1] * joints[i].com;
+        out.angular[i].col(k) = moved[i].omega();
+      }
+    }
+    return out;
+  }
+
+  VectorR rnea(const Place& at, const VectorR& v, const VectorR& a, const Jacobians& J) const {
+    const std::vector<Series> x = motions(at, v, a);
+    VectorR tau = VectorR::Zero(nv);
+    for (std::size_t i = 1; i < joints.size(); ++i) {
+      const Joint& j = joints[i];
+      if (j.mass == 0 && j.inertia.isZero(Real(0))) continue;
+      const Vec force = j.mass * (x[i].p[2] + x[i].R[2] * j.com - gravity);
+      const Vec w = x[i].omega();
+      const Mat &R0 = x[i].R[0], &R1 = x[i].R[1];
+      // d/dt (R I R^T w), as the product of series that it is.
+      const Vec moment = (R1 * j.inertia * R0.transpose() + R0 * j.inertia * R1.transpose()) * w + R0 * j.inertia * R0.transpose() * x[i].alpha();
+      tau += J.linear[i].transpose() * force + J.angular[i].transpose() * moment;
+    }
+    return tau;
+  }
+
+  MatrixR massMatrix(const Place& at, const Jacobians& J) const {
+    const std::vector<Series> x = motions(at, VectorR::Zero(nv), VectorR::Zero(nv));
+    MatrixR M = MatrixR::Zero(nv, nv);
+    for (std::size_t i = 1; i < joints.size(); ++i) {
+      const Mat I = x[i].R[0] * joints[i].inertia * x[i].R[0].transpose();
+      M += joints[i].mass * (J.linear[i].transpose() * J.linear[i]) + J.angular[i].transpose() * I * J.angular[i];
+    }
+    return M;
+  }
+
+  /// In doubles: no digit of a scale matters.
+  std::vector<double> scale(const Place& at, const VectorR& v, const VectorR& a) const {
+    std::vector<double> out(static_cast<std::size_t>(nv), 0.0);
+    struct Bound {
+      double force = 0, turn = 0, w = 0;  ///< of acceleration, angular acceleration; angular velocity
+    };
+    std::vector<Bound> bound(joints.size());
+    std::vector<double> reach(joints.size(), 0.0);  ///< from the parent's origin to the joint's
+    const std::vector<Series> x = motions(at, v, a);
+    bound[0].force = length(gravity);
+    for (std::size_t i = 1; i < joints.size(); ++i) {
+      const Joint& j = joints[i];
+      const Bound& up = bound[static_cast<std::size_t>(j.parent)];
+      Vec w, s, dw, ds;
+      rates(j, v, w, s);
+      rates(j, a, dw, ds);
+      reach[i] = length(j.placement.p[0] + j.placement.R[0] * at.p[i]);
+      const double r = j.parent == 0 ? 0 : reach[i];  // the world neither turns nor moves
+      bound[i] = {up.force + (up.turn + up.w * up.w) * r + 2 * up.w * length(s) + length(ds), up.turn + up.w * length(w) + length(dw),
+                  length(x[i].omega())};
+      const double turning = bound[i].turn + bound[i].w * bound[i].w, com = length(j.com);
+      const double force = j.mass.convert_to<double>() * (bound[i].force + turning * com);
+      const double moment = j.inertia.norm().convert_to<double>() * turning;
+      double lever = com;
+      for (std::size_t k = i; k > 0; k = static_cast<std::size_t>(joints[k].parent)) {
+        const Joint& on = joints[k];
+        // The joint's own sliding lies between its frame and the body's.
+        const double own = lever + (on.kind == Kind::sliding || on.kind == Kind::translating ? length(at.p[k]) : 0.0);
+        for (int d = 0; d < on.nv; ++d) {
+          const bool slides = on.kind == Kind::sliding || on.kind == Kind::translating || (on.kind == Kind::flying && d < 3);
+          out[static_cast<std::size_t>(on.v + d)] += slides ? force : own * force + moment;
+        }
+        lever += reach[k];
+      }
+    }
+    return out;
+  }
+
+  /// Column k: the derivative of f along the k-th direction, of configurations or of velocities.
+  MatrixR byConfiguration(const Place& at, const std::function<VectorR(const Place&)>& f) const {
+    MatrixR out(nv, nv);
+    for (std::size_t i = 1; i < joints.size(); ++i)
+      for (int d = 0; d < joints[i].nv; ++d) {
+        VectorR values[2];
+        for (const int side : {0, 1}) {
+          Place moved = at;
+          VectorR v = VectorR::Zero(nv);
+          v[joints[i].v + d] = Real(side == 0 ? difference_step : -difference_step);
+          Vec w, s;
+          rates(joints[i], v, w, s);
+          const Mat W = cross(w);
+          // exp to the second order: what is left out cancels, or is of the size of the difference's own error.
+          moved.p[i] += at.R[i] * s;
+          moved.R[i] = at.R[i] * (Mat::Identity() + W + (W * W) / Real(2));
+          values[side] = f(moved);
+        }
+        out.col(joints[i].v + d) = (values[0] - values[1]) / Real(2 * difference_step);
+      }
+    return out;
+  }
+  MatrixR byVelocity(const VectorR& v, const std::function<VectorR(const VectorR&)>& f) const {
+    MatrixR out(nv, nv);
+    for (int k = 0; k < nv; ++k) {
+      VectorR more = v, less = v;
+      more[k] += Real(difference_step);
+      less[k] -= Real(difference_step);
+      out.col(k) = (f(more) - f(less)) / Real(2 * difference_step);
+    }
+    return out;
+  }
+};
+
+Oracle::Oracle(const Model& description, const CompactModel& model) : impl_(std::make_unique<Impl>()) {
+  impl_->gravity = vec(description.gravity);
+  impl_->nv = model.nv();
+  impl_->joints.resize(description.bodies.size());
+  for (std::size_t i = 1; i < description.bodies.size(); ++i) {
+    const BodyDescription& body = description.bodies[i];
+    Joint& j = impl_->joints[i];
+    const std::string& type = body.joint.type;
+    const auto refuse = [&](const std::string& why) {
+      throw Error(ErrorCode::joint_type, "the fifty-digit reference " + why, {{}, 0, body.joint.name});
+    };
+    if (!body.joint.coupling.type.empty()) refuse("knows no joints that follow others");
+    if (type == "revolute")
+      j.kind = Kind::turning;
+    else if (type == "continuous")
+      j.kind = Kind::circle;
+    else if (type == "prismatic")
+      j.kind = Kind::sliding;
+    else if (type == "spherical")
+      j.kind = Kind::ball;
+    else if (type == "free_flyer")
+      j.kind = Kind::flying;
+    else if (type == "translation")
+      j.kind = Kind::translating;
+    else if (type != "fixed")
+      refuse("has no definition of the joint type '" + type + "'");
+    if (j.kind == Kind::turning || j.kind == Kind::circle || j.kind == Kind::sliding) {
+      j.axis = Vec(Real(0), Real(0), Real(1));
+      const auto found = body.joint.parameters.find("axis");
+      if (found != body.joint.parameters.end()) {
+        const auto& axis = std::get<std::vector<double>>(found->second);
+        j.axis = Vec(Real(axis.at(0)), Real(axis.at(1)), Real(axis.at(2)));
+      }
+      j.axis /= j.axis.norm();
+    }
+    Mat R;
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 3; ++c) R(r, c) = Real(body.joint.placement.R(r, c));
+    j.placement = Series::constant(R, vec(body.joint.placement.p));
+    j.parent = body.parent;
+    const Inertia<double>& Y = body.inertia;
+    const Sym3<double>& I = Y.rotational;
+    j.mass = Real(Y.mass);
+    j.com = vec(Y.com);
+    for (int r = 0; r < 3; ++r) {
+      const Vec3<double> column = I * Vec3<double>{r == 0 ? 1.0 : 0.0, r == 1 ? 1.0 : 0.0, r == 2 ? 1.0 : 0.0};
+      j.inertia.col(r) = vec(column);
+    }
+    if (j.kind == Kind::fixed) continue;
+    const int id = model.jointId(body.joint.name);
+    if (id < 0) refuse("finds no joint of this name in the compiled model");
+    const JointRecord& record = model.joints()[static_cast<std::size_t>(id)];
+    j.q = record.idx_q;
+    j.v = record.idx_v;
+    j.nv = record.nv;
+  }
+}
+
+Oracle::~Oracle() = default;
+
+TruthSample Oracle::evaluate(const State& state, bool derivatives) const {
+  const Impl& x = *impl_;
+  const int n = x.nv;
+  const Place at = x.place(state.q);
+  const VectorR v = exact(state.v), a = exact(state.a), tau = exact(state.tau), still = VectorR::Zero(n);
+  const Impl::Jacobians J = x.jacobians(at);
+  const MatrixR M = x.massMatrix(at, J);
+  const VectorR nle = x.rnea(at, v, still, J);
+  const Eigen::PartialPivLU<MatrixR> solver(M);
+  const VectorR ddq = solver.solve(tau - nle);
+  const MatrixR Minv = solver.inverse();
+
+  TruthSample out{state, {}};
+  out.truth["rnea"] = rounded(x.rnea(at, v, a, J));
+  out.truth["nle"] = rounded(nle);
+  out.truth["gravity"] = rounded(x.rnea(at, still, still, J));
+  out.truth["M"] = rounded(M);
+  out.truth["aba"] = rounded(ddq);
+  const std::vector<double> scale = x.scale(at, v, a), moved = x.scale(at, v, ddq);
+  out.truth["rnea_scale"].assign(scale.begin(), scale.end());
+  for (int i = 0; i < n; ++i) {
+    double sum = 0;
+    for (int k = 0; k < n; ++k) sum += abs(Minv(i, k)).convert_to<double>() * (moved[static_cast<std::size_t>(k)] + std::abs(state.tau[k]));
+    out.truth["aba_scale"].push_back(sum);
+  }
+  if (!derivatives) return out;
+  const auto inverseDynamics = [&](const VectorR& acceleration) {
+    return [&x, &v, acceleration](const Place& moved_to) { return x.rnea(moved_to, v, acceleration, x.jacobians(moved_to)); };
+  };
+  const MatrixR by_v = x.byVelocity(v, [&](const VectorR& w) { return x.rnea(at, w, a, J); });
+  out.truth["dtau_dq"] = rounded(x.byConfiguration(at, inverseDynamics(a)));
+  out.truth["dtau_dv"] = rounded(by_v);
+  // M ddq + nle = tau, differentiated.
+  out.truth["ddq_dq"] = rounded(-Minv * x.byConfiguration(at, inverseDynamics(ddq)));
+  out.truth["ddq_dv"] = rounded(-Minv * by_v);
+  out.truth["Minv"] = rounded(Minv);
+  return out;
+}
+
+}  // namespace dyn::tool
