@@ -2,6 +2,7 @@
 #include "oracle.hpp"
 
 #include "errors.hpp"
+#include "integrate/problems.hpp"
 #include "support/registry.hpp"
 #include "support/shared.hpp"
 #include "support/truth_model.hpp"
@@ -88,4 +89,32 @@ TEST_CASE("joints without definition are refused by name", "[oracle]") {
   joint.parameters["axis2"] = std::vector<double>{0, 1, 0};
   model.addBody("body", 0, joint, {1, {}, {1, 0, 0, 1, 0, 1}});
   CHECK_THROWS_WITH(tool::Oracle(model, compile(model, registry())), containing("joint 'cardan'") && containing("universal"));
+}
+
+TEST_CASE("the reference moves as closed forms and others' series say", "[oracle]") {
+  DYN_NEEDS_SHARED();
+  const auto moved = [](const Model& description, const tool::State& start, double time, int steps) {
+    const CompactModel model = compile(description, registry());
+    return tool::Oracle(description, model).move(start, time, steps);
+  };
+  const auto largest = [](const Eigen::VectorXd& x) { return x.cwiseAbs().maxCoeff(); };
+  // Rounded to doubles at the end: as near as numbers of that size are to each other.
+  for (const bool chaotic : {false, true}) {
+    // The chaotic one, a second of which takes as much as ten of the other.
+    const std::vector<State> reference = pendulumReference(chaotic);
+    const State& truth = reference[chaotic ? 1 : 2];
+    tool::State start;
+    start.q = reference[0].q;
+    start.v = reference[0].v;
+    const tool::State end = moved(tool::pendulum(2), start, truth.time, chaotic ? 100 : 250);
+    CHECK(largest(end.q - truth.q) < 1e-15);
+    CHECK(largest(end.v - truth.v) < 2e-15);
+  }
+  const std::vector<State> top = rigidReference("heavy_top");
+  tool::State start;
+  start.q = top[0].q;
+  start.v = top[0].v;
+  const tool::State end = moved(tool::heavyTop(), start, 1, 200);
+  CHECK(largest(end.q - top[1].q) < 1e-15);
+  CHECK(largest(end.v - top[1].v) < 1e-14);
 }

@@ -131,8 +131,7 @@ struct Oracle::Impl {
         break;
     }
   }
-  Place place(const Eigen::VectorXd& q) const {
-    const VectorR x = exact(q);
+  Place place(const VectorR& x) const {
     Place at{std::vector<Mat>(joints.size()), std::vector<Vec>(joints.size())};
     for (std::size_t i = 1; i < joints.size(); ++i) placeJoint(joints[i], x, at.R[i], at.p[i]);
     return at;
@@ -251,6 +250,71 @@ struct Oracle::Impl {
     return out;
   }
 
+  /// Of (q, v), one after the other, moving freely: dq/dt in the coordinates that joints have, and M^-1 (- nle).
+  VectorR rate(const VectorR& y, int nq) const {
+    const VectorR q = y.head(nq), v = y.tail(nv), still = VectorR::Zero(nv);
+    const Place at = place(q);
+    const Jacobians J = jacobians(at);
+    VectorR out = VectorR::Zero(y.size());
+    out.tail(nv) = Eigen::PartialPivLU<MatrixR>(massMatrix(at, J)).solve(-rnea(at, v, still, J));
+    for (std::size_t i = 1; i < joints.size(); ++i) {
+      const Joint& j = joints[i];
+      const auto turnQuaternion = [&](int first, const Vec& w) {
+        const Vec im = q.segment<3>(first);
+        out.segment<3>(first) = (q[first + 3] * w + cross(im) * w) / Real(2);
+        out[first + 3] = -im.dot(w) / Real(2);
+      };
+      switch (j.kind) {
+        case Kind::fixed:
+          break;
+        case Kind::turning:
+        case Kind::sliding:
+          out[j.q] = v[j.v];
+          break;
+        case Kind::circle:
+          out[j.q] = -q[j.q + 1] * v[j.v];
+          out[j.q + 1] = q[j.q] * v[j.v];
+          break;
+        case Kind::ball:
+          turnQuaternion(j.q, v.segment<3>(j.v));
+          break;
+        case Kind::flying:
+          out.segment<3>(j.q) = at.R[i] * v.segment<3>(j.v);
+          turnQuaternion(j.q + 3, v.segment<3>(j.v + 3));
+          break;
+        case Kind::translating:
+          out.segment<3>(j.q) = v.segment<3>(j.v);
+          break;
+      }
+    }
+    return out;
+  }
+
+  /// Gragg, Bulirsch, Stoer: midpoint rules of 2, 4, ... steps, extrapolated (Hairer, Norsett and Wanner 1993, sec. II.9).
+  VectorR step(const VectorR& y, const Real& h, int nq) const {
+    constexpr int columns = 8;
+    std::array<std::array<VectorR, columns>, columns> T;
+    const VectorR first = rate(y, nq);
+    for (int j = 0; j < columns; ++j) {
+      const int n = 2 * (j + 1);
+      const Real part = h / Real(n);
+      VectorR before = y, now = y + part * first;
+      for (int k = 1; k < n; ++k) {
+        const VectorR next = before + Real(2) * part * rate(now, nq);
+        before = now;
+        now = next;
+      }
+      auto& row = T[static_cast<std::size_t>(j)];
+      row[0] = (now + before + part * rate(now, nq)) / Real(2);
+      for (int l = 1; l <= j; ++l) {
+        const Real ratio = Real((j + 1) * (j + 1)) / Real((j - l + 1) * (j - l + 1));
+        const auto L = static_cast<std::size_t>(l);
+        row[L] = row[L - 1] + (row[L - 1] - T[static_cast<std::size_t>(j - 1)][L - 1]) / (ratio - Real(1));
+      }
+    }
+    return T[columns - 1][columns - 1];
+  }
+
   /// Column k: the derivative of f along the k-th direction, of configurations or of velocities.
   MatrixR byConfiguration(const Place& at, const std::function<VectorR(const Place&)>& f) const {
     MatrixR out(nv, nv);
@@ -348,7 +412,7 @@ Oracle::~Oracle() = default;
 TruthSample Oracle::evaluate(const State& state, bool derivatives) const {
   const Impl& x = *impl_;
   const int n = x.nv;
-  const Place at = x.place(state.q);
+  const Place at = x.place(exact(state.q));
   const VectorR v = exact(state.v), a = exact(state.a), tau = exact(state.tau), still = VectorR::Zero(n);
   const Impl::Jacobians J = x.jacobians(at);
   const MatrixR M = x.massMatrix(at, J);
@@ -382,6 +446,17 @@ TruthSample Oracle::evaluate(const State& state, bool derivatives) const {
   out.truth["ddq_dv"] = rounded(-Minv * by_v);
   out.truth["Minv"] = rounded(Minv);
   return out;
+}
+
+State Oracle::move(const State& start, double time, int steps) const {
+  const auto nq = static_cast<int>(start.q.size());
+  VectorR y(nq + impl_->nv);
+  y << exact(start.q), exact(start.v);
+  for (int k = 0; k < steps; ++k) y = impl_->step(y, Real(time) / Real(steps), nq);
+  State end = start;
+  for (int k = 0; k < nq; ++k) end.q[k] = y[k].convert_to<double>();
+  for (int k = 0; k < impl_->nv; ++k) end.v[k] = y[nq + k].convert_to<double>();
+  return end;
 }
 
 }  // namespace dyn::tool

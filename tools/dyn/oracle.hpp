@@ -28,6 +28,10 @@ class Oracle {
   /// could be before they cancel); and dtau_dq, dtau_dv, ddq_dq, ddq_dv, Minv if derivatives are asked for.
   TruthSample evaluate(const State& state, bool derivatives) const;
 
+  /// Where the model is `time` later, moving freely: by Gragg's extrapolation of order 16 in so many steps, on the accelerations above, with the
+  /// same fifty digits. Rounded at the end.
+  State move(const State& start, double time, int steps) const;
+
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
