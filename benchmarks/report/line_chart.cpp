@@ -20,11 +20,11 @@ double measure(Scale scale, double value) { return scale == Scale::logarithmic ?
 
 }  // namespace
 
-void LineChart::add(const std::string& series, double x, double y) {
+void LineChart::add(const std::string& series, double x, double y, const std::string& label) {
   auto found = std::find_if(series_.begin(), series_.end(), [&](const Series& s) { return s.name == series; });
   if (found == series_.end()) found = series_.insert(series_.end(), {series, {}, 0});
   if (shows(x_.scale, x) && shows(y_.scale, y)) {
-    found->points.emplace_back(x, y);
+    found->points.push_back({x, y, label});
   } else {
     ++found->left_out;
   }
@@ -37,7 +37,7 @@ void LineChart::guide(const std::string& name, double x, double y, double slope)
 std::string LineChart::svg() const {
   double least_x = HUGE_VAL, most_x = -HUGE_VAL, least_y = HUGE_VAL, most_y = -HUGE_VAL;
   for (const Series& s : series_)
-    for (const auto& [x, y] : s.points) {
+    for (const auto& [x, y, label] : s.points) {
       least_x = std::min(least_x, x);
       most_x = std::max(most_x, x);
       least_y = std::min(least_y, y);
@@ -93,12 +93,17 @@ std::string LineChart::svg() const {
     const Series& s = series_[k];
     // The second eight curves are dashed.
     const char* dashes = (k / 8) % 2 ? " stroke-dasharray=\"6 3\"" : "";
-    svg << "<polyline fill=\"none\" stroke-width=\"1.8\" stroke=\"" << colour(k) << "\"" << dashes << " points=\"";
-    for (const auto& [x, y] : s.points) svg << across(x) << ',' << down(y) << ' ';
-    svg << "\"/>\n";
-    if (marks_)
-      for (const auto& [x, y] : s.points)
-        svg << "<circle r=\"3\" fill=\"" << colour(k) << "\" cx=\"" << across(x) << "\" cy=\"" << down(y) << "\"/>\n";
+    if (joins_) {
+      svg << "<polyline fill=\"none\" stroke-width=\"1.8\" stroke=\"" << colour(k) << "\"" << dashes << " points=\"";
+      for (const Point& point : s.points) svg << across(point.x) << ',' << down(point.y) << ' ';
+      svg << "\"/>\n";
+    }
+    for (const Point& point : s.points) {
+      if (marks_)
+        svg << "<circle r=\"3.5\" fill=\"" << colour(k) << "\" cx=\"" << across(point.x) << "\" cy=\"" << down(point.y) << "\"><title>"
+            << escaped(s.name + " " + point.label + ": " + shortNumber(point.x) + ", " + shortNumber(point.y)) << "</title></circle>\n";
+      if (!point.label.empty()) text(across(point.x) + 5, down(point.y) - 4, point.label, "start", " font-size=\"9\"");
+    }
     const auto column = static_cast<double>(k % static_cast<std::size_t>(legend_columns)), row = std::floor(static_cast<double>(k) / legend_columns);
     const double x = left + (width - left - right) / legend_columns * column, y = top + height + 58 + legend_line * row;
     svg << "<line x1=\"" << x << "\" x2=\"" << x + 22 << "\" y1=\"" << y << "\" y2=\"" << y << "\" stroke-width=\"3\" stroke=\"" << colour(k) << "\""

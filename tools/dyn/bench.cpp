@@ -5,197 +5,12 @@
 #include "contacts.hpp"
 #include "model_options.hpp"
 
-#include <report/quartiles.hpp>
-
-#include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <functional>
 #include <memory>
 
 namespace dyn::tool {
 
 namespace {
-
-/// ns a state.
-benchmark::Quartiles measure(const std::function<void()>& round) {
-  using Clock = std::chrono::steady_clock;
-  constexpr int repetitions = 11;
-  // Enough rounds for each repetition to last about 2 ms.
-  int rounds = 1;
-  std::vector<double> times;
-  for (int repetition = -1; repetition < repetitions; ++repetition) {
-    const auto start = Clock::now();
-    for (int i = 0; i < rounds; ++i) round();
-    const double ns = std::chrono::duration<double, std::nano>(Clock::now() - start).count();
-    if (repetition < 0) {
-      rounds = std::clamp(static_cast<int>(2e6 / ns), 1, 1000);
-      continue;
-    }
-    times.push_back(ns / (rounds * static_cast<double>(state_count)));
-  }
-  return benchmark::quartiles(times);
-}
-
-/// The numbers of a result, for what has no truth none.
-template <class Result>
-Eigen::VectorXd numbersOf(const Result& result) {
-  return result.template cast<double>().reshaped();
-}
-
-/// Calls f at the state, and with each entry of q, in its tangent space, and of v and a moved.
-template <class Function>
-void differences(const CompactModel& model, const State& s, Eigen::VectorXd& step, Function&& f) {
-  static thread_local Eigen::VectorXd q, v, a;
-  q = s.q;
-  v = s.v;
-  a = s.tau;
-  constexpr double h = 1e-8;
-  f(q, v, a);
-  step.setZero(model.nv());
-  for (Eigen::Index k = 0; k < model.nv(); ++k) {
-    step[k] = h;
-    integrate(model, s.q, step, q);
-    step[k] = 0;
-    f(q, v, a);
-  }
-  q = s.q;
-  for (Eigen::VectorXd* x : {&v, &a})
-    for (Eigen::Index k = 0; k < model.nv(); ++k) {
-      const double kept = (*x)[k];
-      (*x)[k] += h;
-      f(q, v, a);
-      (*x)[k] = kept;
-    }
-}
-
-void addSingle(Subjects& x, std::vector<Entry>& entries) {
-  const auto add = [&](const char* name, auto run) {
-    Entry entry{name, "double", "single", {}, {}};
-    entry.round = [&x, run] {
-      for (const State& s : x.states) run(x.model, x.data, s);
-    };
-    if constexpr (!std::is_void_v<decltype(run(x.model, x.data, x.states[0]))>)
-      entry.error = [&x, run, name] {
-        double error = std::nan("");
-        for (const TruthSample& sample : x.truth)
-          error = worst(error, truthError(sample, name, numbersOf(run(x.model, x.data, sample.state)), 0x1p-53));
-        return error;
-      };
-    entries.push_back(std::move(entry));
-  };
-  add("forward_kinematics", [](auto& m, auto& d, auto& s) { forwardKinematics(m, d, s.q); });
-  add("forward_kinematics_1", [](auto& m, auto& d, auto& s) { forwardKinematics(m, d, s.q, s.v); });
-  add("forward_kinematics_2", [](auto& m, auto& d, auto& s) { forwardKinematics(m, d, s.q, s.v, s.a); });
-  add("rnea", [](auto& m, auto& d, auto& s) { return rnea(m, d, s.q, s.v, s.a); });
-  add("nle", [](auto& m, auto& d, auto& s) { return nonLinearEffects(m, d, s.q, s.v); });
-  add("gravity", [](auto& m, auto& d, auto& s) { return generalizedGravity(m, d, s.q); });
-  add("crba", [](auto& m, auto& d, auto& s) { return crba(m, d, s.q); });
-  add("aba", [](auto& m, auto& d, auto& s) { return aba(m, d, s.q, s.v, s.tau); });
-  add("joint_jacobians", [](auto& m, auto& d, auto& s) { computeJointJacobians(m, d, s.q); });
-  add("rnea_derivatives", [](auto& m, auto& d, auto& s) { computeRNEADerivatives(m, d, s.q, s.v, s.a); });
-  add("aba_derivatives", [](auto& m, auto& d, auto& s) { computeABADerivatives(m, d, s.q, s.v, s.tau); });
-  // Differences of one side, with which derivatives are compared: as many calls as there are directions.
-  const auto step = std::make_shared<Eigen::VectorXd>();
-  add("rnea_finite_differences",
-      [step](auto& m, auto& d, auto& s) { differences(m, s, *step, [&](auto& q, auto& v, auto& a) { rnea(m, d, q, v, a); }); });
-  add("aba_finite_differences",
-      [step](auto& m, auto& d, auto& s) { differences(m, s, *step, [&](auto& q, auto& v, auto& a) { aba(m, d, q, v, a); }); });
-  // n^3 numbers: for models of some dozens of degrees of freedom.
-  if (x.model.nv() <= 100) {
-    const auto second = std::make_shared<SecondDerivativeData>(x.model);
-    add("rnea_second_derivatives", [second](auto& m, auto& d, auto& s) { computeRNEASecondOrderDerivatives(m, d, *second, s.q, s.v, s.a); });
-  }
-  add("minverse", [](auto& m, auto& d, auto& s) { computeMinverse(m, d, s.q); });
-  add("cholesky_decompose", [](auto& m, auto& d, auto&) { cholesky::decompose(m, d); });
-  add("cholesky_solve", [step](auto& m, auto& d, auto& s) {
-    *step = s.tau;
-    cholesky::solve(m, d, *step);
-  });
-  add("forward_dynamics_cholesky", [](auto& m, auto& d, auto& s) { return forwardDynamics(m, d, s.q, s.v, s.tau); });
-  add("ccrba", [](auto& m, auto& d, auto& s) { ccrba(m, d, s.q, s.v); });
-  add("centroidal_derivatives", [](auto& m, auto& d, auto& s) { computeCentroidalDynamicsDerivatives(m, d, s.q, s.v, s.a); });
-  add("kinematics_derivatives", [](auto& m, auto& d, auto& s) { computeForwardKinematicsDerivatives(m, d, s.q, s.v, s.a); });
-  add("coriolis", [](auto& m, auto& d, auto& s) { computeCoriolisMatrix(m, d, s.q, s.v); });
-  add("torque_regressor", [](auto& m, auto& d, auto& s) { computeJointTorqueRegressor(m, d, s.q, s.v, s.a); });
-  add("center_of_mass_jacobian", [](auto& m, auto& d, auto& s) { jacobianCenterOfMass(m, d, s.q); });
-  ConstraintData& c = x.constraints;
-  add("constraint_dynamics", [&c](auto& m, auto& d, auto& s) { constraintDynamics(m, d, s.q, s.v, s.tau, c); });
-  add("constraint_dynamics_kkt", [&c](auto& m, auto& d, auto& s) { constraintDynamics(m, d, s.q, s.v, s.tau, c, ConstraintMethod::kkt); });
-  add("constraint_dynamics_derivatives", [&c](auto& m, auto& d, auto& s) { computeConstraintDynamicsDerivatives(m, d, s.q, s.v, s.tau, c); });
-  add("impulse", [&c](auto& m, auto& d, auto& s) { impulseDynamics(m, d, s.q, s.v, 0.0, c); });
-  add("make_data", [](auto& m, auto&, auto&) { const Data made(m); });
-}
-
-template <class T>
-using Columns = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>;
-
-/// States as columns, and what is computed of them.
-template <class T>
-struct BatchSubject {
-  BasicBatchData<T> batch;
-  Columns<T> q, v, a, tau;
-
-  BatchSubject(const CompactModel& model, int states, int threads)
-      : batch(model, states, (model.nv() <= 200 ? Need::derivatives : Need::mass_matrix) | Need::mass_matrix | Need::kinematics | Need::jacobians,
-              threads),
-        q(model.nq(), states),
-        v(model.nv(), states),
-        a(v),
-        tau(v) {}
-  void set(Eigen::Index k, const State& s) {
-    q.col(k) = s.q.template cast<T>();
-    v.col(k) = s.v.template cast<T>();
-    a.col(k) = s.a.template cast<T>();
-    tau.col(k) = s.tau.template cast<T>();
-  }
-};
-
-template <class T>
-void addBatch(Subjects& x, const char* scalar, int threads, std::vector<Entry>& entries) {
-  const auto subject = std::make_shared<BatchSubject<T>>(x.model, state_count, threads);
-  for (int k = 0; k < state_count; ++k) subject->set(k, x.states[static_cast<std::size_t>(k)]);
-  const auto add = [&](const char* name, auto run) {
-    Entry entry{name, scalar, "batch", [&x, subject, run] { run(x.model, *subject); }, {}};
-    if constexpr (!std::is_void_v<decltype(run(x.model, *subject))>)
-      entry.error = [&x, run, name, threads] {
-        const auto n = static_cast<int>(x.truth.size());
-        if (n == 0) return std::nan("");
-        BatchSubject<T> few(x.model, n, threads);
-        BatchSubject<double> rounded(x.model, n, 1);
-        for (int k = 0; k < n; ++k) few.set(k, x.truth[static_cast<std::size_t>(k)].state);
-        rounded.q = few.q.template cast<double>();
-        rounded.v = few.v.template cast<double>();
-        rounded.a = few.a.template cast<double>();
-        rounded.tau = few.tau.template cast<double>();
-        const auto result = run(x.model, few);
-        const auto in_double = run(x.model, rounded);
-        double error = std::nan("");
-        for (int k = 0; k < n; ++k) {
-          TruthSample sample = x.truth[static_cast<std::size_t>(k)];
-          if constexpr (std::is_same_v<T, float>) replaceTruth(sample, name, in_double.col(k));
-          error = worst(error, truthError(sample, name, numbersOf(result.col(k)), std::is_same_v<T, float> ? 0x1p-24 : 0x1p-53));
-        }
-        return error;
-      };
-    entries.push_back(std::move(entry));
-  };
-  add("forward_kinematics", [](auto& m, auto& d) { forwardKinematics(m, d.batch, d.q); });
-  add("forward_kinematics_1", [](auto& m, auto& d) { forwardKinematics(m, d.batch, d.q, d.v); });
-  add("forward_kinematics_2", [](auto& m, auto& d) { forwardKinematics(m, d.batch, d.q, d.v, d.a); });
-  add("rnea", [](auto& m, auto& d) { return rnea(m, d.batch, d.q, d.v, d.a); });
-  add("nle", [](auto& m, auto& d) { return nonLinearEffects(m, d.batch, d.q, d.v); });
-  add("gravity", [](auto& m, auto& d) { return generalizedGravity(m, d.batch, d.q); });
-  add("crba", [](auto& m, auto& d) { return crba(m, d.batch, d.q); });
-  add("aba", [](auto& m, auto& d) { return aba(m, d.batch, d.q, d.v, d.tau); });
-  add("joint_jacobians", [](auto& m, auto& d) { computeJointJacobians(m, d.batch, d.q); });
-  add("rnea_derivatives", [](auto& m, auto& d) { computeRNEADerivatives(m, d.batch, d.q, d.v, d.a); });
-  add("aba_derivatives", [](auto& m, auto& d) { computeABADerivatives(m, d.batch, d.q, d.v, d.tau); });
-  add("minverse", [](auto& m, auto& d) { computeMinverse(m, d.batch, d.q); });
-  add("ccrba", [](auto& m, auto& d) { ccrba(m, d.batch, d.q, d.v); });
-  add("centroidal_derivatives", [](auto& m, auto& d) { computeCentroidalDynamicsDerivatives(m, d.batch, d.q, d.v, d.a); });
-  add("coriolis", [](auto& m, auto& d) { computeCoriolisMatrix(m, d.batch, d.q, d.v); });
-}
 
 struct Options {
   ModelOptions model;
@@ -235,16 +50,21 @@ void run(const Options& o) {
   for (const Entry& entry : entries) {
     try {
       const benchmark::Quartiles t = measure(entry.round);
-      const double error = entry.error ? entry.error() : std::nan("");
+      const ErrorSummary error = entry.error ? entry.error() : ErrorSummary();
       if (o.json) {
-        nlohmann::ordered_json line = {
-            {"robot", model.name()}, {"algorithm", entry.algorithm}, {"scalar", entry.scalar}, {"mode", entry.mode}, {"ns", t.median}};
-        if (!std::isnan(error)) line["error_u"] = error;
+        nlohmann::ordered_json line = {{"robot", model.name()},  {"algorithm", entry.algorithm},
+                                       {"scalar", entry.scalar}, {"mode", entry.mode},
+                                       {"ns", t.median},         {"ns_low", t.low},
+                                       {"ns_high", t.high}};
+        if (!std::isnan(error.most())) {
+          line["error_u"] = error.most();
+          line["rms_u"] = error.rms();
+        }
         std::printf("%s\n", line.dump().c_str());
       } else {
         char range[48], off[24] = "";
         std::snprintf(range, sizeof range, "%.1f .. %.1f", t.low, t.high);
-        if (!std::isnan(error)) std::snprintf(off, sizeof off, "%.1f u", error);
+        if (!std::isnan(error.most())) std::snprintf(off, sizeof off, "%.1f u", error.most());
         std::printf("%-32s %-8s %-8s %12.1f %20s %10s\n", entry.algorithm.c_str(), entry.scalar.c_str(), entry.mode.c_str(), t.median, range, off);
       }
     } catch (const Error& e) {

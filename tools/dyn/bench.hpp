@@ -6,6 +6,8 @@
 
 #include <dyn/dyn.hpp>
 
+#include <report/quartiles.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -14,11 +16,11 @@
 
 namespace dyn::tool {
 
-/// One line: how long `round` takes for each of the states that it goes through, and the largest error at those of the truth.
+/// One line: how long `round` takes for each of the states that it goes through, and the errors at those of the truth.
 struct Entry {
   std::string algorithm, scalar, mode;
   std::function<void()> round;
-  std::function<double()> error;
+  std::function<ErrorSummary()> error;
 };
 
 constexpr int state_count = 256;
@@ -37,8 +39,15 @@ struct Subjects {
   std::vector<TruthSample> truth;
 };
 
-/// The worst over samples; NaN if none has a truth.
-inline double worst(double a, double b) { return std::isnan(a) ? b : (std::isnan(b) ? a : std::max(a, b)); }
+/// Every algorithm, one state a call; and those that take batches, T being double or float.
+void addSingle(Subjects& x, std::vector<Entry>& entries);
+template <class T>
+void addBatch(Subjects& x, const char* scalar, int threads, std::vector<Entry>& entries);
+extern template void addBatch<double>(Subjects&, const char*, int, std::vector<Entry>&);
+extern template void addBatch<float>(Subjects&, const char*, int, std::vector<Entry>&);
+
+/// ns a state: quartiles of eleven repetitions of about 2 ms each.
+benchmark::Quartiles measure(const std::function<void()>& round);
 
 /// Functions of this model as generated code, state by state and several states a call. Compiles them, or finds them in the cache.
 void addGenerated(Subjects& x, const std::vector<std::string>& functions, std::vector<Entry>& entries);

@@ -56,16 +56,17 @@ void add(Subjects& x, const std::string& name, int lanes, std::vector<Entry>& en
   entry.round = [subject, groups = x.states.size() / static_cast<std::size_t>(lanes)] {
     for (std::size_t g = 0; g < groups; ++g) subject->run(g);
   };
-  if (lanes == 1 && function.outputs().size() == 1)
+  if (lanes == 1)
     entry.error = [&x, function, algorithm = entry.algorithm] {
-      double error = std::nan("");
+      ErrorSummary errors;
       for (const TruthSample& sample : x.truth) {
         Subject one(function, {sample.state}, 1);
         one.run(0);
-        error = worst(error, truthError(sample, algorithm.c_str(),
-                                        Eigen::Map<const Eigen::VectorXd>(one.out[0].data(), static_cast<Eigen::Index>(one.out[0].size())), 0x1p-53));
+        std::vector<double> all;
+        for (const std::vector<double>& out : one.out) all.insert(all.end(), out.begin(), out.end());
+        addErrors(sample, algorithm, Eigen::Map<const Eigen::VectorXd>(all.data(), static_cast<Eigen::Index>(all.size())), 0x1p-53, errors);
       }
-      return error;
+      return errors;
     };
   entries.push_back(std::move(entry));
 }

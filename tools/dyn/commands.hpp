@@ -16,6 +16,7 @@ void addCodegen(CLI::App& app);
 void addCollide(CLI::App& app);
 void addCompute(CLI::App& app);
 void addDemo(CLI::App& app);
+void addAccuracy(CLI::App& app);
 void addBench(CLI::App& app);
 void addProfile(CLI::App& app);
 void addPlugin(CLI::App& app);

@@ -15,6 +15,7 @@ int main(int argc, char** argv) {
   dyn::tool::addCollide(app);
   dyn::tool::addCompute(app);
   dyn::tool::addDemo(app);
+  dyn::tool::addAccuracy(app);
   dyn::tool::addBench(app);
   dyn::tool::addProfile(app);
   dyn::tool::addPlugin(app);

@@ -1,5 +1,7 @@
 #include "problems.hpp"
 
+#include <cmath>
+
 namespace dyn::tool {
 
 int addBar(Model& model, const std::string& joint, int parent, const std::vector<double>& axis, const Vec3<double>& at, const Inertia<double>& Y) {
@@ -18,6 +20,19 @@ Model pendulum(int rods) {
   for (int k = 0; k < rods; ++k) {
     const Vec3<double> at = k > 0 ? Vec3<double>{0, 0, -1} : Vec3<double>{};
     parent = addBar(model, "j" + std::to_string(k + 1), parent, {0, 1, 0}, at, {1, {0, 0, -1}, {}});
+  }
+  return model;
+}
+
+Model chain(int links) {
+  Model model;
+  model.name = "chain_" + std::to_string(links);
+  int parent = 0;
+  for (int k = 0; k < links; ++k) {
+    const double turn = 2.4 * k, mass = 1 + 0.5 * (k % 3);
+    const Vec3<double> at = k > 0 ? Vec3<double>{0.3, 0, 0} : Vec3<double>{};
+    const Inertia<double> link{mass, {0.15, 0.01, -0.02}, {0.002 * mass, 0, 0, 0.009 * mass, 0, 0.01 * mass}};
+    parent = addBar(model, "j" + std::to_string(k + 1), parent, {0.2, std::cos(turn), std::sin(turn)}, at, link);
   }
   return model;
 }
@@ -53,6 +68,18 @@ Model fourBars(int squares) {
     std::get<FrameConstraint>(d.relation).other_placement.p = {0, 1, 0};
     model.constraints.push_back(d);
   }
+  return model;
+}
+
+Model fourBarsCrank(int squares) {
+  Model model;
+  model.name = "four_bars_crank";
+  model.gravity = {0, -9.81, 0};
+  const double cranks = squares + 1, couplers = squares;
+  // Cranks of 1 kg, whose centres are half way; couplers move with their ends without turning.
+  Inertia<double> all{cranks, {0, 0.5, 0}, {cranks / 12, 0, 0, 0, 0, cranks / 12}};
+  all = all + Inertia<double>{couplers, {0, 1, 0}, {}};
+  addBar(model, "crank", 0, {0, 0, 1}, {}, all);
   return model;
 }
 

@@ -1,0 +1,69 @@
+// dyn accuracy: what speed costs in digits, as one page.
+#include "commands.hpp"
+#include "problems.hpp"
+#include "sections.hpp"
+
+#include <dyn/error.hpp>
+
+#include <filesystem>
+#include <memory>
+
+namespace dyn::tool {
+
+Specimen specimenOf(const Model& description, const JointRegistry& registry) {
+  CompileOptions options;
+  options.dissipation = options.armature = false;
+  return {"", "", description, compile(description, registry, options)};
+}
+
+namespace {
+
+/// "FILE" or "FILE:ROOT".
+Specimen specimenFrom(const std::string& word, const JointRegistry& registry) {
+  const std::size_t colon = word.rfind(':');
+  const bool rooted = colon != std::string::npos && word.find('/', colon) == std::string::npos;
+  urdf::Options options;
+  options.root = rooted ? word.substr(colon + 1) : "fixed";
+  options.mimic = urdf::Mimic::independent;  // as `dyn bench` has them, and the reference
+  const std::string path = rooted ? word.substr(0, colon) : word;
+  Specimen out = specimenOf(urdf::load(path, options), registry);
+  out.path = path;
+  out.root = options.root;
+  return out;
+}
+
+void run(const AccuracyOptions& o) {
+  const JointRegistry registry = JointRegistry::standard();
+  std::vector<Specimen> specimens;
+  if (o.models.empty()) specimens.push_back(specimenOf(chain(7), registry));
+  for (const std::string& word : o.models) specimens.push_back(specimenFrom(word, registry));
+  std::error_code failed;
+  std::filesystem::create_directories(o.out, failed);
+  if (failed) throw Error(ErrorCode::file, "the folder cannot be made: " + failed.message(), {o.out, 0, ""});
+  Page page("libdyn: speed against error");
+  page.add(algorithmSection(specimens, o));
+  page.add(motionSection(specimens, o));
+  page.add(driftSection(o));
+  page.add(lengthSection(o));
+  if (!o.peers.empty()) page.add(peerSection(o.peers));
+  page.write(o.out);
+  std::printf("%s/index.html\n%s/report.json\n", o.out.c_str(), o.out.c_str());
+}
+
+}  // namespace
+
+void addAccuracy(CLI::App& app) {
+  CLI::App* sub =
+      app.add_subcommand("accuracy", "a page of speed against error: algorithms, integrators, long chains; against fifty-digit references");
+  auto o = std::make_shared<AccuracyOptions>();
+  sub->add_option("--models", o->models, "URDF files, each with :ROOT if it does not stand fixed, as in talos.urdf:free_flyer; without, a chain")
+      ->delimiter(',');
+  sub->add_option("--out", o->out, "folder of the page and its numbers")->capture_default_str();
+  sub->add_option("--instruction-sets", o->instruction_sets, "measure the models' algorithms once more with these, as scalar,avx2")->delimiter(',');
+  sub->add_option("--peers", o->peers, "what tools/bench-peers wrote, to be shown beside");
+  sub->add_flag("--codegen", o->codegen, "generated code, too (minutes of compiling for large models)");
+  sub->add_flag("--quick", o->quick, "fewer states and shorter runs");
+  sub->callback([o] { run(*o); });
+}
+
+}  // namespace dyn::tool

@@ -1,0 +1,174 @@
+#include "bench.hpp"
+#include "oracle.hpp"
+#include "sections.hpp"
+
+#include <dyn/codegen/trace.hpp>
+#include <dyn/file.hpp>
+
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <set>
+
+namespace dyn::tool {
+
+namespace {
+
+/// Those that a reference judges.
+const std::set<std::string> judged{"rnea", "crba", "aba", "forward_dynamics_cholesky", "minverse", "rnea_derivatives", "aba_derivatives"};
+
+struct Line {
+  std::string algorithm, scalar, mode;
+  double ns, low, high, most, rms;
+};
+
+std::string modeOf(const Line& line) { return line.scalar == "float" ? line.mode + " float" : line.mode; }
+
+/// By differences of one side with this step: the derivatives that aba_derivatives and rnea_derivatives give in closed form.
+Entry byDifferences(Subjects& x, bool forward_dynamics, double h) {
+  char mode[32];
+  std::snprintf(mode, sizeof mode, "differences %g", h);
+  const auto n = x.model.nv();
+  const auto out = std::make_shared<Eigen::MatrixXd>(n, 2 * n);
+  const auto run = [&x, forward_dynamics, h, n, out](const State& s) {
+    const auto f = [&](const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
+      return Eigen::VectorXd(forward_dynamics ? aba(x.model, x.data, q, v, s.tau) : rnea(x.model, x.data, q, v, s.a));
+    };
+    const Eigen::VectorXd here = f(s.q, s.v);
+    Eigen::VectorXd step = Eigen::VectorXd::Zero(n);
+    for (int k = 0; k < n; ++k) {
+      step[k] = h;
+      out->col(k) = (f(integrate(x.model, s.q, step), s.v) - here) / h;
+      out->col(n + k) = (f(s.q, s.v + step) - here) / h;
+      step[k] = 0;
+    }
+  };
+  const char* name = forward_dynamics ? "aba_derivatives" : "rnea_derivatives";
+  return {name, "double", mode,
+          [&x, run] {
+            for (const State& s : x.states) run(s);
+          },
+          [&x, run, out, name] {
+            ErrorSummary errors;
+            for (const TruthSample& sample : x.truth) {
+              run(sample.state);
+              addErrors(sample, name, out->reshaped(), 0x1p-53, errors);
+            }
+            return errors;
+          }};
+}
+
+/// States as a truth file has them, so that `dyn bench` in another process judges by the same.
+std::string truthFile(const std::vector<TruthSample>& samples) {
+  Json out;
+  out["samples"] = Json::array();
+  for (const TruthSample& sample : samples) {
+    const State& s = sample.state;
+    Json entry{{"q", flat(s.q.data(), s.q.size())},
+               {"v", flat(s.v.data(), s.v.size())},
+               {"a", flat(s.a.data(), s.a.size())},
+               {"tau", flat(s.tau.data(), s.tau.size())}};
+    for (const auto& [key, numbers] : sample.truth) {
+      Json digits = Json::array();
+      for (const long double x : numbers) {
+        char text[48];
+        std::snprintf(text, sizeof text, "%.21Lg", x);
+        digits.push_back(text);
+      }
+      entry["truth"][key] = std::move(digits);
+    }
+    out["samples"].push_back(std::move(entry));
+  }
+  return out.dump();
+}
+
+/// Lines of `dyn bench --json` by this program, run once more with kernels for another instruction set.
+std::vector<Line> linesOfOther(const Specimen& x, const std::string& isa, const std::string& truth) {
+  const std::string self = std::filesystem::read_symlink("/proc/self/exe").string();
+  const auto quoted = [](const std::string& text) {
+    std::string out = "'";
+    for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return out + "'";
+  };
+  const std::string command =
+      "DYN_SIMD=" + quoted(isa) + ' ' + quoted(self) + " bench " + quoted(x.path) + " --root " + quoted(x.root) + " --json --truth " + quoted(truth);
+  const auto close = [](FILE* pipe) { pclose(pipe); };
+  const std::unique_ptr<FILE, decltype(close)> pipe(popen(command.c_str(), "r"), close);
+  std::string text;
+  std::array<char, 4096> part{};
+  while (pipe && std::fgets(part.data(), part.size(), pipe.get())) text += part.data();
+  std::vector<Line> out;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    const nlohmann::json line = nlohmann::json::parse(text.substr(at, end - at), nullptr, false);
+    at = end + 1;
+    if (line.is_discarded() || !line.contains("error_u") || line["mode"] != "single" || !judged.contains(line["algorithm"])) continue;
+    out.push_back({line["algorithm"], line["scalar"], "single " + isa, line["ns"], line["ns_low"], line["ns_high"], line["error_u"], line["rms_u"]});
+  }
+  return out;
+}
+
+}  // namespace
+
+Section algorithmSection(const std::vector<Specimen>& specimens, const AccuracyOptions& options) {
+  Section out;
+  out.id = "algorithms";
+  out.title = "Algorithms: time against error";
+  out.text = {
+      "Each point is one way to compute one quantity: to the left is more exact, further down is faster. Errors are the largest over random states, "
+      "in "
+      "units of roundoff u (2^-53 for doubles, 2^-24 for floats), against a reference that computes from definitions with fifty digits and shares no "
+      "code with the library. Errors of rnea, aba and Cholesky forward dynamics are scaled by what their summands could be before they cancel, the "
+      "others by the largest entry. Times are medians of eleven repetitions over 256 random states.",
+      "What limits each: rounding alone. Finite differences are limited by their step, and gain or lose digits as it is chosen."};
+  out.table.columns = {"model",      "algorithm",     "mode",          "ns a state",          "quartile 1",
+                       "quartile 3", "error max [u]", "error rms [u]", "digits a microsecond"};
+  for (const Specimen& specimen : specimens) {
+    const CompactModel& model = specimen.model;
+    std::fprintf(stderr, "dyn: algorithms of %s\n", model.name().c_str());
+    Subjects subjects(model, ConstraintSet(model, {}));
+    const Oracle oracle(specimen.description, model);
+    const bool derivatives = model.nv() <= 40;
+    for (const State& s : randomStates(model, options.quick ? 2 : model.nv() <= 20 ? 8 : 3, 7))
+      subjects.truth.push_back(oracle.evaluate(s, derivatives));
+    // Floats are judged by the reference at what states round to, which doubles stand in for: their errors are a hundred million times less.
+    std::vector<Entry> entries;
+    addSingle(subjects, entries);
+    addBatch<double>(subjects, "double", 1, entries);
+    addBatch<float>(subjects, "float", 1, entries);
+    if (derivatives)
+      for (const bool forward_dynamics : {false, true})
+        for (const double h : {1e-4, 1e-6, 1e-8, 1e-10}) entries.push_back(byDifferences(subjects, forward_dynamics, h));
+    if (options.codegen) addGenerated(subjects, {"rnea", "crba", "aba", "minverse", "rnea_derivatives", "aba_derivatives"}, entries);
+    std::vector<Line> lines;
+    for (const Entry& entry : entries) {
+      if (!judged.contains(entry.algorithm)) continue;
+      const ErrorSummary error = entry.error ? entry.error() : ErrorSummary();
+      if (std::isnan(error.most())) continue;
+      const benchmark::Quartiles t = measure(entry.round);
+      lines.push_back({entry.algorithm, entry.scalar, entry.mode, t.median, t.low, t.high, error.most(), error.rms()});
+    }
+    if (!specimen.path.empty() && !options.instruction_sets.empty()) {
+      const std::string truth = options.out + "/truth-" + model.name() + ".json";
+      replaceFile(truth, truthFile(subjects.truth));
+      for (const std::string& isa : options.instruction_sets)
+        for (Line& line : linesOfOther(specimen, isa, truth)) lines.push_back(std::move(line));
+    }
+    benchmark::LineChart chart(model.name() + ", " + std::to_string(model.nv()) + " degrees of freedom",
+                               {"largest error [u]", benchmark::Scale::logarithmic}, {"ns a state", benchmark::Scale::logarithmic});
+    chart.joinPoints(false);
+    for (const Line& line : lines) {
+      // A result that is right to the last bit would lie beyond a logarithmic axis.
+      chart.add(line.algorithm, std::max(line.most, 0.01), line.ns, modeOf(line));
+      const double digits = -std::log10(std::max(line.most, 0.01) * (line.scalar == "float" ? 0x1p-24 : 0x1p-53));
+      out.table.rows.push_back(
+          {model.name(), line.algorithm, modeOf(line), line.ns, line.low, line.high, line.most, line.rms, digits / (line.ns * 1e-3)});
+    }
+    out.charts.push_back(std::move(chart));
+  }
+  return out;
+}
+
+}  // namespace dyn::tool

@@ -1,0 +1,67 @@
+#include "bench.hpp"
+#include "oracle.hpp"
+#include "problems.hpp"
+#include "sections.hpp"
+
+#include <cstdio>
+#include <optional>
+
+namespace dyn::tool {
+
+Section lengthSection(const AccuracyOptions& options) {
+  Section out;
+  out.id = "lengths";
+  out.title = "Growth with the length of a chain";
+  out.text = {
+      "Chains of links whose axes turn from one to the next. Errors relative to the largest entry: those of aba grow with the length, those of a "
+      "solution with M with the condition of M, which grows like the fourth power (Featherstone 2004). Times a call are proportional to the length "
+      "but "
+      "for M and its factors, which have n^2 numbers."};
+  out.table.columns = {"links", "quantity", "error relative [u]", "ns a call"};
+  benchmark::LineChart errors("Error against length", {"links", benchmark::Scale::logarithmic},
+                              {"relative error [u]", benchmark::Scale::logarithmic});
+  benchmark::LineChart times("Time against length", {"links", benchmark::Scale::logarithmic}, {"ns a call", benchmark::Scale::logarithmic});
+  const JointRegistry registry = JointRegistry::standard();
+  const int longest = options.quick ? 20 : 160;
+  for (const int n : {2, 5, 10, 20, 40, 80, 160, 320, 1000, 3000, 10000}) {
+    if (options.quick && n > 1000) break;
+    std::fprintf(stderr, "dyn: chain of %d links\n", n);
+    const Model description = chain(n);
+    const CompactModel model = compile(description, registry);
+    const bool small = n <= longest;
+    Data data(model, n <= 1000 ? Need::derivatives : Need::state);
+    const State s = randomStates(model, 1, 3)[0];
+    const std::optional<TruthSample> truth = small ? std::optional(Oracle(description, model).evaluate(s, false)) : std::nullopt;
+    const auto add = [&](const char* name, const char* key, auto run) {
+      const Eigen::VectorXd result = run();
+      const double ns = measure([&] {
+                          for (int k = 0; k < std::max(1, 1000 / n); ++k) run();
+                        }).median *
+                        state_count / std::max(1, 1000 / n);
+      times.add(name, n, ns);
+      double error = std::nan("");
+      if (truth) {
+        long double worst = 0, size = 0;
+        const std::vector<long double>& x = truth->truth.at(key);
+        for (std::size_t k = 0; k < x.size(); ++k) {
+          worst = std::max(worst, std::abs(static_cast<long double>(result[static_cast<Eigen::Index>(k)]) - x[k]));
+          size = std::max(size, std::abs(x[k]));
+        }
+        error = static_cast<double>(worst / size / 0x1p-53L);
+        errors.add(name, n, std::max(error, 0.01));
+      }
+      out.table.rows.push_back({n, name, std::isnan(error) ? Json(nullptr) : Json(error), ns});
+    };
+    add("rnea", "rnea", [&] { return rnea(model, data, s.q, s.v, s.a); });
+    add("aba", "aba", [&] { return aba(model, data, s.q, s.v, s.tau); });
+    if (n <= 1000) add("forward dynamics by Cholesky", "aba", [&] { return forwardDynamics(model, data, s.q, s.v, s.tau); });
+  }
+  errors.guide("n^2", 10, 10, 2);
+  errors.guide("n^4", 10, 10, 4);
+  times.guide("n", 10, 1000, 1);
+  out.charts.push_back(std::move(errors));
+  out.charts.push_back(std::move(times));
+  return out;
+}
+
+}  // namespace dyn::tool

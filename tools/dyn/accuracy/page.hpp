@@ -1,0 +1,44 @@
+// The report of `dyn accuracy`: sections of text, pictures and tables, as one page that needs nothing but itself, and as JSON.
+#pragma once
+
+#include "states.hpp"
+
+#include <report/line_chart.hpp>
+
+#include <string>
+#include <vector>
+
+namespace dyn::tool {
+
+/// Rows of numbers and words; the same rows are shown and written as JSON.
+struct Table {
+  std::vector<std::string> columns;
+  std::vector<std::vector<Json>> rows;
+};
+
+struct Section {
+  std::string id, title;
+  std::vector<std::string> text;  ///< paragraphs
+  std::vector<benchmark::LineChart> charts;
+  Table table;
+};
+
+class Page {
+ public:
+  explicit Page(std::string title) : title_(std::move(title)) {}
+  void add(Section section) { sections_.push_back(std::move(section)); }
+  /// index.html and report.json in a folder, which is made if it is not there. Throws Error(file).
+  void write(const std::string& folder) const;
+
+ private:
+  std::string html() const;
+  Json json() const;
+
+  std::string title_;
+  std::vector<Section> sections_;
+};
+
+/// "AMD EPYC ..., 2026-11-21": what figures are of.
+std::string machineAndDay();
+
+}  // namespace dyn::tool

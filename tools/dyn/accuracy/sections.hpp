@@ -1,0 +1,39 @@
+// What `dyn accuracy` measures.
+#pragma once
+
+#include "model_options.hpp"
+#include "page.hpp"
+
+#include <string>
+#include <vector>
+
+namespace dyn::tool {
+
+/// A model with its description, which the fifty-digit reference reads. `path` and `root` are empty for those made here.
+struct Specimen {
+  std::string path, root;
+  Model description;
+  CompactModel model;
+};
+
+/// Without damping, friction and armature, of which the reference knows nothing.
+Specimen specimenOf(const Model& description, const JointRegistry& registry);
+
+struct AccuracyOptions {
+  std::vector<std::string> models, instruction_sets;
+  std::string out = "accuracy", peers;
+  bool quick = false, codegen = false;
+};
+
+/// Time against error of each algorithm in each mode, against the reference.
+Section algorithmSection(const std::vector<Specimen>& specimens, const AccuracyOptions& options);
+/// Time against error of the final state and against energy drift, for each integrator over its steps or tolerances.
+Section motionSection(const std::vector<Specimen>& specimens, const AccuracyOptions& options);
+/// Energy over a long time.
+Section driftSection(const AccuracyOptions& options);
+/// Errors and times against the length of a chain.
+Section lengthSection(const AccuracyOptions& options);
+/// Times and errors of other libraries, from the file that tools/bench-peers writes.
+Section peerSection(const std::string& file);
+
+}  // namespace dyn::tool
