@@ -1,9 +1,13 @@
-// dyn_peers OUT_DIR FILE[:floating]...: the same work in every library, robot by robot, all in turn; a table, and a picture a task.
+// dyn_peers OUT_DIR FILE[:floating]...: the same work in every library, robot by robot, all in turn; a table, a picture a task, and peers.json,
+// which has the errors at rest, too.
 #include "peers/peers.hpp"
 #include "report/bar_chart.hpp"
 #include "report/quartiles.hpp"
 
 #include <dyn/error.hpp>
+#include <dyn/file.hpp>
+
+#include <oracle.hpp>
 
 #include <chrono>
 #include <cmath>
@@ -95,6 +99,46 @@ std::vector<Contender> contendersFor(const Robot& robot, const std::vector<Libra
   return contenders;
 }
 
+/// States at rest with what is right there, by fifty digits.
+std::vector<std::pair<State, tool::TruthSample>> truthsOf(const Robot& robot) {
+  const auto& model = *static_cast<const CompactModel*>(robot.compact.get());
+  const tool::Oracle oracle(*static_cast<const Model*>(robot.description.get()), model);
+  std::vector<std::pair<State, tool::TruthSample>> out;
+  for (const State& still : randomStates(robot, 4, true)) {
+    tool::State s;
+    const auto joined = [&](const double* base, int n, const std::vector<double>& joints) {
+      Eigen::VectorXd x(static_cast<Eigen::Index>(joints.size()) + (robot.floating ? n : 0));
+      if (robot.floating) std::copy_n(base, n, x.begin());
+      std::copy(joints.begin(), joints.end(), x.end() - static_cast<Eigen::Index>(joints.size()));
+      return x;
+    };
+    s.q = joined(still.base_q, 7, still.q);
+    s.v = joined(still.base_v, 6, still.v);
+    s.a = s.tau = joined(still.base_a, 6, still.a);
+    out.emplace_back(still, oracle.evaluate(s, false));
+  }
+  return out;
+}
+
+/// Largest error of the one-axis joints' numbers, relative to the largest of them, in units of roundoff.
+double errorOf(Peer& peer, Task task, const Robot& robot, const std::vector<std::pair<State, tool::TruthSample>>& truths) {
+  double worst = 0;
+  for (const auto& [state, truth] : truths) {
+    peer.run(task, state);
+    const std::vector<double> x = peer.result(task);
+    const std::vector<long double>& all = truth.truth.at(task == Task::crba ? "M" : nameOf(task));
+    const auto joints = static_cast<std::size_t>(robot.joints), n = truth.truth.at("rnea").size(), skipped = n - joints;
+    long double off = 0, most = 0;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const long double right = task == Task::crba ? all[(skipped + i / joints) * n + skipped + i % joints] : all[skipped + i];
+      off = std::max(off, std::abs(static_cast<long double>(x[i]) - right));
+      most = std::max(most, std::abs(right));
+    }
+    worst = std::max(worst, static_cast<double>(off / most / 0x1p-53L));
+  }
+  return worst;
+}
+
 /// ns a call, a repetition each; all contenders in turn, so that what disturbs the machine hits all alike.
 std::vector<std::vector<double>> measure(std::vector<Contender>& contenders, Task task, const std::vector<State>& states) {
   using Clock = std::chrono::steady_clock;
@@ -111,16 +155,27 @@ std::vector<std::vector<double>> measure(std::vector<Contender>& contenders, Tas
   return times;
 }
 
-void compare(const Robot& robot, const std::vector<Library>& all, std::vector<BarChart>& charts) {
+void compare(const Robot& robot, const std::vector<Library>& all, std::vector<BarChart>& charts, tool::Json& rows) {
   std::vector<Contender> contenders = contendersFor(robot, all);
   const std::vector<State> states = randomStates(robot, 256, false);
+  const auto truths = truthsOf(robot);
   for (std::size_t t = 0; t < std::size(tasks); ++t) {
     const auto times = measure(contenders, tasks[t], states);
     for (std::size_t k = 0; k < contenders.size(); ++k) {
       if (times[k].empty()) continue;
       const Quartiles ns = quartiles(times[k]);
-      std::printf("%-14s %-5s %-10s %10.0f %9.0f .. %-9.0f %8.1f\n", robot.name.c_str(), nameOf(tasks[t]), contenders[k].library->name.c_str(),
-                  ns.median, ns.low, ns.high, ns.median / quartiles(times[0]).median);
+      const Library& library = *contenders[k].library;
+      const double error = errorOf(*contenders[k].peer, tasks[t], robot, truths);
+      std::printf("%-14s %-5s %-10s %10.0f %9.0f .. %-9.0f %8.1f %10.1f\n", robot.name.c_str(), nameOf(tasks[t]), library.name.c_str(), ns.median,
+                  ns.low, ns.high, ns.median / quartiles(times[0]).median, error);
+      rows.push_back({{"robot", robot.name},
+                      {"task", nameOf(tasks[t])},
+                      {"library", library.name},
+                      {"version", library.version},
+                      {"ns", ns.median},
+                      {"ns_low", ns.low},
+                      {"ns_high", ns.high},
+                      {"error_u", error}});
       charts[t].add(robot.name, contenders[k].library->name, ns.median);
     }
   }
@@ -133,7 +188,8 @@ int run(int argc, char** argv) {
   }
   const std::vector<Library> all = libraries();
   for (const Library& library : all) std::printf("%s %s\n", library.name.c_str(), library.version.c_str());
-  std::printf("\n%-14s %-5s %-10s %10s %22s %8s\n", "robot", "task", "library", "ns", "quartiles", "x libdyn");
+  std::printf("\n%-14s %-5s %-10s %10s %22s %8s %10s\n", "robot", "task", "library", "ns", "quartiles", "x libdyn", "error [u]");
+  tool::Json rows = tool::Json::array();
   std::vector<BarChart> charts;
   for (const Task task : tasks) charts.emplace_back(std::string(nameOf(task)) + ": ns a call, logarithmic", Scale::logarithmic);
   for (int i = 2; i < argc; ++i) {
@@ -141,11 +197,12 @@ int run(int argc, char** argv) {
     const std::size_t colon = file.rfind(":floating");
     if (colon != std::string::npos) file.resize(colon);
     try {
-      compare(readRobot(file, colon != std::string::npos), all, charts);
+      compare(readRobot(file, colon != std::string::npos), all, charts, rows);
     } catch (const Error& e) {
       std::fprintf(stderr, "%s\n", e.what());
     }
   }
+  replaceFile(std::string(argv[1]) + "/peers.json", rows.dump(1) + '\n');
   for (std::size_t t = 0; t < charts.size(); ++t) {
     const std::string path = std::string(argv[1]) + "/" + nameOf(tasks[t]) + ".svg";
     charts[t].write(path);

@@ -11,23 +11,28 @@ namespace dyn::benchmark::peers {
 
 namespace {
 
-CompactModel compileUrdf(const std::string& file, bool floating) {
+Model readUrdf(const std::string& file, bool floating) {
   urdf::Options options;
   options.root = floating ? "free_flyer" : "fixed";
   options.mimic = urdf::Mimic::independent;
   options.continuous = urdf::Continuous::angle;
   options.inertias = urdf::Inertias::any;
-  CompileOptions compile_options;
-  compile_options.dissipation = false;
-  return compile(urdf::load(file, options), JointRegistry::standard(), compile_options);
+  return urdf::load(file, options);
+}
+
+CompactModel compileRobot(const Model& description) {
+  CompileOptions options;
+  options.dissipation = options.armature = false;
+  return compile(description, JointRegistry::standard(), options);
 }
 
 }  // namespace
 
 Robot readRobot(const std::string& file, bool floating) {
-  const auto model = std::make_shared<const CompactModel>(compileUrdf(file, floating));
+  const auto description = std::make_shared<const Model>(readUrdf(file, floating));
+  const auto model = std::make_shared<const CompactModel>(compileRobot(*description));
   const CompactImpl& m = model->impl();
-  Robot robot{m.name, floating, 0, {}, m.gravity, model};
+  Robot robot{m.name, floating, 0, {}, m.gravity, model, description};
   robot.links.resize(static_cast<std::size_t>(m.bodies()));
   for (std::size_t i = 1; i < robot.links.size(); ++i) {
     const BodyIndex& x = m.index[i];

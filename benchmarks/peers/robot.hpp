@@ -26,7 +26,7 @@ struct Robot {
   int joints = 0;         ///< one-axis ones
   std::vector<Link> links;
   Vec3<double> gravity;
-  std::shared_ptr<const void> compact;  ///< libdyn's CompactModel, from which all this was read
+  std::shared_ptr<const void> compact, description;  ///< libdyn's CompactModel, from which all this was read, and its Model
 };
 
 /// Base: position and quaternion (x, y, z, w), velocity and acceleration in the base's own frame, linear first; zero without a base.

@@ -25,6 +25,11 @@ struct Line {
 };
 
 std::string modeOf(const Line& line) { return line.scalar == "float" ? line.mode + " float" : line.mode; }
+/// Beside its point: only what sets it apart.
+std::string labelOf(const Line& line) {
+  const std::string mode = modeOf(line), differences = "differences ";
+  return mode == "single" ? "" : mode.rfind(differences, 0) == 0 ? "h = " + mode.substr(differences.size()) : mode;
+}
 
 /// By differences of one side with this step: the derivatives that aba_derivatives and rnea_derivatives give in closed form.
 Entry byDifferences(Subjects& x, bool forward_dynamics, double h) {
@@ -161,7 +166,7 @@ Section algorithmSection(const std::vector<Specimen>& specimens, const AccuracyO
     chart.joinPoints(false);
     for (const Line& line : lines) {
       // A result that is right to the last bit would lie beyond a logarithmic axis.
-      chart.add(line.algorithm, std::max(line.most, 0.01), line.ns, modeOf(line));
+      chart.add(line.algorithm, std::max(line.most, 0.01), line.ns, labelOf(line));
       const double digits = -std::log10(std::max(line.most, 0.01) * (line.scalar == "float" ? 0x1p-24 : 0x1p-53));
       out.table.rows.push_back(
           {model.name(), line.algorithm, modeOf(line), line.ns, line.low, line.high, line.most, line.rms, digits / (line.ns * 1e-3)});

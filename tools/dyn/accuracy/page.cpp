@@ -21,7 +21,7 @@ constexpr const char* style = R"(
 body{margin:0 auto;max-width:72rem;padding:1rem;background:var(--paper);color:var(--ink);font:16px/1.5 system-ui,sans-serif}
 h1{font-size:1.6rem;line-height:1.2}h2{font-size:1.25rem;margin-top:2.5rem;border-top:1px solid var(--line);padding-top:1rem}
 p{max-width:46rem}a{color:inherit}nav a{display:inline-block;margin-right:1rem}
-.charts{display:grid;gap:1rem;grid-template-columns:repeat(auto-fit,minmax(min(100%,30rem),1fr))}
+.charts{display:grid;gap:1rem;grid-template-columns:repeat(auto-fill,minmax(min(100%,30rem),1fr))}
 .charts svg{width:100%;height:auto;border:1px solid var(--line);border-radius:6px}
 details{margin-top:1rem}summary{cursor:pointer;padding:.4rem 0}
 .table{overflow-x:auto}table{border-collapse:collapse;font-size:.85rem;white-space:nowrap}
