@@ -11,7 +11,13 @@ void ConeSolver::carve(int rows, Arena& arena) {
   for (double** vector : {&force_, &dual_, &right_, &velocity_, &sum_}) arena.take(*vector, static_cast<std::size_t>(rows) + most_lanes);
 }
 
-void projectOntoCone(double friction, double* x) {
+void projectOntoCone(const PackedCone& cone, double* all) {
+  double* x = all + cone.row;
+  if (cone.rows == 1) {
+    x[0] = cone.sign * std::max(0.0, cone.sign * x[0]);
+    return;
+  }
+  const double friction = cone.friction;
   const double slip = std::hypot(x[0], x[1]), normal = x[2];
   if (slip <= friction * normal) return;
   if (friction * slip <= -normal) {
@@ -45,19 +51,20 @@ ConeSolution ConeSolver::solve(kernels::ConstraintWorkspace& w, const ConeProble
   double penalty = 0.1 * mean;
   const double proximal = 1e-6 * mean;
   k.invertDelassus(n, w, penalty + proximal, 0);
-  int since = 0;
+  int since = 0, wait = 10;
   int iteration = 0;
   for (; iteration < settings.max_iterations; ++iteration) {
     for (int i = 0; i < n; ++i) right_[i] = penalty * x[i] + proximal * force_[i] - problem.g[i] - dual_[i];
     if (problem.dissipative)
       for (std::size_t c = 0; c < problem.count; ++c) {
+        if (problem.cones[c].friction == 0) continue;
         const double* y = dual_ + problem.cones[c].row;
-        right_[problem.cones[c].row + 2] -= problem.cones[c].friction * std::hypot(y[0], y[1]);
+        right_[problem.cones[c].normal()] -= problem.cones[c].friction * std::hypot(y[0], y[1]);
       }
     k.timesRows(n, w.stride, w.inverse, right_, force_);
     double moved = 0;
     for (int i = 0; i < n; ++i) sum_[i] = force_[i] + dual_[i] / penalty;
-    for (std::size_t c = 0; c < problem.count; ++c) projectOntoCone(problem.cones[c].friction, sum_ + problem.cones[c].row);
+    for (std::size_t c = 0; c < problem.count; ++c) projectOntoCone(problem.cones[c], sum_);
     // Free rows have no cone: their dual stays zero.
     double apart = 0;
     for (int i = 0; i < n; ++i) {
@@ -73,11 +80,13 @@ ConeSolution ConeSolver::solve(kernels::ConstraintWorkspace& w, const ConeProble
       break;
     }
     if (!(primal < HUGE_VAL) || !(change < HUGE_VAL)) break;
-    if (++since >= 10) {
+    if (++since >= wait) {
       const double ratio = mean * apart / std::max(change, 1e-300);
       if (ratio > 5 || ratio < 0.2) {
-        penalty = std::clamp(penalty * std::sqrt(ratio), 1e-8 * largest, 1e4 * largest);
+        penalty = std::clamp(penalty * std::clamp(std::sqrt(ratio), 0.01, 100.0), 1e-8 * largest, 1e4 * largest);
         k.invertDelassus(n, w, penalty + proximal, 0);
+        // Ever later: iterations converge with a penalty that stays.
+        wait += wait / 4;
       }
       since = 0;
     }

@@ -7,10 +7,15 @@
 
 namespace dyn {
 
-/// Of which three rows a cone is; rows that are in none are free.
+/// Of which rows a cone is: three of a contact, or the one of a limit; rows that are in none are free.
 struct PackedCone {
   int row;
   double friction;
+  double gap;
+  int rows = 3;
+  double sign = 1;  ///< of the normal force and velocity
+
+  int normal() const { return row + rows - 1; }
 };
 
 struct ConeProblem {
@@ -39,7 +44,7 @@ class ConeSolver {
   double *force_ = nullptr, *dual_ = nullptr, *right_ = nullptr, *velocity_ = nullptr, *sum_ = nullptr;
 };
 
-/// x into the cone: nearest point.
-void projectOntoCone(double friction, double* x);
+/// The cone's rows of x into it: nearest point.
+void projectOntoCone(const PackedCone& cone, double* x);
 
 }  // namespace dyn

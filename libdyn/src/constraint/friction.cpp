@@ -42,13 +42,25 @@ void readCones(const char* algorithm, ConstraintDataImpl& c, const FrictionCone*
     if (id < 0 || id >= c.set.count())
       refuse("cone " + std::to_string(i) + " is of constraint " + std::to_string(id) + ", and the set has " + std::to_string(c.set.count()));
     if (!(cones[i].friction >= 0) || !std::isfinite(cones[i].friction)) refuseContact(id, ": its friction is negative or no number");
+    if (!std::isfinite(cones[i].gap)) refuseContact(id, ": its gap is no number");
     const int row = packed.first_row[static_cast<std::size_t>(id)];
-    const auto frame = std::find_if(packed.frames.begin(), packed.frames.end(), [&](const auto& f) { return f.row == row; });
-    if (frame == packed.frames.end() || frame->rows != 3 || !frame->turnsFreely()) refuseContact(id, " is no point contact, which friction is for");
+    const auto begins = [row](const auto& x) { return x.row == row; };
+    const auto frame = std::find_if(packed.frames.begin(), packed.frames.end(), begins);
+    const auto lock = std::find_if(packed.locks.begin(), packed.locks.end(), begins);
+    const bool limit = lock != packed.locks.end() && lock->rows == 1;
+    if (!limit && (frame == packed.frames.end() || frame->rows != 3 || !frame->turnsFreely()))
+      refuseContact(id, " is no point contact, which friction is for, and no lock of a joint of one degree of freedom, which can be a limit");
+    if (limit && cones[i].friction > 0) refuseContact(id, " is a limit, which has no friction");
     for (std::size_t k = 0; k < i; ++k)
       if (c.cones[k].row == row) refuseContact(id, " has two cones");
-    c.cones[i] = {row, cones[i].friction};
+    c.cones[i] = {row, cones[i].friction, cones[i].gap, limit ? 1 : 3, limit && cones[i].downwards ? -1.0 : 1.0};
   }
+}
+
+/// By how much the normal velocity may be below zero after a step of dt, less what restitution asks for.
+double allowance(const PackedCone& cone, double before, double dt, double restitution) {
+  const double bounce = cone.gap <= 0 ? restitution * std::min(0.0, cone.sign * before) : 0.0;
+  return cone.sign * (cone.gap / dt + bounce);
 }
 
 /// d.ddq with forces of the rows.
@@ -76,27 +88,28 @@ ContactViews contactStep(const CompactModel& model, Data& data, VectorView q, Ve
   const int rows = c.set.rows();
   for (int r = 0; r < rows; ++r) c.wanted[r] = c.motion.velocity[r] - dt * c.wanted[r];
   for (std::size_t k = 0; k < count; ++k) {
-    const int normal = c.cones[k].row + 2;
-    c.wanted[normal] += settings.restitution * std::min(0.0, c.motion.velocity[normal]);
+    const int normal = c.cones[k].normal();
+    c.wanted[normal] += allowance(c.cones[k], c.motion.velocity[normal], dt, settings.restitution);
   }
   const ConeSolution found = c.cone_solver.solve(c.workspace, {rows, c.cones, count, c.wanted, true}, settings, c.lambda);
   std::copy_n(c.cone_solver.velocity(), rows, c.gamma);
   ContactResidual residual{0, 0};
   std::fill_n(c.left, rows, 1.0);
   for (std::size_t k = 0; k < count; ++k) {
-    const double *x = c.lambda + c.cones[k].row, *u = c.gamma + c.cones[k].row;
-    residual.penetration = std::max(residual.penetration, -u[2]);
-    const double work = x[0] * u[0] + x[1] * u[1] + x[2] * (u[2] + c.cones[k].friction * std::hypot(u[0], u[1]));
+    const PackedCone& cone = c.cones[k];
+    const double *x = c.lambda + cone.row, *u = c.gamma + cone.row;
+    residual.penetration = std::max(residual.penetration, -cone.sign * c.gamma[cone.normal()]);
+    const double work = cone.rows == 1 ? x[0] * u[0] : x[0] * u[0] + x[1] * u[1] + x[2] * (u[2] + cone.friction * std::hypot(u[0], u[1]));
     residual.complementarity = std::max(residual.complementarity, std::abs(work));
-    std::fill_n(c.left + c.cones[k].row, 3, 0.0);
+    std::fill_n(c.left + cone.row, cone.rows, 0.0);
   }
   for (int r = 0; r < rows; ++r) residual.penetration = std::max(residual.penetration, c.left[r] * std::abs(c.gamma[r]));
   for (int r = 0; r < rows; ++r) c.step[r] = c.lambda[r] / dt;
   accelerate(model, d, c, c.step);
   for (int k = 0; k < model.nv(); ++k) c.v_after[k] = v.data[k] + dt * d.ddq[k];
   for (std::size_t k = 0; k < count; ++k) {
-    const int normal = c.cones[k].row + 2;
-    c.gamma[normal] -= settings.restitution * std::min(0.0, c.motion.velocity[normal]);
+    const int normal = c.cones[k].normal();
+    c.gamma[normal] -= allowance(c.cones[k], c.motion.velocity[normal], dt, settings.restitution);
   }
   return {c.v_after, c.lambda, c.gamma, residual, found.converged, found.iterations};
 }

@@ -41,7 +41,7 @@ int Simulator::Impl::findEvent(double h) {
     while (high - low > 0x1p-45 && low < earliest) {
       const double middle = 0.5 * (low + high);
       const double t = now.time + middle * h;
-      stepper->between(middle, now, next, shown_q.data(), shown_v.data());
+      between(middle, h, shown_q.data(), shown_v.data());
       (happened(k, signOf(events[k], t, shown_q.data(), shown_v.data())) ? high : low) = middle;
     }
     if (found < 0 || high < earliest) {
@@ -53,17 +53,11 @@ int Simulator::Impl::findEvent(double h) {
   // The step once more, as far as that. Its end is nearer the truth than the polynomial, which may be past the zero where it is not yet.
   const auto k = static_cast<std::size_t>(found);
   for (double more = 0x1p-45; earliest < 1; more *= 4) {
-    const double part = earliest * h, end = now.time + part;
-    stepBy(part, end);
-    project();
+    retake(earliest * h);
     if (happened(k, signOf(events[k], next.time, next.q.data(), next.v.data()))) break;
     earliest = std::min(1.0, earliest + more);
   }
-  if (earliest == 1) {
-    const double end = now.time + h;
-    stepBy(h, end);
-    project();
-  }
+  if (earliest == 1) retake(h);
   whole_step = false;
   return found;
 }

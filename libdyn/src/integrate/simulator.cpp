@@ -24,6 +24,7 @@ std::string number(double x) {
 
 const SimulatorOptions& checked(const CompactModel& model, const ConstraintSet* constraints, const SimulatorOptions& options) {
   const IntegratorInfo& info = infoOf(options.integrator);
+  if (!(options.restitution >= 0 && options.restitution <= 1)) refuse("restitution is " + number(options.restitution) + "; it is between 0 and 1");
   if (!(options.dt > 0) || !std::isfinite(options.dt)) refuse("dt is " + number(options.dt) + "; a step of time must be positive");
   if (info.adaptive && !(options.tolerance > 0)) refuse("the tolerance is " + number(options.tolerance) + "; it must be positive");
   if (constraints && !info.constrained) refuse(std::string("the integrator '") + info.name + "' takes no constraints; implicit_midpoint does");
@@ -55,17 +56,26 @@ std::unique_ptr<Stepper> makeStepper(Law& law, const SimulatorOptions& options) 
   refuse("there is no such integrator");
 }
 
-Simulator::Impl::Impl(const CompactModel& model, const ConstraintSet* constraints, const SimulatorOptions& o)
-    : options(checked(model, constraints, o)),
-      law(model, constraints, needOf(o.integrator)),
+Simulator::Impl::Impl(const CompactModel& model, const ConstraintSet* set, const SimulatorOptions& o)
+    : options(checked(model, set, o)),
+      constraints(set ? std::optional(*set) : std::nullopt),
+      law(model, set, needOf(o.integrator)),
       stepper(makeStepper(law, options)),
       now(model),
       next(model),
       shown_q(model.nq()),
       shown_v(model.nv()),
-      trial(o.dt) {
+      trial(o.dt),
+      after_impact(model.nv()),
+      step_u(model.nv()) {
   detail::neutral(model, now.q.data());
   now.v.setZero();
+  if (o.limits) contacts().watchLimits();
+}
+
+Unilateral& Simulator::Impl::contacts() {
+  if (!unilateral) unilateral.emplace(law.model(), constraints ? &*constraints : nullptr);
+  return *unilateral;
 }
 
 void Simulator::Impl::checkFinite(const Moment& x, double h) const {
@@ -138,6 +148,7 @@ void Simulator::Impl::project() {
 
 double Simulator::Impl::stepTowards(double until) {
   double h = 0;
+  contact_step = has_impact = false;
   if (infoOf(options.integrator).adaptive) {
     h = adaptiveStep(until - now.time);
     // The last step ends where it is asked to, however sums are rounded.
@@ -151,11 +162,27 @@ double Simulator::Impl::stepTowards(double until) {
     whole_step = fits;
   }
   project();
-  return h;
+  return unilateral && unilateral->watches() ? touch(h) : h;
+}
+
+void Simulator::Impl::retake(double h) {
+  if (contact_step) {
+    step_u = h * next.v;
+    integrateSound(law.model().impl(), now.q.data(), step_u.data(), next.q.data());
+    next.time = now.time + h;
+  } else {
+    stepBy(h, now.time + h);
+  }
+  project();
+  has_impact = false;
 }
 
 void Simulator::Impl::commit() {
   std::swap(now, next);
+  if (has_impact) {
+    now.v = after_impact;
+    now.has_acceleration = false;
+  }
   ++law.statistics.steps;
   if (whole_step) {
     ++steps;
@@ -195,6 +222,8 @@ void Simulator::setForces(Forces forces) {
   impl_->law.forces = std::move(forces);
   impl_->now.has_acceleration = false;
 }
+
+void Simulator::setContacts(ContactFinder finder) { impl_->contacts().setFinder(std::move(finder)); }
 
 void Simulator::resetTo(VectorView q, VectorView v, double time) {
   const CompactModel& m = model();

@@ -2,7 +2,9 @@
 #pragma once
 
 #include "integrate/stepper.hpp"
+#include "integrate/unilateral.hpp"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +15,7 @@ struct Simulator::Impl {
   static constexpr double slack = 1e-9;
 
   SimulatorOptions options;
+  std::optional<ConstraintSet> constraints;
   Law law;
   std::unique_ptr<Stepper> stepper;
   Moment now, next;
@@ -22,10 +25,17 @@ struct Simulator::Impl {
   bool whole_step = true;            ///< the last one
   double trial;                      ///< next step of adaptive integrators [s]
 
+  std::optional<Unilateral> unilateral;
+  bool contact_step = false, has_impact = false;  ///< what the last step was, and whether an impulse follows it
+  Eigen::VectorXd after_impact, step_u;
+  std::vector<Unilateral::Gap> gaps_before, gaps_halfway;
+  std::vector<long> closing;
+
   std::vector<Event> events;
   std::vector<int> signs;  ///< of the events' functions at `now`; 0: no side is known
 
   Impl(const CompactModel& model, const ConstraintSet* constraints, const SimulatorOptions& options);
+  Unilateral& contacts();
 
   void startAt(double time);
   /// From `now` to `next` by at most until - now.time; returns by how much. Throws and leaves `now` as it was.
@@ -40,6 +50,17 @@ struct Simulator::Impl {
   void project();
   /// Throws Error(simulation); h is the step that led there, 0 if none did.
   void checkFinite(const Moment& x, double h) const;
+
+  /// The state at the share theta of the last step, of h.
+  void between(double theta, double h, double* q, double* v);
+  /// After a smooth step of h to `next`: `next` as contacts and limits let it be; returns by how much.
+  double touch(double h);
+  double collide(double h, double speed);
+  double rest(double h);
+  /// Of the closing ones.
+  double lowestGap(double theta, double h);
+  /// The last step once more, of this length.
+  void retake(double h);
 
   void show(double t, const double* q, const double* v, const Observer& observer) const;
   void readEvents();

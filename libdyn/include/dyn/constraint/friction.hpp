@@ -1,4 +1,4 @@
-// Contacts with friction: forces that only push, within Coulomb's cone.
+// Contacts with friction and limits of joints: forces that only push, within Coulomb's cone.
 #pragma once
 
 #include <dyn/algorithm/rnea.hpp>
@@ -6,17 +6,20 @@
 
 namespace dyn {
 
-/// A contact of a set: one whose rows are the three translations (x, y, z in its axes), with z along the normal, away from the other body.
+/// Of a set's constraint, either a contact whose rows are the three translations (x, y, z in its axes), with z along the normal, away from the
+/// other body; or the lock of a joint of one degree of freedom, which is then a limit that pushes its coordinate one way.
 /// Constraints of the set that no cone names hold both ways.
 struct FrictionCone {
   int constraint = 0;
-  double friction = 0;  ///< coefficient: tangential force at most friction * normal force; not negative
+  double friction = 0;  ///< coefficient: tangential force at most friction * normal force; not negative, 0 for limits
+  double gap = 0;       ///< [m, rad] that contactStep may still close: the velocity after is at least -gap / dt; negative: where it is to be undone
+  bool downwards = false;  ///< of a limit: it pushes the coordinate down, an upper one
 };
 
 struct ContactSettings {
   double tolerance = 1e-9;  ///< [m/s] for velocities, and with the Delassus matrix' mean for impulses
   int max_iterations = 2000;
-  double restitution = 0;  ///< of normal velocities that approach, in [0, 1]
+  double restitution = 0;  ///< of normal velocities that approach where the gap is closed, in [0, 1]
 };
 
 /// How well the conditions are kept: the force is in its cone exactly.
@@ -59,8 +62,8 @@ DYN_API ContactViews contactForces(const CompactModel&, Data&, VectorView q, Vec
 }  // namespace detail
 
 /// One step of time at the level of velocities, q held: M (v_after - v) = dt (tau - C v - g) + J^T impulse with 0 <= normal impulse, normal
-/// velocity >= -restitution * before, one of the two zero, and friction that opposes slip at the edge of its cone (Signorini, Coulomb; the cone
-/// itself, not a pyramid). By the alternating direction method with de Saxce's correction (Carpentier, Le Lidec, Montaut 2024); sets whose
+/// velocity >= -gap / dt - restitution * before, one of the two zero, and friction that opposes slip at the edge of its cone (Signorini, Coulomb; the
+/// cone itself, not a pyramid). By the alternating direction method with de Saxce's correction (Carpentier, Le Lidec, Montaut 2024); sets whose
 /// forces are not determined are as good as others. Nothing is thrown where it does not converge: see `converged` and the residual.
 /// O(n + rows^3 + iterations rows^2). Throws Error(argument | size | singular).
 inline ContactStep contactStep(const CompactModel& model, Data& data, const VectorArg& q, const VectorArg& v, const VectorArg& tau, double dt,

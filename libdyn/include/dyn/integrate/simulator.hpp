@@ -10,6 +10,7 @@
 
 #include <dyn/algorithm/rnea.hpp>
 #include <dyn/constraint/constraint_set.hpp>
+#include <dyn/integrate/contacts.hpp>
 #include <dyn/integrate/integrator.hpp>
 
 #include <functional>
@@ -38,6 +39,8 @@ struct SimulatorOptions {
   double tolerance = 1e-8;  ///< of adaptive integrators: error of a step [m, rad], and of velocities that of 1 or their own size, whichever is more
   /// Constraints with a target are brought back to it after every step, velocities to what all constraints allow.
   bool project = true;
+  bool limits = false;     ///< joints of one coordinate stop at the limits of position that the model gives
+  double restitution = 0;  ///< of impacts with limits and contacts, in [0, 1]
 };
 
 /// Something that happens where a function of the state passes zero.
@@ -53,6 +56,8 @@ struct SimulatorStatistics {
   long evaluations = 0;     ///< of the accelerations
   long factorizations = 0;  ///< of implicit integrators' matrices
   long iterations = 0;      ///< of their equations
+  long impacts = 0;         ///< answered with an impulse
+  long contact_steps = 0;   ///< in which something stayed in touch
 };
 
 /// One simulation, for one thread; it keeps its model alive.
@@ -76,6 +81,9 @@ class DYN_API Simulator {
   void reset(const VectorArg& q, const VectorArg& v, double time = 0) { resetTo(q, v, time); }
   void setController(Controller controller, ControllerDerivatives derivatives = nullptr);
   void setForces(Forces forces);
+  /// What may touch, beside limits of joints. Impacts are found in time; steps in which something stays in touch are of first order whatever
+  /// the integrator, v + h (a + contacts' impulses) and then q (+) h v, and no longer than dt. Contacts allocate where they come and go.
+  void setContacts(ContactFinder finder);
   /// Functions whose zeros end advance(). They are looked for between the ends of each step.
   void setEvents(std::vector<Event> events);
 

@@ -1,0 +1,113 @@
+// Steps in which something touches: impacts are found in time and answered with an impulse; what stays in touch moves by steps at the level of
+// velocities (Moreau 1988; Stewart and Trinkle 1996), of first order.
+#include "algorithm/inputs.hpp"
+#include "integrate/simulator_impl.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace dyn {
+
+namespace {
+
+using Gap = Unilateral::Gap;
+
+/// The gap of the same contact at another time; if the finder did not tell of it then, it was as far open as it is closed now.
+double gapOf(const std::vector<Gap>& gaps, const Gap& like) {
+  const auto found = std::find_if(gaps.begin(), gaps.end(), [&](const Gap& g) { return g.key == like.key; });
+  return found == gaps.end() ? std::abs(like.value) : found->value;
+}
+
+}  // namespace
+
+void Simulator::Impl::between(double theta, double h, double* q, double* v) {
+  if (!contact_step) return stepper->between(theta, now, next, q, v);
+  // The velocity of such a step is that of its end.
+  step_u = theta * h * next.v;
+  integrateSound(law.model().impl(), now.q.data(), step_u.data(), q);
+  VectorMap(v, next.v.size()) = next.v;
+}
+
+double Simulator::Impl::lowestGap(double theta, double h) {
+  between(theta, h, shown_q.data(), shown_v.data());
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const Gap& gap : unilateral->look(now.time + theta * h, shown_q.data()))
+    if (std::find(closing.begin(), closing.end(), gap.key) != closing.end()) lowest = std::min(lowest, gap.value);
+  return lowest;
+}
+
+double Simulator::Impl::touch(double h) {
+  gaps_before = unilateral->look(now.time, now.q.data());
+  between(0.5, h, shown_q.data(), shown_v.data());
+  gaps_halfway = unilateral->look(now.time + 0.5 * h, shown_q.data());
+  closing.clear();
+  bool impact = false;
+  double speed = 0;
+  for (const Gap& gap : unilateral->look(next.time, next.q.data())) {
+    if (gap.value >= 0) continue;
+    // Gaps as parabolas of time: with what speed this one closes, and how soon it would be closed again after a rebound.
+    const double start = gapOf(gaps_before, gap), half = gapOf(gaps_halfway, gap);
+    const double a = 4 * (gap.value - 2 * half + start) / (h * h), v = (gap.value - start) / h - 0.5 * a * h;
+    const double closing_speed = std::sqrt(std::max(0.0, v * v - 2 * a * start));
+    // A rebound that is over within a step is none: that contact rests.
+    const bool rebounds = start > 0 && options.restitution * closing_speed > std::abs(a) * std::min(h, options.dt);
+    if (impact && !rebounds) continue;
+    if (rebounds && !impact) closing.clear();
+    impact = impact || rebounds;
+    closing.push_back(gap.key);
+    speed = std::max(speed, closing_speed);
+  }
+  if (closing.empty()) return h;
+  return impact ? collide(h, speed) : rest(h);
+}
+
+double Simulator::Impl::collide(double h, double speed) {
+  double low = 0, high = 1;
+  while (high - low > 0x1p-40) {
+    const double middle = 0.5 * (low + high);
+    (lowestGap(middle, h) < 0 ? high : low) = middle;
+  }
+  if (low == 0) return rest(h);
+  const double part = low * h;
+  stepBy(part, now.time + part);
+  project();
+  whole_step = false;
+  // All that are as near as makes no difference take part.
+  const double near = 1e-6 * h * speed;
+  unilateral->look(next.time, next.q.data());
+  unilateral->choose([&](const Gap& gap) { return gap.value <= near; });
+  if (!unilateral->anyChosen()) return part;
+  const double* v = unilateral->impact(law, next.time, next.q.data(), next.v.data(), options.restitution);
+  after_impact = VectorResult(v, next.v.size());
+  has_impact = true;
+  ++law.statistics.impacts;
+  return part;
+}
+
+double Simulator::Impl::rest(double h) {
+  // Adaptive steps may be long; these are of first order.
+  const double part = std::min(h, options.dt), end = part == h ? next.time : now.time + part;
+  whole_step = whole_step && part == h;
+  constexpr int most_rounds = 8;
+  for (int round = 0; round < most_rounds; ++round) {
+    unilateral->look(now.time, now.q.data());
+    unilateral->choose([&](const Gap& gap) { return std::find(closing.begin(), closing.end(), gap.key) != closing.end(); });
+    if (!unilateral->anyChosen()) break;  // the finder told of it only further on: the next step will see it
+    next.v = VectorResult(unilateral->step(law, now.time, now.q.data(), now.v.data(), part), next.v.size());
+    step_u = part * next.v;
+    integrateSound(law.model().impl(), now.q.data(), step_u.data(), next.q.data());
+    next.time = end;
+    next.has_acceleration = false;
+    contact_step = true;
+    const std::size_t known = closing.size();
+    for (const Gap& gap : unilateral->look(end, next.q.data()))
+      if (gap.value < 0 && std::find(closing.begin(), closing.end(), gap.key) == closing.end()) closing.push_back(gap.key);
+    if (closing.size() == known) break;
+  }
+  checkFinite(next, part);
+  project();
+  ++law.statistics.contact_steps;
+  return contact_step ? part : h;
+}
+
+}  // namespace dyn

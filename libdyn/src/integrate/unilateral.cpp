@@ -1,0 +1,124 @@
+#include "integrate/unilateral.hpp"
+
+#include <dyn/error.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace dyn {
+
+namespace {
+
+constexpr std::size_t most_bound = 16;
+
+/// Of a gap that is negative already: what is taken back of it in a step. All at once would throw bodies off.
+constexpr double recovered = 0.2;
+
+bool same(const ContactPoint& a, const ContactPoint& b) {
+  const auto equal = [](const Vec3<double>& x, const Vec3<double>& y) { return x.x == y.x && x.y == y.y && x.z == y.z; };
+  return a.id == b.id && a.frame == b.frame && a.other == b.other && equal(a.point, b.point) && equal(a.normal, b.normal) && a.friction == b.friction;
+}
+
+}  // namespace
+
+Unilateral::Unilateral(const CompactModel& model, const ConstraintSet* base) : model_(model), data_(model, Need::derivatives) {
+  for (int k = 0; base && k < base->count(); ++k) base_.push_back(base->description(k));
+}
+
+void Unilateral::watchLimits() {
+  const ModelLimits& limits = model_.limits();
+  for (const JointRecord& joint : model_.joints()) {
+    if (joint.nq != 1 || joint.nv != 1) continue;
+    const auto q = static_cast<std::size_t>(joint.idx_q);
+    if (std::isfinite(limits.lower[q])) limits_.push_back({joint.name, joint.idx_q, false, limits.lower[q]});
+    if (std::isfinite(limits.upper[q])) limits_.push_back({joint.name, joint.idx_q, true, limits.upper[q]});
+  }
+}
+
+const std::vector<Unilateral::Gap>& Unilateral::look(double t, const double* q) {
+  gaps_.clear();
+  points_.clear();
+  for (std::size_t k = 0; k < limits_.size(); ++k)
+    gaps_.push_back({-static_cast<long>(k) - 1, limits_[k].upper ? limits_[k].bound - q[limits_[k].q] : q[limits_[k].q] - limits_[k].bound});
+  if (finder_) guardCallback("the finder of contacts", t, [&] { finder_({q, model_.nq()}, points_); });
+  for (const ContactPoint& point : points_) gaps_.push_back({point.id, point.gap});
+  return gaps_;
+}
+
+const ContactPoint* Unilateral::pointOf(std::size_t gap) const { return gap < limits_.size() ? nullptr : &points_[gap - limits_.size()]; }
+
+ConstraintDescription Unilateral::describe(std::size_t gap) const {
+  if (const ContactPoint* p = pointOf(gap)) {
+    const auto name = [&](int frame) {
+      if (frame < 0 || frame >= static_cast<int>(model_.frames().size()))
+        throw Error(ErrorCode::simulation,
+                    "the finder of contacts speaks of frame " + std::to_string(frame) + ", and there are " + std::to_string(model_.frames().size()));
+      return model_.frames()[static_cast<std::size_t>(frame)].name;
+    };
+    return frictionContact("contact " + std::to_string(p->id), name(p->frame), p->point, p->normal, p->other == 0 ? "universe" : name(p->other));
+  }
+  ConstraintDescription lock = lockJoint(limits_[gap].joint);
+  lock.name = limits_[gap].joint + (limits_[gap].upper ? " upper limit" : " lower limit");
+  return lock;
+}
+
+void Unilateral::bind() {
+  if (chosen_.empty()) return;
+  const auto fits = [&](const Bound& b) {
+    if (b.keys.size() != chosen_.size()) return false;
+    for (std::size_t k = 0; k < chosen_.size(); ++k) {
+      const ContactPoint* p = pointOf(chosen_[k]);
+      if (b.keys[k] != gaps_[chosen_[k]].key || (p && !same(*p, b.points[k]))) return false;
+    }
+    return true;
+  };
+  const auto found = std::find_if(bound_.begin(), bound_.end(), fits);
+  if (found != bound_.end()) {
+    std::rotate(bound_.begin(), found, found + 1);
+    return;
+  }
+  std::vector<ConstraintDescription> all = base_;
+  std::vector<FrictionCone> cones;
+  std::vector<long> keys;
+  std::vector<ContactPoint> points;
+  for (const std::size_t gap : chosen_) {
+    const ContactPoint* p = pointOf(gap);
+    FrictionCone cone;
+    cone.constraint = static_cast<int>(all.size());
+    cone.friction = p ? p->friction : 0;
+    cone.downwards = !p && limits_[gap].upper;
+    cones.push_back(cone);
+    keys.push_back(gaps_[gap].key);
+    points.push_back(p ? *p : ContactPoint{});
+    all.push_back(describe(gap));
+  }
+  if (bound_.size() >= most_bound) bound_.pop_back();
+  bound_.insert(bound_.begin(), Bound{std::move(keys), std::move(points), ConstraintData(ConstraintSet(model_, all)), std::move(cones)});
+}
+
+const double* Unilateral::step(Law& law, double t, const double* q, const double* v, double dt) {
+  for (std::size_t k = 0; k < chosen_.size(); ++k) {
+    const double gap = gaps_[chosen_[k]].value;
+    bound_.front().cones[k].gap = gap > 0 ? gap : recovered * gap;
+  }
+  return contactStep(law, t, q, v, dt, 0);
+}
+
+const double* Unilateral::impact(Law& law, double t, const double* q, const double* v, double restitution) {
+  for (FrictionCone& cone : bound_.front().cones) cone.gap = 0;
+  // So short that no force but the impulses counts.
+  constexpr double instant = 0x1p-60;
+  return contactStep(law, t, q, v, instant, restitution);
+}
+
+const double* Unilateral::contactStep(Law& law, double t, const double* q, const double* v, double dt, double restitution) {
+  Bound& bound = bound_.front();
+  const double* tau = law.applied(t, q, v);
+  ContactSettings settings;
+  settings.restitution = restitution;
+  return detail::contactStep(model_, data_, {q, model_.nq()}, {v, model_.nv()}, {tau, model_.nv()}, dt, bound.data, bound.cones.data(),
+                             bound.cones.size(), settings)
+      .motion;
+}
+
+}  // namespace dyn

@@ -1,0 +1,77 @@
+// Contacts and limits of joints in a simulation: which are near, and steps and impacts under those that are taken part in.
+#pragma once
+
+#include "integrate/law.hpp"
+
+#include <dyn/constraint/friction.hpp>
+#include <dyn/integrate/contacts.hpp>
+
+#include <optional>
+#include <vector>
+
+namespace dyn {
+
+class Unilateral {
+ public:
+  /// `base`: constraints that hold beside, or null.
+  Unilateral(const CompactModel& model, const ConstraintSet* base);
+
+  void watchLimits();
+  void setFinder(ContactFinder finder) { finder_ = std::move(finder); }
+  bool watches() const { return !limits_.empty() || static_cast<bool>(finder_); }
+
+  /// Contacts and limits by number: those of `gaps` in the same order as long as the finder tells of the same.
+  struct Gap {
+    long key;      ///< the same from call to call
+    double value;  ///< [m, rad]
+  };
+  /// At q; a view of what the next call overwrites.
+  const std::vector<Gap>& look(double t, const double* q);
+
+  /// Chooses, of what look() has seen last, those for which `takes` says so.
+  template <class F>
+  void choose(F&& takes) {
+    chosen_.clear();
+    for (std::size_t k = 0; k < gaps_.size(); ++k)
+      if (takes(gaps_[k])) chosen_.push_back(k);
+    bind();
+  }
+  bool anyChosen() const { return !chosen_.empty(); }
+
+  /// The velocity after dt under the chosen ones: see contactStep.
+  const double* step(Law& law, double t, const double* q, const double* v, double dt);
+  /// The velocity after an impact in all of the chosen ones, whose gaps are taken as closed.
+  const double* impact(Law& law, double t, const double* q, const double* v, double restitution);
+
+ private:
+  struct Limit {
+    std::string joint;
+    int q;
+    bool upper;
+    double bound;
+  };
+  /// The constraint set of the chosen ones. Those of the last few choices are kept: joints come to the same limits, feet to the same ground.
+  struct Bound {
+    std::vector<long> keys;
+    std::vector<ContactPoint> points;
+    ConstraintData data;
+    std::vector<FrictionCone> cones;
+  };
+
+  const double* contactStep(Law& law, double t, const double* q, const double* v, double dt, double restitution);
+  void bind();
+  ConstraintDescription describe(std::size_t gap) const;
+  const ContactPoint* pointOf(std::size_t gap) const;
+
+  CompactModel model_;
+  std::vector<ConstraintDescription> base_;
+  std::vector<Limit> limits_;
+  ContactFinder finder_;
+  std::vector<ContactPoint> points_;
+  std::vector<Gap> gaps_;  ///< of limits, then of points
+  std::vector<std::size_t> chosen_;
+  std::vector<Bound> bound_;  ///< the last used first
+  Data data_;
+};
+
+}  // namespace dyn

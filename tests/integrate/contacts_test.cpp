@@ -1,0 +1,218 @@
+// Contacts and limits of joints in simulations, against what rigid bodies do in closed form.
+#include "integrate/problems.hpp"
+
+#include <algorithm>
+
+using namespace dyn;
+using namespace dyn::test;
+
+namespace {
+
+constexpr double g = 9.81;
+
+CompactModel ball() { return compile(tool::body("translation", 2, {}, {0.1, 0.1, 0.1}, g), registry()); }
+
+/// Of edges 1, 1, 0.5 m and 3 kg, with frames at the corners of its lower face.
+CompactModel box(std::vector<std::string>& corners) {
+  Model model = tool::body("free_flyer", 3, {}, {3 * (1 + 0.25) / 12, 3 * (1 + 0.25) / 12, 3 * 2.0 / 12}, g);
+  for (int k = 0; k < 4; ++k) {
+    corners.push_back("corner" + std::to_string(k));
+    SE3<double> at;
+    at.p = {k % 2 ? 0.5 : -0.5, k / 2 ? 0.5 : -0.5, -0.25};
+    model.addFrame(corners.back(), 1, at);
+  }
+  return compile(model, registry());
+}
+
+Vector at(const CompactModel& model, std::initializer_list<double> first) {
+  Vector q = neutral(model);
+  std::copy(first.begin(), first.end(), q.begin());
+  return q;
+}
+
+/// A pendulum whose joint stops at these angles.
+CompactModel stopped(double lower, double upper) {
+  Model model = tool::pendulum(1);
+  model.bodies[1].joint.limits.lower = {lower};
+  model.bodies[1].joint.limits.upper = {upper};
+  return compile(model, registry());
+}
+
+}  // namespace
+
+TEST_CASE("an elastic ball keeps bouncing to where it came from", "[contact]") {
+  const CompactModel model = ball();
+  const Integrator integrator = GENERATE(Integrator::rk4, Integrator::dormand_prince, Integrator::implicit_midpoint);
+  Simulator s(model, {.integrator = integrator, .dt = 1e-2, .restitution = 1});
+  s.setContacts(pointsOnPlane(model, {"body"}));
+  s.reset(at(model, {0, 0, 1}), Vector::Zero(3));
+  const double before = s.energy();
+  s.advance(20);
+  // Every second passage of 2 sqrt(2 d / g) it is on top.
+  const double period = 2 * std::sqrt(2 / g);
+  const long bounces = static_cast<long>(std::floor(20 / period + 0.5));
+  const double since = 20 - (static_cast<double>(bounces) - 0.5) * period, v = std::sqrt(2 * g) - g * since;
+  INFO(infoOf(integrator).name);
+  CHECK(s.statistics().impacts == bounces);
+  CHECK(s.statistics().contact_steps == 0);
+  // Each impact is solved to 1e-9 m/s, of 4.43.
+  const double wrong = static_cast<double>(bounces) * ContactSettings().tolerance;
+  CHECK(std::abs(s.energy() - before) < wrong * 2 * std::sqrt(2 * g));
+  CHECK(std::abs(s.q()[2] - (1 - 0.5 * (v / g) * v)) < wrong * 20);
+}
+
+TEST_CASE("a ball that loses half its speed at each bounce comes to rest when the series of its bounces ends", "[contact]") {
+  const CompactModel model = ball();
+  Simulator s(model, {.dt = 1e-3, .restitution = 0.5});
+  s.setContacts(pointsOnPlane(model, {"body"}));
+  s.reset(at(model, {0, 0, 1}), Vector::Zero(3));
+  // sqrt(2 d / g) (1 + e) / (1 - e): Zeno's time.
+  const double end = std::sqrt(2 / g) * 3;
+  s.advance(0.9 * end);
+  CHECK(s.q()[2] > 1e-4);
+  const double bounces_before = static_cast<double>(s.statistics().impacts);
+  s.advance(end + 0.01);
+  CHECK(static_cast<double>(s.statistics().impacts) > bounces_before);
+  CHECK(s.statistics().impacts < 20);
+  CHECK(std::abs(s.q()[2]) < 1e-9);
+  // At rest to the solver's tolerance, and what brings back what it lets pass.
+  CHECK(std::abs(s.v()[2]) < 1e-7);
+  const double height = s.q()[2];
+  s.advance(end + 1);
+  CHECK(std::abs(s.q()[2] - height) < 1e-9);
+}
+
+TEST_CASE("a box slides down a slope as Coulomb says, or not at all", "[contact]") {
+  std::vector<std::string> corners;
+  const CompactModel model = box(corners);
+  const double slope = 0.3;
+  const Vec3<double> normal{std::sin(slope), 0, std::cos(slope)};
+  Vector q = neutral(model);
+  // Turned with the slope, its lower face on it.
+  q[4] = std::sin(slope / 2);
+  q[6] = std::cos(slope / 2);
+  q.head<3>() = 0.25 * Eigen::Vector3d(normal.x, normal.y, normal.z);
+  const auto slid = [&](double friction, double dt) {
+    Simulator s(model, {.dt = dt});
+    s.setContacts(pointsOnPlane(model, corners, normal, 0, friction));
+    s.reset(q, Vector::Zero(6));
+    s.advance(1);
+    CHECK(s.statistics().contact_steps >= static_cast<long>(0.99 / dt));
+    return Eigen::Vector3d(s.q().head<3>() - q.head<3>()).dot(Eigen::Vector3d(normal.z, 0, -normal.x));
+  };
+  CHECK(std::abs(slid(1.01 * std::tan(slope), 1e-2)) < 1e-6);
+  // Semi-implicit steps of constant acceleration: a t (t + dt) / 2 to the last digit but the solver's, 1e-9 m/s a step.
+  const double friction = 0.5 * std::tan(slope), a = g * (std::sin(slope) - friction * std::cos(slope)), dt = 1e-2;
+  CHECK(std::abs(slid(friction, dt) - 0.5 * a * (1 + dt)) < 1e-6);
+}
+
+TEST_CASE("a box that falls on its corners comes to rest on its face", "[contact]") {
+  std::vector<std::string> corners;
+  const CompactModel model = box(corners);
+  Simulator s(model, {.dt = 1e-3, .restitution = 0.3});
+  s.setContacts(pointsOnPlane(model, corners, {0, 0, 1}, 0, 0.6));
+  Vector v = Vector::Zero(6);
+  v[3] = 0.4;
+  v[4] = -0.3;
+  s.reset(at(model, {0, 0, 0.6, 0.05, -0.02, 0, 1}), v);
+  s.advance(3);
+  Data data(model);
+  forwardKinematics(model, data, s.q());
+  for (const std::string& corner : corners) CHECK(std::abs(framePlacement(model, data, model.frameId(corner)).p.z) < 1e-4);
+  CHECK(s.v().cwiseAbs().maxCoeff() < 1e-5);
+  CHECK(s.statistics().impacts > 3);
+}
+
+TEST_CASE("joints bounce off their limits, and rest at them while something pushes", "[contact][limits]") {
+  SECTION("elastic") {
+    const CompactModel model = stopped(-0.3, 0.2);
+    Simulator s(model, {.dt = 1e-3, .limits = true, .restitution = 1});
+    s.reset(Vector::Zero(1), Vector::Constant(1, 1.5));
+    const double before = s.energy();
+    double lowest = 0, highest = 0;
+    for (int k = 1; k <= 500; ++k) {
+      s.advance(0.01 * k);
+      lowest = std::min(lowest, s.q()[0]);
+      highest = std::max(highest, s.q()[0]);
+    }
+    CHECK(s.statistics().impacts > 10);
+    // Each impact is solved to 1e-9 m/s, of at most 1.5, on 1 kg m^2.
+    CHECK(std::abs(s.energy() - before) < static_cast<double>(s.statistics().impacts) * ContactSettings().tolerance * 1.5);
+    CHECK(lowest > -0.3 - 1e-10);
+    CHECK(highest < 0.2 + 1e-10);
+    CHECK(highest > 0.15);
+  }
+  SECTION("pushed") {
+    const CompactModel model = stopped(-0.3, 0.2);
+    Simulator s(model, {.dt = 1e-3, .limits = true});
+    s.setController([](double t, const VectorResult&, const VectorResult&, VectorMap tau) { tau[0] = t < 1 ? 8 : -8; });
+    s.advance(1);
+    CHECK(std::abs(s.q()[0] - 0.2) < 1e-9);
+    CHECK(std::abs(s.v()[0]) < 1e-9);
+    s.advance(1.1);
+    CHECK(s.q()[0] < 0.19);
+    s.advance(2);
+    CHECK(std::abs(s.q()[0] + 0.3) < 1e-9);
+    CHECK(std::abs(s.v()[0]) < 1e-9);
+  }
+  SECTION("without being asked they pass them") {
+    Simulator s(stopped(-0.3, 0.2), {.dt = 1e-3});
+    s.reset(Vector::Zero(1), Vector::Constant(1, 3));
+    s.advance(0.2);
+    CHECK(s.q()[0] > 0.3);
+  }
+}
+
+TEST_CASE("a closed loop stays closed while it lies against a limit", "[contact][limits]") {
+  Mechanism m = fourBars(1);
+  Model description = tool::fourBars(1);
+  description.bodies[1].joint.limits.lower = {-1.0};
+  description.bodies[1].joint.limits.upper = {1.0};
+  const CompactModel model = compile(description, registry());
+  Simulator s(model, {.dt = 1e-3, .limits = true});
+  s.reset(m.q, m.v);
+  s.advance(2);
+  // It fell to the side that it was pushed to.
+  CHECK(std::abs(s.q()[m.dof("crank0")] + 1.0) < 1e-6);
+  CHECK(s.constraintError() < 1e-10);
+  CHECK(s.v().cwiseAbs().maxCoeff() < 1e-6);
+}
+
+TEST_CASE("runs with contacts are the same to the last byte, resumed ones too", "[contact]") {
+  std::vector<std::string> corners;
+  const CompactModel model = box(corners);
+  const auto start = [&] {
+    Simulator s(model, {.dt = 1e-3, .restitution = 0.3});
+    s.setContacts(pointsOnPlane(model, corners, {0, 0, 1}, 0, 0.6));
+    return s;
+  };
+  Simulator whole = start(), half = start(), other = start();
+  const Vector q = at(model, {0, 0, 0.6, 0.05, -0.02, 0, 1}), v = Vector::Zero(6);
+  whole.reset(q, v);
+  half.reset(q, v);
+  whole.advance(0.4);
+  half.advance(0.4);
+  other.resume(half.save());
+  whole.advance(1);
+  other.advance(1);
+  CHECK(whole.save() == other.save());
+  CHECK(whole.statistics().impacts > 0);
+}
+
+TEST_CASE("what is no contact is refused", "[contact][error]") {
+  const CompactModel model = ball();
+  CHECK_THROWS_WITH(pointsOnPlane(model, {"foot"}), containing("no frame 'foot'"));
+  CHECK_THROWS_WITH(pointsOnPlane(model, {"body"}, {0, 0, 0}), containing("no direction"));
+  CHECK_THROWS_WITH(Simulator(model, {.restitution = 1.5}), containing("restitution is 1.5"));
+  Simulator s(model, {});
+  s.setContacts([](const VectorResult&, std::vector<ContactPoint>& found) {
+    ContactPoint wrong;
+    wrong.frame = 77;
+    wrong.normal = {0, 0, 1};
+    wrong.gap = -1;
+    found.push_back(wrong);
+  });
+  CHECK_THROWS_WITH(s.step(), containing("frame 77"));
+  s.setContacts([](const VectorResult&, std::vector<ContactPoint>&) { throw std::runtime_error("no sensor"); });
+  CHECK_THROWS_WITH(s.step(), containing("no sensor"));
+}
