@@ -65,7 +65,8 @@ std::string LineChart::svg() const {
   text(left, 22, title_, "start", " font-weight=\"bold\"");
   for (const Mark& mark : horizontal.marks) {
     line("grid", across(mark.value), top, across(mark.value), top + height);
-    if (mark.named) text(across(mark.value), top + height + 18, shortNumber(mark.value), "middle");
+    // The last number stays within the picture.
+    if (mark.named) text(across(mark.value), top + height + 18, shortNumber(mark.value), horizontal.fraction(mark.value) > 0.98 ? "end" : "middle");
   }
   for (const Mark& mark : vertical.marks) {
     line("grid", left, down(mark.value), width - right, down(mark.value));

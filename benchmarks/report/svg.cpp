@@ -46,7 +46,7 @@ Axis lineAxis(double least, double most, Scale scale) {
 }
 
 const char* colour(std::size_t k) {
-  static constexpr const char* colours[] = {"#1b6ca8", "#d1495b", "#edae49", "#66a182", "#2e4057", "#8d6a9f", "#c97b4a", "#7a7a7a"};
+  static constexpr const char* colours[] = {"#1b6ca8", "#d1495b", "#edae49", "#66a182", "#2aa1a1", "#8d6a9f", "#c97b4a", "#7a7a7a"};
   return colours[k % std::size(colours)];
 }
 

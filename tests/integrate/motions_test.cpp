@@ -1,6 +1,9 @@
 // Motions that are hard to follow, against digits that are known. Each bound says where it comes from: the method's order, or what
 // rounding must cost (steps times u, times the growth of a disturbance of the start).
 #include "integrate/problems.hpp"
+#include "oracle.hpp"
+
+#include <dyn/parsers/urdf.hpp>
 
 #include <algorithm>
 
@@ -198,6 +201,65 @@ TEST_CASE("the stiff governor needs no small steps", "[motion][stiff]") {
   CHECK(short_steps < long_steps / 100);
   // Explicit steps are bounded by the damper's rate, whatever accuracy is asked for.
   CHECK_THROWS_WITH(error(Integrator::rk4, 2.5e-3), containing("the step of 0.0025 s from t ="));
+}
+
+TEST_CASE("the adaptive pair keeps what it was asked for", "[motion][adaptive]") {
+  DYN_NEEDS_SHARED();
+  struct Task {
+    std::string name;
+    CompactModel model;
+    State start, end;
+    bool loop = false;
+  };
+  std::vector<Task> tasks;
+  const std::vector<State> pendulum = pendulumReference(false), top = rigidReference("heavy_top");
+  tasks.push_back({"pendulum", compile(tool::pendulum(2), registry()), pendulum[0], pendulum[2], false});
+  tasks.push_back({"top", compile(tool::heavyTop(), registry()), top[0], top[1], false});
+  {
+    const Mechanism m = fourBars(1);
+    State end{10, m.q, m.v};
+    const double angle = number(truthFile("data/ref_pendula.json")["A02"]["1"]["theta10"]);
+    for (const JointRecord& j : m.model.joints())
+      if (j.nv > 0) end.q[j.idx_q] = j.name[1] == 'r' ? -angle : angle;
+    tasks.push_back({"four-bar", m.model, {0, m.q, m.v}, end, true});
+  }
+  for (const char* robot : {"lwr", "hyq"}) {
+    urdf::Options options;
+    options.root = robot == std::string("hyq") ? "free_flyer" : "fixed";
+    const Model description = urdf::load(sharedFolder() + "/models/" + robot + ".urdf", options);
+    CompileOptions free;
+    free.dissipation = free.armature = false;
+    const CompactModel model = compile(description, registry(), free);
+    tool::State start;
+    start.q = integrate(model, neutral(model), Vector::Constant(model.nv(), 0.3));
+    start.v = Vector::Constant(model.nv(), 0.2);
+    const tool::State end = tool::Oracle(description, model).move(start, 0.25, 25);
+    tasks.push_back({robot, model, {0, start.q, start.v}, {0.25, end.q, end.v}, false});
+  }
+  for (const Task& task : tasks) {
+    const auto run = [&](const Vector& q, const Vector& v, double tolerance) {
+      Simulator s(task.model, {.integrator = Integrator::dormand_prince, .tolerance = tolerance});
+      s.reset(q, v);
+      s.advance(task.end.time);
+      return Vector(s.q());
+    };
+    // How disturbances of the start grow, of one coordinate or velocity at a time; of a loop those that keep it closed, its velocities'.
+    const Vector undisturbed = run(task.start.q, task.start.v, 1e-11);
+    const double h = 1e-6;
+    double growth = 1;
+    const int n = task.model.nv();
+    for (int k = 0; k < (task.loop ? 1 : 2 * n); ++k) {
+      const Vector unit = Vector::Unit(n, k % n) * h;
+      const Vector q = k < n && !task.loop ? integrate(task.model, task.start.q, unit) : task.start.q;
+      const Vector v = task.loop ? Vector((1 + h) * task.start.v) : k < n ? task.start.v : Vector(task.start.v + unit);
+      growth = std::max(growth, largest(difference(task.model, undisturbed, run(q, v, 1e-11))) / h);
+    }
+    for (const double tolerance : {1e-5, 1e-7, 1e-9}) {
+      const double error = largest(difference(task.model, task.end.q, run(task.start.q, task.start.v, tolerance)));
+      INFO(task.name << ": asked " << tolerance << ", error " << error << ", growth " << growth);
+      CHECK(error < 10 * tolerance * growth);
+    }
+  }
 }
 
 TEST_CASE("loops stay closed and keep their energy through positions where they are singular", "[motion][loops]") {

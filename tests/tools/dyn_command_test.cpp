@@ -48,8 +48,8 @@ const std::string zero_state = R"({"samples":[{"q":[0,0,0,0,0,0,1)" + [] {
 }  // namespace
 
 TEST_CASE("help is there for every subcommand, and a wrong command line exits with 2", "[command]") {
-  for (const char* sub :
-       {"", "info", "check", "codegen", "collide", "compute", "demo", "bench", "profile", "plugin", "plugin list", "plugin check", "plugin new"}) {
+  for (const char* sub : {"", "accuracy", "info", "check", "codegen", "collide", "compute", "demo", "bench", "profile", "plugin", "plugin list",
+                          "plugin check", "plugin new", "simulate"}) {
     const Answer a = run(std::string(sub) + " --help");
     INFO(sub << a.err);
     CHECK(a.code == 0);
@@ -367,4 +367,88 @@ TEST_CASE("DYN_SIMD forces an instruction set, and says what it cannot", "[comma
   CHECK(a.code == 1);
   CHECK_THAT(a.err, containing("mmx") && containing("avx2"));
   unsetenv("DYN_SIMD");
+}
+
+TEST_CASE("simulate writes what it passed through, and says what was kept", "[command][simulate]") {
+  const Folder folder;
+  const std::string csv = (folder.path / "out.csv").string(), json = (folder.path / "out.json").string(), svg = (folder.path / "out.svg").string();
+  const std::string robot = "simulate " + biped + " --root free_flyer --time 0.05 --dt 0.001 ";
+  for (const char* integrator : {"semi_implicit_euler", "rk4", "dormand_prince", "implicit_midpoint", "gauss6", "radau5", "variational"}) {
+    const Answer a = run(robot + "--integrator " + integrator + " --out " + csv);
+    INFO(integrator << a.err);
+    CHECK(a.code == 0);
+    CHECK_THAT(a.out, containing("steps/s"));
+    CHECK_THAT(a.out, containing("momentum: linear changed by"));
+  }
+  const std::string table = textOf(csv);
+  CHECK(table.rfind("t,q:", 0) == 0);
+  CHECK(std::count(table.begin(), table.end(), '\n') == 52);  // names, and a state a step with both ends
+  CHECK(run(robot + "--out " + json + " --plot " + svg + " --every 0.01").code == 0);
+  const nlohmann::json states = nlohmann::json::parse(textOf(json));
+  CHECK(states["states"].size() == 6);
+  CHECK(states["states"][5]["t"] == 0.05);
+  CHECK_THAT(textOf(svg), containing("</svg>"));
+
+  // Half and half is the whole.
+  const std::string saved = (folder.path / "saved").string(), whole = (folder.path / "whole").string(), halves = (folder.path / "halves").string();
+  CHECK(run(robot + "--save " + whole).code == 0);
+  CHECK(run("simulate " + biped + " --root free_flyer --time 0.02 --save " + saved).code == 0);
+  CHECK(run("simulate " + biped + " --root free_flyer --time 0.03 --resume " + saved + " --save " + halves).code == 0);
+  CHECK(textOf(whole) == textOf(halves));
+
+  const Answer loop = run("simulate " DYN_SOURCE_DIR "/models/four_bar.urdf --time 0.1");
+  CHECK_THAT(loop.out, containing("constraints: 5 rows"));
+  const Answer falls = run("simulate " DYN_SOURCE_DIR "/models/arm.urdf --time 0.3 --limits --restitution 0.2");
+  CHECK(falls.code == 0);
+}
+
+TEST_CASE("simulate refuses what makes no sense, and keeps what there was of a motion that broke off", "[command][simulate]") {
+  const Folder folder;
+  const auto fails = [](const std::string& line, const std::string& why, int code = 1) {
+    const Answer a = run("simulate " + line);
+    INFO(line << a.err);
+    CHECK(a.code == code);
+    CHECK_THAT(a.err, containing(why));
+  };
+  fails(biped + " --dt 0", "must be positive");
+  fails(biped + " --dt -1", "must be positive");
+  fails(biped + " --time -1", "not negative");
+  fails(biped + " --integrator leapfrog", "leapfrog", 2);
+  fails(biped + " --out trajectory.txt", ".csv or .json");
+  fails(biped + " --every 1e-12", "keep fewer");
+  fails(biped + " --ground nowhere", "no frame 'nowhere'");
+  fails(biped + " --resume " + (folder.path / "missing").string(), "cannot be read");
+  fails(biped + " --restitution 2", "restitution");
+  fails(DYN_SOURCE_DIR "/models/four_bar.urdf --integrator variational", "takes no constraints");
+  fails("missing.urdf", "missing.urdf");
+  const fs::path broken = folder.path / "state.json", out = folder.path / "out.csv";
+  std::ofstream(broken) << R"({"samples":[{"q":[NaN]}]})";
+  fails(biped + " --state " + broken.string(), "not finite");
+  // Speeds whose squares no double holds.
+  std::ofstream(broken) << R"({"samples":[{"q":[0.1,0.1,0.1,0.1,0.1,0.1,0.1],"v":[1e160,1e160,1e160,1e160,1e160,1e160,1e160]}]})";
+  fails(DYN_SOURCE_DIR "/models/arm.urdf --state " + broken.string() + " --out " + out.string(), "t = ");
+  const std::string kept = textOf(out);
+  CHECK(std::count(kept.begin(), kept.end(), '\n') == 2);  // names and the first state
+}
+
+TEST_CASE("accuracy writes a page that needs nothing else", "[command][accuracy]") {
+  const Folder folder;
+  const std::string out = (folder.path / "report").string();
+  const Answer a = run("accuracy --quick --out " + out);
+  INFO(a.err);
+  CHECK(a.code == 0);
+  const std::string page = textOf(out + "/index.html");
+  CHECK_THAT(page, containing("</html>"));
+  CHECK(page.find("src=") == std::string::npos);
+  CHECK(page.find("http://") == page.find("http://www.w3.org/2000/svg"));
+  const nlohmann::json report = nlohmann::json::parse(textOf(out + "/report.json"));
+  CHECK(report["sections"].size() == 4);
+  for (const auto& row : report["sections"][0]["rows"]) {
+    INFO(row.dump());
+    const std::string mode = row["mode"], algorithm = row["algorithm"];
+    if (mode.rfind("differences", 0) != 0)
+      CHECK(row["error max [u]"].get<double>() < (algorithm.find("derivatives") == std::string::npos ? 15 : 200));
+  }
+  CHECK(run("accuracy --quick --models missing.urdf --out " + out).code == 1);
+  CHECK(run("accuracy --quick --peers " + out + "/index.html --out " + out).code == 1);
 }

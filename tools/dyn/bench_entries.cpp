@@ -155,6 +155,17 @@ void addSingle(Subjects& x, std::vector<Entry>& entries) {
   add("constraint_dynamics_kkt", [&c](auto& m, auto& d, auto& s) { constraintDynamics(m, d, s.q, s.v, s.tau, c, ConstraintMethod::kkt); });
   add("constraint_dynamics_derivatives", [&c](auto& m, auto& d, auto& s) { computeConstraintDynamicsDerivatives(m, d, s.q, s.v, s.tau, c); });
   add("impulse", [&c](auto& m, auto& d, auto& s) { impulseDynamics(m, d, s.q, s.v, 0.0, c); });
+  // Steps a second are 1e9 over these. Steps so short that the motion goes nowhere.
+  for (const IntegratorInfo& info : integrators()) {
+    if (info.adaptive || (info.implicit && x.model.nv() > 100)) continue;
+    try {
+      const auto simulator = std::make_shared<Simulator>(ConstraintSet(x.model, {}), SimulatorOptions{.integrator = info.integrator, .dt = 1e-9});
+      simulator->reset(x.states[0].q, x.states[0].v);
+      add(("step_" + std::string(info.name)).c_str(), [simulator](auto&, auto&, auto&) { simulator->step(); });
+    } catch (const Error&) {
+      continue;  // a model with joints that follow others, for the variational one
+    }
+  }
   add("make_data", [](auto& m, auto&, auto&) { const Data made(m); });
 }
 

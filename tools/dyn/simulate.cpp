@@ -24,8 +24,9 @@ constexpr std::size_t most_numbers = 1u << 28;  ///< of a trajectory that is kep
 
 struct SimulateOptions : ModelOptions {
   std::string integrator = "rk4", state, out, plot, save, resume;
-  std::vector<std::string> contacts;
-  double time = 1, dt = 1e-3, tolerance = 1e-8, every = 0;
+  std::vector<std::string> contacts, ground;
+  double time = 1, dt = 1e-3, tolerance = 1e-8, every = 0, height = 0, friction = 0.8, restitution = 0;
+  bool limits = false;
 
   void add(CLI::App& app) {
     ModelOptions::add(app);
@@ -37,6 +38,11 @@ struct SimulateOptions : ModelOptions {
     app.add_option("--tolerance", tolerance, "of the adaptive integrator: error of a step [m, rad]")->capture_default_str();
     app.add_option("--state", state, "JSON file whose first sample is where to start; otherwise at neutral and at rest");
     app.add_option("--contacts", contacts, "hold FRAME:3d (a point) or FRAME:6d where it is (repeatable)");
+    app.add_option("--ground", ground, "frames whose origins touch the ground, a plane with z up (repeatable)")->delimiter(',');
+    app.add_option("--ground-height", height, "z of the ground [m]")->capture_default_str();
+    app.add_option("--friction", friction, "with the ground")->capture_default_str();
+    app.add_flag("--limits", limits, "joints stop at their limits of position");
+    app.add_option("--restitution", restitution, "of impacts with the ground and with limits, 0 to 1")->capture_default_str();
     app.add_option("--every", every, "seconds between the states of --out and --plot; without it a thousand of them, but no more than steps");
     app.add_option("--out", out, "trajectory, .csv or .json");
     app.add_option("--plot", plot, "picture of the configuration over time, SVG");
@@ -139,13 +145,16 @@ void run(const SimulateOptions& o) {
   if (!o.out.empty()) checkTrajectoryFile(o.out);
   const CompactModel model = o.compile();
   const ConstraintSet constraints = o.constraints(model);
-  Simulator simulator(constraints, {.integrator = integratorByName(o.integrator), .dt = o.dt, .tolerance = o.tolerance});
+  Simulator simulator(
+      constraints,
+      {.integrator = integratorByName(o.integrator), .dt = o.dt, .tolerance = o.tolerance, .limits = o.limits, .restitution = o.restitution});
+  if (!o.ground.empty()) simulator.setContacts(pointsOnPlane(model, o.ground, {0, 0, 1}, o.height, o.friction));
   start(o, simulator, constraints);
   const double from = simulator.time(), until = from + o.time;
   const std::vector<double> times = o.times(from, static_cast<std::size_t>(model.nq() + model.nv()) + 2);
 
   Data data(model, Need::derivatives);
-  const bool floating = floats(model) && constraints.rows() == 0;
+  const bool floating = floats(model) && constraints.rows() == 0 && o.ground.empty();
   std::optional<Momentum> before;
   if (floating) before.emplace(model, data, simulator);
   Trajectory trajectory(model);
@@ -185,6 +194,7 @@ void run(const SimulateOptions& o) {
     std::printf("momentum: linear changed by %.3g N s beyond gravity's, angular about the centre of mass by %.3g N m s\n", change.head<3>().norm(),
                 change.tail<3>().norm());
   }
+  if (s.impacts + s.contact_steps > 0) std::printf("contact: %ld impacts, %ld steps in touch\n", s.impacts, s.contact_steps);
   if (constraints.rows() > 0) std::printf("constraints: %d rows, error %.3g\n", constraints.rows(), simulator.constraintError());
   if (!o.out.empty()) trajectory.write(o.out);
   if (!o.plot.empty()) trajectory.plot(o.plot);

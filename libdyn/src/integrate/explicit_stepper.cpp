@@ -124,7 +124,9 @@ class ExplicitStepper : public CubicStepper {
     };
     for (Eigen::Index k = 0; k < u_.size(); ++k) {
       take(std::abs(u_[k]) / tolerance_);
-      take(std::abs(v_[k]) / (tolerance_ * std::max({1.0, std::abs(from.v[k]), std::abs(to.v[k])})));
+      // What rounding does to fast velocities no step takes away.
+      const double rounding = 0x1p-48 * std::max(std::abs(from.v[k]), std::abs(to.v[k]));
+      take(std::abs(v_[k]) / (tolerance_ + rounding));
     }
   }
 

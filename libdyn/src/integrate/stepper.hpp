@@ -28,7 +28,7 @@ class Stepper {
 
   /// From `from` by h to `to`, whose time is set.
   virtual StepOutcome step(double h, Moment& from, Moment& to) = 0;
-  /// Error of the last step in units of the tolerance; 0 for methods without an estimate.
+  /// Error of the last step in units of what the tolerance allows it; 0 for methods without an estimate.
   virtual double error() const { return 0; }
   /// The state at the share theta of the last step, to about the method's order but no better than the fourth. `to` may have
   /// been projected since.

@@ -27,8 +27,11 @@ struct Line {
 std::string modeOf(const Line& line) { return line.scalar == "float" ? line.mode + " float" : line.mode; }
 /// Beside its point: only what sets it apart.
 std::string labelOf(const Line& line) {
-  const std::string mode = modeOf(line), differences = "differences ";
-  return mode == "single" ? "" : mode.rfind(differences, 0) == 0 ? "h = " + mode.substr(differences.size()) : mode;
+  const std::string mode = modeOf(line), differences = "differences ", single = "single ";
+  if (mode == "single") return "";
+  if (mode == "batch float") return "float";
+  if (mode.rfind(differences, 0) == 0) return "h = " + mode.substr(differences.size());
+  return mode.rfind(single, 0) == 0 ? mode.substr(single.size()) : mode;
 }
 
 /// By differences of one side with this step: the derivatives that aba_derivatives and rnea_derivatives give in closed form.
@@ -126,7 +129,8 @@ Section algorithmSection(const std::vector<Specimen>& specimens, const AccuracyO
       "in "
       "units of roundoff u (2^-53 for doubles, 2^-24 for floats), against a reference that computes from definitions with fifty digits and shares no "
       "code with the library. Errors of rnea, aba and Cholesky forward dynamics are scaled by what their summands could be before they cancel, the "
-      "others by the largest entry. Times are medians of eleven repetitions over 256 random states.",
+      "others by the largest entry. Times are medians of eleven repetitions over 256 random states. Points without a word are calls of one state; "
+      "batch: many states a call; float: such in single precision; codegen: code generated for the model; others: an instruction set.",
       "What limits each: rounding alone. Finite differences are limited by their step, and gain or lose digits as it is chosen."};
   out.table.columns = {"model",      "algorithm",     "mode",          "ns a state",          "quartile 1",
                        "quartile 3", "error max [u]", "error rms [u]", "digits a microsecond"};
@@ -161,17 +165,21 @@ Section algorithmSection(const std::vector<Specimen>& specimens, const AccuracyO
       for (const std::string& isa : options.instruction_sets)
         for (Line& line : linesOfOther(specimen, isa, truth)) lines.push_back(std::move(line));
     }
-    benchmark::LineChart chart(model.name() + ", " + std::to_string(model.nv()) + " degrees of freedom",
-                               {"largest error [u]", benchmark::Scale::logarithmic}, {"ns a state", benchmark::Scale::logarithmic});
-    chart.joinPoints(false);
+    const std::string title = model.name() + ", " + std::to_string(model.nv()) + " degrees of freedom";
+    const benchmark::LineChart::Label error{"largest error [u]", benchmark::Scale::logarithmic}, time{"ns a state", benchmark::Scale::logarithmic};
+    benchmark::LineChart algorithms(title, error, time), derived(title + ": derivatives", error, time);
+    algorithms.joinPoints(false);
+    derived.joinPoints(false);
     for (const Line& line : lines) {
       // A result that is right to the last bit would lie beyond a logarithmic axis.
-      chart.add(line.algorithm, std::max(line.most, 0.01), line.ns, labelOf(line));
+      const bool derivative = line.algorithm.find("derivatives") != std::string::npos;
+      (derivative ? derived : algorithms).add(line.algorithm, std::max(line.most, 0.01), line.ns, labelOf(line));
       const double digits = -std::log10(std::max(line.most, 0.01) * (line.scalar == "float" ? 0x1p-24 : 0x1p-53));
       out.table.rows.push_back(
           {model.name(), line.algorithm, modeOf(line), line.ns, line.low, line.high, line.most, line.rms, digits / (line.ns * 1e-3)});
     }
-    out.charts.push_back(std::move(chart));
+    out.charts.push_back(std::move(algorithms));
+    if (derivatives) out.charts.push_back(std::move(derived));
   }
   return out;
 }

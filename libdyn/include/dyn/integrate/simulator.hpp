@@ -35,8 +35,10 @@ using Observer = std::function<void(double t, VectorResult q, VectorResult v)>;
 
 struct SimulatorOptions {
   Integrator integrator = Integrator::rk4;
-  double dt = 1e-3;         ///< [s] of a step; of adaptive integrators the first that is tried
-  double tolerance = 1e-8;  ///< of adaptive integrators: error of a step [m, rad], and of velocities that of 1 or their own size, whichever is more
+  double dt = 1e-3;  ///< [s] of a step; of adaptive integrators the first that is tried
+  /// Of adaptive integrators: error of a step, of configurations [m, rad] and of velocities [m/s, rad/s]. What steps add up to is about as much,
+  /// and grows on as disturbances of the motion do.
+  double tolerance = 1e-8;
   /// Constraints with a target are brought back to it after every step, velocities to what all constraints allow.
   bool project = true;
   bool limits = false;     ///< joints of one coordinate stop at the limits of position that the model gives
