@@ -5,8 +5,11 @@
 namespace dyn {
 
 CompactModel compile(const Model& model, const JointRegistry& registry, const CompileOptions& options) {
-  const Model reduced = options.lock.empty() ? model : reduce(model, registry, options.lock);
+  const Model held = options.lock.empty() ? model : reduce(model, registry, options.lock);
+  std::vector<std::string> left_out;
+  const Model reduced = keepForScene(held, options.scene, left_out);
   Draft draft = resolve(reduced, registry);
+  draft.report.passes.insert(draft.report.passes.begin(), left_out.begin(), left_out.end());
   orderDepthFirst(draft);
   weld(draft);
   canonicalise(draft);

@@ -3,6 +3,7 @@
 
 #include <dyn/compile/compact_model.hpp>
 #include <dyn/compile/edit.hpp>
+#include <dyn/compile/scene.hpp>
 
 namespace dyn {
 
@@ -10,6 +11,7 @@ struct CompileOptions {
   std::vector<LockedJoint> lock;  ///< joints to hold, as reduce() does
   bool dissipation = true;        ///< joint damping and friction of the description act in the dynamics
   bool armature = true;           ///< so does rotor inertia
+  Scene scene;                    ///< what is wanted: the rest is left out, and the report says so
 };
 
 /// Turns a description into an immutable model. Deterministic: same model, same options, same bytes. O(n log n).

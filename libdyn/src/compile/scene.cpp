@@ -1,0 +1,159 @@
+#include <dyn/compile/scene.hpp>
+#include <dyn/error.hpp>
+
+#include <algorithm>
+#include <numeric>
+#include <unordered_map>
+
+namespace dyn {
+
+namespace {
+
+/// Bodies by every name that a scene may use.
+class Names {
+ public:
+  explicit Names(const Model& model) {
+    for (std::size_t i = 0; i < model.bodies.size(); ++i) {
+      body_.emplace(model.bodies[i].name, static_cast<int>(i));
+      if (i > 0) body_.emplace(model.bodies[i].joint.name, static_cast<int>(i));
+    }
+    for (const FrameDescription& frame : model.frames) body_.emplace(frame.name, frame.body);
+  }
+  int bodyOf(const std::string& name) const {
+    const auto found = body_.find(name);
+    if (found == body_.end()) throw Error(ErrorCode::model, "the scene speaks of '" + name + "', and there is no such joint, body or frame");
+    return found->second;
+  }
+  /// -1 for a name that is not there: compile() will say so.
+  int find(const std::string& name) const {
+    const auto found = body_.find(name);
+    return found == body_.end() ? -1 : found->second;
+  }
+
+ private:
+  std::unordered_map<std::string, int> body_;
+};
+
+/// Bodies that move each other, by union and find. The universe belongs to none.
+class Islands {
+ public:
+  explicit Islands(std::size_t bodies) : parent_(bodies) { std::iota(parent_.begin(), parent_.end(), 0); }
+  int of(int body) {
+    while (parent_[static_cast<std::size_t>(body)] != body) {
+      int& above = parent_[static_cast<std::size_t>(body)];
+      above = parent_[static_cast<std::size_t>(above)];
+      body = above;
+    }
+    return body;
+  }
+  void tie(int a, int b) {
+    if (a > 0 && b > 0) parent_[static_cast<std::size_t>(of(a))] = of(b);
+  }
+
+ private:
+  std::vector<int> parent_;
+};
+
+Islands tied(const Model& model, const Names& names, const std::vector<std::string>& touching) {
+  Islands islands(model.bodies.size());
+  for (std::size_t i = 1; i < model.bodies.size(); ++i) {
+    islands.tie(static_cast<int>(i), model.bodies[i].parent);
+    if (!model.bodies[i].joint.coupling.type.empty()) islands.tie(static_cast<int>(i), names.find(model.bodies[i].joint.coupling.master));
+  }
+  for (const ConstraintDescription& constraint : model.constraints) {
+    if (const auto* frames = std::get_if<FrameConstraint>(&constraint.relation)) islands.tie(names.find(frames->frame), names.find(frames->other));
+    if (const auto* coupling = std::get_if<JointCoupling>(&constraint.relation))
+      islands.tie(names.find(coupling->joint), names.find(coupling->coupling.master));
+  }
+  for (std::size_t k = 1; k < touching.size(); ++k) islands.tie(names.bodyOf(touching[k - 1]), names.bodyOf(touching[k]));
+  return islands;
+}
+
+bool speaksOf(const ConstraintDescription& constraint, const std::vector<bool>& kept, const Names& names) {
+  const auto stays = [&](const std::string& name) {
+    const int body = names.find(name);
+    return body <= 0 || kept[static_cast<std::size_t>(body)];
+  };
+  if (const auto* frames = std::get_if<FrameConstraint>(&constraint.relation)) return stays(frames->frame) && stays(frames->other);
+  if (const auto* coupling = std::get_if<JointCoupling>(&constraint.relation)) return stays(coupling->joint);
+  return stays(std::get<JointLock>(constraint.relation).joint);
+}
+
+}  // namespace
+
+Model keepForScene(const Model& model, const Scene& scene, std::vector<std::string>& report) {
+  if (scene.outputs.empty()) return model;
+  const Names names(model);
+  const std::size_t count = model.bodies.size();
+  std::vector<bool> kept(count, false);
+  kept[0] = true;
+  if (scene.dynamics) {
+    Islands islands = tied(model, names, scene.touching);
+    std::vector<bool> wanted(count, false);
+    for (const std::string& output : scene.outputs) wanted[static_cast<std::size_t>(islands.of(names.bodyOf(output)))] = true;
+    for (std::size_t i = 1; i < count; ++i) kept[i] = wanted[static_cast<std::size_t>(islands.of(static_cast<int>(i)))];
+  } else {
+    // What carries an output, and the joints that its joints follow.
+    std::vector<int> needed;
+    for (const std::string& output : scene.outputs) needed.push_back(names.bodyOf(output));
+    while (!needed.empty()) {
+      const auto body = static_cast<std::size_t>(needed.back());
+      needed.pop_back();
+      if (kept[body]) continue;
+      kept[body] = true;
+      needed.push_back(model.bodies[body].parent);
+      if (!model.bodies[body].joint.coupling.type.empty()) needed.push_back(names.find(model.bodies[body].joint.coupling.master));
+      needed.erase(std::remove(needed.begin(), needed.end(), -1), needed.end());
+    }
+  }
+
+  Model out;
+  out.name = model.name;
+  out.gravity = model.gravity;
+  out.notes = model.notes;
+  out.disabled_collisions = model.disabled_collisions;
+  std::vector<int> number(count, 0);
+  for (std::size_t i = 1; i < count; ++i) {
+    if (!kept[i]) continue;
+    BodyDescription body = model.bodies[i];
+    body.parent = number[static_cast<std::size_t>(body.parent)];
+    number[i] = static_cast<int>(out.bodies.size());
+    out.bodies.push_back(std::move(body));
+  }
+  for (const ConstraintDescription& constraint : model.constraints)
+    if (scene.dynamics && speaksOf(constraint, kept, names)) out.constraints.push_back(constraint);
+  const auto spoken = [&](const std::string& name) {
+    const auto in = [&](const std::vector<std::string>& list) { return std::find(list.begin(), list.end(), name) != list.end(); };
+    return in(scene.outputs) || in(scene.touching) || std::any_of(out.constraints.begin(), out.constraints.end(), [&](const auto& constraint) {
+             const auto* frames = std::get_if<FrameConstraint>(&constraint.relation);
+             return frames && (frames->frame == name || frames->other == name);
+           });
+  };
+  for (const FrameDescription& frame : model.frames)
+    if (kept[static_cast<std::size_t>(frame.body)] && spoken(frame.name))
+      out.frames.push_back({frame.name, number[static_cast<std::size_t>(frame.body)], frame.placement});
+  for (const GeometryDescription& geometry : model.geometries) {
+    if (!kept[static_cast<std::size_t>(geometry.body)]) continue;
+    out.geometries.push_back(geometry);
+    out.geometries.back().body = number[static_cast<std::size_t>(geometry.body)];
+  }
+  report.push_back("scene: " + std::to_string(count - out.bodies.size()) + " of " + std::to_string(count - 1) + " bodies left out, " +
+                   std::to_string(model.frames.size() - out.frames.size()) + " of " + std::to_string(model.frames.size()) + " frames, " +
+                   std::to_string(model.constraints.size() - out.constraints.size()) + " of " + std::to_string(model.constraints.size()) +
+                   " constraints");
+  return out;
+}
+
+std::vector<std::string> islandsOf(const Model& model, const std::vector<std::string>& touching) {
+  Islands islands = tied(model, Names(model), touching);
+  std::vector<std::string> out;
+  std::vector<bool> seen(model.bodies.size(), false);
+  for (std::size_t i = 1; i < model.bodies.size(); ++i) {
+    const auto island = static_cast<std::size_t>(islands.of(static_cast<int>(i)));
+    if (!seen[island]) out.push_back(model.bodies[i].joint.name);
+    seen[island] = true;
+  }
+  return out;
+}
+
+}  // namespace dyn

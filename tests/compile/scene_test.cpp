@@ -1,0 +1,103 @@
+// What a scene does not need is left out, and what stays moves as before.
+#include "support/random_model.hpp"
+#include "support/registry.hpp"
+
+using namespace dyn;
+using namespace dyn::test;
+
+namespace {
+
+using Vector = Eigen::VectorXd;
+
+/// Two random trees on one world, names of the second with a prefix.
+Model pair() {
+  Model first = randomTree(registry(), 8, 11), second = randomTree(registry(), 9, 12);
+  second.gravity = first.gravity;
+  return append(first, second, "universe", {}, "other/");
+}
+
+/// Coordinates of the joints of `part` out of those of the whole.
+Vector pick(const CompactModel& whole, const CompactModel& part, const Vector& x, bool configuration) {
+  Vector out(configuration ? part.nq() : part.nv());
+  for (const JointRecord& joint : part.joints()) {
+    if (joint.nv == 0) continue;
+    const JointRecord& same = whole.joints()[static_cast<std::size_t>(whole.jointId(joint.name))];
+    if (configuration) {
+      out.segment(joint.idx_q, joint.nq) = x.segment(same.idx_q, same.nq);
+    } else {
+      out.segment(joint.idx_v, joint.nv) = x.segment(same.idx_v, same.nv);
+    }
+  }
+  return out;
+}
+
+bool reports(const CompactModel& model, const std::string& text) {
+  for (const std::string& line : model.report().passes)
+    if (line.find(text) != std::string::npos) return true;
+  return false;
+}
+
+}  // namespace
+
+TEST_CASE("an island without outputs is left out, and the other one moves as it does in the whole", "[scene]") {
+  const Model description = pair();
+  CompileOptions options;
+  options.scene.outputs = {"tool"};
+  const CompactModel whole = compile(description, registry()), part = compile(description, registry(), options);
+  CHECK(part.nv() < whole.nv());
+  CHECK(part.jointId("other/j0") < 0);
+  CHECK(reports(part, "scene: 9 of 17 bodies left out, 1 of 2 frames"));
+  CHECK_FALSE(reports(whole, "scene:"));
+  Random random(5);
+  const Vector q = integrate(whole, neutral(whole), random.vector(whole.nv(), 0.5)), v = random.vector(whole.nv(), 0.5);
+  for (const Integrator integrator : {Integrator::rk4, Integrator::dormand_prince, Integrator::gauss6}) {
+    const SimulatorOptions simulation{.integrator = integrator, .dt = 0x1p-9};
+    Simulator all(whole, simulation), some(part, simulation);
+    all.reset(q, v);
+    some.reset(pick(whole, part, q, true), pick(whole, part, v, false));
+    all.advance(0.05);
+    some.advance(0.05);
+    const Vector expected = pick(whole, part, all.q(), true);
+    INFO(infoOf(integrator).name);
+    // Adaptive steps are chosen by all bodies, equations are solved for all at once: equal to what the methods keep. Explicit steps of one length
+    // are equal but for the lanes that bodies share.
+    CHECK(distance(part, some.q(), expected) < (integrator == Integrator::dormand_prince ? 1e-7 : 1e-12));
+  }
+}
+
+TEST_CASE("what is tied to an output stays", "[scene]") {
+  Model description = pair();
+  const auto kept = [&](const Scene& scene) {
+    CompileOptions options;
+    options.scene = scene;
+    return compile(description, registry(), options).jointId("other/j0") >= 0;
+  };
+  CHECK_FALSE(kept({{"tool"}, {}, true}));
+  CHECK(kept({{"other/tool"}, {}, true}));
+  CHECK(kept({{"tool"}, {"b3", "other/b2"}, true}));
+  CHECK_FALSE(kept({{"tool"}, {"b3", "b4"}, true}));
+  CHECK(kept({{}, {}, true}));
+  description.constraints.push_back(closeLoop("rope", "b2", "other/b4", {false, false, false, true, true, true}));
+  CHECK(kept({{"tool"}, {}, true}));
+}
+
+TEST_CASE("without dynamics only what carries an output stays, and it stands where it stood", "[scene]") {
+  const Model description = pair();
+  CompileOptions options;
+  options.scene = {{"b2"}, {}, false};
+  const CompactModel whole = compile(description, registry()), part = compile(description, registry(), options);
+  CHECK(part.njoints() <= 4);
+  const Vector q = randomConfiguration(whole, 3);
+  Data all(whole), some(part);
+  forwardKinematics(whole, all, q);
+  forwardKinematics(part, some, pick(whole, part, q, true));
+  const SE3<double> a = framePlacement(whole, all, whole.frameId("b2")), b = framePlacement(part, some, part.frameId("b2"));
+  for (int k = 0; k < 9; ++k) CHECK(std::abs(a.R.m[k] - b.R.m[k]) < 1e-14);
+  for (int k = 0; k < 3; ++k) CHECK(std::abs(a.p[k] - b.p[k]) < 1e-13);
+}
+
+TEST_CASE("a scene that speaks of what is not there is refused", "[scene]") {
+  CompileOptions options;
+  options.scene.outputs = {"elbow"};
+  CHECK_THROWS_WITH(compile(pair(), registry(), options), containing("'elbow'"));
+}

@@ -1,0 +1,60 @@
+// Long chains: how errors grow with their length, and that nothing else does.
+#include "oracle.hpp"
+#include "problems.hpp"
+#include "support/registry.hpp"
+#include "support/shared.hpp"
+
+#include <dyn/dyn.hpp>
+
+#include <cmath>
+
+using namespace dyn;
+using namespace dyn::test;
+using dyn::tool::ErrorSummary;
+using dyn::tool::TruthSample;
+
+TEST_CASE("scaled errors of chains do not grow with their length, relative ones at most like its square", "[chain]") {
+  for (const int n : {5, 10, 20, 40, 80}) {
+    const Model description = tool::chain(n);
+    const CompactModel model = compile(description, registry());
+    Data data(model, Need::derivatives);
+    const tool::Oracle oracle(description, model);
+    ErrorSummary inverse, forward, by_factors;
+    double relative = 0;
+    for (const tool::State& s : tool::randomStates(model, n <= 20 ? 4 : 1, 5)) {
+      const TruthSample truth = oracle.evaluate(s, false);
+      tool::addErrors(truth, "rnea", rnea(model, data, s.q, s.v, s.a), 0x1p-53, inverse);
+      const Eigen::VectorXd ddq = aba(model, data, s.q, s.v, s.tau);
+      tool::addErrors(truth, "aba", ddq, 0x1p-53, forward);
+      tool::addErrors(truth, "forward_dynamics_cholesky", forwardDynamics(model, data, s.q, s.v, s.tau), 0x1p-53, by_factors);
+      const std::vector<long double>& x = truth.truth.at("aba");
+      double off = 0, size = 0;
+      for (std::size_t k = 0; k < x.size(); ++k) {
+        off = std::max(off, static_cast<double>(std::abs(static_cast<long double>(ddq[static_cast<Eigen::Index>(k)]) - x[k])));
+        size = std::max(size, static_cast<double>(std::abs(x[k])));
+      }
+      relative = std::max(relative, off / size / 0x1p-53);
+    }
+    INFO(n << " links: rnea " << inverse.most() << " u, aba " << forward.most() << " u, Cholesky " << by_factors.most() << " u, aba relative "
+           << relative << " u");
+    // The budgets of every model, whatever its length.
+    CHECK(inverse.most() < 10);
+    CHECK(forward.most() < 4);
+    CHECK(by_factors.most() < 4);
+    CHECK(relative < n * n);
+  }
+}
+
+TEST_CASE("forward and inverse dynamics of ten thousand links undo each other", "[chain]") {
+  for (const int n : {100, 1000, 10000}) {
+    const CompactModel model = compile(tool::chain(n), registry());
+    Data data(model);
+    const tool::State s = tool::randomStates(model, 1, 3)[0];
+    const Eigen::VectorXd ddq = aba(model, data, s.q, s.v, s.tau), tau = rnea(model, data, s.q, s.v, ddq);
+    // What the summands of tau come to: weights and accelerations of n links at their levers, which turn from link to link as walks at random do.
+    const double lever = 0.3 * std::sqrt(n), scale = n * 1.5 * lever * (9.81 + ddq.cwiseAbs().maxCoeff() * lever);
+    INFO(n << " links: residual " << (tau - s.tau).cwiseAbs().maxCoeff() << ", scale " << scale);
+    CHECK((tau - s.tau).cwiseAbs().maxCoeff() < 100 * 0x1p-53 * scale);
+    CHECK(data.bytes() < 4000 * static_cast<std::size_t>(n) + 100000);
+  }
+}
