@@ -25,7 +25,7 @@ std::string refusalOf(const std::string& text) {
 
 TEST_CASE("the Delassus matrix is J M^-1 J^T, formed or not", "[constraint]") {
   const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 15)));
-  Scene s = randomScene(seed, 10, 3);
+  Subject s = randomScene(seed, 10, 3);
   s.constraints.push_back(lockJoint(s.model.joints()[2].name));
   Data data(s.model, Need::derivatives);
   ConstraintData c(ConstraintSet(s.model, s.constraints));

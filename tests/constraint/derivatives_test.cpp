@@ -39,7 +39,7 @@ StateDifferences stateDifferences(const CompactModel& model, const Eigen::Vector
 double distance(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) { return (a - b).cwiseAbs().maxCoeff() / (1 + b.cwiseAbs().maxCoeff()); }
 
 /// Some of the constraints with a place to be at, away from it, and feedback; none with two free rotations.
-void addTargets(Scene& s, std::uint64_t seed) {
+void addTargets(Subject& s, std::uint64_t seed) {
   Random random(seed);
   Data data(s.model);
   forwardKinematics(s.model, data, s.q);
@@ -65,7 +65,7 @@ bool wellPosed(const ConstrainedMotion& x, const ConstraintSet& set) {
 
 TEST_CASE("derivatives of constrained dynamics are those of differences", "[constraint]") {
   const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 40)));
-  Scene s = randomScene(seed, 9, 1 + static_cast<int>(seed % 2));
+  Subject s = randomScene(seed, 9, 1 + static_cast<int>(seed % 2));
   addTargets(s, seed);
   if (seed % 5 == 0) {
     ConstraintDescription lock = lockJoint(s.model.joints()[3].name);
@@ -133,7 +133,7 @@ TEST_CASE("derivatives of couplings kept by forces are those of differences", "[
 
 TEST_CASE("derivatives of impacts are those of differences", "[constraint]") {
   const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 20)));
-  const Scene s = randomScene(seed, 9, 1 + static_cast<int>(seed % 2));
+  const Subject s = randomScene(seed, 9, 1 + static_cast<int>(seed % 2));
   Data data(s.model, Need::derivatives);
   ConstraintData c(ConstraintSet(s.model, s.constraints), Need::derivatives);
   if (!wellPosed(constraintDynamics(s.model, data, s.q, s.v, s.tau, c), c.set())) return;

@@ -9,7 +9,7 @@ using namespace dyn::test;
 
 TEST_CASE("rows are what frames' velocities and accelerations say", "[constraint]") {
   const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 30)));
-  const Scene s = randomScene(seed, 10, 4);
+  const Subject s = randomScene(seed, 10, 4);
   Data data(s.model, Need::derivatives);
   ConstraintData c(ConstraintSet(s.model, s.constraints));
   const DenseRows rows = denseRows(s.model, data, s.constraints, s.q, s.v);
@@ -24,7 +24,7 @@ TEST_CASE("rows are what frames' velocities and accelerations say", "[constraint
 
 TEST_CASE("biases are the derivatives of the rows' velocities", "[constraint]") {
   const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 20)));
-  Scene s = randomScene(seed, 8, 4);
+  Subject s = randomScene(seed, 8, 4);
   // A point held by its own acceleration is the one exception.
   for (ConstraintDescription& d : s.constraints) std::get<FrameConstraint>(d.relation).free[5] = false;
   Data data(s.model, Need::derivatives);
@@ -43,7 +43,7 @@ TEST_CASE("biases are the derivatives of the rows' velocities", "[constraint]") 
 
 TEST_CASE("accelerations and forces solve the dense equations", "[constraint]") {
   const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 40)));
-  const Scene s = randomScene(seed, 12, 1 + static_cast<int>(seed % 3));
+  const Subject s = randomScene(seed, 12, 1 + static_cast<int>(seed % 3));
   Data data(s.model, Need::derivatives);
   const DenseRows rows = denseRows(s.model, data, s.constraints, s.q, s.v);
   const Eigen::MatrixXd M = crba(s.model, data, s.q);

@@ -102,18 +102,18 @@ inline double relativeTo(const Eigen::VectorXd& x, const LongVector& reference) 
   return static_cast<double>((x.cast<long double>() - reference).cwiseAbs().maxCoeff() / std::max(1.0L, reference.cwiseAbs().maxCoeff()));
 }
 
-struct Scene {
+struct Subject {
   CompactModel model;
   std::vector<ConstraintDescription> constraints;
   Eigen::VectorXd q, v, tau;
 };
 
 /// A random tree, a few constraints of random kinds between random bodies of it and the world.
-inline Scene randomScene(std::uint64_t seed, int bodies, int constraints) {
+inline Subject randomScene(std::uint64_t seed, int bodies, int constraints) {
   Random random(seed);
   const Model description = randomTree(registry(), bodies, seed, seed % 2 == 0);
   const CompactModel model = compile(description, registry());
-  Scene s{model, {}, {}, {}, {}};
+  Subject s{model, {}, {}, {}, {}};
   std::vector<std::string> names;
   for (const FrameRecord& f : model.frames()) names.push_back(f.name);
   for (int k = 0; k < constraints; ++k) {

@@ -11,12 +11,12 @@ using namespace dyn::test;
 namespace {
 
 /// A compiled tree with a state away from singular configurations of its joints.
-struct Scene {
+struct Subject {
   CompactModel model;
   Data data;
   Eigen::VectorXd q, v, a, tau;
 
-  explicit Scene(const Model& description, std::uint64_t seed, const CompileOptions& options = {})
+  explicit Subject(const Model& description, std::uint64_t seed, const CompileOptions& options = {})
       : model(compile(description, registry(), options)), data(model, Need::mass_matrix) {
     Random random(seed + 1000);
     // Far enough from neutral that subspaces that vanish there (a cam's) do not.
@@ -48,7 +48,7 @@ Eigen::MatrixXd alongMotion(const CompactModel& model, const Eigen::VectorXd& q,
 TEST_CASE("rnea inverts aba, and M's columns are its differences", "[property]") {
   const int seed = GENERATE(range(1, 30));
   const bool losses = seed % 2 == 0;
-  Scene s(randomTree(registry(), 4 + seed % 17, static_cast<std::uint64_t>(seed), losses), static_cast<std::uint64_t>(seed));
+  Subject s(randomTree(registry(), 4 + seed % 17, static_cast<std::uint64_t>(seed), losses), static_cast<std::uint64_t>(seed));
   const Eigen::VectorXd ddq = aba(s.model, s.data, s.q, s.v, s.tau);
   const Eigen::VectorXd tau = rnea(s.model, s.data, s.q, s.v, ddq);
   const Eigen::MatrixXd M = crba(s.model, s.data, s.q);
@@ -66,7 +66,7 @@ TEST_CASE("rnea inverts aba, and M's columns are its differences", "[property]")
 
 TEST_CASE("power of the joints is the rate of energy", "[property]") {
   const int seed = GENERATE(range(1, 20));
-  Scene s(randomTree(registry(), 3 + seed % 15, static_cast<std::uint64_t>(seed)), static_cast<std::uint64_t>(seed));
+  Subject s(randomTree(registry(), 3 + seed % 15, static_cast<std::uint64_t>(seed)), static_cast<std::uint64_t>(seed));
   const Eigen::VectorXd tau = rnea(s.model, s.data, s.q, s.v, s.a);
   // E along q(t) with velocity v + t a; q's second order does not enter the first derivative of E at t = 0.
   const auto energy = [&](double t) {
@@ -81,7 +81,7 @@ TEST_CASE("power of the joints is the rate of energy", "[property]") {
 
 TEST_CASE("Jacobians map v to velocities, and their rates are their derivatives", "[property]") {
   const int seed = GENERATE(range(1, 20));
-  Scene s(randomTree(registry(), 3 + seed % 12, static_cast<std::uint64_t>(seed)), static_cast<std::uint64_t>(seed));
+  Subject s(randomTree(registry(), 3 + seed % 12, static_cast<std::uint64_t>(seed)), static_cast<std::uint64_t>(seed));
   const int tool = s.model.frameId("tool");
   REQUIRE(tool >= 0);
   for (const auto reference : {ReferenceFrame::LOCAL, ReferenceFrame::WORLD, ReferenceFrame::LOCAL_WORLD_ALIGNED}) {
@@ -106,7 +106,7 @@ TEST_CASE("Jacobians map v to velocities, and their rates are their derivatives"
 
 TEST_CASE("joints have velocities, accelerations and Jacobians as frames do", "[property]") {
   const int seed = GENERATE(range(1, 8));
-  Scene s(randomTree(registry(), 3 + seed % 12, static_cast<std::uint64_t>(seed)), static_cast<std::uint64_t>(seed));
+  Subject s(randomTree(registry(), 3 + seed % 12, static_cast<std::uint64_t>(seed)), static_cast<std::uint64_t>(seed));
   Eigen::MatrixXd J(6, s.model.nv()), dJ(6, s.model.nv()), again(6, s.model.nv());
   for (int j = 1; j < s.model.njoints(); ++j)
     for (const auto reference : {ReferenceFrame::LOCAL, ReferenceFrame::WORLD, ReferenceFrame::LOCAL_WORLD_ALIGNED}) {
@@ -126,7 +126,7 @@ TEST_CASE("joints have velocities, accelerations and Jacobians as frames do", "[
 
 TEST_CASE("the centre of mass moves as its Jacobian says", "[property]") {
   const int seed = GENERATE(range(1, 12));
-  Scene s(randomTree(registry(), 3 + seed % 15, static_cast<std::uint64_t>(seed)), static_cast<std::uint64_t>(seed));
+  Subject s(randomTree(registry(), 3 + seed % 15, static_cast<std::uint64_t>(seed)), static_cast<std::uint64_t>(seed));
   const Eigen::MatrixXd J = jacobianCenterOfMass(s.model, s.data, s.q);
   const CenterOfMass c = centerOfMass(s.model, s.data, s.q, s.v, s.a);
   CHECK(relative(J * s.v, toEigen(c.velocity)) < 1e-11);
@@ -137,7 +137,7 @@ TEST_CASE("the centre of mass moves as its Jacobian says", "[property]") {
 
 TEST_CASE("external forces act as J^T f, in rnea and in aba", "[property]") {
   const int seed = GENERATE(range(1, 12));
-  Scene s(randomTree(registry(), 3 + seed % 10, static_cast<std::uint64_t>(seed)), static_cast<std::uint64_t>(seed));
+  Subject s(randomTree(registry(), 3 + seed % 10, static_cast<std::uint64_t>(seed)), static_cast<std::uint64_t>(seed));
   Random random(static_cast<std::uint64_t>(seed));
   ExternalForces fext(s.model.joints().size());
   Eigen::VectorXd generalised = Eigen::VectorXd::Zero(s.model.nv());
@@ -174,7 +174,7 @@ TEST_CASE("results do not depend on the order in which bodies were added", "[pro
       index[i] = shuffled.addBody(b.name, index[static_cast<std::size_t>(b.parent)], b.joint, b.inertia);
       queue.push_back(static_cast<int>(i));
     }
-  Scene a(original, 1), b(shuffled, 1);
+  Subject a(original, 1), b(shuffled, 1);
   const auto copy = [&](const Eigen::VectorXd& from, Eigen::VectorXd& to, bool q) {
     for (const JointRecord& r : a.model.joints()) {
       const int j = b.model.jointId(r.name);
@@ -195,7 +195,7 @@ TEST_CASE("results do not depend on the order in which bodies were added", "[pro
 TEST_CASE("a reduced model moves as the full one with those joints held", "[property]") {
   const int seed = GENERATE(range(1, 15));
   const Model full = randomTree(registry(), 9, static_cast<std::uint64_t>(seed), true);
-  Scene s(full, static_cast<std::uint64_t>(seed));
+  Subject s(full, static_cast<std::uint64_t>(seed));
   std::vector<LockedJoint> lock;
   for (const int j : {2, 5, 6}) {
     const int id = s.model.jointId("j" + std::to_string(j));

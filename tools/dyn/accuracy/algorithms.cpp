@@ -2,6 +2,7 @@
 #include "oracle.hpp"
 #include "sections.hpp"
 
+#include <dyn/codegen/differentiate.hpp>
 #include <dyn/codegen/trace.hpp>
 #include <dyn/file.hpp>
 
@@ -63,6 +64,46 @@ Entry byDifferences(Subjects& x, bool forward_dynamics, double h) {
             for (const TruthSample& sample : x.truth) {
               run(sample.state);
               addErrors(sample, name, out->reshaped(), 0x1p-53, errors);
+            }
+            return errors;
+          }};
+}
+
+/// By differentiating rnea's own operations forward, as dual numbers do: its graph, differentiated and replayed. For coordinates that are their own
+/// tangent space.
+Entry byDualNumbers(Subjects& x) {
+  const auto n = x.model.nv();
+  struct Tape {
+    TracedFunction function;
+    JacobianGraph jacobian;
+    std::vector<double> in, values;
+    Eigen::MatrixXd out;
+  };
+  const auto tape = std::make_shared<Tape>();
+  tape->function = trace(x.model, "rnea");
+  tape->jacobian = differentiate(tape->function.graph);
+  tape->in.resize(static_cast<std::size_t>(tape->jacobian.graph.inputs));
+  tape->values.resize(tape->jacobian.graph.nodes.size());
+  tape->out = Eigen::MatrixXd::Zero(n, 3 * n);
+  const auto run = [tape](const State& s) {
+    auto at = tape->in.begin();
+    for (const ArgumentShape& argument : tape->function.inputs) {
+      const Eigen::VectorXd& value = s.argument(argument.name);
+      at = std::copy(value.begin(), value.end(), at);
+    }
+    replayNodes(tape->jacobian.graph, tape->in.data(), tape->values.data());
+    const Sparsity& entries = tape->jacobian.sparsity;
+    for (std::size_t k = 0; k < entries.row.size(); ++k) tape->out(entries.row[k], entries.column[k]) = tape->values[tape->jacobian.graph.outputs[k]];
+  };
+  return {"rnea_derivatives", "double", "dual",
+          [&x, run] {
+            for (const State& s : x.states) run(s);
+          },
+          [&x, run, tape] {
+            ErrorSummary errors;
+            for (const TruthSample& sample : x.truth) {
+              run(sample.state);
+              addErrors(sample, "rnea_derivatives", tape->out.reshaped(), 0x1p-53, errors);
             }
             return errors;
           }};
@@ -150,6 +191,7 @@ Section algorithmSection(const std::vector<Specimen>& specimens, const AccuracyO
     if (derivatives)
       for (const bool forward_dynamics : {false, true})
         for (const double h : {1e-4, 1e-6, 1e-8, 1e-10}) entries.push_back(byDifferences(subjects, forward_dynamics, h));
+    if (derivatives && model.nq() == model.nv()) entries.push_back(byDualNumbers(subjects));
     if (options.codegen) addGenerated(subjects, {"rnea", "crba", "aba", "minverse", "rnea_derivatives", "aba_derivatives"}, entries);
     std::vector<Line> lines;
     for (const Entry& entry : entries) {
