@@ -14,7 +14,6 @@
 using namespace dyn;
 using namespace dyn::test;
 namespace g = dyn::geometry;
-namespace fs = std::filesystem;
 
 namespace {
 

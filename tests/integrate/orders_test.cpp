@@ -25,7 +25,6 @@ double stepFor(Integrator integrator) {
     case Integrator::semi_implicit_euler:
       return 0x1p-12;
     case Integrator::rk4:
-      return 0x1p-8;
     case Integrator::implicit_midpoint:
     case Integrator::variational:
       return 0x1p-8;

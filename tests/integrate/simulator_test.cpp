@@ -106,7 +106,7 @@ TEST_CASE("what was not saved here is refused, and the simulator stays as it was
   Simulator s(model, {});
   s.reset(Vector::Constant(1, 0.25), Vector::Zero(1));
   const std::string saved = s.save();
-  const auto refused = [&](std::string text, const std::string& why) {
+  const auto refused = [&](const std::string& text, const std::string& why) {
     INFO(text);
     CHECK_THROWS_WITH(s.resume(text), containing(why));
     CHECK(s.save() == saved);
@@ -216,7 +216,7 @@ TEST_CASE("a controller's own derivatives change iterations, not results", "[sim
   const auto damper = [](double, const VectorResult&, const VectorResult& v, VectorMap tau) { tau = -2 * v; };
   long calls = 0;
   differences.setController(damper);
-  given.setController(damper, [&](double, const VectorResult&, const VectorResult&, MatrixMap, MatrixMap by_v) {
+  given.setController(damper, [&](double, const VectorResult&, const VectorResult&, const MatrixMap&, MatrixMap by_v) {
     ++calls;
     by_v.diagonal().setConstant(-2);
   });
@@ -290,10 +290,10 @@ TEST_CASE("a motion that cannot go on names time and joint, and leaves the state
     CHECK(kept.back() <= s.time());
     CHECK(kept.back() > s.time() - 0.0101);
   };
-  const Controller throws = [](double t, const VectorResult&, const VectorResult&, VectorMap) {
+  const Controller throws = [](double t, const VectorResult&, const VectorResult&, const VectorMap&) {
     if (t > 0.5) throw std::runtime_error("out of torque");
   };
-  const Controller odd = [](double t, const VectorResult&, const VectorResult&, VectorMap) {
+  const Controller odd = [](double t, const VectorResult&, const VectorResult&, const VectorMap&) {
     if (t > 0.5) throw 42;
   };
   const Controller nan = [](double t, const VectorResult&, const VectorResult&, VectorMap tau) {

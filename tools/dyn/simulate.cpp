@@ -53,6 +53,7 @@ struct SimulateOptions : ModelOptions {
   ConstraintSet constraints(const CompactModel& model) const {
     const ConstraintSet own(model);
     std::vector<ConstraintDescription> all;
+    all.reserve(static_cast<std::size_t>(own.count()));
     for (int k = 0; k < own.count(); ++k) all.push_back(own.description(k));
     const JointRegistry known = registry();
     for (const ConstraintDescription& contact : readContacts(contacts)) all.push_back(contact);

@@ -95,6 +95,7 @@ Model keepForScene(const Model& model, const Scene& scene, std::vector<std::stri
   } else {
     // What carries an output, and the joints that its joints follow.
     std::vector<int> needed;
+    needed.reserve(scene.outputs.size());
     for (const std::string& output : scene.outputs) needed.push_back(names.bodyOf(output));
     while (!needed.empty()) {
       const auto body = static_cast<std::size_t>(needed.back());

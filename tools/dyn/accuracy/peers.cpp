@@ -21,8 +21,10 @@ Section peerSection(const std::string& file) {
   out.table.columns = {"robot", "task", "library", "version", "ns a call", "quartile 1", "quartile 3", "error relative [u]"};
   std::vector<std::string> robots;
   try {
-    for (const auto& row : rows)
-      if (std::find(robots.begin(), robots.end(), row.at("robot")) == robots.end()) robots.push_back(row.at("robot"));
+    for (const auto& row : rows) {
+      const std::string robot = row.at("robot");
+      if (std::find(robots.begin(), robots.end(), robot) == robots.end()) robots.push_back(robot);
+    }
     for (const std::string& robot : robots) {
       benchmark::LineChart chart(robot, {"relative error [u]", benchmark::Scale::logarithmic}, {"ns a call", benchmark::Scale::logarithmic});
       chart.joinPoints(false);
