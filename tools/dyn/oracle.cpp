@@ -35,7 +35,8 @@ Mat rotation(const Vec& axis, const Real& cosine, const Real& sine) {
 }
 Mat rotation(const VectorR& quaternion) {
   Vec im = quaternion.head<3>();
-  const Real n2 = quaternion.squaredNorm(), w = quaternion[3];
+  const Real n2 = quaternion.squaredNorm();
+  const Real& w = quaternion[3];
   const Mat K = cross(im);
   return Mat::Identity() + (Real(2) / n2) * (w * K + K * K);
 }
