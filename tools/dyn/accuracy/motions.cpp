@@ -65,11 +65,9 @@ std::optional<Point> measure(const Problem& problem, const SimulatorOptions& opt
     Simulator s(problem.model, options);
     s.reset(problem.start.q, problem.start.v);
     const double before = s.energy();
-    std::vector<double> shown;
-    for (int k = 1; k <= parts; ++k) shown.push_back(problem.time * k / parts);
     // At the ends of steps, not between them, where its error would be that of the polynomial.
-    for (const double t : shown) {
-      while (s.time() < t) s.step();
+    for (int k = 1; k <= parts; ++k) {
+      while (s.time() < problem.time * k / parts) s.step();
       point.drift = std::max(point.drift, std::abs(s.energy() - before));
     }
   } catch (const Error& e) {
@@ -87,14 +85,9 @@ Problem falling(const Specimen& x) {
   // Off its neutral posture, so that all joints move.
   start.q = integrate(model, neutral(model), Eigen::VectorXd::Constant(model.nv(), 0.3));
   start.v = Eigen::VectorXd::Constant(model.nv(), 0.2);
-  const double time = model.nv() <= 10 ? 1 : 0.5;
-  const int steps = static_cast<int>(time * 50);
-  return {model.name() + " falling",
-          "from a bent posture, without torques or losses",
-          model,
-          start,
-          time,
-          Oracle(x.description, model).move(start, time, steps)};
+  Problem problem{model.name() + " falling", "from a bent posture, without torques or losses", model, start, 0.5, {}};
+  follow(Oracle(x.description, model), problem);
+  return problem;
 }
 
 std::vector<Problem> problemsOf(const std::vector<Specimen>& specimens, const JointRegistry& registry, bool quick) {
