@@ -3,6 +3,7 @@
 #include "support/mechanisms.hpp"
 
 #include "constraint/support.hpp"
+#include "gragg.hpp"
 
 #include <dyn/parsers/urdf.hpp>
 
@@ -26,32 +27,16 @@ struct Run : Mechanism {
 
   /// One step of Gragg's extrapolation, order 2 k, then back onto the loops.
   void step(double h) {
-    constexpr int k = 6;
-    Vector T[k][k], x(2 * q.size());
+    Vector x(2 * q.size());
     x << q, v;
-    const auto rate = [&](const Vector& y) {
+    x = tool::extrapolate<6>(x, h, [&](const Vector& y) {
       const Vector p = y.head(q.size()), w = y.tail(q.size());
       Vector out(y.size());
       out << w, acceleration(p, w);
       return out;
-    };
-    const Vector start = rate(x);
-    for (int j = 0; j < k; ++j) {
-      const int n = 2 * (j + 1);
-      Vector before = x, now = x + h / n * start;
-      for (int i = 1; i < n; ++i) {
-        const Vector next = before + 2 * h / n * rate(now);
-        before = now;
-        now = next;
-      }
-      T[j][0] = 0.5 * (now + before + h / n * rate(now));
-      for (int l = 1; l <= j; ++l) {
-        const double ratio = static_cast<double>((j + 1) * (j + 1)) / ((j - l + 1) * (j - l + 1));
-        T[j][l] = T[j][l - 1] + (T[j][l - 1] - T[j - 1][l - 1]) / (ratio - 1);
-      }
-    }
-    q = T[k - 1][k - 1].head(q.size());
-    v = T[k - 1][k - 1].tail(v.size());
+    });
+    q = x.head(q.size());
+    v = x.tail(v.size());
     if (loops.set().rows() == 0) return;
     q = projectConfiguration(model, data, q, loops).q;
     v = projectVelocity(model, data, q, v, loops);

@@ -1,4 +1,5 @@
 // Long chains: how errors grow with their length, and that nothing else does.
+#include "errors.hpp"
 #include "oracle.hpp"
 #include "problems.hpp"
 #include "support/registry.hpp"
@@ -27,13 +28,7 @@ TEST_CASE("scaled errors of chains do not grow with their length, relative ones 
       const Eigen::VectorXd ddq = aba(model, data, s.q, s.v, s.tau);
       tool::addErrors(truth, "aba", ddq, 0x1p-53, forward);
       tool::addErrors(truth, "forward_dynamics_cholesky", forwardDynamics(model, data, s.q, s.v, s.tau), 0x1p-53, by_factors);
-      const std::vector<long double>& x = truth.truth.at("aba");
-      double off = 0, size = 0;
-      for (std::size_t k = 0; k < x.size(); ++k) {
-        off = std::max(off, static_cast<double>(std::abs(static_cast<long double>(ddq[static_cast<Eigen::Index>(k)]) - x[k])));
-        size = std::max(size, static_cast<double>(std::abs(x[k])));
-      }
-      relative = std::max(relative, off / size / 0x1p-53);
+      relative = std::max(relative, tool::relativeError({ddq.begin(), ddq.end()}, truth.truth.at("aba")));
     }
     INFO(n << " links: rnea " << inverse.most() << " u, aba " << forward.most() << " u, Cholesky " << by_factors.most() << " u, aba relative "
            << relative << " u");

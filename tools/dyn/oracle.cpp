@@ -1,5 +1,7 @@
 #include "oracle.hpp"
 
+#include "gragg.hpp"
+
 #include <dyn/error.hpp>
 
 #include <Eigen/Geometry>
@@ -291,31 +293,6 @@ struct Oracle::Impl {
     return out;
   }
 
-  /// Gragg, Bulirsch, Stoer: midpoint rules of 2, 4, ... steps, extrapolated (Hairer, Norsett and Wanner 1993, sec. II.9).
-  VectorR step(const VectorR& y, const Real& h, int nq) const {
-    constexpr int columns = 8;
-    std::array<std::array<VectorR, columns>, columns> T;
-    const VectorR first = rate(y, nq);
-    for (int j = 0; j < columns; ++j) {
-      const int n = 2 * (j + 1);
-      const Real part = h / Real(n);
-      VectorR before = y, now = y + part * first;
-      for (int k = 1; k < n; ++k) {
-        const VectorR next = before + Real(2) * part * rate(now, nq);
-        before = now;
-        now = next;
-      }
-      auto& row = T[static_cast<std::size_t>(j)];
-      row[0] = (now + before + part * rate(now, nq)) / Real(2);
-      for (int l = 1; l <= j; ++l) {
-        const Real ratio = Real((j + 1) * (j + 1)) / Real((j - l + 1) * (j - l + 1));
-        const auto L = static_cast<std::size_t>(l);
-        row[L] = row[L - 1] + (row[L - 1] - T[static_cast<std::size_t>(j - 1)][L - 1]) / (ratio - Real(1));
-      }
-    }
-    return T[columns - 1][columns - 1];
-  }
-
   /// Column k: the derivative of f along the k-th direction, of configurations or of velocities.
   MatrixR byConfiguration(const Place& at, const std::function<VectorR(const Place&)>& f) const {
     MatrixR out(nv, nv);
@@ -453,7 +430,8 @@ State Oracle::move(const State& start, double time, int steps) const {
   const auto nq = static_cast<int>(start.q.size());
   VectorR y(nq + impl_->nv);
   y << exact(start.q), exact(start.v);
-  for (int k = 0; k < steps; ++k) y = impl_->step(y, Real(time) / Real(steps), nq);
+  const Real h = Real(time) / Real(steps);
+  for (int k = 0; k < steps; ++k) y = extrapolate<8>(y, h, [&](const VectorR& x) { return impl_->rate(x, nq); });
   State end = start;
   for (int k = 0; k < nq; ++k) end.q[k] = y[k].convert_to<double>();
   for (int k = 0; k < impl_->nv; ++k) end.v[k] = y[nq + k].convert_to<double>();

@@ -3,8 +3,6 @@
 
 #include <dyn/error.hpp>
 
-#include <exception>
-
 namespace dyn {
 
 void Simulator::setEvents(std::vector<Event> events) {

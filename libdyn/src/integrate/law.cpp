@@ -31,7 +31,7 @@ Law::Law(const CompactModel& model, const ConstraintSet* constraints, Need needs
     : model_(model),
       data_(model, withCouplings(model, needs)),
       tau_(Eigen::VectorXd::Zero(model.nv())),
-      moved_tau_(tau_),
+      kept_tau_(tau_),
       moved_q_(model.nq()),
       moved_v_(model.nv()),
       direction_(tau_),
@@ -90,22 +90,22 @@ void Law::differentiateController(double t, const double* q, const double* v) {
     return;
   }
   // Differences: what they are off costs iterations, not accuracy.
-  applied(t, q, v);
-  moved_tau_ = tau_;
+  kept_tau_ = tau_;
+  const Eigen::VectorXd& here = kept_tau_;
   for (int k = 0; k < n; ++k) {
     const double h = 0x1p-26;
     direction_[k] = h;
     detail::integrate(model_, {q, model_.nq()}, {direction_.data(), n}, {moved_q_.data(), model_.nq()});
     direction_[k] = 0;
     applied(t, moved_q_.data(), v);
-    tau_by_q_.col(k) = (tau_ - moved_tau_) / h;
+    tau_by_q_.col(k) = (tau_ - here) / h;
     const double hv = h * std::max(1.0, std::abs(v[k]));
     moved_v_ = velocity(v);
     moved_v_[k] += hv;
     applied(t, q, moved_v_.data());
-    tau_by_v_.col(k) = (tau_ - moved_tau_) / hv;
+    tau_by_v_.col(k) = (tau_ - here) / hv;
   }
-  tau_ = moved_tau_;
+  tau_ = here;
 }
 
 void Law::derivatives(double t, const double* q, const double* v, MatrixMap by_q, MatrixMap by_v) {

@@ -53,6 +53,7 @@ class Law {
  private:
   void callController(double t, const double* q, const double* v, double* tau);
   void callForces(double t, const double* q, const double* v);
+  /// Of the state that applied() was last called for: tau_ is what it is there, before and after.
   void differentiateController(double t, const double* q, const double* v);
   VectorResult configuration(const double* q) const { return {q, model_.nq()}; }
   VectorResult velocity(const double* v) const { return {v, model_.nv()}; }
@@ -60,7 +61,7 @@ class Law {
   CompactModel model_;
   Data data_;
   std::optional<ConstraintData> constraints_;
-  Eigen::VectorXd tau_, moved_tau_, moved_q_, moved_v_, direction_, zero_;
+  Eigen::VectorXd tau_, kept_tau_, moved_q_, moved_v_, direction_, zero_;
   Eigen::MatrixXd tau_by_q_, tau_by_v_;
   ExternalForces fext_;
 };

@@ -167,8 +167,7 @@ double Simulator::Impl::stepTowards(double until) {
 
 void Simulator::Impl::retake(double h) {
   if (contact_step) {
-    step_u = h * next.v;
-    integrateSound(law.model().impl(), now.q.data(), step_u.data(), next.q.data());
+    glide(h, next.q.data());
     next.time = now.time + h;
   } else {
     stepBy(h, now.time + h);

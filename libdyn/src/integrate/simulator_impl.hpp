@@ -28,7 +28,7 @@ struct Simulator::Impl {
   std::optional<Unilateral> unilateral;
   bool contact_step = false, has_impact = false;  ///< what the last step was, and whether an impulse follows it
   Eigen::VectorXd after_impact, step_u;
-  std::vector<Unilateral::Gap> gaps_before, gaps_halfway;
+  std::vector<Unilateral::Gap> gaps_before, gaps_halfway, gaps_after;
   std::vector<long> closing;
 
   std::vector<Event> events;
@@ -55,6 +55,8 @@ struct Simulator::Impl {
   void between(double theta, double h, double* q, double* v);
   /// After a smooth step of h to `next`: `next` as contacts and limits let it be; returns by how much.
   double touch(double h);
+  /// Along next.v for h, from now.q: a step whose velocity is that of its end.
+  void glide(double h, double* q);
   double collide(double h, double speed);
   double rest(double h);
   /// Of the closing ones.

@@ -20,11 +20,14 @@ double gapOf(const std::vector<Gap>& gaps, const Gap& like) {
 
 }  // namespace
 
+void Simulator::Impl::glide(double h, double* q) {
+  step_u = h * next.v;
+  integrateSound(law.model().impl(), now.q.data(), step_u.data(), q);
+}
+
 void Simulator::Impl::between(double theta, double h, double* q, double* v) {
   if (!contact_step) return stepper->between(theta, now, next, q, v);
-  // The velocity of such a step is that of its end.
-  step_u = theta * h * next.v;
-  integrateSound(law.model().impl(), now.q.data(), step_u.data(), q);
+  glide(theta * h, q);
   VectorMap(v, next.v.size()) = next.v;
 }
 
@@ -37,13 +40,16 @@ double Simulator::Impl::lowestGap(double theta, double h) {
 }
 
 double Simulator::Impl::touch(double h) {
+  gaps_after = unilateral->look(next.time, next.q.data());
+  // Most steps close nothing: the other two looks are for those that do.
+  if (std::none_of(gaps_after.begin(), gaps_after.end(), [](const Gap& gap) { return !(gap.value >= 0); })) return h;
   gaps_before = unilateral->look(now.time, now.q.data());
   between(0.5, h, shown_q.data(), shown_v.data());
   gaps_halfway = unilateral->look(now.time + 0.5 * h, shown_q.data());
   closing.clear();
   bool impact = false;
   double speed = 0;
-  for (const Gap& gap : unilateral->look(next.time, next.q.data())) {
+  for (const Gap& gap : gaps_after) {
     if (gap.value >= 0) continue;
     // Gaps as parabolas of time: with what speed this one closes, and how soon it would be closed again after a rebound.
     const double start = gapOf(gaps_before, gap), half = gapOf(gaps_halfway, gap);
@@ -57,7 +63,6 @@ double Simulator::Impl::touch(double h) {
     closing.push_back(gap.key);
     speed = std::max(speed, closing_speed);
   }
-  if (closing.empty()) return h;
   return impact ? collide(h, speed) : rest(h);
 }
 
@@ -94,8 +99,7 @@ double Simulator::Impl::rest(double h) {
     unilateral->choose([&](const Gap& gap) { return std::find(closing.begin(), closing.end(), gap.key) != closing.end(); });
     if (!unilateral->anyChosen()) break;  // the finder told of it only further on: the next step will see it
     next.v = VectorResult(unilateral->step(law, now.time, now.q.data(), now.v.data(), part), next.v.size());
-    step_u = part * next.v;
-    integrateSound(law.model().impl(), now.q.data(), step_u.data(), next.q.data());
+    glide(part, next.q.data());
     next.time = end;
     next.has_acceleration = false;
     contact_step = true;

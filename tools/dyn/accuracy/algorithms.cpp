@@ -35,6 +35,23 @@ std::string labelOf(const Line& line) {
   return mode.rfind(single, 0) == 0 ? mode.substr(single.size()) : mode;
 }
 
+/// Derivatives in another way than the library's: run(state) writes them, w.r.t. q and v side by side, into what `out` gives.
+template <class Run, class Out>
+Entry derivativeEntry(Subjects& x, const char* algorithm, const std::string& mode, Run run, Out out) {
+  return {algorithm, "double", mode,
+          [&x, run] {
+            for (const State& s : x.states) run(s);
+          },
+          [&x, run, out, algorithm] {
+            ErrorSummary errors;
+            for (const TruthSample& sample : x.truth) {
+              run(sample.state);
+              addErrors(sample, algorithm, out().reshaped(), 0x1p-53, errors);
+            }
+            return errors;
+          }};
+}
+
 /// By differences of one side with this step: the derivatives that aba_derivatives and rnea_derivatives give in closed form.
 Entry byDifferences(Subjects& x, bool forward_dynamics, double h) {
   char mode[32];
@@ -54,19 +71,7 @@ Entry byDifferences(Subjects& x, bool forward_dynamics, double h) {
       step[k] = 0;
     }
   };
-  const char* name = forward_dynamics ? "aba_derivatives" : "rnea_derivatives";
-  return {name, "double", mode,
-          [&x, run] {
-            for (const State& s : x.states) run(s);
-          },
-          [&x, run, out, name] {
-            ErrorSummary errors;
-            for (const TruthSample& sample : x.truth) {
-              run(sample.state);
-              addErrors(sample, name, out->reshaped(), 0x1p-53, errors);
-            }
-            return errors;
-          }};
+  return derivativeEntry(x, forward_dynamics ? "aba_derivatives" : "rnea_derivatives", mode, run, [out]() -> const Eigen::MatrixXd& { return *out; });
 }
 
 /// By differentiating rnea's own operations forward, as dual numbers do: its graph, differentiated and replayed. For coordinates that are their own
@@ -95,18 +100,7 @@ Entry byDualNumbers(Subjects& x) {
     const Sparsity& entries = tape->jacobian.sparsity;
     for (std::size_t k = 0; k < entries.row.size(); ++k) tape->out(entries.row[k], entries.column[k]) = tape->values[tape->jacobian.graph.outputs[k]];
   };
-  return {"rnea_derivatives", "double", "dual",
-          [&x, run] {
-            for (const State& s : x.states) run(s);
-          },
-          [&x, run, tape] {
-            ErrorSummary errors;
-            for (const TruthSample& sample : x.truth) {
-              run(sample.state);
-              addErrors(sample, "rnea_derivatives", tape->out.reshaped(), 0x1p-53, errors);
-            }
-            return errors;
-          }};
+  return derivativeEntry(x, "rnea_derivatives", "dual", run, [tape]() -> const Eigen::MatrixXd& { return tape->out; });
 }
 
 /// States as a truth file has them, so that `dyn bench` in another process judges by the same.
@@ -167,8 +161,8 @@ Section algorithmSection(const std::vector<Specimen>& specimens, const AccuracyO
   out.title = "Algorithms: time against error";
   out.text = {
       "Each point is one way to compute one quantity: to the left is more exact, further down is faster. Errors are the largest over random states, "
-      "in "
-      "units of roundoff u (2^-53 for doubles, 2^-24 for floats), against a reference that computes from definitions with fifty digits and shares no "
+      "in units of roundoff u (2^-53 for doubles, 2^-24 for floats), against a reference that computes from definitions with fifty digits and shares "
+      "no "
       "code with the library. Errors of rnea, aba and Cholesky forward dynamics are scaled by what their summands could be before they cancel, the "
       "others by the largest entry. Times are medians of eleven repetitions over 256 random states. Points without a word are calls of one state; "
       "batch: many states a call; float: such in single precision; codegen: code generated for the model; others: an instruction set.",

@@ -1,4 +1,5 @@
 #include "bench.hpp"
+#include "errors.hpp"
 #include "oracle.hpp"
 #include "problems.hpp"
 #include "sections.hpp"
@@ -41,13 +42,7 @@ Section lengthSection(const AccuracyOptions& options) {
       times.add(name, n, ns);
       double error = std::nan("");
       if (truth) {
-        long double worst = 0, size = 0;
-        const std::vector<long double>& x = truth->truth.at(key);
-        for (std::size_t k = 0; k < x.size(); ++k) {
-          worst = std::max(worst, std::abs(static_cast<long double>(result[static_cast<Eigen::Index>(k)]) - x[k]));
-          size = std::max(size, std::abs(x[k]));
-        }
-        error = static_cast<double>(worst / size / 0x1p-53L);
+        error = relativeError({result.begin(), result.end()}, truth->truth.at(key));
         errors.add(name, n, std::max(error, 0.01));
       }
       out.table.rows.push_back({n, name, std::isnan(error) ? Json(nullptr) : Json(error), ns});
