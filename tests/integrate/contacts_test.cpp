@@ -123,6 +123,21 @@ TEST_CASE("a box that falls on its corners comes to rest on its face", "[contact
   CHECK(s.statistics().impacts > 3);
 }
 
+TEST_CASE("what starts inside of the ground is pushed out, and not thrown", "[contact]") {
+  std::vector<std::string> corners;
+  const CompactModel model = box(corners);
+  Simulator s(model, {.dt = 1e-3});
+  s.setContacts(pointsOnPlane(model, corners, {0, 0, 1}, 0, 0.6));
+  const double depth = 0.1;
+  s.reset(at(model, {0, 0, 0.25 - depth, 0, 0, 0, 1}), Vector::Zero(6));
+  for (int k = 1; k <= 100; ++k) {
+    s.advance(0.01 * k);
+    CHECK(s.v().cwiseAbs().maxCoeff() < 1e-6);
+    CHECK(s.q()[2] < 0.25 + 1e-9);
+  }
+  CHECK(std::abs(s.q()[2] - 0.25) < 1e-8);
+}
+
 TEST_CASE("joints bounce off their limits, and rest at them while something pushes", "[contact][limits]") {
   SECTION("elastic") {
     const CompactModel model = stopped(-0.3, 0.2);

@@ -402,6 +402,20 @@ TEST_CASE("simulate writes what it passed through, and says what was kept", "[co
   CHECK(falls.code == 0);
 }
 
+TEST_CASE("simulate lets bodies touch by their volumes", "[command][simulate]") {
+  const Folder folder;
+  const std::string table = (folder.path / "table.urdf").string(), arm = "simulate " DYN_SOURCE_DIR "/models/arm.urdf --root free_flyer --time 1 ";
+  std::ofstream(table) << R"(<robot name="table"><link name="table"><collision name="top"><origin xyz="0 0 -1"/>
+    <geometry><box size="10 10 1"/></geometry></collision></link></robot>)";
+  const auto energy = [](const Answer& a) { return std::stod(a.out.substr(a.out.find("at first, ") + 10)); };
+  const Answer lies = run(arm + "--touching --scene " + table), falls = run(arm);
+  CHECK_THAT(lies.out, containing("steps in touch"));
+  CHECK(energy(falls) > 100);  // all of what it started with
+  CHECK(energy(lies) < 10);
+  CHECK_THAT(run(arm + "--scene " + table).err, containing("requires --touching"));
+  CHECK_THAT(run(arm + "--touching --scene nowhere.urdf").err, containing("nowhere.urdf"));
+}
+
 TEST_CASE("simulate refuses what makes no sense, and keeps what there was of a motion that broke off", "[command][simulate]") {
   const Folder folder;
   const auto fails = [](const std::string& line, const std::string& why, int code = 1) {

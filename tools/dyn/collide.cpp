@@ -1,7 +1,7 @@
 // dyn collide: which volumes of a robot and its surroundings touch, how far the others are apart, and which pairs need no asking.
 #include "commands.hpp"
-#include "model_options.hpp"
 #include "states.hpp"
+#include "volume_options.hpp"
 
 #include <dyn/geometry/collision.hpp>
 #include <dyn/geometry/distance.hpp>
@@ -17,31 +17,21 @@ namespace dyn::tool {
 namespace {
 
 struct CollideOptions : ModelOptions {
-  std::string states, scene, srdf, out;
-  std::vector<std::string> packages;
-  bool skip_missing = false, all_distances = false;
+  VolumeOptions volumes;
+  std::string states, out;
+  bool all_distances = false;
   int learn = 0;
   std::uint64_t seed = 1;
 
   void add(CLI::App& app) {
     ModelOptions::add(app);
+    volumes.add(app);
     app.add_option("--states", states, "JSON with {\"samples\":[{\"q\":[...]}, ...]}; - for standard input; without it the neutral configuration");
-    app.add_option("--scene", scene, "a URDF whose volumes stand in the world");
-    app.add_option("--srdf", srdf, "pairs that are not to be checked (disable_collisions)");
-    app.add_option("--package", packages, "folder of packages, or a package, for package:// (repeatable); then ROS_PACKAGE_PATH, AMENT_PREFIX_PATH");
-    app.add_flag("--skip-missing", skip_missing, "leave out volumes whose files are not there");
     app.add_flag("--distances", all_distances, "distances of all pairs, not only the least");
     app.add_option("--learn", learn, "sample so many configurations and write an SRDF of the pairs of links that always or never collide")
         ->check(CLI::PositiveNumber);
     app.add_option("--out", out, "where --learn writes; without it on standard output");
     app.add_option("--seed", seed, "of --learn")->capture_default_str();
-  }
-
-  GeometryOptions geometryOptions() const {
-    GeometryOptions options;
-    options.packages = packages;
-    options.missing = skip_missing ? GeometryOptions::Missing::skip : GeometryOptions::Missing::refuse;
-    return options;
   }
 };
 
@@ -54,7 +44,7 @@ struct Robot {
 
   Robot(const CollideOptions& o, const Model& description)
       : model(dyn::compile(description, o.registry(), o.compileOptions())),
-        geometry(compileGeometry(model, description, o.geometryOptions())),
+        geometry(compileGeometry(model, description, o.volumes.geometry())),
         data(model),
         placed(geometry) {}
   void move(const Eigen::VectorXd& q) { updateGeometryPlacements(model, data, geometry, placed, q); }
@@ -148,9 +138,7 @@ void learn(const CollideOptions& o, const Model& description) {
 }
 
 void run(const CollideOptions& o) {
-  Model description = o.description();
-  if (!o.srdf.empty()) srdf::load(o.srdf, description);
-  if (!o.scene.empty()) description = append(description, urdf::load(o.scene), "universe", {}, "scene/");
+  const Model description = o.volumes.description(o);
   o.learn > 0 ? learn(o, description) : collide(o, description);
 }
 

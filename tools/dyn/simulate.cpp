@@ -1,10 +1,11 @@
 // dyn simulate: a robot's motion through time, what it keeps on the way, and how fast it was computed.
 #include "commands.hpp"
 #include "contacts.hpp"
-#include "model_options.hpp"
 #include "trajectory.hpp"
+#include "volume_options.hpp"
 
 #include <dyn/file.hpp>
+#include <dyn/geometry/contact_finder.hpp>
 
 #include <unistd.h>
 
@@ -25,8 +26,9 @@ constexpr std::size_t most_numbers = 1u << 28;  ///< of a trajectory that is kep
 struct SimulateOptions : ModelOptions {
   std::string integrator = "rk4", state, out, plot, save, resume;
   std::vector<std::string> contacts, ground;
+  VolumeOptions volumes;
   double time = 1, dt = 1e-3, tolerance = 1e-8, every = 0, height = 0, friction = 0.8, restitution = 0;
-  bool limits = false;
+  bool limits = false, touching = false;
 
   void add(CLI::App& app) {
     ModelOptions::add(app);
@@ -40,9 +42,12 @@ struct SimulateOptions : ModelOptions {
     app.add_option("--contacts", contacts, "hold FRAME:3d (a point) or FRAME:6d where it is (repeatable)");
     app.add_option("--ground", ground, "frames whose origins touch the ground, a plane with z up (repeatable)")->delimiter(',');
     app.add_option("--ground-height", height, "z of the ground [m]")->capture_default_str();
-    app.add_option("--friction", friction, "with the ground")->capture_default_str();
+    app.add_flag("--touching", touching, "bodies touch each other, and what --scene puts around them, by their collision volumes");
+    volumes.add(app);
+    for (const char* option : {"--scene", "--srdf", "--package", "--skip-missing"}) app.get_option(option)->needs("--touching");
+    app.add_option("--friction", friction, "of contacts")->capture_default_str();
     app.add_flag("--limits", limits, "joints stop at their limits of position");
-    app.add_option("--restitution", restitution, "of impacts with the ground and with limits, 0 to 1")->capture_default_str();
+    app.add_option("--restitution", restitution, "of impacts of contacts and with limits, 0 to 1")->capture_default_str();
     app.add_option("--every", every, "seconds between the states of --out and --plot; without it a thousand of them, but no more than steps");
     app.add_option("--out", out, "trajectory, .csv or .json");
     app.add_option("--plot", plot, "picture of the configuration over time, SVG");
@@ -58,6 +63,21 @@ struct SimulateOptions : ModelOptions {
     const JointRegistry known = registry();
     for (const ConstraintDescription& contact : readContacts(contacts)) all.push_back(contact);
     return {model, all, &known};
+  }
+
+  /// Of the ground, of volumes, of both; none where nothing is to touch.
+  ContactFinder finder(const CompactModel& model, const Model& description) const {
+    ContactFinder plane, touch;
+    if (!ground.empty()) plane = pointsOnPlane(model, ground, {0, 0, 1}, height, friction);
+    if (!touching) return plane;
+    const int first = static_cast<int>(ground.size());
+    touch = geometryContacts(model, compileGeometry(model, description, volumes.geometry()), {.friction = friction});
+    if (!plane) return touch;
+    return [plane, touch, first](const VectorResult& q, std::vector<ContactPoint>& found) {
+      touch(q, found);
+      for (ContactPoint& point : found) point.id += first;
+      plane(q, found);
+    };
   }
 
   /// Times of states to keep, the first and the last among them.
@@ -144,18 +164,19 @@ void start(const SimulateOptions& o, Simulator& simulator, const ConstraintSet& 
 void run(const SimulateOptions& o) {
   if (!(o.time >= 0) || !std::isfinite(o.time)) throw Error(ErrorCode::argument, "--time: seconds to simulate are not negative");
   if (!o.out.empty()) checkTrajectoryFile(o.out);
-  const CompactModel model = o.compile();
+  const Model description = o.volumes.description(o);
+  const CompactModel model = dyn::compile(description, o.registry(), o.compileOptions());
   const ConstraintSet constraints = o.constraints(model);
   Simulator simulator(
       constraints,
       {.integrator = integratorByName(o.integrator), .dt = o.dt, .tolerance = o.tolerance, .limits = o.limits, .restitution = o.restitution});
-  if (!o.ground.empty()) simulator.setContacts(pointsOnPlane(model, o.ground, {0, 0, 1}, o.height, o.friction));
+  if (const ContactFinder finder = o.finder(model, description)) simulator.setContacts(finder);
   start(o, simulator, constraints);
   const double from = simulator.time(), until = from + o.time;
   const std::vector<double> times = o.times(from, static_cast<std::size_t>(model.nq() + model.nv()) + 2);
 
   Data data(model, Need::derivatives);
-  const bool floating = floats(model) && constraints.rows() == 0 && o.ground.empty();
+  const bool floating = floats(model) && constraints.rows() == 0 && o.ground.empty() && !o.touching;
   std::optional<Momentum> before;
   if (floating) before.emplace(model, data, simulator);
   Trajectory trajectory(model);

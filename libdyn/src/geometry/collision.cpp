@@ -71,7 +71,8 @@ const std::vector<Contact>& computeContacts(const GeometryModel& geometry, Geome
   for (const int pair : nearPairs(geometry.impl(), d)) {
     if (sphereBound(geometry.impl(), d, pair) > 0) continue;
     const PlacedPair p = placed(geometry.impl(), d, pair);
-    contacts(p.a, p.b, p.aMb, [&](const Separation& s) {
+    contacts(p.a, p.b, p.aMb, 0, [&](const NearPieces& x) {
+      const Separation& s = x.s;
       if (d.contacts.size() == d.contacts.capacity()) return false;
       d.contacts.push_back({pair, p.oMa.act(0.5 * (s.on_a + s.on_b)), p.oMa.R * s.normal, -s.distance});
       return true;

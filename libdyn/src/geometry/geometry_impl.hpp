@@ -41,7 +41,8 @@ struct GeometryDataImpl {
   GeometryModel model;
   std::vector<SE3<double>> placement;  ///< by geometry, in the world
   std::vector<Vec3<double>> center;    ///< of bounding spheres, in the world
-  std::vector<Bounds> bounds;          ///< in the world
+  std::vector<Bounds> bounds;          ///< in the world, grown by `margin`
+  double margin = 0;                   ///< [m] of what moves: nearPairs() finds those that are no farther apart, too
   std::unique_ptr<Broadphase> moving;  ///< where the model asks for it
   std::vector<int> near_pairs;         ///< room for what the trees find
   std::vector<int> colliding;

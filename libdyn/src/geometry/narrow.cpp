@@ -79,11 +79,12 @@ class Search {
     }
   }
 
+  /// Pose of b's piece j in a's piece i.
+  SE3<double> between(int i, int j) const { return {aMb_.R, aMb_.act(b_.volume().center(j)) - a_.volume().center(i)}; }
+
   Separation pieces(int i, int j, double beyond, bool touch_only) const {
     const Volume &a = a_.volume(), &b = b_.volume();
-    SE3<double> X = aMb_;
-    X.p = X.act(b.center(j)) - a.center(i);
-    Separation s = separation(a.piece(i), b.piece(j), X, beyond, touch_only);
+    Separation s = separation(a.piece(i), b.piece(j), between(i, j), beyond, touch_only);
     s.on_a += a.center(i);
     s.on_b += a.center(i);
     return s;
@@ -142,13 +143,13 @@ Separation nearest(const Volume& a, const Volume& b, const SE3<double>& aMb, dou
   return best;
 }
 
-void askContacts(const Volume& a, const Volume& b, const SE3<double>& aMb, bool (*found)(const void* context, const Separation& s),
+void askContacts(const Volume& a, const Volume& b, const SE3<double>& aMb, double within, bool (*found)(const void* context, const NearPieces& x),
                  const void* context) {
   if (a.empty() || b.empty()) return;
   const Search search(a, b, aMb);
-  search.run(0, [&](int i, int j) {
-    const Separation s = search.pieces(i, j, 0, false);
-    return s.distance > 0 || found(context, s) ? 0 : -infinity;
+  search.run(within, [&](int i, int j) {
+    const Separation s = search.pieces(i, j, within, false);
+    return s.distance > within || found(context, {a.piece(i), b.piece(j), a.center(i), search.between(i, j), s}) ? within : -infinity;
   });
 }
 

@@ -12,13 +12,21 @@ bool collide(const Volume& a, const Volume& b, const SE3<double>& aMb);
 /// The nearest two pieces, or those that overlap deepest. If none is nearer than `beyond`, the distance returned is at least that.
 Separation nearest(const Volume& a, const Volume& b, const SE3<double>& aMb, double beyond);
 
-/// Calls found(s) for each two pieces that share a point, until it returns false.
-void askContacts(const Volume& a, const Volume& b, const SE3<double>& aMb, bool (*found)(const void* context, const Separation& s),
+/// Two pieces, in a's frame but for their own: pose of the one that is a's, of b's in a's piece, and their separation as nearest() gives it.
+struct NearPieces {
+  const Convex &a, &b;
+  Vec3<double> center;  ///< of a's piece
+  SE3<double> aMb;      ///< from b's piece to a's
+  Separation s;         ///< in a's volume
+};
+
+/// Calls found(pieces) for each two pieces that are no farther apart than `within`, until it returns false.
+void askContacts(const Volume& a, const Volume& b, const SE3<double>& aMb, double within, bool (*found)(const void* context, const NearPieces& x),
                  const void* context);
 template <class Found>
-void contacts(const Volume& a, const Volume& b, const SE3<double>& aMb, const Found& found) {
+void contacts(const Volume& a, const Volume& b, const SE3<double>& aMb, double within, const Found& found) {
   askContacts(
-      a, b, aMb, [](const void* context, const Separation& s) { return (*static_cast<const Found*>(context))(s); }, &found);
+      a, b, aMb, within, [](const void* context, const NearPieces& x) { return (*static_cast<const Found*>(context))(x); }, &found);
 }
 
 }  // namespace dyn

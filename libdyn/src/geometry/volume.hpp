@@ -26,6 +26,10 @@ struct Bounds {
     add(b.lower);
     add(b.upper);
   }
+  void grow(double by) {
+    lower -= Vec3<double>{by, by, by};
+    upper += Vec3<double>{by, by, by};
+  }
   Vec3<double> center() const { return 0.5 * (lower + upper); }
   Vec3<double> half() const { return 0.5 * (upper - lower); }
   bool meets(const Bounds& b) const {

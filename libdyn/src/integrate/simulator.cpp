@@ -67,7 +67,8 @@ Simulator::Impl::Impl(const CompactModel& model, const ConstraintSet* set, const
       shown_v(model.nv()),
       trial(o.dt),
       after_impact(model.nv()),
-      step_u(model.nv()) {
+      contact_u(model.nv()),
+      shown_u(model.nv()) {
   detail::neutral(model, now.q.data());
   now.v.setZero();
   if (o.limits) contacts().watchLimits();
@@ -167,7 +168,8 @@ double Simulator::Impl::stepTowards(double until) {
 
 void Simulator::Impl::retake(double h) {
   if (contact_step) {
-    glide(h, next.q.data());
+    contact_u *= h / (next.time - now.time);
+    glide(1, next.q.data());
     next.time = now.time + h;
   } else {
     stepBy(h, now.time + h);

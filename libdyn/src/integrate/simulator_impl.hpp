@@ -27,7 +27,8 @@ struct Simulator::Impl {
 
   std::optional<Unilateral> unilateral;
   bool contact_step = false, has_impact = false;  ///< what the last step was, and whether an impulse follows it
-  Eigen::VectorXd after_impact, step_u;
+  Eigen::VectorXd after_impact;
+  Eigen::VectorXd contact_u, shown_u;  ///< a contact step's way, and a part of it
   std::vector<Unilateral::Gap> gaps_before, gaps_halfway, gaps_after;
   std::vector<long> closing;
 
@@ -55,8 +56,8 @@ struct Simulator::Impl {
   void between(double theta, double h, double* q, double* v);
   /// After a smooth step of h to `next`: `next` as contacts and limits let it be; returns by how much.
   double touch(double h);
-  /// Along next.v for h, from now.q: a step whose velocity is that of its end.
-  void glide(double h, double* q);
+  /// This share of the contact step's way from now.q.
+  void glide(double share, double* q);
   double collide(double h, double speed);
   double rest(double h);
   /// Of the closing ones.

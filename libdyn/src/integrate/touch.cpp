@@ -20,14 +20,14 @@ double gapOf(const std::vector<Gap>& gaps, const Gap& like) {
 
 }  // namespace
 
-void Simulator::Impl::glide(double h, double* q) {
-  step_u = h * next.v;
-  integrateSound(law.model().impl(), now.q.data(), step_u.data(), q);
+void Simulator::Impl::glide(double share, double* q) {
+  shown_u = share * contact_u;
+  integrateSound(law.model().impl(), now.q.data(), shown_u.data(), q);
 }
 
 void Simulator::Impl::between(double theta, double h, double* q, double* v) {
   if (!contact_step) return stepper->between(theta, now, next, q, v);
-  glide(theta * h, q);
+  glide(theta, q);
   VectorMap(v, next.v.size()) = next.v;
 }
 
@@ -99,7 +99,8 @@ double Simulator::Impl::rest(double h) {
     unilateral->choose([&](const Gap& gap) { return std::find(closing.begin(), closing.end(), gap.key) != closing.end(); });
     if (!unilateral->anyChosen()) break;  // the finder told of it only further on: the next step will see it
     next.v = VectorResult(unilateral->step(law, now.time, now.q.data(), now.v.data(), part), next.v.size());
-    glide(part, next.q.data());
+    contact_u = unilateral->displacement();
+    glide(1, next.q.data());
     next.time = end;
     next.has_acceleration = false;
     contact_step = true;

@@ -1,5 +1,8 @@
 #include "integrate/unilateral.hpp"
 
+#include <dyn/algorithm/aba.hpp>
+#include <dyn/algorithm/configuration.hpp>
+#include <dyn/algorithm/rnea.hpp>
 #include <dyn/error.hpp>
 
 #include <algorithm>
@@ -11,8 +14,10 @@ namespace {
 
 constexpr std::size_t most_bound = 16;
 
-/// Of a gap that is negative already: what is taken back of it in a step. All at once would throw bodies off.
+/// Of a gap that is negative already: what is taken back of it in a step.
 constexpr double recovered = 0.2;
+/// [m/s] What this would make of it in a step is left.
+constexpr double creep = 1e-6;
 
 bool same(const ContactPoint& a, const ContactPoint& b) {
   const auto equal = [](const Vec3<double>& x, const Vec3<double>& y) { return x.x == y.x && x.y == y.y && x.z == y.z; };
@@ -21,7 +26,15 @@ bool same(const ContactPoint& a, const ContactPoint& b) {
 
 }  // namespace
 
-Unilateral::Unilateral(const CompactModel& model, const ConstraintSet* base) : model_(model), data_(model, Need::derivatives) {
+Unilateral::Unilateral(const CompactModel& model, const ConstraintSet* base)
+    : model_(model),
+      data_(model, Need::derivatives),
+      velocity_(model.nv()),
+      displacement_(model.nv()),
+      middle_v_(model.nv()),
+      tau_(model.nv()),
+      zero_(Eigen::VectorXd::Zero(model.nv())),
+      end_q_(model.nq()) {
   for (int k = 0; base && k < base->count(); ++k) base_.push_back(base->description(k));
 }
 
@@ -92,33 +105,74 @@ void Unilateral::bind() {
     points.push_back(p ? *p : ContactPoint{});
     all.push_back(describe(gap));
   }
+  std::vector<FrictionCone> smooth = cones;
+  for (FrictionCone& cone : smooth) cone.friction = 0;
   if (bound_.size() >= most_bound) bound_.pop_back();
-  bound_.insert(bound_.begin(), Bound{std::move(keys), std::move(points), ConstraintData(ConstraintSet(model_, all)), std::move(cones)});
+  bound_.insert(bound_.begin(),
+                Bound{std::move(keys), std::move(points), ConstraintData(ConstraintSet(model_, all)), std::move(cones), std::move(smooth)});
+}
+
+void Unilateral::centreForces(const double* q, const double* v, double dt) {
+  const VectorResult configuration(q, model_.nq()), velocity(v, model_.nv());
+  middle_v_ = aba(model_, data_, configuration, velocity, zero_);
+  middle_v_ -= aba(model_, data_, configuration, zero_, zero_);
+  middle_v_ = velocity + 0.5 * dt * middle_v_;
+  tau_ += nonLinearEffects(model_, data_, configuration, velocity);
+  tau_ -= nonLinearEffects(model_, data_, configuration, middle_v_);
 }
 
 const double* Unilateral::step(Law& law, double t, const double* q, const double* v, double dt) {
+  const int n = model_.nv();
+  tau_ = VectorResult(law.applied(t, q, v), n);
+  centreForces(q, v, dt);
+  Bound& bound = bound_.front();
+  start_gaps_.clear();
+  bool points = false;
   for (std::size_t k = 0; k < chosen_.size(); ++k) {
-    const double gap = gaps_[chosen_[k]].value;
-    bound_.front().cones[k].gap = gap > 0 ? gap : recovered * gap;
+    start_gaps_.push_back(gaps_[chosen_[k]].value);
+    bound.cones[k].gap = std::max(start_gaps_[k], 0.0);
+    points = points || pointOf(chosen_[k]);
   }
-  return contactStep(law, t, q, v, dt, 0);
+  detail::ContactViews x = contactStep(q, v, tau_.data(), dt, bound.cones, 0);
+  if (points) {
+    displacement_ = dt * VectorResult(x.motion, n);
+    detail::integrate(model_, {q, model_.nq()}, {displacement_.data(), n}, {end_q_.data(), model_.nq()});
+    look(t + dt, end_q_.data());
+    for (std::size_t k = 0; k < bound.keys.size(); ++k) {
+      if (bound.keys[k] < 0) continue;
+      const auto end = std::find_if(gaps_.begin(), gaps_.end(), [&](const Gap& gap) { return gap.key == bound.keys[k]; });
+      const int normal = bound.data.set().firstRow(bound.cones[k].constraint) + 2;
+      if (end != gaps_.end()) bound.cones[k].gap += end->value - (start_gaps_[k] + dt * x.velocity[normal]);
+    }
+    x = contactStep(q, v, tau_.data(), dt, bound.cones, 0);
+  }
+  velocity_ = VectorResult(x.motion, n);
+  displacement_ = dt * velocity_;
+  if (*std::min_element(start_gaps_.begin(), start_gaps_.end()) < -creep * dt) pushOut(q, dt);
+  return velocity_.data();
+}
+
+void Unilateral::pushOut(const double* q, double dt) {
+  Bound& bound = bound_.front();
+  for (std::size_t k = 0; k < bound.smooth.size(); ++k) bound.smooth[k].gap = recovered * std::min(start_gaps_[k], 0.0);
+  tau_ = nonLinearEffects(model_, data_, VectorResult(q, model_.nq()), zero_);
+  displacement_ += dt * VectorResult(contactStep(q, zero_.data(), tau_.data(), dt, bound.smooth, 0).motion, model_.nv());
 }
 
 const double* Unilateral::impact(Law& law, double t, const double* q, const double* v, double restitution) {
-  for (FrictionCone& cone : bound_.front().cones) cone.gap = 0;
+  std::vector<FrictionCone>& cones = bound_.front().cones;
+  for (FrictionCone& cone : cones) cone.gap = 0;
   // So short that no force but the impulses counts.
   constexpr double instant = 0x1p-60;
-  return contactStep(law, t, q, v, instant, restitution);
+  return contactStep(q, v, law.applied(t, q, v), instant, cones, restitution).motion;
 }
 
-const double* Unilateral::contactStep(Law& law, double t, const double* q, const double* v, double dt, double restitution) {
-  Bound& bound = bound_.front();
-  const double* tau = law.applied(t, q, v);
+detail::ContactViews Unilateral::contactStep(const double* q, const double* v, const double* tau, double dt, const std::vector<FrictionCone>& cones,
+                                             double restitution) {
   ContactSettings settings;
   settings.restitution = restitution;
-  return detail::contactStep(model_, data_, {q, model_.nq()}, {v, model_.nv()}, {tau, model_.nv()}, dt, bound.data, bound.cones.data(),
-                             bound.cones.size(), settings)
-      .motion;
+  return detail::contactStep(model_, data_, {q, model_.nq()}, {v, model_.nv()}, {tau, model_.nv()}, dt, bound_.front().data, cones.data(),
+                             cones.size(), settings);
 }
 
 }  // namespace dyn

@@ -38,8 +38,12 @@ class Unilateral {
   }
   bool anyChosen() const { return !chosen_.empty(); }
 
-  /// The velocity after dt under the chosen ones: see contactStep.
+  /// The velocity after dt under the chosen ones: see contactStep. Forces that depend on velocity are those halfway to where they alone lead: it
+  /// is they that turn the axes of a free body's velocity with it, and Euler's step would make it longer. Gaps at the end are looked at once:
+  /// where bodies roll it is not the same point that touches.
   const double* step(Law& law, double t, const double* q, const double* v, double dt);
+  /// Where that leads in dt: along the velocity, and out of what it is already in. That gives no speed: bodies are not thrown.
+  const Eigen::VectorXd& displacement() const { return displacement_; }
   /// The velocity after an impact in all of the chosen ones, whose gaps are taken as closed.
   const double* impact(Law& law, double t, const double* q, const double* v, double restitution);
 
@@ -55,10 +59,15 @@ class Unilateral {
     std::vector<long> keys;
     std::vector<ContactPoint> points;
     ConstraintData data;
-    std::vector<FrictionCone> cones;
+    std::vector<FrictionCone> cones, smooth;  ///< the second without friction
   };
 
-  const double* contactStep(Law& law, double t, const double* q, const double* v, double dt, double restitution);
+  detail::ContactViews contactStep(const double* q, const double* v, const double* tau, double dt, const std::vector<FrictionCone>& cones,
+                                   double restitution);
+  /// Moves displacement_ by a part of how deep the chosen ones are.
+  void pushOut(const double* q, double dt);
+  /// tau_, so that the forces of velocity become those of the middle.
+  void centreForces(const double* q, const double* v, double dt);
   void bind();
   ConstraintDescription describe(std::size_t gap) const;
   const ContactPoint* pointOf(std::size_t gap) const;
@@ -72,6 +81,8 @@ class Unilateral {
   std::vector<std::size_t> chosen_;
   std::vector<Bound> bound_;  ///< the last used first
   Data data_;
+  Eigen::VectorXd velocity_, displacement_, middle_v_, tau_, zero_, end_q_;
+  std::vector<double> start_gaps_;  ///< of the chosen ones
 };
 
 }  // namespace dyn

@@ -83,8 +83,9 @@ class DYN_API Simulator {
   void reset(const VectorArg& q, const VectorArg& v, double time = 0) { resetTo(q, v, time); }
   void setController(Controller controller, ControllerDerivatives derivatives = nullptr);
   void setForces(Forces forces);
-  /// What may touch, beside limits of joints. Impacts are found in time; steps in which something stays in touch are of first order whatever
-  /// the integrator, v + h (a + contacts' impulses) and then q (+) h v, and no longer than dt. Contacts allocate where they come and go.
+  /// What may touch, beside limits of joints: pointsOnPlane(), or geometryContacts() for bodies' volumes. Impacts are found in time; steps in
+  /// which something stays in touch are of first order whatever the integrator, v + h (a + contacts' impulses) and then q (+) h v, and no
+  /// longer than dt. What is inside of something is moved out over some steps, which gives it no speed. Contacts allocate where they come and go.
   void setContacts(ContactFinder finder);
   /// Functions whose zeros end advance(). They are looked for between the ends of each step.
   void setEvents(std::vector<Event> events);

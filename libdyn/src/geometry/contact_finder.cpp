@@ -1,0 +1,155 @@
+#include "geometry/manifold.hpp"
+#include "geometry/queries.hpp"
+
+#include <dyn/algorithm/kinematics.hpp>
+#include <dyn/geometry/contact_finder.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+
+namespace dyn {
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+constexpr int ids = 64;          ///< a pair has
+constexpr std::size_t most = 8;  ///< contacts of a pair of many pieces
+
+[[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::argument, "geometryContacts: " + what); }
+
+void checkFriction(double friction) {
+  if (!(friction >= 0) || !std::isfinite(friction)) refuse("friction is " + std::to_string(friction) + "; it is a number that is not negative");
+}
+
+class Finder {
+ public:
+  Finder(const CompactModel& model, const GeometryModel& geometry, const GeometryContactOptions& options)
+      : model_(model), geometry_(geometry), margin_(options.margin), data_(model), placed_(geometry, 0) {
+    if (!(margin_ >= 0) || !std::isfinite(margin_)) refuse("the margin is " + std::to_string(margin_) + "; it is a number that is not negative");
+    placed_.impl().margin = margin_;
+    for (const GeometryRecord& r : geometry.geometries()) {
+      const int frame = r.joint == 0 ? 0 : model.frameId(r.body);
+      if (frame < 0) refuse("the model has no frame of the body '" + r.body + "' that '" + r.name + "' is on");
+      frames_.push_back(frame);
+      in_frame_.push_back(r.joint == 0 ? r.placement : model.frames()[at(frame)].placement.inverse() * r.placement);
+    }
+    checkFriction(options.friction);
+    friction_.assign(geometry.pairs().size(), options.friction);
+    for (const PairFriction& p : options.pairs) setFriction(p);
+  }
+
+  void find(VectorResult q, std::vector<ContactPoint>& found) {
+    updateGeometryPlacements(model_, data_, geometry_, placed_, VectorArg(q.data(), q.size()));
+    const GeometryImpl& m = geometry_.impl();
+    GeometryDataImpl& d = placed_.impl();
+    for (const int pair : nearPairs(m, d)) {
+      if (sphereBound(m, d, pair) > margin_) continue;
+      const PlacedPair p = placed(m, d, pair);
+      if (!p.a.bounded() && !p.b.bounded()) continue;
+      points_.clear();
+      contacts(p.a, p.b, p.aMb, margin_, [&](const NearPieces& x) {
+        Separation s = x.s;
+        s.on_a -= x.center;
+        s.on_b -= x.center;
+        const Manifold touching = manifold(x.a, x.b, x.aMb, s);
+        for (int k = 0; k < touching.count; ++k) {
+          const TouchingPoint& t = touching.points[k];
+          if (t.gap <= margin_) points_.push_back({x.center + t.on_a, s.normal, t.gap, t.id});
+        }
+        return true;
+      });
+      if (!p.a.single() || !p.b.single()) thinOut();
+      for (const Found& x : points_) found.push_back(contact(pair, p, x));
+    }
+  }
+
+ private:
+  /// In a's axes.
+  struct Found {
+    Vec3<double> on_a, normal;
+    double gap;
+    int id;
+  };
+
+  void setFriction(const PairFriction& p) {
+    checkFriction(p.friction);
+    bool any = false;
+    for (std::size_t k = 0; k < friction_.size(); ++k) {
+      const CollisionPair& pair = geometry_.pairs()[k];
+      const auto called = [&](int geometry, const std::string& name) {
+        const GeometryRecord& r = geometry_.geometries()[at(geometry)];
+        return r.name == name || r.body == name;
+      };
+      const bool meant = (called(pair.a, p.names.a) && called(pair.b, p.names.b)) || (called(pair.a, p.names.b) && called(pair.b, p.names.a));
+      if (meant) friction_[k] = p.friction;
+      any = any || meant;
+    }
+    if (!any) refuse("no pair is of '" + p.names.a + "' and '" + p.names.b + "'");
+  }
+
+  /// Of the points of many pieces those that say most: the one farthest from their middle, then again and again the one farthest from all
+  /// chosen, and the lowest in any case.
+  void thinOut() {
+    if (points_.empty()) return;
+    Vec3<double> middle;
+    for (const Found& x : points_) middle += (1.0 / static_cast<double>(points_.size())) * x.on_a;
+    const auto farther = [&](const Found& x, const Found& y) { return norm(x.on_a - middle) < norm(y.on_a - middle); };
+    const auto lower = [](const Found& x, const Found& y) { return x.gap < y.gap; };
+    const Found lowest = *std::min_element(points_.begin(), points_.end(), lower);
+    std::iter_swap(points_.begin(), std::max_element(points_.begin(), points_.end(), farther));
+    std::size_t chosen = 1;
+    for (; chosen < std::min(most, points_.size()); ++chosen) {
+      double farthest = 0;
+      std::size_t next = chosen;
+      for (std::size_t k = chosen; k < points_.size(); ++k) {
+        double nearest = std::numeric_limits<double>::infinity();
+        for (std::size_t c = 0; c < chosen; ++c) nearest = std::min(nearest, norm(points_[k].on_a - points_[c].on_a));
+        if (nearest > farthest) farthest = nearest, next = k;
+      }
+      if (farthest == 0) break;  // pieces share corners
+      std::swap(points_[chosen], points_[next]);
+    }
+    points_.resize(chosen);
+    if (lower(lowest, *std::min_element(points_.begin(), points_.end(), lower))) points_.back() = lowest;
+    for (std::size_t k = 0; k < chosen; ++k) points_[k].id = static_cast<int>(k);
+  }
+
+  /// The point belongs to a body that moves, the surface to the other.
+  ContactPoint contact(int pair, const PlacedPair& p, const Found& x) const {
+    const auto [a, b] = geometry_.impl().pairs[at(pair)];
+    const Vec3<double> on_b = p.aMb.actInv(x.on_a + x.gap * x.normal), normal_b = transposeTimes(p.aMb.R, x.normal);
+    const bool of_a = frames_[at(a)] != 0;
+    const auto mine = at(of_a ? a : b), other = at(of_a ? b : a);
+    ContactPoint point;
+    point.id = ids * pair + x.id;
+    point.frame = frames_[mine];
+    point.point = in_frame_[mine].act(of_a ? x.on_a : on_b);
+    point.other = frames_[other];
+    point.normal = in_frame_[other].R * (of_a ? -normal_b : x.normal);
+    point.gap = x.gap;
+    point.friction = friction_[at(pair)];
+    return point;
+  }
+
+  CompactModel model_;
+  GeometryModel geometry_;
+  double margin_;
+  Data data_;
+  GeometryData placed_;
+  std::vector<int> frames_;            ///< by geometry
+  std::vector<SE3<double>> in_frame_;  ///< its pose there
+  std::vector<double> friction_;       ///< by pair
+  std::vector<Found> points_;
+};
+
+}  // namespace
+
+ContactFinder geometryContacts(const CompactModel& model, const GeometryModel& geometry, const GeometryContactOptions& options) {
+  const auto finder = std::make_shared<Finder>(model, geometry, options);
+  return [finder](VectorResult q, std::vector<ContactPoint>& found) { finder->find(q, found); };
+}
+
+}  // namespace dyn

@@ -1,0 +1,248 @@
+// Contacts of volumes: that they lie where the solids are, and that bodies stand, slide, roll and pile up on them as rigid ones do.
+#include "geometry/scene.hpp"
+
+#include <dyn/geometry/contact_finder.hpp>
+#include <dyn/integrate/simulator.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+using namespace dyn;
+using namespace dyn::test;
+namespace g = dyn::geometry;
+
+namespace {
+
+using Vector = Eigen::VectorXd;
+constexpr double gravity = 9.81;
+
+/// A free body of even density.
+int addSolid(Model& model, const std::string& name, const GeometryShape& shape, double mass, const Vec3<double>& moments, const Vec3<double>& at) {
+  const int body = model.addBody(name, 0, jointOf(name + "_joint", "free_flyer", {Mat3<double>::identity(), at}),
+                                 {mass, {}, {moments.x, 0, 0, moments.y, 0, moments.z}});
+  model.addGeometry(name, body, {}, shape);
+  return body;
+}
+int addBox(Model& model, const std::string& name, const Vec3<double>& size, double mass, const Vec3<double>& at) {
+  const double x = size.x * size.x, y = size.y * size.y, z = size.z * size.z;
+  return addSolid(model, name, g::Box{size}, mass, {mass / 12 * (y + z), mass / 12 * (x + z), mass / 12 * (x + y)}, at);
+}
+int addBall(Model& model, const std::string& name, double radius, double mass, const Vec3<double>& at) {
+  const double moment = 0.4 * mass * radius * radius;
+  return addSolid(model, name, g::Sphere{radius}, mass, {moment, moment, moment}, at);
+}
+
+Model onFloor(const GeometryShape& floor = g::HalfSpace{}, const Vec3<double>& down = {0, 0, -gravity}) {
+  Model model;
+  model.gravity = down;
+  model.addGeometry("floor", 0, {}, floor);
+  return model;
+}
+
+struct World {
+  CompactModel model;
+  Simulator simulator;
+  World(const Model& description, const GeometryContactOptions& contacts, const SimulatorOptions& options)
+      : model(compile(description, registry())), simulator(model, options) {
+    simulator.setContacts(geometryContacts(model, compileGeometry(model, description), contacts));
+  }
+  Vector velocityOf(const std::string& joint) const {
+    const JointRecord& j = model.joints()[static_cast<std::size_t>(model.jointId(joint))];
+    return simulator.v().segment(j.idx_v, 6);
+  }
+};
+
+std::vector<ContactPoint> contactsOf(TwoSolids& s, const SE3<double>& pose, double margin) {
+  std::vector<ContactPoint> found;
+  const Vector q = configurationOf(pose);
+  geometryContacts(s.model, s.geometry, {.margin = margin})(VectorResult(q.data(), q.size()), found);
+  return found;
+}
+
+GeometryShape someShape(Random& random) {
+  const auto side = [&] { return random.uniform(0.3, 1); };
+  switch (random.below(6)) {
+    case 0:
+      return g::Sphere{side() / 2};
+    case 1:
+      return g::Box{{side(), side(), side()}};
+    case 2:
+      return g::Capsule{side() / 3, side()};
+    case 3:
+      return g::Cylinder{side() / 2, side()};
+    case 4:
+      return g::Cone{side() / 2, side()};
+    default: {
+      g::ConvexHull hull;
+      for (int i = 0; i < 12; ++i) hull.points.push_back(random.vector(0.5));
+      return hull;
+    }
+  }
+}
+
+}  // namespace
+
+TEST_CASE("contacts of any two solids lie on them, and the nearest of them are their distance apart", "[contact][property]") {
+  Random random(7);
+  for (int k = 0; k < 2000; ++k) {
+    const GeometryShape a = random.below(5) == 0 ? GeometryShape(g::HalfSpace{}) : someShape(random), b = someShape(random);
+    const bool plane = std::holds_alternative<g::HalfSpace>(a);
+    TwoSolids s(a, {}, b);
+    SE3<double> pose = random.pose();
+    pose.p = 3.0 * pose.p;
+    // Near one another: apart by a centimetre at most, or overlapping by as much.
+    const Distance before = s.distance(pose);
+    const double wanted = random.uniform(-0.01, 0.01);
+    if (before.distance < 0) continue;
+    pose.p -= (before.distance - wanted) * before.normal;
+    const Distance now = s.distance(pose);
+    const std::vector<ContactPoint> found = contactsOf(s, pose, 0.02);
+    REQUIRE(!found.empty());
+    double lowest = HUGE_VAL;
+    for (const ContactPoint& c : found) {
+      lowest = std::min(lowest, c.gap);
+      // b moves: the point is its, the surface is the other's.
+      CHECK(c.frame != 0);
+      CHECK(c.other == 0);
+      CHECK(std::abs(dot(c.normal, c.normal) - 1) < 1e-12);
+      // From a point of b's surface it is `gap` along the normal to a's.
+      TwoSolids point(b, {}, g::Sphere{0});
+      const double on_b = point.distance({Mat3<double>::identity(), c.point}).distance;
+      TwoSolids surface(a, {}, g::Sphere{0});
+      const double on_a = surface.distance({Mat3<double>::identity(), pose.act(c.point) - c.gap * c.normal}).distance;
+      INFO(k << " shapes " << a.index() << " " << b.index() << " of " << found.size() << " gap " << c.gap << " distance " << now.distance);
+      CHECK(std::abs(on_b) < 2e-3);  // eight corners of a round face are on its rim; sides between them and hulls' flat faces are inside
+      CHECK(on_a < (plane ? 1e-12 : 2e-3));
+    }
+    INFO(k << " shapes " << a.index() << " " << b.index());
+    CHECK(std::abs(lowest - now.distance) < 1e-9);
+  }
+}
+
+TEST_CASE("what lies on a face touches at the corners of what the two share", "[contact]") {
+  const auto corners = [](TwoSolids& s, const SE3<double>& pose) {
+    std::vector<Vec3<double>> out;
+    for (const ContactPoint& c : contactsOf(s, pose, 0.01)) out.push_back(pose.act(c.point));
+    return out;
+  };
+  const auto has = [](const std::vector<Vec3<double>>& all, double x, double y) {
+    return std::any_of(all.begin(), all.end(), [&](const Vec3<double>& p) { return std::hypot(p.x - x, p.y - y) < 1e-9; });
+  };
+  SECTION("a box hanging over the edge of another") {
+    TwoSolids s(g::Box{{2, 2, 2}}, {}, g::Box{{1, 1, 1}});
+    const auto found = corners(s, {Mat3<double>::identity(), {0.8, 0, 1.5}});
+    CHECK(found.size() == 4);
+    for (const double x : {0.3, 1.0})
+      for (const double y : {-0.5, 0.5}) CHECK(has(found, x, y));
+  }
+  SECTION("a beam across another") {
+    TwoSolids s(g::Box{{4, 0.2, 0.2}}, {}, g::Box{{0.2, 4, 0.2}});
+    const auto found = corners(s, {Mat3<double>::identity(), {0.5, 0.3, 0.2}});
+    CHECK(found.size() == 4);
+    for (const double x : {0.4, 0.6})
+      for (const double y : {-0.1, 0.1}) CHECK(has(found, x, y));
+  }
+  SECTION("a capsule along a box, a cylinder on a plane, a triangle mesh on a field of heights") {
+    TwoSolids capsule(g::Box{{1, 1, 1}}, {}, g::Capsule{0.1, 3});
+    const auto lying = corners(capsule, {{{0, 0, 1, 0, 1, 0, -1, 0, 0}}, {0, 0.2, 0.6}});
+    CHECK(lying.size() == 2);
+    CHECK((has(lying, 0.5, 0.2) && has(lying, -0.5, 0.2)));
+    TwoSolids cylinder(g::HalfSpace{}, {}, g::Cylinder{0.5, 1});
+    CHECK(corners(cylinder, {Mat3<double>::identity(), {0, 0, 0.5}}).size() == 8);
+    g::TriangleMesh field = heightField(9, 9, std::vector<double>(81, 0.0), -2, -2, 0.5, 0.5);
+    TwoSolids box(field, {}, g::Box{{0.9, 0.9, 0.2}});
+    const auto found = corners(box, {Mat3<double>::identity(), {0.1, 0.2, 0.101}});
+    CHECK(found.size() == 8);
+    for (const double x : {-0.35, 0.55})
+      for (const double y : {-0.25, 0.65}) CHECK(has(found, x, y));
+  }
+}
+
+TEST_CASE("a ball rolls down a slope, and slips where friction is too low", "[contact]") {
+  const double slope = 0.3;
+  const Vec3<double> down{gravity * std::sin(slope), 0, -gravity * std::cos(slope)};
+  Model description = onFloor(g::HalfSpace{}, down);
+  addBall(description, "ball", 0.2, 3, {0, 0, 0.2});
+  const auto speed = [&](double friction, double dt) {
+    World s(description, {.friction = friction}, {.dt = dt});
+    s.simulator.advance(1);
+    return s.simulator.v().head<3>().norm();
+  };
+  const double rolling = 5.0 / 7 * gravity * std::sin(slope), slipping = gravity * (std::sin(slope) - 0.05 * std::cos(slope));
+  // The ball's axes turn by w dt in a step, 0.1 at most here: errors of its square while it rolls, of a tenth of it while it slips.
+  CHECK(std::abs(speed(0.3, 1e-2) - rolling) < 0.01 * rolling);
+  CHECK(std::abs(speed(0.3, 5e-3) - rolling) < 0.26 * std::abs(speed(0.3, 1e-2) - rolling));
+  // Rolling takes 2/7 tan(slope) of friction at least.
+  CHECK(std::abs(speed(0.05, 1e-2) - slipping) < 0.01 * slipping);
+  CHECK(std::abs(speed(0.05, 2.5e-3) - slipping) < 0.5 * std::abs(speed(0.05, 1e-2) - slipping));
+}
+
+TEST_CASE("a box pushed from under balls that lie on it: SimBenchmark's rolling", "[contact]") {
+  constexpr int side = 5, n = side * side;
+  constexpr double box_mass = 10, ball_mass = 1, push = 150, below = 0.4;
+  Model description = onFloor();
+  const int box = addBox(description, "box", {20, 20, 1}, box_mass, {0, 0, 0.5});
+  std::vector<PairFriction> friction{{{"floor", "box"}, below}};
+  for (int k = 0; k < n; ++k) {
+    const std::string name = "ball" + std::to_string(k);
+    addBall(description, name, 0.5, ball_mass, {2.0 * (k % side - 2), 2.0 * (k / side - 2), 1.5});
+    friction.push_back({{"box", name}, 0.8});
+  }
+  // J. Hwangbo, D. Kang, SimBenchmark: friction takes mu (M + n m) g of the push, and each ball rolls backwards on the box.
+  const double f1 = below * (box_mass + n * ball_mass) * gravity;
+  const double f2 = (push - f1) / box_mass / (3.5 / ball_mass + n / box_mass);
+  const double box_acceleration = (push - f1 - n * f2) / box_mass, ball_acceleration = f2 / ball_mass;
+  const auto errors = [&](double dt) {
+    World s(description, {.friction = 0.8, .pairs = friction}, {.dt = dt});
+    s.simulator.setForces([box](double, const VectorResult&, const VectorResult&, Force<double>* f, int) { f[box].linear = {push, 0, 0}; });
+    s.simulator.advance(0.5);
+    Eigen::Vector4d out;
+    out[0] = s.velocityOf("box_joint")[0] - 0.5 * box_acceleration;
+    int k = 1;
+    for (const char* name : {"ball0_joint", "ball12_joint", "ball24_joint"}) out[k++] = s.velocityOf(name).head<3>().norm() - 0.5 * ball_acceleration;
+    return out;
+  };
+  const Eigen::Vector4d coarse = errors(1e-2), fine = errors(5e-3);
+  CHECK(coarse.cwiseAbs().maxCoeff() < 1e-3 * 0.5 * box_acceleration);
+  CHECK(fine.cwiseAbs().maxCoeff() < 0.52 * coarse.cwiseAbs().maxCoeff());
+}
+
+TEST_CASE("boxes dropped on one another become a stack that stands", "[contact]") {
+  constexpr int n = 5;
+  Model description = onFloor(g::Box{{4, 4, 1}});
+  for (int k = 0; k < n; ++k) addBox(description, "box" + std::to_string(k), {1, 1, 0.5}, 2, {0.02 * k, -0.01 * k, 0.75 + 0.52 * k + 0.01});
+  World s(description, {.friction = 0.6}, {.dt = 2e-3});
+  s.simulator.advance(1);
+  const Vector before = s.simulator.q();
+  s.simulator.advance(2);
+  CHECK(s.simulator.v().cwiseAbs().maxCoeff() < 1e-5);
+  CHECK(difference(s.model, before, s.simulator.q()).cwiseAbs().maxCoeff() < 1e-5);
+  for (int k = 0; k < n; ++k) CHECK(std::abs(s.simulator.q()[7 * k + 2] + 0.75 + 0.52 * k + 0.01 - (0.75 + 0.5 * k)) < 1e-4);
+}
+
+TEST_CASE("a box comes to rest on a field of heights", "[contact]") {
+  std::vector<double> heights;
+  for (int i = 0; i < 11; ++i)
+    for (int j = 0; j < 11; ++j) heights.push_back(0.1 * (i - 5));  // rises along x
+  Model description = onFloor(heightField(11, 11, heights, -5, -5, 1, 1));
+  addBox(description, "box", {1.5, 1, 0.5}, 3, {0, 0, 0.5});
+  World s(description, {.friction = 0.6}, {.dt = 2e-3});
+  s.simulator.advance(2);
+  CHECK(s.simulator.v().cwiseAbs().maxCoeff() < 1e-5);
+  // Its lower face lies on the slope of 0.1.
+  Data data(s.model);
+  forwardKinematics(s.model, data, s.simulator.q());
+  const Vec3<double> up = jointPlacement(s.model, data, 1).R * Vec3<double>{0, 0, 1};
+  CHECK(std::abs(up.x + 0.1 / std::sqrt(1.01)) < 1e-3);
+  CHECK(std::abs(up.y) < 1e-3);
+}
+
+TEST_CASE("options of contacts that make no sense are refused", "[contact][error]") {
+  Model description = onFloor();
+  addBall(description, "ball", 0.2, 3, {0, 0, 0.2});
+  const CompactModel model = compile(description, registry());
+  const GeometryModel geometry = compileGeometry(model, description);
+  CHECK_THROWS_WITH(geometryContacts(model, geometry, {.friction = -1}), containing("friction is -1"));
+  CHECK_THROWS_WITH(geometryContacts(model, geometry, {.margin = NAN}), containing("margin is"));
+  CHECK_THROWS_WITH(geometryContacts(model, geometry, {.pairs = {{{"floor", "bal"}, 0.1}}}), containing("no pair is of 'floor' and 'bal'"));
+}

@@ -1,0 +1,28 @@
+#include "volume_options.hpp"
+
+#include <dyn/parsers/srdf.hpp>
+
+namespace dyn::tool {
+
+void VolumeOptions::add(CLI::App& app) {
+  app.add_option("--scene", scene, "a URDF whose volumes stand in the world");
+  app.add_option("--srdf", srdf, "pairs that are not to be checked (disable_collisions)");
+  app.add_option("--package", packages, "folder of packages, or a package, for package:// (repeatable); then ROS_PACKAGE_PATH, AMENT_PREFIX_PATH");
+  app.add_flag("--skip-missing", skip_missing, "leave out volumes whose files are not there");
+}
+
+Model VolumeOptions::description(const ModelOptions& robot) const {
+  Model description = robot.description();
+  if (!srdf.empty()) srdf::load(srdf, description);
+  if (!scene.empty()) description = append(description, urdf::load(scene), "universe", {}, "scene/");
+  return description;
+}
+
+GeometryOptions VolumeOptions::geometry() const {
+  GeometryOptions options;
+  options.packages = packages;
+  options.missing = skip_missing ? GeometryOptions::Missing::skip : GeometryOptions::Missing::refuse;
+  return options;
+}
+
+}  // namespace dyn::tool
