@@ -86,6 +86,26 @@ class Bullet : public Peer {
   }
   std::vector<double> result(Task) const override { return acceleration_; }
 
+  std::vector<std::string> integrators() const override {
+    return base_mass_ > 0 ? std::vector<std::string>() : std::vector<std::string>{"semi-implicit Euler"};
+  }
+  std::vector<double> move(const std::string&, const std::vector<double>& q, double time, int steps) override {
+    const int n = body_->getNumLinks();
+    for (int k = 0; k < n; ++k) {
+      body_->setJointPos(k, q[static_cast<std::size_t>(k)]);
+      body_->setJointVel(k, 0);
+    }
+    for (int step = 0; step < steps; ++step) {
+      body_->clearForcesAndTorques();
+      for (int k = 0; k < n; ++k) body_->addLinkForce(k, body_->getLinkMass(k) * gravity_);
+      body_->computeAccelerationsArticulatedBodyAlgorithmMultiDof(time / steps, numbers_, vectors_, matrices_, false, false, false);
+      body_->stepPositionsMultiDof(time / steps);
+    }
+    std::vector<double> end;
+    for (int k = 0; k < n; ++k) end.push_back(body_->getJointPos(k));
+    return end;
+  }
+
  private:
   btVector3 gravity_;
   std::vector<Principal> principal_;

@@ -95,6 +95,23 @@ class Dart : public Peer {
     return {x.data(), x.data() + x.size()};
   }
 
+  std::vector<std::string> integrators() const override {
+    return floating_ ? std::vector<std::string>() : std::vector<std::string>{"semi-implicit Euler"};
+  }
+  std::vector<double> move(const std::string&, const std::vector<double>& q, double time, int steps) override {
+    skeleton_->setPositions(Eigen::Map<const Eigen::VectorXd>(q.data(), static_cast<Eigen::Index>(q.size())));
+    skeleton_->setVelocities(Eigen::VectorXd::Zero(q_.size()));
+    skeleton_->setForces(Eigen::VectorXd::Zero(q_.size()));
+    // What its World does in a step where nothing touches.
+    for (int k = 0; k < steps; ++k) {
+      skeleton_->computeForwardDynamics();
+      skeleton_->integrateVelocities(time / steps);
+      skeleton_->integratePositions(time / steps);
+    }
+    const Eigen::VectorXd end = skeleton_->getPositions();
+    return {end.begin(), end.end()};
+  }
+
  private:
   dart::dynamics::SkeletonPtr skeleton_;
   bool floating_;

@@ -36,6 +36,19 @@ class Libdyn : public Peer {
     return {x.data(), x.data() + x.size()};
   }
 
+  std::vector<std::string> integrators() const override {
+    std::vector<std::string> out;
+    for (const IntegratorInfo& info : dyn::integrators())
+      if (offset_ == 0 && !info.adaptive) out.emplace_back(info.name);
+    return out;
+  }
+  std::vector<double> move(const std::string& integrator, const std::vector<double>& q, double time, int steps) override {
+    Simulator s(model_, {.integrator = integratorByName(integrator), .dt = time / steps});
+    s.reset(Eigen::Map<const Eigen::VectorXd>(q.data(), model_.nq()), Eigen::VectorXd::Zero(model_.nv()));
+    s.advance(time);
+    return {s.q().begin(), s.q().end()};
+  }
+
  private:
   CompactModel model_;
   Data data_;

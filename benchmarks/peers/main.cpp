@@ -1,5 +1,5 @@
 // dyn_peers OUT_DIR FILE[:floating]...: the same work in every library, robot by robot, all in turn; a table, a picture a task, and peers.json,
-// which has the errors at rest, too.
+// which has the errors at rest, too. Robots that do not float fall, by each library's own integrators.
 #include "peers/peers.hpp"
 #include "report/bar_chart.hpp"
 #include "report/quartiles.hpp"
@@ -52,6 +52,12 @@ std::vector<Library> libraries() {
       {"Simbody", DYN_WITH_SIMBODY, makeSimbody},
 #endif
   };
+}
+
+namespace {}  // namespace
+
+std::vector<double> Peer::move(const std::string& integrator, const std::vector<double>&, double, int) {
+  throw Error(ErrorCode::argument, "this library has no integrator '" + integrator + "'");
 }
 
 namespace {
@@ -181,6 +187,39 @@ void compare(const Robot& robot, const std::vector<Library>& all, std::vector<Ba
   }
 }
 
+/// A fall from a bent posture by each library's own integrators: time and error of the end against the fifty-digit reference.
+void compareMotions(const Robot& robot, const std::vector<Library>& all, tool::Json& rows) {
+  constexpr double time = 0.5;
+  const auto& model = *static_cast<const CompactModel*>(robot.compact.get());
+  tool::State start;
+  start.q = Eigen::VectorXd::Constant(model.nq(), 0.3);
+  start.v = Eigen::VectorXd::Zero(model.nv());
+  const Eigen::VectorXd end = tool::Oracle(*static_cast<const Model*>(robot.description.get()), model).move(start, time, 100).q;
+  std::vector<Contender> contenders = contendersFor(robot, all);
+  std::printf("\n%s falls for %g s\n%-12s %-20s %8s %12s %12s\n", robot.name.c_str(), time, "library", "integrator", "steps", "ms", "error");
+  for (const Contender& contender : contenders)
+    for (const std::string& integrator : contender.peer->integrators())
+      for (int steps = 64; steps <= 16384; steps *= 4) {
+        std::vector<double> q, seconds;
+        for (int repetition = 0; repetition < 5; ++repetition) {
+          const auto begin = std::chrono::steady_clock::now();
+          q = contender.peer->move(integrator, {start.q.begin(), start.q.end()}, time, steps);
+          seconds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+        }
+        const double error = (Eigen::Map<const Eigen::VectorXd>(q.data(), end.size()) - end).cwiseAbs().maxCoeff();
+        const Quartiles t = quartiles(seconds);
+        std::printf("%-12s %-20s %8d %12.4f %12.2e\n", contender.library->name.c_str(), integrator.c_str(), steps, 1e3 * t.median, error);
+        if (!std::isfinite(error)) continue;
+        rows.push_back({{"robot", robot.name},
+                        {"library", contender.library->name},
+                        {"version", contender.library->version},
+                        {"integrator", integrator},
+                        {"steps", steps},
+                        {"seconds", t.median},
+                        {"error", error}});
+      }
+}
+
 int run(int argc, char** argv) {
   if (argc < 3) {
     std::fprintf(stderr, "usage: dyn_peers OUT_DIR FILE[:floating]...\n");
@@ -189,7 +228,7 @@ int run(int argc, char** argv) {
   const std::vector<Library> all = libraries();
   for (const Library& library : all) std::printf("%s %s\n", library.name.c_str(), library.version.c_str());
   std::printf("\n%-14s %-5s %-10s %10s %22s %8s %10s\n", "robot", "task", "library", "ns", "quartiles", "x libdyn", "error [u]");
-  tool::Json rows = tool::Json::array();
+  tool::Json rows{{"algorithms", tool::Json::array()}, {"motions", tool::Json::array()}};
   std::vector<BarChart> charts;
   for (const Task task : tasks) charts.emplace_back(std::string(nameOf(task)) + ": ns a call, logarithmic", Scale::logarithmic);
   for (int i = 2; i < argc; ++i) {
@@ -197,7 +236,15 @@ int run(int argc, char** argv) {
     const std::size_t colon = file.rfind(":floating");
     if (colon != std::string::npos) file.resize(colon);
     try {
-      compare(readRobot(file, colon != std::string::npos), all, charts, rows);
+      compare(readRobot(file, colon != std::string::npos), all, charts, rows["algorithms"]);
+    } catch (const Error& e) {
+      std::fprintf(stderr, "%s\n", e.what());
+    }
+  }
+  for (int i = 2; i < argc; ++i) {
+    try {
+      const std::string file = argv[i];
+      if (file.find(":floating") == std::string::npos) compareMotions(readRobot(file, false), all, rows["motions"]);
     } catch (const Error& e) {
       std::fprintf(stderr, "%s\n", e.what());
     }

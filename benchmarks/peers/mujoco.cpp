@@ -111,7 +111,29 @@ class Mujoco : public Peer {
     return M;
   }
 
+  std::vector<std::string> integrators() const override {
+    std::vector<std::string> out;
+    if (!floating_)
+      for (const auto& method : methods) out.emplace_back(method.name);
+    return out;
+  }
+  std::vector<double> move(const std::string& integrator, const std::vector<double>& q, double time, int steps) override {
+    for (const auto& method : methods)
+      if (integrator == method.name) model_->opt.integrator = method.number;
+    model_->opt.timestep = time / steps;
+    mj_resetData(model_, data_);
+    std::copy(q.begin(), q.end(), data_->qpos);
+    for (int k = 0; k < steps; ++k) mj_step(model_, data_);
+    return {data_->qpos, data_->qpos + model_->nq};
+  }
+
  private:
+  struct Method {
+    const char* name;
+    int number;
+  };
+  static constexpr Method methods[] = {{"Euler", mjINT_EULER}, {"implicit", mjINT_IMPLICIT}, {"RK4", mjINT_RK4}};
+
   mjModel* model_;
   mjData* data_;
   bool floating_;

@@ -22,6 +22,11 @@ class Peer {
   /// Of the last run, for the joints without the floating base, in the order of Robot: forces (rnea), accelerations (aba), the mass matrix
   /// row by row (crba).
   virtual std::vector<double> result(Task task) const = 0;
+
+  /// Its own methods of moving through time in equal steps; of robots that do not float, and none where it has none.
+  virtual std::vector<std::string> integrators() const { return {}; }
+  /// From rest at q, without torques: the joints' coordinates after `time`. Of an integrator that it has.
+  virtual std::vector<double> move(const std::string& integrator, const std::vector<double>& q, double time, int steps);
 };
 
 struct Library {

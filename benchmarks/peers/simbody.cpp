@@ -3,6 +3,8 @@
 
 #include <Simbody.h>
 
+#include <memory>
+
 namespace dyn::benchmark::peers {
 
 namespace {
@@ -77,6 +79,29 @@ class Simbody : public Peer {
       for (int j = first; j < n_ && task == Task::crba; ++j) out.push_back(M_(i, j));
     }
     return out;
+  }
+
+  std::vector<std::string> integrators() const override {
+    return floating_ ? std::vector<std::string>() : std::vector<std::string>{"semi-explicit Euler", "Verlet", "Runge-Kutta-Merson"};
+  }
+  std::vector<double> move(const std::string& integrator, const std::vector<double>& q, double time, int steps) override {
+    std::unique_ptr<SimTK::Integrator> method;
+    if (integrator == "Verlet") {
+      method = std::make_unique<SimTK::VerletIntegrator>(system_);
+    } else if (integrator == "Runge-Kutta-Merson") {
+      method = std::make_unique<SimTK::RungeKuttaMersonIntegrator>(system_);
+    } else {
+      method = std::make_unique<SimTK::SemiExplicitEulerIntegrator>(system_, time / steps);
+    }
+    if (integrator != "semi-explicit Euler") method->setFixedStepSize(time / steps);
+    SimTK::State start = system_.getDefaultState();
+    system_.realizeModel(start);
+    for (std::size_t k = 0; k < q.size(); ++k) start.updQ()[static_cast<int>(k)] = q[k];
+    start.updU() = 0;
+    method->initialize(start);
+    while (method->getTime() < time) method->stepTo(time, time);
+    const SimTK::Vector& end = method->getState().getQ();
+    return {&end[0], &end[0] + end.size()};
   }
 
  private:

@@ -59,6 +59,12 @@ TEST_CASE("strips give what one body after the other gives", "[strips]") {
   const Eigen::MatrixXd M = crba(model, data, q), plain_M = crba(model, batch, q).reshaped(model.nv(), model.nv());
   CHECK((M - plain_M).cwiseAbs().maxCoeff() < 1e-13 * plain_M.cwiseAbs().maxCoeff());
   CHECK((ddq - a).cwiseAbs().maxCoeff() < 1e-8 * (1 + a.cwiseAbs().maxCoeff()));
+  CompileOptions asked;
+  asked.strips = false;
+  const CompactModel without = compile(bush(many_types ? 120 : 30, seed, many_types), registry(), asked);
+  CHECK(!usesStrips(without));
+  Data plain_data(without);
+  CHECK(rnea(without, plain_data, q, v, a) == plain);
   CHECK((nonLinearEffects(model, data, q, v) - rnea(model, other, q, v, Eigen::VectorXd::Zero(model.nv()), none)).cwiseAbs().maxCoeff() <
         1e-13 * plain.cwiseAbs().maxCoeff());
 }

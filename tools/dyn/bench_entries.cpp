@@ -24,6 +24,19 @@ Eigen::VectorXd numbersOf(const Both& x) {
   return out;
 }
 
+/// The same of many states.
+template <class States>
+struct BothOfStates {
+  States by_q, by_v;
+  Eigen::VectorXd col(Eigen::Index k) const {
+    Eigen::VectorXd out(by_q.rows() + by_v.rows());
+    out << by_q.col(k).template cast<double>(), by_v.col(k).template cast<double>();
+    return out;
+  }
+};
+template <class States>
+BothOfStates(States, States) -> BothOfStates<States>;
+
 /// Calls f at the state, and with each entry of q, in its tangent space, and of v and a moved.
 template <class Function>
 void differences(const CompactModel& model, const State& s, Eigen::VectorXd& step, Function&& f) {
@@ -207,9 +220,15 @@ void addBatch(Subjects& x, const char* scalar, int threads, std::vector<Entry>& 
   add("crba", [](auto& m, auto& d) { return crba(m, d.batch, d.q); });
   add("aba", [](auto& m, auto& d) { return aba(m, d.batch, d.q, d.v, d.tau); });
   add("joint_jacobians", [](auto& m, auto& d) { computeJointJacobians(m, d.batch, d.q); });
-  add("rnea_derivatives", [](auto& m, auto& d) { computeRNEADerivatives(m, d.batch, d.q, d.v, d.a); });
-  add("aba_derivatives", [](auto& m, auto& d) { computeABADerivatives(m, d.batch, d.q, d.v, d.tau); });
-  add("minverse", [](auto& m, auto& d) { computeMinverse(m, d.batch, d.q); });
+  add("rnea_derivatives", [](auto& m, auto& d) {
+    const auto by = computeRNEADerivatives(m, d.batch, d.q, d.v, d.a);
+    return BothOfStates{by.dtau_dq, by.dtau_dv};
+  });
+  add("aba_derivatives", [](auto& m, auto& d) {
+    const auto by = computeABADerivatives(m, d.batch, d.q, d.v, d.tau);
+    return BothOfStates{by.ddq_dq, by.ddq_dv};
+  });
+  add("minverse", [](auto& m, auto& d) { return computeMinverse(m, d.batch, d.q); });
   add("ccrba", [](auto& m, auto& d) { ccrba(m, d.batch, d.q, d.v); });
   add("centroidal_derivatives", [](auto& m, auto& d) { computeCentroidalDynamicsDerivatives(m, d.batch, d.q, d.v, d.a); });
   add("coriolis", [](auto& m, auto& d) { computeCoriolisMatrix(m, d.batch, d.q, d.v); });

@@ -35,6 +35,9 @@ const Quantity* find(const std::string& algorithm) {
   return nullptr;
 }
 
+/// Of a truth's number k among an algorithm's: truths are row after row, results column after column.
+Eigen::Index placeOf(Eigen::Index k, Eigen::Index count, Eigen::Index n) { return count == n * n ? (k % n) * n + k / n : k; }
+
 }  // namespace
 
 std::vector<TruthSample> readTruth(const std::string& path, const CompactModel& model) {
@@ -56,8 +59,16 @@ std::vector<TruthSample> readTruth(const std::string& path, const CompactModel& 
 
 void replaceTruth(TruthSample& sample, const std::string& algorithm, const Eigen::VectorXd& numbers) {
   const Quantity* quantity = find(algorithm);
-  if (quantity != nullptr && quantity->keys.size() == 1 && sample.truth.contains(quantity->keys[0]))
-    sample.truth[quantity->keys[0]].assign(numbers.begin(), numbers.end());
+  if (quantity == nullptr) return;
+  const Eigen::Index n = sample.state.v.size();
+  Eigen::Index first = 0;
+  for (const char* key : quantity->keys) {
+    const auto found = sample.truth.find(key);
+    if (found == sample.truth.end()) return;
+    const auto count = static_cast<Eigen::Index>(found->second.size());
+    for (Eigen::Index k = 0; k < count; ++k) found->second[static_cast<std::size_t>(k)] = numbers[first + placeOf(k, count, n)];
+    first += count;
+  }
 }
 
 void addErrors(const TruthSample& sample, const std::string& algorithm, const Eigen::VectorXd& numbers, double u, ErrorSummary& out) {
@@ -76,9 +87,7 @@ void addErrors(const TruthSample& sample, const std::string& algorithm, const Ei
     long double largest = 0;
     for (const long double x : truth) largest = std::max(largest, std::abs(x));
     for (Eigen::Index k = 0; k < count; ++k) {
-      // Truths row after row, numbers column after column.
-      const Eigen::Index at = count == n * n ? (k % n) * n + k / n : k;
-      const double x = fits ? numbers[first + at] : std::numeric_limits<double>::quiet_NaN();
+      const double x = fits ? numbers[first + placeOf(k, count, n)] : std::numeric_limits<double>::quiet_NaN();
       const long double off = std::abs(static_cast<long double>(x) - truth[static_cast<std::size_t>(k)]);
       const long double by = scale ? (*scale)[static_cast<std::size_t>(k)] : largest;
       out.add(!std::isfinite(x) ? std::numeric_limits<double>::infinity()

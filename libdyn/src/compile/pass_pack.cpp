@@ -29,7 +29,7 @@ class Packer {
     losses();
     out_->report.passes.push_back("pack: " + std::to_string(out_->batches.size()) + " type batches, " + std::to_string(out_->runs.size()) +
                                   " runs: " + std::to_string(out_->batches.size() + out_->runs.size()) + " dispatches an evaluation");
-    out_->strips = planStrips(*out_);
+    if (options_.strips) out_->strips = planStrips(*out_);
     const int strips = out_->strips.count;
     out_->report.passes.push_back(
         strips < 1 ? std::string("strips: none, one body after the other")

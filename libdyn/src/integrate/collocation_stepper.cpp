@@ -86,10 +86,11 @@ class CollocationStepper : public CubicStepper {
   }
 
  private:
-  /// Iterates to where changes are rounding, with the matrix anew where they do not halve.
+  /// Iterates to where changes are rounding, with the matrix anew where they do not halve: first one state's derivatives for all stages, then
+  /// each stage's own. Where loops are nearly singular those differ much.
   bool solve(const Moment& from) {
     constexpr int most_iterations = 60;
-    factorize(from);
+    factorizeMiddle(from);
     double before = std::numeric_limits<double>::infinity();
     for (int i = 0; i < most_iterations; ++i) {
       ++law_.statistics.iterations;
@@ -105,7 +106,7 @@ class CollocationStepper : public CubicStepper {
       if (size > 0.5 * before) {
         // No better: rounding, if it is that small; otherwise the matrix is that of another state.
         if (size <= 0x1p-40 * scale) return true;
-        factorize(from);
+        factorizeStages(from);
       }
       before = size;
     }
@@ -113,34 +114,65 @@ class CollocationStepper : public CubicStepper {
   }
 
   /// Of the state in the middle of the stages as they are now.
-  void factorize(const Moment& from) {
-    ++law_.statistics.factorizations;
-    const int s = tableau_.stages;
-    middle_v_ = from.v + 0.5 * h_ / s * k_.rowwise().sum();
+  void factorizeMiddle(const Moment& from) {
+    middle_v_ = from.v + 0.5 * h_ / tableau_.stages * k_.rowwise().sum();
     u_ = 0.5 * h_ * from.v;
     chart_.point(from.q.data(), u_.data(), q_.data());
-    law_.derivatives(from.time + 0.5 * h_, q_.data(), middle_v_.data(), MatrixMap(by_q_.data(), n_, n_), MatrixMap(by_v_.data(), n_, n_));
-    for (int i = 0; i < s; ++i)
-      for (int j = 0; j < s; ++j) {
-        auto block = matrix_.block(i * n_, j * n_, n_, n_);
-        block = -h_ * tableau_.a[at(i)][at(j)] * by_v_ - h_ * h_ * squared_[at(i)][at(j)] * by_q_;
-        if (i == j) block.diagonal().array() += 1;
-      }
+    differentiate(from.time + 0.5 * h_, middle_v_);
+    for (int i = 0; i < tableau_.stages; ++i) writeRows(i);
+    factorize();
+  }
+
+  void factorizeStages(const Moment& from) {
+    stageVelocities(from);
+    for (int i = 0; i < tableau_.stages; ++i) {
+      placeStage(from, i);
+      differentiate(from.time + tableau_.c[at(i)] * h_, v_.col(i));
+      writeRows(i);
+    }
+    factorize();
+  }
+
+  /// At q_.
+  template <class V>
+  void differentiate(double t, const V& v) {
+    law_.derivatives(t, q_.data(), v.data(), MatrixMap(by_q_.data(), n_, n_), MatrixMap(by_v_.data(), n_, n_));
+  }
+
+  /// Newton's matrix of stage i, by the last derivatives.
+  void writeRows(int i) {
+    for (int j = 0; j < tableau_.stages; ++j) {
+      auto block = matrix_.block(i * n_, j * n_, n_, n_);
+      block = -h_ * tableau_.a[at(i)][at(j)] * by_v_ - h_ * h_ * squared_[at(i)][at(j)] * by_q_;
+      if (i == j) block.diagonal().array() += 1;
+    }
+  }
+
+  void factorize() {
+    ++law_.statistics.factorizations;
     solver_.compute(matrix_);
+  }
+
+  void stageVelocities(const Moment& from) {
+    for (int i = 0; i < tableau_.stages; ++i) {
+      v_.col(i) = from.v;
+      for (int j = 0; j < tableau_.stages; ++j) v_.col(i) += h_ * tableau_.a[at(i)][at(j)] * k_.col(j);
+    }
+  }
+
+  /// q_ of stage i by all stages' velocities.
+  void placeStage(const Moment& from, int i) {
+    u_.setZero();
+    for (int j = 0; j < tableau_.stages; ++j) u_ += h_ * tableau_.a[at(i)][at(j)] * (v_.col(j) + turning_.col(j));
+    chart_.point(from.q.data(), u_.data(), q_.data());
   }
 
   /// Stages of the present accelerations, and what these are off. Returns by how much the chart's rates have changed.
   double evaluate(const Moment& from) {
-    const int s = tableau_.stages;
-    for (int i = 0; i < s; ++i) {
-      v_.col(i) = from.v;
-      for (int j = 0; j < s; ++j) v_.col(i) += h_ * tableau_.a[at(i)][at(j)] * k_.col(j);
-    }
+    stageVelocities(from);
     double changed = 0;
-    for (int i = 0; i < s; ++i) {
-      u_.setZero();
-      for (int j = 0; j < s; ++j) u_ += h_ * tableau_.a[at(i)][at(j)] * (v_.col(j) + turning_.col(j));
-      chart_.point(from.q.data(), u_.data(), q_.data());
+    for (int i = 0; i < tableau_.stages; ++i) {
+      placeStage(from, i);
       chart_.rate(from.q.data(), q_.data(), v_.col(i).data(), rate_.data());
       const double* a = law_.acceleration(from.time + tableau_.c[at(i)] * h_, q_.data(), v_.col(i).data());
       residual_.segment(i * n_, n_) = k_.col(i) - VectorResult(a, n_);

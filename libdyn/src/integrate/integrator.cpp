@@ -5,14 +5,14 @@ namespace dyn {
 
 const std::vector<IntegratorInfo>& integrators() {
   static const std::vector<IntegratorInfo> all{
-      {Integrator::explicit_euler, "explicit_euler", 1, false, false, true},
-      {Integrator::semi_implicit_euler, "semi_implicit_euler", 1, false, false, true},
-      {Integrator::rk4, "rk4", 4, false, false, true},
-      {Integrator::dormand_prince, "dormand_prince", 5, true, false, true},
-      {Integrator::implicit_midpoint, "implicit_midpoint", 2, false, true, true},
-      {Integrator::gauss6, "gauss6", 6, false, true, true},
-      {Integrator::radau5, "radau5", 5, false, true, true},
-      {Integrator::variational, "variational", 2, false, true, false},
+      {Integrator::explicit_euler, "explicit_euler", 1, false, false},
+      {Integrator::semi_implicit_euler, "semi_implicit_euler", 1, false, false},
+      {Integrator::rk4, "rk4", 4, false, false},
+      {Integrator::dormand_prince, "dormand_prince", 5, true, false},
+      {Integrator::implicit_midpoint, "implicit_midpoint", 2, false, true},
+      {Integrator::gauss6, "gauss6", 6, false, true},
+      {Integrator::radau5, "radau5", 5, false, true},
+      {Integrator::variational, "variational", 2, false, true},
   };
   return all;
 }

@@ -144,8 +144,12 @@ bool Law::project(double* q, double* v) {
   const auto x = detail::projectConfiguration(model_, data_, {q, model_.nq()}, *constraints_, {});
   if (!x.closed) return false;
   std::copy_n(x.q, model_.nq(), q);
-  std::copy_n(detail::impulseDynamics(model_, data_, {q, model_.nq()}, {v, model_.nv()}, 0.0, *constraints_).motion, model_.nv(), v);
+  projectVelocity(q, v);
   return true;
+}
+
+void Law::projectVelocity(const double* q, double* v) {
+  std::copy_n(detail::impulseDynamics(model_, data_, {q, model_.nq()}, {v, model_.nv()}, 0.0, *constraints_).motion, model_.nv(), v);
 }
 
 }  // namespace dyn

@@ -40,10 +40,13 @@ class Law {
   double constraintError(const double* q, const double* v);
   /// q and v onto what the constraints allow. False if q does not get there.
   bool project(double* q, double* v);
+  void projectVelocity(const double* q, double* v);
 
   const CompactModel& model() const { return model_; }
   Data& data() { return data_; }
   bool constrained() const { return constraints_.has_value(); }
+  /// Of a law that is.
+  ConstraintData& constraints() { return *constraints_; }
 
   Controller controller;
   ControllerDerivatives controller_derivatives;

@@ -22,12 +22,11 @@ std::string number(double x) {
 
 [[noreturn]] void refuse(const std::string& why) { throw Error(ErrorCode::argument, "Simulator: " + why); }
 
-const SimulatorOptions& checked(const CompactModel& model, const ConstraintSet* constraints, const SimulatorOptions& options) {
+const SimulatorOptions& checked(const CompactModel& model, const SimulatorOptions& options) {
   const IntegratorInfo& info = infoOf(options.integrator);
   if (!(options.restitution >= 0 && options.restitution <= 1)) refuse("restitution is " + number(options.restitution) + "; it is between 0 and 1");
   if (!(options.dt > 0) || !std::isfinite(options.dt)) refuse("dt is " + number(options.dt) + "; a step of time must be positive");
   if (info.adaptive && !(options.tolerance > 0)) refuse("the tolerance is " + number(options.tolerance) + "; it must be positive");
-  if (constraints && !info.constrained) refuse(std::string("the integrator '") + info.name + "' takes no constraints; implicit_midpoint does");
   if (options.integrator == Integrator::variational && !model.impl().couplings.empty())
     refuse("the integrator 'variational' takes no joints that follow others; load them as independent ones, or use implicit_midpoint");
   return options;
@@ -57,7 +56,7 @@ std::unique_ptr<Stepper> makeStepper(Law& law, const SimulatorOptions& options) 
 }
 
 Simulator::Impl::Impl(const CompactModel& model, const ConstraintSet* set, const SimulatorOptions& o)
-    : options(checked(model, set, o)),
+    : options(checked(model, o)),
       constraints(set ? std::optional(*set) : std::nullopt),
       law(model, set, needOf(o.integrator)),
       stepper(makeStepper(law, options)),
@@ -93,10 +92,26 @@ void Simulator::Impl::checkFinite(const Moment& x, double h) const {
   }
 }
 
+StepOutcome Simulator::Impl::stepOrPass(double h) {
+  StepOutcome outcome = stepper->step(h, now, next);
+  if (outcome == StepOutcome::taken || !law.constrained()) return outcome;
+  struct Kept {
+    ConstraintSettings& settings;
+    ConstraintSettings own = settings;
+    ~Kept() { settings = own; }
+  } kept{law.constraints().settings};
+  for (const double wider : {1e-6, 1e-4, 1e-2}) {
+    kept.settings.rank_tolerance = wider;
+    outcome = stepper->step(h, now, next);
+    if (outcome == StepOutcome::taken) break;
+  }
+  return outcome;
+}
+
 bool Simulator::Impl::attempt(double h, double until, std::string& why) {
   next.time = until;
   try {
-    if (stepper->step(h, now, next) == StepOutcome::taken) return true;
+    if (stepOrPass(h) == StepOutcome::taken) return true;
     why = "it has equations that iterations do not solve; take shorter ones";
   } catch (const Error& e) {
     // A callback's own failure is none of the step's.

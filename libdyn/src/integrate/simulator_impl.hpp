@@ -44,6 +44,9 @@ struct Simulator::Impl {
   /// `next` becomes `now`.
   void commit();
 
+  /// The stepper's step to `next`. Where rows come to depend on each other within it, equations that ask for all of them may have no solution:
+  /// then again with those left out that hardly add anything, which the projection after the step brings back.
+  StepOutcome stepOrPass(double h);
   /// A step to `next`; false, and why, if there is none.
   bool attempt(double h, double until, std::string& why);
   void stepBy(double h, double until);

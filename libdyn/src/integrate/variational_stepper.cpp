@@ -2,13 +2,18 @@
 // 1.3 and 3; on groups Bou-Rabee and Marsden 2009). In momenta p = M v, with F = C^T xi - g + forces the rate of p at the midpoint,
 //   p0 = X^T p - h/2 Y0^T F,   p1 = X^T p + h/2 Y1^T F,   p = M(q) xi:
 // the first is solved for xi, the second gives p1. X, Y0, Y1 are 1 for coordinates that add; otherwise see Chart::midpointMaps.
+// Constraints act at the ends (Andersen 1983, Leimkuhler and Skeel 1994; Marsden and West 2001, sec. 3.4): p0 + J(q0)^T lambda in place of p0,
+// with lambda such that q1 keeps them, and p1 then such that J(q1) v1 = 0.
+#include "constraint/kkt.hpp"
 #include "integrate/stepper.hpp"
 
 #include <dyn/algorithm/cholesky.hpp>
 #include <dyn/algorithm/coriolis.hpp>
 #include <dyn/algorithm/crba.hpp>
+#include <dyn/constraint/dynamics.hpp>
 
 #include <cmath>
+#include <vector>
 
 namespace dyn {
 
@@ -27,18 +32,32 @@ class VariationalStepper : public CubicStepper {
         at_start_(n_),
         at_end_(n_),
         residual_(n_),
-        q_(law.model().nq()) {}
+        q_(law.model().nq()) {
+    if (!law.constrained()) return;
+    const ConstraintSet& set = law.constraints().set();
+    start_jacobian_.resize(set.rows(), n_);
+    violation_.resize(set.rows());
+    for (int k = 0; k < set.count(); ++k) {
+      const auto& relation = set.description(k).relation;
+      const auto* frame = std::get_if<FrameConstraint>(&relation);
+      const auto* lock = std::get_if<JointLock>(&relation);
+      const bool placed = !(frame && !frame->has_target) && !(lock && lock->configuration.empty());
+      placed_.insert(placed_.end(), static_cast<std::size_t>(set.rows(k)), placed);
+    }
+  }
 
   StepOutcome step(double h, Moment& from, Moment& to) override {
     h_ = h;
-    start_momentum_.noalias() = massMatrix(from.q) * from.v;
     accelerationAt(from);
-    xi_ = from.v + 0.5 * h * from.a;
+    if (law_.constrained())
+      start_jacobian_ = MatrixResult(detail::constraintJacobian(law_.model(), law_.data(), {from.q.data(), from.q.size()}, law_.constraints()),
+                                     start_jacobian_.rows(), n_);
     if (!solve(from, to)) return StepOutcome::unsolved;
     massMatrix(to.q);
     cholesky::decompose(law_.model(), law_.data());
     to.v = momentum_ + 0.5 * h * at_end_;
     cholesky::solve(law_.model(), law_.data(), to.v);
+    if (law_.constrained()) law_.projectVelocity(to.q.data(), to.v.data());
     to.has_acceleration = false;
     return StepOutcome::taken;
   }
@@ -49,6 +68,10 @@ class VariationalStepper : public CubicStepper {
   /// M at the midpoint is the matrix: what it lacks is of the order of h, the ratio by which changes shrink.
   bool solve(const Moment& from, Moment& to) {
     constexpr int most_iterations = 200;
+    // Rounding: that of positions counts by the step's length.
+    const double floor = law_.constrained() ? 0x1p-30 : 0x1p-40;
+    start_momentum_.noalias() = massMatrix(from.q) * from.v;
+    xi_ = from.v + 0.5 * h_ * from.a;
     double before = std::numeric_limits<double>::infinity();
     int no_better = 0;
     for (int i = 0; i < most_iterations; ++i) {
@@ -56,17 +79,34 @@ class VariationalStepper : public CubicStepper {
       evaluate(from, to);
       residual_ = momentum_ - 0.5 * h_ * at_start_ - start_momentum_;
       cholesky::solve(law_.model(), law_.data(), residual_);
+      if (law_.constrained()) constrain();
       xi_ -= residual_;
       const double size = n_ > 0 ? residual_.cwiseAbs().maxCoeff() : 0, scale = n_ > 0 ? xi_.cwiseAbs().maxCoeff() : 0;
       if (!residual_.allFinite()) return false;
       if (size <= 0x1p-52 * scale) break;
-      if (size > 0.5 * before && size <= 0x1p-40 * scale) break;
+      if (size > 0.5 * before && size <= floor * scale) break;
       no_better = size > before ? no_better + 1 : 0;
       if (no_better == 5 || i + 1 == most_iterations) return false;
       before = size;
     }
     evaluate(from, to);
     return true;
+  }
+
+  /// Changes the correction of xi and the momentum at the start by the forces that bring q1 to where the constraints hold. The matrix is that
+  /// halfway, where it lacks least: near singular positions rows change quickly.
+  void constrain() {
+    ConstraintDataImpl& c = law_.constraints().impl();
+    const CompactImpl& m = law_.model().impl();
+    const int rows = c.set.rows();
+    // -residual + X lambda is to change the rows' velocities by -violation.
+    for (int r = 0; r < rows; ++r) c.wanted[r] = -(placed_[static_cast<std::size_t>(r)] ? violation_[r] : c.motion.velocity[r]);
+    addRowsOf(m, c, residual_.data(), c.wanted);
+    c.solver.factor(c.workspace, law_.constraints().settings);
+    c.solver.solve(c.wanted, c.lambda);
+    start_momentum_.noalias() += start_jacobian_.transpose().lazyProduct(VectorResult(c.lambda, rows));
+    for (int r = 0; r < rows; ++r) c.lambda[r] = -c.lambda[r];
+    addMotionOf(m, c, c.lambda, residual_.data());
   }
 
   /// momentum_ = X^T p and the two ends' forces at the present xi; leaves the factors of M at the midpoint.
@@ -78,18 +118,34 @@ class VariationalStepper : public CubicStepper {
     u_ *= 0.5;
     chart_.point(from.q.data(), u_.data(), q_.data());
     u_ *= 2;
+    if (law_.constrained()) violate(to);
     // F = (C + C^T) xi - (C xi + g + losses) + applied forces: gravity and losses come from rnea alone.
     rate_ = VectorResult(law_.applied(from.time + 0.5 * h_, q_.data(), xi_.data()), n_);
     rate_ -= nonLinearEffects(model, data, q_, xi_);
     const MatrixResult C = computeCoriolisMatrix(model, data, q_, xi_);
     rate_.noalias() += C * xi_;
     rate_.noalias() += C.transpose() * xi_;
-    momentum_.noalias() = massMatrix(q_) * xi_;
-    cholesky::decompose(model, data);
+    if (law_.constrained()) {
+      const VectorView xi{xi_.data(), n_};
+      projectInertia("Simulator::step", model, data, {q_.data(), q_.size()}, &xi, law_.constraints().impl());
+      momentum_.noalias() = MatrixResult(data.impl().M, n_, n_) * xi_;
+    } else {
+      momentum_.noalias() = massMatrix(q_) * xi_;
+      cholesky::decompose(model, data);
+    }
     chart_.midpointMaps(from.q.data(), u_.data(), to.q.data(), momentum_.data(), rate_.data(), at_start_.data(), at_end_.data());
   }
 
+  /// By which q1 does not keep the constraints, as velocities over the step. Those without a place to keep ask for no velocity halfway.
+  void violate(const Moment& to) {
+    const VectorView q{to.q.data(), to.q.size()}, xi{xi_.data(), n_};
+    violation_ = VectorResult(detail::constraintMotion(law_.model(), law_.data(), q, xi, law_.constraints()).error, violation_.size()) / h_;
+  }
+
   int n_;
+  Eigen::MatrixXd start_jacobian_;
+  Eigen::VectorXd violation_;
+  std::vector<bool> placed_;  ///< by row: whether its constraint has a target
   Eigen::VectorXd xi_, u_, momentum_, start_momentum_, rate_, at_start_, at_end_, residual_, q_;
 };
 

@@ -13,7 +13,9 @@ namespace dyn::tool {
 Specimen specimenOf(const Model& description, const JointRegistry& registry) {
   CompileOptions options;
   options.dissipation = options.armature = false;
-  return {"", "", description, compile(description, registry, options)};
+  const CompactModel model = compile(description, registry, options);
+  options.strips = false;
+  return {"", "", description, model, compile(description, registry, options)};
 }
 
 namespace {
@@ -45,7 +47,10 @@ void run(const AccuracyOptions& o) {
   page.add(motionSection(specimens, o));
   page.add(driftSection(o));
   page.add(lengthSection(o));
-  if (!o.peers.empty()) page.add(peerSection(o.peers));
+  page.add(distanceSection(o));
+  page.add(lieSection(o));
+  if (!o.peers.empty())
+    for (Section& section : peerSections(o.peers)) page.add(std::move(section));
   page.write(o.out);
   std::printf("%s/index.html\n%s/report.json\n", o.out.c_str(), o.out.c_str());
 }
@@ -53,8 +58,9 @@ void run(const AccuracyOptions& o) {
 }  // namespace
 
 void addAccuracy(CLI::App& app) {
-  CLI::App* sub =
-      app.add_subcommand("accuracy", "a page of speed against error: algorithms, integrators, long chains; against fifty-digit references");
+  CLI::App* sub = app.add_subcommand(
+      "accuracy",
+      "a page of speed against error: algorithms, integrators, long chains, far bases, rotations; against references of fifty digits and more");
   auto o = std::make_shared<AccuracyOptions>();
   sub->add_option("--models", o->models, "URDF files, each with :ROOT if it does not stand fixed, as in talos.urdf:free_flyer; without, a chain")
       ->delimiter(',');

@@ -26,11 +26,28 @@ struct Line {
 };
 
 std::string modeOf(const Line& line) { return line.scalar == "float" ? line.mode + " float" : line.mode; }
+bool usesStrips(const CompactModel& model) {
+  const std::vector<std::string>& passes = model.report().passes;
+  return std::any_of(passes.begin(), passes.end(),
+                     [](const std::string& x) { return x.find("dynamics of single states uses them") != std::string::npos; });
+}
+
+/// Single states, one joint after the other.
+void addWithoutStrips(Subjects& x, std::vector<Entry>& entries) {
+  std::vector<Entry> single;
+  addSingle(x, single);
+  for (Entry& entry : single) {
+    entry.mode = "single, no strips";
+    entries.push_back(std::move(entry));
+  }
+}
+
 /// Beside its point: only what sets it apart.
 std::string labelOf(const Line& line) {
   const std::string mode = modeOf(line), differences = "differences ", single = "single ";
   if (mode == "single") return "";
   if (mode == "batch float") return "float";
+  if (mode == "single, no strips") return "no strips";
   if (mode.rfind(differences, 0) == 0) return "h = " + mode.substr(differences.size());
   return mode.rfind(single, 0) == 0 ? mode.substr(single.size()) : mode;
 }
@@ -165,7 +182,8 @@ Section algorithmSection(const std::vector<Specimen>& specimens, const AccuracyO
       "no "
       "code with the library. Errors of rnea, aba and Cholesky forward dynamics are scaled by what their summands could be before they cancel, the "
       "others by the largest entry. Times are medians of eleven repetitions over 256 random states. Points without a word are calls of one state; "
-      "batch: many states a call; float: such in single precision; codegen: code generated for the model; others: an instruction set.",
+      "no strips: without joints of equal depth side by "
+      "side; batch: many states a call; float: such in single precision; codegen: code generated for the model; others: an instruction set.",
       "What limits each: rounding alone. Finite differences are limited by their step, and gain or lose digits as it is chosen."};
   out.table.columns = {"model",      "algorithm",     "mode",          "ns a state",          "quartile 1",
                        "quartile 3", "error max [u]", "error rms [u]", "digits a microsecond"};
@@ -180,6 +198,9 @@ Section algorithmSection(const std::vector<Specimen>& specimens, const AccuracyO
     // Floats are judged by the reference at what states round to, which doubles stand in for: their errors are a hundred million times less.
     std::vector<Entry> entries;
     addSingle(subjects, entries);
+    Subjects plain(specimen.without_strips, ConstraintSet(specimen.without_strips, {}));
+    plain.truth = subjects.truth;
+    if (usesStrips(model)) addWithoutStrips(plain, entries);
     addBatch<double>(subjects, "double", 1, entries);
     addBatch<float>(subjects, "float", 1, entries);
     if (derivatives)

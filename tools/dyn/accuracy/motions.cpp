@@ -156,7 +156,6 @@ Section motionSection(const std::vector<Specimen>& specimens, const AccuracyOpti
     benchmark::LineChart by_drift(problem.name + ": energy", label("largest change of energy [J]"), label("seconds"));
     std::optional<Point> anchor;
     for (const IntegratorInfo& info : integrators()) {
-      if (!info.constrained && ConstraintSet(problem.model).count() > 0) continue;
       const int finest = options.quick ? 4 : 8;
       for (int k = 0; k <= finest; ++k) {
         const SimulatorOptions simulation{

@@ -14,6 +14,7 @@ struct Specimen {
   std::string path, root;
   Model description;
   CompactModel model;
+  CompactModel without_strips;
 };
 
 /// Without damping, friction and armature, of which the reference knows nothing.
@@ -33,7 +34,11 @@ Section motionSection(const std::vector<Specimen>& specimens, const AccuracyOpti
 Section driftSection(const AccuracyOptions& options);
 /// Errors and times against the length of a chain.
 Section lengthSection(const AccuracyOptions& options);
-/// Times and errors of other libraries, from the file that tools/bench-peers writes.
-Section peerSection(const std::string& file);
+/// Errors against the distance of the base.
+Section distanceSection(const AccuracyOptions& options);
+/// Errors of the functions of rotations and rigid motions against the angle.
+Section lieSection(const AccuracyOptions& options);
+/// Times and errors of other libraries, of algorithms and of motions, from the file that tools/bench-peers writes.
+std::vector<Section> peerSections(const std::string& file);
 
 }  // namespace dyn::tool

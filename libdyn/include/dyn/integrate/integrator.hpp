@@ -25,9 +25,8 @@ struct IntegratorInfo {
   Integrator integrator;
   const char* name;
   int order;
-  bool adaptive;     ///< steps follow a tolerance
-  bool implicit;     ///< solves equations in every step: by Newton's method with analytic derivatives, the variational one by iteration
-  bool constrained;  ///< takes constraints
+  bool adaptive;  ///< steps follow a tolerance
+  bool implicit;  ///< solves equations in every step: by Newton's method with analytic derivatives, the variational one by iteration
 };
 
 /// All of them, in the order of the enumeration.

@@ -66,7 +66,7 @@ struct SimulatorStatistics {
 class DYN_API Simulator {
  public:
   /// Of a model with the constraints of its own description, closed loops and couplings. Starts at neutral, at rest, at time 0. Throws
-  /// Error(argument): a dt or tolerance that is not positive, constraints that the integrator does not take.
+  /// Error(argument): a dt or tolerance that is not positive, joints that follow others with the variational integrator.
   explicit Simulator(const CompactModel& model, const SimulatorOptions& options = {});
   /// With these and no others.
   explicit Simulator(const ConstraintSet& constraints, const SimulatorOptions& options = {});
