@@ -364,3 +364,55 @@ TEST_CASE("Bricard's linkage and Andrews' squeezer move as the references do", "
     }
   }
 }
+
+TEST_CASE("every method follows loops with its order, through singular positions and with redundant rows", "[motion][loops]") {
+  DYN_NEEDS_SHARED();
+  struct Loop {
+    std::string name;
+    Mechanism mechanism;
+    double time, dt;
+    std::function<double(const Simulator&)> error;
+  };
+  std::vector<Loop> loops;
+  {
+    const Mechanism m = fourBars(1);
+    const double angle = number(truthFile("data/ref_pendula.json")["A02"]["1"]["theta10"]);
+    loops.push_back({"four-bar", m, 10, 1e-2, [m, angle](const Simulator& s) { return std::abs(-s.q()[m.dof("crank0")] - angle); }});
+  }
+  {
+    const Mechanism m = bricard("bricard");
+    const nlohmann::json states = truthFile("data/ref_bricard.json")["states"];
+    const auto at = std::find_if(states.begin(), states.end(), [](const auto& state) { return number(state["t"]) == 2; });
+    loops.push_back({"Bricard", m, 2, 1e-2, [q = numbers((*at)["q"])](const Simulator& s) { return largest(s.q() - q); }});
+  }
+  {
+    const Mechanism m = andrewsSqueezer();
+    const nlohmann::json states = truthFile("data/ref_andrews.json")["states"];
+    const auto at = std::find_if(states.begin(), states.end(), [](const auto& state) { return number(state["t"]) == 0.03; });
+    const auto error = [m, q = numbers((*at)["q"])](const Simulator& s) {
+      double most = 0;
+      for (std::size_t k = 0; k < andrews_order.size(); ++k)
+        most = std::max(most, std::abs(s.q()[m.dof(andrews_order[k])] - q[static_cast<Eigen::Index>(k)]));
+      return most;
+    };
+    loops.push_back({"Andrews", m, 0.03, 1.25e-5, error});
+  }
+  for (const Loop& loop : loops) {
+    for (const IntegratorInfo& info : integrators()) {
+      if (info.adaptive || info.order == 1) continue;
+      const auto error = [&](double dt) {
+        Simulator s(loop.mechanism.model, {.integrator = info.integrator, .dt = dt});
+        s.setController([&](double, const VectorResult& q, const VectorResult& v, VectorMap tau) { tau = loop.mechanism.force(q, v); });
+        s.reset(loop.mechanism.q, loop.mechanism.v);
+        s.advance(loop.time);
+        CHECK(s.constraintError() < 1e-12);
+        return loop.error(s);
+      };
+      const double coarse = error(loop.dt), fine = error(loop.dt / 2);
+      INFO(loop.name << ", " << info.name << ": " << coarse << ", " << fine);
+      // To the order, or down to what is rounding in so many steps.
+      CHECK(fine < std::max(std::exp2(-0.95 * info.order) * coarse, 1e-10));
+      CHECK(coarse < 0.05);
+    }
+  }
+}

@@ -18,7 +18,7 @@ void projectOntoCone(const PackedCone& cone, double* all) {
     return;
   }
   const double friction = cone.friction;
-  const double slip = std::hypot(x[0], x[1]), normal = x[2];
+  const double slip = std::sqrt(x[0] * x[0] + x[1] * x[1]), normal = x[2];
   if (slip <= friction * normal) return;
   if (friction * slip <= -normal) {
     x[0] = x[1] = x[2] = 0;
@@ -59,7 +59,7 @@ ConeSolution ConeSolver::solve(kernels::ConstraintWorkspace& w, const ConeProble
       for (std::size_t c = 0; c < problem.count; ++c) {
         if (problem.cones[c].friction == 0) continue;
         const double* y = dual_ + problem.cones[c].row;
-        right_[problem.cones[c].normal()] -= problem.cones[c].friction * std::hypot(y[0], y[1]);
+        right_[problem.cones[c].normal()] -= problem.cones[c].friction * std::sqrt(y[0] * y[0] + y[1] * y[1]);
       }
     k.timesRows(n, w.stride, w.inverse, right_, force_);
     double moved = 0;

@@ -63,6 +63,22 @@ double allowance(const PackedCone& cone, double before, double dt, double restit
   return cone.sign * (cone.gap / dt + bounce);
 }
 
+bool inCone(const PackedCone& cone, const double* all) {
+  const double* x = all + cone.row;
+  return cone.rows == 1 ? cone.sign * x[0] >= 0 : std::hypot(x[0], x[1]) <= cone.friction * x[2];
+}
+
+/// Most contacts hold: forces that let none of the rows move are the solution wherever they are in their cones. Into c.lambda, and the velocities
+/// that are left into c.gamma.
+bool holdAll(ConstraintDataImpl& c, const ConstraintSettings& constraints, std::size_t count, double tolerance) {
+  const int rows = c.set.rows();
+  for (int r = 0; r < rows; ++r) c.step[r] = -c.wanted[r];
+  c.solver.factor(c.workspace, constraints);
+  c.solver.solve(c.step, c.lambda);
+  if (!(c.solver.residual(c.lambda, c.step, c.gamma) <= tolerance)) return false;
+  return std::all_of(c.cones, c.cones + count, [&](const PackedCone& cone) { return inCone(cone, c.lambda); });
+}
+
 /// d.ddq with forces of the rows.
 void accelerate(const CompactModel& model, DataImpl& d, ConstraintDataImpl& c, const double* forces) {
   const CompactImpl& m = model.impl();
@@ -91,8 +107,11 @@ ContactViews contactStep(const CompactModel& model, Data& data, VectorView q, Ve
     const int normal = c.cones[k].normal();
     c.wanted[normal] += allowance(c.cones[k], c.motion.velocity[normal], dt, settings.restitution);
   }
-  const ConeSolution found = c.cone_solver.solve(c.workspace, {rows, c.cones, count, c.wanted, true}, settings, c.lambda);
-  std::copy_n(c.cone_solver.velocity(), rows, c.gamma);
+  ConeSolution found{true, 0};
+  if (!holdAll(c, constraints.settings, count, settings.tolerance)) {
+    found = c.cone_solver.solve(c.workspace, {rows, c.cones, count, c.wanted, true}, settings, c.lambda);
+    std::copy_n(c.cone_solver.velocity(), rows, c.gamma);
+  }
   ContactResidual residual{0, 0};
   std::fill_n(c.left, rows, 1.0);
   for (std::size_t k = 0; k < count; ++k) {

@@ -63,9 +63,9 @@ DYN_API ContactViews contactForces(const CompactModel&, Data&, VectorView q, Vec
 
 /// One step of time at the level of velocities, q held: M (v_after - v) = dt (tau - C v - g) + J^T impulse with 0 <= normal impulse, normal
 /// velocity >= -gap / dt - restitution * before, one of the two zero, and friction that opposes slip at the edge of its cone (Signorini, Coulomb; the
-/// cone itself, not a pyramid). By the alternating direction method with de Saxce's correction (Carpentier, Le Lidec, Montaut 2024); sets whose
-/// forces are not determined are as good as others. Nothing is thrown where it does not converge: see `converged` and the residual.
-/// O(n + rows^3 + iterations rows^2). Throws Error(argument | size | singular).
+/// cone itself, not a pyramid). Where all contacts hold, by the Delassus matrix' factors, without iterations; else by the alternating direction
+/// method with de Saxce's correction (Carpentier, Le Lidec, Montaut 2024). Sets whose forces are not determined are as good as others. Nothing is
+/// thrown where it does not converge: see `converged` and the residual. O(n + rows^3 + iterations rows^2). Throws Error(argument | size | singular).
 inline ContactStep contactStep(const CompactModel& model, Data& data, const VectorArg& q, const VectorArg& v, const VectorArg& tau, double dt,
                                ConstraintData& constraints, const std::vector<FrictionCone>& cones, const ContactSettings& settings = {}) {
   const detail::ContactViews x = detail::contactStep(model, data, q, v, tau, dt, constraints, cones.data(), cones.size(), settings);

@@ -1,0 +1,154 @@
+// The sets of the 25-digit truth: models, samples, and how errors of them are judged.
+#pragma once
+
+#include "errors.hpp"
+#include "support/shared.hpp"
+#include "support/truth_model.hpp"
+
+#include <dyn/dyn.hpp>
+#include <dyn/parsers/urdf.hpp>
+
+#include <iostream>
+#include <map>
+
+namespace dyn::test {
+
+using namespace dyn::tool;
+
+inline Eigen::VectorXd vectorOf(const nlohmann::json& x) {
+  const auto v = x.get<std::vector<double>>();
+  return Eigen::Map<const Eigen::VectorXd>(v.data(), static_cast<Eigen::Index>(v.size()));
+}
+
+struct Set {
+  CompactModel model;
+  nlohmann::json document;
+};
+
+inline Set load(const std::string& name) {
+  const std::string shared = sharedFolder();
+  nlohmann::json document = readJson(shared + "/truth/data/" + name + ".json");
+  const std::string file = document["file"];
+  Model model;
+  if (file.ends_with(".urdf")) {
+    urdf::Options options;
+    options.root = document["root"];
+    options.mimic = urdf::Mimic::independent;
+    model = urdf::load(shared + "/models/" + file, options);
+  } else {
+    model = readTruthModel(readJson(shared + "/truth/" + file));
+  }
+  CompileOptions options;
+  options.dissipation = false;
+  return {compile(model, JointRegistry::standard(), options), document};
+}
+
+/// Worst errors of a set, by quantity; printed when DYN_SHOW_ERRORS is set.
+class Worst {
+ public:
+  explicit Worst(std::string set) : set_(std::move(set)) {}
+  ~Worst() {
+    if (!std::getenv("DYN_SHOW_ERRORS")) return;
+    for (const auto& [key, error] : errors_) std::cout << set_ << " " << key << " " << error << " u\n";
+  }
+  void check(const std::string& key, double error, double budget) {
+    errors_[key] = std::max(errors_[key], error);
+    INFO(set_ << ": " << key << " is off by " << error << " u, budget " << budget << " u");
+    CHECK(error <= budget);
+  }
+
+ private:
+  std::string set_;
+  std::map<std::string, double> errors_;
+};
+
+inline long double largest(const std::vector<long double>& x) {
+  long double most = 0;
+  for (const long double e : x) most = std::max(most, std::fabs(e));
+  return most;
+}
+
+/// Sets that were made to lose the digits of a relative error: M is close to singular, or what the derivatives are made of cancels to
+/// nothing.
+inline bool isExtreme(const std::string& set) {
+  for (const char* kind : {"chain_", "massratio", "collinear", "free_body", "tinyangle", "pendulum"})
+    if (set.find(kind) != std::string::npos) return true;
+  return false;
+}
+
+/// nv x nv.
+struct DerivativesFound {
+  Eigen::MatrixXd dtau_dq, dtau_dv, dtau_da, ddq_dq, ddq_dv, ddq_dtau;
+};
+
+/// Relative errors, at most 100 u; for extreme sets errors by what cancels, at most 4 u, as for aba: for ddq, |M^-1| |dtau| and what a
+/// ddq that is right to its own scale brings; for dtau_dv, |M| |v|, 15 u as for M; for M^-1, |M^-1| |M| |M^-1|. What the sample has truths of.
+inline void checkDerivatives(const nlohmann::json& sample, const DerivativesFound& x, const std::string& mode, bool extreme, Worst& worst) {
+  const nlohmann::json& truth = sample["truth"];
+  const long double speed = static_cast<long double>(vectorOf(sample["v"]).cwiseAbs().maxCoeff());
+  const auto check = [&](const std::string& key, const Eigen::MatrixXd& found, long double scale, double budget = 4) {
+    const std::vector<long double> reference = flatten(truth[key]);
+    if (extreme) {
+      const std::vector<long double> scales(reference.size(), std::max(scale, largest(reference)));
+      worst.check(key + mode + ", by scale", scaledError(rowMajor(found), reference, scales), budget);
+    } else {
+      worst.check(key + mode, relativeError(rowMajor(found), reference), 100);
+    }
+  };
+  if (truth.contains("dtau_dq")) {
+    worst.check("dtau_dq" + mode, relativeError(rowMajor(x.dtau_dq), flatten(truth["dtau_dq"])), 100);
+    check("dtau_dv", x.dtau_dv, largest(flatten(truth["M"])) * speed, 15);
+    worst.check("dtau_da" + mode, relativeError(rowMajor(x.dtau_da), flatten(truth["M"])), 15);
+  }
+  if (!truth.contains("ddq_dq")) return;
+  const auto product = [&](const char* key) {
+    const std::vector<long double> inverse = flatten(truth["Minv"]), by = flatten(truth[key]);
+    const auto n = static_cast<std::size_t>(x.ddq_dq.rows());
+    long double most = 0;
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = 0; j < n; ++j) {
+        long double sum = 0;
+        for (std::size_t k = 0; k < n; ++k) sum += std::fabs(inverse[i * n + k] * by[k * n + j]);
+        most = std::max(most, sum);
+      }
+    return most;
+  };
+  const long double inverse = largest(flatten(truth["Minv"])), inertia = largest(flatten(truth["M"]));
+  check("ddq_dq", x.ddq_dq, std::max(product("dtau_dq"), largest(flatten(truth["aba_scale"]))));
+  check("ddq_dv", x.ddq_dv, std::max(product("dtau_dv"), inverse * inertia * speed));
+  check("Minv", x.ddq_dtau, inverse * inverse * inertia);
+}
+
+inline const std::vector<std::string> truth_sets = {"lwr",
+                                                    "lwr_bigangle",
+                                                    "lwr_tinyangle",
+                                                    "hyq",
+                                                    "hyq_far",
+                                                    "hyq_fast",
+                                                    "human",
+                                                    "talos",
+                                                    "chain_2",
+                                                    "chain_10",
+                                                    "chain_100",
+                                                    "big_chain_200",
+                                                    "collinear_1e-8",
+                                                    "free_body_a",
+                                                    "free_body_b",
+                                                    "free_body_c",
+                                                    "joint_helical",
+                                                    "joint_planar",
+                                                    "joint_prismatic",
+                                                    "joint_translation",
+                                                    "joint_universal",
+                                                    "joint_continuous",
+                                                    "leaf_mass_1e-12",
+                                                    "massless_links",
+                                                    "massratio_12",
+                                                    "pendulum_double",
+                                                    "pendulum_simple",
+                                                    "rope_10",
+                                                    "zoo",
+                                                    "custom_cam",
+                                                    "custom_screw"};
+
+}  // namespace dyn::test

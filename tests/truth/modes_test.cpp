@@ -1,0 +1,130 @@
+// The same budgets for every way to compute the same: many states a call, in double and in float, and operations as code generation writes them.
+#include "truth/data_sets.hpp"
+
+#include <dyn/codegen/trace.hpp>
+
+using namespace dyn;
+using namespace dyn::test;
+
+namespace {
+
+std::vector<double> numbersOf(const Eigen::VectorXd& x) { return {x.begin(), x.end()}; }
+
+Eigen::MatrixXd squareOf(const Eigen::VectorXd& x) {
+  const auto n = static_cast<Eigen::Index>(std::lround(std::sqrt(static_cast<double>(x.size()))));
+  return x.reshaped(n, n);
+}
+
+/// All samples of a set as one batch. Floats start from states, and a model, rounded to floats: their reference is the double computation of the
+/// rounded states, which is right to a 10^-8 of a float's rounding.
+template <class T>
+void checkBatch(const std::string& name) {
+  const Set set = load(name);
+  const CompactModel& model = set.model;
+  const nlohmann::json& samples = set.document["samples"];
+  const auto n = static_cast<Eigen::Index>(samples.size());
+  using Matrix = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>;
+  Matrix q(model.nq(), n), v(model.nv(), n), a(model.nv(), n), tau(model.nv(), n);
+  // Extreme sets have masses and distances whose products leave no digits of a float: M is singular there.
+  bool regular = std::is_same_v<T, double> || !isExtreme(name), differentiable = true;
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const nlohmann::json& sample = samples[static_cast<std::size_t>(k)];
+    q.col(k) = vectorOf(sample["q"]).cast<T>();
+    v.col(k) = vectorOf(sample["v"]).cast<T>();
+    a.col(k) = vectorOf(sample["a"]).cast<T>();
+    tau.col(k) = vectorOf(sample["tau"]).cast<T>();
+    regular = regular && sample["truth"].contains("aba_scale");
+    differentiable = differentiable && sample["truth"].contains("ddq_dq");
+  }
+  constexpr bool is_double = std::is_same_v<T, double>;
+  const std::string mode = is_double ? ", batch" : ", batch float";
+  BasicBatchData<T> batch(model, static_cast<int>(n), Need::derivatives | Need::mass_matrix, 2);
+  Data data(model, Need::derivatives);
+  Worst worst(name);
+  const double unit = is_double ? 1 : 0x1p-24 / 0x1p-53;  // of T's own rounding
+  const auto column = [](const auto& states, Eigen::Index k) { return Eigen::VectorXd(states.col(k).template cast<double>()); };
+  const Matrix forces = rnea(model, batch, q, v, a), M = crba(model, batch, q);
+  const Matrix accelerations = regular ? Matrix(aba(model, batch, q, v, tau)) : Matrix();
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const nlohmann::json& truth = samples[static_cast<std::size_t>(k)]["truth"];
+    const Eigen::VectorXd qd = column(q, k), vd = column(v, k), ad = column(a, k), taud = column(tau, k);
+    const auto reference = [&](const char* key, auto&& rounded) {
+      if (is_double) return flatten(truth[key]);
+      const std::vector<double> numbers = rowMajor(rounded());
+      return std::vector<long double>(numbers.begin(), numbers.end());
+    };
+    if (truth.contains("rnea_scale"))
+      worst.check(
+          "rnea" + mode,
+          scaledError(numbersOf(column(forces, k)), reference("rnea", [&] { return rnea(model, data, qd, vd, ad); }), flatten(truth["rnea_scale"])) /
+              unit,
+          10);
+    if (truth.contains("M"))
+      worst.check("M" + mode, relativeError(numbersOf(column(M, k)), reference("M", [&] { return crba(model, data, qd); })) / unit, 15);
+    if (regular)
+      worst.check("aba" + mode,
+                  scaledError(numbersOf(column(accelerations, k)), reference("aba", [&] { return aba(model, data, qd, vd, taud); }),
+                              flatten(truth["aba_scale"])) /
+                      unit,
+                  4);
+  }
+  if (!is_double || !differentiable) return;
+  const auto forward = computeABADerivatives(model, batch, q, v, tau);
+  const Matrix ddq_dq = forward.ddq_dq, ddq_dv = forward.ddq_dv, ddq_dtau = forward.ddq_dtau;
+  const auto inverse = computeRNEADerivatives(model, batch, q, v, a);
+  for (Eigen::Index k = 0; k < n; ++k)
+    checkDerivatives(samples[static_cast<std::size_t>(k)],
+                     {squareOf(column(inverse.dtau_dq, k)), squareOf(column(inverse.dtau_dv, k)), squareOf(column(inverse.dtau_da, k)),
+                      squareOf(column(ddq_dq, k)), squareOf(column(ddq_dv, k)), squareOf(column(ddq_dtau, k))},
+                     mode, isExtreme(name), worst);
+}
+
+/// A traced function's outputs at a sample, one after the other.
+std::vector<Eigen::VectorXd> replayed(const TracedFunction& f, const nlohmann::json& sample) {
+  std::vector<double> in;
+  for (const ArgumentShape& argument : f.inputs) {
+    const Eigen::VectorXd x = vectorOf(sample[argument.name]);
+    in.insert(in.end(), x.begin(), x.end());
+  }
+  const std::vector<double> all = replay<double>(f.graph, in);
+  std::vector<Eigen::VectorXd> out;
+  std::size_t first = 0;
+  for (const ArgumentShape& argument : f.outputs) {
+    out.emplace_back(Eigen::Map<const Eigen::VectorXd>(all.data() + first, argument.size()));
+    first += static_cast<std::size_t>(argument.size());
+  }
+  return out;
+}
+
+void checkTraced(const std::string& name) {
+  const Set set = load(name);
+  const std::string mode = ", generated";
+  Worst worst(name);
+  const TracedFunction rnea = trace(set.model, "rnea"), crba = trace(set.model, "crba"), aba = trace(set.model, "aba");
+  const TracedFunction by_rnea = trace(set.model, "rnea_derivatives"), by_aba = trace(set.model, "aba_derivatives");
+  for (const auto& sample : set.document["samples"]) {
+    const nlohmann::json& truth = sample["truth"];
+    if (truth.contains("rnea_scale"))
+      worst.check("rnea" + mode, scaledError(numbersOf(replayed(rnea, sample)[0]), flatten(truth["rnea"]), flatten(truth["rnea_scale"])), 10);
+    if (truth.contains("M")) worst.check("M" + mode, relativeError(numbersOf(replayed(crba, sample)[0]), flatten(truth["M"])), 15);
+    if (truth.contains("aba_scale"))
+      worst.check("aba" + mode, scaledError(numbersOf(replayed(aba, sample)[0]), flatten(truth["aba"]), flatten(truth["aba_scale"])), 4);
+    const auto x = replayed(by_rnea, sample), y = replayed(by_aba, sample);
+    // Replayed one by one operations are not fused, as compiled ones are: all sets are judged by what cancels.
+    checkDerivatives(sample, {squareOf(x[0]), squareOf(x[1]), squareOf(x[2]), squareOf(y[0]), squareOf(y[1]), squareOf(y[2])}, mode, true, worst);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("batches are within the same budgets, in double and in float", "[truth]") {
+  DYN_NEEDS_SHARED();
+  for (const std::string& name : truth_sets) checkBatch<double>(name);
+  for (const std::string& name : truth_sets) checkBatch<float>(name);
+}
+
+TEST_CASE("operations of generated code are within the same budgets", "[truth]") {
+  DYN_NEEDS_SHARED();
+  for (const std::string& name : truth_sets)
+    if (name != "chain_100" && name != "big_chain_200") checkTraced(name);  // graphs of millions of operations
+}
