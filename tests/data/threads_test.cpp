@@ -80,3 +80,16 @@ TEST_CASE("a batch's own threads meet at the end of each call", "[threads]") {
   const Eigen::MatrixXd v = Eigen::MatrixXd::Constant(model.nv(), states, 0.3), expected = rnea(model, one, q, v, v);
   for (int round = 0; round < 50; ++round) CHECK(rnea(model, many, q, v, v) == expected);
 }
+
+TEST_CASE("threads of a pool have a Data each", "[threads]") {
+  const CompactModel model = compile(randomTree(JointRegistry::standard(), 12, 4), JointRegistry::standard());
+  DataPool pool(model, Need::state, 4);
+  const Eigen::VectorXd q = neutral(model), v = Eigen::VectorXd::Constant(model.nv(), 0.3);
+  Data data(model);
+  const Eigen::VectorXd expected = rnea(model, data, q, v, v);
+  Eigen::MatrixXd tau(model.nv(), 100);
+  for (int round = 0; round < 20; ++round) {
+    pool.forEach(tau.cols(), [&](Data& mine, Eigen::Index k) { tau.col(k) = rnea(model, mine, q, v, v); });
+    for (Eigen::Index k = 0; k < tau.cols(); ++k) CHECK(tau.col(k) == expected);
+  }
+}

@@ -27,6 +27,28 @@ inline Eigen::VectorXd configurationOf(const SE3<double>& pose) {
   return q;
 }
 
+/// A solid whose sides are at most `size`.
+inline GeometryShape someShape(Random& random, double size) {
+  const auto side = [&] { return size * random.uniform(0.3, 1); };
+  switch (random.below(6)) {
+    case 0:
+      return geometry::Sphere{side() / 2};
+    case 1:
+      return geometry::Box{{side(), side(), side()}};
+    case 2:
+      return geometry::Capsule{side() / 3, side()};
+    case 3:
+      return geometry::Cylinder{side() / 2, side()};
+    case 4:
+      return geometry::Cone{side() / 2, side()};
+    default: {
+      geometry::ConvexHull hull;
+      for (int i = 0; i < 12; ++i) hull.points.push_back(side() * random.vector(0.5));
+      return hull;
+    }
+  }
+}
+
 /// `a` stands in the world, `b` moves freely.
 struct TwoSolids {
   Model description;

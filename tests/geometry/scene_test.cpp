@@ -40,27 +40,6 @@ std::set<std::string> pairsOf(const GeometryModel& geometry) {
   return names;
 }
 
-GeometryShape someShape(Random& random, double size) {
-  const auto side = [&] { return size * random.uniform(0.3, 1); };
-  switch (random.below(6)) {
-    case 0:
-      return g::Sphere{side() / 2};
-    case 1:
-      return g::Box{{side(), side(), side()}};
-    case 2:
-      return g::Capsule{side() / 3, side()};
-    case 3:
-      return g::Cylinder{side() / 2, side()};
-    case 4:
-      return g::Cone{side() / 2, side()};
-    default: {
-      g::ConvexHull hull;
-      for (int i = 0; i < 12; ++i) hull.points.push_back(side() * random.vector(0.5));
-      return hull;
-    }
-  }
-}
-
 /// A random tree with a volume or two on each body, among `obstacles` of all kinds.
 Model clutter(int bodies, int obstacles, std::uint64_t seed) {
   Random random(seed);

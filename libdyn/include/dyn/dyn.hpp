@@ -25,6 +25,7 @@
 #include <dyn/constraint/derivatives.hpp>
 #include <dyn/constraint/dynamics.hpp>
 #include <dyn/constraint/friction.hpp>
+#include <dyn/data/data_pool.hpp>
 #include <dyn/integrate/islands.hpp>
 #include <dyn/integrate/simulator.hpp>
 #include <dyn/spatial/eigen.hpp>

@@ -35,7 +35,8 @@ struct Polygon {
   }
 };
 
-/// Calls add(point) for the corners of what a solid turns along the unit vector n, in order around, eight at most.
+/// Calls add(point) for the corners of what a solid turns along the unit vector n, in order around, eight at most. Only points and segments have
+/// margins.
 template <class Add>
 void face(const Convex& c, const Vec3<double>& n, const Add& add) {
   const auto rim = [&](double z) {
@@ -51,12 +52,16 @@ void face(const Convex& c, const Vec3<double>& n, const Add& add) {
   switch (c.core) {
     case Core::point:
     case Core::half_space:
-      add(Vec3<double>{});
+      add(c.margin * n);
       return;
-    case Core::segment:
-      add(Vec3<double>{0, 0, c.half.z});
-      add(Vec3<double>{0, 0, -c.half.z});
+    case Core::segment: {
+      // Of a capsule that lies askew the end that is lower by its cap, the other by the line along its side.
+      const Vec3<double> end{0, 0, std::copysign(c.half.z, n.z)};
+      const double radial = std::hypot(n.x, n.y), out = radial > 0 ? c.margin / radial : 0;
+      add(end + c.margin * n);
+      if (radial > M_SQRT1_2) add(Vec3<double>{out * n.x, out * n.y, -end.z});
       return;
+    }
     case Core::box: {
       const double x = std::abs(n.x), y = std::abs(n.y), z = std::abs(n.z);
       const int axis = x >= y && x >= z ? 0 : y >= z ? 1 : 2, p = (axis + 1) % 3, q = (axis + 2) % 3;
@@ -143,12 +148,12 @@ class Facing {
 
   Polygon towardsB() const {
     Polygon p;
-    face(a_, n_, [&](const Vec3<double>& x) { p.add(flatten(x + a_.margin * n_, p.count)); });
+    face(a_, n_, [&](const Vec3<double>& x) { p.add(flatten(x, p.count)); });
     return p;
   }
   Polygon towardsA() const {
     Polygon p;
-    face(b_, -transposeTimes(aMb_.R, n_), [&](const Vec3<double>& x) { p.add(flatten(aMb_.act(x) - b_.margin * n_, p.count)); });
+    face(b_, -transposeTimes(aMb_.R, n_), [&](const Vec3<double>& x) { p.add(flatten(aMb_.act(x), p.count)); });
     return p;
   }
 
