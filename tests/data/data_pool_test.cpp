@@ -34,6 +34,7 @@ TEST_CASE("a pool's results are those of one state after the other, whatever its
     CHECK(pool.threads() == threads);
     std::vector<Eigen::MatrixXd> regressors(count), solved(count), velocities(count), accelerations(count);
     std::vector<SecondDerivativeData> scratch;
+    scratch.reserve(static_cast<std::size_t>(threads));
     for (int t = 0; t < threads; ++t) scratch.emplace_back(model);
     std::vector<double> second(count);
     pool.forEach(count, [&](Data& mine, Eigen::Index k) {

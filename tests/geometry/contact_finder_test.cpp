@@ -166,7 +166,8 @@ TEST_CASE("a box pushed from under balls that lie on it: SimBenchmark's rolling"
   std::vector<PairFriction> friction{{{"floor", "box"}, below}};
   for (int k = 0; k < n; ++k) {
     const std::string name = "ball" + std::to_string(k);
-    addBall(description, name, 0.5, ball_mass, {2.0 * (k % side - 2), 2.0 * (k / side - 2), 1.5});
+    const int row = k / side - 2, column = k % side - 2;
+    addBall(description, name, 0.5, ball_mass, {2.0 * column, 2.0 * row, 1.5});
     friction.push_back({{"box", name}, 0.8});
   }
   // J. Hwangbo, D. Kang, SimBenchmark: friction takes mu (M + n m) g of the push, and each ball rolls backwards on the box.

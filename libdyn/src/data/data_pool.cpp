@@ -15,12 +15,13 @@ struct DataPool::Impl {
     Data data;
     std::ptrdiff_t failed = std::numeric_limits<std::ptrdiff_t>::max();
     std::exception_ptr why;
+    Place(const CompactModel& model, Need needs) : data(model, needs) {}
   };
   std::vector<Place> places;  ///< a thread each
   Workers workers;
 
   Impl(const CompactModel& model, Need needs, int threads) : workers(threads) {
-    for (int i = 0; i < threads; ++i) places.push_back({Data(model, needs)});
+    for (int i = 0; i < threads; ++i) places.emplace_back(model, needs);
   }
 };
 

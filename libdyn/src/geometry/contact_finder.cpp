@@ -41,7 +41,7 @@ class Finder {
     for (const PairFriction& p : options.pairs) setFriction(p);
   }
 
-  void find(VectorResult q, std::vector<ContactPoint>& found) {
+  void find(const VectorResult& q, std::vector<ContactPoint>& found) {
     updateGeometryPlacements(model_, data_, geometry_, placed_, VectorArg(q.data(), q.size()));
     const GeometryImpl& m = geometry_.impl();
     GeometryDataImpl& d = placed_.impl();
@@ -149,7 +149,7 @@ class Finder {
 
 ContactFinder geometryContacts(const CompactModel& model, const GeometryModel& geometry, const GeometryContactOptions& options) {
   const auto finder = std::make_shared<Finder>(model, geometry, options);
-  return [finder](VectorResult q, std::vector<ContactPoint>& found) { finder->find(q, found); };
+  return [finder](const VectorResult& q, std::vector<ContactPoint>& found) { finder->find(q, found); };
 }
 
 }  // namespace dyn

@@ -42,7 +42,7 @@ int Simulator::advanceTo(double until, const double* times, std::size_t count, c
     const int event = x.events.empty() ? -1 : x.findEvent(h);
     if (event >= 0) h = x.next.time - x.now.time;
     for (; shown < count && times[shown] < x.next.time; ++shown) {
-      x.between((times[shown] - x.now.time) / h, h, x.shown_q.data(), x.shown_v.data());
+      x.between((times[shown] - x.now.time) / h, x.shown_q.data(), x.shown_v.data());
       x.show(times[shown], x.shown_q.data(), x.shown_v.data(), observer);
     }
     x.commit();

@@ -39,7 +39,7 @@ int Simulator::Impl::findEvent(double h) {
     while (high - low > 0x1p-45 && low < earliest) {
       const double middle = 0.5 * (low + high);
       const double t = now.time + middle * h;
-      between(middle, h, shown_q.data(), shown_v.data());
+      between(middle, shown_q.data(), shown_v.data());
       (happened(k, signOf(events[k], t, shown_q.data(), shown_v.data())) ? high : low) = middle;
     }
     if (found < 0 || high < earliest) {

@@ -55,8 +55,8 @@ struct Simulator::Impl {
   /// Throws Error(simulation); h is the step that led there, 0 if none did.
   void checkFinite(const Moment& x, double h) const;
 
-  /// The state at the share theta of the last step, of h.
-  void between(double theta, double h, double* q, double* v);
+  /// The state at the share theta of the last step.
+  void between(double theta, double* q, double* v);
   /// After a smooth step of h to `next`: `next` as contacts and limits let it be; returns by how much.
   double touch(double h);
   /// This share of the contact step's way from now.q.

@@ -25,14 +25,14 @@ void Simulator::Impl::glide(double share, double* q) {
   integrateSound(law.model().impl(), now.q.data(), shown_u.data(), q);
 }
 
-void Simulator::Impl::between(double theta, double h, double* q, double* v) {
+void Simulator::Impl::between(double theta, double* q, double* v) {
   if (!contact_step) return stepper->between(theta, now, next, q, v);
   glide(theta, q);
   VectorMap(v, next.v.size()) = next.v;
 }
 
 double Simulator::Impl::lowestGap(double theta, double h) {
-  between(theta, h, shown_q.data(), shown_v.data());
+  between(theta, shown_q.data(), shown_v.data());
   double lowest = std::numeric_limits<double>::infinity();
   for (const Gap& gap : unilateral->look(now.time + theta * h, shown_q.data()))
     if (std::find(closing.begin(), closing.end(), gap.key) != closing.end()) lowest = std::min(lowest, gap.value);
@@ -44,7 +44,7 @@ double Simulator::Impl::touch(double h) {
   // Most steps close nothing: the other two looks are for those that do.
   if (std::none_of(gaps_after.begin(), gaps_after.end(), [](const Gap& gap) { return !(gap.value >= 0); })) return h;
   gaps_before = unilateral->look(now.time, now.q.data());
-  between(0.5, h, shown_q.data(), shown_v.data());
+  between(0.5, shown_q.data(), shown_v.data());
   gaps_halfway = unilateral->look(now.time + 0.5 * h, shown_q.data());
   closing.clear();
   bool impact = false;
