@@ -27,32 +27,63 @@ void multiply(const double* B, int n, bool transposed, const double* x, double* 
 
 Chart::Chart(const CompactModel& model) : model_(model) {
   const CompactImpl& m = model_.impl();
-  for (const TypeBatch& batch : m.batches) {
-    if (!(batch.type->info().closed_forms & closed_configuration)) continue;
+  for (const TypeBatch& batch : m.batches)
     for (int k = 0; k < batch.count; ++k) {
       const BodyIndex& x = m.index[static_cast<std::size_t>(batch.bodies[static_cast<std::size_t>(k)])];
+      if (x.user_v < 0) continue;
+      const Joint joint{batch.type, batch.constants.data() + k, batch.count, x.user_q, x.user_v, x.nv};
+      if (!(batch.type->info().closed_forms & closed_configuration)) {
+        added_.push_back({x.user_q, x.user_v, x.nv});
+        continue;
+      }
+      turned_.push_back(joint);
       // One coordinate's exponential along itself has derivative one, however it is written.
-      if (x.user_v >= 0 && x.nv > 1) curved_.push_back({batch.type, batch.constants.data() + k, batch.count, x.user_q, x.user_v, x.nv});
+      if (x.nv > 1) curved_.push_back(joint);
+    }
+  std::sort(added_.begin(), added_.end(), [](const Run& a, const Run& b) { return a.q < b.q; });
+  std::vector<Run> joined;
+  for (const Run& run : added_) {
+    const bool follows = !joined.empty() && joined.back().q + joined.back().count == run.q && joined.back().v + joined.back().count == run.v;
+    if (follows) {
+      joined.back().count += run.count;
+    } else {
+      joined.push_back(run);
     }
   }
+  added_ = std::move(joined);
 }
 
-ConfigurationBatch<double> Chart::callOf(const CurvedJoint& joint, Blocks& blocks) {
+ConfigurationBatch<double> Chart::callOf(const Joint& joint) {
   ConfigurationBatch<double> call;
   call.count = 1;
   call.constants = joint.constants;
   call.constants_stride = joint.constants_stride;
   call.q_stride = call.v_stride = call.j_stride = 1;
+  return call;
+}
+
+ConfigurationBatch<double> Chart::callOf(const Joint& joint, Blocks& blocks) {
+  ConfigurationBatch<double> call = callOf(joint);
   call.J_q = blocks.by_q;
   call.J_v = blocks.by_v;
   return call;
 }
 
-void Chart::point(const double* q0, const double* u, double* q) const { integrateSound(model_.impl(), q0, u, q); }
+void Chart::point(const double* q0, const double* u, double* q) const {
+  for (const Run& run : added_)
+    for (int k = 0; k < run.count; ++k) q[run.q + k] = q0[run.q + k] + u[run.v + k];
+  for (const Joint& joint : turned_) {
+    ConfigurationBatch<double> call = callOf(joint);
+    call.q0 = q0 + joint.q;
+    call.v = u + joint.v;
+    call.q_out = q + joint.q;
+    joint.type->integrate(call);
+  }
+}
 
 void Chart::rate(const double* q0, const double* q, const double* v, double* du) const {
   std::copy_n(v, model_.nv(), du);
-  for (const CurvedJoint& joint : curved_) {
+  for (const Joint& joint : curved_) {
     Blocks blocks;
     ConfigurationBatch<double> call = callOf(joint, blocks);
     call.q0 = q0 + joint.q;
@@ -66,7 +97,7 @@ void Chart::midpointMaps(const double* q0, const double* u, const double* q1, do
                          double* at_end) const {
   std::copy_n(force, model_.nv(), at_start);
   std::copy_n(force, model_.nv(), at_end);
-  for (const CurvedJoint& joint : curved_) {
+  for (const Joint& joint : curved_) {
     Blocks end, middle;
     ConfigurationBatch<double> log = callOf(joint, end);
     log.q0 = q0 + joint.q;

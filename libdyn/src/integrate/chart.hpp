@@ -9,7 +9,7 @@
 
 namespace dyn {
 
-/// Joints whose coordinates simply add are passed over; the others are few and have blocks of at most 6 x 6.
+/// Coordinates that simply add are added, neighbours in one go; the other joints are few and have blocks of at most 6 x 6.
 class Chart {
  public:
   explicit Chart(const CompactModel& model);
@@ -26,17 +26,23 @@ class Chart {
                     double* at_end) const;
 
  private:
-  struct CurvedJoint {
+  struct Joint {
     const JointType* type;
     const double* constants;
     std::ptrdiff_t constants_stride;
     int q, v, nv;
   };
+  struct Run {
+    int q, v, count;
+  };
   struct Blocks;
-  static ConfigurationBatch<double> callOf(const CurvedJoint& joint, Blocks& blocks);
+  static ConfigurationBatch<double> callOf(const Joint& joint);
+  static ConfigurationBatch<double> callOf(const Joint& joint, Blocks& blocks);
 
   CompactModel model_;
-  std::vector<CurvedJoint> curved_;
+  std::vector<Run> added_;
+  std::vector<Joint> turned_;  ///< all others
+  std::vector<Joint> curved_;  ///< those of them whose velocity is not the rate of their chart
 };
 
 }  // namespace dyn
