@@ -217,6 +217,7 @@ void run(const SimulateOptions& o) {
                 change.tail<3>().norm());
   }
   if (s.impacts + s.contact_steps > 0) std::printf("contact: %ld impacts, %ld steps in touch\n", s.impacts, s.contact_steps);
+  if (s.inexact_contacts > 0) std::printf("of these %ld with forces that are not right to 1e-9 m/s\n", s.inexact_contacts);
   if (constraints.rows() > 0) std::printf("constraints: %d rows, error %.3g\n", constraints.rows(), simulator.constraintError());
   if (!o.out.empty()) trajectory.write(o.out);
   if (!o.plot.empty()) trajectory.plot(o.plot);

@@ -146,6 +146,7 @@ const double* Unilateral::step(Law& law, double t, const double* q, const double
     }
     x = contactStep(q, v, tau_.data(), dt, bound.cones, 0);
   }
+  if (!x.converged) ++law.statistics.inexact_contacts;
   velocity_ = VectorResult(x.motion, n);
   displacement_ = dt * velocity_;
   if (*std::min_element(start_gaps_.begin(), start_gaps_.end()) < -creep * dt) pushOut(q, dt);
@@ -164,7 +165,9 @@ const double* Unilateral::impact(Law& law, double t, const double* q, const doub
   for (FrictionCone& cone : cones) cone.gap = 0;
   // So short that no force but the impulses counts.
   constexpr double instant = 0x1p-60;
-  return contactStep(q, v, law.applied(t, q, v), instant, cones, restitution).motion;
+  const detail::ContactViews x = contactStep(q, v, law.applied(t, q, v), instant, cones, restitution);
+  if (!x.converged) ++law.statistics.inexact_contacts;
+  return x.motion;
 }
 
 detail::ContactViews Unilateral::contactStep(const double* q, const double* v, const double* tau, double dt, const std::vector<FrictionCone>& cones,

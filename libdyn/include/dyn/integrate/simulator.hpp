@@ -55,11 +55,12 @@ struct Event {
 
 struct SimulatorStatistics {
   long steps = 0, rejected = 0;
-  long evaluations = 0;     ///< of the accelerations
-  long factorizations = 0;  ///< of implicit integrators' matrices
-  long iterations = 0;      ///< of their equations
-  long impacts = 0;         ///< answered with an impulse
-  long contact_steps = 0;   ///< in which something stayed in touch
+  long evaluations = 0;       ///< of the accelerations
+  long factorizations = 0;    ///< of implicit integrators' matrices
+  long iterations = 0;        ///< of their equations
+  long impacts = 0;           ///< answered with an impulse
+  long contact_steps = 0;     ///< in which something stayed in touch
+  long inexact_contacts = 0;  ///< of both those whose forces iterations did not bring to the tolerance: the last of them were taken
 };
 
 /// One simulation, for one thread; it keeps its model alive.
