@@ -54,12 +54,6 @@ std::vector<Library> libraries() {
   };
 }
 
-namespace {}  // namespace
-
-std::vector<double> Peer::move(const std::string& integrator, const std::vector<double>&, double, int) {
-  throw Error(ErrorCode::argument, "this library has no integrator '" + integrator + "'");
-}
-
 namespace {
 
 struct Contender {
@@ -231,20 +225,22 @@ int run(int argc, char** argv) {
   tool::Json rows{{"algorithms", tool::Json::array()}, {"motions", tool::Json::array()}};
   std::vector<BarChart> charts;
   for (const Task task : tasks) charts.emplace_back(std::string(nameOf(task)) + ": ns a call, logarithmic", Scale::logarithmic);
+  std::vector<Robot> robots;
   for (int i = 2; i < argc; ++i) {
     std::string file = argv[i];
     const std::size_t colon = file.rfind(":floating");
     if (colon != std::string::npos) file.resize(colon);
     try {
-      compare(readRobot(file, colon != std::string::npos), all, charts, rows["algorithms"]);
+      robots.push_back(readRobot(file, colon != std::string::npos));
+      compare(robots.back(), all, charts, rows["algorithms"]);
     } catch (const Error& e) {
       std::fprintf(stderr, "%s\n", e.what());
     }
   }
-  for (int i = 2; i < argc; ++i) {
+  for (const Robot& robot : robots) {
+    if (robot.floating) continue;
     try {
-      const std::string file = argv[i];
-      if (file.find(":floating") == std::string::npos) compareMotions(readRobot(file, false), all, rows["motions"]);
+      compareMotions(robot, all, rows["motions"]);
     } catch (const Error& e) {
       std::fprintf(stderr, "%s\n", e.what());
     }

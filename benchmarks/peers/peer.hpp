@@ -4,6 +4,7 @@
 #include "peers/robot.hpp"
 
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -26,7 +27,9 @@ class Peer {
   /// Its own methods of moving through time in equal steps; of robots that do not float, and none where it has none.
   virtual std::vector<std::string> integrators() const { return {}; }
   /// From rest at q, without torques: the joints' coordinates after `time`. Of an integrator that it has.
-  virtual std::vector<double> move(const std::string& integrator, const std::vector<double>& q, double time, int steps);
+  virtual std::vector<double> move(const std::string&, const std::vector<double>&, double /*time*/, int /*steps*/) {
+    throw std::logic_error("a library without integrators was asked to move");
+  }
 };
 
 struct Library {

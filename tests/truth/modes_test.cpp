@@ -8,8 +8,6 @@ using namespace dyn::test;
 
 namespace {
 
-std::vector<double> numbersOf(const Eigen::VectorXd& x) { return {x.begin(), x.end()}; }
-
 Eigen::MatrixXd squareOf(const Eigen::VectorXd& x) {
   const auto n = static_cast<Eigen::Index>(std::lround(std::sqrt(static_cast<double>(x.size()))));
   return x.reshaped(n, n);
@@ -56,14 +54,14 @@ void checkBatch(const std::string& name) {
     if (truth.contains("rnea_scale"))
       worst.check(
           "rnea" + mode,
-          scaledError(numbersOf(column(forces, k)), reference("rnea", [&] { return rnea(model, data, qd, vd, ad); }), flatten(truth["rnea_scale"])) /
+          scaledError(rowMajor(column(forces, k)), reference("rnea", [&] { return rnea(model, data, qd, vd, ad); }), flatten(truth["rnea_scale"])) /
               unit,
           10);
     if (truth.contains("M"))
-      worst.check("M" + mode, relativeError(numbersOf(column(M, k)), reference("M", [&] { return crba(model, data, qd); })) / unit, 15);
+      worst.check("M" + mode, relativeError(rowMajor(column(M, k)), reference("M", [&] { return crba(model, data, qd); })) / unit, 15);
     if (regular)
       worst.check("aba" + mode,
-                  scaledError(numbersOf(column(accelerations, k)), reference("aba", [&] { return aba(model, data, qd, vd, taud); }),
+                  scaledError(rowMajor(column(accelerations, k)), reference("aba", [&] { return aba(model, data, qd, vd, taud); }),
                               flatten(truth["aba_scale"])) /
                       unit,
                   4);
@@ -105,10 +103,10 @@ void checkTraced(const std::string& name) {
   for (const auto& sample : set.document["samples"]) {
     const nlohmann::json& truth = sample["truth"];
     if (truth.contains("rnea_scale"))
-      worst.check("rnea" + mode, scaledError(numbersOf(replayed(rnea, sample)[0]), flatten(truth["rnea"]), flatten(truth["rnea_scale"])), 10);
-    if (truth.contains("M")) worst.check("M" + mode, relativeError(numbersOf(replayed(crba, sample)[0]), flatten(truth["M"])), 15);
+      worst.check("rnea" + mode, scaledError(rowMajor(replayed(rnea, sample)[0]), flatten(truth["rnea"]), flatten(truth["rnea_scale"])), 10);
+    if (truth.contains("M")) worst.check("M" + mode, relativeError(rowMajor(replayed(crba, sample)[0]), flatten(truth["M"])), 15);
     if (truth.contains("aba_scale"))
-      worst.check("aba" + mode, scaledError(numbersOf(replayed(aba, sample)[0]), flatten(truth["aba"]), flatten(truth["aba_scale"])), 4);
+      worst.check("aba" + mode, scaledError(rowMajor(replayed(aba, sample)[0]), flatten(truth["aba"]), flatten(truth["aba_scale"])), 4);
     const auto x = replayed(by_rnea, sample), y = replayed(by_aba, sample);
     // Replayed one by one operations are not fused, as compiled ones are: all sets are judged by what cancels.
     checkDerivatives(sample, {squareOf(x[0]), squareOf(x[1]), squareOf(x[2]), squareOf(y[0]), squareOf(y[1]), squareOf(y[2])}, mode, true, worst);

@@ -52,7 +52,7 @@ void run(const ModelOptions& o) {
     try {
       const Model description = o.description();
       for (const std::string& note : description.notes) findings.warning(note);
-      const CompactModel model = dyn::compile(description, o.registry(), o.compileOptions());
+      const CompactModel model = o.compile(description);
       for (const std::string& warning : model.report().warnings) findings.warning(warning);
       checkInertias(description, findings);
       checkMassMatrix(model, findings);

@@ -43,10 +43,7 @@ struct Robot {
   GeometryData placed;
 
   Robot(const CollideOptions& o, const Model& description)
-      : model(dyn::compile(description, o.registry(), o.compileOptions())),
-        geometry(compileGeometry(model, description, o.volumes.geometry())),
-        data(model),
-        placed(geometry) {}
+      : model(o.compile(description)), geometry(compileGeometry(model, description, o.volumes.geometry())), data(model), placed(geometry) {}
   void move(const Eigen::VectorXd& q) { updateGeometryPlacements(model, data, geometry, placed, q); }
 };
 

@@ -28,7 +28,8 @@ struct ModelOptions {
   urdf::Options urdfOptions() const;
   Model description() const;
   CompileOptions compileOptions() const;
-  CompactModel compile() const { return dyn::compile(description(), registry(), compileOptions()); }
+  CompactModel compile(const Model& described) const { return dyn::compile(described, registry(), compileOptions()); }
+  CompactModel compile() const { return compile(description()); }
 };
 
 }  // namespace dyn::tool

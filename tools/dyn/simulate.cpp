@@ -67,11 +67,11 @@ struct SimulateOptions : ModelOptions {
 
   /// Of the ground, of volumes, of both; none where nothing is to touch.
   ContactFinder finder(const CompactModel& model, const Model& description) const {
-    ContactFinder plane, touch;
+    ContactFinder plane;
     if (!ground.empty()) plane = pointsOnPlane(model, ground, {0, 0, 1}, height, friction);
     if (!touching) return plane;
     const int first = static_cast<int>(ground.size());
-    touch = geometryContacts(model, compileGeometry(model, description, volumes.geometry()), {.friction = friction});
+    const ContactFinder touch = geometryContacts(model, compileGeometry(model, description, volumes.geometry()), {.friction = friction});
     if (!plane) return touch;
     return [plane, touch, first](const VectorResult& q, std::vector<ContactPoint>& found) {
       touch(q, found);
@@ -165,18 +165,19 @@ void run(const SimulateOptions& o) {
   if (!(o.time >= 0) || !std::isfinite(o.time)) throw Error(ErrorCode::argument, "--time: seconds to simulate are not negative");
   if (!o.out.empty()) checkTrajectoryFile(o.out);
   const Model description = o.volumes.description(o);
-  const CompactModel model = dyn::compile(description, o.registry(), o.compileOptions());
+  const CompactModel model = o.compile(description);
   const ConstraintSet constraints = o.constraints(model);
   Simulator simulator(
       constraints,
       {.integrator = integratorByName(o.integrator), .dt = o.dt, .tolerance = o.tolerance, .limits = o.limits, .restitution = o.restitution});
-  if (const ContactFinder finder = o.finder(model, description)) simulator.setContacts(finder);
+  const ContactFinder finder = o.finder(model, description);
+  if (finder) simulator.setContacts(finder);
   start(o, simulator, constraints);
   const double from = simulator.time(), until = from + o.time;
   const std::vector<double> times = o.times(from, static_cast<std::size_t>(model.nq() + model.nv()) + 2);
 
   Data data(model, Need::derivatives);
-  const bool floating = floats(model) && constraints.rows() == 0 && o.ground.empty() && !o.touching;
+  const bool floating = floats(model) && constraints.rows() == 0 && !finder;
   std::optional<Momentum> before;
   if (floating) before.emplace(model, data, simulator);
   Trajectory trajectory(model);

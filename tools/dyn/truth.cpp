@@ -35,6 +35,21 @@ const Quantity* find(const std::string& algorithm) {
   return nullptr;
 }
 
+/// Calls f(truth, first) for each matrix that the algorithm gives, as far as the sample has truths of them; the algorithm's numbers for it begin
+/// at `first`.
+template <class Sample, class F>
+void eachTruth(const std::string& algorithm, Sample& sample, F&& f) {
+  const Quantity* quantity = find(algorithm);
+  if (quantity == nullptr) return;
+  Eigen::Index first = 0;
+  for (const char* key : quantity->keys) {
+    const auto found = sample.truth.find(key);
+    if (found == sample.truth.end()) return;
+    f(found->second, first);
+    first += static_cast<Eigen::Index>(found->second.size());
+  }
+}
+
 /// Of a truth's number k among an algorithm's: truths are row after row, results column after column.
 Eigen::Index placeOf(Eigen::Index k, Eigen::Index count, Eigen::Index n) { return count == n * n ? (k % n) * n + k / n : k; }
 
@@ -58,32 +73,22 @@ std::vector<TruthSample> readTruth(const std::string& path, const CompactModel& 
 }
 
 void replaceTruth(TruthSample& sample, const std::string& algorithm, const Eigen::VectorXd& numbers) {
-  const Quantity* quantity = find(algorithm);
-  if (quantity == nullptr) return;
   const Eigen::Index n = sample.state.v.size();
-  Eigen::Index first = 0;
-  for (const char* key : quantity->keys) {
-    const auto found = sample.truth.find(key);
-    if (found == sample.truth.end()) return;
-    const auto count = static_cast<Eigen::Index>(found->second.size());
-    for (Eigen::Index k = 0; k < count; ++k) found->second[static_cast<std::size_t>(k)] = numbers[first + placeOf(k, count, n)];
-    first += count;
-  }
+  eachTruth(algorithm, sample, [&](std::vector<long double>& truth, Eigen::Index first) {
+    const auto count = static_cast<Eigen::Index>(truth.size());
+    for (Eigen::Index k = 0; k < count; ++k) truth[static_cast<std::size_t>(k)] = numbers[first + placeOf(k, count, n)];
+  });
 }
 
 void addErrors(const TruthSample& sample, const std::string& algorithm, const Eigen::VectorXd& numbers, double u, ErrorSummary& out) {
   const Quantity* quantity = find(algorithm);
   if (quantity == nullptr) return;
+  const std::vector<long double>* scale = quantity->scale && sample.truth.contains(quantity->scale) ? &sample.truth.at(quantity->scale) : nullptr;
+  if (quantity->scale && !scale) return;
   const Eigen::Index n = sample.state.v.size();
-  Eigen::Index first = 0;
-  for (const char* key : quantity->keys) {
-    const auto found = sample.truth.find(key);
-    if (found == sample.truth.end()) return;
-    const std::vector<long double>& truth = found->second;
+  eachTruth(algorithm, sample, [&](const std::vector<long double>& truth, Eigen::Index first) {
     const auto count = static_cast<Eigen::Index>(truth.size());
     const bool fits = first + count <= numbers.size();
-    const std::vector<long double>* scale = quantity->scale && sample.truth.contains(quantity->scale) ? &sample.truth.at(quantity->scale) : nullptr;
-    if (quantity->scale && !scale) return;
     long double largest = 0;
     for (const long double x : truth) largest = std::max(largest, std::abs(x));
     for (Eigen::Index k = 0; k < count; ++k) {
@@ -94,8 +99,7 @@ void addErrors(const TruthSample& sample, const std::string& algorithm, const Ei
               : off == 0        ? 0.0
                                 : static_cast<double>(off / by / static_cast<long double>(u)));
     }
-    first += count;
-  }
+  });
 }
 
 }  // namespace dyn::tool

@@ -4,7 +4,6 @@
 #include <dyn/error.hpp>
 
 #include <exception>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -13,7 +12,7 @@ namespace dyn {
 struct DataPool::Impl {
   struct Place {
     Data data;
-    std::ptrdiff_t failed = std::numeric_limits<std::ptrdiff_t>::max();
+    std::ptrdiff_t failed = 0;  ///< the first state that did, if `why` says so
     std::exception_ptr why;
     Place(const CompactModel& model, Need needs) : data(model, needs) {}
   };
@@ -39,12 +38,12 @@ void DataPool::each(std::ptrdiff_t count, void (*call)(void*, Data&, std::ptrdif
   const std::ptrdiff_t threads = impl_->workers.count();
   impl_->workers.run([&](int t) {
     Impl::Place& place = impl_->places[static_cast<std::size_t>(t)];
-    place.failed = std::numeric_limits<std::ptrdiff_t>::max();
+    place.why = nullptr;
     for (std::ptrdiff_t k = count * t / threads; k < count * (t + 1) / threads; ++k) {
       try {
         call(context, place.data, k, t);
       } catch (...) {
-        if (k > place.failed) continue;
+        if (place.why) continue;
         place.failed = k;
         place.why = std::current_exception();
       }
@@ -52,7 +51,7 @@ void DataPool::each(std::ptrdiff_t count, void (*call)(void*, Data&, std::ptrdif
   });
   // Threads have ascending stretches: the first that failed has the smallest state.
   for (const Impl::Place& place : impl_->places) {
-    if (place.failed == std::numeric_limits<std::ptrdiff_t>::max()) continue;
+    if (!place.why) continue;
     try {
       std::rethrow_exception(place.why);
     } catch (const Error& e) {

@@ -15,7 +15,7 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-constexpr int ids = 64;          ///< a pair has
+constexpr int ids = 64;          ///< a pair has, of 2^24 at most
 constexpr std::size_t most = 8;  ///< contacts of a pair of many pieces
 
 [[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::argument, "geometryContacts: " + what); }

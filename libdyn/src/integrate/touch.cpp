@@ -14,8 +14,8 @@ using Gap = Unilateral::Gap;
 
 /// The gap of the same contact at another time; if the finder did not tell of it then, it was as far open as it is closed now.
 double gapOf(const std::vector<Gap>& gaps, const Gap& like) {
-  const auto found = std::find_if(gaps.begin(), gaps.end(), [&](const Gap& g) { return g.key == like.key; });
-  return found == gaps.end() ? std::abs(like.value) : found->value;
+  const Gap* same = Unilateral::find(gaps, like.key);
+  return same ? same->value : std::abs(like.value);
 }
 
 }  // namespace

@@ -48,6 +48,11 @@ void Unilateral::watchLimits() {
   }
 }
 
+const Unilateral::Gap* Unilateral::find(const std::vector<Gap>& gaps, long key) {
+  const auto found = std::find_if(gaps.begin(), gaps.end(), [key](const Gap& gap) { return gap.key == key; });
+  return found == gaps.end() ? nullptr : &*found;
+}
+
 const std::vector<Unilateral::Gap>& Unilateral::look(double t, const double* q) {
   gaps_.clear();
   points_.clear();
@@ -140,9 +145,9 @@ const double* Unilateral::step(Law& law, double t, const double* q, const double
     look(t + dt, end_q_.data());
     for (std::size_t k = 0; k < bound.keys.size(); ++k) {
       if (bound.keys[k] < 0) continue;
-      const auto end = std::find_if(gaps_.begin(), gaps_.end(), [&](const Gap& gap) { return gap.key == bound.keys[k]; });
+      const Gap* end = find(gaps_, bound.keys[k]);
       const int normal = bound.data.set().firstRow(bound.cones[k].constraint) + 2;
-      if (end != gaps_.end()) bound.cones[k].gap += end->value - (start_gaps_[k] + dt * x.velocity[normal]);
+      if (end) bound.cones[k].gap += end->value - (start_gaps_[k] + dt * x.velocity[normal]);
     }
     x = contactStep(q, v, tau_.data(), dt, bound.cones, 0);
   }

@@ -25,6 +25,8 @@ class Unilateral {
     long key;      ///< the same from call to call
     double value;  ///< [m, rad]
   };
+  /// That of the same contact; null if there is none.
+  static const Gap* find(const std::vector<Gap>& gaps, long key);
   /// At q; a view of what the next call overwrites.
   const std::vector<Gap>& look(double t, const double* q);
 

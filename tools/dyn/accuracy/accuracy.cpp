@@ -10,12 +10,11 @@
 
 namespace dyn::tool {
 
-Specimen specimenOf(const Model& description, const JointRegistry& registry) {
+Specimen specimenOf(const Model& description, const JointRegistry& registry, bool strips) {
   CompileOptions options;
   options.dissipation = options.armature = false;
-  const CompactModel model = compile(description, registry, options);
-  options.strips = false;
-  return {"", "", description, model, compile(description, registry, options)};
+  options.strips = strips;
+  return {"", "", description, compile(description, registry, options)};
 }
 
 namespace {

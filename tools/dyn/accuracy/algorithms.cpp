@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <set>
 
 namespace dyn::tool {
@@ -198,9 +199,15 @@ Section algorithmSection(const std::vector<Specimen>& specimens, const AccuracyO
     // Floats are judged by the reference at what states round to, which doubles stand in for: their errors are a hundred million times less.
     std::vector<Entry> entries;
     addSingle(subjects, entries);
-    Subjects plain(specimen.without_strips, ConstraintSet(specimen.without_strips, {}));
-    plain.truth = subjects.truth;
-    if (usesStrips(model)) addWithoutStrips(plain, entries);
+    // Entries refer to these two.
+    std::optional<CompactModel> one_by_one;
+    std::optional<Subjects> plain;
+    if (usesStrips(model)) {
+      one_by_one = specimenOf(specimen.description, JointRegistry::standard(), false).model;
+      plain.emplace(*one_by_one, ConstraintSet(*one_by_one, {}));
+      plain->truth = subjects.truth;
+      addWithoutStrips(*plain, entries);
+    }
     addBatch<double>(subjects, "double", 1, entries);
     addBatch<float>(subjects, "float", 1, entries);
     if (derivatives)

@@ -1,4 +1,5 @@
 // Functions of rotations and rigid motions against a hundred digits: power series of matrices, their inverses, and the arc tangent.
+#include "bench.hpp"
 #include "errors.hpp"
 #include "sections.hpp"
 
@@ -8,10 +9,7 @@
 #include <boost/multiprecision/cpp_bin_float.hpp>
 #include <boost/multiprecision/eigen.hpp>
 
-#include <report/quartiles.hpp>
-
 #include <algorithm>
-#include <chrono>
 #include <functional>
 #include <random>
 
@@ -106,17 +104,11 @@ std::vector<Function> functions() {
 
 /// ns a call, over motions of all angles.
 double nanoseconds(const Function& f, const std::vector<Motion<double>>& motions) {
-  std::vector<double> times;
   volatile double kept = 0;
-  for (int repetition = 0; repetition < 11; ++repetition) {
-    constexpr int rounds = 20;
-    const auto begin = std::chrono::steady_clock::now();
-    for (int round = 0; round < rounds; ++round)
-      for (const Motion<double>& m : motions) kept = kept + f.call(m);
-    const double ns = std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - begin).count();
-    times.push_back(ns / (rounds * static_cast<double>(motions.size())));
-  }
-  return benchmark::quartiles(times).median;
+  const double ns = measure([&] {
+                      for (const Motion<double>& m : motions) kept = kept + f.call(m);
+                    }).median;
+  return ns * state_count / static_cast<double>(motions.size());
 }
 
 }  // namespace

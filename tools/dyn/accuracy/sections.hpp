@@ -14,11 +14,10 @@ struct Specimen {
   std::string path, root;
   Model description;
   CompactModel model;
-  CompactModel without_strips;
 };
 
 /// Without damping, friction and armature, of which the reference knows nothing.
-Specimen specimenOf(const Model& description, const JointRegistry& registry);
+Specimen specimenOf(const Model& description, const JointRegistry& registry, bool strips = true);
 
 struct AccuracyOptions {
   std::vector<std::string> models, instruction_sets;

@@ -23,8 +23,8 @@ struct GeometryContactOptions {
 };
 
 /// Contacts of all pairs of `geometry`: where two solids face each other the corners of what they share, of faces, sides and rims, not their
-/// nearest points alone. Of meshes and voxels no more than eight a pair. Throws Error(argument) for a margin or friction that is negative,
-/// for names that no pair has, and for more than 2^24 pairs.
+/// nearest points alone. Of meshes and voxels no more than eight a pair. Throws Error(argument) for a margin or friction that is negative
+/// or not finite, and for names that no pair has.
 DYN_API ContactFinder geometryContacts(const CompactModel& model, const GeometryModel& geometry, const GeometryContactOptions& options = {});
 
 }  // namespace dyn
