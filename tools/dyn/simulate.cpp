@@ -71,7 +71,7 @@ struct SimulateOptions : ModelOptions {
     if (!ground.empty()) plane = pointsOnPlane(model, ground, {0, 0, 1}, height, friction);
     if (!touching) return plane;
     const int first = static_cast<int>(ground.size());
-    const ContactFinder touch = geometryContacts(model, compileGeometry(model, description, volumes.geometry()), {.friction = friction});
+    ContactFinder touch = geometryContacts(model, compileGeometry(model, description, volumes.geometry()), {.friction = friction});
     if (!plane) return touch;
     return [plane, touch, first](const VectorResult& q, std::vector<ContactPoint>& found) {
       touch(q, found);
