@@ -54,6 +54,7 @@ inline Model randomTree(const JointRegistry& registry, int n, std::uint64_t seed
   model.name = "random" + std::to_string(seed);
   model.gravity = random.vector(10);
   const auto& types = registry.jointTypes();
+  if (types.empty()) registry.jointType("revolute");  // throws, and says why there are none
   const int start = random.below(static_cast<int>(types.size()));
   for (int i = 0; i < n; ++i) {
     JointDescription joint;
