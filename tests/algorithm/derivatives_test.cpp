@@ -5,6 +5,7 @@
 #include "support/registry.hpp"
 
 #include <functional>
+#include <limits>
 
 using namespace dyn;
 using namespace dyn::test;
@@ -247,6 +248,27 @@ TEST_CASE("the factors of M solve, multiply, and give forward dynamics", "[chole
   const Eigen::VectorXd tau = s.a;
   CHECK(off(forwardDynamics(model, data, s.q, s.v, tau), aba(model, other, s.q, s.v, tau)) < 1e-8);
   CHECK_THROWS_WITH(cholesky::solve(model, data, x.head(1)), containing("X is 1 x 1"));
+}
+
+TEST_CASE("what was not a number leaves nothing behind in factors and inverses", "[cholesky]") {
+  const CompactModel model = compile(randomTree(registry(), 24, 5), registry());
+  Data used(model, Need::derivatives), fresh(model, Need::derivatives);
+  const State s = stateOf(model, 5, false);
+  const Eigen::VectorXd bad = Eigen::VectorXd::Constant(model.nq(), std::numeric_limits<double>::quiet_NaN());
+  crba(model, used, bad);
+  CHECK_THROWS_AS(cholesky::decompose(model, used), Error);
+  CHECK_THROWS_AS(computeMinverse(model, used, bad), Error);
+  CHECK_THROWS_AS(computeABADerivatives(model, used, bad, s.v, s.a), Error);
+  const auto results = [&](Data& data) {
+    Eigen::MatrixXd x = crba(model, data, s.q);
+    cholesky::decompose(model, data);
+    cholesky::solve(model, data, x);
+    const AbaDerivatives by = computeABADerivatives(model, data, s.q, s.v, s.a);
+    Eigen::MatrixXd all(model.nv(), 4 * model.nv());
+    all << x, by.ddq_dq, by.ddq_dv, by.ddq_dtau;
+    return all;
+  };
+  CHECK(results(used) == results(fresh));
 }
 
 TEST_CASE("factors of models with followers are refused", "[cholesky]") {

@@ -66,6 +66,14 @@ struct PackedCoupling {
 
 struct PackedConstraints;
 
+/// Degrees of freedom that follow one another on one path to the root, between two places where the tree branches.
+struct DofChain {
+  int begin = 0, end = 0;
+  int depth = 0;     ///< of `begin`
+  int fresh = 0;     ///< its path from this depth on has no dofs of higher numbers but these
+  bool leaf = true;  ///< nothing hangs on it
+};
+
 struct CompactImpl {
   std::string name;
   Vec3<double> gravity;
@@ -87,6 +95,9 @@ struct CompactImpl {
   std::vector<int> dof_end;      ///< one past the last one of its joint's subtree
   std::vector<int> dof_parent;   ///< the next one on its path; -1 at the end
   std::vector<int> dof_segment;  ///< how far down its path goes without a gap in the numbers
+  std::vector<int> dof_depth;    ///< how many others its path has
+  std::vector<DofChain> chains;
+  int path_room = 0;  ///< degrees of freedom of the longest path
 
   StripPlan strips;
 

@@ -85,14 +85,32 @@ class Packer {
     }
     for (std::size_t i = 1; i < n; ++i) {
       const int end = out_->tree_end[i];
-      out_->dof_end.insert(out_->dof_end.end(), at(out_->index[i].nv), at(end) < n ? out_->index[at(end)].idx_v : out_->nvx);
+      const int end_of_tree = at(end) < n ? out_->index[at(end)].idx_v : out_->nvx;
+      out_->dof_end.insert(out_->dof_end.end(), at(out_->index[i].nv), end_of_tree);
       const BodyIndex &x = out_->index[i], &parent = out_->index[at(x.parent)];
       for (int k = 0; k < x.nv; ++k) {
         const int dof = x.idx_v + k, next = k > 0 ? dof - 1 : parent.idx_v + parent.nv - 1;
         out_->dof_body.push_back(static_cast<int>(i));
         out_->dof_parent.push_back(next);
         out_->dof_segment.push_back(next >= 0 && next == dof - 1 ? out_->dof_segment[at(next)] : dof);
+        out_->dof_depth.push_back(next >= 0 ? out_->dof_depth[at(next)] + 1 : 0);
+        out_->path_room = std::max(out_->path_room, out_->dof_depth.back() + 1);
+        // A parent that has other children, before or after, does not end where this one does or is not its neighbour.
+        if (dof > 0 && next == dof - 1 && out_->dof_end[at(next)] == end_of_tree) {
+          out_->chains.back().end = dof + 1;
+        } else {
+          out_->chains.push_back({dof, dof + 1, out_->dof_depth.back()});
+        }
       }
+    }
+    // By degree of freedom, of its chain: from which depth on subtrees of its path end with its own.
+    std::vector<int> alone(at(out_->nvx));
+    for (DofChain& chain : out_->chains) {
+      const int end = out_->dof_end[at(chain.begin)], parent = out_->dof_parent[at(chain.begin)];
+      const int from = parent >= 0 && out_->dof_end[at(parent)] == end ? alone[at(parent)] : chain.depth;
+      std::fill(alone.begin() + chain.begin, alone.begin() + chain.end, from);
+      chain.leaf = end == chain.end;
+      chain.fresh = chain.leaf ? from : chain.depth;
     }
   }
 

@@ -56,7 +56,7 @@ void carveAll(DataImpl& d, const CompactImpl& m, Arena& arena) {
       for (double*& x : d.expanded) arena.take(x, nvx * nvx);
   }
   if (has(d.needs, Need::mass_matrix)) {
-    arena.take(d.M, nv * nv);
+    arena.take(d.M, nv * nv + most_lanes);
     if (!m.couplings.empty()) arena.take(d.Mx, nvx * nvx);
   }
 }

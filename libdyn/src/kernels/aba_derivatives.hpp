@@ -54,10 +54,7 @@ void abaDerivativesInward(const Order& order, Workspace<S>& w, DerivativeWorkspa
     }
     const Force<S> f = w.f[i];
     eliminateJoint<Joint>(order, w, d, IA, i, iv, [&](int k, const auto& column, const Force<S>& W, const S& inverse) {
-      Vec3<S> lever{};
-      if constexpr (Joint::has_linear) lever += transposeTimes(map.linear, column.s.linear);
-      if constexpr (Joint::has_angular) lever += transposeTimes(map.angular, column.s.angular);
-      lever = inverse * lever;
+      const Vec3<S> lever = inverse * column.along(map.linear, map.angular);
       writeVector(lever, Rows<S>{d.force[D::lever], d.force.stride}, iv + k);
       subtractOuter(map.linear, W.linear, lever);
       subtractOuter(map.angular, W.angular, lever);
@@ -125,13 +122,19 @@ void abaDerivative(const CompactImpl& m, const DerivativeWorkspace<S>& d, const 
       by.template assemble<Wide>(m.dof_end, out);
     }
     for (int k = 0; k < n; ++k) {
-      solveColumn(system, begin, k, out[k]);
+      solveColumn(system, begin, k, n, out[k]);
       for (int i = 0; i < n; ++i) out[k][i] = -out[k][i];
     }
   } else {
-    for (int i = 0; i < n; ++i) std::fill(d.scratch[i], d.scratch[i] + n, S(0));
-    by.transposed().template assemble<Wide>(m.dof_end, d.scratch);
-    solveRows<Wide, Pack>(system, begin, d.scratch);
+    const Rows<S>& X = d.scratch;
+    for (int i = 0; i < n; ++i) {
+      std::fill(X[i], X[i] + n, S(0));
+      inParts<Wide, S>(begin(i), system.end(i), [&](const Part<Wide, S>& part) { part.store(part.inside() * part.load(by.right[i]), X[i]); });
+    }
+    solveUpper<Wide>(system, X);
+    for (int i = 0; i < n; ++i) std::copy(by.right[i] + i, by.right[i] + begin(i), X[i] + i);
+    by.transposed().template assembleRight<Wide>(m.dof_end, X);
+    solveLower<Pack>(system, X, false);
     transposeNegated<Wide>(d.scratch, n, out);
   }
 }

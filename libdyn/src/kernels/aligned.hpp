@@ -26,7 +26,7 @@ void placeAligned(const Joint& joint, const Order& order, const SE3<S>& placemen
     const Mat3<S>& parent = order.parent(w.R, i);
     // Generated code pays for every operation: there a few products in a row go by before they are brought back to the rotations.
     bool renew = true;
-    if constexpr (is_symbolic<S>) renew = order.index(i).depth % 8 == 0;
+    if constexpr (is_symbolic<S>) renew = order.depth(i) % 8 == 0;
     w.R[i] = renew ? composedRotation(parent, rel.R) : parent * rel.R;
     w.r[i] = parent * rel.p;
   }
@@ -68,6 +68,13 @@ struct Column {
     if constexpr (Joint::has_linear) a.linear += x * s.linear;
     if constexpr (Joint::has_angular) a.angular += x * s.angular;
   }
+  /// linear^T s.linear + angular^T s.angular.
+  Vec3<S> along(const Mat3<S>& linear, const Mat3<S>& angular) const {
+    Vec3<S> sum{};
+    if constexpr (Joint::has_linear) sum += transposeTimes(linear, s.linear);
+    if constexpr (Joint::has_angular) sum += transposeTimes(angular, s.angular);
+    return sum;
+  }
   /// |linear part|^2 of the one and |angular part|^2 of the other.
   S weighted(const S& linear, const S& angular) const {
     S sum(0);
@@ -91,6 +98,7 @@ struct UnitColumn {
     return k < 3 ? f.linear[k] : f.angular[k - 3];
   }
   void addTo(Motion<S>& a, const S& x) const { (k < 3 ? a.linear[k] : a.angular[k - 3]) += x; }
+  Vec3<S> along(const Mat3<S>& linear, const Mat3<S>& angular) const { return k < 3 ? linear.row(k) : angular.row(k - 3); }
   S weighted(const S& linear, const S& angular) const { return k < 3 ? linear : angular; }
 };
 

@@ -5,37 +5,56 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstring>
 #include <type_traits>
 #include <utility>
 
 namespace dyn::kernels {
 
-/// Turns a square of numbers, as many rows as a pack has lanes, in registers: each round interleaves the two halves of the rows.
-/// Written with the compilers' own vectors, which name no instruction set.
+/// Turns a square of numbers, as many rows as a pack has lanes, in registers: each round exchanges blocks beside the diagonal, of one number,
+/// of two, and so on. Written with the compilers' own vectors, which name no instruction set.
 template <class T, int lanes>
 struct Square {
   typedef T Row __attribute__((vector_size(sizeof(T) * lanes)));  // gcc 12 forgets the attribute of an alias
+  // In memory. Not copied as bytes, which gcc 12 does by halves, that the whole is then read from right after.
+  typedef T Unaligned __attribute__((vector_size(sizeof(T) * lanes), aligned(alignof(T)), may_alias));
   Row rows[lanes];
 
-  Row& operator[](int i) { return rows[i]; }
-  void read(int i, const T* from) { std::memcpy(&rows[i], from, sizeof(Row)); }
-  void write(int i, T* to) const { std::memcpy(to, &rows[i], sizeof(Row)); }
-  void transpose() {
-    for (int round = 1; round < lanes; round *= 2) {
-      Square next;
-      for (int i = 0; i < lanes / 2; ++i) {
-        next[2 * i] = interleaved<0>(rows[i], rows[i + lanes / 2], std::make_integer_sequence<int, lanes>());
-        next[2 * i + 1] = interleaved<lanes / 2>(rows[i], rows[i + lanes / 2], std::make_integer_sequence<int, lanes>());
-      }
-      *this = next;
-    }
+  void read(int i, const T* from) { rows[i] = *reinterpret_cast<const Unaligned*>(from); }
+  void write(int i, T* to) const { *reinterpret_cast<Unaligned*>(to) = rows[i]; }
+  void negate() {
+#pragma GCC unroll 8
+    for (int i = 0; i < lanes; ++i) rows[i] = -rows[i];
   }
+  /// Rows `stride` apart.
+  void read(const T* from, std::ptrdiff_t stride) {
+#pragma GCC unroll 8
+    for (int i = 0; i < lanes; ++i) read(i, from + i * stride);
+  }
+  void write(T* to, std::ptrdiff_t stride) const {
+#pragma GCC unroll 8
+    for (int i = 0; i < lanes; ++i) write(i, to + i * stride);
+  }
+  void transpose() { exchangeFrom<1>(); }
 
  private:
-  template <int first, int... k>
-  static Row interleaved(const Row& a, const Row& b, std::integer_sequence<int, k...>) {
-    return __builtin_shufflevector(a, b, (first + k / 2 + (k % 2) * lanes)...);
+  /// Rounds of blocks of `d` numbers and more.
+  template <int d>
+  void exchangeFrom() {
+    if constexpr (d < lanes) {
+#pragma GCC unroll 8
+      for (int i = 0; i < lanes / 2; ++i) {
+        const int row = i / d * 2 * d + i % d;
+        exchange<d>(rows[row], rows[row + d], std::make_integer_sequence<int, lanes>());
+      }
+      exchangeFrom<2 * d>();
+    }
+  }
+  /// Exchanges the odd blocks of `a` with the even ones of `b`.
+  template <int d, int... k>
+  static void exchange(Row& a, Row& b, std::integer_sequence<int, k...>) {
+    const Row even = __builtin_shufflevector(a, b, (k & d ? lanes + k - d : k)...);
+    b = __builtin_shufflevector(a, b, (k & d ? lanes + k : (k + d) % lanes)...);
+    a = even;
   }
 };
 

@@ -3,6 +3,7 @@
 
 #include "kernels/aligned.hpp"
 #include "kernels/cholesky.hpp"
+#include "kernels/tree_factors.hpp"
 
 namespace dyn::kernels {
 
@@ -71,6 +72,7 @@ struct DerivativeWorkspace {
   Rows<S> force;  ///< components: I S (6) and its lever on turning rates (3), by articulated inertias / pivot in aba; force by q (6), by v (6)
   PathMatrix<S> by_q, by_v, by_a;
   TreeFactors<S> factors;
+  PathFactors<S> cholesky;
   Rows<S> scratch;             ///< nvx rows of nvx numbers
   Motion<S>* place = nullptr;  ///< [centroidal] from each joint's origin to the centre of mass, and its rate, aligned axes
 
@@ -105,6 +107,7 @@ void carve(DerivativeWorkspace<S>& w, const CompactImpl& m, Arena& arena) {
   }
   w.by_a.right = w.by_a.below;  // symmetric
   carve(w.factors, m.nvx, arena);
+  if constexpr (lanes_of<S> == 1) carve(w.cholesky, m, arena);
   arena.take(w.scratch, m.nvx, m.nvx);
   arena.take(w.coriolis, static_cast<std::size_t>(m.bodies()));
 }

@@ -55,11 +55,11 @@ void addDerivatives(SingleKernels& k) {
     derivativesOutward(bodies, w, d, Vec3<double>{}, v, static_cast<const double*>(d.scratch.first), static_cast<const Force<double>*>(nullptr));
     coriolisMatrix<Wide>(bodies, w, d);
   };
-  k.factorTimes = [](const CompactImpl& m, D& d, FactorProduct product, double* x) { kernels::factorTimes<Wide>(m, d.factors, product, x); };
+  k.factorTimes = [](const CompactImpl& m, D& d, FactorProduct product, double* x) { kernels::factorTimes<Wide>(m, d.cholesky, product, x); };
   k.assemble = [](const CompactImpl& m, const PathMatrix<double>& from, double* out) { from.assemble<Wide>(m.dof_end, Rows<double>{out, m.nvx}); };
   k.choleskyDecompose = [](const CompactImpl& m, D& d, const double* M) {
     int failed = 0;
-    kernels::choleskyDecompose<Wide>(m, M, d.scratch, d.factors, &failed);
+    kernels::choleskyDecompose<Wide>(m, M, d.cholesky, &failed);
     return failed;
   };
   k.treeFactors = [](const CompactImpl& m, W& w, D& d) {

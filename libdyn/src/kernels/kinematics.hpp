@@ -10,7 +10,7 @@ template <class S, class Order>
 void placeInWorld(const Order& order, Workspace<S>& w, const SE3<S>& rel, int i) {
   const SE3<S>& parent = order.parent(w.oM, i);
   // Poses have no inertias to turn: it is enough that long chains do not drift.
-  const bool renew = order.index(i).depth % 16 == 0;
+  const bool renew = order.depth(i) % 16 == 0;
   w.oM[i] = {renew ? composedRotation(parent.R, rel.R) : parent.R * rel.R, parent.act(rel.p)};
 }
 

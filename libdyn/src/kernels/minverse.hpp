@@ -12,27 +12,22 @@
 
 namespace dyn::kernels {
 
-/// Of degree of freedom k: its pivot, and the force column of its row.
-template <class S>
-void keepFactor(DerivativeWorkspace<S>& d, int k, const S& pivot, const S& inverse, const Force<S>& row) {
-  d.factors.diagonal[k] = pivot;
-  d.factors.inverse[k] = inverse;
-  writeForce(row, d.force, k);
-}
-
 /// Eliminates the degrees of freedom of body i, the last first: update(k, column, W, inverse) is called for each, W = IA s.
 template <class Joint, class S, class Order, class Update>
 void eliminateJoint(const Order& order, Workspace<S>& w, DerivativeWorkspace<S>& d, ArticulatedInertia<S>& IA, int i, int iv, Update&& update) {
-  for (int k = Joint::nv - 1; k >= 0; --k) {
-    const Column<Joint, S> column{w.dof[iv + k].S_};
-    const Force<S> W = column.force(IA);
-    const S pivot = column.along(W) + order.armature(iv + k), inverse = S(1) / pivot;
-    noteVanishing(pivot, column, IA, i, w.failed);
-    const Force<S> row = inverse * W;
-    keepFactor(d, iv + k, pivot, inverse, row);
-    update(k, column, W, inverse);
-    if (k > 0 || !order.isRoot(i)) IA.subtractOuter(W, row);
-  }
+  withColumns<Joint>(order, w, i, iv, [&](const auto& columns) {
+    for (int k = Joint::nv - 1; k >= 0; --k) {
+      const auto column = columns(k);
+      const Force<S> W = column.force(IA);
+      const S pivot = column.along(W) + order.armature(iv + k), inverse = S(1) / pivot;
+      noteVanishing(pivot, column, IA, i, w.failed);
+      const Force<S> row = inverse * W;
+      d.factors.inverse[iv + k] = inverse;
+      writeForce(row, d.force, iv + k);
+      update(k, column, W, inverse);
+      if (k > 0 || !order.isRoot(i)) IA.subtractOuter(W, row);
+    }
+  });
 }
 
 /// Pivots and force columns, of bodies whose rigid inertias are in w.mass, w.h and w.Io. w.failed tells lane by lane whether one vanished.
@@ -53,7 +48,9 @@ void factorsSweep(const Order& order, const Workspace<S>& w, DerivativeWorkspace
   order.backward([&]<class Joint>(const Joint&, int i, int iv) {
     inParts<Wide, S>(iv, order.dofEnd(i), [&](const Part<Wide, S>& part) {
       const Force<Wide> F = loadForce(part, d.force);
-      for (int k = 0; k < Joint::nv; ++k) part.store(Column<Joint, S>{w.dof[iv + k].S_}.along(F), d.factors.L[iv + k]);
+      withColumns<Joint>(order, w, i, iv, [&](const auto& column) {
+        for (int k = 0; k < Joint::nv; ++k) part.store(column(k).along(F), d.factors.L[iv + k]);
+      });
       if (order.isRoot(i)) return;
       const Vec3<Wide> here = part.inside() * broadcast<Wide>(w.r[i]);
       storeVector(part, F.angular + cross(here, F.linear), d.force, 3);
@@ -66,19 +63,22 @@ template <class Wide, class Pack, class S>
 void inverseOfMassMatrix(const CompactImpl& m, const TreeFactors<S>& factors, const Rows<S>& X, const Rows<S>& out) {
   const int n = m.nvx;
   const TreeSystem<S> system{m, factors.L, factors.inverse};
-  const auto begin = [](int i) { return i; };
   constexpr bool by_columns = Part<Wide, S>::width == 1;
   const Rows<S>& matrix = by_columns ? out : X;
   for (int i = 0; i < n; ++i) std::fill(matrix[i], matrix[i] + n, S(0));
   for (int i = 0; i < n; ++i) matrix[i][i] = S(1);
+  // Half of it, so that the result is symmetric to the last bit.
   if constexpr (by_columns) {
-    for (int k = 0; k < n; ++k) solveColumn(system, begin, k, out[k]);
+    for (int k = 0; k < n; ++k) {
+      solveColumn(
+          system, [](int i) { return i; }, k, k + 1, out[k]);
+      for (int i = 0; i < k; ++i) out[i][k] = out[k][i];
+    }
   } else {
-    solveRows<Wide, Pack>(system, begin, X);
+    solveUpper<Wide>(system, X);
+    solveLower<Pack>(system, X, true);
+    mirrorUpper<Wide>(X, n, out);
   }
-  // One of each pair of entries, so that the result is symmetric to the last bit.
-  for (int i = 0; i < n; ++i)
-    for (int j = 0; j <= i; ++j) out[i][j] = out[j][i] = matrix[i][j];
 }
 
 }  // namespace dyn::kernels

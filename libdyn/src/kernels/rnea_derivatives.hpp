@@ -206,6 +206,26 @@ void pathSweep(const Order& order, Workspace<S>& w, DerivativeWorkspace<S>& d) {
     inParts<Wide, S>(iv, order.dofEnd(i), [&](const Part<Wide, S>& part) {
       const Force<Wide> U = loadForce(part, d.force), Fq = loadForce(part, by_q), Fv = loadForce(part, by_v);
       const Vec3<Wide> lever = loadVector(part, levers);
+      const auto enter = [&](int k, const auto& column, const Wide& q, const Wide& v) {
+        d.by_a.enterSymmetric(part, iv + k, column.along(U));
+        d.by_q.enterBelow(part, iv + k, q);
+        d.by_v.enterBelow(part, iv + k, v);
+        d.by_q.enterRight(part, iv + k, iv + Joint::nv, column.along(Fq));
+        d.by_v.enterRight(part, iv + k, iv + Joint::nv, column.along(Fv));
+      };
+      if constexpr (Joint::is_free) {
+        // Nothing moves before a flying root: what it makes of its own columns has no more than these.
+        if (order.isRoot(i)) {
+          for (int k = 0; k < 3; ++k) {
+            const DofVariation<S>&slide = d.dof[iv + k], &turn = d.dof[iv + 3 + k];
+            const Vec3<Wide> by_turn = broadcast<Wide>(turn.rate.linear), turn_rate = broadcast<Wide>(turn.rate.angular);
+            enter(k, UnitColumn<S>{k}, Wide(0), dot(broadcast<Wide>(slide.rate.linear), U.linear));
+            enter(3 + k, UnitColumn<S>{3 + k}, dot(broadcast<Wide>(turn.acceleration.linear), U.linear),
+                  dot(by_turn, U.linear) + dot(turn_rate, U.angular) + lever[k]);
+          }
+          return;
+        }
+      }
       for (int k = 0; k < Joint::nv; ++k) {
         const Column<Joint, S> column{w.dof[iv + k].S_};
         const DofVariation<S>& x = d.dof[iv + k];
@@ -215,11 +235,7 @@ void pathSweep(const Order& order, Workspace<S>& w, DerivativeWorkspace<S>& d) {
           q += dot(broadcast<Wide>(x.velocity.angular), lever);
           v += dot(broadcast<Wide>(column.s.angular), lever);
         }
-        d.by_a.enterSymmetric(part, iv + k, column.along(U));
-        d.by_q.enterBelow(part, iv + k, q);
-        d.by_v.enterBelow(part, iv + k, v);
-        d.by_q.enterRight(part, iv + k, iv + Joint::nv, column.along(Fq));
-        d.by_v.enterRight(part, iv + k, iv + Joint::nv, column.along(Fv));
+        enter(k, column, q, v);
       }
       if (order.isRoot(i)) return;
       const Wide inside = part.inside();

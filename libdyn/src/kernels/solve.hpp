@@ -2,8 +2,7 @@
 // and subtree: L^T from the leaves, D, then L from the root, which fills the matrix.
 #pragma once
 
-#include "kernels/cholesky.hpp"
-#include "kernels/several.hpp"
+#include "kernels/tree_factors.hpp"
 
 namespace dyn::kernels {
 
@@ -19,59 +18,137 @@ struct TreeSystem {
   int parent(int dof) const { return m.dof_parent[static_cast<std::size_t>(dof)]; }
 };
 
-/// One column, `column` of the matrix, in place.
+/// One column, `column` of the matrix, in place, its first `rows` rows.
 template <class S, class Begin>
-void solveColumn(const TreeSystem<S>& t, const Begin& begin, int column, S* x) {
+void solveColumn(const TreeSystem<S>& t, const Begin& begin, int column, int rows, S* x) {
   alongPath(t.m, column, [&](int i) {
     if (begin(i) > column) return;
     const S force = x[i];
     alongPath(t.m, t.parent(i), [&](int j) { x[j] -= t.L[j][i] * force; });
     x[i] = t.inverse[i] * force;
   });
-  for (int i = 0; i < t.n(); ++i) {
+  for (int i = 0; i < rows; ++i) {
     S sum = x[i];
     alongPathParentLast(t.m, i, [&](int j) { sum -= t.L[j][i] * x[j]; });
     x[i] = sum;
   }
 }
 
-/// L from the root, for as many columns from `first` on as Panel has lanes.
-template <class Panel, class S>
-__attribute__((flatten)) void solveLower(const TreeSystem<S>& t, const Rows<S>& X, int first) {
-  for (int i = 0; i < t.n(); ++i) {
-    Panel x = Panel::load(X[i] + first);
-    alongPathParentLast(t.m, i, [&](int j) { x -= Panel(t.L[j][i]) * Panel::load(X[j] + first); });
-    x.store(X[i] + first);
+/// Subtracts from `rows` rows of `packs` packs `terms` other rows, all `stride` apart, times their factors: of row r and term k at
+/// factors[r * by_row + k * by_term].
+template <class Pack, int rows, int packs, class S>
+struct Tile {
+  Pack sum[rows][packs];
+
+  Tile(const S* from, std::ptrdiff_t stride) {
+    for (int r = 0; r < rows; ++r)
+      for (int p = 0; p < packs; ++p) sum[r][p] = Pack::load(from + r * stride + p * lanes_of<Pack>);
+  }
+  void subtract(const S* from, std::ptrdiff_t stride, int terms, const S* factors, std::ptrdiff_t by_row, std::ptrdiff_t by_term) {
+    for (int k = 0; k < terms; ++k, from += stride, factors += by_term) {
+      Pack other[packs];
+      for (int p = 0; p < packs; ++p) other[p] = Pack::load(from + p * lanes_of<Pack>);
+      for (int r = 0; r < rows; ++r) {
+        const Pack factor(factors[r * by_row]);
+        for (int p = 0; p < packs; ++p) sum[r][p] -= factor * other[p];
+      }
+    }
+  }
+  /// Of row `to` row `from` times a factor.
+  void subtractRow(int to, int from, const S& factor) {
+    for (int p = 0; p < packs; ++p) sum[to][p] -= Pack(factor) * sum[from][p];
+  }
+  void store(S* to, std::ptrdiff_t stride) const {
+    for (int r = 0; r < rows; ++r)
+      for (int p = 0; p < packs; ++p) sum[r][p].store(to + r * stride + p * lanes_of<Pack>);
+  }
+};
+
+/// Calls use(count, first) for columns from `first` on and before `end`, in panels of at most four packs that differ by no more than one.
+/// `count`: packs, a constant.
+template <class Pack, class Use>
+void inPanels(int first, int end, Use&& use) {
+  constexpr int lanes = lanes_of<Pack>;
+  for (int packs = (end - first + lanes - 1) / lanes; packs > 0;) {
+    const int panels = (packs + 3) / 4, now = (packs + panels - 1) / panels;
+    switch (now) {
+      case 1:
+        use(std::integral_constant<int, 1>(), first);
+        break;
+      case 2:
+        use(std::integral_constant<int, 2>(), first);
+        break;
+      case 3:
+        use(std::integral_constant<int, 3>(), first);
+        break;
+      default:
+        use(std::integral_constant<int, 4>(), first);
+    }
+    first += now * lanes;
+    packs -= now;
   }
 }
 
-/// The whole matrix, in rows that have room for packs: few columns wide where subtrees are, as wide as registers allow where all columns are.
-template <class Wide, class Pack, class S, class Begin>
-__attribute__((flatten)) void solveRows(const TreeSystem<S>& t, const Begin& begin, const Rows<S>& X) {
-  for (int i = t.n() - 1; i >= 0; --i)
-    inParts<Wide, S>(begin(i), t.end(i), [&](const Part<Wide, S>& part) {
-      const Wide entry = part.load(X[i]), force = part.inside() * entry;
-      alongPath(t.m, t.parent(i), [&](int j) { part.store(part.load(X[j]) - Wide(t.L[j][i]) * force, X[j]); });
-      part.store((entry - force) + Wide(t.inverse[i]) * force, X[i]);
+/// X = D^-1 L^-T X of rows that are zero outside their subtrees.
+template <class Pack, class S>
+__attribute__((flatten)) void solveUpper(const TreeSystem<S>& t, const Rows<S>& X) {
+  const std::ptrdiff_t stride = X.stride;
+  for (auto chain = t.m.chains.rbegin(); chain != t.m.chains.rend(); ++chain) {
+    const int begin = chain->begin, end = chain->end;
+    inPanels<Pack>(begin, t.end(begin), [&](auto packs, int first) {
+      const auto subtract = [&]<int rows>(std::integral_constant<int, rows>, int row, bool own) {
+        Tile<Pack, rows, packs, S> tile(X[row] + first, stride);
+        const int from = own ? row + rows : begin;
+        tile.subtract(X[from] + first, stride, end - from, t.L[row] + from, t.L.stride, 1);
+        if (own)
+          for (int k = rows - 1; k > 0; --k)
+            for (int r = k - 1; r >= 0; --r) tile.subtractRow(r, k, t.L[row + r][row + k]);
+        tile.store(X[row] + first, stride);
+      };
+      // Rows before `last` down to `row`, by twos.
+      const auto subtractDown = [&](int last, int row, bool own) {
+        for (; last - row >= 2; last -= 2) subtract(std::integral_constant<int, 2>(), last - 2, own);
+        if (last > row) subtract(std::integral_constant<int, 1>(), row, own);
+      };
+      subtractDown(end, begin, true);
+      for (int last = t.parent(begin); last >= 0;) {
+        const int segment = t.m.dof_segment[static_cast<std::size_t>(last)];
+        subtractDown(last + 1, segment, false);
+        last = t.parent(segment);
+      }
+      for (int i = begin; i < end; ++i)
+        for (int p = 0; p < packs; ++p) {
+          S* x = X[i] + first + p * lanes_of<Pack>;
+          (Pack(t.inverse[i]) * Pack::load(x)).store(x);
+        }
     });
-  constexpr int lanes = lanes_of<Pack>;
-  const auto all = [&]<int packs>(std::integral_constant<int, packs>) {
-    for (int first = 0; first < t.n(); first += packs * lanes) solveLower<Several<Pack, packs>>(t, X, first);
-  };
-  switch ((t.n() + lanes - 1) / lanes) {
-    case 1:
-      return all(std::integral_constant<int, 1>());
-    case 2:
-      return all(std::integral_constant<int, 2>());
-    case 3:
-      return all(std::integral_constant<int, 3>());
-    case 5:
-      // As many as four leave registers for, where there are 16 of them.
-      if constexpr (lanes >= 8) return all(std::integral_constant<int, 5>());
-      [[fallthrough]];
-    default:
-      return all(std::integral_constant<int, 4>());
   }
+}
+
+/// X = L^-1 X; where `upper`, only what stands right of the diagonal, and packs' ends.
+template <class Pack, class S>
+__attribute__((flatten)) void solveLower(const TreeSystem<S>& t, const Rows<S>& X, bool upper) {
+  const std::ptrdiff_t stride = X.stride;
+  inPanels<Pack>(0, t.n(), [&](auto packs, int first) {
+    const int rows_end = upper ? std::min(t.n(), first + packs * lanes_of<Pack>) : t.n();
+    const auto solve = [&]<int rows>(std::integral_constant<int, rows>, const DofChain& chain, int row) {
+      Tile<Pack, rows, packs, S> tile(X[row] + first, stride);
+      for (int last = row - 1 >= chain.begin ? row - 1 : t.parent(chain.begin); last >= 0;) {
+        const int segment = t.m.dof_segment[static_cast<std::size_t>(last)];
+        tile.subtract(X[segment] + first, stride, last + 1 - segment, t.L[segment] + row, 1, t.L.stride);
+        last = t.parent(segment);
+      }
+      for (int k = 0; k < rows; ++k)
+        for (int r = k + 1; r < rows; ++r) tile.subtractRow(r, k, t.L[row + k][row + r]);
+      tile.store(X[row] + first, stride);
+    };
+    for (const DofChain& chain : t.m.chains) {
+      const int end = std::min(chain.end, rows_end);
+      int row = chain.begin;
+      for (; row + 2 <= end; row += 2) solve(std::integral_constant<int, 2>(), chain, row);
+      if (row < end) solve(std::integral_constant<int, 1>(), chain, row);
+    }
+  });
 }
 
 }  // namespace dyn::kernels

@@ -155,65 +155,95 @@ struct PathMatrix {
   /// Writes the entries into the columns of an n x n matrix whose other entries are zero and stay so.
   template <class Wide>
   void assemble(const std::vector<int>& dof_end, const Rows<S>& out) const {
+    const int n = static_cast<int>(dof_end.size());
+    for (int column = 0; column < n; ++column) {
+      const int end = dof_end[static_cast<std::size_t>(column)];
+      int row = column;
+      constexpr int width = Part<Wide, S>::width;
+      for (; row + width <= end; row += width) Part<Wide, S>(row, 0, 0).store(Part<Wide, S>(row, 0, 0).load(below[column]), out[column]);
+      for (; row < end; ++row) out[column][row] = below[column][row];
+    }
+    assembleRight<Wide>(dof_end, out);
+  }
+  /// Those above the diagonal only, from `right`.
+  template <class Wide>
+  __attribute__((flatten)) void assembleRight(const std::vector<int>& dof_end, Rows<S> out) const {
+    const Rows<S> from = right;
     constexpr int width = Part<Wide, S>::width;
     const int n = static_cast<int>(dof_end.size());
     const auto end = [&](int column) { return dof_end[static_cast<std::size_t>(column)]; };
     const auto single = [&](int row, int last, int column) {
-      for (; row < last; ++row) {
-        out[column][row] = below[column][row];
-        if (row > column) out[row][column] = right[column][row];
-      }
+      for (; row < last; ++row) out[row][column] = from[column][row];
     };
     int column = 0;
     if constexpr (width > 1) {
       for (; column + width <= n; column += width) {
         int last = 0;
         for (int k = column; k < column + width; ++k) {
-          single(k, std::min(end(k), column + width), k);
+          single(k + 1, std::min(end(k), column + width), k);
           last = std::max(last, end(k));
         }
         int row = column + width;
         for (; row + width <= last; row += width) {
           Square<S, width> square;
-          for (int k = 0; k < width; ++k) {
-            square.read(k, below[column + k] + row);
-            square.write(k, out[column + k] + row);
-          }
-          for (int k = 0; k < width; ++k) square.read(k, right[column + k] + row);
+          square.read(from[column] + row, from.stride);
           square.transpose();
-          for (int k = 0; k < width; ++k) square.write(k, out[row + k] + column);
+          square.write(out[row] + column, out.stride);
         }
         for (int k = column; k < column + width; ++k) single(row, end(k), k);
       }
     }
-    for (; column < n; ++column) single(column, end(column), column);
+    for (; column < n; ++column) single(column + 1, end(column), column);
   }
 };
 
+/// Calls use(rows, columns, square) for the squares of `width` that cover an n x n matrix, from row to row; the last ones overlap those before.
+template <int width, class Use>
+void inSquares(int n, Use&& use) {
+  for (int row = 0; row < n; row += width)
+    for (int column = 0; column < n; column += width) use(std::min(row, n - width), std::min(column, n - width));
+}
+
 /// Writes into the columns of an n x n matrix what stands in the rows of another, with the other sign.
 template <class Wide, class S>
-void transposeNegated(const Rows<S>& rows, int n, const Rows<S>& columns) {
+__attribute__((flatten)) void transposeNegated(Rows<S> rows, int n, Rows<S> columns) {
   constexpr int width = Part<Wide, S>::width;
-  const auto single = [&](int row, int last, int column) {
-    for (; row < last; ++row) columns[column][row] = -rows[row][column];
-  };
-  int column = 0;
   if constexpr (width > 1) {
-    for (; column + width <= n; column += width) {
-      int row = 0;
-      for (; row + width <= n; row += width) {
+    if (n >= width)
+      return inSquares<width>(n, [&](int row, int column) {
         Square<S, width> square;
-        for (int k = 0; k < width; ++k) {
-          square.read(k, rows[row + k] + column);
-          square[k] = -square[k];
-        }
+        square.read(rows[row] + column, rows.stride);
         square.transpose();
-        for (int k = 0; k < width; ++k) square.write(k, columns[column + k] + row);
-      }
-      for (int k = column; k < column + width; ++k) single(row, n, k);
-    }
+        square.negate();
+        square.write(columns[column] + row, columns.stride);
+      });
   }
-  for (; column < n; ++column) single(0, n, column);
+  for (int column = 0; column < n; ++column)
+    for (int row = 0; row < n; ++row) columns[column][row] = -rows[row][column];
+}
+
+/// Writes the upper triangle of a symmetric n x n matrix into both of another.
+template <class Wide, class S>
+__attribute__((flatten)) void mirrorUpper(Rows<S> from, int n, Rows<S> out) {
+  constexpr int width = Part<Wide, S>::width;
+  const auto single = [&](int begin, int end) {
+    for (int i = begin; i < end; ++i)
+      for (int j = i; j < end; ++j) out[i][j] = out[j][i] = from[i][j];
+  };
+  if constexpr (width > 1) {
+    if (n >= width)
+      return inSquares<width>(n, [&](int row, int column) {
+        if (column < row) return;
+        // The last one on the diagonal puts right where squares overlap.
+        if (column == row) return single(row, row + width);
+        Square<S, width> square;
+        square.read(from[row] + column, from.stride);
+        square.write(out[row] + column, out.stride);
+        square.transpose();
+        square.write(out[column] + row, out.stride);
+      });
+  }
+  single(0, n);
 }
 
 }  // namespace dyn::kernels

@@ -118,6 +118,7 @@ struct Bodies {
 
   const BodyIndex& index(int i) const { return m.index[static_cast<std::size_t>(i)]; }
   int parentOf(int i) const { return index(i).parent; }
+  int depth(int i) const { return index(i).depth; }
   int treeEnd(int i) const { return m.tree_end[static_cast<std::size_t>(i)]; }
   /// One past the last degree of freedom of body i's subtree.
   int dofEnd(int i) const { return m.dof_end[static_cast<std::size_t>(index(i).idx_v)]; }

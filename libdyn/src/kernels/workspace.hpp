@@ -77,8 +77,9 @@ class Arena {
   }
   template <class S>
   void take(Rows<S>& rows, int components, int count) {
-    constexpr std::ptrdiff_t pack = lanes_of<S> == 1 ? most_lanes : 1;
-    const std::ptrdiff_t stride = (count + pack - 1) / pack * pack;
+    // Room for a pack from anywhere; and an odd number of cache lines, so that columns do not fall on one another in the cache.
+    constexpr std::ptrdiff_t line = 8;
+    const std::ptrdiff_t stride = lanes_of<S> == 1 ? (((count + line - 1) / line + 1) / 2 * 2 + 1) * line : count;
     if (base_) rows.stride = stride;
     take(rows.first, static_cast<std::size_t>(components * stride));
   }
