@@ -135,7 +135,7 @@ void abaDerivative(const CompactImpl& m, const DerivativeWorkspace<S>& d, const 
     for (int i = 0; i < n; ++i) std::copy(by.right[i] + i, by.right[i] + begin(i), X[i] + i);
     by.transposed().template assembleRight<Wide>(m.dof_end, X);
     solveLower<Pack>(system, X, false);
-    transposeNegated<Wide>(d.scratch, n, out);
+    transposeNegated<Wide>(X, n, out);
   }
 }
 

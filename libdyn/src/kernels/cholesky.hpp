@@ -7,7 +7,7 @@
 #pragma once
 
 #include "kernels/pivots.hpp"
-#include "kernels/subtree.hpp"
+#include "kernels/tile.hpp"
 
 namespace dyn::kernels {
 
@@ -27,42 +27,16 @@ void carve(PathFactors<S>& c, const CompactImpl& m, Arena& arena) {
   arena.take(c.inverse, static_cast<std::size_t>(m.nvx));
 }
 
-/// Neighbouring numbers, as many as Wide has lanes beside S.
+/// Subtracts from the first `columns` entries of a row, or of zeros, those of `count` other rows times their factors, in packs. Factors are the
+/// first numbers of rows, too.
 template <class Wide, class S>
-Wide packAt(const S* from) {
-  return Part<Wide, S>(0, 0, 0).load(from);
-}
-template <class Wide, class S>
-void storeAt(const Wide& x, S* to) {
-  Part<Wide, S>(0, 0, 0).store(x, to);
-}
-
-/// Numbers `stride` apart.
-template <class S>
-struct Strided {
-  const S* first;
-  std::ptrdiff_t stride;
-  const S* operator[](int k) const { return first + k * stride; }
-};
-
-/// Subtracts from the first `columns` entries of a row, or of zeros, those of `count` other rows times their factors, in packs.
-template <class Wide, class S>
-void subtractRows(S* row, bool zero, int columns, const Strided<S>& factors, const Strided<S>& rows, int count) {
-  constexpr int width = Part<Wide, S>::width;
-  const auto subtract = [&]<int packs>(std::integral_constant<int, packs>, int first) {
-    Wide sum[packs];
-    for (int p = 0; p < packs; ++p) sum[p] = zero ? Wide(0) : packAt<Wide>(row + first + p * width);
-    for (int k = 0; k < count; ++k) {
-      const Wide factor(*factors[k]);
-      for (int p = 0; p < packs; ++p) sum[p] -= factor * packAt<Wide>(rows[k] + first + p * width);
-    }
-    for (int p = 0; p < packs; ++p) storeAt(sum[p], row + first + p * width);
-  };
-  int first = 0;
-  for (; columns - first > 3 * width; first += 4 * width) subtract(std::integral_constant<int, 4>(), first);
-  if (columns - first > 2 * width) return subtract(std::integral_constant<int, 3>(), first);
-  if (columns - first > width) return subtract(std::integral_constant<int, 2>(), first);
-  if (columns > first) subtract(std::integral_constant<int, 1>(), first);
+void subtractRows(S* row, bool zero, int columns, const Rows<S>& factors, const Rows<S>& rows, int count) {
+  inPanels<Wide, S>(0, columns, [&](auto packs, int first) {
+    using Row = Tile<Wide, S, 1, packs>;
+    Row sum = zero ? Row() : Row(row + first, 0);
+    sum.subtract(rows.first + first, rows.stride, count, factors.first, 0, factors.stride);
+    sum.store(row + first, 0);
+  });
 }
 
 /// Adds what M, n x n with room for a pack, has of the rows of a chain to those of `path`, or puts it there: each piece of the path that has
@@ -80,7 +54,7 @@ void addPaths(const CompactImpl& m, const DofChain& chain, const S* M, const Row
       int k = 0;
       // Beyond the diagonal are numbers that nobody reads.
       for (; own ? k < count : k + width <= count; k += width)
-        storeAt(put ? packAt<Wide>(from + k) : packAt<Wide>(to + k) + packAt<Wide>(from + k), to + k);
+        storePack(put ? loadPack<Wide>(from + k) : loadPack<Wide>(to + k) + loadPack<Wide>(from + k), to + k);
       for (; k < count; ++k) to[k] = put ? from[k] : to[k] + from[k];
     }
     last = m.dof_parent[static_cast<std::size_t>(first)];
@@ -100,7 +74,7 @@ __attribute__((flatten)) void choleskyDecompose(const CompactImpl& m, const S* M
     } else {
       addPaths<Wide, false>(m, *chain, M, c.path);
     }
-    const Strided<S> factors{c.L[chain->begin], c.L.stride}, rows{c.path[chain->depth], c.path.stride};
+    const Rows<S> factors{c.L[chain->begin], c.L.stride}, rows{c.path[chain->depth], c.path.stride};
     S inverse(0);
     for (int k = count - 1; k >= 0; --k) {
       const int i = chain->begin + k, depth = chain->depth + k;
@@ -109,15 +83,15 @@ __attribute__((flatten)) void choleskyDecompose(const CompactImpl& m, const S* M
       S pivot = row[depth];
       for (int l = count - 1; l > k + 1; --l) pivot -= factors[l][depth] * rows[l][depth];
       if (k < count - 1) pivot -= inverse * rows[k + 1][depth] * rows[k + 1][depth];
-      subtractRows<Wide>(row, false, depth, Strided<S>{factors[k + 1] + depth, factors.stride}, Strided<S>{rows[k + 1], rows.stride}, count - 1 - k);
+      subtractRows<Wide>(row, false, depth, Rows<S>{factors[k + 1] + depth, factors.stride}, Rows<S>{rows[k + 1], rows.stride}, count - 1 - k);
       noteSmall(pivot, S(8 * std::numeric_limits<Real<S>>::epsilon()) * M[static_cast<std::ptrdiff_t>(m.nvx + 1) * i], i + 1, failed);
       inverse = S(1) / pivot;
       c.diagonal[i] = pivot;
       c.inverse[i] = inverse;
-      for (int first = 0; first < depth; first += width) storeAt(Wide(inverse) * packAt<Wide>(row + first), c.L[i] + first);
+      for (int first = 0; first < depth; first += width) storePack(Wide(inverse) * loadPack<Wide>(row + first), c.L[i] + first);
     }
     for (int depth = 0; depth < chain->depth; ++depth)
-      subtractRows<Wide>(c.path[depth], depth >= chain->fresh, depth + 1, Strided<S>{factors[0] + depth, factors.stride}, rows, count);
+      subtractRows<Wide>(c.path[depth], depth >= chain->fresh, depth + 1, Rows<S>{factors[0] + depth, factors.stride}, rows, count);
   }
 }
 
@@ -130,7 +104,7 @@ void timesUpper(const CompactImpl& m, const PathFactors<S>& c, S* sums, S* x) {
   for (auto chain = m.chains.rbegin(); chain != m.chains.rend(); ++chain) {
     const int count = chain->end - chain->begin, packed = chain->depth / Part<Wide, S>::width * Part<Wide, S>::width;
     S* own = x + chain->begin;
-    const Strided<S> rows{c.L[chain->begin], c.L.stride};
+    const Rows<S> rows{c.L[chain->begin], c.L.stride};
     const auto gather = [&](int row) {
       S sum = sums[chain->depth + row];
       sums[chain->depth + row] = S(0);
@@ -139,7 +113,7 @@ void timesUpper(const CompactImpl& m, const PathFactors<S>& c, S* sums, S* x) {
     };
     if (inverse)
       for (int row = count - 1; row >= 0; --row) gather(row);
-    subtractRows<Wide>(sums, false, packed, Strided<S>{own, 1}, rows, count);
+    subtractRows<Wide>(sums, false, packed, Rows<S>{own, 1}, rows, count);
     for (int k = 0; k < count; ++k)
       for (int depth = packed; depth < chain->depth; ++depth) sums[depth] -= rows[k][depth] * own[k];
     if (!inverse)
@@ -158,7 +132,7 @@ void timesLower(const CompactImpl& m, const PathFactors<S>& c, S* path, S* x) {
       const S* entries = c.L[chain.begin + row];
       Wide packs(0);
       int depth = 0;
-      for (; depth + width <= chain.depth; depth += width) packs += packAt<Wide>(entries + depth) * packAt<Wide>(path + depth);
+      for (; depth + width <= chain.depth; depth += width) packs += loadPack<Wide>(entries + depth) * loadPack<Wide>(path + depth);
       S sum = total<S>(packs);
       for (; depth < chain.depth; ++depth) sum += entries[depth] * path[depth];
       for (int k = 0; k < row; ++k) sum += entries[chain.depth + k] * own[k];

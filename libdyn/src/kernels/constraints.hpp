@@ -11,23 +11,6 @@
 
 namespace dyn::kernels {
 
-template <class Wide>
-Wide loadPack(const double* from) {
-  if constexpr (lanes_of<Wide> == 1) {
-    return *from;
-  } else {
-    return Wide::load(from);
-  }
-}
-template <class Wide>
-void storePack(const Wide& value, double* to) {
-  if constexpr (lanes_of<Wide> == 1) {
-    *to = value;
-  } else {
-    value.store(to);
-  }
-}
-
 /// Arrays of one number a row of the constraints, `stride` numbers long: a multiple of the widest pack's.
 struct ConstraintWorkspace {
   std::ptrdiff_t stride = 0;

@@ -69,9 +69,9 @@ void inverseOfMassMatrix(const CompactImpl& m, const TreeFactors<S>& factors, co
   for (int i = 0; i < n; ++i) matrix[i][i] = S(1);
   // Half of it, so that the result is symmetric to the last bit.
   if constexpr (by_columns) {
+    const auto begin = [](int i) { return i; };
     for (int k = 0; k < n; ++k) {
-      solveColumn(
-          system, [](int i) { return i; }, k, k + 1, out[k]);
+      solveColumn(system, begin, k, k + 1, out[k]);
       for (int i = 0; i < k; ++i) out[i][k] = out[k][i];
     }
   } else {

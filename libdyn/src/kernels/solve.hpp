@@ -2,6 +2,7 @@
 // and subtree: L^T from the leaves, D, then L from the root, which fills the matrix.
 #pragma once
 
+#include "kernels/tile.hpp"
 #include "kernels/tree_factors.hpp"
 
 namespace dyn::kernels {
@@ -34,70 +35,15 @@ void solveColumn(const TreeSystem<S>& t, const Begin& begin, int column, int row
   }
 }
 
-/// Subtracts from `rows` rows of `packs` packs `terms` other rows, all `stride` apart, times their factors: of row r and term k at
-/// factors[r * by_row + k * by_term].
-template <class Pack, int rows, int packs, class S>
-struct Tile {
-  Pack sum[rows][packs];
-
-  Tile(const S* from, std::ptrdiff_t stride) {
-    for (int r = 0; r < rows; ++r)
-      for (int p = 0; p < packs; ++p) sum[r][p] = Pack::load(from + r * stride + p * lanes_of<Pack>);
-  }
-  void subtract(const S* from, std::ptrdiff_t stride, int terms, const S* factors, std::ptrdiff_t by_row, std::ptrdiff_t by_term) {
-    for (int k = 0; k < terms; ++k, from += stride, factors += by_term) {
-      Pack other[packs];
-      for (int p = 0; p < packs; ++p) other[p] = Pack::load(from + p * lanes_of<Pack>);
-      for (int r = 0; r < rows; ++r) {
-        const Pack factor(factors[r * by_row]);
-        for (int p = 0; p < packs; ++p) sum[r][p] -= factor * other[p];
-      }
-    }
-  }
-  /// Of row `to` row `from` times a factor.
-  void subtractRow(int to, int from, const S& factor) {
-    for (int p = 0; p < packs; ++p) sum[to][p] -= Pack(factor) * sum[from][p];
-  }
-  void store(S* to, std::ptrdiff_t stride) const {
-    for (int r = 0; r < rows; ++r)
-      for (int p = 0; p < packs; ++p) sum[r][p].store(to + r * stride + p * lanes_of<Pack>);
-  }
-};
-
-/// Calls use(count, first) for columns from `first` on and before `end`, in panels of at most four packs that differ by no more than one.
-/// `count`: packs, a constant.
-template <class Pack, class Use>
-void inPanels(int first, int end, Use&& use) {
-  constexpr int lanes = lanes_of<Pack>;
-  for (int packs = (end - first + lanes - 1) / lanes; packs > 0;) {
-    const int panels = (packs + 3) / 4, now = (packs + panels - 1) / panels;
-    switch (now) {
-      case 1:
-        use(std::integral_constant<int, 1>(), first);
-        break;
-      case 2:
-        use(std::integral_constant<int, 2>(), first);
-        break;
-      case 3:
-        use(std::integral_constant<int, 3>(), first);
-        break;
-      default:
-        use(std::integral_constant<int, 4>(), first);
-    }
-    first += now * lanes;
-    packs -= now;
-  }
-}
-
 /// X = D^-1 L^-T X of rows that are zero outside their subtrees.
 template <class Pack, class S>
 __attribute__((flatten)) void solveUpper(const TreeSystem<S>& t, const Rows<S>& X) {
   const std::ptrdiff_t stride = X.stride;
   for (auto chain = t.m.chains.rbegin(); chain != t.m.chains.rend(); ++chain) {
     const int begin = chain->begin, end = chain->end;
-    inPanels<Pack>(begin, t.end(begin), [&](auto packs, int first) {
+    inPanels<Pack, S>(begin, t.end(begin), [&](auto packs, int first) {
       const auto subtract = [&]<int rows>(std::integral_constant<int, rows>, int row, bool own) {
-        Tile<Pack, rows, packs, S> tile(X[row] + first, stride);
+        Tile<Pack, S, rows, packs> tile(X[row] + first, stride);
         const int from = own ? row + rows : begin;
         tile.subtract(X[from] + first, stride, end - from, t.L[row] + from, t.L.stride, 1);
         if (own)
@@ -129,10 +75,10 @@ __attribute__((flatten)) void solveUpper(const TreeSystem<S>& t, const Rows<S>& 
 template <class Pack, class S>
 __attribute__((flatten)) void solveLower(const TreeSystem<S>& t, const Rows<S>& X, bool upper) {
   const std::ptrdiff_t stride = X.stride;
-  inPanels<Pack>(0, t.n(), [&](auto packs, int first) {
+  inPanels<Pack, S>(0, t.n(), [&](auto packs, int first) {
     const int rows_end = upper ? std::min(t.n(), first + packs * lanes_of<Pack>) : t.n();
     const auto solve = [&]<int rows>(std::integral_constant<int, rows>, const DofChain& chain, int row) {
-      Tile<Pack, rows, packs, S> tile(X[row] + first, stride);
+      Tile<Pack, S, rows, packs> tile(X[row] + first, stride);
       for (int last = row - 1 >= chain.begin ? row - 1 : t.parent(chain.begin); last >= 0;) {
         const int segment = t.m.dof_segment[static_cast<std::size_t>(last)];
         tile.subtract(X[segment] + first, stride, last + 1 - segment, t.L[segment] + row, 1, t.L.stride);

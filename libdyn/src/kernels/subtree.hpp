@@ -12,6 +12,24 @@
 
 namespace dyn::kernels {
 
+/// Neighbouring numbers, as many as Wide has lanes beside S.
+template <class Wide, class S>
+Wide loadPack(const S* from) {
+  if constexpr (lanes_of<Wide> == lanes_of<S>) {
+    return *from;
+  } else {
+    return Wide::load(from);
+  }
+}
+template <class Wide, class S>
+void storePack(const Wide& value, S* to) {
+  if constexpr (lanes_of<Wide> == lanes_of<S>) {
+    *to = value;
+  } else {
+    value.store(to);
+  }
+}
+
 /// Some neighbouring degrees of freedom, as many as Wide has lanes beside S; only those from `begin` on and before `end` belong to the
 /// subtree. Where Wide is S there is one, and it does.
 template <class Wide, class S>
@@ -20,21 +38,9 @@ class Part {
   static constexpr int width = lanes_of<Wide> / lanes_of<S>;
   Part(int first, int begin, int end) : first_(first), begin_(begin), end_(end) {}
 
-  Wide load(const S* row) const {
-    if constexpr (width == 1) {
-      return row[first_];
-    } else {
-      return Wide::load(row + first_);
-    }
-  }
+  Wide load(const S* row) const { return loadPack<Wide>(row + first_); }
   /// Into an array of which all lanes may be written: outside the subtree, `value` must be what was there.
-  void store(const Wide& value, S* row) const {
-    if constexpr (width == 1) {
-      row[first_] = value;
-    } else {
-      value.store(row + first_);
-    }
-  }
+  void store(const Wide& value, S* row) const { storePack(value, row + first_); }
   /// 1 in the subtree, 0 outside.
   Wide inside() const {
     if constexpr (width == 1) {
@@ -160,7 +166,7 @@ struct PathMatrix {
       const int end = dof_end[static_cast<std::size_t>(column)];
       int row = column;
       constexpr int width = Part<Wide, S>::width;
-      for (; row + width <= end; row += width) Part<Wide, S>(row, 0, 0).store(Part<Wide, S>(row, 0, 0).load(below[column]), out[column]);
+      for (; row + width <= end; row += width) storePack(loadPack<Wide>(below[column] + row), out[column] + row);
       for (; row < end; ++row) out[column][row] = below[column][row];
     }
     assembleRight<Wide>(dof_end, out);
