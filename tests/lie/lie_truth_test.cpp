@@ -6,6 +6,7 @@
 
 #include <iostream>
 #include <map>
+#include <random>
 
 using namespace dyn;
 using namespace dyn::test;
@@ -159,4 +160,22 @@ TEMPLATE_TEST_CASE("every scalar has the same functions to its own precision", "
       CHECK(std::fabs(back.linear[i] - v[i]) <= 20 * u);
     }
   }
+}
+
+TEMPLATE_TEST_CASE("a sum of four squares is right to rounding, whatever their sizes and signs", "[lie]", float, double) {
+  using S = TestType;
+  const long double u = std::numeric_limits<S>::epsilon() / 2;
+  std::mt19937 generator(9);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (int k = 0; k < 20000; ++k) {
+    S x[4];
+    long double sum = 0;
+    for (S& c : x) {
+      c = static_cast<S>(std::ldexp(uniform(generator), k % 7 == 0 ? -static_cast<int>(generator() % 30) : 0));
+      sum += static_cast<long double>(c) * c;
+    }
+    CHECK(std::fabs(sumOfSquares(x[0], x[1], x[2], x[3]) - sum) <= 1.01L * u * sum);
+  }
+  CHECK(sumOfSquares(S(0), S(0), S(0), S(0)) == 0);
+  CHECK(std::isnan(sumOfSquares(std::numeric_limits<S>::quiet_NaN(), S(0), S(0), S(1))));
 }

@@ -153,16 +153,10 @@ class JointTypeOf final : public JointType {
     if constexpr (Author::branch_free) {
       // A pack's items are the lanes of one joint, or neighbours: those without constants, or whose author takes those of all of them.
       constexpr int width = Pack<T>::lanes;
-      const bool neighbours = b.constant_count == 0 || (b.lanes == 1 && takes_pack_constants<T>);
-      if (b.lanes % width == 0 || neighbours)
-        for (; i + width <= items; i += width) evaluatePack(b, i);
-      if (neighbours && i < items && items >= width) {
-        evaluatePack(b, items - width);  // the last ones once more, with those before them
-        return;
-      }
-      if (neighbours && i < items && 2 * items > width && b.constant_count <= few_constants) {
-        evaluateFew(b, items);
-        return;
+      if (b.constant_count == 0 || (b.lanes == 1 && takes_pack_constants<T>)) {
+        if (evaluateNeighbours<width>(b, items)) return;
+      } else if (b.lanes % width == 0) {
+        for (; i + width <= items; i += width) evaluatePack<Pack<T>>(b, i);
       }
     }
 #endif
@@ -186,51 +180,27 @@ class JointTypeOf final : public JointType {
     }
   }();
 
-  template <class T>
-  static void evaluatePack(const JointBatch<T>& b, int i) {
+  template <class P, class T>
+  [[gnu::flatten]] static void evaluatePack(const JointBatch<T>& b, int i) {
     if constexpr (takes_pack_constants<T>) {
-      if (b.lanes == 1) return evaluateAt<Pack<T>>(b, i, PackConstants<Pack<T>>(b.constants + i, b.constants_stride, b.constant_count));
+      if (b.lanes == 1) return evaluateAt<P>(b, i, PackConstants<P>(b.constants + i, b.constants_stride, b.constant_count));
     }
-    evaluateAt<Pack<T>>(b, i, constantsOf(b, i));
+    evaluateAt<P>(b, i, constantsOf(b, i));
   }
 
-  /// Fewer items than a pack has lanes: the others are filled up with the first. Of at most few_constants constants each.
-  static constexpr int few_constants = 8;
-  template <class T>
-  static void evaluateFew(const JointBatch<T>& b, int items) {
-    constexpr int width = Pack<T>::lanes, size = poseSize(Author::shape);
-    T q[(nq + 1) * width], v[(nv + 1) * width], pose[size * width], subspace[6 * nv * width + 1], bias[6 * width];
-    double constants[few_constants * width];
-    const auto spread = [items](const auto* from, std::ptrdiff_t stride, int count, auto* to) {
-      for (int k = 0; k < count; ++k)
-        for (int i = 0; i < width; ++i) to[k * width + i] = from[k * stride + (i < items ? i : 0)];
-    };
-    const auto collect = [items](const T* from, int count, T* to, std::ptrdiff_t stride) {
-      for (int k = 0; k < count; ++k)
-        for (int i = 0; i < items; ++i) to[k * stride + i] = from[k * width + i];
-    };
-    JointBatch<T> full = b;
-    full.count = width;
-    full.lanes = 1;
-    full.constants_stride = full.q_stride = full.v_stride = full.stride = width;
-    spread(b.q, b.q_stride, nq, q);
-    full.q = q;
-    full.pose = pose;
-    if (b.constant_count > 0) {
-      spread(b.constants, b.constants_stride, b.constant_count, constants);
-      full.constants = constants;
+  /// In packs of `width`, or of the widest that fill up; false if there are none.
+  template <int width, class T>
+  static bool evaluateNeighbours(const JointBatch<T>& b, int items) {
+    if constexpr (width * sizeof(T) < narrowest_pack) {
+      return false;
+    } else {
+      if (items < width) return evaluateNeighbours<width / 2>(b, items);
+      using P = SizedPack<T, width>;
+      int i = 0;
+      for (; i + width <= items; i += width) evaluatePack<P>(b, i);
+      if (i < items) evaluatePack<P>(b, items - width);  // the last ones once more, with those before them
+      return true;
     }
-    if (is_dense && b.subspace) full.subspace = subspace;
-    const bool with_bias = is_dense && b.v && b.bias;
-    if (with_bias) {
-      spread(b.v, b.v_stride, nv, v);
-      full.v = v;
-      full.bias = bias;
-    }
-    evaluatePack(full, 0);
-    collect(pose, size, b.pose, b.stride);
-    if (is_dense && b.subspace) collect(subspace, 6 * nv, b.subspace, b.stride);
-    if (with_bias) collect(bias, 6, b.bias, b.stride);
   }
 #endif
 
@@ -244,7 +214,7 @@ class JointTypeOf final : public JointType {
     if constexpr (HasPose<Author>) {
       storePose(Author::pose(static_cast<const S*>(q), c), b, i);
     } else {
-      S pose[12];
+      S pose[poseSize(Author::shape)];
       Author::coordinates(static_cast<const S*>(q), c, pose);
       store<poseSize(Author::shape)>(pose, b.pose, b.stride, i);
     }

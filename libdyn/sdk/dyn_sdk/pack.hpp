@@ -37,7 +37,8 @@ struct Pack {
 
   Batch x;
 
-  Pack() : x(T(0)) {}
+  /// As a number: zero only where that is asked for, Pack{}.
+  Pack() = default;
   Pack(const Batch& batch) : x(batch) {}  // NOLINT
   template <class A>
     requires std::is_arithmetic_v<A>
@@ -75,16 +76,10 @@ struct RealOf<Pack<T, Arch>> {
   static constexpr int lanes = Pack<T, Arch>::lanes;
 };
 
-/// In more digits, lane by lane, as for single numbers (dyn/lie/so3.hpp).
-template <class T, class Arch>
-Pack<T, Arch> sumOfSquares(const Pack<T, Arch>& x, const Pack<T, Arch>& y, const Pack<T, Arch>& z, const Pack<T, Arch>& w) {
-  Pack<T, Arch> sum;
-  for (int i = 0; i < Pack<T, Arch>::lanes; ++i) {
-    const long double a = x.begin()[i], b = y.begin()[i], c = z.begin()[i], d = w.begin()[i];
-    sum.begin()[i] = static_cast<T>(a * a + b * b + c * c + d * d);
-  }
-  return sum;
-}
+/// A pack of so many lanes, where the processor has registers of that size.
+template <class T, int lanes>
+using SizedPack = Pack<T, typename xsimd::make_sized_batch_t<T, static_cast<std::size_t>(lanes)>::arch_type>;
+inline constexpr std::size_t narrowest_pack = 16;  ///< bytes
 
 }  // namespace dyn
 

@@ -37,10 +37,23 @@ struct Trigonometry<float> {
   static constexpr int terms = 5;
 };
 
+/// By the C library, in the lanes whose angle n pi / 2 + r is too large, or too near n pi / 2.
+template <class T, class Arch>
+[[gnu::noinline, gnu::cold]] void sincosBeyond(const Pack<T, Arch>& angle, const Pack<T, Arch>& n, const Pack<T, Arch>& r, Pack<T, Arch>& sine,
+                                               Pack<T, Arch>& cosine) {
+  using K = Trigonometry<T>;
+  for (int i = 0; i < Pack<T, Arch>::lanes; ++i) {
+    const T t = angle.begin()[i], m = n.begin()[i], left = r.begin()[i];
+    if (std::fabs(m) < K::limit && (std::fabs(left) > K::least || m == 0)) continue;
+    dyn::sincos(t, sine.begin()[i], cosine.begin()[i]);
+  }
+}
+
 }  // namespace detail
 
+// Inlined, since what it computes of one pack waits for itself most of the time: the next pack's begins meanwhile.
 template <class T, class Arch>
-void sincos(const Pack<T, Arch>& angle, Pack<T, Arch>& sine, Pack<T, Arch>& cosine) {
+[[gnu::always_inline]] inline void sincos(const Pack<T, Arch>& angle, Pack<T, Arch>& sine, Pack<T, Arch>& cosine) {
   using P = Pack<T, Arch>;
   using K = detail::Trigonometry<T>;
   const P n = (angle * P(T(0.63661977236758134308)) + P(K::round)) - P(K::round);
@@ -49,10 +62,10 @@ void sincos(const Pack<T, Arch>& angle, Pack<T, Arch>& sine, Pack<T, Arch>& cosi
   const P r0 = a - b;
   const P e0 = ((a - r0) - b) - n * P(K::part3);
   const P r = r0 + e0, e = (r0 - r) + e0;
-  const P z = r * r;
+  // What follows the leading terms needs r to few digits only, and these are ready sooner.
+  const P early = r0 - n * P(K::part3), z = early * early, zz = z * z;
 
-  // sin(r + e) = r + (r^3 (-1/3! + z/5! - ...) + e cos r), cos(r + e) = 1 - z/2 + (z^2 (1/4! - ...) - r e).
-  P s(0), c(0);
+  // sin(r + e) = r + (r^3 (-1/3! + z/5! - ...) + e cos r), cos(r + e) = 1 - r^2/2 + (z^2 (1/4! - ...) - r e).
   T factorial = 1;
   T sine_terms[K::terms], cosine_terms[K::terms];
   for (int k = 0; k < K::terms; ++k) {
@@ -60,11 +73,12 @@ void sincos(const Pack<T, Arch>& angle, Pack<T, Arch>& sine, Pack<T, Arch>& cosi
     cosine_terms[k] = (k % 2 == 0 ? T(-1) : T(1)) / factorial;
     sine_terms[k] = cosine_terms[k] / static_cast<T>(2 * k + 3);
   }
-  for (int k = K::terms - 1; k >= 0; --k) s = s * z + P(sine_terms[k]);
-  for (int k = K::terms - 1; k >= 1; --k) c = c * z + P(cosine_terms[k]);
-  const P half = P(T(0.5)) * z, top = P(T(1)) - half;
+  P s(sine_terms[K::terms - 1]), c(cosine_terms[K::terms - 1]);
+  for (int k = K::terms - 2; k >= 0; --k) s = s * z + P(sine_terms[k]);
+  for (int k = K::terms - 2; k >= 1; --k) c = c * z + P(cosine_terms[k]);
+  const P half = P(T(0.5)) * (r * r), top = P(T(1)) - half;
   const P sin_r = r + (r * z * s + e * top);
-  const P cos_r = top + (((P(T(1)) - top) - half) + (z * z * c - r * e));
+  const P cos_r = top + (((P(T(1)) - top) - half) + (zz * c - r * e));
 
   // n modulo 4 says which of the two, with which sign.
   const P quarter = n - P(T(4)) * ((n * P(T(0.25)) - P(T(0.375)) + P(K::round)) - P(K::round));
@@ -74,13 +88,7 @@ void sincos(const Pack<T, Arch>& angle, Pack<T, Arch>& sine, Pack<T, Arch>& cosi
   cosine = select(abs(quarter - P(T(1.5))) < P(T(1)), -c_, c_);
 
   const auto beyond = !((abs(n) < P(K::limit)) & ((abs(r) > P(K::least)) | (abs(n) < P(T(0.5)))));
-  if (anyOf(beyond)) {
-    for (int i = 0; i < P::lanes; ++i) {
-      const T t = angle.begin()[i], m = n.begin()[i], left = r.begin()[i];
-      if (std::fabs(m) < K::limit && (std::fabs(left) > K::least || m == 0)) continue;
-      sincos(t, sine.begin()[i], cosine.begin()[i]);
-    }
-  }
+  if (anyOf(beyond)) detail::sincosBeyond(angle, n, r, sine, cosine);
 }
 
 template <class T, class Arch>

@@ -8,16 +8,25 @@
 #include <dyn/spatial/vector3.hpp>
 
 #include <array>
+#include <cmath>
+#include <limits>
 #include <type_traits>
 
 namespace dyn {
 
-/// Sum of four squares, in more digits than S has where that is to be had: a rotation matrix inherits its whole error.
+/// Sum of four squares, right to rounding where S is a number or a pack: a rotation matrix inherits its whole error. Each is split into a
+/// leading part, of so few digits beside the largest that the squares of these and their sum are exact, and a rest (Rump, Ogita, Oishi 2008).
 template <class S>
 S sumOfSquares(const S& x, const S& y, const S& z, const S& w) {
-  if constexpr (std::is_same_v<S, double>) {
-    const long double a = x, b = y, c = z, d = w;
-    return static_cast<double>(a * a + b * b + c * c + d * d);
+  using T = Real<S>;
+  if constexpr (std::is_floating_point_v<T>) {
+    using std::abs;
+    constexpr int digits = (std::numeric_limits<T>::digits + 3) / 2;
+    const S large = ((abs(x) + abs(y)) + (abs(z) + abs(w))) * S(static_cast<T>(1LL << digits));
+    const auto lead = [&](const S& c) { return (c + large) - large; };
+    const auto rest = [](const S& c, const S& first) { return (c - first) * (c + first); };
+    const S a = lead(x), b = lead(y), c = lead(z), d = lead(w);
+    return ((a * a + b * b) + (c * c + d * d)) + ((rest(x, a) + rest(y, b)) + (rest(z, c) + rest(w, d)));
   } else {
     return x * x + y * y + z * z + w * w;
   }
