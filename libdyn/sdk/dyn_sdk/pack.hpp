@@ -39,6 +39,12 @@ struct Pack {
 
   /// As a number: zero only where that is asked for, Pack{}.
   Pack() = default;
+  /// Not as bytes: structs of packs would be moved in blocks of other sizes than they were written in, and that stalls the core.
+  Pack(const Pack& other) : x(other.x) {}
+  Pack& operator=(const Pack& other) {
+    x = other.x;
+    return *this;
+  }
   Pack(const Batch& batch) : x(batch) {}  // NOLINT
   template <class A>
     requires std::is_arithmetic_v<A>

@@ -71,7 +71,7 @@ class Arena {
   explicit Arena(char* base) : base_(base) {}
   template <class T>
   void take(T*& field, std::size_t count) {
-    static_assert(std::is_trivially_copyable_v<T>);
+    static_assert(std::is_trivially_destructible_v<T>);
     if (base_) field = reinterpret_cast<T*>(base_ + used_);
     used_ += (count * sizeof(T) + alignment - 1) / alignment * alignment;
   }
