@@ -26,15 +26,14 @@ const double* aba(const CompactModel& model, Data& data, VectorView q, VectorVie
   const Force<double>* external = readExternalForces("aba", m, d, fext, count);
   const double* effective = lessLosses(m, d, tau.data, in.v);
   int body = 0;
-  if (kernels::useStrips(m) && external == nullptr) {
-    const kernels::StripKernels& k = kernels::active().strips;
-    if (!k.articulate(m, d.strips.data(), in.q, in.v, effective, body)) checkConfiguration("q", m, in.q);
-    k.accelerate(m, d.strips.data(), m.gravity, d.ddq);
+  if (const kernels::PackedKernels* k = kernels::packed(m); k && external == nullptr) {
+    if (!k->articulate(m, d.packed.data(), in.q, in.v, effective, body)) checkConfiguration("q", m, in.q);
+    k->accelerate(m, d.packed.data(), m.gravity, d.ddq);
   } else {
     evaluateJoints(m, d, in.q, in.v);
-    const kernels::SingleKernels& k = kernels::active().single;
-    k.articulate(m, d, in.v, effective, external);
-    k.accelerate(m, d, m.gravity, d.ddq);
+    const kernels::SingleKernels& single = kernels::active().single;
+    single.articulate(m, d, in.v, effective, external);
+    single.accelerate(m, d, m.gravity, d.ddq);
     body = d.failed[0];
   }
   checkFactors("aba", m, body);

@@ -43,8 +43,8 @@ const double* crba(const CompactModel& model, Data& data, VectorView q) {
   const Inputs in = readInputs("crba", model, data, q, nullptr, nullptr);
   const CompactImpl& m = model.impl();
   DataImpl& d = data.impl();
-  if (kernels::useStrips(m)) {
-    if (!kernels::active().strips.massMatrix(m, d.strips.data(), in.q, d.M)) checkConfiguration("q", m, in.q);
+  if (const kernels::PackedKernels* k = kernels::packed(m)) {
+    if (!k->massMatrix(m, d.packed.data(), in.q, d.M)) checkConfiguration("q", m, in.q);
     return d.M;
   }
   evaluateJoints(m, d, in.q, nullptr);

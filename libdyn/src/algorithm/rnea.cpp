@@ -9,8 +9,8 @@ namespace dyn::detail {
 namespace {
 
 const double* inverseDynamics(const CompactImpl& m, DataImpl& d, const Inputs& in, const Force<double>* fext, double* result) {
-  if (kernels::useStrips(m) && fext == nullptr) {
-    if (!kernels::active().strips.rnea(m, d.strips.data(), in.q, in.v, in.a, result)) checkConfiguration("q", m, in.q);
+  if (const kernels::PackedKernels* k = kernels::packed(m); k && k->rnea && fext == nullptr) {
+    if (!k->rnea(m, d.packed.data(), in.q, in.v, in.a, result)) checkConfiguration("q", m, in.q);
     return result;
   }
   evaluateJoints(m, d, in.q, in.v);

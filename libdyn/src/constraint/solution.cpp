@@ -26,11 +26,11 @@ void articulateBodies(const char* algorithm, const CompactImpl& m, DataImpl& d, 
                       const double* tau, const Force<double>* external) {
   c.in_strips = kernels::useStrips(m) && external == nullptr;
   if (c.in_strips) {
-    const kernels::StripKernels& k = kernels::active().strips;
+    const kernels::PackedKernels& k = kernels::active().strips;
     int failed = 0;
-    if (!k.articulate(m, d.strips.data(), q, v, tau, failed)) checkConfiguration("q", m, q);
+    if (!k.articulate(m, d.packed.data(), q, v, tau, failed)) checkConfiguration("q", m, q);
     checkFactors(algorithm, m, failed);
-    kernels::constraintKernels().readBodies(m, d.strips.data(), c.set.impl(), d);
+    kernels::constraintKernels().readBodies(m, d.packed.data(), c.set.impl(), d);
   } else {
     evaluateJoints(m, d, q, v);
     kernels::active().single.articulate(m, d, v, tau, external);
@@ -42,9 +42,9 @@ void accelerateBodies(const CompactImpl& m, DataImpl& d, const ConstraintDataImp
                       double* ddq) {
   kernels::constraintKernels().addForces(c.set.impl(), c.workspace, forces, d);
   if (c.in_strips) {
-    const kernels::StripKernels& k = kernels::active().strips;
-    kernels::constraintKernels().writeShares(d, c.set.impl(), d.strips.data());
-    k.accelerate(m, d.strips.data(), gravity, ddq);
+    const kernels::PackedKernels& k = kernels::active().strips;
+    kernels::constraintKernels().writeShares(d, c.set.impl(), d.packed.data());
+    k.accelerate(m, d.packed.data(), gravity, ddq);
   } else {
     kernels::active().single.accelerate(m, d, gravity, ddq);
   }

@@ -76,10 +76,9 @@ Data::Data(const CompactModel& model, Need needs) : impl_(std::make_unique<DataI
   Arena arena(impl_->block.data());
   carveAll(*impl_, m, arena);
   atRest<double>(*impl_);
-  if (kernels::useStrips(m)) {
-    const kernels::StripKernels& strips = kernels::active().strips;
-    impl_->strips = PackMemory(strips.bytes(m));
-    strips.prepare(m, impl_->strips.data());
+  if (const kernels::PackedKernels* packed = kernels::packed(m)) {
+    impl_->packed = PackMemory(packed->bytes(m));
+    packed->prepare(m, impl_->packed.data());
   }
 }
 
@@ -87,6 +86,6 @@ Data::~Data() = default;
 Data::Data(Data&&) noexcept = default;
 Data& Data::operator=(Data&&) noexcept = default;
 
-std::size_t Data::bytes() const { return impl_->block.bytes() + impl_->strips.bytes() + impl_->dual.size() * sizeof(DualMemory) + sizeof(DataImpl); }
+std::size_t Data::bytes() const { return impl_->block.bytes() + impl_->packed.bytes() + impl_->dual.size() * sizeof(DualMemory) + sizeof(DataImpl); }
 
 }  // namespace dyn

@@ -22,7 +22,7 @@ struct DataImpl : Workspace<double> {
   std::shared_ptr<const void> keep;  ///< the model lives as long as its data
   Need needs = Need::state;
   PackMemory block;
-  PackMemory strips;  ///< scratch of the strips' kernels, where the model uses them
+  PackMemory packed;  ///< scratch of the kernels that kernels::packed() names
 
   std::vector<DualMemory> dual;  ///< a batch each
 

@@ -43,13 +43,17 @@ void abaOutward(const Order& order, Workspace<S>& w, const S* v, const Force<S>*
   });
 }
 
+template <class S>
+S trace(const Sym3<S>& a) {
+  return a.xx + a.yy + a.zz;
+}
+
 /// A pivot that is not above the rounding of what was subtracted to get it is zero. The yardstick is the inertia left in other
 /// directions at the same body, so it scales with the model's units. Notes the body, lane by lane.
 template <class S, class Column>
 void noteVanishing(const S& pivot, const Column& column, const ArticulatedInertia<S>& I, int body, int* failed) {
   using T = Real<S>;
-  const S linear = I.linear.xx + I.linear.yy + I.linear.zz, angular = I.angular.xx + I.angular.yy + I.angular.zz;
-  const S least = S(4 * std::numeric_limits<T>::epsilon()) * column.weighted(linear, angular);
+  const S least = S(4 * std::numeric_limits<T>::epsilon()) * column.weighted(trace(I.linear), trace(I.angular));
   noteSmall(pivot, least, body, failed);
 }
 

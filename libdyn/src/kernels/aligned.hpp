@@ -56,7 +56,16 @@ struct Column {
       return I * s;
     }
   }
-  /// Of one force, or of a pack of them.
+  S along(const Force<S>& f) const {
+    if constexpr (!Joint::has_linear) {
+      return dot(s.angular, f.angular);
+    } else if constexpr (!Joint::has_angular) {
+      return dot(s.linear, f.linear);
+    } else {
+      return dot(s, f);
+    }
+  }
+  /// Of a pack of forces.
   template <class F>
   F along(const Force<F>& f) const {
     F sum(0);
@@ -97,7 +106,7 @@ struct UnitColumn {
   F along(const Force<F>& f) const {
     return k < 3 ? f.linear[k] : f.angular[k - 3];
   }
-  void addTo(Motion<S>& a, const S& x) const { (k < 3 ? a.linear[k] : a.angular[k - 3]) += x; }
+  void addTo(Motion<S>& a, const S& x) const { addAt(k < 3 ? a.linear : a.angular, k % 3, x); }
   Vec3<S> along(const Mat3<S>& linear, const Mat3<S>& angular) const { return k < 3 ? linear.row(k) : angular.row(k - 3); }
   S weighted(const S& linear, const S& angular) const { return k < 3 ? linear : angular; }
 };

@@ -17,7 +17,7 @@ struct ConstraintKernels {
   void (*addForces)(const PackedConstraints&, const ConstraintWorkspace&, const double* lambda, Workspace<double>&);
   void (*accelerate)(const CompactImpl&, Workspace<double>&, const PackedConstraints&, const Vec3<double>& gravity, ConstraintWorkspace&);
   void (*solveColumns)(const ConstraintWorkspace&, const ConstrainedColumns&);
-  /// What StripKernels::articulate has left of the constraints' bodies, out of the lanes; and what their forces add, back into them.
+  /// What articulate has left of the constraints' bodies, out of the lanes; and what their forces add, back into them.
   void (*readBodies)(const CompactImpl&, const char* scratch, const PackedConstraints&, Workspace<double>&);
   void (*writeShares)(const Workspace<double>&, const PackedConstraints&, char* scratch);
 };

@@ -55,4 +55,9 @@ const Kernels& active() {
 
 bool useStrips(const CompactImpl& m) { return m.strips.used && active().strips.bytes != nullptr; }
 
+const PackedKernels* packed(const CompactImpl& m) {
+  if (useStrips(m)) return &active().strips;
+  return m.couplings.empty() && active().vectored.bytes != nullptr ? &active().vectored : nullptr;
+}
+
 }  // namespace dyn::kernels

@@ -6,7 +6,8 @@
 
 namespace dyn::kernels {
 extern const ConstraintKernels module_constraints;
-}
+extern const PackedKernels module_vectored;
+}  // namespace dyn::kernels
 
 extern "C" __attribute__((visibility("default"))) const dyn::kernels::Kernels* dyn_kernels() {
   using namespace dyn::kernels;
@@ -18,6 +19,7 @@ extern "C" __attribute__((visibility("default"))) const dyn::kernels::Kernels* d
                              blockKernels<dyn::Pack<double>>(),
                              blockKernels<dyn::Pack<float>>(),
                              &module_constraints,
-                             stripKernels<Quad>()};
+                             stripKernels<Quad>(),
+                             module_vectored};
   return &table;
 }

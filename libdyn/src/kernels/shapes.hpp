@@ -60,7 +60,7 @@ struct Revolute {
   Motion<S> column(int) const { return {{}, {S(0), S(0), S(1)}}; }
   Motion<S> timesIn(const Mat3<S>& E, const S* v) const { return {{}, v[0] * E.col(2)}; }
   Motion<S> columnIn(const Mat3<S>& E, int) const { return {{}, E.col(2)}; }
-  void project(const Force<S>& f, S* tau) const { tau[0] = f.angular.z; }
+  void project(const Force<S>& f, S* tau) const { tau[0] = f.angular[2]; }
   Motion<S> bias() const { return {}; }
 };
 
@@ -76,14 +76,18 @@ struct Prismatic {
   Motion<S> column(int) const { return {{S(0), S(0), S(1)}, {}}; }
   Motion<S> timesIn(const Mat3<S>& E, const S* v) const { return {v[0] * E.col(2), {}}; }
   Motion<S> columnIn(const Mat3<S>& E, int) const { return {E.col(2), {}}; }
-  void project(const Force<S>& f, S* tau) const { tau[0] = f.linear.z; }
+  void project(const Force<S>& f, S* tau) const { tau[0] = f.linear[2]; }
   Motion<S> bias() const { return {}; }
 };
 
 template <class S>
+void addAt(Vec3<S>& v, int k, const S& x) {
+  v[k] += x;
+}
+template <class S>
 Vec3<S> unit(int k) {
   Vec3<S> e{};
-  e[k] = S(1);
+  addAt(e, k, S(1));
   return e;
 }
 
@@ -136,9 +140,9 @@ struct Planar {
   Motion<S> timesIn(const Mat3<S>& E, const S* v) const { return {v[0] * E.col(0) + v[1] * E.col(1), v[2] * E.col(2)}; }
   Motion<S> columnIn(const Mat3<S>& E, int k) const { return k < 2 ? Motion<S>{E.col(k), {}} : Motion<S>{{}, E.col(2)}; }
   void project(const Force<S>& f, S* tau) const {
-    tau[0] = f.linear.x;
-    tau[1] = f.linear.y;
-    tau[2] = f.angular.z;
+    tau[0] = f.linear[0];
+    tau[1] = f.linear[1];
+    tau[2] = f.angular[2];
   }
   Motion<S> bias() const { return {}; }
 };

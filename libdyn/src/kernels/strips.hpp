@@ -263,8 +263,8 @@ void scatterDofs(const StripPlan& plan, const S* from, double* to) {
 }
 
 template <class S>
-StripKernels stripKernels() {
-  StripKernels k;
+PackedKernels stripKernels() {
+  PackedKernels k;
   k.bytes = [](const CompactImpl& m) {
     StripScratch<S> counted;
     return (sizeof(StripScratch<S>) + Arena::alignment - 1) / Arena::alignment * Arena::alignment + StripScratch<S>::carve(counted, m, nullptr);

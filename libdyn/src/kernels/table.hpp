@@ -53,12 +53,12 @@ struct SingleKernels {
   void (*inverseOfMassMatrix)(const CompactImpl&, Derivatives&, double* out);
 };
 
-/// One state with joints in lanes; all null where packs are too narrow. Vectors are the user's; no couplings. False: a joint's pose is
-/// not finite, perhaps because q is no configuration.
-struct StripKernels {
+/// One state, of which packs take several numbers at once; all null where they are too narrow. Vectors are the user's; no couplings. False:
+/// a joint's pose is not finite, perhaps because q is no configuration.
+struct PackedKernels {
   std::size_t (*bytes)(const CompactImpl&) = nullptr;
   void (*prepare)(const CompactImpl&, char* scratch) = nullptr;
-  bool (*rnea)(const CompactImpl&, char* scratch, const double* q, const double* v, const double* a, double* tau) = nullptr;
+  bool (*rnea)(const CompactImpl&, char* scratch, const double* q, const double* v, const double* a, double* tau) = nullptr;  ///< may be null
   bool (*massMatrix)(const CompactImpl&, char* scratch, const double* q, double* M) = nullptr;
   /// As SingleKernels'. failed: the body whose pivot vanished, or 0.
   bool (*articulate)(const CompactImpl&, char* scratch, const double* q, const double* v, const double* tau, int& failed) = nullptr;
@@ -109,16 +109,6 @@ struct BlockKernels {
   void (*run)(const CompactImpl&, char* scratch, Block<T>&);
 };
 
-/// Changes with the layout of what tables and library share, so that a table of another build is not used.
-constexpr std::size_t layoutStamp() {
-  std::size_t stamp = 1;
-  for (const std::size_t size :
-       {sizeof(CompactImpl), sizeof(BodyIndex), sizeof(BodyConstants<double>), sizeof(TypeBatch), sizeof(Run), sizeof(Strip), sizeof(StripPlan),
-        sizeof(Workspace<double>), sizeof(DerivativeWorkspace<double>), sizeof(Block<double>), sizeof(Block<float>), sizeof(JointBatch<double>)})
-    stamp = stamp * 1000003 + size;
-  return stamp;
-}
-
 struct Kernels {
   const char* name;
   std::size_t layout;
@@ -126,14 +116,28 @@ struct Kernels {
   BlockKernels<double> doubles;
   BlockKernels<float> floats;
   const ConstraintKernels* constraints;
-  StripKernels strips = {};
+  PackedKernels strips = {};    ///< joints in lanes
+  PackedKernels vectored = {};  ///< coordinates of three-vectors in lanes
 };
+
+/// Changes with the layout of what tables and library share, so that a table of another build is not used.
+constexpr std::size_t layoutStamp() {
+  std::size_t stamp = 1;
+  for (const std::size_t size : {sizeof(CompactImpl), sizeof(BodyIndex), sizeof(BodyConstants<double>), sizeof(TypeBatch), sizeof(Run), sizeof(Strip),
+                                 sizeof(StripPlan), sizeof(Workspace<double>), sizeof(DerivativeWorkspace<double>), sizeof(Block<double>),
+                                 sizeof(Block<float>), sizeof(JointBatch<double>), sizeof(Kernels)})
+    stamp = stamp * 1000003 + size;
+  return stamp;
+}
 
 /// The one in use: the best that the processor has, or what DYN_SIMD asks for. Throws Error(argument) when that cannot be had.
 const Kernels& active();
 
 /// Whether the algorithms that can take joints in lanes do so for this model.
 bool useStrips(const CompactImpl& m);
+
+/// What takes several numbers of one state of this model at once, or null.
+const PackedKernels* packed(const CompactImpl& m);
 
 /// In the library itself.
 extern const Kernels scalar, baseline;

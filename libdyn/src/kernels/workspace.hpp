@@ -105,18 +105,20 @@ void carve(JointMemory<S>& memory, const TypeBatch& batch, int count, bool gathe
   if (gathered) arena.take(memory.q, static_cast<std::size_t>(batch.nq) * n);
 }
 
+/// A joint's results for each body of a model.
 template <class S>
-void carve(Workspace<S>& w, const CompactImpl& m, Arena& arena) {
-  const auto n = static_cast<std::size_t>(m.bodies());
+void carveJoints(Workspace<S>& w, const CompactImpl& m, Arena& arena) {
   arena.take(w.joints, m.batches.size());
   JointMemory<S> counted;
   for (std::size_t b = 0; b < m.batches.size(); ++b) {
     const TypeBatch& batch = m.batches[b];
     carve(w.joints ? w.joints[b] : counted, batch, batch.count, !batch.contiguous, arena);
   }
+}
+/// What inverse and forward dynamics and the mass matrix take, of n bodies or strips.
+template <class S>
+void carveDynamics(Workspace<S>& w, std::size_t n, std::size_t dofs, Arena& arena) {
   arena.take(w.rel, n);
-  arena.take(w.oM, n);
-  arena.take(w.v, n);
   arena.take(w.a, n);
   arena.take(w.w, n);
   arena.take(w.f, n);
@@ -129,7 +131,15 @@ void carve(Workspace<S>& w, const CompactImpl& m, Arena& arena) {
   arena.take(w.mass, n);
   arena.take(w.h, n);
   arena.take(w.Io, n);
-  arena.take(w.dof, static_cast<std::size_t>(m.nvx));
+  arena.take(w.dof, dofs);
+}
+template <class S>
+void carve(Workspace<S>& w, const CompactImpl& m, Arena& arena) {
+  const auto n = static_cast<std::size_t>(m.bodies());
+  carveJoints(w, m, arena);
+  carveDynamics(w, n, static_cast<std::size_t>(m.nvx), arena);
+  arena.take(w.oM, n);
+  arena.take(w.v, n);
 }
 
 /// What every pass takes for granted of the universe.

@@ -1,0 +1,218 @@
+// Three-vectors and 3x3 matrices in registers: for one state of one body after the other, where neither joints nor states fill the lanes.
+//
+// Vectored is a number like double. Vectors of it have their coordinates in the lanes of one register of four, matrices their columns in
+// three, so that the recursions, written for any scalar, compute with three numbers at once. What is in the fourth lane never counts.
+#pragma once
+
+#include "compile/compact_impl.hpp"
+
+#include <dyn/scalar/select.hpp>
+#include <dyn/spatial/inertia.hpp>
+
+#include <cmath>
+
+namespace dyn {
+
+struct Vectored {
+  double x;
+  Vectored() = default;
+  Vectored(double number) : x(number) {}  // NOLINT: a number
+  /// Of lvalues only: a vector's coordinates are copies.
+  Vectored(const Vectored&) = default;
+  Vectored& operator=(const Vectored&) & = default;
+  explicit operator double() const { return x; }
+
+  friend Vectored operator+(const Vectored& a, const Vectored& b) { return a.x + b.x; }
+  friend Vectored operator-(const Vectored& a, const Vectored& b) { return a.x - b.x; }
+  friend Vectored operator-(const Vectored& a) { return -a.x; }
+  friend Vectored operator*(const Vectored& a, const Vectored& b) { return a.x * b.x; }
+  friend Vectored operator/(const Vectored& a, const Vectored& b) { return a.x / b.x; }
+  Vectored& operator+=(const Vectored& b) & { return *this = *this + b; }
+  Vectored& operator-=(const Vectored& b) & { return *this = *this - b; }
+
+  friend bool operator<(const Vectored& a, const Vectored& b) { return a.x < b.x; }
+  friend bool operator>(const Vectored& a, const Vectored& b) { return a.x > b.x; }
+  friend bool operator<=(const Vectored& a, const Vectored& b) { return a.x <= b.x; }
+  friend bool operator>=(const Vectored& a, const Vectored& b) { return a.x >= b.x; }
+  friend bool operator==(const Vectored& a, const Vectored& b) { return a.x == b.x; }
+};
+
+template <>
+struct RealOf<Vectored> {
+  using type = double;
+  static constexpr int lanes = 1;
+};
+
+/// The compilers' own vectors, which name no instruction set.
+typedef double Four __attribute__((vector_size(32)));  // gcc 12 forgets the attribute of an alias
+
+inline Four inAll(const Vectored& s) { return Four{s.x, s.x, s.x, s.x}; }
+/// One lane in all.
+template <int lane>
+Four inAll(const Four& a) {
+  return __builtin_shufflevector(a, a, lane, lane, lane, lane);
+}
+/// (y, z, x).
+inline Four turned(const Four& a) { return __builtin_shufflevector(a, a, 1, 2, 0, 3); }
+inline Vectored sumOf(const Four& a) { return a[0] + a[1] + a[2]; }
+/// The product of two vectors in each lane.
+inline Four dotInAll(const Four& a, const Four& b) {
+  const Four products = a * b, next = turned(products);
+  return products + next + turned(next);
+}
+
+template <>
+struct Vec3<Vectored> {
+  Four a{};
+
+  Vec3() = default;
+  Vec3(const Four& lanes) : a(lanes) {}  // NOLINT
+  Vec3(const Vectored& x, const Vectored& y, const Vectored& z) : a{x.x, y.x, z.x, 0} {}
+  Vectored operator[](int i) const { return a[i]; }
+
+  friend Vec3 operator+(const Vec3& p, const Vec3& q) { return p.a + q.a; }
+  friend Vec3 operator-(const Vec3& p, const Vec3& q) { return p.a - q.a; }
+  friend Vec3 operator-(const Vec3& p) { return -p.a; }
+  friend Vec3 operator*(const Vectored& s, const Vec3& p) { return inAll(s) * p.a; }
+  Vec3& operator+=(const Vec3& q) { return *this = *this + q; }
+  Vec3& operator-=(const Vec3& q) { return *this = *this - q; }
+};
+
+inline void addAt(Vec3<Vectored>& v, int k, const Vectored& x) { v.a[k] += x.x; }
+
+inline Vectored dot(const Vec3<Vectored>& p, const Vec3<Vectored>& q) { return sumOf(p.a * q.a); }
+inline Vectored dot(const Motion<Vectored>& m, const Force<Vectored>& f) { return sumOf(m.linear.a * f.linear.a + m.angular.a * f.angular.a); }
+inline Vec3<Vectored> cross(const Vec3<Vectored>& p, const Vec3<Vectored>& q) { return turned(p.a * turned(q.a) - turned(p.a) * q.a); }
+
+/// M v by the columns of M.
+inline Four timesVector(const Four* columns, const Four& v) { return columns[0] * inAll<0>(v) + columns[1] * inAll<1>(v) + columns[2] * inAll<2>(v); }
+
+template <>
+struct Mat3<Vectored> {
+  Four c[3]{};
+
+  Mat3() = default;
+  Mat3(const Four& x, const Four& y, const Four& z) : c{x, y, z} {}
+  static Mat3 identity() { return {Four{1, 0, 0, 0}, Four{0, 1, 0, 0}, Four{0, 0, 1, 0}}; }
+  Vectored operator()(int row, int column) const { return c[column][row]; }
+  Vec3<Vectored> col(int i) const { return c[i]; }
+  Vec3<Vectored> row(int i) const { return {c[0][i], c[1][i], c[2][i]}; }
+
+  friend Vec3<Vectored> operator*(const Mat3& m, const Vec3<Vectored>& v) { return timesVector(m.c, v.a); }
+  friend Mat3 operator*(const Mat3& m, const Mat3& n) { return {timesVector(m.c, n.c[0]), timesVector(m.c, n.c[1]), timesVector(m.c, n.c[2])}; }
+  friend Mat3 operator+(const Mat3& m, const Mat3& n) { return {m.c[0] + n.c[0], m.c[1] + n.c[1], m.c[2] + n.c[2]}; }
+};
+
+inline Mat3<Vectored> transpose(const Mat3<Vectored>& m) {
+  const Four &x = m.c[0], &y = m.c[1], &z = m.c[2];
+  const Four outer = __builtin_shufflevector(x, y, 0, 4, 2, 6), inner = __builtin_shufflevector(x, y, 1, 5, 3, 7);
+  return {__builtin_shufflevector(outer, z, 0, 1, 4, 7), __builtin_shufflevector(inner, z, 0, 1, 5, 7),
+          __builtin_shufflevector(outer, z, 2, 3, 6, 7)};
+}
+inline Vec3<Vectored> transposeTimes(const Mat3<Vectored>& m, const Vec3<Vectored>& v) { return transpose(m) * v; }
+
+/// All nine entries, in columns.
+template <>
+struct Sym3<Vectored> {
+  Four c[3]{};
+
+  Sym3() = default;
+  Sym3(const Four& x, const Four& y, const Four& z) : c{x, y, z} {}
+  Sym3(const Vectored& xx, const Vectored& xy, const Vectored& xz, const Vectored& yy, const Vectored& yz, const Vectored& zz)
+      : c{{xx.x, xy.x, xz.x, 0}, {xy.x, yy.x, yz.x, 0}, {xz.x, yz.x, zz.x, 0}} {}
+  Mat3<Vectored> matrix() const { return {c[0], c[1], c[2]}; }
+
+  friend Vec3<Vectored> operator*(const Sym3& m, const Vec3<Vectored>& v) { return timesVector(m.c, v.a); }
+  friend Sym3 operator+(const Sym3& m, const Sym3& n) { return {m.c[0] + n.c[0], m.c[1] + n.c[1], m.c[2] + n.c[2]}; }
+  Sym3& operator+=(const Sym3& n) { return *this = *this + n; }
+};
+
+inline Vectored trace(const Sym3<Vectored>& a) { return Vectored(a.c[0][0]) + Vectored(a.c[1][1]) + Vectored(a.c[2][2]); }
+
+/// R a R^T.
+inline Sym3<Vectored> congruence(const Mat3<Vectored>& R, const Sym3<Vectored>& a) {
+  const Mat3<Vectored> turned_columns = R * a.matrix();
+  const Four* c = turned_columns.c;
+  const auto column = [&]<int i>() { return c[0] * inAll<i>(R.c[0]) + c[1] * inAll<i>(R.c[1]) + c[2] * inAll<i>(R.c[2]); };
+  return {column.template operator()<0>(), column.template operator()<1>(), column.template operator()<2>()};
+}
+
+/// See the one of any scalar.
+template <>
+struct ArticulatedInertia<Vectored> {
+  Sym3<Vectored> linear;
+  Mat3<Vectored> coupling;
+  Sym3<Vectored> angular;
+
+  static ArticulatedInertia rigid(const Vectored& mass, const Vec3<Vectored>& h, const Sym3<Vectored>& at_origin) {
+    const Mat3<Vectored> one = Mat3<Vectored>::identity();
+    const Four m = inAll(mass), zero{};
+    return {{m * one.c[0], m * one.c[1], m * one.c[2]},
+            {__builtin_shufflevector(h.a, zero, 4, 2, 1, 4) * Four{0, -1, 1, 0}, __builtin_shufflevector(h.a, zero, 2, 4, 0, 4) * Four{1, 0, -1, 0},
+             __builtin_shufflevector(h.a, zero, 1, 0, 4, 4) * Four{-1, 1, 0, 0}},
+            at_origin};
+  }
+  friend Force<Vectored> operator*(const ArticulatedInertia& Y, const Motion<Vectored>& a) {
+    return {Y.linear * a.linear + Y.coupling * a.angular, transposeTimes(Y.coupling, a.linear) + Y.angular * a.angular};
+  }
+  friend ArticulatedInertia operator+(const ArticulatedInertia& a, const ArticulatedInertia& b) {
+    return {a.linear + b.linear, a.coupling + b.coupling, a.angular + b.angular};
+  }
+  ArticulatedInertia& operator+=(const ArticulatedInertia& b) { return *this = *this + b; }
+
+  void subtractOuter(const Force<Vectored>& U, const Force<Vectored>& W) {
+    const auto column = [&]<int i>() {
+      const Four c = inAll<i>(W.linear.a), d = inAll<i>(W.angular.a);
+      linear.c[i] -= U.linear.a * c;
+      coupling.c[i] -= U.linear.a * d;
+      angular.c[i] -= U.angular.a * d;
+    };
+    column.template operator()<0>();
+    column.template operator()<1>();
+    column.template operator()<2>();
+  }
+  /// With X = [r]x: coupling' = coupling - linear X, angular' = angular + X coupling' + (X coupling)^T, where (X C)^T = - C^T X.
+  ArticulatedInertia shifted(const Vec3<Vectored>& r) const {
+    const Four x = inAll<0>(r.a), y = inAll<1>(r.a), z = inAll<2>(r.a);
+    const auto minusTimesX = [&](const Four* L, const Four* to) {
+      return Mat3<Vectored>{to[0] - L[1] * z + L[2] * y, to[1] + L[0] * z - L[2] * x, to[2] - L[0] * y + L[1] * x};
+    };
+    ArticulatedInertia out;
+    out.linear = linear;
+    out.coupling = minusTimesX(linear.c, coupling.c);
+    const Mat3<Vectored> below = transpose(coupling), sum = minusTimesX(below.c, angular.c);
+    for (int i = 0; i < 3; ++i) out.angular.c[i] = sum.c[i] + cross(r, out.coupling.c[i]).a;
+    return out;
+  }
+};
+
+template <>
+inline Mat3<Vectored> cast<Vectored, double>(const Mat3<double>& a) {
+  return {Four{a.m[0], a.m[3], a.m[6], 0}, Four{a.m[1], a.m[4], a.m[7], 0}, Four{a.m[2], a.m[5], a.m[8], 0}};
+}
+
+// Of the recursions' own functions, those that name single coordinates. They are found by their arguments.
+
+inline Mat3<Vectored> loadMatrix(const Vectored* p, std::ptrdiff_t stride) {
+  const auto column = [&](int i) { return Vec3<Vectored>(p[i * stride], p[(3 + i) * stride], p[(6 + i) * stride]).a; };
+  return {column(0), column(1), column(2)};
+}
+inline Mat3<Vectored> turnZ(const Mat3<Vectored>& E, const Vectored& c, const Vectored& s) {
+  return {E.c[0] * inAll(c) + E.c[1] * inAll(s), E.c[1] * inAll(c) - E.c[0] * inAll(s), E.c[2]};
+}
+/// Brought back by Newton's other step, the mean of R and R^-T (Higham 1986), whose columns are cross products.
+inline Mat3<Vectored> composedRotation(const Mat3<Vectored>& parent, const Mat3<Vectored>& rel) {
+  const Mat3<Vectored> R = parent * rel;
+  const Vec3<Vectored> x = R.c[0], y = R.c[1], z = R.c[2], yz = cross(y, z), zx = cross(z, x), xy = cross(x, y);
+  // 1 / det is 2 - det next to 1.
+  const Four half = inAll(0.5), weight = inAll(1) - half * dotInAll(x.a, yz.a);
+  return {half * x.a + weight * yz.a, half * y.a + weight * zx.a, half * z.a + weight * xy.a};
+}
+inline Sym3<Vectored> shiftedInertia(const Sym3<Vectored>& I, const Vectored& mass, const Vec3<Vectored>& h, const Vec3<Vectored>& r) {
+  const Four k = h.a + inAll(Vectored(0.5) * mass) * r.a, product = dotInAll(k, r.a), diagonal = product + product;
+  const Mat3<Vectored> one = Mat3<Vectored>::identity();
+  const auto column = [&]<int i>() { return I.c[i] + (diagonal * one.c[i] - (k * inAll<i>(r.a) + r.a * inAll<i>(k))); };
+  return {column.template operator()<0>(), column.template operator()<1>(), column.template operator()<2>()};
+}
+
+}  // namespace dyn

@@ -1,0 +1,82 @@
+// The recursions of one state on vectors in registers: the kernels for bodies, with memory of their own.
+#pragma once
+
+#include "kernels/vectored.hpp"
+// Specialisations come before what is made of them.
+#include "kernels/aba.hpp"
+#include "kernels/crba.hpp"
+#include "kernels/evaluate.hpp"
+#include "kernels/table.hpp"
+
+namespace dyn::kernels {
+
+struct VectoredScratch {
+  Workspace<Vectored> w;
+  BodyConstants<Vectored>* constants = nullptr;
+
+  static std::size_t carve(VectoredScratch& s, const CompactImpl& m, char* base) {
+    Arena arena(base);
+    carveJoints(s.w, m, arena);
+    carveDynamics(s.w, static_cast<std::size_t>(m.bodies()), static_cast<std::size_t>(m.nvx), arena);
+    arena.take(s.constants, static_cast<std::size_t>(m.bodies()));
+    return arena.used();
+  }
+};
+
+struct VectoredBodies : Bodies<Vectored> {
+  const BodyConstants<Vectored>* all;
+  const BodyConstants<Vectored>& constants(int i) const { return all[i]; }
+  Vectored mass(int i) const { return all[i].mass; }
+};
+
+inline PackedKernels vectoredKernels() {
+  using S = Vectored;
+  // A number of theirs is a double in memory.
+  static_assert(sizeof(S) == sizeof(double));
+  static constexpr auto in = [](const double* x) { return reinterpret_cast<const S*>(x); };
+  static constexpr auto out = [](double* x) { return reinterpret_cast<S*>(x); };
+  static constexpr auto scratchOf = [](char* memory) -> VectoredScratch& { return *reinterpret_cast<VectoredScratch*>(memory); };
+  static constexpr auto bodies = [](const CompactImpl& m, VectoredScratch& s) { return VectoredBodies{{m, s.w}, s.constants}; };
+  static constexpr auto evaluate = [](const CompactImpl& m, VectoredScratch& s, const double* q, const double* v) {
+    evaluateJoints(m, s.w, in(q), v ? in(v) : nullptr);
+    for (std::size_t b = 0; b < m.batches.size(); ++b)
+      if (const TypeBatch& batch = m.batches[b]; batch.nq != batch.nv)
+        if (!allFinite(reinterpret_cast<const double*>(s.w.joints[b].pose), poseSize(batch.shape) * static_cast<std::ptrdiff_t>(batch.count)))
+          return false;
+    return true;
+  };
+  constexpr std::size_t head = (sizeof(VectoredScratch) + Arena::alignment - 1) / Arena::alignment * Arena::alignment;
+
+  PackedKernels k;
+  k.bytes = [](const CompactImpl& m) {
+    VectoredScratch counted;
+    return head + VectoredScratch::carve(counted, m, nullptr);
+  };
+  k.prepare = [](const CompactImpl& m, char* memory) {
+    auto* s = new (memory) VectoredScratch;
+    VectoredScratch::carve(*s, m, memory + head);
+    for (int i = 0; i < m.bodies(); ++i) s->constants[i] = broadcast<S>(m.constants[static_cast<std::size_t>(i)]);
+    s->w.R[0] = Mat3<S>::identity();
+  };
+  k.massMatrix = [](const CompactImpl& m, char* memory, const double* q, double* M) {
+    VectoredScratch& s = scratchOf(memory);
+    const bool finite = evaluate(m, s, q, nullptr);
+    kernels::massMatrix(bodies(m, s), s.w, out(M));
+    return finite;
+  };
+  k.articulate = [](const CompactImpl& m, char* memory, const double* q, const double* v, const double* tau, int& failed) {
+    VectoredScratch& s = scratchOf(memory);
+    const bool finite = evaluate(m, s, q, v);
+    abaOutward(bodies(m, s), s.w, in(v), static_cast<const Force<S>*>(nullptr));
+    abaInward(bodies(m, s), s.w, in(tau));
+    failed = s.w.failed[0];
+    return finite;
+  };
+  k.accelerate = [](const CompactImpl& m, char* memory, const Vec3<double>& gravity, double* ddq) {
+    VectoredScratch& s = scratchOf(memory);
+    abaSolve(bodies(m, s), s.w, cast<S>(gravity), out(ddq));
+  };
+  return k;
+}
+
+}  // namespace dyn::kernels
