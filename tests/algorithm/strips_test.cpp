@@ -101,3 +101,27 @@ TEST_CASE("what is singular is named from within a strip", "[strips]") {
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(8);
   CHECK_THROWS_WITH(aba(compact, data, zero, zero, zero), containing("'j6'"));
 }
+
+TEST_CASE("the mass matrix of arms of any length is that of one joint after the other", "[strips]") {
+  for (const int joints : {1, 7, 40}) {
+    Model arms;
+    for (int arm = 0; arm < 2; ++arm)
+      for (int i = 0; i < joints; ++i) {
+        JointDescription joint;
+        joint.name = "j" + std::to_string(arm) + "_" + std::to_string(i);
+        joint.type = "revolute";
+        joint.parameters["axis"] = std::vector<double>{0, 1, 0.1 * i};
+        joint.placement.p = {0.1, 0.02, 0};
+        arms.addBody("b" + joint.name, i == 0 ? 0 : arm * joints + i, joint, {1, {0.1, 0, 0.1 * arm}, {1, 0, 0, 1, 0, 1}});
+      }
+    const CompactModel model = compile(arms, registry());
+    CompileOptions asked;
+    asked.strips = false;
+    const CompactModel plain = compile(arms, registry(), asked);
+    Data data(model, Need::mass_matrix), plain_data(plain, Need::mass_matrix);
+    const Eigen::VectorXd q = randomConfiguration(model, 5);
+    const Eigen::MatrixXd expected = crba(plain, plain_data, q);
+    INFO(joints);
+    CHECK((crba(model, data, q) - expected).cwiseAbs().maxCoeff() < 1e-13 * expected.cwiseAbs().maxCoeff());
+  }
+}
