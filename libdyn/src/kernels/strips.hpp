@@ -13,10 +13,12 @@
 
 namespace dyn::kernels {
 
-/// Four numbers from where `index` says.
+/// Four numbers from where `index` says. Four loads are sooner done than the processor's own gathering.
 template <class S>
 S gathered(const double* from, const std::int64_t* index) {
-  return S::Batch::gather(from, xsimd::batch<std::int64_t, typename S::Batch::arch_type>::load_unaligned(index));
+  typedef double Four __attribute__((vector_size(32)));
+  static_assert(sizeof(Four) == sizeof(S) && strip_lanes == 4);
+  return typename S::Batch(Four{from[index[0]], from[index[1]], from[index[2]], from[index[3]]});
 }
 
 /// Each lane's numbers from the lane that `lanes` names.
