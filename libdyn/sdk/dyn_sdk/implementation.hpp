@@ -4,6 +4,13 @@
 #include <dyn_sdk/joint_plugin.hpp>
 #include <dyn_sdk/pack.hpp>
 
+// All that an author's functions call is inlined into the loop over packs; but sanitized code grows too much.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define DYN_INLINE_ALL
+#else
+#define DYN_INLINE_ALL [[gnu::flatten]]
+#endif
+
 namespace dyn::sdk {
 
 template <class A>
@@ -181,7 +188,7 @@ class JointTypeOf final : public JointType {
   }();
 
   template <class P, class T>
-  [[gnu::flatten]] static void evaluatePack(const JointBatch<T>& b, int i) {
+  DYN_INLINE_ALL static void evaluatePack(const JointBatch<T>& b, int i) {
     if constexpr (takes_pack_constants<T>) {
       if (b.lanes == 1) return evaluateAt<P>(b, i, PackConstants<P>(b.constants + i, b.constants_stride, b.constant_count));
     }
