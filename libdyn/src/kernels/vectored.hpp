@@ -20,7 +20,6 @@ struct Vectored {
   /// Of lvalues only: a vector's coordinates are copies.
   Vectored(const Vectored&) = default;
   Vectored& operator=(const Vectored&) & = default;
-  explicit operator double() const { return x; }
 
   friend Vectored operator+(const Vectored& a, const Vectored& b) { return a.x + b.x; }
   friend Vectored operator-(const Vectored& a, const Vectored& b) { return a.x - b.x; }
@@ -30,10 +29,8 @@ struct Vectored {
   Vectored& operator+=(const Vectored& b) & { return *this = *this + b; }
   Vectored& operator-=(const Vectored& b) & { return *this = *this - b; }
 
-  friend bool operator<(const Vectored& a, const Vectored& b) { return a.x < b.x; }
   friend bool operator>(const Vectored& a, const Vectored& b) { return a.x > b.x; }
   friend bool operator<=(const Vectored& a, const Vectored& b) { return a.x <= b.x; }
-  friend bool operator>=(const Vectored& a, const Vectored& b) { return a.x >= b.x; }
   friend bool operator==(const Vectored& a, const Vectored& b) { return a.x == b.x; }
 };
 
@@ -94,7 +91,6 @@ struct Mat3<Vectored> {
   Mat3() = default;
   Mat3(const Four& x, const Four& y, const Four& z) : c{x, y, z} {}
   static Mat3 identity() { return {Four{1, 0, 0, 0}, Four{0, 1, 0, 0}, Four{0, 0, 1, 0}}; }
-  Vectored operator()(int row, int column) const { return c[column][row]; }
   Vec3<Vectored> col(int i) const { return c[i]; }
   Vec3<Vectored> row(int i) const { return {c[0][i], c[1][i], c[2][i]}; }
 
@@ -137,54 +133,44 @@ inline Sym3<Vectored> congruence(const Mat3<Vectored>& R, const Sym3<Vectored>& 
   return {column.template operator()<0>(), column.template operator()<1>(), column.template operator()<2>()};
 }
 
-/// See the one of any scalar.
+// What articulated inertias do by single coordinates elsewhere.
+
 template <>
-struct ArticulatedInertia<Vectored> {
-  Sym3<Vectored> linear;
-  Mat3<Vectored> coupling;
-  Sym3<Vectored> angular;
-
-  static ArticulatedInertia rigid(const Vectored& mass, const Vec3<Vectored>& h, const Sym3<Vectored>& at_origin) {
-    const Mat3<Vectored> one = Mat3<Vectored>::identity();
-    const Four m = inAll(mass), zero{};
-    return {{m * one.c[0], m * one.c[1], m * one.c[2]},
-            {__builtin_shufflevector(h.a, zero, 4, 2, 1, 4) * Four{0, -1, 1, 0}, __builtin_shufflevector(h.a, zero, 2, 4, 0, 4) * Four{1, 0, -1, 0},
-             __builtin_shufflevector(h.a, zero, 1, 0, 4, 4) * Four{-1, 1, 0, 0}},
-            at_origin};
-  }
-  friend Force<Vectored> operator*(const ArticulatedInertia& Y, const Motion<Vectored>& a) {
-    return {Y.linear * a.linear + Y.coupling * a.angular, transposeTimes(Y.coupling, a.linear) + Y.angular * a.angular};
-  }
-  friend ArticulatedInertia operator+(const ArticulatedInertia& a, const ArticulatedInertia& b) {
-    return {a.linear + b.linear, a.coupling + b.coupling, a.angular + b.angular};
-  }
-  ArticulatedInertia& operator+=(const ArticulatedInertia& b) { return *this = *this + b; }
-
-  void subtractOuter(const Force<Vectored>& U, const Force<Vectored>& W) {
-    const auto column = [&]<int i>() {
-      const Four c = inAll<i>(W.linear.a), d = inAll<i>(W.angular.a);
-      linear.c[i] -= U.linear.a * c;
-      coupling.c[i] -= U.linear.a * d;
-      angular.c[i] -= U.angular.a * d;
-    };
-    column.template operator()<0>();
-    column.template operator()<1>();
-    column.template operator()<2>();
-  }
-  /// With X = [r]x: coupling' = coupling - linear X, angular' = angular + X coupling' + (X coupling)^T, where (X C)^T = - C^T X.
-  ArticulatedInertia shifted(const Vec3<Vectored>& r) const {
-    const Four x = inAll<0>(r.a), y = inAll<1>(r.a), z = inAll<2>(r.a);
-    const auto minusTimesX = [&](const Four* L, const Four* to) {
-      return Mat3<Vectored>{to[0] - L[1] * z + L[2] * y, to[1] + L[0] * z - L[2] * x, to[2] - L[0] * y + L[1] * x};
-    };
-    ArticulatedInertia out;
-    out.linear = linear;
-    out.coupling = minusTimesX(linear.c, coupling.c);
-    const Mat3<Vectored> below = transpose(coupling), sum = minusTimesX(below.c, angular.c);
-    for (int i = 0; i < 3; ++i) out.angular.c[i] = sum.c[i] + cross(r, out.coupling.c[i]).a;
-    return out;
-  }
-};
+inline ArticulatedInertia<Vectored> ArticulatedInertia<Vectored>::rigid(const Vectored& mass, const Vec3<Vectored>& h,
+                                                                        const Sym3<Vectored>& at_origin) {
+  const Mat3<Vectored> one = Mat3<Vectored>::identity();
+  const Four m = inAll(mass), zero{};
+  return {{m * one.c[0], m * one.c[1], m * one.c[2]},
+          {__builtin_shufflevector(h.a, zero, 4, 2, 1, 4) * Four{0, -1, 1, 0}, __builtin_shufflevector(h.a, zero, 2, 4, 0, 4) * Four{1, 0, -1, 0},
+           __builtin_shufflevector(h.a, zero, 1, 0, 4, 4) * Four{-1, 1, 0, 0}},
+          at_origin};
+}
+template <>
+inline void ArticulatedInertia<Vectored>::subtractOuter(const Force<Vectored>& U, const Force<Vectored>& W) {
+  const auto column = [&]<int i>() {
+    const Four c = inAll<i>(W.linear.a), d = inAll<i>(W.angular.a);
+    linear.c[i] -= U.linear.a * c;
+    coupling.c[i] -= U.linear.a * d;
+    angular.c[i] -= U.angular.a * d;
+  };
+  column.template operator()<0>();
+  column.template operator()<1>();
+  column.template operator()<2>();
+}
+/// With X = [r]x: coupling' = coupling - linear X, angular' = angular + X coupling' + (X coupling)^T, where (X C)^T = - C^T X.
+template <>
+inline ArticulatedInertia<Vectored> ArticulatedInertia<Vectored>::shifted(const Vec3<Vectored>& r) const {
+  const Four x = inAll<0>(r.a), y = inAll<1>(r.a), z = inAll<2>(r.a);
+  const auto minusTimesX = [&](const Four* L, const Four* to) {
+    return Mat3<Vectored>{to[0] - L[1] * z + L[2] * y, to[1] + L[0] * z - L[2] * x, to[2] - L[0] * y + L[1] * x};
+  };
+  ArticulatedInertia out;
+  out.linear = linear;
+  out.coupling = minusTimesX(linear.c, coupling.c);
+  const Mat3<Vectored> below = transpose(coupling), sum = minusTimesX(below.c, angular.c);
+  for (int i = 0; i < 3; ++i) out.angular.c[i] = sum.c[i] + cross(r, out.coupling.c[i]).a;
+  return out;
+}
 
 template <>
 inline Mat3<Vectored> cast<Vectored, double>(const Mat3<double>& a) {

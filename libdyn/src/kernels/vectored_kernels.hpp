@@ -26,7 +26,6 @@ struct VectoredScratch {
 struct VectoredBodies : Bodies<Vectored> {
   const BodyConstants<Vectored>* all;
   const BodyConstants<Vectored>& constants(int i) const { return all[i]; }
-  Vectored mass(int i) const { return all[i].mass; }
 };
 
 inline PackedKernels vectoredKernels() {
@@ -41,8 +40,7 @@ inline PackedKernels vectoredKernels() {
     evaluateJoints(m, s.w, in(q), v ? in(v) : nullptr);
     for (std::size_t b = 0; b < m.batches.size(); ++b)
       if (const TypeBatch& batch = m.batches[b]; batch.nq != batch.nv)
-        if (!allFinite(reinterpret_cast<const double*>(s.w.joints[b].pose), poseSize(batch.shape) * static_cast<std::ptrdiff_t>(batch.count)))
-          return false;
+        if (!allFinite(s.w.joints[b].pose, poseSize(batch.shape) * static_cast<std::ptrdiff_t>(batch.count))) return false;
     return true;
   };
   constexpr std::size_t head = (sizeof(VectoredScratch) + Arena::alignment - 1) / Arena::alignment * Arena::alignment;
