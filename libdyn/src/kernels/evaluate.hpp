@@ -13,6 +13,12 @@ bool allFinite(const S* x, std::ptrdiff_t n) {
   return allOf(sum == S(0));
 }
 
+/// False if a type that normalises coordinates, as quaternions are, gave a pose that is not finite.
+template <class S>
+bool posesFinite(const TypeBatch& batch, const JointMemory<S>& memory) {
+  return batch.nq == batch.nv || allFinite(memory.pose, poseSize(batch.shape) * memory.stride);
+}
+
 /// Poses, subspaces, and (with v) biases of all joints, into w.joints. q and v are in expanded coordinates. `types`: by batch, in the place
 /// of those that the model was compiled with.
 template <class S>

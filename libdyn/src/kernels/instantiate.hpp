@@ -9,6 +9,7 @@
 #include "kernels/kinematics.hpp"
 #include "kernels/losses.hpp"
 #include "kernels/rnea.hpp"
+#include "kernels/scratch.hpp"
 #include "kernels/table.hpp"
 
 #include <algorithm>
@@ -126,16 +127,11 @@ BlockKernels<Real<S>> blockKernels() {
   using T = Real<S>;
   BlockKernels<T> k;
   k.lanes = lanes_of<S>;
-  k.bytes = [](const CompactImpl& m, Room room) {
-    BlockScratch<S> counted;
-    return sizeof(BlockScratch<S>) + Arena::alignment + BlockScratch<S>::carve(counted, m, room, nullptr);
-  };
+  k.bytes = [](const CompactImpl& m, Room room) { return scratchBytes<BlockScratch<S>>(m, room); };
   k.prepare = [](const CompactImpl& m, Room room, char* scratch) {
-    constexpr std::size_t head = (sizeof(BlockScratch<S>) + Arena::alignment - 1) / Arena::alignment * Arena::alignment;
-    auto* s = new (scratch) BlockScratch<S>;
-    BlockScratch<S>::carve(*s, m, room, scratch + head);
-    atRest(s->w);
-    if (room.mass_matrix) std::fill(s->M, s->M + static_cast<std::ptrdiff_t>(m.nvx) * m.nvx, S(0));
+    BlockScratch<S>& s = makeScratch<BlockScratch<S>>(scratch, m, room);
+    atRest(s.w);
+    if (room.mass_matrix) std::fill(s.M, s.M + static_cast<std::ptrdiff_t>(m.nvx) * m.nvx, S(0));
   };
   k.run = [](const CompactImpl& m, char* scratch, Block<T>& block) { runBlock<S>(m, scratch, block); };
   return k;

@@ -3,8 +3,10 @@
 
 #include "kernels/aba.hpp"
 #include "kernels/crba.hpp"
+#include "kernels/evaluate.hpp"
 #include "kernels/losses.hpp"
 #include "kernels/rnea.hpp"
+#include "kernels/scratch.hpp"
 #include "kernels/strip_scratch.hpp"
 
 #include <dyn_sdk/pack.hpp>
@@ -210,9 +212,7 @@ bool evaluateStrips(const CompactImpl& m, Workspace<S>& w, const double* q, cons
     const StripBatch& strips = m.strips.batches[b];
     const JointMemory<S>& memory = w.joints[b];
     const int items = strips.slots * strip_lanes;
-    const auto check = [&] {
-      if (batch.nq != batch.nv) finite = finite && allFinite(memory.pose, poseSize(batch.shape) * static_cast<std::ptrdiff_t>(strips.slots));
-    };
+    const auto check = [&] { finite = finite && posesFinite(batch, memory); };
     if (batch.count == 1) {
       evaluateAlone(batch, strips, memory, q + strips.q_index[0], v ? v + strips.v_index[0] : nullptr);
       check();
@@ -267,16 +267,8 @@ void scatterDofs(const StripPlan& plan, const S* from, double* to) {
 template <class S>
 PackedKernels stripKernels() {
   PackedKernels k;
-  k.bytes = [](const CompactImpl& m) {
-    StripScratch<S> counted;
-    return (sizeof(StripScratch<S>) + Arena::alignment - 1) / Arena::alignment * Arena::alignment + StripScratch<S>::carve(counted, m, nullptr);
-  };
-  k.prepare = [](const CompactImpl& m, char* scratch) {
-    constexpr std::size_t head = (sizeof(StripScratch<S>) + Arena::alignment - 1) / Arena::alignment * Arena::alignment;
-    auto* s = new (scratch) StripScratch<S>;
-    StripScratch<S>::carve(*s, m, scratch + head);
-    s->w.R[0] = Mat3<S>::identity();
-  };
+  k.bytes = [](const CompactImpl& m) { return scratchBytes<StripScratch<S>>(m); };
+  k.prepare = [](const CompactImpl& m, char* scratch) { makeScratch<StripScratch<S>>(scratch, m).w.R[0] = Mat3<S>::identity(); };
   k.rnea = [](const CompactImpl& m, char* scratch, const double* q, const double* v, const double* a, double* tau) {
     auto& s = *reinterpret_cast<StripScratch<S>*>(scratch);
     const Strips<S> strips{m, s.w};

@@ -6,6 +6,7 @@
 #include "kernels/aba.hpp"
 #include "kernels/crba.hpp"
 #include "kernels/evaluate.hpp"
+#include "kernels/scratch.hpp"
 #include "kernels/table.hpp"
 
 namespace dyn::kernels {
@@ -39,22 +40,16 @@ inline PackedKernels vectoredKernels() {
   static constexpr auto evaluate = [](const CompactImpl& m, VectoredScratch& s, const double* q, const double* v) {
     evaluateJoints(m, s.w, in(q), v ? in(v) : nullptr);
     for (std::size_t b = 0; b < m.batches.size(); ++b)
-      if (const TypeBatch& batch = m.batches[b]; batch.nq != batch.nv)
-        if (!allFinite(s.w.joints[b].pose, poseSize(batch.shape) * static_cast<std::ptrdiff_t>(batch.count))) return false;
+      if (!posesFinite(m.batches[b], s.w.joints[b])) return false;
     return true;
   };
-  constexpr std::size_t head = (sizeof(VectoredScratch) + Arena::alignment - 1) / Arena::alignment * Arena::alignment;
 
   PackedKernels k;
-  k.bytes = [](const CompactImpl& m) {
-    VectoredScratch counted;
-    return head + VectoredScratch::carve(counted, m, nullptr);
-  };
+  k.bytes = [](const CompactImpl& m) { return scratchBytes<VectoredScratch>(m); };
   k.prepare = [](const CompactImpl& m, char* memory) {
-    auto* s = new (memory) VectoredScratch;
-    VectoredScratch::carve(*s, m, memory + head);
-    for (int i = 0; i < m.bodies(); ++i) s->constants[i] = broadcast<S>(m.constants[static_cast<std::size_t>(i)]);
-    s->w.R[0] = Mat3<S>::identity();
+    VectoredScratch& s = makeScratch<VectoredScratch>(memory, m);
+    for (int i = 0; i < m.bodies(); ++i) s.constants[i] = broadcast<S>(m.constants[static_cast<std::size_t>(i)]);
+    s.w.R[0] = Mat3<S>::identity();
   };
   k.massMatrix = [](const CompactImpl& m, char* memory, const double* q, double* M) {
     VectoredScratch& s = scratchOf(memory);
