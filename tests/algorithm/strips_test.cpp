@@ -14,8 +14,10 @@ bool usesStrips(const CompactModel& model) {
   return false;
 }
 
-/// Many limbs: each body hangs on one of those a few before it. All types but those of constant dense subspaces, which are never in lanes.
-Model bush(int n, std::uint64_t seed, bool many_types) {
+/// All types but those of constant dense subspaces, which are never in lanes. A bush has many limbs: each body hangs on one of those a few
+/// before it. A trunk goes on for a while before limbs part, which are trunks themselves.
+enum class Growth { bush, trunks };
+Model grown(Growth growth, int n, std::uint64_t seed, bool many_types) {
   Random random(seed);
   Model model;
   model.gravity = random.vector(10);
@@ -35,7 +37,8 @@ Model bush(int n, std::uint64_t seed, bool many_types) {
     joint.armature.assign(nv, random.uniform(0, 0.1));
     joint.damping.assign(nv, random.uniform(0, 1));
     joint.friction.assign(nv, random.uniform(0, 0.5));
-    model.addBody("b" + std::to_string(i), std::max(0, i - random.below(8)), joint, random.inertia());
+    const int parent = growth == Growth::bush ? i - random.below(8) : random.below(6) == 0 ? random.below(i + 1) : i;
+    model.addBody("b" + std::to_string(i), std::max(0, parent), joint, random.inertia());
   }
   return model;
 }
@@ -44,8 +47,10 @@ Model bush(int n, std::uint64_t seed, bool many_types) {
 
 TEST_CASE("strips give what one body after the other gives", "[strips]") {
   const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 12)));
+  const Growth growth = GENERATE(Growth::bush, Growth::trunks);
   const bool many_types = seed % 2 == 0;
-  const CompactModel model = compile(bush(many_types ? 120 : 30, seed, many_types), registry());
+  const Model described = grown(growth, many_types ? 120 : 30, seed, many_types);
+  const CompactModel model = compile(described, registry());
   Data data(model, Need::mass_matrix), other(model, Need::mass_matrix);
   Random random(seed);
   const Eigen::VectorXd q = integrate(model, neutral(model), Eigen::VectorXd(random.vector(model.nv(), 0.4).array() + 0.8));
@@ -61,7 +66,7 @@ TEST_CASE("strips give what one body after the other gives", "[strips]") {
   CHECK((ddq - a).cwiseAbs().maxCoeff() < 1e-8 * (1 + a.cwiseAbs().maxCoeff()));
   CompileOptions asked;
   asked.strips = false;
-  const CompactModel without = compile(bush(many_types ? 120 : 30, seed, many_types), registry(), asked);
+  const CompactModel without = compile(described, registry(), asked);
   CHECK(!usesStrips(without));
   Data plain_data(without);
   CHECK(rnea(without, plain_data, q, v, a) == plain);
@@ -85,6 +90,30 @@ TEST_CASE("a chain has no strips, a hand of many fingers has", "[strips]") {
   for (const std::string& line : fingers.report().passes)
     if (line.rfind("strips: 20", 0) == 0)
       CHECK(line.find("20 joints in 5 strips of 4 lanes; dynamics of single states uses them") != std::string::npos);
+}
+
+TEST_CASE("limbs of all depths share strips", "[strips]") {
+  Model humanoid;
+  const auto limb = [&](int parent, int joints) {
+    for (int i = 0; i < joints; ++i) {
+      JointDescription joint;
+      joint.name = "j" + std::to_string(humanoid.bodies.size());
+      joint.type = parent == 0 ? "free_flyer" : "revolute";
+      if (parent != 0) joint.parameters["axis"] = std::vector<double>{0, 1, 0};
+      parent = humanoid.addBody("b" + joint.name, parent, joint, {1, {0.1, 0, 0}, {1, 0, 0, 1, 0, 1}});
+    }
+    return parent;
+  };
+  const int pelvis = limb(0, 1);
+  limb(pelvis, 6);
+  limb(pelvis, 6);
+  const int chest = limb(pelvis, 2);
+  limb(chest, 2);  // the head takes lanes that the legs have left
+  limb(chest, 8);
+  limb(chest, 8);
+  const CompactModel model = compile(humanoid, registry());
+  for (const std::string& line : model.report().passes)
+    if (line.rfind("strips: 33", 0) == 0) CHECK(line.find("33 joints in 11 strips of 4 lanes") != std::string::npos);
 }
 
 TEST_CASE("what is singular is named from within a strip", "[strips]") {

@@ -157,19 +157,11 @@ class Packer {
     for (int i = m_.bodies() - 1; i > 0; --i) {
       if (range[at(i)].second == 0) continue;
       out_.body_at[at(i)] = static_cast<int>(out_.bodies.size());
-      out_.bodies.push_back({i, -1, static_cast<int>(out_.dofs.size()), range[at(i)].first, range[at(i)].second});
+      out_.bodies.push_back({i, -1, static_cast<int>(out_.dofs.size()), range[at(i)].first, range[at(i)].second, {}});
       for (int k = 0; k < m_.index[at(i)].nv; ++k) out_.dofs.push_back(m_.index[at(i)].idx_v + k);
     }
-    for (std::size_t s = 1; s < m_.strips.strips.size(); ++s)
-      for (int l = 0; l < strip_lanes; ++l) {
-        const Strip& strip = m_.strips.strips[s];
-        const int place = strip.body[l] < 0 ? -1 : out_.body_at[at(strip.body[l])];
-        if (place < 0) continue;
-        ConstrainedBody& b = out_.bodies[at(place)];
-        b.strip = static_cast<int>(s);
-        b.lane = l;
-        b.strip_dof = strip.dof;
-      }
+    if (m_.strips.used)
+      for (ConstrainedBody& b : out_.bodies) b.seat = m_.strips.seats[at(b.body)];
     for (ConstrainedBody& b : out_.bodies) b.parent = out_.body_at[at(m_.index[at(b.body)].parent)];
   }
 

@@ -47,8 +47,7 @@ struct ConstrainedBody {
   int parent = -1;         ///< its parent's place in the list; -1: the world
   int dof = 0;             ///< place of its first degree of freedom among those of the list
   int begin = 0, end = 0;  ///< rows that act on its subtree are among these
-  // Where the model has strips: the body's, its lane there, and the strip's first degree of freedom.
-  int strip = 0, lane = 0, strip_dof = 0;
+  Seat seat;               ///< where the model has strips
 };
 
 struct PackedConstraints {

@@ -2,8 +2,11 @@
 #include "joint/processor.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <map>
+#include <set>
+#include <utility>
 
 namespace dyn {
 
@@ -16,27 +19,28 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// Where a body went.
-struct Seat {
-  int strip = 0, lane = 0;
-};
-
 class Planner {
  public:
-  explicit Planner(const CompactImpl& m) : m_(m), seats_(at(m.bodies())) { plan_.strips.emplace_back(); }
+  explicit Planner(const CompactImpl& m) : m_(m), height_(at(m.bodies()), 1), leaves_(at(m.bodies()), 0) {
+    plan_.strips.emplace_back();
+    plan_.seats.resize(at(m.bodies()));
+    plan_.seats[0].nv = 1;
+    for (int i = m.bodies() - 1; i > 0; --i) {
+      if (leaves_[at(i)] == 0) leaves_[at(i)] = 1;
+      leaves_[at(parentOf(i))] += leaves_[at(i)];
+      height_[at(parentOf(i))] = std::max(height_[at(parentOf(i))], height_[at(i)] + 1);
+    }
+  }
 
   StripPlan run() {
-    int depths = 0;
-    for (const BodyIndex& x : m_.index) depths = std::max(depths, x.depth);
-    std::vector<std::vector<int>> levels(at(depths) + 1);
-    for (int i = 1; i < m_.bodies(); ++i) levels[at(m_.index[at(i)].depth)].push_back(i);
-    for (const std::vector<int>& level : levels) seatLevel(level);
+    seatAll();
     // Measured (dyn bench on the robots of ../shared/models): a strip takes about 1.3 times one body's time, and entering and leaving the
     // lanes that of two bodies.
     plan_.count = static_cast<int>(plan_.strips.size()) - 1;
     plan_.used = 1.3 * plan_.count + 2 < static_cast<double>(m_.bodies() - 1);
     if (!plan_.used) {
       plan_.strips.clear();
+      plan_.seats.clear();
       return std::move(plan_);
     }
     family();
@@ -46,70 +50,177 @@ class Planner {
   }
 
  private:
-  /// Bodies of one depth: first those that can keep their parent's lane, then the others in what is free.
-  void seatLevel(const std::vector<int>& level) {
-    std::map<std::pair<int, int>, std::vector<int>> groups;  // (batch, parent strip) -> bodies; all of one shape
-    for (const int body : level) groups[{m_.index[at(body)].batch, seats_[at(m_.index[at(body)].parent)].strip}].push_back(body);
-    for (const auto& [key, bodies] : groups) {
-      std::vector<int> left = bodies;
-      while (!left.empty()) {
-        Strip strip;
-        strip.batch = key.first;
-        strip.parent = key.second;
-        std::vector<int> homeless, next;
-        for (const int body : left) {
-          int& seat = strip.body[seats_[at(m_.index[at(body)].parent)].lane];
-          if (key.second != 0 && seat < 0) {
-            seat = body;
-          } else {
-            homeless.push_back(body);
-          }
-        }
-        for (const int body : homeless) {
-          int* seat = std::find(strip.body, strip.body + strip_lanes, -1);
-          if (seat == strip.body + strip_lanes) {
-            next.push_back(body);
-          } else {
-            *seat = body;
-          }
-        }
-        add(strip);
-        left = std::move(next);
-      }
+  const BodyIndex& index(int body) const { return m_.index[at(body)]; }
+  int parentOf(int body) const { return index(body).parent; }
+  /// The longest way to a leaf comes first.
+  using Rank = std::pair<int, int>;
+  Rank rank(int body) const { return {-height_[at(body)], body}; }
+  /// Type, and whether it hangs on the world: bodies that do have no parents to gather from, and are among themselves.
+  using Kind = std::pair<int, bool>;
+  Kind kindOf(int body) const { return {index(body).batch, parentOf(body) == 0}; }
+  /// Strip and lane of the parent, and the type.
+  std::array<int, 3> childrenOf(int body) const {
+    const Seat& parent = plan_.seats[at(parentOf(body))];
+    return {parent.strip, parent.lane, index(body).batch};
+  }
+
+  /// Strip after strip: where the last one goes on, and what has the longest way to its leaves first.
+  void seatAll() {
+    open(0);
+    while (!waiting_.empty()) {
+      const Strip strip = fill(leader());
+      for (const int body : strip.body)
+        if (body >= 0) close(body);
+      add(strip);
+      for (const int body : strip.body)
+        if (body >= 0) open(body);
     }
   }
+
+  /// The children of a body that has its seat wait for theirs.
+  void open(int parent) {
+    for (int i = parent + 1; i < m_.tree_end[at(parent)]; i = m_.tree_end[at(i)]) {
+      children_[childrenOf(i)].insert(rank(i));
+      waiting_[kindOf(i)].insert(rank(i));
+    }
+  }
+  void close(int body) {
+    const auto leave = [&](auto& sets, const auto& key) {
+      const auto set = sets.find(key);
+      set->second.erase(rank(body));
+      if (set->second.empty()) sets.erase(set);
+    };
+    leave(children_, childrenOf(body));
+    leave(waiting_, kindOf(body));
+  }
+
+  int leader() const {
+    Rank best{0, 0};
+    const int last = static_cast<int>(plan_.strips.size()) - 1;
+    for (auto set = children_.lower_bound({last, 0, 0}); set != children_.end(); ++set) best = std::min(best, *set->second.begin());
+    if (best.second == 0)
+      for (const auto& [kind, bodies] : waiting_) best = std::min(best, *bodies.begin());
+    return best.second;
+  }
+
+  /// A strip with this body and others of its kind: those in a lane of their parents, then any. Where lanes are left, bodies on which several
+  /// limbs hang are mirrored in more of their parents' lanes.
+  Strip fill(int leader) const {
+    Strip strip;
+    strip.batch = index(leader).batch;
+    const int family = plan_.seats[at(parentOf(leader))].strip;
+    const Strip& above = plan_.strips[at(family)];
+    std::set<Rank> homeless;
+    for (int lane = 0; lane < strip_lanes; ++lane) {
+      const auto set = children_.find({family, lane, strip.batch});
+      if (set == children_.end()) continue;
+      auto body = set->second.begin();
+      for (int l = 0; l < strip_lanes && body != set->second.end(); ++l)
+        if (above.shown[l] == above.body[lane]) strip.body[l] = (body++)->second;
+      for (int k = 0; k < strip_lanes && body != set->second.end(); ++k, ++body) homeless.insert(*body);
+    }
+    const auto sit = [&](int body) {
+      int* seat = std::find(strip.body, strip.body + strip_lanes, -1);
+      if (seat == strip.body + strip_lanes) return false;
+      if (std::find(strip.body, strip.body + strip_lanes, body) == strip.body + strip_lanes) *seat = body;
+      return true;
+    };
+    for (const std::set<Rank>* bodies : {&std::as_const(homeless), &waiting_.at(kindOf(leader))})
+      for (const Rank& body : *bodies)
+        if (!sit(body.second)) break;
+    mirror(strip);
+    return strip;
+  }
+
+  void mirror(Strip& strip) const {
+    int limbs[strip_lanes] = {};
+    for (int l = 0; l < strip_lanes; ++l) {
+      strip.shown[l] = strip.body[l];
+      if (strip.body[l] >= 0) limbs[l] = leaves_[at(strip.body[l])] - 1;
+    }
+    for (int l = 0; l < strip_lanes; ++l) {
+      if (strip.body[l] >= 0) continue;
+      int most = -1;
+      for (int other = 0; other < strip_lanes; ++other)
+        if (limbs[other] > 0 && (most < 0 || limbs[other] > limbs[most]) && hasLane(parentOf(strip.body[other]), l)) most = other;
+      if (most < 0) continue;
+      strip.shown[l] = strip.body[most];
+      --limbs[most];
+    }
+  }
+  /// The body is in this lane of its strip, or mirrored there.
+  bool hasLane(int body, int lane) const { return body == 0 || plan_.strips[at(plan_.seats[at(body)].strip)].shown[lane] == body; }
 
   void add(Strip strip) {
     const TypeBatch& batch = m_.batches[at(strip.batch)];
     strip.shape = batch.shape;
     strip.nv = batch.nv;
+    strip.turns_only = turnsOnly(batch.shape);
     strip.dof = plan_.dofs;
     plan_.dofs += batch.nv;
-    const int index = static_cast<int>(plan_.strips.size());
+    const int number = static_cast<int>(plan_.strips.size());
     for (int l = 0; l < strip_lanes; ++l) {
-      if (strip.body[l] < 0) continue;
-      const BodyIndex& x = m_.index[at(strip.body[l])];
-      strip.parent_lane[l] = seats_[at(x.parent)].lane;
-      strip.aligned = strip.aligned && (strip.parent == 0 || strip.parent_lane[l] == l);
-      seats_[at(strip.body[l])] = {index, l};
+      const int body = strip.shown[l];
+      if (body < 0) continue;
+      const BodyIndex& x = index(body);
+      const unsigned same = lanesOf(strip, [&](int other) { return other == body; });
+      if (strip.body[l] >= 0) {
+        strip.depth = std::max(strip.depth, x.depth);
+        strip.flying_root = x.flying_root;
+        plan_.seats[at(body)] = {number, l, same, x.parent, x.depth, strip.dof, x.idx_v, x.nv, x.flying_root, x.turns_only};
+      }
+      const Seat& parent = plan_.seats[at(x.parent)];
+      const bool alone = lanesOf(strip, [&](int other) { return other >= 0 && parentOf(other) == x.parent; }) == same;
+      join(strip, {parent.strip, hasLane(x.parent, l) && (alone || parent.lanes != 1U << parent.lane) ? -1 : parent.lane, 1U << l});
     }
-    // Lanes without a body follow one that has, so that all lanes may read from one.
-    if (!strip.aligned) {
-      std::int64_t lane = 0;
-      for (int l = strip_lanes - 1; l >= 0; --l)
-        if (strip.body[l] >= 0) lane = strip.parent_lane[l];
-      for (int l = 0; l < strip_lanes; ++l)
-        if (strip.body[l] < 0) strip.parent_lane[l] = lane;
-    }
+    strip.aligned = strip.parents_count == 1 && strip.parents[0].lane < 0;
     plan_.strips.push_back(strip);
+  }
+  template <class Test>
+  static unsigned lanesOf(const Strip& strip, Test&& test) {
+    unsigned lanes = 0;
+    for (int l = 0; l < strip_lanes; ++l)
+      if (test(strip.shown[l])) lanes |= 1U << l;
+    return lanes;
+  }
+
+  static void join(Strip& strip, const StripParents& parents) {
+    for (int i = 0; i < strip.parents_count; ++i) {
+      StripParents& known = strip.parents[i];
+      if (known.strip != parents.strip || known.lane != parents.lane) continue;
+      known.lanes |= parents.lanes;
+      return;
+    }
+    strip.parents[strip.parents_count++] = parents;
   }
 
   void family() {
     for (std::size_t s = plan_.strips.size(); s-- > 1;) {
-      Strip &strip = plan_.strips[s], &parent = plan_.strips[at(strip.parent)];
-      strip.last_child = parent.leaf;
-      parent.leaf = false;
+      Strip& strip = plan_.strips[s];
+      int unions = 0;
+      for (const int body : strip.body)
+        if (body >= 0 && parts(body)) strip.united[unions++] = plan_.seats[at(body)].lanes;
+      for (int p = 0; p < strip.parents_count; ++p) {
+        StripParents& parents = strip.parents[p];
+        for (int l = 0; l < strip_lanes; ++l) {
+          if ((parents.lanes >> l & 1) == 0) continue;
+          const int body = strip.shown[l], parent = parentOf(body);
+          const bool along_trunk = !parts(parent) && plan_.seats[at(parent)].lanes == plan_.seats[at(body)].lanes;
+          if (strip.body[l] >= 0 || along_trunk) parents.given |= 1U << l;
+        }
+        strip.gives_all = strip.gives_all && strip.aligned && parents.given == parents.lanes;
+        bool& leaf = plan_.strips[at(parents.strip)].leaf;
+        parents.first = leaf;
+        leaf = false;
+      }
     }
+  }
+  /// A mirrored body that has more below it than one that is mirrored in the same lanes.
+  bool parts(int body) const {
+    const Seat& seat = plan_.seats[at(body)];
+    if (body == 0 || seat.lanes == 1U << seat.lane) return false;
+    const int child = body + 1;
+    return m_.tree_end[at(child)] != m_.tree_end[at(body)] || plan_.seats[at(child)].lanes != seat.lanes;
   }
 
   void batches() {
@@ -119,7 +230,7 @@ class Planner {
       StripBatch& batch = plan_.batches[at(strip.batch)];
       strip.slot = batch.slots++;
       const int someone = *std::find_if(strip.body, strip.body + strip_lanes, [](int b) { return b >= 0; });
-      for (const int body : strip.body) batch.bodies.push_back(body >= 0 ? body : someone);
+      for (const int body : strip.shown) batch.bodies.push_back(body >= 0 ? body : someone);
     }
     for (std::size_t b = 0; b < m_.batches.size(); ++b) {
       const TypeBatch& from = m_.batches[b];
@@ -144,7 +255,7 @@ class Planner {
       for (int l = 0; l < strip_lanes; ++l) {
         const int body = batch.bodies[at(strip.slot * strip_lanes + l)];
         BodyConstants<double> c = m_.constants[at(body)];
-        if (strip.body[l] < 0) c = {c.placement, 0, {}, {}, {}, {}};
+        if (strip.shown[l] < 0 || (strip.body[l] < 0 && parts(body))) c = {c.placement, 0, {}, {}, {}, {}};
         const auto* numbers = reinterpret_cast<const double*>(&c);
         for (int k = 0; k < size; ++k) out[(s * size + at(k)) * strip_lanes + at(l)] = numbers[k];
       }
@@ -152,14 +263,17 @@ class Planner {
         for (int l = 0; l < strip_lanes; ++l) {
           const int body = batch.bodies[at(strip.slot * strip_lanes + l)], v = m_.index[at(body)].idx_v + k;
           plan_.dof_index.push_back(v);
-          plan_.armature.push_back(strip.body[l] < 0 ? 1.0 : (m_.armature.empty() ? 0.0 : m_.armature[at(v)]));
+          plan_.armature.push_back(strip.shown[l] < 0 ? 1.0 : (m_.armature.empty() ? 0.0 : m_.armature[at(v)]));
         }
     }
   }
 
   const CompactImpl& m_;
   StripPlan plan_;
-  std::vector<Seat> seats_;
+  std::map<std::array<int, 3>, std::set<Rank>> children_;  ///< what has no seat yet and whose parent has one
+  std::map<Kind, std::set<Rank>> waiting_;                 ///< the same bodies
+  std::vector<int> height_;                                ///< bodies from this one down to its farthest leaf
+  std::vector<int> leaves_;                                ///< below this one
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Strips: joints of one type at equal depth that advance together, one in each lane of a pack.
+// Strips: joints of one type that advance together, one in each lane of a pack.
 #pragma once
 
 #include <dyn/joint/shape.hpp>
@@ -28,14 +28,40 @@ class PackMemory {
   char* data_;
 };
 
-/// Four bodies whose parents are all in one strip. Lanes without a body repeat the pose of one that has, without its inertia.
+/// A body's place in the lanes, and where it is to be found in the model. [0]: the universe, of which one reads zeros.
+struct Seat {
+  int strip = 0, lane = 0;
+  unsigned lanes = 0;  ///< that show it, a bit each
+  int parent = 0, depth = 0;
+  int strip_dof = 0;  ///< the strip's first degree of freedom
+  int dof = 0, nv = 0;
+  bool flying_root = false, turns_only = false;  ///< as BodyIndex's
+};
+
+/// Some lanes of a strip, and the strip that has their parents.
+struct StripParents {
+  int strip = 0;
+  int lane = -1;       ///< of the parent of all these lanes; -1: each has its parent in the lane of its own
+  unsigned lanes = 0;  ///< a bit each
+  unsigned given = 0;  ///< those that hand over what their bodies add to their parents
+  bool first = false;  ///< the first to hand anything to that strip, children before parents
+};
+
+/// Up to four bodies. A lane without a body of its own may mirror another's, in the lane of limbs that hang on it, so that these find their
+/// parent where they are: it moves as that body does. Where limbs part, the body's inertia is in one lane, and the sum of all lanes becomes
+/// that of each; before, along a trunk that is mirrored as a whole, every lane has it all. The other lanes have someone's pose, and nothing
+/// comes of them.
 struct Strip {
   int body[strip_lanes] = {-1, -1, -1, -1};
-  std::int64_t parent_lane[strip_lanes] = {0, 1, 2, 3};
-  int parent = 0;
-  bool aligned = true;      ///< every child is in its parent's lane, or the parent is the universe
-  bool leaf = true;         ///< no strip's parent
-  bool last_child = false;  ///< the last strip of its parent's
+  int shown[strip_lanes] = {-1, -1, -1, -1};  ///< the body, or the mirrored one
+  unsigned united[2] = {0, 0};                ///< lanes that show the same body, on which limbs of several lanes hang; a bit each
+  StripParents parents[strip_lanes];          ///< of lanes with a body and of those that mirror one
+  int parents_count = 0;
+  bool aligned = true;    ///< one entry of `parents`, lane by lane, or the universe: lanes go on as they are
+  bool gives_all = true;  ///< and so is what they hand over
+  int depth = 0;
+  bool flying_root = false, turns_only = false;  ///< as BodyIndex's
+  bool leaf = true;                              ///< no strip's parent
   int batch = 0, slot = 0;
   int dof = 0;  ///< of its first degree of freedom, four numbers each
   Shape shape = Shape::dense;
@@ -44,7 +70,7 @@ struct Strip {
 
 struct StripBatch {
   int slots = 0;                               ///< strips
-  std::vector<int> bodies;                     ///< four a slot, lanes without a body filled up
+  std::vector<int> bodies;                     ///< four a slot: whose pose the lanes have
   std::vector<double> constants;               ///< of the joint type, component-major, stride 4 * slots
   std::vector<std::int64_t> q_index, v_index;  ///< of each of the bodies
 };
@@ -52,12 +78,13 @@ struct StripBatch {
 struct StripPlan {
   bool used = false;          ///< the compiler judged it faster than one body after the other; if not, `count` is all there is
   int count = 0;              ///< strips without the universe
-  std::vector<Strip> strips;  ///< [0]: the universe; parents first, equal shapes side by side
+  std::vector<Strip> strips;  ///< [0]: the universe; parents first
+  std::vector<Seat> seats;    ///< by body
   std::vector<StripBatch> batches;
   int dofs = 0;
   std::vector<std::int64_t> dof_index;  ///< four a degree of freedom: where its lanes are in v and tau
   PackMemory constants;                 ///< BodyConstants of packs, a strip each
-  std::vector<double> armature;         ///< four a degree of freedom; 1 in lanes without a body, which keeps their pivots from zero
+  std::vector<double> armature;         ///< four a degree of freedom; 1 in lanes of nobody, which keeps their pivots from zero
 };
 
 /// Groups the bodies of a packed model. Models with couplings, or with joints of constant dense subspaces, have no strips.

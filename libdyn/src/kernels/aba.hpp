@@ -78,6 +78,8 @@ void abaInward(const Order& order, Workspace<S>& w, const S* tau) {
     ArticulatedInertia<S> IA = ArticulatedInertia<S>::rigid(order.mass(i), w.h[i], w.Io[i]);
     if (!order.isLeaf(i)) IA += w.IA[i];
     Force<S> pA = w.pA[i];
+    order.unite(i, IA);
+    order.unite(i, pA);
     // Eliminating one direction after the other is the factorisation: each updates IA, so the next pivot is read off it. At the joint's
     // origin, before the shift: the projection cancels, and what it leaves must not be lost under larger numbers.
     constexpr int last = Joint::nv - 1;

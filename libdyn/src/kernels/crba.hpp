@@ -33,9 +33,12 @@ template <class S, class Order>
 void massMatrix(const Order& order, Workspace<S>& w, typename Order::Entries* M) {
   inertiasOutward(order, w);
   order.backward([&]<class Joint>(const Joint&, int i, int iv) {
-    const S mass = w.mass[i];
-    const Vec3<S> h = w.h[i];
-    const Sym3<S> I = w.Io[i];
+    S mass = w.mass[i];
+    Vec3<S> h = w.h[i];
+    Sym3<S> I = w.Io[i];
+    order.unite(i, mass);
+    order.unite(i, h);
+    order.unite(i, I);
     Force<S> F[Joint::nv];
     auto at = order.entry(M, i, iv);
     for (int k = 0; k < Joint::nv; ++k) {
@@ -50,22 +53,23 @@ void massMatrix(const Order& order, Workspace<S>& w, typename Order::Entries* M)
     order.addToParent(w.Io, i, shiftedInertia(I, mass, h, w.r[i]));
     order.addToParent(w.h, i, h + mass * w.r[i]);
     order.addToParent(w.mass, i, mass);
-    do {
-      const Vec3<S> r = at.read(w.r);
-      at.climb();
+    at.climb([&](const auto& step) {
+      const Vec3<S> r = step.lever(w.r);
       for (int k = 0; k < Joint::nv; ++k) F[k].angular += cross(r, F[k].linear);
-      const auto enterAll = [&](int count, auto value) {
-        for (int l = 0; l < count; ++l)
-          for (int k = 0; k < Joint::nv; ++k) at.enter(k, l, value(l, F[k]));
-      };
-      if (at.flyingRoot()) {
-        enterAll(6, [](int l, const Force<S>& f) { return l < 3 ? f.linear[l] : f.angular[l - 3]; });
-      } else if (at.turnsOnly()) {
-        enterAll(at.nv(), [&](int l, const Force<S>& f) { return dot(at.column(w, l).angular, f.angular); });
-      } else {
-        enterAll(at.nv(), [&](int l, const Force<S>& f) { return dot(at.column(w, l), f); });
+      if (step.flyingRoot()) {
+        for (int k = 0; k < Joint::nv; ++k) step.enterFlying(k, F[k]);
+        return;
       }
-    } while (!at.isRoot());
+      const auto enterAll = [&](auto value) {
+        for (int l = 0; l < step.nv(); ++l)
+          for (int k = 0; k < Joint::nv; ++k) step.enter(k, l, value(step.column(w, l), F[k]));
+      };
+      if (step.turnsOnly()) {
+        enterAll([](const Motion<S>& column, const Force<S>& f) { return dot(column.angular, f.angular); });
+      } else {
+        enterAll([](const Motion<S>& column, const Force<S>& f) { return dot(column, f); });
+      }
+    });
   });
 }
 

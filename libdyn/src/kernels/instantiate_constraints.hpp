@@ -23,13 +23,13 @@ void addStripConstraints(ConstraintKernels& k) {
     for (const ConstrainedBody& b : c.bodies) {
       const int i = b.body;
       const BodyIndex& index = m.index[static_cast<std::size_t>(i)];
-      const auto read = [&](const auto& packs, auto& to) { readLane<std::remove_reference_t<decltype(to)>, S>(packs, b.lane, to); };
-      read(from.R[b.strip], w.R[i]);
-      read(from.r[b.strip], w.r[i]);
-      read(from.w[b.strip], w.w[i]);
-      read(from.beta[b.strip], w.beta[i]);
-      if (index.flying_root) read(from.rel[b.strip], w.rel[i]);
-      for (int l = 0; l < index.nv; ++l) read(from.dof[b.strip_dof + l], w.dof[index.idx_v + l]);
+      const auto read = [&](const auto& packs, auto& to) { readLane<std::remove_reference_t<decltype(to)>, S>(packs, b.seat.lane, to); };
+      read(from.R[b.seat.strip], w.R[i]);
+      read(from.r[b.seat.strip], w.r[i]);
+      read(from.w[b.seat.strip], w.w[i]);
+      read(from.beta[b.seat.strip], w.beta[i]);
+      if (index.flying_root) read(from.rel[b.seat.strip], w.rel[i]);
+      for (int l = 0; l < index.nv; ++l) read(from.dof[b.seat.strip_dof + l], w.dof[index.idx_v + l]);
     }
   };
   k.writeShares = [](const Workspace<double>& w, const PackedConstraints& c, char* scratch) {
@@ -38,7 +38,8 @@ void addStripConstraints(ConstraintKernels& k) {
       const ConstrainedBody& here = c.bodies[b];
       const int end = b + 1 < c.bodies.size() ? c.bodies[b + 1].dof : static_cast<int>(c.dofs.size());
       for (int l = here.dof; l < end; ++l)
-        reinterpret_cast<double*>(&to.dof[here.strip_dof + l - here.dof].y)[here.lane] = w.dof[c.dofs[static_cast<std::size_t>(l)]].y;
+        for (int lane = 0; lane < strip_lanes; ++lane)
+          if (here.seat.lanes >> lane & 1) to.dof[here.seat.strip_dof + l - here.dof].y.begin()[lane] = w.dof[c.dofs[static_cast<std::size_t>(l)]].y;
     }
   };
 }

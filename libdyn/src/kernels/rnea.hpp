@@ -47,6 +47,7 @@ void rneaOutward(const Order& order, Workspace<S>& w, const S* v, const S* a, co
 template <class S, class Order>
 void rneaInward(const Order& order, Workspace<S>& w, S* tau) {
   order.backward([&]<class Joint>(const Joint& joint, int i, int iv) {
+    order.unite(i, w.f[i]);
     joint.project(w.f[i], tau + iv);
     if (!order.isRoot(i)) order.addToParent(w.f, i, w.rel[i].act(w.f[i]));
   });

@@ -4,6 +4,8 @@
 #include "kernels/shapes.hpp"
 #include "kernels/workspace.hpp"
 
+#include <utility>
+
 namespace dyn::kernels {
 
 // The loop over a run is a function of its own for each shape, and all that it calls is inlined into it: steps are a few instructions
@@ -50,35 +52,48 @@ struct Bodies {
   }
   bool isLeaf(int i) const { return treeEnd(i) == i + 1; }
 
+  /// Strips may have a body in several lanes.
+  template <class T>
+  void unite(int, T&) const {}
+
   /// What the mass matrix is made of.
   using Entries = S;
   /// A joint's rows of the mass matrix, and the way from its body up to the root.
   class Entry {
    public:
-    Entry(const Bodies& bodies, S* M, int i, int iv) : bodies_(bodies), M_(M), body_(i), row_(iv), column_(iv) {}
-    bool isRoot() const { return bodies_.isRoot(body_); }
-    void climb() {
-      body_ = bodies_.parentOf(body_);
-      column_ = bodies_.index(body_).idx_v;
+    Entry(const Bodies& bodies, S* M, int i, int iv) : bodies_(bodies), M_(M), from_(i), to_(i), row_(iv), column_(iv) {}
+    template <class Use>
+    void climb(Use&& use) {
+      do {
+        from_ = to_;
+        to_ = bodies_.parentOf(from_);
+        column_ = bodies_.index(to_).idx_v;
+        use(std::as_const(*this));
+      } while (!bodies_.isRoot(to_));
     }
+    /// Of the body that it came from.
     template <class T>
-    const T& read(const T* array) const {
-      return array[body_];
+    const T& lever(const T* r) const {
+      return r[from_];
     }
-    int nv() const { return bodies_.index(body_).nv; }
-    bool flyingRoot() const { return bodies_.index(body_).flying_root; }
-    bool turnsOnly() const { return bodies_.index(body_).turns_only; }
+    int nv() const { return bodies_.index(to_).nv; }
+    bool flyingRoot() const { return bodies_.index(to_).flying_root; }
+    bool turnsOnly() const { return bodies_.index(to_).turns_only; }
     const Motion<S>& column(const Workspace<S>& workspace, int l) const { return workspace.dof[column_ + l].S_; }
     /// Of degree of freedom k of the joint and l of the body that was reached, and its mirror image.
     void enter(int k, int l, const S& value) const {
       const std::ptrdiff_t n = bodies_.m.nvx, i = row_ + k, j = column_ + l;
       M_[i * n + j] = M_[j * n + i] = value;
     }
+    /// The same for all six of a flying root.
+    void enterFlying(int k, const Force<S>& f) const {
+      for (int l = 0; l < 6; ++l) enter(k, l, l < 3 ? f.linear[l] : f.angular[l - 3]);
+    }
 
    private:
     const Bodies& bodies_;
     S* M_;
-    int body_, row_, column_;
+    int from_, to_, row_, column_;
   };
   Entry entry(S* M, int i, int iv) const { return {*this, M, i, iv}; }
 

@@ -124,8 +124,8 @@ struct Kernels {
 constexpr std::size_t layoutStamp() {
   std::size_t stamp = 1;
   for (const std::size_t size : {sizeof(CompactImpl), sizeof(BodyIndex), sizeof(BodyConstants<double>), sizeof(TypeBatch), sizeof(Run), sizeof(Strip),
-                                 sizeof(StripPlan), sizeof(Workspace<double>), sizeof(DerivativeWorkspace<double>), sizeof(Block<double>),
-                                 sizeof(Block<float>), sizeof(JointBatch<double>), sizeof(Kernels)})
+                                 sizeof(Seat), sizeof(StripPlan), sizeof(Workspace<double>), sizeof(DerivativeWorkspace<double>),
+                                 sizeof(Block<double>), sizeof(Block<float>), sizeof(JointBatch<double>), sizeof(Kernels)})
     stamp = stamp * 1000003 + size;
   return stamp;
 }

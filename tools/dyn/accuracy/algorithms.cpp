@@ -183,7 +183,7 @@ Section algorithmSection(const std::vector<Specimen>& specimens, const AccuracyO
       "no "
       "code with the library. Errors of rnea, aba and Cholesky forward dynamics are scaled by what their summands could be before they cancel, the "
       "others by the largest entry. Times are medians of eleven repetitions over 256 random states. Points without a word are calls of one state; "
-      "no strips: without joints of equal depth side by "
+      "no strips: without joints of several limbs side by "
       "side; batch: many states a call; float: such in single precision; codegen: code generated for the model; others: an instruction set.",
       "What limits each: rounding alone. Finite differences are limited by their step, and gain or lose digits as it is chosen."};
   out.table.columns = {"model",      "algorithm",     "mode",          "ns a state",          "quartile 1",
