@@ -19,12 +19,9 @@ void abaOutward(const Order& order, Workspace<S>& w, const S* v, const Force<S>*
     const Vec3<S>& wp = order.parent(w.w, i);
     const Motion<S> s = joint.timesIn(R, v + iv);
 
-    Vec3<S> omega = wp;
+    const Vec3<S> omega = turnedBy<Joint>(wp, s);
     Motion<S> beta{cross(wp, cross(wp, w.r[i])), {}};
-    if constexpr (Joint::has_angular) {
-      omega += s.angular;
-      beta.angular = cross(wp, s.angular);
-    }
+    if constexpr (Joint::has_angular) beta.angular = cross(wp, s.angular);
     if constexpr (Joint::has_linear) beta.linear += cross(wp + omega, s.linear);
     if constexpr (Joint::has_bias) {
       const Motion<S> b = joint.bias();
@@ -33,8 +30,7 @@ void abaOutward(const Order& order, Workspace<S>& w, const S* v, const Force<S>*
     w.w[i] = omega;
     w.beta[i] = beta;
 
-    const Vec3<S> h = R * c.h;
-    const Sym3<S> I = congruence(R, c.origin);
+    const auto [h, I] = alignedInertia<S, Joint>(order, i, c, R);
     w.h[i] = h;
     w.Io[i] = I;
     w.pA[i] = {cross(omega, cross(omega, h)), cross(omega, I * omega)};

@@ -32,6 +32,20 @@ void placeAligned(const Joint& joint, const Order& order, const SE3<S>& placemen
   }
 }
 
+/// A body's inertia about its origin, beside its mass.
+template <class S>
+struct AlignedInertia {
+  Vec3<S> h;
+  Sym3<S> Io;
+};
+/// In aligned axes, which are a flying root's own.
+template <class S, class Joint, class Order, class Constants>
+AlignedInertia<S> alignedInertia(const Order& order, int i, const Constants& c, const Mat3<S>& R) {
+  if constexpr (Joint::is_free)
+    if (order.isRoot(i)) return {c.h, c.origin};
+  return {R * c.h, congruence(R, c.origin)};
+}
+
 /// The columns of a joint's motion subspace in aligned axes, into `dof`; of each the parts that its shape has.
 template <class S, class Joint>
 void writeColumns(const Joint& joint, const Mat3<S>& R, DofFactor<S>* dof) {

@@ -18,8 +18,8 @@ void momenta(const Bodies<S>& bodies, Workspace<S>& w, DerivativeWorkspace<S>& d
     const Mat3<S>& R = w.R[i];
     const Vec3<S>& wp = bodies.parent(w.w, i);
     const Motion<S> s = joint.timesIn(R, v + iv);
-    const Vec3<S> omega = wp + s.angular, h = R * c.h;
-    const Sym3<S> I = congruence(R, c.origin);
+    const Vec3<S> omega = wp + s.angular;
+    const auto [h, I] = alignedInertia<S, Joint>(bodies, i, c, R);
     w.w[i] = omega;
     w.mass[i] = c.mass;
     w.h[i] = h;

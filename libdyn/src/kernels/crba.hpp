@@ -21,10 +21,25 @@ void inertiasOutward(const Order& order, Workspace<S>& w) {
     placeAligned<S>(joint, order, c.placement, i, w);
     const Mat3<S>& R = w.R[i];
     w.mass[i] = c.mass;
-    w.h[i] = R * c.h;
-    w.Io[i] = congruence(R, c.origin);
+    const auto [h, I] = alignedInertia<S, Joint>(order, i, c, R);
+    w.h[i] = h;
+    w.Io[i] = I;
     writeColumns(joint, R, w.dof + iv);
   });
+}
+
+/// The block of a flying root, whose columns are the unit vectors: mass, first moment and inertia themselves.
+template <class S, class Order, class Entry>
+void enterFlyingRoot(const Order& order, const Entry& at, int iv, const S& mass, const Vec3<S>& h, const Sym3<S>& I) {
+  const Mat3<S> inertia = I.matrix();
+  for (int k = 0; k < 3; ++k) {
+    const int next = (k + 1) % 3, last = (k + 2) % 3;
+    at.enter(k, k, mass + order.armature(iv + k));
+    at.enter(3 + k, next, -h[last]);
+    at.enter(3 + k, last, h[next]);
+    for (int l = 0; l < k; ++l) at.enter(3 + k, 3 + l, inertia.col(l)[k]);
+    at.enter(3 + k, 3 + k, inertia.col(k)[k] + order.armature(iv + 3 + k));
+  }
 }
 
 /// M of the expanded coordinates, n x n: entries of joints on one path to the root, both triangles. The others are zero and never
@@ -39,8 +54,10 @@ void massMatrix(const Order& order, Workspace<S>& w, typename Order::Entries* M)
     order.unite(i, mass);
     order.unite(i, h);
     order.unite(i, I);
-    Force<S> F[Joint::nv];
     auto at = order.entry(M, i, iv);
+    if constexpr (Joint::is_free)
+      if (order.isRoot(i)) return enterFlyingRoot(order, at, iv, mass, h, I);
+    Force<S> F[Joint::nv];
     for (int k = 0; k < Joint::nv; ++k) {
       const Motion<S>& column = w.dof[iv + k].S_;
       F[k] = {};

@@ -23,13 +23,18 @@ void rneaOutward(const Order& order, Workspace<S>& w, const S* v, const S* a, co
     Motion<S> ds = joint.times(a + iv);
     if constexpr (Joint::has_bias) ds += joint.bias();
 
-    Vec3<S> omega = w_carried, domega = transposeTimes(rel.R, ap.angular);
+    const Vec3<S> omega = [&] {
+      if constexpr (Joint::about_z) {
+        return Vec3<S>{w_carried.x, w_carried.y, w_carried.z + s.angular.z};
+      } else {
+        return turnedBy<Joint>(w_carried, s);
+      }
+    }();
+    Vec3<S> domega = transposeTimes(rel.R, ap.angular);
     Vec3<S> origin = transposeTimes(rel.R, ap.linear + cross(ap.angular, rel.p) + cross(wp, cross(wp, rel.p)));
     if constexpr (Joint::about_z) {
-      omega.z += s.angular.z;
       domega += Vec3<S>{w_carried.y * s.angular.z, -(w_carried.x * s.angular.z), ds.angular.z};
     } else if constexpr (Joint::has_angular) {
-      omega += s.angular;
       domega += ds.angular + cross(w_carried, s.angular);
     }
     if constexpr (Joint::has_linear) origin += ds.linear + cross(w_carried + omega, s.linear);

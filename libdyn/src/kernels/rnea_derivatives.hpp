@@ -107,18 +107,16 @@ void derivativesOutward(const Order& order, Workspace<S>& w, DerivativeWorkspace
       ds += {R * b.linear, R * b.angular};
     }
     const Vec3<S>& slide = s.linear;
-    Vec3<S> omega = wp;
+    const Vec3<S> omega = turnedBy<Joint>(wp, s);
     Motion<S> acc = ap;
     if constexpr (Joint::has_angular) {
-      omega += s.angular;
       acc.angular += ds.angular + cross(wp, s.angular);
     }
     if constexpr (Joint::has_linear) acc.linear += ds.linear + cross(wp + omega, slide);
     w.w[i] = omega;
     w.acc[i] = acc;
 
-    const Vec3<S> h = R * c.h;
-    const Sym3<S> I = congruence(R, c.origin);
+    const auto [h, I] = alignedInertia<S, Joint>(order, i, c, R);
     w.mass[i] = c.mass;
     w.h[i] = h;
     w.Io[i] = I;

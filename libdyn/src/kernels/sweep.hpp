@@ -141,6 +141,16 @@ struct Bodies {
   bool isLastChild(int i) const { return treeEnd(i) == treeEnd(parentOf(i)); }
 };
 
+/// A body's angular velocity from its parent's and its joint's.
+template <class Joint, class S>
+Vec3<S> turnedBy(const Vec3<S>& parent, const Motion<S>& joint) {
+  if constexpr (Joint::has_angular) {
+    return parent + joint.angular;
+  } else {
+    return parent;
+  }
+}
+
 /// Pose of a body in its parent's frame. By value: what is written to memory number by number and read back as a vector stalls the core.
 template <class S, class Joint>
 SE3<S> placedInParent(const Joint& joint, const SE3<S>& placement) {
