@@ -1,6 +1,6 @@
 // The table of a shared object for one instruction set, which is whatever this file is compiled for.
 #include "kernels/instantiate.hpp"
-#include "kernels/strips.hpp"
+#include "kernels/strip_kernels.hpp"
 
 #include <dyn_sdk/pack.hpp>
 

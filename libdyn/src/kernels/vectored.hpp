@@ -5,6 +5,7 @@
 #pragma once
 
 #include "compile/compact_impl.hpp"
+#include "kernels/lanes.hpp"
 
 #include <dyn/scalar/select.hpp>
 #include <dyn/spatial/inertia.hpp>
@@ -39,9 +40,6 @@ struct RealOf<Vectored> {
   using type = double;
   static constexpr int lanes = 1;
 };
-
-/// The compilers' own vectors, which name no instruction set.
-typedef double Four __attribute__((vector_size(32)));  // gcc 12 forgets the attribute of an alias
 
 inline Four inAll(const Vectored& s) { return Four{s.x, s.x, s.x, s.x}; }
 /// One lane in all.

@@ -1,0 +1,171 @@
+// Recursions over strips: the kernels for bodies, with four joints in the lanes of a pack.
+#pragma once
+
+#include "kernels/aba.hpp"
+#include "kernels/crba.hpp"
+#include "kernels/evaluate.hpp"
+#include "kernels/losses.hpp"
+#include "kernels/rnea.hpp"
+#include "kernels/scratch.hpp"
+#include "kernels/strip_scratch.hpp"
+#include "kernels/strips.hpp"
+
+#include <dyn_sdk/pack.hpp>
+
+namespace dyn::kernels {
+
+/// The only joint of its type, which is most often a flying root: asked once, and given to all lanes.
+template <class S>
+void evaluateAlone(const TypeBatch& batch, const StripBatch& strips, const JointMemory<S>& memory, const double* q, const double* v) {
+  double pose[12], subspace[6 * max_joint_nv], bias[6];
+  JointBatch<double> call;
+  call.count = 1;
+  call.constants = strips.constants.data();
+  call.constant_count = batch.constant_count;
+  call.constants_stride = strip_lanes;
+  call.stride = call.q_stride = call.v_stride = 1;
+  call.q = q;
+  call.pose = pose;
+  if (memory.subspace) call.subspace = subspace;
+  if (memory.subspace && v) {
+    call.v = v;
+    call.bias = bias;
+  }
+  batch.fast->kinematics(call);
+  const auto spread = [](const double* from, int count, S* to) {
+    for (int k = 0; k < count; ++k) to[k] = S(from[k]);
+  };
+  spread(pose, poseSize(batch.shape), memory.pose);
+  if (call.subspace) spread(subspace, 6 * batch.nv, memory.subspace);
+  if (call.bias) spread(bias, 6, memory.bias);
+}
+
+/// Poses, subspaces and (with v) biases of all joints, strip by strip in the lanes. False if a type that normalises coordinates, as
+/// quaternions are, gave a pose that is not finite.
+template <class S>
+bool evaluateStrips(const CompactImpl& m, Workspace<S>& w, const double* q, const double* v) {
+  bool finite = true;
+  for (std::size_t b = 0; b < m.batches.size(); ++b) {
+    const TypeBatch& batch = m.batches[b];
+    const StripBatch& strips = m.strips.batches[b];
+    const JointMemory<S>& memory = w.joints[b];
+    const int items = strips.slots * strip_lanes;
+    const auto check = [&] { finite = finite && posesFinite(batch, memory); };
+    if (batch.count == 1) {
+      evaluateAlone(batch, strips, memory, q + strips.q_index[0], v ? v + strips.v_index[0] : nullptr);
+      check();
+      continue;
+    }
+    // Component c of all items, four at a time.
+    const auto gather = [&](const double* from, const std::vector<std::int64_t>& index, int size, S* to) {
+      for (int c = 0; c < size; ++c)
+        for (int k = 0; k < strips.slots; ++k) to[c * strips.slots + k] = gathered<S>(from + c, index.data() + strip_lanes * k);
+    };
+    JointBatch<double> call;
+    call.count = items;
+    call.constants = strips.constants.data();
+    call.constant_count = batch.constant_count;
+    call.constants_stride = call.stride = call.q_stride = call.v_stride = items;
+    gather(q, strips.q_index, batch.nq, memory.q);
+    call.q = reinterpret_cast<const double*>(memory.q);
+    if (memory.v && v) {
+      gather(v, strips.v_index, batch.nv, memory.v);
+      call.v = reinterpret_cast<const double*>(memory.v);
+      call.bias = reinterpret_cast<double*>(memory.bias);
+    }
+    call.pose = reinterpret_cast<double*>(memory.pose);
+    call.subspace = reinterpret_cast<double*>(memory.subspace);
+    batch.fast->kinematics(call);
+    check();
+  }
+  return finite;
+}
+
+template <class S>
+void gatherDofs(const StripPlan& plan, const double* from, S* to) {
+  for (int k = 0; k < plan.dofs; ++k) to[k] = gathered<S>(from, plan.dof_index.data() + strip_lanes * k);
+}
+
+/// Lanes without a body repeat another's degree of freedom; that one's own lane is written last, or is the only one.
+template <class S>
+void scatterDofs(const StripPlan& plan, const S* from, double* to) {
+  const auto* numbers = reinterpret_cast<const double*>(from);
+  for (std::size_t s = 1; s < plan.strips.size(); ++s) {
+    const Strip& strip = plan.strips[s];
+    for (int l = 0; l < strip_lanes; ++l) {
+      if (strip.body[l] < 0) continue;
+      for (int k = 0; k < strip.nv; ++k) {
+        const std::ptrdiff_t i = static_cast<std::ptrdiff_t>(strip.dof + k) * strip_lanes + l;
+        to[plan.dof_index[static_cast<std::size_t>(i)]] = numbers[i];
+      }
+    }
+  }
+}
+
+/// Of flying roots the half below the diagonal, from what putFlying wrote.
+inline void mirrorFlyingRoots(const CompactImpl& m, double* M) {
+  const std::ptrdiff_t n = m.nvx;
+  for (int i = 1; i < m.bodies(); i = m.tree_end[static_cast<std::size_t>(i)]) {
+    const BodyIndex& root = m.index[static_cast<std::size_t>(i)];
+    if (!root.flying_root) continue;
+    const std::ptrdiff_t v = root.idx_v, end = m.dof_end[static_cast<std::size_t>(v)];
+    std::ptrdiff_t j = v + 6;
+    for (; j + strip_lanes <= end; j += strip_lanes)
+      for (const int c : {0, 2}) {
+        Square<double, strip_lanes> square;
+        square.read(M + j * n + v + c, n);
+        square.transpose();
+        square.write(M + (v + c) * n + j, n);
+      }
+    for (; j < end; ++j)
+      for (int c = 0; c < 6; ++c) M[(v + c) * n + j] = M[j * n + v + c];
+  }
+}
+
+template <class S>
+PackedKernels stripKernels() {
+  PackedKernels k;
+  k.bytes = [](const CompactImpl& m) { return scratchBytes<StripScratch<S>>(m); };
+  k.prepare = [](const CompactImpl& m, char* scratch) { makeScratch<StripScratch<S>>(scratch, m).w.R[0] = Mat3<S>::identity(); };
+  k.rnea = [](const CompactImpl& m, char* scratch, const double* q, const double* v, const double* a, double* tau) {
+    auto& s = *reinterpret_cast<StripScratch<S>*>(scratch);
+    const Strips<S> strips{m, s.w};
+    const bool finite = evaluateStrips(m, s.w, q, v);
+    gatherDofs(m.strips, v, s.v);
+    gatherDofs(m.strips, a, s.a);
+    rneaOutward(strips, s.w, s.v, s.a, static_cast<const Force<S>*>(nullptr));
+    rneaInward(strips, s.w, s.result);
+    scatterDofs(m.strips, s.result, tau);
+    addArmature(m, a, tau);
+    addLosses(m, 1.0, v, tau);
+    return finite;
+  };
+  k.massMatrix = [](const CompactImpl& m, char* scratch, const double* q, double* M) {
+    auto& s = *reinterpret_cast<StripScratch<S>*>(scratch);
+    const bool finite = evaluateStrips(m, s.w, q, nullptr);
+    kernels::massMatrix(Strips<S>{m, s.w}, s.w, M);
+    mirrorFlyingRoots(m, M);
+    return finite;
+  };
+  k.articulate = [](const CompactImpl& m, char* scratch, const double* q, const double* v, const double* tau, int& failed) {
+    auto& s = *reinterpret_cast<StripScratch<S>*>(scratch);
+    const Strips<S> strips{m, s.w};
+    const bool finite = evaluateStrips(m, s.w, q, v);
+    gatherDofs(m.strips, v, s.v);
+    gatherDofs(m.strips, tau, s.a);
+    abaOutward(strips, s.w, s.v, static_cast<const Force<S>*>(nullptr));
+    abaInward(strips, s.w, s.a);
+    failed = 0;
+    for (int l = 0; l < strip_lanes; ++l)
+      if (s.w.failed[l] != 0 && failed == 0) failed = m.strips.strips[static_cast<std::size_t>(s.w.failed[l])].shown[l];
+    return finite;
+  };
+  k.accelerate = [](const CompactImpl& m, char* scratch, const Vec3<double>& gravity, double* ddq) {
+    auto& s = *reinterpret_cast<StripScratch<S>*>(scratch);
+    abaSolve(Strips<S>{m, s.w}, s.w, cast<S>(gravity), s.result);
+    scatterDofs(m.strips, s.result, ddq);
+  };
+  return k;
+}
+
+}  // namespace dyn::kernels
