@@ -24,7 +24,7 @@ class Planner {
   explicit Planner(const CompactImpl& m) : m_(m), height_(at(m.bodies()), 1), leaves_(at(m.bodies()), 0) {
     plan_.strips.emplace_back();
     plan_.seats.resize(at(m.bodies()));
-    plan_.seats[0].nv = 1;
+    plan_.seats[0].lanes = (1U << strip_lanes) - 1;
     for (int i = m.bodies() - 1; i > 0; --i) {
       if (leaves_[at(i)] == 0) leaves_[at(i)] = 1;
       leaves_[at(parentOf(i))] += leaves_[at(i)];
@@ -149,13 +149,12 @@ class Planner {
     }
   }
   /// The body is in this lane of its strip, or mirrored there.
-  bool hasLane(int body, int lane) const { return body == 0 || plan_.strips[at(plan_.seats[at(body)].strip)].shown[lane] == body; }
+  bool hasLane(int body, int lane) const { return (plan_.seats[at(body)].lanes >> lane & 1) != 0; }
 
   void add(Strip strip) {
     const TypeBatch& batch = m_.batches[at(strip.batch)];
     strip.shape = batch.shape;
     strip.nv = batch.nv;
-    strip.turns_only = turnsOnly(batch.shape);
     strip.dof = plan_.dofs;
     plan_.dofs += batch.nv;
     const int number = static_cast<int>(plan_.strips.size());
@@ -166,8 +165,7 @@ class Planner {
       const unsigned same = lanesOf(strip, [&](int other) { return other == body; });
       if (strip.body[l] >= 0) {
         strip.depth = std::max(strip.depth, x.depth);
-        strip.flying_root = x.flying_root;
-        plan_.seats[at(body)] = {number, l, same, x.parent, x.depth, strip.dof, x.idx_v, x.nv, x.flying_root, x.turns_only};
+        plan_.seats[at(body)] = {number, l, same, strip.dof};
       }
       const Seat& parent = plan_.seats[at(x.parent)];
       const bool alone = lanesOf(strip, [&](int other) { return other >= 0 && parentOf(other) == x.parent; }) == same;

@@ -28,14 +28,11 @@ class PackMemory {
   char* data_;
 };
 
-/// A body's place in the lanes, and where it is to be found in the model. [0]: the universe, of which one reads zeros.
+/// A body's place in the lanes. The universe is in all of them.
 struct Seat {
   int strip = 0, lane = 0;
   unsigned lanes = 0;  ///< that show it, a bit each
-  int parent = 0, depth = 0;
-  int strip_dof = 0;  ///< the strip's first degree of freedom
-  int dof = 0, nv = 0;
-  bool flying_root = false, turns_only = false;  ///< as BodyIndex's
+  int strip_dof = 0;   ///< the strip's first degree of freedom
 };
 
 /// Some lanes of a strip, and the strip that has their parents.
@@ -60,8 +57,7 @@ struct Strip {
   bool aligned = true;    ///< one entry of `parents`, lane by lane, or the universe: lanes go on as they are
   bool gives_all = true;  ///< and so is what they hand over
   int depth = 0;
-  bool flying_root = false, turns_only = false;  ///< as BodyIndex's
-  bool leaf = true;                              ///< no strip's parent
+  bool leaf = true;  ///< no strip's parent
   int batch = 0, slot = 0;
   int dof = 0;  ///< of its first degree of freedom, four numbers each
   Shape shape = Shape::dense;

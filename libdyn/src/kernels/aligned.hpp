@@ -41,8 +41,7 @@ struct AlignedInertia {
 /// In aligned axes, which are a flying root's own.
 template <class S, class Joint, class Order, class Constants>
 AlignedInertia<S> alignedInertia(const Order& order, int i, const Constants& c, const Mat3<S>& R) {
-  if constexpr (Joint::is_free)
-    if (order.isRoot(i)) return {c.h, c.origin};
+  if (isFlyingRoot<Joint>(order, i)) return {c.h, c.origin};
   return {R * c.h, congruence(R, c.origin)};
 }
 

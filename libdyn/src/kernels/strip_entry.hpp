@@ -14,7 +14,7 @@ namespace dyn::kernels {
 template <class S>
 class StripEntry {
  public:
-  StripEntry(const CompactImpl& m, double* M, int i, int iv) : plan_(m.strips), n_(m.nvx), strip_(&plan_.strips[index(i)]) {
+  StripEntry(const CompactImpl& m, double* M, int i, int iv) : m_(m), plan_(m.strips), n_(m.nvx), strip_(&plan_.strips[index(i)]) {
     for (int l = 0; l < strip_lanes; ++l) {
       const std::ptrdiff_t dof = plan_.dof_index[index(strip_lanes * iv + l)];
       row_[l] = strip_->body[l] < 0 ? nullptr : M + dof;
@@ -60,13 +60,10 @@ class StripEntry {
   class Together {
    public:
     Together(const StripEntry& entry, const Strip* from, const Strip* to) : entry_(entry), from_(from), to_(to) {}
-    template <class T>
-    const T& lever(const T* r) const {
-      return r[from_ - entry_.plan_.strips.data()];
-    }
+    const Vec3<S>& lever(const Vec3<S>* r) const { return r[from_ - entry_.plan_.strips.data()]; }
     int nv() const { return to_->nv; }
-    bool flyingRoot() const { return to_->flying_root; }
-    bool turnsOnly() const { return to_->turns_only; }
+    bool flyingRoot() const { return to_->shape == Shape::free && to_->depth == 1; }
+    bool turnsOnly() const { return dyn::turnsOnly(to_->shape); }
     const Motion<S>& column(const Workspace<S>& workspace, int l) const { return workspace.dof[to_->dof + l].S_; }
     void enter(int k, int l, const S& value) const {
       const std::int64_t* other = entry_.plan_.dof_index.data() + strip_lanes * (to_->dof + l);
@@ -86,66 +83,70 @@ class StripEntry {
   /// Each lane from body to body, the deepest first, so that all are at the root at once.
   class Apart {
    public:
-    Apart(const StripEntry& entry, const Strip& strip) : entry_(entry), seats_(entry.plan_.seats.data()), depth_(strip.depth) {
-      for (int l = 0; l < strip_lanes; ++l) to_[l] = seats_ + std::max(strip.shown[l], 0);
+    Apart(const StripEntry& entry, const Strip& strip)
+        : entry_(entry), index_(entry.m_.index.data()), seats_(entry.plan_.seats.data()), depth_(strip.depth) {
+      for (int l = 0; l < strip_lanes; ++l) to_[l] = std::max(strip.shown[l], 0);
     }
     bool climb() {
       if (depth_ == 1) return false;
       for (int l = 0; l < strip_lanes; ++l) {
-        const bool climbs = to_[l]->depth == depth_;
-        from_[l] = climbs ? to_[l] : seats_;
-        to_[l] = climbs ? seats_ + to_[l]->parent : to_[l];
-        entries_[l] = climbs && entry_.row_[l] != nullptr ? to_[l]->nv : 0;
+        const bool climbs = index_[to_[l]].depth == depth_;
+        from_[l] = climbs ? to_[l] : 0;
+        to_[l] = climbs ? index_[to_[l]].parent : to_[l];
+        entries_[l] = climbs && entry_.row_[l] != nullptr ? index_[to_[l]].nv : 0;
       }
       --depth_;
       return true;
     }
-    /// Zero in lanes that stay where they are.
-    template <class T>
-    T lever(const T* r) const {
-      return gather<T>([&](int l) { return laneOf(r[from_[l]->strip], *from_[l]); });
+    /// The universe's zero in lanes that stay where they are.
+    Vec3<S> lever(const Vec3<S>* r) const {
+      return gather<Vec3<S>>(from_, [&](const Seat& seat, int) -> const Vec3<S>& { return r[seat.strip]; });
     }
     int nv() const { return std::max(std::max(entries_[0], entries_[1]), std::max(entries_[2], entries_[3])); }
     bool flyingRoot() const {
-      return all([](const Seat& seat) { return seat.flying_root; });
+      return all([](const BodyIndex& x) { return x.flying_root; });
     }
     bool turnsOnly() const {
-      return all([](const Seat& seat) { return seat.turns_only; });
+      return all([](const BodyIndex& x) { return x.turns_only; });
     }
     Motion<S> column(const Workspace<S>& workspace, int l) const {
-      return gather<Motion<S>>([&](int lane) { return laneOf(workspace.dof[to_[lane]->strip_dof + std::min(l, to_[lane]->nv - 1)].S_, *to_[lane]); });
+      return gather<Motion<S>>(
+          to_, [&](const Seat& seat, int nv) -> const Motion<S>& { return workspace.dof[seat.strip_dof + std::max(std::min(l, nv - 1), 0)].S_; });
     }
     void enter(int k, int l, const S& value) const {
       for (int lane = 0; lane < strip_lanes; ++lane)
-        if (l < entries_[lane]) entry_.put(lane, k, to_[lane]->dof + l, value.begin()[lane]);
+        if (l < entries_[lane]) entry_.put(lane, k, index_[to_[lane]].idx_v + l, value.begin()[lane]);
     }
     void enterFlying(int k, const Force<S>& f) const {
-      entry_.putFlying(k, f, [&](int lane) { return entries_[lane] == 0 ? -1 : to_[lane]->dof; });
+      entry_.putFlying(k, f, [&](int lane) { return entries_[lane] == 0 ? -1 : index_[to_[lane]].idx_v; });
     }
 
    private:
-    template <class T>
-    static const double* laneOf(const T& packs, const Seat& seat) {
-      return reinterpret_cast<const double*>(&packs) + seat.lane;
-    }
-    template <class T, class From>
-    static T gather(From&& from) {
-      const double* const first[strip_lanes] = {from(0), from(1), from(2), from(3)};
+    /// of(seat, nv): where the arrays have the struct of which such a body has one lane.
+    template <class T, class Of>
+    T gather(const int* body, Of&& of) const {
+      const double* first[strip_lanes];
+      for (int l = 0; l < strip_lanes; ++l) {
+        const Seat& seat = seats_[body[l]];
+        first[l] = reinterpret_cast<const double*>(&of(seat, index_[body[l]].nv)) + seat.lane;
+      }
       return gatheredLanes<S, T>(first);
     }
     template <class Test>
     bool all(Test&& test) const {
       bool holds = true;
-      for (int l = 0; l < strip_lanes; ++l) holds = holds && (entries_[l] == 0 || test(*to_[l]));
+      for (int l = 0; l < strip_lanes; ++l) holds = holds && (entries_[l] == 0 || test(index_[to_[l]]));
       return holds;
     }
     const StripEntry& entry_;
+    const BodyIndex* index_;
     const Seat* seats_;
     int depth_;
-    const Seat *from_[strip_lanes], *to_[strip_lanes];
-    int entries_[strip_lanes];  ///< degrees of freedom of the body that the lane has come to; zero if it has no row or has not moved
+    int from_[strip_lanes], to_[strip_lanes];  ///< bodies
+    int entries_[strip_lanes];                 ///< degrees of freedom of the body that the lane has come to; zero if it has no row or has not moved
   };
 
+  const CompactImpl& m_;
   const StripPlan& plan_;
   std::ptrdiff_t n_;
   const Strip* strip_;

@@ -86,7 +86,7 @@ void gatherDofs(const StripPlan& plan, const double* from, S* to) {
   for (int k = 0; k < plan.dofs; ++k) to[k] = gathered<S>(from, plan.dof_index.data() + strip_lanes * k);
 }
 
-/// Lanes without a body repeat another's degree of freedom; that one's own lane is written last, or is the only one.
+/// From the lanes with bodies: the others have someone's degrees of freedom.
 template <class S>
 void scatterDofs(const StripPlan& plan, const S* from, double* to) {
   const auto* numbers = reinterpret_cast<const double*>(from);

@@ -72,10 +72,7 @@ struct Bodies {
       } while (!bodies_.isRoot(to_));
     }
     /// Of the body that it came from.
-    template <class T>
-    const T& lever(const T* r) const {
-      return r[from_];
-    }
+    const Vec3<S>& lever(const Vec3<S>* r) const { return r[from_]; }
     int nv() const { return bodies_.index(to_).nv; }
     bool flyingRoot() const { return bodies_.index(to_).flying_root; }
     bool turnsOnly() const { return bodies_.index(to_).turns_only; }
