@@ -1,33 +1,44 @@
 // Aligned frames: the axes of the tree's root body (of the world, when the root does not fly) with the origin at each joint.
 //
 // Inertias are rotated once, shifts from joint to joint are pure translations formed as R_parent * p_local, and no world position
-// enters: results stay exact however far the base stands from the origin.
+// enters: results stay exact however far the base stands from the origin. A flying root carries its own axes: R = 1 there, and the world's
+// directions are turned instead.
 #pragma once
 
 #include "kernels/sweep.hpp"
 
 namespace dyn::kernels {
 
-/// A free body on the world carries its own axes: R = 1 there, and the world's directions are turned instead.
-template <class Joint, class Order>
-bool isFlyingRoot(const Order& order, int i) {
-  return Joint::is_free && order.isRoot(i);
-}
+/// One body's pose is what the next one waits for, and so only what leads to it may lie on the way: rotations are multiplied as they are, and
+/// brought back to the rotations beside it. Packs have other lanes to work on.
+template <class S>
+inline constexpr bool waits = lanes_of<S> == 1 && !is_symbolic<S>;
 
 /// Writes w.R and w.r of body i, and of a flying root w.rel.
-template <class S, class Joint, class Order>
-void placeAligned(const Joint& joint, const Order& order, const SE3<S>& placement, int i, Workspace<S>& w) {
-  const SE3<S> rel = placedInParent<S>(joint, placement);
+template <class S, class Joint, class Order, class Placement>
+void placeAligned(const Joint& joint, const Order& order, const Placement& placement, int i, Workspace<S>& w) {
   if (isFlyingRoot<Joint>(order, i)) {
-    w.rel[i] = rel;
+    w.rel[i] = placedInParent<S>(joint, cast<S>(placement));
     w.R[i] = Mat3<S>::identity();
+    if constexpr (waits<S>) w.product[i] = w.R[i];
     w.r[i] = {};
+    return;
+  }
+  const Mat3<S>& parent = order.parent(w.R, i);
+  if constexpr (waits<S>) {
+    // The joint's axes before it moves: constants are on the right of products, where they need not be in registers.
+    const Mat3<S> E = order.parent(w.product, i) * placement.R, R = joint.rotate(E);
+    w.product[i] = R;
+    w.R[i] = renewed(R);
+    Vec3<S> r = parent * placement.p;
+    if constexpr (Joint::moves_origin) r += E * joint.translation();
+    w.r[i] = r;
   } else {
-    const Mat3<S>& parent = order.parent(w.R, i);
+    const SE3<S> rel = placedInParent<S>(joint, placement);
     // Generated code pays for every operation: there a few products in a row go by before they are brought back to the rotations.
     bool renew = true;
     if constexpr (is_symbolic<S>) renew = order.depth(i) % 8 == 0;
-    w.R[i] = renew ? composedRotation(parent, rel.R) : parent * rel.R;
+    w.R[i] = renew ? renewed(parent * rel.R) : parent * rel.R;
     w.r[i] = parent * rel.p;
   }
 }
@@ -41,7 +52,7 @@ struct AlignedInertia {
 /// In aligned axes, which are a flying root's own.
 template <class S, class Joint, class Order, class Constants>
 AlignedInertia<S> alignedInertia(const Order& order, int i, const Constants& c, const Mat3<S>& R) {
-  if (isFlyingRoot<Joint>(order, i)) return {c.h, c.origin};
+  if (isFlyingRoot<Joint>(order, i)) return {cast<S>(c.h), cast<S>(c.origin)};
   return {R * c.h, congruence(R, c.origin)};
 }
 

@@ -19,7 +19,7 @@ void inertiasOutward(const Order& order, Workspace<S>& w) {
   order.forward([&]<class Joint>(const Joint& joint, int i, int iv) {
     const auto& c = order.constants(i);
     placeAligned<S>(joint, order, c.placement, i, w);
-    const Mat3<S>& R = w.R[i];
+    const Mat3<S> R = w.R[i];
     w.mass[i] = c.mass;
     const auto [h, I] = alignedInertia<S, Joint>(order, i, c, R);
     w.h[i] = h;
@@ -78,8 +78,10 @@ void massMatrix(const Order& order, Workspace<S>& w, typename Order::Entries* M)
         return;
       }
       const auto enterAll = [&](auto value) {
-        for (int l = 0; l < step.nv(); ++l)
+        int l = 0;
+        do {
           for (int k = 0; k < Joint::nv; ++k) step.enter(k, l, value(step.column(w, l), F[k]));
+        } while (++l < step.nv());
       };
       if (step.turnsOnly()) {
         enterAll([](const Motion<S>& column, const Force<S>& f) { return dot(column.angular, f.angular); });

@@ -21,9 +21,7 @@ void writeMotion(const Motion<S>& c, S* out) {
 template <class S>
 void jointJacobians(const Bodies<S>& bodies, Workspace<S>& w, S* J) {
   bodies.forward([&]<class Joint>(const Joint& joint, int i, int iv) {
-    const SE3<S> rel = placedInParent<S>(joint, bodies.constants(i).placement);
-    w.rel[i] = rel;
-    placeInWorld(bodies, w, rel, i);
+    placeInWorld(joint, bodies, i, w);
     const SE3<S>& oM = w.oM[i];
     for (int k = 0; k < Joint::nv; ++k) {
       Motion<S> column = joint.columnIn(oM.R, k);

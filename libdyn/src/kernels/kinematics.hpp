@@ -1,17 +1,41 @@
 // Poses, velocities and accelerations, from the root outward.
 #pragma once
 
+#include "kernels/pose_rows.hpp"
 #include "kernels/sweep.hpp"
 
 namespace dyn::kernels {
 
-/// w.oM of body i from its parent's and w.rel.
+/// Pose in the world of body i from that in its parent's frame. Poses have no inertias to turn: it is enough that long chains do not drift.
 template <class S, class Order>
-void placeInWorld(const Order& order, Workspace<S>& w, const SE3<S>& rel, int i) {
+SE3<S> placedInWorld(const Order& order, const Workspace<S>& w, const SE3<S>& rel, int i) {
   const SE3<S>& parent = order.parent(w.oM, i);
-  // Poses have no inertias to turn: it is enough that long chains do not drift.
   const bool renew = order.depth(i) % 16 == 0;
-  w.oM[i] = {renew ? composedRotation(parent.R, rel.R) : parent.R * rel.R, parent.act(rel.p)};
+  return {renew ? renewed(parent.R * rel.R) : parent.R * rel.R, parent.act(rel.p)};
+}
+
+/// Number by number: what was just made that way stalls the core when it is copied in blocks.
+template <class S>
+void store(const SE3<S>& from, SE3<S>& to) {
+  for (int k = 0; k < 9; ++k) to.R.m[k] = from.R.m[k];
+  for (int k = 0; k < 3; ++k) to.p[k] = from.p[k];
+}
+
+/// w.rel and w.oM of body i, where nothing else is to be made of them.
+template <class S, class Joint, class Order>
+void placeInWorld(const Joint& joint, const Order& order, int i, Workspace<S>& w) {
+  const auto& placement = order.constants(i).placement;
+  if constexpr (std::is_same_v<S, double> && Joint::about_z) {
+    const SE3<S>& parent = order.parent(w.oM, i);
+    const PoseRows rel = PoseRows::load(placement).turned(joint.c, joint.s);
+    rel.store({}, w.rel[i]);
+    turnedBy(parent.R, rel).store(parent.p, w.oM[i]);
+    if (order.depth(i) % 16 == 0) w.oM[i].R = renewed(w.oM[i].R);
+  } else {
+    const SE3<S> rel = placedInParent<S>(joint, placement);
+    store(rel, w.rel[i]);
+    store(placedInWorld(order, w, rel, i), w.oM[i]);
+  }
 }
 
 /// w.rel and w.oM; with v, w.v; with a, w.a.
@@ -19,10 +43,10 @@ template <class S, class Order>
 void forwardKinematics(const Order& order, Workspace<S>& w, const S* v, const S* a) {
   w.v[0] = w.a[0] = {};
   order.forward([&]<class Joint>(const Joint& joint, int i, int iv) {
+    if (!v) return placeInWorld(joint, order, i, w);
     const SE3<S> rel = placedInParent<S>(joint, order.constants(i).placement);
     w.rel[i] = rel;
-    placeInWorld(order, w, rel, i);
-    if (!v) return;
+    w.oM[i] = placedInWorld(order, w, rel, i);
     const Motion<S> s = joint.times(v + iv);
     const Motion<S> carried = rel.actInv(order.parent(w.v, i));
     w.v[i] = carried + s;

@@ -16,24 +16,32 @@ void rneaOutward(const Order& order, Workspace<S>& w, const S* v, const S* a, co
     const SE3<S> rel = placedInParent<S>(joint, c.placement);
     w.rel[i] = rel;
 
-    const Vec3<S>& wp = order.parent(w.w, i);
     const Motion<S>& ap = order.parent(w.a, i);
-    const Vec3<S> w_carried = transposeTimes(rel.R, wp);
+    Vec3<S> w_carried{}, domega{}, origin;
+    if (isFlyingRoot<Joint>(order, i)) {
+      origin = transposeTimes(rel.R, ap.linear);
+    } else {
+      const Vec3<S>& wp = order.parent(w.w, i);
+      w_carried = transposeTimes(rel.R, wp);
+      domega = transposeTimes(rel.R, ap.angular);
+      origin = transposeTimes(rel.R, ap.linear + cross(ap.angular, rel.p) + cross(wp, cross(wp, rel.p)));
+    }
     const Motion<S> s = joint.times(v + iv);
     Motion<S> ds = joint.times(a + iv);
     if constexpr (Joint::has_bias) ds += joint.bias();
 
     const Vec3<S> omega = [&] {
       if constexpr (Joint::about_z) {
-        return Vec3<S>{w_carried.x, w_carried.y, w_carried.z + s.angular.z};
+        Vec3<S> sum = w_carried;
+        addAt(sum, 2, s.angular[2]);
+        return sum;
       } else {
         return turnedBy<Joint>(w_carried, s);
       }
     }();
-    Vec3<S> domega = transposeTimes(rel.R, ap.angular);
-    Vec3<S> origin = transposeTimes(rel.R, ap.linear + cross(ap.angular, rel.p) + cross(wp, cross(wp, rel.p)));
     if constexpr (Joint::about_z) {
-      domega += Vec3<S>{w_carried.y * s.angular.z, -(w_carried.x * s.angular.z), ds.angular.z};
+      domega += crossZ(w_carried, s.angular[2]);
+      addAt(domega, 2, ds.angular[2]);
     } else if constexpr (Joint::has_angular) {
       domega += ds.angular + cross(w_carried, s.angular);
     }

@@ -84,6 +84,11 @@ template <class S>
 void addAt(Vec3<S>& v, int k, const S& x) {
   v[k] += x;
 }
+/// v x (0, 0, z).
+template <class S>
+Vec3<S> crossZ(const Vec3<S>& v, const S& z) {
+  return {v.y * z, -(v.x * z), S(0)};
+}
 template <class S>
 Vec3<S> unit(int k) {
   Vec3<S> e{};

@@ -138,6 +138,12 @@ struct Bodies {
   bool isLastChild(int i) const { return treeEnd(i) == treeEnd(parentOf(i)); }
 };
 
+/// A free body on the world, which neither turns nor accelerates.
+template <class Joint, class Order>
+bool isFlyingRoot(const Order& order, int i) {
+  return Joint::is_free && order.isRoot(i);
+}
+
 /// A body's angular velocity from its parent's and its joint's.
 template <class Joint, class S>
 Vec3<S> turnedBy(const Vec3<S>& parent, const Motion<S>& joint) {
@@ -156,11 +162,10 @@ SE3<S> placedInParent(const Joint& joint, const SE3<S>& placement) {
   return rel;
 }
 
-/// R_parent R_rel, brought back to the rotations by one Newton step of the polar decomposition, R - R (R^T R - 1) / 2 (Higham 1986).
+/// A product of rotations, brought back to them by one Newton step of the polar decomposition, R - R (R^T R - 1) / 2 (Higham 1986).
 /// Inertias turned by a matrix that is not quite a rotation grow or shrink, and a pivot has its error four times.
 template <class S>
-Mat3<S> composedRotation(const Mat3<S>& parent, const Mat3<S>& rel) {
-  const Mat3<S> R = parent * rel;
+Mat3<S> renewed(const Mat3<S>& R) {
   const Vec3<S> x = R.col(0), y = R.col(1), z = R.col(2);
   const S half(0.5);
   const S xx = half * (dot(x, x) - S(1)), yy = half * (dot(y, y) - S(1)), zz = half * (dot(z, z) - S(1));

@@ -62,6 +62,11 @@ struct Vec3<Vectored> {
 
   Vec3() = default;
   Vec3(const Four& lanes) : a(lanes) {}  // NOLINT
+  Vec3(const Vec3& other) : a(other.a) {}
+  Vec3& operator=(const Vec3& other) {
+    a = other.a;
+    return *this;
+  }
   Vec3(const Vectored& x, const Vectored& y, const Vectored& z) : a{x.x, y.x, z.x, 0} {}
   Vectored operator[](int i) const { return a[i]; }
 
@@ -73,21 +78,35 @@ struct Vec3<Vectored> {
   Vec3& operator-=(const Vec3& q) { return *this = *this - q; }
 };
 
-inline void addAt(Vec3<Vectored>& v, int k, const Vectored& x) { v.a[k] += x.x; }
+/// By adding zeros to the others: taking one out and putting it back is slow.
+inline void addAt(Vec3<Vectored>& v, int k, const Vectored& x) {
+  Four added{};
+  added[k] = x.x;
+  v.a += added;
+}
 
 inline Vectored dot(const Vec3<Vectored>& p, const Vec3<Vectored>& q) { return sumOf(p.a * q.a); }
 inline Vectored dot(const Motion<Vectored>& m, const Force<Vectored>& f) { return sumOf(m.linear.a * f.linear.a + m.angular.a * f.angular.a); }
 inline Vec3<Vectored> cross(const Vec3<Vectored>& p, const Vec3<Vectored>& q) { return turned(p.a * turned(q.a) - turned(p.a) * q.a); }
 
+/// Of a 3x3 matrix. Copied one after the other: in blocks of other sizes than they were written in they would stall the core.
+struct Columns {
+  Four c[3]{};
+
+  Columns() = default;
+  Columns(const Four& x, const Four& y, const Four& z) : c{x, y, z} {}
+  Columns(const Columns& other) : Columns(other.c[0], other.c[1], other.c[2]) {}
+  Columns& operator=(const Columns& other) {
+    for (int i = 0; i < 3; ++i) c[i] = other.c[i];
+    return *this;
+  }
+};
 /// M v by the columns of M.
 inline Four timesVector(const Four* columns, const Four& v) { return columns[0] * inAll<0>(v) + columns[1] * inAll<1>(v) + columns[2] * inAll<2>(v); }
 
 template <>
-struct Mat3<Vectored> {
-  Four c[3]{};
-
-  Mat3() = default;
-  Mat3(const Four& x, const Four& y, const Four& z) : c{x, y, z} {}
+struct Mat3<Vectored> : Columns {
+  using Columns::Columns;
   static Mat3 identity() { return {Four{1, 0, 0, 0}, Four{0, 1, 0, 0}, Four{0, 0, 1, 0}}; }
   Vec3<Vectored> col(int i) const { return c[i]; }
   Vec3<Vectored> row(int i) const { return {c[0][i], c[1][i], c[2][i]}; }
@@ -96,6 +115,23 @@ struct Mat3<Vectored> {
   friend Mat3 operator*(const Mat3& m, const Mat3& n) { return {timesVector(m.c, n.c[0]), timesVector(m.c, n.c[1]), timesVector(m.c, n.c[2])}; }
   friend Mat3 operator+(const Mat3& m, const Mat3& n) { return {m.c[0] + n.c[0], m.c[1] + n.c[1], m.c[2] + n.c[2]}; }
 };
+
+/// x, y and z of the columns.
+inline Four timesReal(const Four* columns, double x, double y, double z) {
+  return columns[0] * inAll(x) + columns[1] * inAll(y) + columns[2] * inAll(z);
+}
+inline Vec3<Vectored> operator*(const Mat3<Vectored>& m, const Vec3<double>& v) { return timesReal(m.c, v.x, v.y, v.z); }
+inline Mat3<Vectored> operator*(const Mat3<Vectored>& m, const Mat3<double>& n) {
+  const auto column = [&](int i) { return timesReal(m.c, n(0, i), n(1, i), n(2, i)); };
+  return {column(0), column(1), column(2)};
+}
+inline Mat3<Vectored> operator*(const Mat3<Vectored>& m, const Sym3<double>& n) {
+  return {timesReal(m.c, n.xx, n.xy, n.xz), timesReal(m.c, n.xy, n.yy, n.yz), timesReal(m.c, n.xz, n.yz, n.zz)};
+}
+
+inline Vec3<Vectored> crossZ(const Vec3<Vectored>& v, const Vectored& z) {
+  return __builtin_shufflevector(v.a, v.a, 1, 0, 2, 3) * Four{z.x, -z.x, 0, 0};
+}
 
 inline Mat3<Vectored> transpose(const Mat3<Vectored>& m) {
   const Four &x = m.c[0], &y = m.c[1], &z = m.c[2];
@@ -107,13 +143,10 @@ inline Vec3<Vectored> transposeTimes(const Mat3<Vectored>& m, const Vec3<Vectore
 
 /// All nine entries, in columns.
 template <>
-struct Sym3<Vectored> {
-  Four c[3]{};
-
-  Sym3() = default;
-  Sym3(const Four& x, const Four& y, const Four& z) : c{x, y, z} {}
+struct Sym3<Vectored> : Columns {
+  using Columns::Columns;
   Sym3(const Vectored& xx, const Vectored& xy, const Vectored& xz, const Vectored& yy, const Vectored& yz, const Vectored& zz)
-      : c{{xx.x, xy.x, xz.x, 0}, {xy.x, yy.x, yz.x, 0}, {xz.x, yz.x, zz.x, 0}} {}
+      : Columns(Four{xx.x, xy.x, xz.x, 0}, Four{xy.x, yy.x, yz.x, 0}, Four{xz.x, yz.x, zz.x, 0}) {}
   Mat3<Vectored> matrix() const { return {c[0], c[1], c[2]}; }
 
   friend Vec3<Vectored> operator*(const Sym3& m, const Vec3<Vectored>& v) { return timesVector(m.c, v.a); }
@@ -124,8 +157,8 @@ struct Sym3<Vectored> {
 inline Vectored trace(const Sym3<Vectored>& a) { return Vectored(a.c[0][0]) + Vectored(a.c[1][1]) + Vectored(a.c[2][2]); }
 
 /// R a R^T.
-inline Sym3<Vectored> congruence(const Mat3<Vectored>& R, const Sym3<Vectored>& a) {
-  const Mat3<Vectored> turned_columns = R * a.matrix();
+inline Sym3<Vectored> congruence(const Mat3<Vectored>& R, const Sym3<double>& a) {
+  const Mat3<Vectored> turned_columns = R * a;
   const Four* c = turned_columns.c;
   const auto column = [&]<int i>() { return c[0] * inAll<i>(R.c[0]) + c[1] * inAll<i>(R.c[1]) + c[2] * inAll<i>(R.c[2]); };
   return {column.template operator()<0>(), column.template operator()<1>(), column.template operator()<2>()};
@@ -185,8 +218,7 @@ inline Mat3<Vectored> turnZ(const Mat3<Vectored>& E, const Vectored& c, const Ve
   return {E.c[0] * inAll(c) + E.c[1] * inAll(s), E.c[1] * inAll(c) - E.c[0] * inAll(s), E.c[2]};
 }
 /// Brought back by Newton's other step, the mean of R and R^-T (Higham 1986), whose columns are cross products.
-inline Mat3<Vectored> composedRotation(const Mat3<Vectored>& parent, const Mat3<Vectored>& rel) {
-  const Mat3<Vectored> R = parent * rel;
+inline Mat3<Vectored> renewed(const Mat3<Vectored>& R) {
   const Vec3<Vectored> x = R.c[0], y = R.c[1], z = R.c[2], yz = cross(y, z), zx = cross(z, x), xy = cross(x, y);
   // 1 / det is 2 - det next to 1.
   const Four half = inAll(0.5), weight = inAll(1) - half * dotInAll(x.a, yz.a);

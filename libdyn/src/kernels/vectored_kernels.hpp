@@ -6,6 +6,8 @@
 #include "kernels/aba.hpp"
 #include "kernels/crba.hpp"
 #include "kernels/evaluate.hpp"
+#include "kernels/losses.hpp"
+#include "kernels/rnea.hpp"
 #include "kernels/scratch.hpp"
 #include "kernels/table.hpp"
 
@@ -24,7 +26,13 @@ struct VectoredScratch {
   }
 };
 
-struct VectoredBodies : Bodies<Vectored> {
+/// Where constants are what vectors are multiplied by, on the right: they stay single numbers in memory, from which they get into all lanes at
+/// no cost.
+struct AlignedBodies : Bodies<Vectored> {
+  const BodyConstants<double>& constants(int i) const { return m.constants[static_cast<std::size_t>(i)]; }
+};
+/// Where they multiply vectors, from the left.
+struct TurningBodies : Bodies<Vectored> {
   const BodyConstants<Vectored>* all;
   const BodyConstants<Vectored>& constants(int i) const { return all[i]; }
 };
@@ -36,7 +44,7 @@ inline PackedKernels vectoredKernels() {
   static constexpr auto in = [](const double* x) { return reinterpret_cast<const S*>(x); };
   static constexpr auto out = [](double* x) { return reinterpret_cast<S*>(x); };
   static constexpr auto scratchOf = [](char* memory) -> VectoredScratch& { return *reinterpret_cast<VectoredScratch*>(memory); };
-  static constexpr auto bodies = [](const CompactImpl& m, VectoredScratch& s) { return VectoredBodies{{m, s.w}, s.constants}; };
+  static constexpr auto bodies = [](const CompactImpl& m, VectoredScratch& s) { return AlignedBodies{{m, s.w}}; };
   static constexpr auto evaluate = [](const CompactImpl& m, VectoredScratch& s, const double* q, const double* v) {
     evaluateJoints(m, s.w, in(q), v ? in(v) : nullptr);
     for (std::size_t b = 0; b < m.batches.size(); ++b)
@@ -49,7 +57,17 @@ inline PackedKernels vectoredKernels() {
   k.prepare = [](const CompactImpl& m, char* memory) {
     VectoredScratch& s = makeScratch<VectoredScratch>(memory, m);
     for (int i = 0; i < m.bodies(); ++i) s.constants[i] = broadcast<S>(m.constants[static_cast<std::size_t>(i)]);
-    s.w.R[0] = Mat3<S>::identity();
+    s.w.R[0] = s.w.product[0] = Mat3<S>::identity();
+  };
+  k.rnea = [](const CompactImpl& m, char* memory, const double* q, const double* v, const double* a, double* tau) {
+    VectoredScratch& s = scratchOf(memory);
+    const bool finite = evaluate(m, s, q, v);
+    const TurningBodies turning{{m, s.w}, s.constants};
+    rneaOutward(turning, s.w, in(v), in(a), static_cast<const Force<S>*>(nullptr));
+    rneaInward(turning, s.w, out(tau));
+    addArmature(m, a, tau);
+    addLosses(m, 1.0, v, tau);
+    return finite;
   };
   k.massMatrix = [](const CompactImpl& m, char* memory, const double* q, double* M) {
     VectoredScratch& s = scratchOf(memory);
