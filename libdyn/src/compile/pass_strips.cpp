@@ -244,6 +244,8 @@ class Planner {
 
   /// Constants of bodies and degrees of freedom, lane by lane.
   void numbers() {
+    for (int i = 1; i < m_.bodies(); ++i)
+      for (int k = 0; k < index(i).nv; ++k) plan_.dof_place.push_back((plan_.seats[at(i)].strip_dof + k) * strip_lanes + plan_.seats[at(i)].lane);
     constexpr int size = sizeof(BodyConstants<double>) / sizeof(double);
     plan_.constants = PackMemory(plan_.strips.size() * sizeof(BodyConstants<double>) * strip_lanes);
     auto* out = reinterpret_cast<double*>(plan_.constants.data());

@@ -79,6 +79,7 @@ struct StripPlan {
   std::vector<StripBatch> batches;
   int dofs = 0;
   std::vector<std::int64_t> dof_index;  ///< four a degree of freedom: where its lanes are in v and tau
+  std::vector<std::int64_t> dof_place;  ///< the other way: where v and tau are among the lanes of all degrees of freedom
   PackMemory constants;                 ///< BodyConstants of packs, a strip each
   std::vector<double> armature;         ///< four a degree of freedom; 1 in lanes of nobody, which keeps their pivots from zero
 };

@@ -40,8 +40,25 @@ void evaluateAlone(const TypeBatch& batch, const StripBatch& strips, const Joint
   if (call.bias) spread(bias, 6, memory.bias);
 }
 
-/// Poses, subspaces and (with v) biases of all joints, strip by strip in the lanes. False if a type that normalises coordinates, as
-/// quaternions are, gave a pose that is not finite.
+/// Coordinates of all joints but those that are alone, strip by strip in the lanes: component c of all items, four at a time. What is written
+/// here is read in wider packs, and had better be there by then.
+template <class S>
+void gatherCoordinates(const CompactImpl& m, Workspace<S>& w, const double* q, const double* v) {
+  for (std::size_t b = 0; b < m.batches.size(); ++b) {
+    const TypeBatch& batch = m.batches[b];
+    const StripBatch& strips = m.strips.batches[b];
+    const auto gather = [&](const double* from, const std::vector<std::int64_t>& index, int size, S* to) {
+      for (int c = 0; c < size; ++c)
+        for (int k = 0; k < strips.slots; ++k) to[c * strips.slots + k] = gathered<S>(from + c, index.data() + strip_lanes * k);
+    };
+    if (batch.count == 1) continue;
+    gather(q, strips.q_index, batch.nq, w.joints[b].q);
+    if (w.joints[b].v && v) gather(v, strips.v_index, batch.nv, w.joints[b].v);
+  }
+}
+
+/// Poses, subspaces and (with v) biases of all joints. False if a type that normalises coordinates, as quaternions are, gave a pose that is
+/// not finite.
 template <class S>
 bool evaluateStrips(const CompactImpl& m, Workspace<S>& w, const double* q, const double* v) {
   bool finite = true;
@@ -49,34 +66,24 @@ bool evaluateStrips(const CompactImpl& m, Workspace<S>& w, const double* q, cons
     const TypeBatch& batch = m.batches[b];
     const StripBatch& strips = m.strips.batches[b];
     const JointMemory<S>& memory = w.joints[b];
-    const int items = strips.slots * strip_lanes;
-    const auto check = [&] { finite = finite && posesFinite(batch, memory); };
     if (batch.count == 1) {
       evaluateAlone(batch, strips, memory, q + strips.q_index[0], v ? v + strips.v_index[0] : nullptr);
-      check();
-      continue;
+    } else {
+      JointBatch<double> call;
+      call.count = strips.slots * strip_lanes;
+      call.constants = strips.constants.data();
+      call.constant_count = batch.constant_count;
+      call.constants_stride = call.stride = call.q_stride = call.v_stride = call.count;
+      call.q = reinterpret_cast<const double*>(memory.q);
+      if (memory.v && v) {
+        call.v = reinterpret_cast<const double*>(memory.v);
+        call.bias = reinterpret_cast<double*>(memory.bias);
+      }
+      call.pose = reinterpret_cast<double*>(memory.pose);
+      call.subspace = reinterpret_cast<double*>(memory.subspace);
+      batch.fast->kinematics(call);
     }
-    // Component c of all items, four at a time.
-    const auto gather = [&](const double* from, const std::vector<std::int64_t>& index, int size, S* to) {
-      for (int c = 0; c < size; ++c)
-        for (int k = 0; k < strips.slots; ++k) to[c * strips.slots + k] = gathered<S>(from + c, index.data() + strip_lanes * k);
-    };
-    JointBatch<double> call;
-    call.count = items;
-    call.constants = strips.constants.data();
-    call.constant_count = batch.constant_count;
-    call.constants_stride = call.stride = call.q_stride = call.v_stride = items;
-    gather(q, strips.q_index, batch.nq, memory.q);
-    call.q = reinterpret_cast<const double*>(memory.q);
-    if (memory.v && v) {
-      gather(v, strips.v_index, batch.nv, memory.v);
-      call.v = reinterpret_cast<const double*>(memory.v);
-      call.bias = reinterpret_cast<double*>(memory.bias);
-    }
-    call.pose = reinterpret_cast<double*>(memory.pose);
-    call.subspace = reinterpret_cast<double*>(memory.subspace);
-    batch.fast->kinematics(call);
-    check();
+    finite = finite && posesFinite(batch, memory);
   }
   return finite;
 }
@@ -86,20 +93,10 @@ void gatherDofs(const StripPlan& plan, const double* from, S* to) {
   for (int k = 0; k < plan.dofs; ++k) to[k] = gathered<S>(from, plan.dof_index.data() + strip_lanes * k);
 }
 
-/// From the lanes with bodies: the others have someone's degrees of freedom.
 template <class S>
 void scatterDofs(const StripPlan& plan, const S* from, double* to) {
   const auto* numbers = reinterpret_cast<const double*>(from);
-  for (std::size_t s = 1; s < plan.strips.size(); ++s) {
-    const Strip& strip = plan.strips[s];
-    for (int l = 0; l < strip_lanes; ++l) {
-      if (strip.body[l] < 0) continue;
-      for (int k = 0; k < strip.nv; ++k) {
-        const std::ptrdiff_t i = static_cast<std::ptrdiff_t>(strip.dof + k) * strip_lanes + l;
-        to[plan.dof_index[static_cast<std::size_t>(i)]] = numbers[i];
-      }
-    }
-  }
+  for (const std::int64_t place : plan.dof_place) *to++ = numbers[place];
 }
 
 /// Of flying roots the half below the diagonal, from what putFlying wrote.
@@ -130,9 +127,10 @@ PackedKernels stripKernels() {
   k.rnea = [](const CompactImpl& m, char* scratch, const double* q, const double* v, const double* a, double* tau) {
     auto& s = *reinterpret_cast<StripScratch<S>*>(scratch);
     const Strips<S> strips{m, s.w};
-    const bool finite = evaluateStrips(m, s.w, q, v);
+    gatherCoordinates(m, s.w, q, v);
     gatherDofs(m.strips, v, s.v);
     gatherDofs(m.strips, a, s.a);
+    const bool finite = evaluateStrips(m, s.w, q, v);
     rneaOutward(strips, s.w, s.v, s.a, static_cast<const Force<S>*>(nullptr));
     rneaInward(strips, s.w, s.result);
     scatterDofs(m.strips, s.result, tau);
@@ -142,6 +140,7 @@ PackedKernels stripKernels() {
   };
   k.massMatrix = [](const CompactImpl& m, char* scratch, const double* q, double* M) {
     auto& s = *reinterpret_cast<StripScratch<S>*>(scratch);
+    gatherCoordinates(m, s.w, q, nullptr);
     const bool finite = evaluateStrips(m, s.w, q, nullptr);
     kernels::massMatrix(Strips<S>{m, s.w}, s.w, M);
     mirrorFlyingRoots(m, M);
@@ -150,9 +149,10 @@ PackedKernels stripKernels() {
   k.articulate = [](const CompactImpl& m, char* scratch, const double* q, const double* v, const double* tau, int& failed) {
     auto& s = *reinterpret_cast<StripScratch<S>*>(scratch);
     const Strips<S> strips{m, s.w};
-    const bool finite = evaluateStrips(m, s.w, q, v);
+    gatherCoordinates(m, s.w, q, v);
     gatherDofs(m.strips, v, s.v);
     gatherDofs(m.strips, tau, s.a);
+    const bool finite = evaluateStrips(m, s.w, q, v);
     abaOutward(strips, s.w, s.v, static_cast<const Force<S>*>(nullptr));
     abaInward(strips, s.w, s.a);
     failed = 0;
