@@ -15,20 +15,14 @@ void abaOutward(const Order& order, Workspace<S>& w, const S* v, const Force<S>*
   order.forward([&]<class Joint>(const Joint& joint, int i, int iv) {
     const auto& c = order.constants(i);
     placeAligned<S>(joint, order, c.placement, i, w);
-    const Mat3<S> R = w.R[i];
+    const Mat3<S>& R = w.R[i];
     const Vec3<S>& wp = order.parent(w.w, i);
-    const bool flies = isFlyingRoot<Joint>(order, i);
-    const Motion<S> s = flies ? joint.times(v + iv) : joint.timesIn(R, v + iv);
+    const Motion<S> s = joint.timesIn(R, v + iv);
 
-    const Vec3<S> omega = flies ? s.angular : turnedBy<Joint>(wp, s);
-    Motion<S> beta{};
-    if (flies) {
-      beta.linear = cross(omega, s.linear);
-    } else {
-      beta.linear = cross(wp, cross(wp, w.r[i]));
-      if constexpr (Joint::has_angular) beta.angular = cross(wp, s.angular);
-      if constexpr (Joint::has_linear) beta.linear += cross(wp + omega, s.linear);
-    }
+    const Vec3<S> omega = turnedBy<Joint>(wp, s);
+    Motion<S> beta{cross(wp, cross(wp, w.r[i])), {}};
+    if constexpr (Joint::has_angular) beta.angular = cross(wp, s.angular);
+    if constexpr (Joint::has_linear) beta.linear += cross(wp + omega, s.linear);
     if constexpr (Joint::has_bias) {
       const Motion<S> b = joint.bias();
       beta += {R * b.linear, R * b.angular};
