@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <memory>
 
@@ -104,6 +105,8 @@ int checkType(const Type& type, const CheckOptions& o, const Check& check) {
 
 void run(const CheckOptions& o) {
   const Trust trust = o.any_plugin ? Trust::any : Trust::owner_only;
+  // Of this file alone: an older build of it in the path would have its types.
+  unsetenv("DYN_PLUGIN_PATH");
   JointRegistry registry = JointRegistry::standard(trust);
   registry.load(o.file, trust);
   const PluginRecord& record = recordOf(registry, o.file);

@@ -9,23 +9,18 @@
 
 namespace dyn::kernels {
 
-/// One body's pose is what the next one waits for, and so only what leads to it may lie on the way: rotations are multiplied as they are, and
-/// brought back to the rotations beside it. Packs have other lanes to work on.
-template <class S>
-inline constexpr bool waits = lanes_of<S> == 1 && !is_symbolic<S>;
-
 /// Writes w.R and w.r of body i, and of a flying root w.rel.
 template <class S, class Joint, class Order, class Placement>
 void placeAligned(const Joint& joint, const Order& order, const Placement& placement, int i, Workspace<S>& w) {
   if (isFlyingRoot<Joint>(order, i)) {
     w.rel[i] = placedInParent<S>(joint, cast<S>(placement));
     w.R[i] = Mat3<S>::identity();
-    if constexpr (waits<S>) w.product[i] = w.R[i];
+    if constexpr (Order::waits) w.product[i] = w.R[i];
     w.r[i] = {};
     return;
   }
   const Mat3<S>& parent = order.parent(w.R, i);
-  if constexpr (waits<S>) {
+  if constexpr (Order::waits) {
     // The joint's axes before it moves: constants are on the right of products, where they need not be in registers.
     const Mat3<S> E = order.parent(w.product, i) * placement.R, R = joint.rotate(E);
     w.product[i] = R;

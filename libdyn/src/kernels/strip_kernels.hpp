@@ -89,8 +89,12 @@ bool evaluateStrips(const CompactImpl& m, Workspace<S>& w, const double* q, cons
 }
 
 template <class S>
-void gatherDofs(const StripPlan& plan, const double* from, S* to) {
-  for (int k = 0; k < plan.dofs; ++k) to[k] = gathered<S>(from, plan.dof_index.data() + strip_lanes * k);
+void gatherDofs(const StripPlan& plan, const double* v, S* v_to, const double* a, S* a_to) {
+  const std::int64_t* index = plan.dof_index.data();
+  for (int k = 0; k < plan.dofs; ++k, index += strip_lanes) {
+    v_to[k] = gathered<S>(v, index);
+    a_to[k] = gathered<S>(a, index);
+  }
 }
 
 template <class S>
@@ -128,8 +132,7 @@ PackedKernels stripKernels() {
     auto& s = *reinterpret_cast<StripScratch<S>*>(scratch);
     const Strips<S> strips{m, s.w};
     gatherCoordinates(m, s.w, q, v);
-    gatherDofs(m.strips, v, s.v);
-    gatherDofs(m.strips, a, s.a);
+    gatherDofs(m.strips, v, s.v, a, s.a);
     const bool finite = evaluateStrips(m, s.w, q, v);
     rneaOutward(strips, s.w, s.v, s.a, static_cast<const Force<S>*>(nullptr));
     rneaInward(strips, s.w, s.result);
@@ -150,8 +153,7 @@ PackedKernels stripKernels() {
     auto& s = *reinterpret_cast<StripScratch<S>*>(scratch);
     const Strips<S> strips{m, s.w};
     gatherCoordinates(m, s.w, q, v);
-    gatherDofs(m.strips, v, s.v);
-    gatherDofs(m.strips, tau, s.a);
+    gatherDofs(m.strips, v, s.v, tau, s.a);
     const bool finite = evaluateStrips(m, s.w, q, v);
     abaOutward(strips, s.w, s.v, static_cast<const Force<S>*>(nullptr));
     abaInward(strips, s.w, s.a);

@@ -9,6 +9,8 @@ namespace dyn::kernels {
 
 template <class S>
 struct Strips {
+  static constexpr bool waits = false;
+
   const CompactImpl& m;
   Workspace<S>& w;
 

@@ -19,6 +19,10 @@ namespace dyn::kernels {
 /// One body after the other. S: a number, or a pack of states.
 template <class S>
 struct Bodies {
+  /// Whether one body's pose is all that the next one waits for, so that only what leads to it may lie on the way: then rotations are multiplied
+  /// as they are, into w.product, and brought back to the rotations beside it.
+  static constexpr bool waits = false;
+
   const CompactImpl& m;
   Workspace<S>& w;
 

@@ -21,6 +21,7 @@ struct VectoredScratch {
     Arena arena(base);
     carveJoints(s.w, m, arena);
     carveDynamics(s.w, static_cast<std::size_t>(m.bodies()), static_cast<std::size_t>(m.nvx), arena);
+    arena.take(s.w.product, static_cast<std::size_t>(m.bodies()));
     arena.take(s.constants, static_cast<std::size_t>(m.bodies()));
     return arena.used();
   }
@@ -29,6 +30,7 @@ struct VectoredScratch {
 /// Where constants are what vectors are multiplied by, on the right: they stay single numbers in memory, from which they get into all lanes at
 /// no cost.
 struct AlignedBodies : Bodies<Vectored> {
+  static constexpr bool waits = true;
   const BodyConstants<double>& constants(int i) const { return m.constants[static_cast<std::size_t>(i)]; }
 };
 /// Where they multiply vectors, from the left.

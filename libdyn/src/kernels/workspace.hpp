@@ -49,7 +49,7 @@ struct Workspace {
   Vec3<S>* w = nullptr;                 ///< angular velocity: body axes in rnea, aligned axes in aba
   Force<S>* f = nullptr;                ///< force through the joint [rnea]
   Mat3<S>* R = nullptr;                 ///< body axes in aligned axes [aligned]
-  Mat3<S>* product = nullptr;           ///< the same as products of the joints' rotations left it [aligned, where a body waits for the last]
+  Mat3<S>* product = nullptr;           ///< the same as products of rotations left it [aligned, of an order that waits]
   Vec3<S>* r = nullptr;                 ///< from the parent's origin to the joint's, aligned axes [aligned]
   Motion<S>* beta = nullptr;            ///< velocity-dependent acceleration, aligned [aba]
   ArticulatedInertia<S>* IA = nullptr;  ///< what the children hand over, not of leaves [aba]
@@ -124,7 +124,6 @@ void carveDynamics(Workspace<S>& w, std::size_t n, std::size_t dofs, Arena& aren
   arena.take(w.w, n);
   arena.take(w.f, n);
   arena.take(w.R, n);
-  arena.take(w.product, n);
   arena.take(w.r, n);
   arena.take(w.beta, n);
   arena.take(w.IA, n);
@@ -148,7 +147,7 @@ void carve(Workspace<S>& w, const CompactImpl& m, Arena& arena) {
 template <class S>
 void atRest(Workspace<S>& w) {
   w.rel[0] = w.oM[0] = SE3<S>{};
-  w.R[0] = w.product[0] = Mat3<S>::identity();
+  w.R[0] = Mat3<S>::identity();
   w.v[0] = w.a[0] = {};
   w.w[0] = {};
 }
