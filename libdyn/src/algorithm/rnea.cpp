@@ -9,7 +9,7 @@ namespace dyn::detail {
 namespace {
 
 const double* inverseDynamics(const CompactImpl& m, DataImpl& d, const Inputs& in, const Force<double>* fext, double* result) {
-  if (const kernels::PackedKernels* k = kernels::packed(m); k && k->rnea && fext == nullptr) {
+  if (const kernels::PackedKernels* k = kernels::packed(m); k && fext == nullptr) {
     if (!k->rnea(m, d.packed.data(), in.q, in.v, in.a, result)) checkConfiguration("q", m, in.q);
     return result;
   }

@@ -58,7 +58,7 @@ struct SingleKernels {
 struct PackedKernels {
   std::size_t (*bytes)(const CompactImpl&) = nullptr;
   void (*prepare)(const CompactImpl&, char* scratch) = nullptr;
-  bool (*rnea)(const CompactImpl&, char* scratch, const double* q, const double* v, const double* a, double* tau) = nullptr;  ///< may be null
+  bool (*rnea)(const CompactImpl&, char* scratch, const double* q, const double* v, const double* a, double* tau) = nullptr;
   bool (*massMatrix)(const CompactImpl&, char* scratch, const double* q, double* M) = nullptr;
   /// As SingleKernels'. failed: the body whose pivot vanished, or 0.
   bool (*articulate)(const CompactImpl&, char* scratch, const double* q, const double* v, const double* tau, int& failed) = nullptr;
