@@ -69,6 +69,7 @@ TEST_CASE("strips give what one body after the other gives", "[strips]") {
   const CompactModel without = compile(described, registry(), asked);
   CHECK(!usesStrips(without));
   Data plain_data(without);
+  CHECK(rnea(without, plain_data, q, v, a, none) == plain);
   CHECK((rnea(without, plain_data, q, v, a) - plain).cwiseAbs().maxCoeff() < 1e-13 * plain.cwiseAbs().maxCoeff());
   CHECK((nonLinearEffects(model, data, q, v) - rnea(model, other, q, v, Eigen::VectorXd::Zero(model.nv()), none)).cwiseAbs().maxCoeff() <
         1e-13 * plain.cwiseAbs().maxCoeff());
