@@ -90,8 +90,7 @@ void addOrder(const std::shared_ptr<Memory>& memory, const char* name, int evalu
         o.evaluate(q, v);
         kernels::rneaOutward(o, s.w, v, a, static_cast<const Force<double>*>(nullptr));
         kernels::rneaInward(o, s.w, s.tau.data());
-        kernels::addArmature(s.scene.m, a, s.tau.data());
-        kernels::addLosses(s.scene.m, 1.0, v, s.tau.data());
+        kernels::addJointForces(s.scene.m, v, a, s.tau.data());
       },
       x.tau.data(), x.tau.size());
   add(

@@ -154,8 +154,7 @@ void Library::rnea(const double* q, const double* vq, const double* aq) {
       joint.project(f[at(i)], tau.data());
       if (parent[at(i)] > 0) f[at(parent[at(i)])] += liMi[at(i)].act(f[at(i)]);
     });
-  kernels::addArmature(m, aq, tau.data());
-  kernels::addLosses(m, 1.0, vq, tau.data());
+  kernels::addJointForces(m, vq, aq, tau.data());
 }
 
 void Library::crba(const double* q) {

@@ -171,8 +171,7 @@ void inverseDynamics(const CompactImpl& m, Tracer& t, const T* q, const T* v, co
   t.evaluate(q, v);
   kernels::rneaOutward(t.bodies, t.w, v, a, no_forces);
   kernels::rneaInward(t.bodies, t.w, tau.data());
-  kernels::addArmature(m, a, tau.data());
-  kernels::addLosses(m, 1.0, v, tau.data());
+  kernels::addJointForces(m, v, a, tau.data());
   out = tau;
 }
 
@@ -201,7 +200,7 @@ void abaDerivatives(const CompactImpl& m, Tracer& t, const std::vector<T*>& in, 
   Numbers tau, ddq, by_q(n * n), by_v(n * n), inverse;
   forwardDynamics(m, t, in, tau, ddq);
   t.evaluateSubspaceDerivatives(in[0], in[1]);
-  kernels::derivativesOutward(t.bodies, t.w, t.d, t.bodies.gravity(), static_cast<const T*>(in[1]), static_cast<const T*>(ddq.data()), no_forces);
+  kernels::derivativesOutward<T>(t.bodies, t.w, t.d, t.bodies.gravity(), static_cast<const T*>(in[1]), static_cast<const T*>(ddq.data()), no_forces);
   kernels::abaDerivativesInward(t.bodies, t.w, t.d);
   kernels::pathSweep<T>(t.bodies, t.w, t.d);
   kernels::ownColumns(t.bodies, t.w, t.d);
@@ -303,8 +302,9 @@ const std::vector<Recipe>& recipes() {
        [](const CompactImpl& m, Tracer& t, const std::vector<T*>& in, Numbers& out) {
          t.evaluate(in[0], in[1]);
          t.evaluateSubspaceDerivatives(in[0], in[1]);
-         kernels::derivativesOutward(t.bodies, t.w, t.d, t.bodies.gravity(), static_cast<const T*>(in[1]), static_cast<const T*>(in[2]), no_forces);
-         kernels::derivativesInward(t.bodies, t.w, t.d);
+         kernels::derivativesOutward<T>(t.bodies, t.w, t.d, t.bodies.gravity(), static_cast<const T*>(in[1]), static_cast<const T*>(in[2]),
+                                        no_forces);
+         kernels::derivativesInward<T>(t.bodies, t.w, t.d);
          kernels::derivativesSweep<T>(t.bodies, t.w, t.d);
          append(m, t.d.by_q, out);
          append(m, t.d.by_v, out);
@@ -325,7 +325,7 @@ const std::vector<Recipe>& recipes() {
          out.resize(6 * at(m.nvx));
          const Numbers zero(at(m.nvx));
          t.evaluate(in[0], nullptr);
-         kernels::momenta(t.bodies, t.w, t.d, zero.data());
+         kernels::momenta<T>(t.bodies, t.w, t.d, zero.data());
          kernels::CentroidalMaps<T> maps;
          maps.Ag = out.data();
          kernels::centroidal(t.bodies, t.w, t.d, maps);

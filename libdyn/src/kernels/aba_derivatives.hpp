@@ -23,9 +23,9 @@ void subtractOuter(Mat3<S>& from, const Vec3<S>& a, const Vec3<S>& b) {
 
 /// Of a rigid body: what coriolis() is as a matrix.
 template <class S>
-CoriolisMap<S> coriolisMap(const SubtreeMotion<S>& c) {
-  const S trace = c.K(0, 0) + c.K(1, 1) + c.K(2, 2);
-  CoriolisMap<S> map{S(-2) * skew(c.momentum.linear), S(-2) * c.K};
+CoriolisMap<S> coriolisMap(const Vec3<S>& momentum, const Mat3<S>& K) {
+  const S trace = K(0, 0) + K(1, 1) + K(2, 2);
+  CoriolisMap<S> map{S(-2) * skew(momentum), S(-2) * K};
   for (int k = 0; k < 3; ++k) map.angular(k, k) += S(2) * trace;
   return map;
 }
@@ -43,19 +43,21 @@ CoriolisMap<S> shiftedMap(const CoriolisMap<S>& map, const ArticulatedInertia<S>
 /// rigid inertias and forces in w. w.failed tells lane by lane whether a pivot vanished.
 template <class S, class Order>
 void abaDerivativesInward(const Order& order, Workspace<S>& w, DerivativeWorkspace<S>& d) {
-  using D = DerivativeWorkspace<S>;
+  using F = DofForces<S>;
   for (int& body : w.failed) body = 0;
   order.backward([&]<class Joint>(const Joint&, int i, int iv) {
-    ArticulatedInertia<S> IA = ArticulatedInertia<S>::rigid(w.mass[i], w.h[i], w.Io[i]);
-    CoriolisMap<S> map = coriolisMap(d.body[i]);
+    const Subtree<S>& own = d.subtree[i];
+    ArticulatedInertia<S> IA = ArticulatedInertia<S>::rigid(own.m.mass, own.m.h, own.m.I);
+    CoriolisMap<S> map = coriolisMap(own.m.momentum.linear, own.K);
     if (!order.isLeaf(i)) {
       IA += w.IA[i];
       map += d.coriolis[i];
     }
-    const Force<S> f = w.f[i];
+    Force<S>& f = w.f[i];
+    f = order.isLeaf(i) ? own.f : own.f + f;
     eliminateJoint<Joint>(order, w, d, IA, i, iv, [&](int k, const auto& column, const Force<S>& W, const S& inverse) {
       const Vec3<S> lever = inverse * column.along(map.linear, map.angular);
-      writeVector(lever, Rows<S>{d.force[D::lever], d.force.stride}, iv + k);
+      d.force.putPart(iv + k, F::at_lever, lever);
       subtractOuter(map.linear, W.linear, lever);
       subtractOuter(map.angular, W.angular, lever);
     });
@@ -63,17 +65,17 @@ void abaDerivativesInward(const Order& order, Workspace<S>& w, DerivativeWorkspa
     // What each column hands to the parent; by q the subtree's force turns, too.
     for (int m = 0; m < Joint::nv; ++m) {
       const Motion<S>& s = w.dof[iv + m].S_;
-      const DofVariation<S>& x = d.dof[iv + m];
+      const DofVariation<S> x = d.dof[iv + m];
       const auto handed = [&](const Motion<S>& acceleration, const Vec3<S>& turning) {
         return IA * acceleration + Force<S>{map.linear * turning, map.angular * turning};
       };
-      writeForce(handed(x.acceleration, x.velocity.angular) + turnedOf<Joint>(s, f), Rows<S>{d.force[D::force_by_q], d.force.stride}, iv + m);
-      writeForce(handed(x.rate, s.angular), Rows<S>{d.force[D::force_by_v], d.force.stride}, iv + m);
+      d.force.putPart(iv + m, F::at_by_q, handed(x.acceleration, x.velocity.angular) + turnedOf<Joint>(s, f));
+      d.force.putPart(iv + m, F::at_by_v, handed(x.rate, s.angular));
     }
     const Vec3<S>& r = w.r[i];
-    order.handOver(d.coriolis, i, shiftedMap(map, IA, r, d.body[i].shift_rate));
+    order.handOver(d.coriolis, i, shiftedMap(map, IA, r, d.shift_rate[i]));
     order.handOver(w.IA, i, IA.shifted(r));
-    order.addToParent(w.f, i, Force<S>{f.linear, f.angular + cross(r, f.linear)});
+    order.handOver(w.f, i, Force<S>{f.linear, f.angular + cross(r, f.linear)});
   });
 }
 

@@ -9,7 +9,7 @@
 namespace dyn::kernels {
 
 /// What momentum and its map take, and no more: placements, velocities and composite inertias and momenta.
-template <class S>
+template <class Wide, class S>
 void momenta(const Bodies<S>& bodies, Workspace<S>& w, DerivativeWorkspace<S>& d, const S* v) {
   w.w[0] = {};
   bodies.forward([&]<class Joint>(const Joint& joint, int i, int iv) {
@@ -19,25 +19,21 @@ void momenta(const Bodies<S>& bodies, Workspace<S>& w, DerivativeWorkspace<S>& d
     const Vec3<S>& wp = bodies.parent(w.w, i);
     const Motion<S> s = joint.timesIn(R, v + iv);
     const Vec3<S> omega = wp + s.angular;
-    const auto [h, I] = alignedInertia<S, Joint>(bodies, i, c, R);
     w.w[i] = omega;
-    w.mass[i] = c.mass;
-    w.h[i] = h;
-    w.Io[i] = I;
-    d.body[i].shift_rate = cross(wp, w.r[i]) + s.linear;
-    d.body[i].momentum = {cross(omega, h), I * omega};
-    for (int k = 0; k < Joint::nv; ++k) {
-      w.dof[iv + k].S_ = joint.columnIn(R, k);
+    d.shift_rate[i] = cross(wp, w.r[i]) + s.linear;
+    if constexpr (abreast<S> > 1) {
+      d.body_motion.put(i, {R, omega, {}});
+    } else {
+      const auto [h, I] = alignedInertia<S, Joint>(bodies, i, c, R);
+      d.subtree[i].m = ownMomentum(S(c.mass), h, I, omega);
     }
+    writeColumns(joint, R, w.dof + iv);
   });
+  if constexpr (abreast<S> > 1) ownMomenta<Wide>(bodies.m, d);
   bodies.backward([&]<class Joint>(const Joint&, int i, int iv) {
-    for (int k = 0; k < Joint::nv; ++k) writeForce(rigidForceOf<Joint>(w.mass[i], w.h[i], w.Io[i], w.dof[iv + k].S_), d.force, iv + k);
-    if (bodies.isRoot(i)) return;
-    const int parent = bodies.parentOf(i);
-    d.body[parent].momentum += momentumInParent(d.body[i], w.mass[i], w.h[i], w.r[i]);
-    w.Io[parent] += shiftedInertia(w.Io[i], w.mass[i], w.h[i], w.r[i]);
-    w.h[parent] += w.h[i] + w.mass[i] * w.r[i];
-    w.mass[parent] += w.mass[i];
+    const SubtreeMomentum<S>& m = d.subtree[i].m;
+    for (int k = 0; k < Joint::nv; ++k) d.force.putPart(iv + k, DofForces<S>::at_by_a, rigidForceOf<Joint>(m, w.dof[iv + k].S_));
+    if (!bodies.isRoot(i)) addTo(d.subtree[bodies.parentOf(i)].m, m, w.r[i], d.shift_rate[i]);
   });
 }
 
@@ -46,22 +42,23 @@ void momenta(const Bodies<S>& bodies, Workspace<S>& w, DerivativeWorkspace<S>& d
 template <class S>
 CentroidalState<S> centroidal(const Bodies<S>& bodies, Workspace<S>& w, DerivativeWorkspace<S>& d, const CentroidalMaps<S>& out) {
   const CompactImpl& m = bodies.m;
-  using D = DerivativeWorkspace<S>;
+  using F = DofForces<S>;
   // The first root is where the others are seen from.
   const int first = 1;
   const auto axesOf = [&](int root) { return bodies.index(root).flying_root ? w.rel[root].R : Mat3<S>::identity(); };
   const auto originOf = [&](int root) { return bodies.index(root).flying_root ? w.rel[root].p : w.r[root]; };
-  const auto speedOf = [&](int root) { return axesOf(root) * d.body[root].shift_rate; };
+  const auto speedOf = [&](int root) { return axesOf(root) * d.shift_rate[root]; };
   S mass(0);
   Vec3<S> moment, flow;  // of mass, and of momentum, about the first root's origin and relative to its speed; world axes
   for (int root = first; root < m.bodies(); root = bodies.treeEnd(root)) {
     const Mat3<S> R = axesOf(root);
-    mass += w.mass[root];
-    moment += R * w.h[root];
-    flow += R * d.body[root].momentum.linear;
+    const SubtreeMomentum<S>& c = d.subtree[root].m;
+    mass += c.mass;
+    moment += R * c.h;
+    flow += R * c.momentum.linear;
     if (root == first) continue;
-    moment += w.mass[root] * (originOf(root) - originOf(first));
-    flow += w.mass[root] * (speedOf(root) - speedOf(first));
+    moment += c.mass * (originOf(root) - originOf(first));
+    flow += c.mass * (speedOf(root) - speedOf(first));
   }
   const Vec3<S> centre = (S(1) / mass) * moment, drift = (S(1) / mass) * flow;
 
@@ -75,15 +72,15 @@ CentroidalState<S> centroidal(const Bodies<S>& bodies, Workspace<S>& w, Derivati
       const Mat3<S> R = axesOf(i);
       const Vec3<S> apart = i == first ? Vec3<S>{} : originOf(i) - originOf(first), parting = i == first ? Vec3<S>{} : speedOf(i) - speedOf(first);
       place = {transposeTimes(R, centre - apart), transposeTimes(R, drift - parting)};
-      const SubtreeMotion<S>& c = d.body[i];
+      const SubtreeMomentum<S>& c = d.subtree[i].m;
       const auto about = [&](const Force<S>& f) { return Force<S>{R * f.linear, R * (f.angular - cross(place.linear, f.linear))}; };
       // Relative to the centre's own speed the whole has no linear momentum: that of the world is added at the end.
-      const Vec3<S> linear = c.momentum.linear - w.mass[i] * place.angular;
-      sum.momentum += about({linear, c.momentum.angular - cross(w.h[i], place.angular)});
-      if (out.rates) sum.rate += about(w.f[i]);
-      sum.inertia += congruence(R, shiftedInertia(w.Io[i], w.mass[i], w.h[i], -place.linear));
+      const Vec3<S> linear = c.momentum.linear - c.mass * place.angular;
+      sum.momentum += about({linear, c.momentum.angular - cross(c.h, place.angular)});
+      if (out.rates) sum.rate += about(d.subtree[i].f);
+      sum.inertia += congruence(R, shiftedInertia(c.I, c.mass, c.h, -place.linear));
     } else {
-      place = {d.place[x.parent].linear - w.r[i], d.place[x.parent].angular - d.body[i].shift_rate};
+      place = {d.place[x.parent].linear - w.r[i], d.place[x.parent].angular - d.shift_rate[i]};
     }
   }
   sum.momentum.linear = mass * (speedOf(first) + drift);
@@ -94,15 +91,13 @@ CentroidalState<S> centroidal(const Bodies<S>& bodies, Workspace<S>& w, Derivati
     if (x.parent == 0) root = i;
     const Mat3<S> R = axesOf(root);
     const Vec3<S>&y = d.place[i].linear, &dy = d.place[i].angular;
-    const SubtreeMotion<S>& c = d.body[i];
+    const SubtreeMomentum<S>& c = d.subtree[i].m;
+    const Mat3<S>& K = d.subtree[i].K;
     const Vec3<S> total_force = (S(1) / mass) * transposeTimes(R, sum.rate.linear);
     for (int k = x.idx_v; k < x.idx_v + x.nv; ++k) {
       const Motion<S>& s = w.dof[k].S_;
-      const DofVariation<S>& change = d.dof[k];
-      const auto read = [&](int component) {
-        const auto at = [&](int c0) { return d.force[component + c0][k]; };
-        return Force<S>{{at(0), at(1), at(2)}, {at(3), at(4), at(5)}};
-      };
+      const DofVariation<S> change = d.dof[k];
+      const auto read = [&](int component) { return d.force.template part<Force>(k, component); };
       const auto write = [&](S* to, const Force<S>& f) {
         const Vec3<S> linear = R * f.linear, angular = R * (f.angular - cross(y, f.linear));
         for (int r = 0; r < 3; ++r) {
@@ -110,13 +105,13 @@ CentroidalState<S> centroidal(const Bodies<S>& bodies, Workspace<S>& w, Derivati
           to[6 * k + 3 + r] = angular[r];
         }
       };
-      const Force<S> U = read(0);
+      const Force<S> U = read(F::at_by_a);
       if (out.Ag) write(out.Ag, U);
-      const auto inertiaTimes = [&](const Motion<S>& b) { return rigidForce(w.mass[i], w.h[i], w.Io[i], b); };
+      const auto inertiaTimes = [&](const Motion<S>& b) { return rigidForce(c, b); };
       if (out.dAg) {
         // d(I s)/dt = I ds/dt + (v x* I - I v x) s, of which coriolis() is the second part plus s x* (momentum).
         const Motion<S> ds = change.rate - change.velocity;
-        const Force<S> rate = inertiaTimes(ds) + coriolis(c, s.angular) - turned(s, c.momentum);
+        const Force<S> rate = inertiaTimes(ds) + coriolis(c, K, s.angular) - turned(s, c.momentum);
         write(out.dAg, {rate.linear, rate.angular - cross(dy, U.linear)});
       }
       if (out.dh_dq) {
@@ -124,10 +119,10 @@ CentroidalState<S> centroidal(const Bodies<S>& bodies, Workspace<S>& w, Derivati
         write(out.dh_dq, {change_of_momentum.linear, change_of_momentum.angular + cross(dy, U.linear)});
       }
       if (out.dhdot_dq) {
-        const Force<S> by_q = read(D::force_by_q);
+        const Force<S> by_q = read(F::at_by_q);
         write(out.dhdot_dq, {by_q.linear, by_q.angular - cross(U.linear, total_force)});
       }
-      if (out.dhdot_dv) write(out.dhdot_dv, read(D::force_by_v));
+      if (out.dhdot_dv) write(out.dhdot_dv, read(F::at_by_v));
     }
   }
   return sum;

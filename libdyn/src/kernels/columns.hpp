@@ -35,8 +35,18 @@ struct Square {
     for (int i = 0; i < lanes; ++i) write(i, to + i * stride);
   }
   void transpose() { exchangeFrom<1>(); }
+  /// Takes another's numbers k of each row beyond k.
+  void replaceAbove(const Square& other) {
+    [&]<int... row>(std::integer_sequence<int, row...>) {
+      (replaceBefore<row>(other, std::make_integer_sequence<int, lanes>()), ...);
+    }(std::make_integer_sequence<int, lanes>());
+  }
 
  private:
+  template <int row, int... k>
+  void replaceBefore(const Square& other, std::integer_sequence<int, k...>) {
+    rows[row] = __builtin_shufflevector(rows[row], other.rows[row], (k < row ? lanes + k : k)...);
+  }
   /// Rounds of blocks of `d` numbers and more.
   template <int d>
   void exchangeFrom() {
@@ -57,6 +67,33 @@ struct Square {
     a = even;
   }
 };
+
+/// Structs of `numbers` numbers S, a multiple of the lanes of Wide, each into a lane; from[l] is the first number of lane l's.
+template <int numbers, class Wide, class S>
+void gatherStructs(const S* const* from, Wide* to) {
+  constexpr int lanes = lanes_of<Wide>;
+  S* out = reinterpret_cast<S*>(to);
+  Square<S, lanes> square;
+#pragma GCC unroll 8
+  for (int k = 0; k < numbers; k += lanes) {
+    for (int l = 0; l < lanes; ++l) square.read(l, from[l] + k);
+    square.transpose();
+    square.write(out + k * lanes, lanes);
+  }
+}
+/// The way back, into structs that follow one another, `stride` numbers apart.
+template <int numbers, class Wide, class S>
+void scatterStructs(const Wide* from, S* to, std::ptrdiff_t stride) {
+  constexpr int lanes = lanes_of<Wide>;
+  const S* in = reinterpret_cast<const S*>(from);
+  Square<S, lanes> square;
+#pragma GCC unroll 8
+  for (int k = 0; k < numbers; k += lanes) {
+    square.read(in + k * lanes, lanes);
+    square.transpose();
+    square.write(to + k, stride);
+  }
+}
 
 /// Columns of the caller's; null ones count as zeros.
 template <class T>

@@ -8,13 +8,20 @@ namespace dyn::kernels {
 /// C(q, v) into d.by_v, with C v = nle - g and dM/dt - 2 C skew-symmetric; after derivativesOutward, whose rates it replaces.
 ///   C_ij = s_i . (I ds_j/dt + B s_j) where j is on i's path, s_i . (I ds_j/dt + B s_j) of j's subtree where i is on j's,
 /// with 2 B what coriolis() is: half of what the sweep makes of a rate of 2 ds/dt.
-template <class Wide, class S, class Order>
+template <class Wide, class Pack, class S, class Order>
 void coriolisMatrix(const Order& order, Workspace<S>& w, DerivativeWorkspace<S>& d) {
   const int n = order.m.nvx;
-  for (int k = 0; k < n; ++k) d.dof[k].rate = S(2) * (d.dof[k].rate - d.dof[k].velocity);
-  derivativesInward(order, w, d);
-  for (int c = 0; c < DerivativeWorkspace<S>::components; ++c)
-    for (int k = 0; k < n; ++k) d.force[c][k] *= S(0.5);
+  for (int k = 0; k < n; ++k) {
+    DofVariation<S> x = d.dof[k];
+    x.rate = S(2) * (x.rate - x.velocity);
+    d.dof.put(k, x);
+  }
+  derivativesInward<Pack>(order, w, d);
+  for (int k = 0; k < n; ++k) {
+    const DofForces<S> x = d.force[k];
+    const S half(0.5);
+    d.force.put(k, {half * x.by_a, half * x.lever, half * x.by_q, half * x.by_v});
+  }
   pathSweep<Wide>(order, w, d);
   order.backward([&]<class Joint>(const Joint&, int, int iv) {
     for (int l = 0; l < Joint::nv; ++l)

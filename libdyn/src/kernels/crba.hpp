@@ -19,7 +19,7 @@ void inertiasOutward(const Order& order, Workspace<S>& w) {
   order.forward([&]<class Joint>(const Joint& joint, int i, int iv) {
     const auto& c = order.constants(i);
     placeAligned<S>(joint, order, c.placement, i, w);
-    const Mat3<S> R = w.R[i];
+    const Mat3<S>& R = w.R[i];
     w.mass[i] = c.mass;
     const auto [h, I] = alignedInertia<S, Joint>(order, i, c, R);
     w.h[i] = h;

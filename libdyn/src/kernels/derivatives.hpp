@@ -23,6 +23,22 @@ struct SubspaceDerivatives {
   Motion<S> biasRate(int m, int slot) const { return at(bias, 6 * m, slot); }
 };
 
+/// A body in motion: its axes in aligned axes, which all vectors here are in, and the motion of its origin (rnea.hpp's classical acceleration).
+template <class S>
+struct BodyMotion {
+  Mat3<S> R;
+  Vec3<S> w;
+  Motion<S> acceleration;
+};
+/// A degree of freedom in motion: its column, and what its body and the parent do.
+template <class S>
+struct DofMotion {
+  Motion<S> column;
+  Vec3<S> w_parent, w;
+  Motion<S> acceleration;  ///< of the parent where the joint's origin is
+  Vec3<S> slide;           ///< velocity at which the joint carries its origin
+};
+
 /// Of one degree of freedom, aligned axes, at the joint's origin, in the inertial frame that moves as that origin does: how the velocity
 /// and the acceleration of the whole subtree change with it, beside what turning the subtree rigidly changes.
 template <class S>
@@ -31,13 +47,37 @@ struct DofVariation {
   Motion<S> acceleration;  ///< w.r.t. q
   Motion<S> rate;          ///< of the acceleration w.r.t. v
 };
-
-/// Per body, beside Workspace: composite quantities of the subtree about the joint's origin, velocities relative to that origin's.
+/// What a joint of varying subspace adds, in aligned axes; zero for the others.
 template <class S>
-struct SubtreeMotion {
-  Vec3<S> shift_rate;  ///< velocity of the joint's origin relative to the parent's
-  Force<S> momentum;   ///< linear; angular about the joint's origin
-  Mat3<S> K;           ///< sum of mass * velocity * position^T
+struct SubspaceTerms {
+  Motion<S> velocity, acceleration, rate;  ///< E; A + H; sum_n dS_m/dq_n v_n
+};
+
+/// Of a body or its subtree, about the joint's origin, velocities relative to that origin's.
+template <class S>
+struct SubtreeMomentum {
+  S mass;
+  Vec3<S> h;
+  Sym3<S> I;
+  Force<S> momentum;
+};
+/// With what turning rates and accelerations bring to it.
+template <class S>
+struct Subtree {
+  SubtreeMomentum<S> m;
+  Mat3<S> K;  ///< sum of mass * velocity * position^T
+  Force<S> f;
+  S unused;  ///< whole squares of numbers are turned between structs and lanes
+};
+
+/// Forces about its joint's origin that a degree of freedom's motion, and its variation, bring; on their way to the root, about the origins there.
+template <class S>
+struct DofForces {
+  Force<S> by_a;  ///< I s; in aba the articulated inertia's, / pivot
+  Vec3<S> lever;  ///< of by_a's on turning rates
+  Force<S> by_q, by_v;
+  /// Where each begins, in numbers, and its angular part.
+  static constexpr int at_by_a = 0, at_lever = 6, at_by_q = 9, at_by_v = 15, angular = 3;
 };
 
 /// Force that each turning rate brings to a subtree whose joints are free to move.
@@ -66,17 +106,19 @@ template <class S>
 struct DerivativeWorkspace {
   SubspaceDerivatives<S>* subspaces = nullptr;  ///< by batch; empty ones but for dense shapes
   Dual<double>* dual = nullptr;                 ///< of the largest batch: q, v, pose, subspace, bias
-  DofVariation<S>* dof = nullptr;
-  SubtreeMotion<S>* body = nullptr;
+  AoSoA<BodyMotion, S> body_motion;             ///< these two where neighbours stand abreast; elsewhere they are used at once
+  AoSoA<DofMotion, S> dof_motion;
+  AoSoA<SubspaceTerms, S> terms;
+  AoSoA<DofVariation, S> dof;
+  Vec3<S>* shift_rate = nullptr;       ///< velocity of each joint's origin relative to the parent's
+  Subtree<S>* subtree = nullptr;       ///< by body: its own first, then with its children's
   CoriolisMap<S>* coriolis = nullptr;  ///< articulated, of what the children hand over [aba]
-  Rows<S> force;  ///< components: I S (6) and its lever on turning rates (3), by articulated inertias / pivot in aba; force by q (6), by v (6)
+  AoSoA<DofForces, S> force;
   PathMatrix<S> by_q, by_v, by_a;
   TreeFactors<S> factors;
   PathFactors<S> cholesky;
   Rows<S> scratch;             ///< nvx rows of nvx numbers
   Motion<S>* place = nullptr;  ///< [centroidal] from each joint's origin to the centre of mass, and its rate, aligned axes
-
-  static constexpr int lever = 6, force_by_q = 9, force_by_v = 15, components = 21;
 };
 
 template <class S>
@@ -97,19 +139,27 @@ void carve(DerivativeWorkspace<S>& w, const CompactImpl& m, Arena& arena) {
   }
   arena.take(w.dual, numbers);
   const auto nv = static_cast<std::size_t>(m.nvx);
+  const auto bodies = static_cast<std::size_t>(m.bodies());
   arena.take(w.dof, nv);
-  arena.take(w.body, static_cast<std::size_t>(m.bodies()));
-  arena.take(w.place, static_cast<std::size_t>(m.bodies()));
-  arena.take(w.force, DerivativeWorkspace<S>::components, m.nvx);
+  arena.take(w.shift_rate, bodies);
+  arena.take(w.subtree, (bodies + abreast<S> - 1) / abreast<S> * abreast<S>);
+  if constexpr (abreast<S> > 1) {
+    arena.take(w.body_motion, bodies);
+    arena.take(w.dof_motion, nv);
+    arena.take(w.terms, nv);
+  }
+  arena.take(w.place, bodies);
+  arena.take(w.force, nv);
+  const int rows = (m.nvx + abreast<S> - 1) / abreast<S> * abreast<S>;  // for whole tiles
   for (PathMatrix<S>* matrix : {&w.by_q, &w.by_v, &w.by_a}) {
-    arena.take(matrix->below, m.nvx, m.nvx);
-    if (matrix != &w.by_a && !PathMatrix<S>::in_place) arena.take(matrix->right, m.nvx, m.nvx);
+    arena.take(matrix->below, rows, m.nvx);
+    if (matrix != &w.by_a && !PathMatrix<S>::in_place) arena.take(matrix->right, rows, m.nvx);
   }
   w.by_a.right = w.by_a.below;  // symmetric
   carve(w.factors, m.nvx, arena);
   if constexpr (lanes_of<S> == 1) carve(w.cholesky, m, arena);
-  arena.take(w.scratch, m.nvx, m.nvx);
-  arena.take(w.coriolis, static_cast<std::size_t>(m.bodies()));
+  arena.take(w.scratch, rows, m.nvx);
+  arena.take(w.coriolis, bodies);
 }
 
 /// One differentiated call a batch and degree of freedom of its type. q and v in expanded coordinates.

@@ -127,8 +127,8 @@ void derivativesAlong(const CompactImpl& m, const Workspace<double>& w, const De
                       int k, DualState& s, double* by_q, double* by_v, double* by_a) {
   moveAlong(m, w, d, q, v, i, k, s);
   const Bodies<D> bodies{m, s.w};
-  derivativesOutward(bodies, s.w, s.d, bodies.gravity(), s.v, s.a, static_cast<const Force<D>*>(nullptr));
-  derivativesInward(bodies, s.w, s.d);
+  derivativesOutward<D>(bodies, s.w, s.d, bodies.gravity(), s.v, s.a, static_cast<const Force<D>*>(nullptr));
+  derivativesInward<D>(bodies, s.w, s.d);
   derivativesSweep<D>(bodies, s.w, s.d);
   changesOf(m, s.d.by_q, s.matrix, by_q);
   changesOf(m, s.d.by_v, s.matrix, by_v);

@@ -37,8 +37,7 @@ SingleKernels singleKernels() {
     const Bodies<double> bodies{m, w};
     rneaOutward(bodies, w, v, a, fext);
     rneaInward(bodies, w, tau);
-    addArmature(m, a, tau);
-    addLosses(m, 1.0, v, tau);
+    addJointForces(m, v, a, tau);
   };
   k.massMatrix = [](const CompactImpl& m, W& w, double* M) { kernels::massMatrix(Bodies<double>{m, w}, w, M); };
   k.articulate = [](const CompactImpl& m, W& w, const double* v, const double* tau, const Force<double>* fext) {
@@ -92,8 +91,7 @@ void runBlock(const CompactImpl& m, char* scratch, Block<T>& b) {
     case Task::rnea:
       rneaOutward(bodies, w, s.v, s.a, static_cast<const Force<S>*>(nullptr));
       rneaInward(bodies, w, s.result);
-      addArmature(m, s.a, s.result);
-      addLosses(m, 1.0, s.v, s.result);
+      addJointForces(m, s.v, s.a, s.result);
       break;
     case Task::mass_matrix: {
       const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(m.nvx) * m.nvx;

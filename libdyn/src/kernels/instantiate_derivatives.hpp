@@ -21,14 +21,14 @@ void addDerivatives(SingleKernels& k) {
   k.evaluateSubspaces = [](const CompactImpl& m, D& d, const double* q, const double* v) { evaluateSubspaceDerivatives(m, d, q, v); };
   k.rneaDerivatives = [](const CompactImpl& m, W& w, D& d, const double* v, const double* a, const Force<double>* fext) {
     const Bodies<double> bodies{m, w};
-    derivativesOutward(bodies, w, d, bodies.gravity(), v, a, fext);
-    derivativesInward(bodies, w, d);
-    derivativesSweep<Wide>(bodies, w, d);
+    derivativesOutward<Panel>(bodies, w, d, bodies.gravity(), v, a, fext);
+    derivativesInward<Panel>(bodies, w, d);
+    derivativesSweep<Panel>(bodies, w, d);
   };
   k.abaDerivatives = [](const CompactImpl& m, W& w, D& d, const double* v, const double* a, const Force<double>* fext, double* by_q, double* by_v,
                         double* inverse) {
     const Bodies<double> bodies{m, w};
-    derivativesOutward(bodies, w, d, bodies.gravity(), v, a, fext);
+    derivativesOutward<Panel>(bodies, w, d, bodies.gravity(), v, a, fext);
     abaDerivativesInward(bodies, w, d);
     pathSweep<Wide>(bodies, w, d);
     ownColumns(bodies, w, d);
@@ -42,21 +42,22 @@ void addDerivatives(SingleKernels& k) {
   k.centroidal = [](const CompactImpl& m, W& w, D& d, const double* v, const double* a, const CentroidalMaps<double>& out) {
     const Bodies<double> bodies{m, w};
     if (out.rates) {
-      derivativesOutward(bodies, w, d, Vec3<double>{}, v, a, static_cast<const Force<double>*>(nullptr));
-      derivativesInward(bodies, w, d);
+      derivativesOutward<Panel>(bodies, w, d, Vec3<double>{}, v, a, static_cast<const Force<double>*>(nullptr));
+      derivativesInward<Panel>(bodies, w, d);
     } else {
-      momenta(bodies, w, d, v);
+      momenta<Panel>(bodies, w, d, v);
     }
     return kernels::centroidal(bodies, w, d, out);
   };
   k.coriolis = [](const CompactImpl& m, W& w, D& d, const double* v) {
     const Bodies<double> bodies{m, w};
     std::fill(d.scratch.first, d.scratch.first + m.nvx, 0.0);
-    derivativesOutward(bodies, w, d, Vec3<double>{}, v, static_cast<const double*>(d.scratch.first), static_cast<const Force<double>*>(nullptr));
-    coriolisMatrix<Wide>(bodies, w, d);
+    derivativesOutward<Panel>(bodies, w, d, Vec3<double>{}, v, static_cast<const double*>(d.scratch.first),
+                              static_cast<const Force<double>*>(nullptr));
+    coriolisMatrix<Wide, Panel>(bodies, w, d);
   };
   k.factorTimes = [](const CompactImpl& m, D& d, FactorProduct product, double* x) { kernels::factorTimes<Wide>(m, d.cholesky, product, x); };
-  k.assemble = [](const CompactImpl& m, const PathMatrix<double>& from, double* out) { from.assemble<Wide>(m.dof_end, Rows<double>{out, m.nvx}); };
+  k.assemble = [](const CompactImpl& m, const PathMatrix<double>& from, double* out) { from.assemble<Panel>(m.dof_end, Rows<double>{out, m.nvx}); };
   k.choleskyDecompose = [](const CompactImpl& m, D& d, const double* M) {
     int failed = 0;
     kernels::choleskyDecompose<Wide>(m, M, d.cholesky, &failed);
@@ -109,8 +110,8 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b)
   switch (b.task) {
     case Task::rnea_derivatives:
       evaluateSubspaceDerivatives(m, d, s.q, s.v);
-      derivativesOutward(bodies, w, d, bodies.gravity(), s.v, s.a, none);
-      derivativesInward(bodies, w, d);
+      derivativesOutward<S>(bodies, w, d, bodies.gravity(), s.v, s.a, none);
+      derivativesInward<S>(bodies, w, d);
       derivativesSweep<S>(bodies, w, d);
       put(0, whole(d.by_q), n * n);
       put(1, whole(d.by_v), n * n);
@@ -123,7 +124,7 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b)
       abaSolve(bodies, w, bodies.gravity(), s.result);
       put(3, s.result, n);
       evaluateSubspaceDerivatives(m, d, s.q, s.v);
-      derivativesOutward(bodies, w, d, bodies.gravity(), s.v, s.result, none);
+      derivativesOutward<S>(bodies, w, d, bodies.gravity(), s.v, s.result, none);
       abaDerivativesInward(bodies, w, d);
       pathSweep<S>(bodies, w, d);
       ownColumns(bodies, w, d);
@@ -152,8 +153,8 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b)
     case Task::coriolis:
       evaluateSubspaceDerivatives(m, d, s.q, s.v);
       std::fill(s.a, s.a + n, S(0));
-      derivativesOutward(bodies, w, d, Vec3<S>{}, s.v, s.a, none);
-      coriolisMatrix<S>(bodies, w, d);
+      derivativesOutward<S>(bodies, w, d, Vec3<S>{}, s.v, s.a, none);
+      coriolisMatrix<S, S>(bodies, w, d);
       return put(0, whole(d.by_v), n * n);
     default: {
       CentroidalMaps<S> maps;
@@ -167,10 +168,10 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b)
       }
       if (maps.rates) {
         evaluateSubspaceDerivatives(m, d, s.q, s.v);
-        derivativesOutward(bodies, w, d, Vec3<S>{}, s.v, s.a, none);
-        derivativesInward(bodies, w, d);
+        derivativesOutward<S>(bodies, w, d, Vec3<S>{}, s.v, s.a, none);
+        derivativesInward<S>(bodies, w, d);
       } else {
-        momenta(bodies, w, d, s.v);
+        momenta<S>(bodies, w, d, s.v);
       }
       const CentroidalState<S> state = kernels::centroidal(bodies, w, d, maps);
       if (b.task == Task::centroidal_derivatives) {

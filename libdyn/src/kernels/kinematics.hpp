@@ -6,12 +6,18 @@
 
 namespace dyn::kernels {
 
-/// Pose in the world of body i from that in its parent's frame. Poses have no inertias to turn: it is enough that long chains do not drift.
+/// Whether body i's rotation in the world is brought back to the rotations. Poses have no inertias to turn: it is enough that long chains do
+/// not drift.
+template <class Order>
+bool isRenewed(const Order& order, int i) {
+  return order.depth(i) % 16 == 0;
+}
+
+/// Pose in the world of body i from that in its parent's frame.
 template <class S, class Order>
 SE3<S> placedInWorld(const Order& order, const Workspace<S>& w, const SE3<S>& rel, int i) {
   const SE3<S>& parent = order.parent(w.oM, i);
-  const bool renew = order.depth(i) % 16 == 0;
-  return {renew ? renewed(parent.R * rel.R) : parent.R * rel.R, parent.act(rel.p)};
+  return {isRenewed(order, i) ? renewed(parent.R * rel.R) : parent.R * rel.R, parent.act(rel.p)};
 }
 
 /// Number by number: what was just made that way stalls the core when it is copied in blocks.
@@ -27,10 +33,10 @@ void placeInWorld(const Joint& joint, const Order& order, int i, Workspace<S>& w
   const auto& placement = order.constants(i).placement;
   if constexpr (std::is_same_v<S, double> && Joint::about_z) {
     const SE3<S>& parent = order.parent(w.oM, i);
-    const PoseRows rel = PoseRows::load(placement).turned(joint.c, joint.s);
+    const PoseRows rel = PoseRows::load(placement).turnZ(joint.c, joint.s);
     rel.store({}, w.rel[i]);
-    turnedBy(parent.R, rel).store(parent.p, w.oM[i]);
-    if (order.depth(i) % 16 == 0) w.oM[i].R = renewed(w.oM[i].R);
+    (parent.R * rel).store(parent.p, w.oM[i]);
+    if (isRenewed(order, i)) w.oM[i].R = renewed(w.oM[i].R);
   } else {
     const SE3<S> rel = placedInParent<S>(joint, placement);
     store(rel, w.rel[i]);

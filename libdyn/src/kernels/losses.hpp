@@ -7,11 +7,6 @@
 
 namespace dyn::kernels {
 
-template <class S>
-void addArmature(const CompactImpl& m, const S* a, S* tau) {
-  for (std::size_t k = 0; k < m.armature.size(); ++k) tau[k] += S(static_cast<Real<S>>(m.armature[k])) * a[k];
-}
-
 /// Adds sign * (damping v + friction sign(v)).
 template <class S>
 void addLosses(const CompactImpl& m, double sign, const S* v, S* tau) {
@@ -20,6 +15,13 @@ void addLosses(const CompactImpl& m, double sign, const S* v, S* tau) {
     const S f(static_cast<Real<S>>(sign * m.friction[k]));
     tau[k] += select(v[k] > S(0), f, select(v[k] < S(0), -f, S(0)));
   }
+}
+
+/// What joints add to the torques that move the bodies.
+template <class S>
+void addJointForces(const CompactImpl& m, const S* v, const S* a, S* tau) {
+  for (std::size_t k = 0; k < m.armature.size(); ++k) tau[k] += S(static_cast<Real<S>>(m.armature[k])) * a[k];
+  addLosses(m, 1.0, v, tau);
 }
 
 }  // namespace dyn::kernels

@@ -23,7 +23,7 @@ void eliminateJoint(const Order& order, Workspace<S>& w, DerivativeWorkspace<S>&
       noteVanishing(pivot, column, IA, i, w.failed);
       const Force<S> row = inverse * W;
       d.factors.inverse[iv + k] = inverse;
-      writeForce(row, d.force, iv + k);
+      d.force.putPart(iv + k, DofForces<S>::at_by_a, row);
       update(k, column, W, inverse);
       if (k > 0 || !order.isRoot(i)) IA.subtractOuter(W, row);
     }
@@ -45,15 +45,19 @@ void articulatedFactors(const Order& order, Workspace<S>& w, DerivativeWorkspace
 /// L: the force columns on their way to the root.
 template <class Wide, class S, class Order>
 void factorsSweep(const Order& order, const Workspace<S>& w, DerivativeWorkspace<S>& d) {
+  // Copies: what packs are stored into might be anything, even the struct that says where.
+  const AoSoA<DofForces, S> force = d.force;
+  const Rows<S> L = d.factors.L;
   order.backward([&]<class Joint>(const Joint&, int i, int iv) {
     inParts<Wide, S>(iv, order.dofEnd(i), [&](const Part<Wide, S>& part) {
-      const Force<Wide> F = loadForce(part, d.force);
+      using D = DofForces<Wide>;
+      const Force<Wide> F = force.template part<Force, Wide>(part.first(), D::at_by_a);
       withColumns<Joint>(order, w, i, iv, [&](const auto& column) {
-        for (int k = 0; k < Joint::nv; ++k) part.store(column(k).along(F), d.factors.L[iv + k]);
+        for (int k = 0; k < Joint::nv; ++k) part.store(column(k).along(F), L[iv + k]);
       });
       if (order.isRoot(i)) return;
       const Vec3<Wide> here = part.inside() * broadcast<Wide>(w.r[i]);
-      storeVector(part, F.angular + cross(here, F.linear), d.force, 3);
+      force.putPart(part.first(), D::at_by_a + D::angular, F.angular + cross(here, F.linear));
     });
   });
 }

@@ -21,15 +21,15 @@ struct PoseRows {
     }
     return out;
   }
-  /// Turned about z: R Rz(c, s).
-  PoseRows turned(double c, double s) const {
+  /// With R Rz(c, s) for R.
+  PoseRows turnZ(double c, double s) const {
     const Four along{c, c, 1, 1}, across{s, -s, 0, 0};
     PoseRows out;
     for (int i = 0; i < 3; ++i) out.row[i] = row[i] * along + __builtin_shufflevector(row[i], row[i], 1, 0, 2, 3) * across;
     return out;
   }
-  /// In the axes of X, but not from its origin: that is what store() adds.
-  friend PoseRows turnedBy(const Mat3<double>& R, const PoseRows& Y) {
+  /// Turned from outside; store() adds where that happens.
+  friend PoseRows operator*(const Mat3<double>& R, const PoseRows& Y) {
     PoseRows out;
     for (int i = 0; i < 3; ++i) out.row[i] = R(i, 0) * Y.row[0] + R(i, 1) * Y.row[1] + R(i, 2) * Y.row[2];
     return out;

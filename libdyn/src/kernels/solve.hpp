@@ -12,7 +12,7 @@ namespace dyn::kernels {
 template <class S>
 struct TreeSystem {
   const CompactImpl& m;
-  const Rows<S>& L;
+  Rows<S> L;
   const S* inverse;
   int n() const { return m.nvx; }
   int end(int dof) const { return m.dof_end[static_cast<std::size_t>(dof)]; }
@@ -37,7 +37,7 @@ void solveColumn(const TreeSystem<S>& t, const Begin& begin, int column, int row
 
 /// X = D^-1 L^-T X of rows that are zero outside their subtrees.
 template <class Pack, class S>
-__attribute__((flatten)) void solveUpper(const TreeSystem<S>& t, const Rows<S>& X) {
+__attribute__((flatten)) void solveUpper(const TreeSystem<S> t, const Rows<S> X) {
   const std::ptrdiff_t stride = X.stride;
   for (auto chain = t.m.chains.rbegin(); chain != t.m.chains.rend(); ++chain) {
     const int begin = chain->begin, end = chain->end;
@@ -73,7 +73,7 @@ __attribute__((flatten)) void solveUpper(const TreeSystem<S>& t, const Rows<S>& 
 
 /// X = L^-1 X; where `upper`, only what stands right of the diagonal, and packs' ends.
 template <class Pack, class S>
-__attribute__((flatten)) void solveLower(const TreeSystem<S>& t, const Rows<S>& X, bool upper) {
+__attribute__((flatten)) void solveLower(const TreeSystem<S> t, const Rows<S> X, bool upper) {
   const std::ptrdiff_t stride = X.stride;
   inPanels<Pack, S>(0, t.n(), [&](auto packs, int first) {
     const int rows_end = upper ? std::min(t.n(), first + packs * lanes_of<Pack>) : t.n();

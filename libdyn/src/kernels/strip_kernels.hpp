@@ -69,18 +69,9 @@ bool evaluateStrips(const CompactImpl& m, Workspace<S>& w, const double* q, cons
     if (batch.count == 1) {
       evaluateAlone(batch, strips, memory, q + strips.q_index[0], v ? v + strips.v_index[0] : nullptr);
     } else {
-      JointBatch<double> call;
-      call.count = strips.slots * strip_lanes;
-      call.constants = strips.constants.data();
-      call.constant_count = batch.constant_count;
-      call.constants_stride = call.stride = call.q_stride = call.v_stride = call.count;
+      // A strip's lanes are joints, each with constants of its own.
+      JointBatch<double> call = callFor(batch, strips.constants, strips.slots * strip_lanes, 1, memory, v != nullptr);
       call.q = reinterpret_cast<const double*>(memory.q);
-      if (memory.v && v) {
-        call.v = reinterpret_cast<const double*>(memory.v);
-        call.bias = reinterpret_cast<double*>(memory.bias);
-      }
-      call.pose = reinterpret_cast<double*>(memory.pose);
-      call.subspace = reinterpret_cast<double*>(memory.subspace);
       batch.fast->kinematics(call);
     }
     finite = finite && posesFinite(batch, memory);
@@ -137,8 +128,7 @@ PackedKernels stripKernels() {
     rneaOutward(strips, s.w, s.v, s.a, static_cast<const Force<S>*>(nullptr));
     rneaInward(strips, s.w, s.result);
     scatterDofs(m.strips, s.result, tau);
-    addArmature(m, a, tau);
-    addLosses(m, 1.0, v, tau);
+    addJointForces(m, v, a, tau);
     return finite;
   };
   k.massMatrix = [](const CompactImpl& m, char* scratch, const double* q, double* M) {

@@ -4,6 +4,7 @@
 // on its way. Depth-first order puts a subtree's degrees of freedom side by side, so that one instruction takes several of them.
 #pragma once
 
+#include "compile/aosoa.hpp"
 #include "kernels/columns.hpp"
 #include "kernels/workspace.hpp"
 
@@ -12,39 +13,15 @@
 
 namespace dyn::kernels {
 
-/// Neighbouring numbers, as many as Wide has lanes beside S.
-template <class Wide, class S>
-Wide loadPack(const S* from) {
-  if constexpr (lanes_of<Wide> == lanes_of<S>) {
-    return *from;
-  } else {
-    return Wide::load(from);
-  }
-}
-template <class Wide, class S>
-void storePack(const Wide& value, S* to) {
-  if constexpr (lanes_of<Wide> == lanes_of<S>) {
-    *to = value;
-  } else {
-    value.store(to);
-  }
-}
-
 /// Some neighbouring degrees of freedom, as many as Wide has lanes beside S; only those from `begin` on and before `end` belong to the
 /// subtree. Where Wide is S there is one, and it does.
 template <class Wide, class S>
 class Part {
  public:
   static constexpr int width = lanes_of<Wide> / lanes_of<S>;
-  Part(int first, int begin, int end) : first_(first), begin_(begin), end_(end) {}
-
-  Wide load(const S* row) const { return loadPack<Wide>(row + first_); }
-  /// Into an array of which all lanes may be written: outside the subtree, `value` must be what was there.
-  void store(const Wide& value, S* row) const { storePack(value, row + first_); }
-  /// 1 in the subtree, 0 outside.
-  Wide inside() const {
+  Part(int first, int begin, int end) : first_(first) {
     if constexpr (width == 1) {
-      return Wide(1);
+      inside_ = Wide(1);
     } else {
       // Windows of a row of ones: those before `end` less those before `begin`.
       alignas(64) static constexpr auto ones = [] {
@@ -52,14 +29,21 @@ class Part {
         for (int l = 0; l < width; ++l) x[static_cast<std::size_t>(l)] = S(1);
         return x;
       }();
-      const auto before = [&](int dof) { return Wide::load(ones.data() + width - std::clamp(dof - first_, 0, width)); };
-      return before(end_) - before(begin_);
+      const auto before = [&](int dof) { return Wide::load(ones.data() + width - std::clamp(dof - first, 0, width)); };
+      inside_ = before(end) - before(begin);
     }
   }
+
+  Wide load(const S* row) const { return loadPack<Wide>(row + first_); }
+  /// Into an array of which all lanes may be written: outside the subtree, `value` must be what was there.
+  void store(const Wide& value, S* row) const { storePack(value, row + first_); }
+  /// 1 in the subtree, 0 outside.
+  const Wide& inside() const { return inside_; }
   int first() const { return first_; }
 
  private:
-  int first_, begin_, end_;
+  int first_;
+  Wide inside_;
 };
 
 /// Calls use(part) for the degrees of freedom from `begin` on and before `end`, in packs that begin at multiples of their width: what one
@@ -90,30 +74,6 @@ Vec3<Wide> broadcast(const Vec3<S>& x) {
 template <class Wide, class S>
 Motion<Wide> broadcast(const Motion<S>& x) {
   return {broadcast<Wide>(x.linear), broadcast<Wide>(x.angular)};
-}
-
-template <class S>
-void writeVector(const Vec3<S>& x, const Rows<S>& rows, int dof) {
-  for (int c = 0; c < 3; ++c) rows[c][dof] = x[c];
-}
-template <class S>
-void writeForce(const Force<S>& f, const Rows<S>& rows, int dof) {
-  for (int c = 0; c < 3; ++c) {
-    rows[c][dof] = f.linear[c];
-    rows[3 + c][dof] = f.angular[c];
-  }
-}
-template <class Wide, class S>
-Vec3<Wide> loadVector(const Part<Wide, S>& part, const Rows<S>& rows, int component = 0) {
-  return {part.load(rows[component]), part.load(rows[component + 1]), part.load(rows[component + 2])};
-}
-template <class Wide, class S>
-Force<Wide> loadForce(const Part<Wide, S>& part, const Rows<S>& rows) {
-  return {loadVector(part, rows, 0), loadVector(part, rows, 3)};
-}
-template <class Wide, class S>
-void storeVector(const Part<Wide, S>& part, const Vec3<Wide>& x, const Rows<S>& rows, int component = 0) {
-  for (int c = 0; c < 3; ++c) part.store(x[c], rows[component + c]);
 }
 
 /// An n x n matrix with entries for two degrees of freedom on one path to the root. It is written as the sweep finds it, joint by joint
@@ -161,45 +121,65 @@ struct PathMatrix {
   /// Writes the entries into the columns of an n x n matrix whose other entries are zero and stay so.
   template <class Wide>
   void assemble(const std::vector<int>& dof_end, const Rows<S>& out) const {
-    const int n = static_cast<int>(dof_end.size());
-    for (int column = 0; column < n; ++column) {
-      const int end = dof_end[static_cast<std::size_t>(column)];
-      int row = column;
-      constexpr int width = Part<Wide, S>::width;
-      for (; row + width <= end; row += width) storePack(loadPack<Wide>(below[column] + row), out[column] + row);
-      for (; row < end; ++row) out[column][row] = below[column][row];
-    }
-    assembleRight<Wide>(dof_end, out);
-  }
-  /// Those above the diagonal only, from `right`.
-  template <class Wide>
-  __attribute__((flatten)) void assembleRight(const std::vector<int>& dof_end, Rows<S> out) const {
-    const Rows<S> from = right;
     constexpr int width = Part<Wide, S>::width;
     const int n = static_cast<int>(dof_end.size());
-    const auto end = [&](int column) { return dof_end[static_cast<std::size_t>(column)]; };
-    const auto single = [&](int row, int last, int column) {
-      for (; row < last; ++row) out[row][column] = from[column][row];
-    };
-    int column = 0;
     if constexpr (width > 1) {
-      for (; column + width <= n; column += width) {
-        int last = 0;
-        for (int k = column; k < column + width; ++k) {
-          single(k + 1, std::min(end(k), column + width), k);
-          last = std::max(last, end(k));
-        }
-        int row = column + width;
-        for (; row + width <= last; row += width) {
-          Square<S, width> square;
-          square.read(from[column] + row, from.stride);
-          square.transpose();
-          square.write(out[row] + column, out.stride);
-        }
-        for (int k = column; k < column + width; ++k) single(row, end(k), k);
+      // The last tiles overlap those before, and what they get wrong beside the diagonal the last one on it puts right.
+      if (n >= width) return inTiles<Wide, true>(dof_end, n - width, out);
+      const auto tile = diagonalTile<width>(below, 0);
+      for (int k = 0; k < n; ++k) {
+        // Past a column's end is where the next one goes.
+        S column[width];
+        const bool fits = out.stride * k + width <= out.stride * n;
+        tile.write(k, fits ? out[k] : column);
+        if (!fits) std::copy(column, column + n, out[k]);
       }
+    } else {
+      for (int k = 0; k < n; ++k)
+        for (int i = k; i < dof_end[static_cast<std::size_t>(k)]; ++i) {
+          out[i][k] = right[k][i];
+          out[k][i] = below[k][i];
+        }
     }
-    for (; column < n; ++column) single(column + 1, end(column), column);
+  }
+  /// Those above the diagonal only, into rows with room for whole tiles, where Wide is a pack.
+  template <class Wide>
+  void assembleRight(const std::vector<int>& dof_end, const Rows<S>& out) const {
+    inTiles<Wide, false>(dof_end, static_cast<int>(dof_end.size()), out);
+  }
+
+ private:
+  /// Square tiles on the diagonal, those below them that have entries, and their mirror images; none begins beyond `last_begin`.
+  template <class Wide, bool with_below>
+  __attribute__((flatten)) void inTiles(const std::vector<int>& dof_end, int last_begin, Rows<S> out) const {
+    const Rows<S> down = with_below ? below : out, across = right;
+    constexpr int width = Part<Wide, S>::width;
+    const int n = static_cast<int>(dof_end.size());
+    Square<S, width> lower, upper;
+    for (int column = 0; column < n; column += width) {
+      const int left = std::min(column, last_begin);
+      const int last = *std::max_element(dof_end.begin() + left, dof_end.begin() + std::min(left + width, n));
+      for (int row = column + width; row < last; row += width) {
+        const int top = std::min(row, last_begin);
+        if constexpr (with_below) {
+          lower.read(down[left] + top, down.stride);
+          lower.write(out[left] + top, out.stride);
+        }
+        upper.read(across[left] + top, across.stride);
+        upper.transpose();
+        upper.write(out[top] + left, out.stride);
+      }
+      diagonalTile<width>(down, left).write(out[left] + left, out.stride);
+    }
+  }
+  template <int width>
+  Square<S, width> diagonalTile(const Rows<S>& down, int first) const {
+    Square<S, width> lower, upper;
+    lower.read(down[first] + first, down.stride);
+    upper.read(right[first] + first, right.stride);
+    upper.transpose();
+    lower.replaceAbove(upper);
+    return lower;
   }
 };
 

@@ -67,8 +67,7 @@ inline PackedKernels vectoredKernels() {
     const TurningBodies turning{{m, s.w}, s.constants};
     rneaOutward(turning, s.w, in(v), in(a), static_cast<const Force<S>*>(nullptr));
     rneaInward(turning, s.w, out(tau));
-    addArmature(m, a, tau);
-    addLosses(m, 1.0, v, tau);
+    addJointForces(m, v, a, tau);
     return finite;
   };
   k.massMatrix = [](const CompactImpl& m, char* memory, const double* q, double* M) {

@@ -1,0 +1,131 @@
+// What each body in motion, and each degree of freedom, brings to the derivatives, none of which takes the others': of many at once where Wide
+// is a pack.
+#pragma once
+
+#include "kernels/crba.hpp"
+#include "kernels/derivatives.hpp"
+
+namespace dyn::kernels {
+
+/// The parts that the columns of some degrees of freedom have; a joint's shape says as much.
+template <bool linear, bool varies>
+struct Columns {
+  static constexpr bool has_linear = linear, has_angular = true, has_bias = varies;
+};
+
+/// Force [N, N m] about the joint's origin that a turning rate x brings to a subtree: Coriolis.
+template <class S>
+Force<S> coriolis(const SubtreeMomentum<S>& m, const Mat3<S>& K, const Vec3<S>& x) {
+  const S trace = K(0, 0) + K(1, 1) + K(2, 2);
+  return S(2) * Force<S>{cross(x, m.momentum.linear), trace * x - K * x};
+}
+/// The turning rates' lever on a motion s: coriolis(x) . s = lever . x.
+template <class Columns, class S>
+Vec3<S> coriolisLever(const SubtreeMomentum<S>& m, const Mat3<S>& K, const Motion<S>& s) {
+  const S trace = K(0, 0) + K(1, 1) + K(2, 2);
+  Vec3<S> lever{};
+  if constexpr (Columns::has_angular) lever = trace * s.angular - transposeTimes(K, s.angular);
+  if constexpr (Columns::has_linear) lever += cross(m.momentum.linear, s.linear);
+  return S(2) * lever;
+}
+
+template <class S>
+Force<S> rigidForce(const SubtreeMomentum<S>& m, const Motion<S>& x) {
+  return {m.mass * x.linear + cross(x.angular, m.h), cross(m.h, x.linear) + m.I * x.angular};
+}
+/// Of motions with the parts that columns have.
+template <class Columns, class S>
+Force<S> rigidForceOf(const SubtreeMomentum<S>& m, const Motion<S>& x) {
+  if constexpr (!Columns::has_linear) {
+    return {cross(x.angular, m.h), m.I * x.angular};
+  } else {
+    return rigidForce(m, x);
+  }
+}
+
+/// s x* f: how a force that is fixed to a body changes when the body turns with s (Featherstone 2008, eq. 2.32).
+template <class S>
+Force<S> turned(const Motion<S>& s, const Force<S>& f) {
+  return {cross(s.angular, f.linear), cross(s.angular, f.angular) + cross(s.linear, f.linear)};
+}
+template <class Columns, class S>
+Force<S> turnedOf(const Motion<S>& s, const Force<S>& f) {
+  if constexpr (!Columns::has_linear) {
+    return {cross(s.angular, f.linear), cross(s.angular, f.angular)};
+  } else {
+    return turned(s, f);
+  }
+}
+
+template <class S>
+SubtreeMomentum<S> ownMomentum(const S& mass, const Vec3<S>& h, const Sym3<S>& I, const Vec3<S>& w) {
+  return {mass, h, I, {cross(w, h), I * w}};
+}
+template <class S>
+Subtree<S> ownMotion(const SubtreeMomentum<S>& m, const Vec3<S>& w, const Motion<S>& acceleration) {
+  const Sym3<S>& I = m.I;
+  const S half = S(0.5) * (I.xx + I.yy + I.zz);
+  // Sum of mass * position * position^T, whose columns the body turns.
+  const Mat3<S> second{{half - I.xx, -I.xy, -I.xz, -I.xy, half - I.yy, -I.yz, -I.xz, -I.yz, half - I.zz}};
+  const Vec3<S> k0 = cross(w, second.col(0)), k1 = cross(w, second.col(1)), k2 = cross(w, second.col(2));
+  const Force<S> inertial = rigidForce(m, acceleration);
+  return {m,
+          {{k0.x, k1.x, k2.x, k0.y, k1.y, k2.y, k0.z, k1.z, k2.z}},
+          {inertial.linear + cross(w, m.momentum.linear), inertial.angular + cross(w, m.momentum.angular)},
+          S(0)};
+}
+
+/// Adds a subtree's to its parent's, about the parent's origin, with velocities relative to it: r from the parent's to the joint's, rate the joint
+/// origin's velocity.
+template <class S>
+void addTo(SubtreeMomentum<S>& parent, const SubtreeMomentum<S>& m, const Vec3<S>& r, const Vec3<S>& rate) {
+  const Vec3<S> linear = m.momentum.linear + m.mass * rate;
+  parent.mass += m.mass;
+  parent.h += m.h + m.mass * r;
+  parent.I += shiftedInertia(m.I, m.mass, m.h, r);
+  parent.momentum += Force<S>{linear, m.momentum.angular + cross(m.h, rate) + cross(r, linear)};
+}
+template <class S>
+void addTo(Subtree<S>& parent, const Subtree<S>& x, const Vec3<S>& r, const Vec3<S>& rate) {
+  const SubtreeMomentum<S>& m = x.m;
+  const Vec3<S> moment = m.h + m.mass * r;
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 3; ++column)
+      parent.K(row, column) += x.K(row, column) + m.momentum.linear[row] * r[column] + rate[row] * moment[column];
+  parent.f += Force<S>{x.f.linear, x.f.angular + cross(r, x.f.linear)};
+  addTo(parent.m, m, r, rate);
+}
+
+/// Singh, Russell and Wensing 2022; see rnea_derivatives.hpp.
+template <class Columns, class S>
+DofVariation<S> variationOf(const DofMotion<S>& x, const SubspaceTerms<S>& more) {
+  const Vec3<S>&sl = x.column.linear, &sw = x.column.angular, &wp = x.w_parent;
+  Vec3<S> al = x.acceleration.linear;
+  if constexpr (Columns::has_linear) al += cross(wp, x.slide);
+  Motion<S> velocity{{}, cross(wp, sw)}, acceleration{cross(al, sw), cross(x.acceleration.angular, sw)}, rate{{}, cross(x.w, sw)};
+  if constexpr (Columns::has_linear) {
+    velocity.linear = cross(wp, sl) - cross(x.slide, sw);
+    acceleration.linear += cross(x.acceleration.angular, sl);
+    rate.linear = cross(x.w, sl);
+  }
+  if constexpr (Columns::has_bias) {
+    velocity += more.velocity;
+    rate += more.rate;
+    acceleration += more.acceleration + Motion<S>{cross(x.w, more.velocity.linear), cross(x.w, more.velocity.angular)};
+  }
+  if constexpr (Columns::has_linear) acceleration.linear += cross(wp, velocity.linear) - cross(x.slide, velocity.angular);
+  acceleration.angular += cross(wp, velocity.angular);
+  return {velocity, acceleration, velocity + rate};
+}
+
+/// Of a degree of freedom with motion s and variation x.
+template <class Columns, class S>
+DofForces<S> forcesOf(const Motion<S>& s, const DofVariation<S>& x, const Subtree<S>& c) {
+  const SubtreeMomentum<S>& m = c.m;
+  const Mat3<S>& K = c.K;
+  return {rigidForceOf<Columns>(m, s), coriolisLever<Columns>(m, K, s),
+          rigidForce(m, x.acceleration) + coriolis(m, K, x.velocity.angular) + turnedOf<Columns>(s, c.f),
+          rigidForceOf<Columns>(m, x.rate) + coriolis(m, K, s.angular)};
+}
+
+}  // namespace dyn::kernels
