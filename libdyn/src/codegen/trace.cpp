@@ -259,9 +259,7 @@ const std::vector<Recipe>& recipes() {
        [](const CompactImpl& m) { return matrix("Minv", m); },
        [](const CompactImpl& m, Tracer& t, const std::vector<T*>& in, Numbers& out) {
          t.evaluate(in[0], nullptr);
-         kernels::inertiasOutward(t.bodies, t.w);
-         kernels::articulatedFactors(t.bodies, t.w, t.d);
-         kernels::factorsSweep<T>(t.bodies, t.w, t.d);
+         kernels::treeFactors<T>(m, t.w, t.d);
          inverseOfMassMatrix(m, t, t.d.factors.L, out);
        }},
       {"forwardKinematics",

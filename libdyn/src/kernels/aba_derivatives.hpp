@@ -55,7 +55,9 @@ void abaDerivativesInward(const Order& order, Workspace<S>& w, DerivativeWorkspa
     }
     Force<S>& f = w.f[i];
     f = order.isLeaf(i) ? own.f : own.f + f;
-    eliminateJoint<Joint>(order, w, d, IA, i, iv, [&](int k, const auto& column, const Force<S>& W, const S& inverse) {
+    eliminateJoint<Joint>(order, w, IA, i, iv, [&](int k, const auto& column, const Force<S>& W, const S& inverse, const Force<S>& row) {
+      d.factors.inverse[iv + k] = inverse;
+      d.force.putPart(iv + k, F::at_by_a, row);
       const Vec3<S> lever = inverse * column.along(map.linear, map.angular);
       d.force.putPart(iv + k, F::at_lever, lever);
       subtractOuter(map.linear, W.linear, lever);
@@ -128,13 +130,13 @@ void abaDerivative(const CompactImpl& m, const DerivativeWorkspace<S>& d, const 
       for (int i = 0; i < n; ++i) out[k][i] = -out[k][i];
     }
   } else {
-    const Rows<S>& X = d.scratch;
-    for (int i = 0; i < n; ++i) {
-      std::fill(X[i], X[i] + n, S(0));
-      inParts<Wide, S>(begin(i), system.end(i), [&](const Part<Wide, S>& part) { part.store(part.inside() * part.load(by.right[i]), X[i]); });
-    }
+    const Rows<S> X = d.scratch, right = by.right;
+    std::fill(X[0], X[n], S(0));
+    for (int i = 0; i < n; ++i)
+      inParts<Wide, S>(begin(i), system.end(i), [&](const Part<Wide, S>& part) { part.store(part.inside() * part.load(right[i]), X[i]); });
     solveUpper<Wide>(system, X);
-    for (int i = 0; i < n; ++i) std::copy(by.right[i] + i, by.right[i] + begin(i), X[i] + i);
+    for (int i = 0; i < n; ++i)
+      for (int j = i; j < begin(i); ++j) X[i][j] = right[i][j];
     by.transposed().template assembleRight<Wide>(m.dof_end, X);
     solveLower<Pack>(system, X, false);
     transposeNegated<Wide>(X, n, out);

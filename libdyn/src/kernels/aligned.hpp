@@ -88,8 +88,8 @@ struct Column {
   template <class F>
   F along(const Force<F>& f) const {
     F sum(0);
-    if constexpr (Joint::has_linear) sum = F(s.linear.x) * f.linear.x + F(s.linear.y) * f.linear.y + F(s.linear.z) * f.linear.z;
-    if constexpr (Joint::has_angular) sum += F(s.angular.x) * f.angular.x + F(s.angular.y) * f.angular.y + F(s.angular.z) * f.angular.z;
+    if constexpr (Joint::has_linear) sum = dot(cast<F>(s.linear), f.linear);
+    if constexpr (Joint::has_angular) sum += dot(cast<F>(s.angular), f.angular);
     return sum;
   }
   void addTo(Motion<S>& a, const S& x) const {

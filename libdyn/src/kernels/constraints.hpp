@@ -93,11 +93,11 @@ void constraintSweep(const CompactImpl& m, const Workspace<double>& w, const Pac
         if (!eliminated) continue;
         free += y * Wide(dof.y);
         const Wide less = last ? y : scaled;
-        if (last) F.angular += cross(broadcast<Wide>(r), F.linear);  // abaInward has moved this W to the parent
+        if (last) F.angular += cross(cast<Wide>(r), F.linear);  // abaInward has moved this W to the parent
         F.linear -= Vec3<Wide>{less * Wide(dof.W.linear.x), less * Wide(dof.W.linear.y), less * Wide(dof.W.linear.z)};
         F.angular -= Vec3<Wide>{less * Wide(dof.W.angular.x), less * Wide(dof.W.angular.y), less * Wide(dof.W.angular.z)};
       }
-      if (!eliminated) F.angular += cross(broadcast<Wide>(r), F.linear);
+      if (!eliminated) F.angular += cross(cast<Wide>(r), F.linear);
       if (root && eliminated) free += Wide(fall.x) * F.linear.x + Wide(fall.y) * F.linear.y + Wide(fall.z) * F.linear.z;
       store(free, x.free + first);
       store(bound, x.bound + first);

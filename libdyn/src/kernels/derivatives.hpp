@@ -1,6 +1,8 @@
 // Memory of the derivatives' recursions, and what joints whose subspace varies add to them.
 #pragma once
 
+#include "kernels/vectored_bodies.hpp"
+// Specialisations come before what is made of them.
 #include "kernels/aligned.hpp"
 #include "kernels/cholesky.hpp"
 #include "kernels/tree_factors.hpp"
@@ -106,6 +108,7 @@ template <class S>
 struct DerivativeWorkspace {
   SubspaceDerivatives<S>* subspaces = nullptr;  ///< by batch; empty ones but for dense shapes
   Dual<double>* dual = nullptr;                 ///< of the largest batch: q, v, pose, subspace, bias
+  Workspace<Vectored> body;                     ///< of single states: recursions that have vectors in registers
   AoSoA<BodyMotion, S> body_motion;             ///< these two where neighbours stand abreast; elsewhere they are used at once
   AoSoA<DofMotion, S> dof_motion;
   AoSoA<SubspaceTerms, S> terms;
@@ -144,6 +147,8 @@ void carve(DerivativeWorkspace<S>& w, const CompactImpl& m, Arena& arena) {
   arena.take(w.shift_rate, bodies);
   arena.take(w.subtree, (bodies + abreast<S> - 1) / abreast<S> * abreast<S>);
   if constexpr (abreast<S> > 1) {
+    carveDynamics(w.body, bodies, nv, arena);
+    arena.take(w.body.product, bodies);
     arena.take(w.body_motion, bodies);
     arena.take(w.dof_motion, nv);
     arena.take(w.terms, nv);
@@ -160,6 +165,25 @@ void carve(DerivativeWorkspace<S>& w, const CompactImpl& m, Arena& arena) {
   if constexpr (lanes_of<S> == 1) carve(w.cholesky, m, arena);
   arena.take(w.scratch, rows, m.nvx);
   arena.take(w.coriolis, bodies);
+}
+
+/// What recursions with vectors in registers write, of the joints that have been asked into w.
+inline Workspace<Vectored>& vectored(DerivativeWorkspace<double>& d, Workspace<double>& w) {
+  // A number of theirs is a double in memory.
+  d.body.joints = reinterpret_cast<JointMemory<Vectored>*>(w.joints);
+  d.body.R[0] = d.body.product[0] = Mat3<Vectored>::identity();
+  return d.body;
+}
+/// The forces x.dof[].W, in lanes, into by_a.
+template <class Wide>
+void rowsAbreast(const CompactImpl& m, const Workspace<Vectored>& x, const AoSoA<DofForces, double>& force) {
+  for (int k = 0; k < m.nvx; k += lanes_of<Wide>) {
+    const double* from[lanes_of<Wide>];
+    for (int l = 0; l < lanes_of<Wide>; ++l) from[l] = reinterpret_cast<const double*>(&x.dof[std::min(k + l, m.nvx - 1)].W);
+    Wide W[8];
+    gatherStructs<8>(from, W);
+    force.putPart(k, DofForces<double>::at_by_a, Force<Wide>{{W[0], W[1], W[2]}, {W[4], W[5], W[6]}});
+  }
 }
 
 /// One differentiated call a batch and degree of freedom of its type. q and v in expanded coordinates.

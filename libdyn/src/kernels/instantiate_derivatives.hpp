@@ -30,13 +30,13 @@ void addDerivatives(SingleKernels& k) {
     const Bodies<double> bodies{m, w};
     derivativesOutward<Panel>(bodies, w, d, bodies.gravity(), v, a, fext);
     abaDerivativesInward(bodies, w, d);
-    pathSweep<Wide>(bodies, w, d);
+    pathSweep<Panel>(bodies, w, d);
     ownColumns(bodies, w, d);
-    abaDerivative<Wide, Panel>(m, d, d.by_q, Rows<double>{by_q, m.nvx});
-    abaDerivative<Wide, Panel>(m, d, d.by_v, Rows<double>{by_v, m.nvx});
+    abaDerivative<Panel, Panel>(m, d, d.by_q, Rows<double>{by_q, m.nvx});
+    abaDerivative<Panel, Panel>(m, d, d.by_v, Rows<double>{by_v, m.nvx});
     TreeFactors<double> factors = d.factors;
     factors.L = d.by_a.below;
-    kernels::inverseOfMassMatrix<Wide, Panel>(m, factors, d.scratch, Rows<double>{inverse, m.nvx});
+    kernels::inverseOfMassMatrix<Panel, Panel>(m, factors, d.scratch, Rows<double>{inverse, m.nvx});
     return w.failed[0];
   };
   k.centroidal = [](const CompactImpl& m, W& w, D& d, const double* v, const double* a, const CentroidalMaps<double>& out) {
@@ -64,14 +64,11 @@ void addDerivatives(SingleKernels& k) {
     return failed;
   };
   k.treeFactors = [](const CompactImpl& m, W& w, D& d) {
-    const Bodies<double> bodies{m, w};
-    inertiasOutward(bodies, w);
-    articulatedFactors(bodies, w, d);
-    factorsSweep<Wide>(bodies, w, d);
+    kernels::treeFactors<Panel>(m, w, d);
     return w.failed[0];
   };
   k.inverseOfMassMatrix = [](const CompactImpl& m, D& d, double* out) {
-    kernels::inverseOfMassMatrix<Wide, Panel>(m, d.factors, d.scratch, Rows<double>{out, m.nvx});
+    kernels::inverseOfMassMatrix<Panel, Panel>(m, d.factors, d.scratch, Rows<double>{out, m.nvx});
   };
 }
 
@@ -146,9 +143,7 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b)
       return;
     }
     case Task::minverse:
-      inertiasOutward(bodies, w);
-      articulatedFactors(bodies, w, d);
-      factorsSweep<S>(bodies, w, d);
+      treeFactors<S>(m, w, d);
       return inverse(0, d.factors.L);
     case Task::coriolis:
       evaluateSubspaceDerivatives(m, d, s.q, s.v);

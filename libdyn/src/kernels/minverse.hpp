@@ -12,9 +12,10 @@
 
 namespace dyn::kernels {
 
-/// Eliminates the degrees of freedom of body i, the last first: update(k, column, W, inverse) is called for each, W = IA s.
-template <class Joint, class S, class Order, class Update>
-void eliminateJoint(const Order& order, Workspace<S>& w, DerivativeWorkspace<S>& d, ArticulatedInertia<S>& IA, int i, int iv, Update&& update) {
+/// Eliminates the degrees of freedom of body i, the last first: use(k, column, W, inverse, row) is called for each, W = IA s, inverse that of the
+/// pivot, row their product.
+template <class Joint, class S, class Order, class Use>
+void eliminateJoint(const Order& order, Workspace<S>& w, ArticulatedInertia<S>& IA, int i, int iv, Use&& use) {
   withColumns<Joint>(order, w, i, iv, [&](const auto& columns) {
     for (int k = Joint::nv - 1; k >= 0; --k) {
       const auto column = columns(k);
@@ -22,29 +23,29 @@ void eliminateJoint(const Order& order, Workspace<S>& w, DerivativeWorkspace<S>&
       const S pivot = column.along(W) + order.armature(iv + k), inverse = S(1) / pivot;
       noteVanishing(pivot, column, IA, i, w.failed);
       const Force<S> row = inverse * W;
-      d.factors.inverse[iv + k] = inverse;
-      d.force.putPart(iv + k, DofForces<S>::at_by_a, row);
-      update(k, column, W, inverse);
+      use(k, column, W, inverse, row);
       if (k > 0 || !order.isRoot(i)) IA.subtractOuter(W, row);
     }
   });
 }
 
-/// Pivots and force columns, of bodies whose rigid inertias are in w.mass, w.h and w.Io. w.failed tells lane by lane whether one vanished.
-template <class S, class Order>
-void articulatedFactors(const Order& order, Workspace<S>& w, DerivativeWorkspace<S>& d) {
+/// Pivots and force columns, of bodies whose rigid inertias are in w.mass, w.h and w.Io: enter(dof, inverse, row). w.failed tells lane by lane
+/// whether one vanished.
+template <class S, class Order, class Enter>
+void articulatedFactors(const Order& order, Workspace<S>& w, Enter&& enter) {
   for (int& body : w.failed) body = 0;
   order.backward([&]<class Joint>(const Joint&, int i, int iv) {
     ArticulatedInertia<S> IA = ArticulatedInertia<S>::rigid(w.mass[i], w.h[i], w.Io[i]);
     if (!order.isLeaf(i)) IA += w.IA[i];
-    eliminateJoint<Joint>(order, w, d, IA, i, iv, [](int, const auto&, const Force<S>&, const S&) {});
+    eliminateJoint<Joint>(order, w, IA, i, iv,
+                          [&](int k, const auto&, const Force<S>&, const S& inverse, const Force<S>& row) { enter(iv + k, inverse, row); });
     if (!order.isRoot(i)) order.handOver(w.IA, i, IA.shifted(w.r[i]));
   });
 }
 
 /// L: the force columns on their way to the root.
-template <class Wide, class S, class Order>
-void factorsSweep(const Order& order, const Workspace<S>& w, DerivativeWorkspace<S>& d) {
+template <class Wide, class R, class Order, class S>
+void factorsSweep(const Order& order, const Workspace<R>& w, DerivativeWorkspace<S>& d) {
   // Copies: what packs are stored into might be anything, even the struct that says where.
   const AoSoA<DofForces, S> force = d.force;
   const Rows<S> L = d.factors.L;
@@ -56,10 +57,36 @@ void factorsSweep(const Order& order, const Workspace<S>& w, DerivativeWorkspace
         for (int k = 0; k < Joint::nv; ++k) part.store(column(k).along(F), L[iv + k]);
       });
       if (order.isRoot(i)) return;
-      const Vec3<Wide> here = part.inside() * broadcast<Wide>(w.r[i]);
+      const Vec3<Wide> here = part.inside() * cast<Wide>(w.r[i]);
       force.putPart(part.first(), D::at_by_a + D::angular, F.angular + cross(here, F.linear));
     });
   });
+}
+
+/// The factors of M, with joints in w.
+template <class Wide, class S>
+void treeFactors(const CompactImpl& m, Workspace<S>& w, DerivativeWorkspace<S>& d) {
+  constexpr int at = DofForces<S>::at_by_a;
+  if constexpr (abreast<S> == 1) {
+    const Bodies<S> bodies{m, w};
+    inertiasOutward(bodies, w);
+    articulatedFactors(bodies, w, [&](int dof, const S& inverse, const Force<S>& row) {
+      d.factors.inverse[dof] = inverse;
+      d.force.putPart(dof, at, row);
+    });
+    factorsSweep<Wide>(bodies, w, d);
+  } else {
+    Workspace<Vectored>& x = vectored(d, w);
+    const AlignedBodies bodies{m, x};
+    inertiasOutward(bodies, x);
+    articulatedFactors(bodies, x, [&](int dof, const Vectored& inverse, const Force<Vectored>& row) {
+      d.factors.inverse[dof] = inverse.x;
+      x.dof[dof].W = row;
+    });
+    rowsAbreast<Wide>(m, x, d.force);
+    factorsSweep<Wide>(bodies, x, d);
+    w.failed[0] = x.failed[0];
+  }
 }
 
 /// M^-1 from its factors, n x n, into the columns of `out`, by way of the n rows X.
@@ -69,7 +96,7 @@ void inverseOfMassMatrix(const CompactImpl& m, const TreeFactors<S>& factors, co
   const TreeSystem<S> system{m, factors.L, factors.inverse};
   constexpr bool by_columns = Part<Wide, S>::width == 1;
   const Rows<S>& matrix = by_columns ? out : X;
-  for (int i = 0; i < n; ++i) std::fill(matrix[i], matrix[i] + n, S(0));
+  std::fill(matrix[0], matrix[n], S(0));
   for (int i = 0; i < n; ++i) matrix[i][i] = S(1);
   // Half of it, so that the result is symmetric to the last bit.
   if constexpr (by_columns) {

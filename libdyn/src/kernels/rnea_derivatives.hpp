@@ -41,11 +41,11 @@ void inDofsAbreast(const CompactImpl& m, Use&& use) {
     for (int lane = abreast<double> - width; lane >= 0; lane -= width) {
       const int first = abreast<double> * group + lane;
       if (has.varies) {
-        use(first, Columns<true, true>());
+        use(first, ColumnParts<true, true>());
       } else if (has.turn_only) {
-        use(first, Columns<false, false>());
+        use(first, ColumnParts<false, false>());
       } else {
-        use(first, Columns<true, false>());
+        use(first, ColumnParts<true, false>());
       }
     }
   }
@@ -74,10 +74,10 @@ __attribute__((noinline, flatten)) void ownMotions(const CompactImpl& m, Derivat
     const BodyMotion<Wide> x = d.body_motion.template get<Wide>(i);
     scatterTo(ownMotion(ownMomentum<Wide>(m, x, i), x.w, x.acceleration), d, i);
   }
-  inDofsAbreast<Wide>(m, [&]<class Columns>(int k, Columns) {
+  inDofsAbreast<Wide>(m, [&]<class ColumnParts>(int k, ColumnParts) {
     SubspaceTerms<Wide> more;
-    if constexpr (Columns::has_bias) more = d.terms.template get<Wide>(k);
-    d.dof.template put<Wide>(k, variationOf<Columns>(d.dof_motion.template get<Wide>(k), more));
+    if constexpr (ColumnParts::has_bias) more = d.terms.template get<Wide>(k);
+    d.dof.template put<Wide>(k, variationOf<ColumnParts>(d.dof_motion.template get<Wide>(k), more));
   });
 }
 
@@ -141,14 +141,14 @@ void derivativesOutward(const Order& order, Workspace<S>& w, DerivativeWorkspace
 /// Forces of all degrees of freedom, whose subtrees are summed.
 template <class Wide>
 __attribute__((noinline, flatten)) void ownForces(const CompactImpl& m, DerivativeWorkspace<double>& d) {
-  inDofsAbreast<Wide>(m, [&]<class Columns>(int k, Columns) {
+  inDofsAbreast<Wide>(m, [&]<class ColumnParts>(int k, ColumnParts) {
     const double* from[lanes_of<Wide>];
     for (int l = 0; l < lanes_of<Wide>; ++l)
       from[l] = reinterpret_cast<const double*>(d.subtree + m.dof_body[static_cast<std::size_t>(std::min(k + l, m.nvx - 1))]);
     Subtree<Wide> c;
     gatherStructs<sizeof(c) / sizeof(Wide)>(from, reinterpret_cast<Wide*>(&c));
     const auto column = d.dof_motion.template part<Motion, Wide>(k, 0);
-    d.force.template put<Wide>(k, forcesOf<Columns>(column, d.dof.template get<Wide>(k), c));
+    d.force.template put<Wide>(k, forcesOf<ColumnParts>(column, d.dof.template get<Wide>(k), c));
   });
 }
 
@@ -173,7 +173,7 @@ void pathSweep(const Order& order, Workspace<S>& w, DerivativeWorkspace<S>& d) {
   const AoSoA<DofForces, S> force = d.force;
   const PathMatrix<S> by_a = d.by_a, by_q = d.by_q, by_v = d.by_v;
   order.backward([&]<class Joint>(const Joint&, int i, int iv) {
-    const Vec3<Wide> r = broadcast<Wide>(w.r[i]), rate = broadcast<Wide>(S(2) * d.shift_rate[i]);
+    const Vec3<Wide> r = cast<Wide>(w.r[i]), rate = cast<Wide>(S(2) * d.shift_rate[i]);
     inParts<Wide, S>(iv, order.dofEnd(i), [&](const Part<Wide, S>& part) {
       const DofForces<Wide> F = force.template get<Wide>(part.first());
       const Force<Wide>& U = F.by_a;
@@ -190,9 +190,9 @@ void pathSweep(const Order& order, Workspace<S>& w, DerivativeWorkspace<S>& d) {
         if (order.isRoot(i)) {
           for (int k = 0; k < 3; ++k) {
             const DofVariation<S> slide = d.dof[iv + k], turn = d.dof[iv + 3 + k];
-            const Vec3<Wide> by_turn = broadcast<Wide>(turn.rate.linear), turn_rate = broadcast<Wide>(turn.rate.angular);
-            enter(k, UnitColumn<S>{k}, Wide(0), dot(broadcast<Wide>(slide.rate.linear), U.linear));
-            enter(3 + k, UnitColumn<S>{3 + k}, dot(broadcast<Wide>(turn.acceleration.linear), U.linear),
+            const Vec3<Wide> by_turn = cast<Wide>(turn.rate.linear), turn_rate = cast<Wide>(turn.rate.angular);
+            enter(k, UnitColumn<S>{k}, Wide(0), dot(cast<Wide>(slide.rate.linear), U.linear));
+            enter(3 + k, UnitColumn<S>{3 + k}, dot(cast<Wide>(turn.acceleration.linear), U.linear),
                   dot(by_turn, U.linear) + dot(turn_rate, U.angular) + lever[k]);
           }
           return;
@@ -201,11 +201,12 @@ void pathSweep(const Order& order, Workspace<S>& w, DerivativeWorkspace<S>& d) {
       for (int k = 0; k < Joint::nv; ++k) {
         const Column<Joint, S> column{w.dof[iv + k].S_};
         const DofVariation<S> x = d.dof[iv + k];
-        Wide q = dot(broadcast<Wide>(x.acceleration), U), v = dot(broadcast<Wide>(x.rate.angular), U.angular);
-        if constexpr (Joint::has_linear) v += dot(broadcast<Wide>(x.rate.linear), U.linear);
+        Wide q = dot(cast<Wide>(x.acceleration.linear), U.linear) + dot(cast<Wide>(x.acceleration.angular), U.angular),
+             v = dot(cast<Wide>(x.rate.angular), U.angular);
+        if constexpr (Joint::has_linear) v += dot(cast<Wide>(x.rate.linear), U.linear);
         if constexpr (Joint::has_angular) {
-          q += dot(broadcast<Wide>(x.velocity.angular), lever);
-          v += dot(broadcast<Wide>(column.s.angular), lever);
+          q += dot(cast<Wide>(x.velocity.angular), lever);
+          v += dot(cast<Wide>(column.s.angular), lever);
         }
         enter(k, column, q, v);
       }

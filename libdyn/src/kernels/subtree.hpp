@@ -67,13 +67,16 @@ S total(const Wide& x) {
   }
 }
 
-template <class Wide, class S>
-Vec3<Wide> broadcast(const Vec3<S>& x) {
-  return {Wide(x.x), Wide(x.y), Wide(x.z)};
-}
-template <class Wide, class S>
-Motion<Wide> broadcast(const Motion<S>& x) {
-  return {broadcast<Wide>(x.linear), broadcast<Wide>(x.angular)};
+/// A matrix of n x n, in the first rows of a tile, into columns that follow one another.
+template <class S, int width>
+void writeSmall(const Square<S, width>& tile, int n, const Rows<S>& out) {
+  for (int k = 0; k < n; ++k) {
+    // Past a column's end is where the next one goes.
+    S column[width];
+    const bool fits = out.stride * k + width <= out.stride * n;
+    tile.write(k, fits ? out[k] : column);
+    if (!fits) std::copy(column, column + n, out[k]);
+  }
 }
 
 /// An n x n matrix with entries for two degrees of freedom on one path to the root. It is written as the sweep finds it, joint by joint
@@ -126,14 +129,7 @@ struct PathMatrix {
     if constexpr (width > 1) {
       // The last tiles overlap those before, and what they get wrong beside the diagonal the last one on it puts right.
       if (n >= width) return inTiles<Wide, true>(dof_end, n - width, out);
-      const auto tile = diagonalTile<width>(below, 0);
-      for (int k = 0; k < n; ++k) {
-        // Past a column's end is where the next one goes.
-        S column[width];
-        const bool fits = out.stride * k + width <= out.stride * n;
-        tile.write(k, fits ? out[k] : column);
-        if (!fits) std::copy(column, column + n, out[k]);
-      }
+      writeSmall(diagonalTile<width>(below, 0), n, out);
     } else {
       for (int k = 0; k < n; ++k)
         for (int i = k; i < dof_end[static_cast<std::size_t>(k)]; ++i) {
@@ -190,7 +186,7 @@ void inSquares(int n, Use&& use) {
     for (int column = 0; column < n; column += width) use(std::min(row, n - width), std::min(column, n - width));
 }
 
-/// Writes into the columns of an n x n matrix what stands in the rows of another, with the other sign.
+/// Writes into the columns of an n x n matrix what stands in the rows of another, which have room for whole tiles, with the other sign.
 template <class Wide, class S>
 __attribute__((flatten)) void transposeNegated(Rows<S> rows, int n, Rows<S> columns) {
   constexpr int width = Part<Wide, S>::width;
@@ -203,33 +199,44 @@ __attribute__((flatten)) void transposeNegated(Rows<S> rows, int n, Rows<S> colu
         square.negate();
         square.write(columns[column] + row, columns.stride);
       });
+    Square<S, width> square;
+    square.read(rows[0], rows.stride);
+    square.transpose();
+    square.negate();
+    return writeSmall(square, n, columns);
   }
   for (int column = 0; column < n; ++column)
     for (int row = 0; row < n; ++row) columns[column][row] = -rows[row][column];
 }
 
-/// Writes the upper triangle of a symmetric n x n matrix into both of another.
+/// Writes the upper triangle of a symmetric n x n matrix, whose rows have room for whole tiles, into both of another.
 template <class Wide, class S>
 __attribute__((flatten)) void mirrorUpper(Rows<S> from, int n, Rows<S> out) {
   constexpr int width = Part<Wide, S>::width;
-  const auto single = [&](int begin, int end) {
-    for (int i = begin; i < end; ++i)
-      for (int j = i; j < end; ++j) out[i][j] = out[j][i] = from[i][j];
-  };
   if constexpr (width > 1) {
-    if (n >= width)
-      return inSquares<width>(n, [&](int row, int column) {
-        if (column < row) return;
-        // The last one on the diagonal puts right where squares overlap.
-        if (column == row) return single(row, row + width);
-        Square<S, width> square;
-        square.read(from[row] + column, from.stride);
-        square.write(out[row] + column, out.stride);
-        square.transpose();
-        square.write(out[column] + row, out.stride);
-      });
+    const auto onDiagonal = [&](int first) {
+      Square<S, width> tile, below;
+      tile.read(from[first] + first, from.stride);
+      below = tile;
+      below.transpose();
+      tile.replaceAbove(below);
+      return tile;
+    };
+    if (n < width) return writeSmall(onDiagonal(0), n, out);
+    inSquares<width>(n, [&](int row, int column) {
+      if (column < row) return;
+      // The last one on the diagonal puts right where squares overlap.
+      if (column == row) return onDiagonal(row).write(out[row] + row, out.stride);
+      Square<S, width> square;
+      square.read(from[row] + column, from.stride);
+      square.write(out[row] + column, out.stride);
+      square.transpose();
+      square.write(out[column] + row, out.stride);
+    });
+  } else {
+    for (int i = 0; i < n; ++i)
+      for (int j = i; j < n; ++j) out[i][j] = out[j][i] = from[i][j];
   }
-  single(0, n);
 }
 
 }  // namespace dyn::kernels

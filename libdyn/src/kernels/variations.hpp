@@ -9,7 +9,7 @@ namespace dyn::kernels {
 
 /// The parts that the columns of some degrees of freedom have; a joint's shape says as much.
 template <bool linear, bool varies>
-struct Columns {
+struct ColumnParts {
   static constexpr bool has_linear = linear, has_angular = true, has_bias = varies;
 };
 
@@ -20,12 +20,12 @@ Force<S> coriolis(const SubtreeMomentum<S>& m, const Mat3<S>& K, const Vec3<S>& 
   return S(2) * Force<S>{cross(x, m.momentum.linear), trace * x - K * x};
 }
 /// The turning rates' lever on a motion s: coriolis(x) . s = lever . x.
-template <class Columns, class S>
+template <class ColumnParts, class S>
 Vec3<S> coriolisLever(const SubtreeMomentum<S>& m, const Mat3<S>& K, const Motion<S>& s) {
   const S trace = K(0, 0) + K(1, 1) + K(2, 2);
   Vec3<S> lever{};
-  if constexpr (Columns::has_angular) lever = trace * s.angular - transposeTimes(K, s.angular);
-  if constexpr (Columns::has_linear) lever += cross(m.momentum.linear, s.linear);
+  if constexpr (ColumnParts::has_angular) lever = trace * s.angular - transposeTimes(K, s.angular);
+  if constexpr (ColumnParts::has_linear) lever += cross(m.momentum.linear, s.linear);
   return S(2) * lever;
 }
 
@@ -34,9 +34,9 @@ Force<S> rigidForce(const SubtreeMomentum<S>& m, const Motion<S>& x) {
   return {m.mass * x.linear + cross(x.angular, m.h), cross(m.h, x.linear) + m.I * x.angular};
 }
 /// Of motions with the parts that columns have.
-template <class Columns, class S>
+template <class ColumnParts, class S>
 Force<S> rigidForceOf(const SubtreeMomentum<S>& m, const Motion<S>& x) {
-  if constexpr (!Columns::has_linear) {
+  if constexpr (!ColumnParts::has_linear) {
     return {cross(x.angular, m.h), m.I * x.angular};
   } else {
     return rigidForce(m, x);
@@ -48,9 +48,9 @@ template <class S>
 Force<S> turned(const Motion<S>& s, const Force<S>& f) {
   return {cross(s.angular, f.linear), cross(s.angular, f.angular) + cross(s.linear, f.linear)};
 }
-template <class Columns, class S>
+template <class ColumnParts, class S>
 Force<S> turnedOf(const Motion<S>& s, const Force<S>& f) {
-  if constexpr (!Columns::has_linear) {
+  if constexpr (!ColumnParts::has_linear) {
     return {cross(s.angular, f.linear), cross(s.angular, f.angular)};
   } else {
     return turned(s, f);
@@ -97,35 +97,35 @@ void addTo(Subtree<S>& parent, const Subtree<S>& x, const Vec3<S>& r, const Vec3
 }
 
 /// Singh, Russell and Wensing 2022; see rnea_derivatives.hpp.
-template <class Columns, class S>
+template <class ColumnParts, class S>
 DofVariation<S> variationOf(const DofMotion<S>& x, const SubspaceTerms<S>& more) {
   const Vec3<S>&sl = x.column.linear, &sw = x.column.angular, &wp = x.w_parent;
   Vec3<S> al = x.acceleration.linear;
-  if constexpr (Columns::has_linear) al += cross(wp, x.slide);
+  if constexpr (ColumnParts::has_linear) al += cross(wp, x.slide);
   Motion<S> velocity{{}, cross(wp, sw)}, acceleration{cross(al, sw), cross(x.acceleration.angular, sw)}, rate{{}, cross(x.w, sw)};
-  if constexpr (Columns::has_linear) {
+  if constexpr (ColumnParts::has_linear) {
     velocity.linear = cross(wp, sl) - cross(x.slide, sw);
     acceleration.linear += cross(x.acceleration.angular, sl);
     rate.linear = cross(x.w, sl);
   }
-  if constexpr (Columns::has_bias) {
+  if constexpr (ColumnParts::has_bias) {
     velocity += more.velocity;
     rate += more.rate;
     acceleration += more.acceleration + Motion<S>{cross(x.w, more.velocity.linear), cross(x.w, more.velocity.angular)};
   }
-  if constexpr (Columns::has_linear) acceleration.linear += cross(wp, velocity.linear) - cross(x.slide, velocity.angular);
+  if constexpr (ColumnParts::has_linear) acceleration.linear += cross(wp, velocity.linear) - cross(x.slide, velocity.angular);
   acceleration.angular += cross(wp, velocity.angular);
   return {velocity, acceleration, velocity + rate};
 }
 
 /// Of a degree of freedom with motion s and variation x.
-template <class Columns, class S>
+template <class ColumnParts, class S>
 DofForces<S> forcesOf(const Motion<S>& s, const DofVariation<S>& x, const Subtree<S>& c) {
   const SubtreeMomentum<S>& m = c.m;
   const Mat3<S>& K = c.K;
-  return {rigidForceOf<Columns>(m, s), coriolisLever<Columns>(m, K, s),
-          rigidForce(m, x.acceleration) + coriolis(m, K, x.velocity.angular) + turnedOf<Columns>(s, c.f),
-          rigidForceOf<Columns>(m, x.rate) + coriolis(m, K, s.angular)};
+  return {rigidForceOf<ColumnParts>(m, s), coriolisLever<ColumnParts>(m, K, s),
+          rigidForce(m, x.acceleration) + coriolis(m, K, x.velocity.angular) + turnedOf<ColumnParts>(s, c.f),
+          rigidForceOf<ColumnParts>(m, x.rate) + coriolis(m, K, s.angular)};
 }
 
 }  // namespace dyn::kernels

@@ -12,6 +12,10 @@
 
 #include <cmath>
 
+// How registers of four are passed depends on the instruction set: none of these functions is called from another shared object.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wpsabi"
+
 namespace dyn {
 
 struct Vectored {
@@ -208,6 +212,12 @@ inline Mat3<Vectored> cast<Vectored, double>(const Mat3<double>& a) {
   return {Four{a.m[0], a.m[3], a.m[6], 0}, Four{a.m[1], a.m[4], a.m[7], 0}, Four{a.m[2], a.m[5], a.m[8], 0}};
 }
 
+/// Each coordinate in a pack of its own.
+template <class To>
+Vec3<To> cast(const Vec3<Vectored>& v) {
+  return {To(v.a[0]), To(v.a[1]), To(v.a[2])};
+}
+
 // Of the recursions' own functions, those that name single coordinates. They are found by their arguments.
 
 inline Mat3<Vectored> loadMatrix(const Vectored* p, std::ptrdiff_t stride) {
@@ -232,3 +242,5 @@ inline Sym3<Vectored> shiftedInertia(const Sym3<Vectored>& I, const Vectored& ma
 }
 
 }  // namespace dyn
+
+#pragma GCC diagnostic pop

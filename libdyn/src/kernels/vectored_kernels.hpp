@@ -1,7 +1,7 @@
 // The recursions of one state on vectors in registers: the kernels for bodies, with memory of their own.
 #pragma once
 
-#include "kernels/vectored.hpp"
+#include "kernels/vectored_bodies.hpp"
 // Specialisations come before what is made of them.
 #include "kernels/aba.hpp"
 #include "kernels/crba.hpp"
@@ -27,13 +27,7 @@ struct VectoredScratch {
   }
 };
 
-/// Where constants are what vectors are multiplied by, on the right: they stay single numbers in memory, from which they get into all lanes at
-/// no cost.
-struct AlignedBodies : Bodies<Vectored> {
-  static constexpr bool waits = true;
-  const BodyConstants<double>& constants(int i) const { return m.constants[static_cast<std::size_t>(i)]; }
-};
-/// Where they multiply vectors, from the left.
+/// Where constants multiply vectors, from the left.
 struct TurningBodies : Bodies<Vectored> {
   const BodyConstants<Vectored>* all;
   const BodyConstants<Vectored>& constants(int i) const { return all[i]; }

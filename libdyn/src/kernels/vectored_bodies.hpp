@@ -1,0 +1,17 @@
+// Walking the bodies with vectors in registers.
+#pragma once
+
+#include "kernels/vectored.hpp"
+// Specialisations come before what is made of them.
+#include "kernels/sweep.hpp"
+
+namespace dyn::kernels {
+
+/// Where constants are what vectors are multiplied by, on the right: they stay single numbers in memory, from which they get into all lanes at
+/// no cost.
+struct AlignedBodies : Bodies<Vectored> {
+  static constexpr bool waits = true;
+  const BodyConstants<double>& constants(int i) const { return m.constants[static_cast<std::size_t>(i)]; }
+};
+
+}  // namespace dyn::kernels
