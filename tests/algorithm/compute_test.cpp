@@ -74,13 +74,13 @@ TEST_CASE("each quantity alone runs its own passes, and leaves the memory of oth
   const auto run = [&](Quantity what, bool poses, bool velocities, bool forces, bool inertias, bool derivatives) {
     Data data(model, Need::derivatives);
     DataImpl& d = data.impl();
-    d.oM[1].p.x = d.v[1].linear.x = d.f[1].linear.x = d.mass[1] = d.derivatives.shift_rate[1].x = poison;
+    d.oM[1].p.x = d.v[1].linear.x = d.f[1].linear.x = d.mass[1] = d.derivatives.vectored->shift_rate[1].a[0] = poison;
     const Passes passes = compute(model, data, what, s.q, s.v, s.a).passes;
     CHECK((d.oM[1].p.x != poison) == poses);
     CHECK((d.v[1].linear.x != poison) == velocities);
     CHECK((d.f[1].linear.x != poison) == forces);
     CHECK((d.mass[1] != poison) == inertias);
-    CHECK((d.derivatives.shift_rate[1].x != poison) == derivatives);
+    CHECK((d.derivatives.vectored->shift_rate[1].a[0] != poison) == derivatives);
     return passes;
   };
   CHECK(sum(run(static_cast<Quantity>(0), false, false, false, false, false), 0, 0, 0, 0, 0, 0));

@@ -200,10 +200,7 @@ void abaDerivatives(const CompactImpl& m, Tracer& t, const std::vector<T*>& in, 
   Numbers tau, ddq, by_q(n * n), by_v(n * n), inverse;
   forwardDynamics(m, t, in, tau, ddq);
   t.evaluateSubspaceDerivatives(in[0], in[1]);
-  kernels::derivativesOutward<T>(t.bodies, t.w, t.d, t.bodies.gravity(), static_cast<const T*>(in[1]), static_cast<const T*>(ddq.data()), no_forces);
-  kernels::abaDerivativesInward(t.bodies, t.w, t.d);
-  kernels::pathSweep<T>(t.bodies, t.w, t.d);
-  kernels::ownColumns(t.bodies, t.w, t.d);
+  kernels::abaDerivativesSweep<T>(m, t.w, t.d, static_cast<const T*>(in[1]), static_cast<const T*>(ddq.data()), no_forces);
   kernels::abaDerivative<T, T>(m, t.d, t.d.by_q, Rows<T>{by_q.data(), m.nvx});
   kernels::abaDerivative<T, T>(m, t.d, t.d.by_v, Rows<T>{by_v.data(), m.nvx});
   inverseOfMassMatrix(m, t, t.d.by_a.below, inverse);
@@ -300,10 +297,7 @@ const std::vector<Recipe>& recipes() {
        [](const CompactImpl& m, Tracer& t, const std::vector<T*>& in, Numbers& out) {
          t.evaluate(in[0], in[1]);
          t.evaluateSubspaceDerivatives(in[0], in[1]);
-         kernels::derivativesOutward<T>(t.bodies, t.w, t.d, t.bodies.gravity(), static_cast<const T*>(in[1]), static_cast<const T*>(in[2]),
-                                        no_forces);
-         kernels::derivativesInward<T>(t.bodies, t.w, t.d);
-         kernels::derivativesSweep<T>(t.bodies, t.w, t.d);
+         kernels::rneaDerivatives<T>(m, t.w, t.d, static_cast<const T*>(in[1]), static_cast<const T*>(in[2]), no_forces);
          append(m, t.d.by_q, out);
          append(m, t.d.by_v, out);
          append(m, t.d.by_a, out);
@@ -323,10 +317,9 @@ const std::vector<Recipe>& recipes() {
          out.resize(6 * at(m.nvx));
          const Numbers zero(at(m.nvx));
          t.evaluate(in[0], nullptr);
-         kernels::momenta<T>(t.bodies, t.w, t.d, zero.data());
          kernels::CentroidalMaps<T> maps;
          maps.Ag = out.data();
-         kernels::centroidal(t.bodies, t.w, t.d, maps);
+         kernels::centroidal(m, t.w, t.d, zero.data(), zero.data(), maps);
        }},
   };
   return all;

@@ -27,14 +27,6 @@ BodyConstants<To> broadcast(const BodyConstants<From>& c) {
   return {cast<To>(c.placement), To(c.mass), cast<To>(c.com), cast<To>(c.rotational), cast<To>(c.h), cast<To>(c.origin)};
 }
 
-/// Of a body, about the joint's origin, in its own axes.
-template <class T>
-struct BodyInertia {
-  T mass;
-  Vec3<T> h;
-  Sym3<T> origin;
-};
-
 /// Bookkeeping of a body. idx_q and idx_v count all coordinates, coupled ones included ("expanded").
 struct BodyIndex {
   int parent = 0;
@@ -82,12 +74,6 @@ struct DofChain {
   bool leaf = true;  ///< nothing hangs on it
 };
 
-/// What degrees of freedom that stand abreast (aosoa.hpp) have in common.
-struct DofsAbreast {
-  bool turn_only = true;  ///< their columns have no linear parts
-  bool varies = false;    ///< some joint's subspace depends on its coordinates
-};
-
 struct CompactImpl {
   std::string name;
   Vec3<double> gravity;
@@ -98,7 +84,6 @@ struct CompactImpl {
   std::vector<BodyIndex> index;  ///< [0] is the universe
   std::vector<BodyConstants<double>> constants;
   std::vector<BodyConstants<float>> constants_float;
-  std::vector<double> inertias;   ///< AoSoA<BodyInertia, double>
   std::vector<double> subspaces;  ///< dense_constant: 6 nv numbers a body that needs them
   std::vector<float> subspaces_float;
   std::vector<int> subspace_offset;  ///< into subspaces, -1 without
@@ -112,7 +97,6 @@ struct CompactImpl {
   std::vector<int> dof_segment;  ///< how far down its path goes without a gap in the numbers
   std::vector<int> dof_depth;    ///< how many others its path has
   std::vector<DofChain> chains;
-  std::vector<DofsAbreast> dofs_abreast;
   int path_room = 0;  ///< degrees of freedom of the longest path
 
   StripPlan strips;

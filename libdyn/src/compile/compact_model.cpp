@@ -37,13 +37,13 @@ std::size_t bytesOf(const std::vector<T>& x) {
 
 std::size_t CompactModel::bytes() const {
   const CompactImpl& m = *impl_;
-  std::size_t sum = sizeof m + bytesOf(m.index) + bytesOf(m.constants) + bytesOf(m.constants_float) + bytesOf(m.inertias) + bytesOf(m.subspaces) +
+  std::size_t sum = sizeof m + bytesOf(m.index) + bytesOf(m.constants) + bytesOf(m.constants_float) + bytesOf(m.subspaces) +
                     bytesOf(m.subspaces_float) + bytesOf(m.subspace_offset) + bytesOf(m.batches) + bytesOf(m.runs) + bytesOf(m.tree_end) +
                     bytesOf(m.dof_body) + bytesOf(m.dof_end) + bytesOf(m.dof_parent) + bytesOf(m.dof_segment) + bytesOf(m.dof_depth) +
-                    bytesOf(m.chains) + bytesOf(m.dofs_abreast) + bytesOf(m.couplings) + bytesOf(m.q_of_user) + bytesOf(m.v_of_user) +
-                    bytesOf(m.damping) + bytesOf(m.friction) + bytesOf(m.armature) + bytesOf(m.joints) + bytesOf(m.user_frame) +
-                    bytesOf(m.body_of_joint) + bytesOf(m.frames) + bytesOf(m.frame_body) + bytesOf(m.frame_placement) + bytesOf(m.limits.lower) +
-                    bytesOf(m.limits.upper) + bytesOf(m.limits.velocity) + bytesOf(m.limits.effort);
+                    bytesOf(m.chains) + bytesOf(m.couplings) + bytesOf(m.q_of_user) + bytesOf(m.v_of_user) + bytesOf(m.damping) +
+                    bytesOf(m.friction) + bytesOf(m.armature) + bytesOf(m.joints) + bytesOf(m.user_frame) + bytesOf(m.body_of_joint) +
+                    bytesOf(m.frames) + bytesOf(m.frame_body) + bytesOf(m.frame_placement) + bytesOf(m.limits.lower) + bytesOf(m.limits.upper) +
+                    bytesOf(m.limits.velocity) + bytesOf(m.limits.effort);
   for (const TypeBatch& batch : m.batches) sum += bytesOf(batch.bodies) + bytesOf(batch.constants);
   const StripPlan& plan = m.strips;
   sum += bytesOf(plan.strips) + bytesOf(plan.seats) + bytesOf(plan.batches) + bytesOf(plan.dof_index) + bytesOf(plan.dof_place) +

@@ -1,4 +1,3 @@
-#include "compile/aosoa.hpp"
 #include "compile/compact_impl.hpp"
 #include "compile/draft.hpp"
 
@@ -77,12 +76,6 @@ class Packer {
         out_->subspaces.insert(out_->subspaces.end(), b.instance.subspace, b.instance.subspace + 6 * b.instance.nv);
       }
     }
-    out_->inertias.resize(AoSoA<BodyInertia, double>::room(n));
-    const AoSoA<BodyInertia, double> inertias(out_->inertias.data());
-    for (std::size_t i = 1; i < n; ++i) {
-      const BodyConstants<double>& c = out_->constants[i];
-      inertias.put(static_cast<int>(i), {c.mass, c.h, c.origin});
-    }
     out_->constants_float.reserve(n);
     for (const BodyConstants<double>& c : out_->constants) out_->constants_float.push_back(broadcast<float>(c));
     out_->subspaces_float.assign(out_->subspaces.begin(), out_->subspaces.end());
@@ -109,13 +102,6 @@ class Packer {
           out_->chains.push_back({dof, dof + 1, out_->dof_depth.back()});
         }
       }
-    }
-    out_->dofs_abreast.resize(at((out_->nvx + abreast<double> - 1) / abreast<double>));
-    for (int dof = 0; dof < out_->nvx; ++dof) {
-      const auto body = at(out_->dof_body[at(dof)]);
-      DofsAbreast& group = out_->dofs_abreast[at(dof / abreast<double>)];
-      group.turn_only = group.turn_only && out_->index[body].turns_only;
-      group.varies = group.varies || draft_.bodies[body].instance.shape == Shape::dense;
     }
     // By degree of freedom, of its chain: from which depth on subtrees of its path end with its own.
     std::vector<int> alone(at(out_->nvx));

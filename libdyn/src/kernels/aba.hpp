@@ -39,11 +39,6 @@ void abaOutward(const Order& order, Workspace<S>& w, const S* v, const Force<S>*
   });
 }
 
-template <class S>
-S trace(const Sym3<S>& a) {
-  return a.xx + a.yy + a.zz;
-}
-
 /// A pivot that is not above the rounding of what was subtracted to get it is zero. The yardstick is the inertia left in other
 /// directions at the same body, so it scales with the model's units. Notes the body, lane by lane.
 template <class S, class Column>

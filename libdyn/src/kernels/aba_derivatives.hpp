@@ -14,20 +14,10 @@
 
 namespace dyn::kernels {
 
-/// a b^T subtracted.
-template <class S>
-void subtractOuter(Mat3<S>& from, const Vec3<S>& a, const Vec3<S>& b) {
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) from(i, j) -= a[i] * b[j];
-}
-
 /// Of a rigid body: what coriolis() is as a matrix.
 template <class S>
 CoriolisMap<S> coriolisMap(const Vec3<S>& momentum, const Mat3<S>& K) {
-  const S trace = K(0, 0) + K(1, 1) + K(2, 2);
-  CoriolisMap<S> map{S(-2) * skew(momentum), S(-2) * K};
-  for (int k = 0; k < 3; ++k) map.angular(k, k) += S(2) * trace;
-  return map;
+  return {S(-2) * skew(momentum), S(2) * (trace(K) * Mat3<S>::identity() - K)};
 }
 
 /// About the parent's origin, with velocities relative to it: r from the parent's to the joint's, rate the joint origin's velocity.
@@ -42,8 +32,8 @@ CoriolisMap<S> shiftedMap(const CoriolisMap<S>& map, const ArticulatedInertia<S>
 /// Factors of the elimination, for factorsSweep too, articulated Coriolis maps and the columns' beginnings; after derivativesOutward, which left
 /// rigid inertias and forces in w. w.failed tells lane by lane whether a pivot vanished.
 template <class S, class Order>
-void abaDerivativesInward(const Order& order, Workspace<S>& w, DerivativeWorkspace<S>& d) {
-  using F = DofForces<S>;
+void abaDerivativesInward(const Order& order, DerivativeWorkspace<S>& d) {
+  Workspace<S>& w = order.w;
   for (int& body : w.failed) body = 0;
   order.backward([&]<class Joint>(const Joint&, int i, int iv) {
     const Subtree<S>& own = d.subtree[i];
@@ -57,22 +47,22 @@ void abaDerivativesInward(const Order& order, Workspace<S>& w, DerivativeWorkspa
     f = order.isLeaf(i) ? own.f : own.f + f;
     eliminateJoint<Joint>(order, w, IA, i, iv, [&](int k, const auto& column, const Force<S>& W, const S& inverse, const Force<S>& row) {
       d.factors.inverse[iv + k] = inverse;
-      d.force.putPart(iv + k, F::at_by_a, row);
       const Vec3<S> lever = inverse * column.along(map.linear, map.angular);
-      d.force.putPart(iv + k, F::at_lever, lever);
-      subtractOuter(map.linear, W.linear, lever);
-      subtractOuter(map.angular, W.angular, lever);
+      d.dof_force[iv + k].by_a = row;
+      d.dof_force[iv + k].lever = lever;
+      map.linear = map.linear - outer(W.linear, lever);
+      map.angular = map.angular - outer(W.angular, lever);
     });
     if (order.isRoot(i)) return;
     // What each column hands to the parent; by q the subtree's force turns, too.
     for (int m = 0; m < Joint::nv; ++m) {
       const Motion<S>& s = w.dof[iv + m].S_;
-      const DofVariation<S> x = d.dof[iv + m];
+      const DofVariation<S>& x = d.dof[iv + m];
       const auto handed = [&](const Motion<S>& acceleration, const Vec3<S>& turning) {
         return IA * acceleration + Force<S>{map.linear * turning, map.angular * turning};
       };
-      d.force.putPart(iv + m, F::at_by_q, handed(x.acceleration, x.velocity.angular) + turnedOf<Joint>(s, f));
-      d.force.putPart(iv + m, F::at_by_v, handed(x.rate, s.angular));
+      d.dof_force[iv + m].by_q = handed(x.acceleration, x.velocity.angular) + turnedOf<Joint>(s, f);
+      d.dof_force[iv + m].by_v = handed(x.rate, s.angular);
     }
     const Vec3<S>& r = w.r[i];
     order.handOver(d.coriolis, i, shiftedMap(map, IA, r, d.shift_rate[i]));
@@ -83,17 +73,16 @@ void abaDerivativesInward(const Order& order, Workspace<S>& w, DerivativeWorkspa
 
 /// After pathSweep: entries of degrees of freedom of one joint, and what the torques s . f of a subspace that varies with q add to a column:
 /// they are eliminated within the joint, and what is left of them on its path.
-template <class S, class Order>
-void ownColumns(const Order& order, const Workspace<S>& w, DerivativeWorkspace<S>& d) {
+template <class R, class S>
+void ownColumns(const R& recursion, DerivativeWorkspace<S>& d) {
+  const auto& order = recursion.order;
   const Rows<S>& L = d.by_a.below;
   order.backward([&]<class Joint>(const Joint&, int i, int iv) {
     for (int m = iv; m < iv + Joint::nv; ++m) {
       S torque[Joint::nv] = {};
       if constexpr (Joint::has_bias) {
-        const BodyIndex& x = order.index(i);
         for (int k = Joint::nv - 1; k >= 0; --k) {
-          const Motion<S> dS = d.subspaces[x.batch].column(Joint::nv, m - iv, k, x.slot);
-          torque[k] = dot(Motion<S>{w.R[i] * dS.linear, w.R[i] * dS.angular}, w.f[i]);
+          torque[k] = numberOf(subspaceTorque<Joint>(order, recursion.d, order.w.f[i], i, m - iv, k));
           for (int l = k + 1; l < Joint::nv; ++l) torque[k] -= L[iv + k][iv + l] * torque[l];
         }
         alongPath(order.m, order.m.dof_parent[static_cast<std::size_t>(iv)], [&](int j) {
@@ -106,6 +95,19 @@ void ownColumns(const Order& order, const Workspace<S>& w, DerivativeWorkspace<S
       }
     }
   });
+}
+
+/// The beginnings of aba's derivatives at accelerations a, and the factors of M: d.by_q, d.by_v, d.by_a and d.factors, for abaDerivative. Joints
+/// have been asked into w, how subspaces vary into d. w.failed tells lane by lane whether a pivot vanished.
+template <class Wide, class S>
+void abaDerivativesSweep(const CompactImpl& m, Workspace<S>& w, DerivativeWorkspace<S>& d, const S* v, const S* a, const Force<S>* fext) {
+  const auto r = recursion(m, w, d);
+  derivativesOutward(r.order, r.d, r.order.gravity(), r.in(v), r.in(a));
+  takeOff(fext, r.order.w, r.d, m.bodies());
+  abaDerivativesInward(r.order, r.d);
+  pathSweep<Wide>(r, d);
+  ownColumns(r, d);
+  std::copy(std::begin(r.order.w.failed), std::end(r.order.w.failed), w.failed);
 }
 
 /// Derivative of aba from one of d.by_q and d.by_v, n x n, into the columns of `out`, whose other entries are zero; losses are not in it.

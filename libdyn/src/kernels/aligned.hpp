@@ -38,6 +38,21 @@ void placeAligned(const Joint& joint, const Order& order, const Placement& place
   }
 }
 
+template <class S>
+S trace(const Mat3<S>& K) {
+  return K(0, 0) + K(1, 1) + K(2, 2);
+}
+template <class S>
+S trace(const Sym3<S>& a) {
+  return a.xx + a.yy + a.zz;
+}
+
+/// Symmetric to the last bit.
+template <class S>
+Mat3<S> symmetricMatrix(const Sym3<S>& a) {
+  return a.matrix();
+}
+
 /// A body's inertia about its origin, beside its mass.
 template <class S>
 struct AlignedInertia {

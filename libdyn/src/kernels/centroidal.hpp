@@ -9,8 +9,9 @@
 namespace dyn::kernels {
 
 /// What momentum and its map take, and no more: placements, velocities and composite inertias and momenta.
-template <class Wide, class S>
-void momenta(const Bodies<S>& bodies, Workspace<S>& w, DerivativeWorkspace<S>& d, const S* v) {
+template <class S, class Order>
+void momenta(const Order& bodies, DerivativeWorkspace<S>& d, const S* v) {
+  Workspace<S>& w = bodies.w;
   w.w[0] = {};
   bodies.forward([&]<class Joint>(const Joint& joint, int i, int iv) {
     const auto& c = bodies.constants(i);
@@ -21,28 +22,23 @@ void momenta(const Bodies<S>& bodies, Workspace<S>& w, DerivativeWorkspace<S>& d
     const Vec3<S> omega = wp + s.angular;
     w.w[i] = omega;
     d.shift_rate[i] = cross(wp, w.r[i]) + s.linear;
-    if constexpr (abreast<S> > 1) {
-      d.body_motion.put(i, {R, omega, {}});
-    } else {
-      const auto [h, I] = alignedInertia<S, Joint>(bodies, i, c, R);
-      d.subtree[i].m = ownMomentum(S(c.mass), h, I, omega);
-    }
+    const auto [h, I] = alignedInertia<S, Joint>(bodies, i, c, R);
+    d.subtree[i].m = ownMomentum(S(c.mass), h, I, omega);
     writeColumns(joint, R, w.dof + iv);
   });
-  if constexpr (abreast<S> > 1) ownMomenta<Wide>(bodies.m, d);
   bodies.backward([&]<class Joint>(const Joint&, int i, int iv) {
     const SubtreeMomentum<S>& m = d.subtree[i].m;
-    for (int k = 0; k < Joint::nv; ++k) d.force.putPart(iv + k, DofForces<S>::at_by_a, rigidForceOf<Joint>(m, w.dof[iv + k].S_));
+    for (int k = 0; k < Joint::nv; ++k) d.dof_force[iv + k].by_a = rigidForceOf<Joint>(m, w.dof[iv + k].S_);
     if (!bodies.isRoot(i)) addTo(d.subtree[bodies.parentOf(i)].m, m, w.r[i], d.shift_rate[i]);
   });
 }
 
 /// After momenta; or, for more than Ag and momentum, after derivativesOutward without gravity and derivativesInward. The trees that stand on the
 /// world are one system: where there are several, their places in the world are compared.
-template <class S>
-CentroidalState<S> centroidal(const Bodies<S>& bodies, Workspace<S>& w, DerivativeWorkspace<S>& d, const CentroidalMaps<S>& out) {
+template <class S, class Order>
+CentroidalState<S> centroidalOf(const Order& bodies, DerivativeWorkspace<S>& d, const CentroidalMaps<S>& out) {
+  const Workspace<S>& w = bodies.w;
   const CompactImpl& m = bodies.m;
-  using F = DofForces<S>;
   // The first root is where the others are seen from.
   const int first = 1;
   const auto axesOf = [&](int root) { return bodies.index(root).flying_root ? w.rel[root].R : Mat3<S>::identity(); };
@@ -96,8 +92,8 @@ CentroidalState<S> centroidal(const Bodies<S>& bodies, Workspace<S>& w, Derivati
     const Vec3<S> total_force = (S(1) / mass) * transposeTimes(R, sum.rate.linear);
     for (int k = x.idx_v; k < x.idx_v + x.nv; ++k) {
       const Motion<S>& s = w.dof[k].S_;
-      const DofVariation<S> change = d.dof[k];
-      const auto read = [&](int component) { return d.force.template part<Force>(k, component); };
+      const DofVariation<S>& change = d.dof[k];
+      const DofForces<S>& forces = d.dof_force[k];
       const auto write = [&](S* to, const Force<S>& f) {
         const Vec3<S> linear = R * f.linear, angular = R * (f.angular - cross(y, f.linear));
         for (int r = 0; r < 3; ++r) {
@@ -105,7 +101,7 @@ CentroidalState<S> centroidal(const Bodies<S>& bodies, Workspace<S>& w, Derivati
           to[6 * k + 3 + r] = angular[r];
         }
       };
-      const Force<S> U = read(F::at_by_a);
+      const Force<S>& U = forces.by_a;
       if (out.Ag) write(out.Ag, U);
       const auto inertiaTimes = [&](const Motion<S>& b) { return rigidForce(c, b); };
       if (out.dAg) {
@@ -119,13 +115,31 @@ CentroidalState<S> centroidal(const Bodies<S>& bodies, Workspace<S>& w, Derivati
         write(out.dh_dq, {change_of_momentum.linear, change_of_momentum.angular + cross(dy, U.linear)});
       }
       if (out.dhdot_dq) {
-        const Force<S> by_q = read(F::at_by_q);
+        const Force<S>& by_q = forces.by_q;
         write(out.dhdot_dq, {by_q.linear, by_q.angular - cross(U.linear, total_force)});
       }
-      if (out.dhdot_dv) write(out.dhdot_dv, read(F::at_by_v));
+      if (out.dhdot_dv) write(out.dhdot_dv, forces.by_v);
     }
   }
   return sum;
+}
+
+/// Joints have been asked into w and, for more than Ag and momentum, how subspaces vary into d.
+template <class S>
+CentroidalState<S> centroidal(const CompactImpl& m, Workspace<S>& w, DerivativeWorkspace<S>& d, const S* v, const S* a,
+                              const CentroidalMaps<S>& out) {
+  const auto r = recursion(m, w, d);
+  using T = typename decltype(r)::Scalar;
+  if (out.rates) {
+    derivativesOutward(r.order, r.d, Vec3<T>{}, r.in(v), r.in(a));
+    derivativesInward(r.order, r.d);
+  } else {
+    momenta(r.order, r.d, r.in(v));
+  }
+  const auto to = [](S* numbers) { return reinterpret_cast<T*>(numbers); };
+  const CentroidalState<T> sum = centroidalOf(r.order, r.d, {to(out.Ag), to(out.dAg), to(out.dh_dq), to(out.dhdot_dq), to(out.dhdot_dv), out.rates});
+  const auto numbers = [](const Force<T>& f) { return Force<S>{cast<S>(f.linear), cast<S>(f.angular)}; };
+  return {numbers(sum.momentum), numbers(sum.rate), cast<S>(sum.inertia), numberOf(sum.mass)};
 }
 
 }  // namespace dyn::kernels

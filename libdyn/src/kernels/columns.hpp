@@ -68,7 +68,7 @@ struct Square {
   }
 };
 
-/// Structs of `numbers` numbers S, a multiple of the lanes of Wide, each into a lane; from[l] is the first number of lane l's.
+/// Structs of `numbers` numbers S, at least as many as Wide has lanes, each into a lane; from[l] is the first number of lane l's.
 template <int numbers, class Wide, class S>
 void gatherStructs(const S* const* from, Wide* to) {
   constexpr int lanes = lanes_of<Wide>;
@@ -76,22 +76,11 @@ void gatherStructs(const S* const* from, Wide* to) {
   Square<S, lanes> square;
 #pragma GCC unroll 8
   for (int k = 0; k < numbers; k += lanes) {
-    for (int l = 0; l < lanes; ++l) square.read(l, from[l] + k);
+    // The last square overlaps the one before.
+    const int first = std::min(k, numbers - lanes);
+    for (int l = 0; l < lanes; ++l) square.read(l, from[l] + first);
     square.transpose();
-    square.write(out + k * lanes, lanes);
-  }
-}
-/// The way back, into structs that follow one another, `stride` numbers apart.
-template <int numbers, class Wide, class S>
-void scatterStructs(const Wide* from, S* to, std::ptrdiff_t stride) {
-  constexpr int lanes = lanes_of<Wide>;
-  const S* in = reinterpret_cast<const S*>(from);
-  Square<S, lanes> square;
-#pragma GCC unroll 8
-  for (int k = 0; k < numbers; k += lanes) {
-    square.read(in + k * lanes, lanes);
-    square.transpose();
-    square.write(to + k, stride);
+    square.write(out + first * lanes, lanes);
   }
 }
 

@@ -25,13 +25,6 @@ struct SubspaceDerivatives {
   Motion<S> biasRate(int m, int slot) const { return at(bias, 6 * m, slot); }
 };
 
-/// A body in motion: its axes in aligned axes, which all vectors here are in, and the motion of its origin (rnea.hpp's classical acceleration).
-template <class S>
-struct BodyMotion {
-  Mat3<S> R;
-  Vec3<S> w;
-  Motion<S> acceleration;
-};
 /// A degree of freedom in motion: its column, and what its body and the parent do.
 template <class S>
 struct DofMotion {
@@ -69,7 +62,6 @@ struct Subtree {
   SubtreeMomentum<S> m;
   Mat3<S> K;  ///< sum of mass * velocity * position^T
   Force<S> f;
-  S unused;  ///< whole squares of numbers are turned between structs and lanes
 };
 
 /// Forces about its joint's origin that a degree of freedom's motion, and its variation, bring; on their way to the root, about the origins there.
@@ -79,7 +71,7 @@ struct DofForces {
   Vec3<S> lever;  ///< of by_a's on turning rates
   Force<S> by_q, by_v;
   /// Where each begins, in numbers, and its angular part.
-  static constexpr int at_by_a = 0, at_lever = 6, at_by_q = 9, at_by_v = 15, angular = 3;
+  static constexpr int angular = sizeof(Vec3<S>) / sizeof(S), at_by_a = 0, at_lever = 2 * angular, at_by_q = 3 * angular, at_by_v = 5 * angular;
 };
 
 /// Force that each turning rate brings to a subtree whose joints are free to move.
@@ -108,22 +100,34 @@ template <class S>
 struct DerivativeWorkspace {
   SubspaceDerivatives<S>* subspaces = nullptr;  ///< by batch; empty ones but for dense shapes
   Dual<double>* dual = nullptr;                 ///< of the largest batch: q, v, pose, subspace, bias
-  Workspace<Vectored> body;                     ///< of single states: recursions that have vectors in registers
-  AoSoA<BodyMotion, S> body_motion;             ///< these two where neighbours stand abreast; elsewhere they are used at once
-  AoSoA<DofMotion, S> dof_motion;
-  AoSoA<SubspaceTerms, S> terms;
-  AoSoA<DofVariation, S> dof;
+  // What recursions over bodies write. Those of single states have vectors in registers, and what they write is in `vectored`.
+  DofVariation<S>* dof = nullptr;
   Vec3<S>* shift_rate = nullptr;       ///< velocity of each joint's origin relative to the parent's
   Subtree<S>* subtree = nullptr;       ///< by body: its own first, then with its children's
+  DofForces<S>* dof_force = nullptr;   ///< at the joint's own origin
   CoriolisMap<S>* coriolis = nullptr;  ///< articulated, of what the children hand over [aba]
-  AoSoA<DofForces, S> force;
+  Motion<S>* place = nullptr;          ///< [centroidal] from each joint's origin to the centre of mass, and its rate, aligned axes
+  Workspace<Vectored> bodies;          ///< of single states
+  DerivativeWorkspace<Vectored>* vectored = nullptr;
+
+  AoSoA<DofForces, S> force;  ///< on their way to the root
   PathMatrix<S> by_q, by_v, by_a;
   TreeFactors<S> factors;
   PathFactors<S> cholesky;
-  Rows<S> scratch;             ///< nvx rows of nvx numbers
-  Motion<S>* place = nullptr;  ///< [centroidal] from each joint's origin to the centre of mass, and its rate, aligned axes
+  Rows<S> scratch;  ///< nvx rows of nvx numbers
 };
 
+/// What recursions over bodies write.
+template <class S>
+void carveRecursions(DerivativeWorkspace<S>& w, const CompactImpl& m, Arena& arena) {
+  const auto bodies = static_cast<std::size_t>(m.bodies()), dofs = static_cast<std::size_t>(m.nvx);
+  arena.take(w.dof, dofs);
+  arena.take(w.shift_rate, bodies);
+  arena.take(w.subtree, bodies);
+  arena.take(w.dof_force, dofs);
+  arena.take(w.coriolis, bodies);
+  arena.take(w.place, bodies);
+}
 template <class S>
 void carve(DerivativeWorkspace<S>& w, const CompactImpl& m, Arena& arena) {
   arena.take(w.subspaces, m.batches.size());
@@ -143,18 +147,21 @@ void carve(DerivativeWorkspace<S>& w, const CompactImpl& m, Arena& arena) {
   arena.take(w.dual, numbers);
   const auto nv = static_cast<std::size_t>(m.nvx);
   const auto bodies = static_cast<std::size_t>(m.bodies());
-  arena.take(w.dof, nv);
-  arena.take(w.shift_rate, bodies);
-  arena.take(w.subtree, (bodies + abreast<S> - 1) / abreast<S> * abreast<S>);
   if constexpr (abreast<S> > 1) {
-    carveDynamics(w.body, bodies, nv, arena);
-    arena.take(w.body.product, bodies);
-    arena.take(w.body_motion, bodies);
-    arena.take(w.dof_motion, nv);
-    arena.take(w.terms, nv);
+    carveDynamics(w.bodies, bodies, nv, arena);
+    arena.take(w.bodies.product, bodies);
+    arena.take(w.vectored, 1);
+    DerivativeWorkspace<Vectored> without;
+    DerivativeWorkspace<Vectored>& x = w.vectored ? *w.vectored : without;
+    x = {};
+    carveRecursions(x, m, arena);
+    // A number of theirs is a double in memory.
+    x.subspaces = reinterpret_cast<SubspaceDerivatives<Vectored>*>(w.subspaces);
+    arena.take(w.force, nv);
+  } else {
+    carveRecursions(w, m, arena);
+    w.force = AoSoA<DofForces, S>(reinterpret_cast<S*>(w.dof_force));
   }
-  arena.take(w.place, bodies);
-  arena.take(w.force, nv);
   const int rows = (m.nvx + abreast<S> - 1) / abreast<S> * abreast<S>;  // for whole tiles
   for (PathMatrix<S>* matrix : {&w.by_q, &w.by_v, &w.by_a}) {
     arena.take(matrix->below, rows, m.nvx);
@@ -162,29 +169,56 @@ void carve(DerivativeWorkspace<S>& w, const CompactImpl& m, Arena& arena) {
   }
   w.by_a.right = w.by_a.below;  // symmetric
   carve(w.factors, m.nvx, arena);
+  if (w.vectored) w.vectored->factors.inverse = reinterpret_cast<Vectored*>(w.factors.inverse);
   if constexpr (lanes_of<S> == 1) carve(w.cholesky, m, arena);
   arena.take(w.scratch, rows, m.nvx);
-  arena.take(w.coriolis, bodies);
 }
 
-/// What recursions with vectors in registers write, of the joints that have been asked into w.
-inline Workspace<Vectored>& vectored(DerivativeWorkspace<double>& d, Workspace<double>& w) {
-  // A number of theirs is a double in memory.
-  d.body.joints = reinterpret_cast<JointMemory<Vectored>*>(w.joints);
-  d.body.R[0] = d.body.product[0] = Mat3<Vectored>::identity();
-  return d.body;
-}
-/// The forces x.dof[].W, in lanes, into by_a.
-template <class Wide>
-void rowsAbreast(const CompactImpl& m, const Workspace<Vectored>& x, const AoSoA<DofForces, double>& force) {
-  for (int k = 0; k < m.nvx; k += lanes_of<Wide>) {
-    const double* from[lanes_of<Wide>];
-    for (int l = 0; l < lanes_of<Wide>; ++l) from[l] = reinterpret_cast<const double*>(&x.dof[std::min(k + l, m.nvx - 1)].W);
-    Wide W[8];
-    gatherStructs<8>(from, W);
-    force.putPart(k, DofForces<double>::at_by_a, Force<Wide>{{W[0], W[1], W[2]}, {W[4], W[5], W[6]}});
+/// A recursion over the bodies: in what order, and what of the derivatives' memory it writes.
+template <class Order, class S>
+struct Recursion {
+  Order order;
+  DerivativeWorkspace<S>& d;
+  using Scalar = S;
+  /// Numbers as it reads them.
+  template <class T>
+  static const S* in(const T* numbers) {
+    static_assert(sizeof(T) == sizeof(S));
+    return reinterpret_cast<const S*>(numbers);
+  }
+};
+/// Of the joints that have been asked into w.
+template <class S>
+auto recursion(const CompactImpl& m, Workspace<S>& w, DerivativeWorkspace<S>& d) {
+  if constexpr (abreast<S> == 1) {
+    return Recursion<Bodies<S>, S>{{m, w}, d};
+  } else {
+    d.bodies.joints = reinterpret_cast<JointMemory<Vectored>*>(w.joints);
+    d.bodies.R[0] = d.bodies.product[0] = Mat3<Vectored>::identity();
+    return Recursion<AlignedBodies, Vectored>{{m, d.bodies}, *d.vectored};
   }
 }
+/// Into lanes: all of them, or by_a.
+template <class Wide, bool only_by_a = false>
+void forcesAbreast(const CompactImpl& m, const DofForces<Vectored>* forces, const AoSoA<DofForces, double>& to) {
+  constexpr int numbers = (only_by_a ? sizeof(Force<Vectored>) : sizeof(DofForces<Vectored>)) / sizeof(double);
+  for (int k = 0; k < m.nvx; k += lanes_of<Wide>) {
+    const double* from[lanes_of<Wide>];
+    for (int l = 0; l < lanes_of<Wide>; ++l) from[l] = reinterpret_cast<const double*>(forces + std::min(k + l, m.nvx - 1));
+    Wide x[numbers];
+    gatherStructs<numbers>(from, x);
+    const auto vector = [&](int i) { return Vec3<Wide>{x[4 * i], x[4 * i + 1], x[4 * i + 2]}; };
+    const auto force = [&](int i) { return Force<Wide>{vector(i), vector(i + 1)}; };
+    if constexpr (only_by_a) {
+      to.putPart(k, DofForces<double>::at_by_a, force(0));
+    } else {
+      to.put(k, DofForces<Wide>{force(0), vector(2), force(3), force(5)});
+    }
+  }
+}
+/// They have been written there.
+template <class Wide, bool only_by_a = false, class S>
+void forcesAbreast(const CompactImpl&, const DofForces<S>*, const AoSoA<DofForces, S>&) {}
 
 /// One differentiated call a batch and degree of freedom of its type. q and v in expanded coordinates.
 template <class S>

@@ -20,18 +20,11 @@ void addDerivatives(SingleKernels& k) {
   using D = DerivativeWorkspace<double>;
   k.evaluateSubspaces = [](const CompactImpl& m, D& d, const double* q, const double* v) { evaluateSubspaceDerivatives(m, d, q, v); };
   k.rneaDerivatives = [](const CompactImpl& m, W& w, D& d, const double* v, const double* a, const Force<double>* fext) {
-    const Bodies<double> bodies{m, w};
-    derivativesOutward<Panel>(bodies, w, d, bodies.gravity(), v, a, fext);
-    derivativesInward<Panel>(bodies, w, d);
-    derivativesSweep<Panel>(bodies, w, d);
+    kernels::rneaDerivatives<Panel>(m, w, d, v, a, fext);
   };
   k.abaDerivatives = [](const CompactImpl& m, W& w, D& d, const double* v, const double* a, const Force<double>* fext, double* by_q, double* by_v,
                         double* inverse) {
-    const Bodies<double> bodies{m, w};
-    derivativesOutward<Panel>(bodies, w, d, bodies.gravity(), v, a, fext);
-    abaDerivativesInward(bodies, w, d);
-    pathSweep<Panel>(bodies, w, d);
-    ownColumns(bodies, w, d);
+    abaDerivativesSweep<Panel>(m, w, d, v, a, fext);
     abaDerivative<Panel, Panel>(m, d, d.by_q, Rows<double>{by_q, m.nvx});
     abaDerivative<Panel, Panel>(m, d, d.by_v, Rows<double>{by_v, m.nvx});
     TreeFactors<double> factors = d.factors;
@@ -40,21 +33,11 @@ void addDerivatives(SingleKernels& k) {
     return w.failed[0];
   };
   k.centroidal = [](const CompactImpl& m, W& w, D& d, const double* v, const double* a, const CentroidalMaps<double>& out) {
-    const Bodies<double> bodies{m, w};
-    if (out.rates) {
-      derivativesOutward<Panel>(bodies, w, d, Vec3<double>{}, v, a, static_cast<const Force<double>*>(nullptr));
-      derivativesInward<Panel>(bodies, w, d);
-    } else {
-      momenta<Panel>(bodies, w, d, v);
-    }
-    return kernels::centroidal(bodies, w, d, out);
+    return kernels::centroidal(m, w, d, v, a, out);
   };
   k.coriolis = [](const CompactImpl& m, W& w, D& d, const double* v) {
-    const Bodies<double> bodies{m, w};
     std::fill(d.scratch.first, d.scratch.first + m.nvx, 0.0);
-    derivativesOutward<Panel>(bodies, w, d, Vec3<double>{}, v, static_cast<const double*>(d.scratch.first),
-                              static_cast<const Force<double>*>(nullptr));
-    coriolisMatrix<Wide, Panel>(bodies, w, d);
+    coriolisMatrix<Panel>(m, w, d, v, static_cast<const double*>(d.scratch.first));
   };
   k.factorTimes = [](const CompactImpl& m, D& d, FactorProduct product, double* x) { kernels::factorTimes<Wide>(m, d.cholesky, product, x); };
   k.assemble = [](const CompactImpl& m, const PathMatrix<double>& from, double* out) { from.assemble<Panel>(m.dof_end, Rows<double>{out, m.nvx}); };
@@ -107,9 +90,7 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b)
   switch (b.task) {
     case Task::rnea_derivatives:
       evaluateSubspaceDerivatives(m, d, s.q, s.v);
-      derivativesOutward<S>(bodies, w, d, bodies.gravity(), s.v, s.a, none);
-      derivativesInward<S>(bodies, w, d);
-      derivativesSweep<S>(bodies, w, d);
+      rneaDerivatives<S>(m, w, d, s.v, s.a, none);
       put(0, whole(d.by_q), n * n);
       put(1, whole(d.by_v), n * n);
       put(2, whole(d.by_a), n * n);
@@ -121,10 +102,7 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b)
       abaSolve(bodies, w, bodies.gravity(), s.result);
       put(3, s.result, n);
       evaluateSubspaceDerivatives(m, d, s.q, s.v);
-      derivativesOutward<S>(bodies, w, d, bodies.gravity(), s.v, s.result, none);
-      abaDerivativesInward(bodies, w, d);
-      pathSweep<S>(bodies, w, d);
-      ownColumns(bodies, w, d);
+      abaDerivativesSweep<S>(m, w, d, s.v, s.result, none);
       const auto placeOf = [&](const PathMatrix<S>& by) { return by.in_place ? by.below : matrix; };
       abaDerivative<S, S>(m, d, d.by_q, placeOf(d.by_q));
       put(0, placeOf(d.by_q).first, n * n);
@@ -148,8 +126,7 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b)
     case Task::coriolis:
       evaluateSubspaceDerivatives(m, d, s.q, s.v);
       std::fill(s.a, s.a + n, S(0));
-      derivativesOutward<S>(bodies, w, d, Vec3<S>{}, s.v, s.a, none);
-      coriolisMatrix<S, S>(bodies, w, d);
+      coriolisMatrix<S>(m, w, d, s.v, s.a);
       return put(0, whole(d.by_v), n * n);
     default: {
       CentroidalMaps<S> maps;
@@ -161,14 +138,8 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b)
         maps.dhdot_dq = s.maps[3];
         maps.dhdot_dv = s.maps[4];
       }
-      if (maps.rates) {
-        evaluateSubspaceDerivatives(m, d, s.q, s.v);
-        derivativesOutward<S>(bodies, w, d, Vec3<S>{}, s.v, s.a, none);
-        derivativesInward<S>(bodies, w, d);
-      } else {
-        momenta<S>(bodies, w, d, s.v);
-      }
-      const CentroidalState<S> state = kernels::centroidal(bodies, w, d, maps);
+      if (maps.rates) evaluateSubspaceDerivatives(m, d, s.q, s.v);
+      const CentroidalState<S> state = kernels::centroidal(m, w, d, s.v, s.a, maps);
       if (b.task == Task::centroidal_derivatives) {
         for (int k = 0; k < 3; ++k) put(k, s.maps[2 + k], 6 * n);
         return put(3, s.maps[0], 6 * n);

@@ -66,27 +66,16 @@ void factorsSweep(const Order& order, const Workspace<R>& w, DerivativeWorkspace
 /// The factors of M, with joints in w.
 template <class Wide, class S>
 void treeFactors(const CompactImpl& m, Workspace<S>& w, DerivativeWorkspace<S>& d) {
-  constexpr int at = DofForces<S>::at_by_a;
-  if constexpr (abreast<S> == 1) {
-    const Bodies<S> bodies{m, w};
-    inertiasOutward(bodies, w);
-    articulatedFactors(bodies, w, [&](int dof, const S& inverse, const Force<S>& row) {
-      d.factors.inverse[dof] = inverse;
-      d.force.putPart(dof, at, row);
-    });
-    factorsSweep<Wide>(bodies, w, d);
-  } else {
-    Workspace<Vectored>& x = vectored(d, w);
-    const AlignedBodies bodies{m, x};
-    inertiasOutward(bodies, x);
-    articulatedFactors(bodies, x, [&](int dof, const Vectored& inverse, const Force<Vectored>& row) {
-      d.factors.inverse[dof] = inverse.x;
-      x.dof[dof].W = row;
-    });
-    rowsAbreast<Wide>(m, x, d.force);
-    factorsSweep<Wide>(bodies, x, d);
-    w.failed[0] = x.failed[0];
-  }
+  const auto r = recursion(m, w, d);
+  using T = typename decltype(r)::Scalar;
+  inertiasOutward(r.order, r.order.w);
+  articulatedFactors(r.order, r.order.w, [&](int dof, const T& inverse, const Force<T>& row) {
+    r.d.factors.inverse[dof] = inverse;
+    r.d.dof_force[dof].by_a = row;
+  });
+  forcesAbreast<Wide, true>(m, r.d.dof_force, d.force);
+  factorsSweep<Wide>(r.order, r.order.w, d);
+  std::copy(std::begin(r.order.w.failed), std::end(r.order.w.failed), w.failed);
 }
 
 /// M^-1 from its factors, n x n, into the columns of `out`, by way of the n rows X.

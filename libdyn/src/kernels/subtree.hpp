@@ -4,7 +4,7 @@
 // on its way. Depth-first order puts a subtree's degrees of freedom side by side, so that one instruction takes several of them.
 #pragma once
 
-#include "compile/aosoa.hpp"
+#include "kernels/aosoa.hpp"
 #include "kernels/columns.hpp"
 #include "kernels/workspace.hpp"
 

@@ -1,5 +1,4 @@
-// What each body in motion, and each degree of freedom, brings to the derivatives, none of which takes the others': of many at once where Wide
-// is a pack.
+// What each body in motion, and each degree of freedom, brings to the derivatives of the dynamics.
 #pragma once
 
 #include "kernels/crba.hpp"
@@ -7,25 +6,26 @@
 
 namespace dyn::kernels {
 
-/// The parts that the columns of some degrees of freedom have; a joint's shape says as much.
-template <bool linear, bool varies>
-struct ColumnParts {
-  static constexpr bool has_linear = linear, has_angular = true, has_bias = varies;
-};
+/// a b^T.
+template <class S>
+Mat3<S> outer(const Vec3<S>& a, const Vec3<S>& b) {
+  Mat3<S> out;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) out(i, j) = a[i] * b[j];
+  return out;
+}
 
 /// Force [N, N m] about the joint's origin that a turning rate x brings to a subtree: Coriolis.
 template <class S>
 Force<S> coriolis(const SubtreeMomentum<S>& m, const Mat3<S>& K, const Vec3<S>& x) {
-  const S trace = K(0, 0) + K(1, 1) + K(2, 2);
-  return S(2) * Force<S>{cross(x, m.momentum.linear), trace * x - K * x};
+  return S(2) * Force<S>{cross(x, m.momentum.linear), trace(K) * x - K * x};
 }
 /// The turning rates' lever on a motion s: coriolis(x) . s = lever . x.
-template <class ColumnParts, class S>
+template <class Joint, class S>
 Vec3<S> coriolisLever(const SubtreeMomentum<S>& m, const Mat3<S>& K, const Motion<S>& s) {
-  const S trace = K(0, 0) + K(1, 1) + K(2, 2);
   Vec3<S> lever{};
-  if constexpr (ColumnParts::has_angular) lever = trace * s.angular - transposeTimes(K, s.angular);
-  if constexpr (ColumnParts::has_linear) lever += cross(m.momentum.linear, s.linear);
+  if constexpr (Joint::has_angular) lever = trace(K) * s.angular - transposeTimes(K, s.angular);
+  if constexpr (Joint::has_linear) lever += cross(m.momentum.linear, s.linear);
   return S(2) * lever;
 }
 
@@ -34,9 +34,9 @@ Force<S> rigidForce(const SubtreeMomentum<S>& m, const Motion<S>& x) {
   return {m.mass * x.linear + cross(x.angular, m.h), cross(m.h, x.linear) + m.I * x.angular};
 }
 /// Of motions with the parts that columns have.
-template <class ColumnParts, class S>
+template <class Joint, class S>
 Force<S> rigidForceOf(const SubtreeMomentum<S>& m, const Motion<S>& x) {
-  if constexpr (!ColumnParts::has_linear) {
+  if constexpr (!Joint::has_linear) {
     return {cross(x.angular, m.h), m.I * x.angular};
   } else {
     return rigidForce(m, x);
@@ -48,9 +48,9 @@ template <class S>
 Force<S> turned(const Motion<S>& s, const Force<S>& f) {
   return {cross(s.angular, f.linear), cross(s.angular, f.angular) + cross(s.linear, f.linear)};
 }
-template <class ColumnParts, class S>
+template <class Joint, class S>
 Force<S> turnedOf(const Motion<S>& s, const Force<S>& f) {
-  if constexpr (!ColumnParts::has_linear) {
+  if constexpr (!Joint::has_linear) {
     return {cross(s.angular, f.linear), cross(s.angular, f.angular)};
   } else {
     return turned(s, f);
@@ -63,16 +63,10 @@ SubtreeMomentum<S> ownMomentum(const S& mass, const Vec3<S>& h, const Sym3<S>& I
 }
 template <class S>
 Subtree<S> ownMotion(const SubtreeMomentum<S>& m, const Vec3<S>& w, const Motion<S>& acceleration) {
-  const Sym3<S>& I = m.I;
-  const S half = S(0.5) * (I.xx + I.yy + I.zz);
-  // Sum of mass * position * position^T, whose columns the body turns.
-  const Mat3<S> second{{half - I.xx, -I.xy, -I.xz, -I.xy, half - I.yy, -I.yz, -I.xz, -I.yz, half - I.zz}};
-  const Vec3<S> k0 = cross(w, second.col(0)), k1 = cross(w, second.col(1)), k2 = cross(w, second.col(2));
+  // Sum of mass * position * position^T, whose columns the body turns. Symmetric to the last bit, or a rigid body would have a trace of K.
+  const Mat3<S> second = (S(0.5) * trace(m.I)) * Mat3<S>::identity() - symmetricMatrix(m.I);
   const Force<S> inertial = rigidForce(m, acceleration);
-  return {m,
-          {{k0.x, k1.x, k2.x, k0.y, k1.y, k2.y, k0.z, k1.z, k2.z}},
-          {inertial.linear + cross(w, m.momentum.linear), inertial.angular + cross(w, m.momentum.angular)},
-          S(0)};
+  return {m, skew(w) * second, {inertial.linear + cross(w, m.momentum.linear), inertial.angular + cross(w, m.momentum.angular)}};
 }
 
 /// Adds a subtree's to its parent's, about the parent's origin, with velocities relative to it: r from the parent's to the joint's, rate the joint
@@ -89,43 +83,41 @@ template <class S>
 void addTo(Subtree<S>& parent, const Subtree<S>& x, const Vec3<S>& r, const Vec3<S>& rate) {
   const SubtreeMomentum<S>& m = x.m;
   const Vec3<S> moment = m.h + m.mass * r;
-  for (int row = 0; row < 3; ++row)
-    for (int column = 0; column < 3; ++column)
-      parent.K(row, column) += x.K(row, column) + m.momentum.linear[row] * r[column] + rate[row] * moment[column];
+  parent.K = parent.K + x.K + outer(m.momentum.linear, r) + outer(rate, moment);
   parent.f += Force<S>{x.f.linear, x.f.angular + cross(r, x.f.linear)};
   addTo(parent.m, m, r, rate);
 }
 
 /// Singh, Russell and Wensing 2022; see rnea_derivatives.hpp.
-template <class ColumnParts, class S>
+template <class Joint, class S>
 DofVariation<S> variationOf(const DofMotion<S>& x, const SubspaceTerms<S>& more) {
   const Vec3<S>&sl = x.column.linear, &sw = x.column.angular, &wp = x.w_parent;
   Vec3<S> al = x.acceleration.linear;
-  if constexpr (ColumnParts::has_linear) al += cross(wp, x.slide);
+  if constexpr (Joint::has_linear) al += cross(wp, x.slide);
   Motion<S> velocity{{}, cross(wp, sw)}, acceleration{cross(al, sw), cross(x.acceleration.angular, sw)}, rate{{}, cross(x.w, sw)};
-  if constexpr (ColumnParts::has_linear) {
+  if constexpr (Joint::has_linear) {
     velocity.linear = cross(wp, sl) - cross(x.slide, sw);
     acceleration.linear += cross(x.acceleration.angular, sl);
     rate.linear = cross(x.w, sl);
   }
-  if constexpr (ColumnParts::has_bias) {
+  if constexpr (Joint::has_bias) {
     velocity += more.velocity;
     rate += more.rate;
     acceleration += more.acceleration + Motion<S>{cross(x.w, more.velocity.linear), cross(x.w, more.velocity.angular)};
   }
-  if constexpr (ColumnParts::has_linear) acceleration.linear += cross(wp, velocity.linear) - cross(x.slide, velocity.angular);
+  if constexpr (Joint::has_linear) acceleration.linear += cross(wp, velocity.linear) - cross(x.slide, velocity.angular);
   acceleration.angular += cross(wp, velocity.angular);
   return {velocity, acceleration, velocity + rate};
 }
 
 /// Of a degree of freedom with motion s and variation x.
-template <class ColumnParts, class S>
+template <class Joint, class S>
 DofForces<S> forcesOf(const Motion<S>& s, const DofVariation<S>& x, const Subtree<S>& c) {
   const SubtreeMomentum<S>& m = c.m;
   const Mat3<S>& K = c.K;
-  return {rigidForceOf<ColumnParts>(m, s), coriolisLever<ColumnParts>(m, K, s),
-          rigidForce(m, x.acceleration) + coriolis(m, K, x.velocity.angular) + turnedOf<ColumnParts>(s, c.f),
-          rigidForceOf<ColumnParts>(m, x.rate) + coriolis(m, K, s.angular)};
+  return {rigidForceOf<Joint>(m, s), coriolisLever<Joint>(m, K, s),
+          rigidForce(m, x.acceleration) + coriolis(m, K, x.velocity.angular) + turnedOf<Joint>(s, c.f),
+          rigidForceOf<Joint>(m, x.rate) + coriolis(m, K, s.angular)};
 }
 
 }  // namespace dyn::kernels

@@ -118,7 +118,18 @@ struct Mat3<Vectored> : Columns {
   friend Vec3<Vectored> operator*(const Mat3& m, const Vec3<Vectored>& v) { return timesVector(m.c, v.a); }
   friend Mat3 operator*(const Mat3& m, const Mat3& n) { return {timesVector(m.c, n.c[0]), timesVector(m.c, n.c[1]), timesVector(m.c, n.c[2])}; }
   friend Mat3 operator+(const Mat3& m, const Mat3& n) { return {m.c[0] + n.c[0], m.c[1] + n.c[1], m.c[2] + n.c[2]}; }
+  friend Mat3 operator-(const Mat3& m, const Mat3& n) { return {m.c[0] - n.c[0], m.c[1] - n.c[1], m.c[2] - n.c[2]}; }
+  friend Mat3 operator*(const Vectored& s, const Mat3& m) { return {inAll(s) * m.c[0], inAll(s) * m.c[1], inAll(s) * m.c[2]}; }
 };
+inline Mat3<Vectored> skew(const Vec3<Vectored>& v) {
+  const Four zero{};
+  return {__builtin_shufflevector(v.a, zero, 4, 2, 1, 4) * Four{0, 1, -1, 0}, __builtin_shufflevector(v.a, zero, 2, 4, 0, 4) * Four{-1, 0, 1, 0},
+          __builtin_shufflevector(v.a, zero, 1, 0, 4, 4) * Four{1, -1, 0, 0}};
+}
+/// a b^T.
+inline Mat3<Vectored> outer(const Vec3<Vectored>& a, const Vec3<Vectored>& b) {
+  return {a.a * inAll<0>(b.a), a.a * inAll<1>(b.a), a.a * inAll<2>(b.a)};
+}
 
 /// x, y and z of the columns.
 inline Four timesReal(const Four* columns, double x, double y, double z) {
@@ -158,6 +169,7 @@ struct Sym3<Vectored> : Columns {
   Sym3& operator+=(const Sym3& n) { return *this = *this + n; }
 };
 
+inline Vectored trace(const Mat3<Vectored>& a) { return Vectored(a.c[0][0]) + Vectored(a.c[1][1]) + Vectored(a.c[2][2]); }
 inline Vectored trace(const Sym3<Vectored>& a) { return Vectored(a.c[0][0]) + Vectored(a.c[1][1]) + Vectored(a.c[2][2]); }
 
 /// R a R^T.
@@ -166,6 +178,15 @@ inline Sym3<Vectored> congruence(const Mat3<Vectored>& R, const Sym3<double>& a)
   const Four* c = turned_columns.c;
   const auto column = [&]<int i>() { return c[0] * inAll<i>(R.c[0]) + c[1] * inAll<i>(R.c[1]) + c[2] * inAll<i>(R.c[2]); };
   return {column.template operator()<0>(), column.template operator()<1>(), column.template operator()<2>()};
+}
+
+inline Sym3<Vectored> congruence(const Mat3<Vectored>& R, const Sym3<Vectored>& a) {
+  const Mat3<Vectored> product = R * a.matrix() * transpose(R);
+  return {product.c[0], product.c[1], product.c[2]};
+}
+template <>
+inline Sym3<double> cast<double, Vectored>(const Sym3<Vectored>& a) {
+  return {a.c[0][0], a.c[1][0], a.c[2][0], a.c[1][1], a.c[2][1], a.c[2][2]};
 }
 
 // What articulated inertias do by single coordinates elsewhere.
@@ -212,10 +233,21 @@ inline Mat3<Vectored> cast<Vectored, double>(const Mat3<double>& a) {
   return {Four{a.m[0], a.m[3], a.m[6], 0}, Four{a.m[1], a.m[4], a.m[7], 0}, Four{a.m[2], a.m[5], a.m[8], 0}};
 }
 
+inline double numberOf(const Vectored& x) { return x.x; }
+template <class S>
+const S& numberOf(const S& x) {
+  return x;
+}
 /// Each coordinate in a pack of its own.
 template <class To>
 Vec3<To> cast(const Vec3<Vectored>& v) {
   return {To(v.a[0]), To(v.a[1]), To(v.a[2])};
+}
+
+inline Mat3<Vectored> symmetricMatrix(const Sym3<Vectored>& a) {
+  const Four &x = a.c[0], &y = a.c[1], &z = a.c[2];
+  const Four above_z = __builtin_shufflevector(x, y, 2, 6, 0, 0);
+  return {x, __builtin_shufflevector(x, y, 1, 5, 6, 7), __builtin_shufflevector(above_z, z, 0, 1, 6, 7)};
 }
 
 // Of the recursions' own functions, those that name single coordinates. They are found by their arguments.

@@ -1,8 +1,8 @@
 // What the recursions write: arrays by body, in scalars S. S is a number, or a pack whose lanes are states (BatchData) or joints (strips).
 #pragma once
 
-#include "compile/aosoa.hpp"
 #include "compile/compact_impl.hpp"
+#include "kernels/aosoa.hpp"
 
 #include <dyn/scalar/select.hpp>
 

@@ -58,19 +58,27 @@ class AoSoA {
   /// The struct U of their numbers from `component` on.
   template <template <class> class U, class Wide = S>
   U<Wide> part(int i, int component) const {
-    U<Wide> out;
-    auto* to = reinterpret_cast<Wide*>(&out);
     const S* from = place(i) + width * component;
+    if constexpr (width == 1) {
+      return *reinterpret_cast<const U<S>*>(from);
+    } else {
+      U<Wide> out;
+      auto* to = reinterpret_cast<Wide*>(&out);
 #pragma GCC unroll 64
-    for (int k = 0; k < size<U<Wide>, Wide>; ++k) to[k] = loadPack<Wide>(from + width * k);
-    return out;
+      for (int k = 0; k < size<U<Wide>, Wide>; ++k) to[k] = loadPack<Wide>(from + width * k);
+      return out;
+    }
   }
   template <template <class> class U, class Wide>
   void putPart(int i, int component, const U<Wide>& x) const {
-    const auto* from = reinterpret_cast<const Wide*>(&x);
     S* to = place(i) + width * component;
+    if constexpr (width == 1) {
+      *reinterpret_cast<U<S>*>(to) = x;
+    } else {
+      const auto* from = reinterpret_cast<const Wide*>(&x);
 #pragma GCC unroll 64
-    for (int k = 0; k < size<U<Wide>, Wide>; ++k) storePack(from[k], to + width * k);
+      for (int k = 0; k < size<U<Wide>, Wide>; ++k) storePack(from[k], to + width * k);
+    }
   }
 
  private:
