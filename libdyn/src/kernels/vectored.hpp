@@ -100,7 +100,7 @@ struct Columns {
   Columns() = default;
   Columns(const Four& x, const Four& y, const Four& z) : c{x, y, z} {}
   Columns(const Columns& other) : Columns(other.c[0], other.c[1], other.c[2]) {}
-  Columns& operator=(const Columns& other) {
+  Columns& operator=(const Columns& other) {  // NOLINT: onto itself is no harm
     for (int i = 0; i < 3; ++i) c[i] = other.c[i];
     return *this;
   }
