@@ -71,16 +71,16 @@ void abaDerivativesInward(const Order& order, DerivativeWorkspace<S>& d) {
   });
 }
 
-/// After pathSweep: entries of degrees of freedom of one joint, and what the torques s . f of a subspace that varies with q add to a column:
-/// they are eliminated within the joint, and what is left of them on its path.
+/// After pathSweep: what the torques s . f of subspaces that vary with q add to d.by_q. They are eliminated within the joint, and what is left
+/// of them on its path.
 template <class R, class S>
-void ownColumns(const R& recursion, DerivativeWorkspace<S>& d) {
+void eliminateSubspaceTorques(const R& recursion, DerivativeWorkspace<S>& d) {
   const auto& order = recursion.order;
   const Rows<S>& L = d.by_a.below;
   order.backward([&]<class Joint>(const Joint&, int i, int iv) {
-    for (int m = iv; m < iv + Joint::nv; ++m) {
-      S torque[Joint::nv] = {};
-      if constexpr (Joint::has_bias) {
+    if constexpr (Joint::has_bias)
+      for (int m = iv; m < iv + Joint::nv; ++m) {
+        S torque[Joint::nv];
         for (int k = Joint::nv - 1; k >= 0; --k) {
           torque[k] = numberOf(subspaceTorque<Joint>(order, recursion.d, order.w.f[i], i, m - iv, k));
           for (int l = k + 1; l < Joint::nv; ++l) torque[k] -= L[iv + k][iv + l] * torque[l];
@@ -88,12 +88,8 @@ void ownColumns(const R& recursion, DerivativeWorkspace<S>& d) {
         alongPath(order.m, order.m.dof_parent[static_cast<std::size_t>(iv)], [&](int j) {
           for (int k = 0; k < Joint::nv; ++k) d.by_q.rightOf(j, m) -= L[j][iv + k] * torque[k];
         });
+        for (int k = 0; k < Joint::nv; ++k) d.by_q.addOwn(iv + k, m, d.factors.inverse[iv + k] * torque[k]);
       }
-      for (int k = 0; k < Joint::nv; ++k) {
-        d.by_q.enterOwn(iv + k, m, d.by_q.below[m][iv + k] + d.factors.inverse[iv + k] * torque[k]);
-        d.by_v.enterOwn(iv + k, m, d.by_v.below[m][iv + k]);
-      }
-    }
   });
 }
 
@@ -106,7 +102,7 @@ void abaDerivativesSweep(const CompactImpl& m, Workspace<S>& w, DerivativeWorksp
   takeOff(fext, r.order.w, r.d, m.bodies());
   abaDerivativesInward(r.order, r.d);
   pathSweep<Wide>(r, d);
-  ownColumns(r, d);
+  eliminateSubspaceTorques(r, d);
   std::copy(std::begin(r.order.w.failed), std::end(r.order.w.failed), w.failed);
 }
 

@@ -1,5 +1,5 @@
-// Structs of neighbours, number beside number, eight of them at a time ("array of structures of arrays"): what is computed of each without
-// the others takes several in a pack.
+// Structs of neighbours, number beside number, eight of them at a time ("array of structures of arrays"): where neighbours do the same, each
+// of their numbers is one pack.
 #pragma once
 
 #include <dyn/scalar/select.hpp>
@@ -44,8 +44,6 @@ class AoSoA {
   AoSoA() = default;
   explicit AoSoA(S* first) : first_(first) {}
 
-  T<S> operator[](int i) const { return get<S>(i); }
-  void put(int i, const T<S>& x) const { put<S>(i, x); }
   /// As many neighbours as Wide has lanes, from i on, a multiple of these.
   template <class Wide>
   T<Wide> get(int i) const {

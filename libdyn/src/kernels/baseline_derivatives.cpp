@@ -3,9 +3,6 @@
 
 #include <dyn_sdk/pack.hpp>
 
-// Registers of four are passed in halves here; no other shared object calls these functions.
-#pragma GCC diagnostic ignored "-Wpsabi"
-
 namespace dyn::kernels {
 
 template void addDerivatives<double, double>(SingleKernels&);

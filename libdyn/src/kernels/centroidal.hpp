@@ -14,17 +14,9 @@ void momenta(const Order& bodies, DerivativeWorkspace<S>& d, const S* v) {
   Workspace<S>& w = bodies.w;
   w.w[0] = {};
   bodies.forward([&]<class Joint>(const Joint& joint, int i, int iv) {
-    const auto& c = bodies.constants(i);
-    placeAligned<S>(joint, bodies, c.placement, i, w);
-    const Mat3<S>& R = w.R[i];
-    const Vec3<S>& wp = bodies.parent(w.w, i);
-    const Motion<S> s = joint.timesIn(R, v + iv);
-    const Vec3<S> omega = wp + s.angular;
-    w.w[i] = omega;
-    d.shift_rate[i] = cross(wp, w.r[i]) + s.linear;
-    const auto [h, I] = alignedInertia<S, Joint>(bodies, i, c, R);
-    d.subtree[i].m = ownMomentum(S(c.mass), h, I, omega);
-    writeColumns(joint, R, w.dof + iv);
+    const auto [s, omega] = moveAligned<S>(joint, bodies, i, d, v + iv);
+    d.subtree[i].m = bodyMomentum<Joint>(bodies, i, omega);
+    writeColumns(joint, w.R[i], w.dof + iv);
   });
   bodies.backward([&]<class Joint>(const Joint&, int i, int iv) {
     const SubtreeMomentum<S>& m = d.subtree[i].m;

@@ -25,10 +25,6 @@ void coriolisMatrix(const CompactImpl& m, Workspace<S>& w, DerivativeWorkspace<S
     x = {half * x.by_a, half * x.lever, half * x.by_q, half * x.by_v};
   }
   pathSweep<Wide>(r, d);
-  r.order.backward([&]<class Joint>(const Joint&, int, int iv) {
-    for (int l = 0; l < Joint::nv; ++l)
-      for (int k = 0; k < Joint::nv; ++k) d.by_v.enterOwn(iv + k, iv + l, d.by_v.below[iv + l][iv + k]);
-  });
 }
 
 }  // namespace dyn::kernels

@@ -29,14 +29,42 @@ SubspaceTerms<S> subspaceTerms(const SubspaceDerivatives<S>& dS, int slot, int m
   return x;
 }
 
+/// A joint's motion and its body's angular velocity, in aligned axes.
+template <class S>
+struct JointMotion {
+  Motion<S> s;
+  Vec3<S> w;
+};
+/// Places body i, whose joint moves with v.
+template <class S, class Joint, class Order>
+JointMotion<S> moveAligned(const Joint& joint, const Order& order, int i, DerivativeWorkspace<S>& d, const S* v) {
+  Workspace<S>& w = order.w;
+  placeAligned<S>(joint, order, order.constants(i).placement, i, w);
+  const Motion<S> s = joint.timesIn(w.R[i], v);
+  const Vec3<S>& parent = order.parent(w.w, i);
+  const Vec3<S> omega = turnedBy<Joint>(parent, s);
+  Vec3<S> shift_rate = cross(parent, w.r[i]);
+  if constexpr (Joint::has_linear) shift_rate += s.linear;
+  w.w[i] = omega;
+  d.shift_rate[i] = shift_rate;
+  return {s, omega};
+}
+
+/// Of body i alone, which turns with w.
+template <class Joint, class S, class Order>
+SubtreeMomentum<S> bodyMomentum(const Order& order, int i, const Vec3<S>& w) {
+  const auto& c = order.constants(i);
+  const auto [h, I] = alignedInertia<S, Joint>(order, i, c, order.w.R[i]);
+  return {S(c.mass), h, I, {cross(w, h), I * w}};
+}
+
 /// Placements, motions and forces of the bodies, and each degree of freedom's variation.
 template <class Order, class S>
 void derivativesOutward(const Order& order, DerivativeWorkspace<S>& d, const Vec3<S>& gravity, const S* v, const S* a) {
   Workspace<S>& w = order.w;
   w.w[0] = {};
   order.forward([&]<class Joint>(const Joint& joint, int i, int iv) {
-    const auto& c = order.constants(i);
-    placeAligned<S>(joint, order, c.placement, i, w);
+    const auto [s, omega] = moveAligned<S>(joint, order, i, d, v + iv);
     const Mat3<S>& R = w.R[i];
     const Vec3<S>& r = w.r[i];
     const Vec3<S>& wp = order.parent(w.w, i);
@@ -44,24 +72,16 @@ void derivativesOutward(const Order& order, DerivativeWorkspace<S>& d, const Vec
     if (order.isRoot(i)) ap = {isFlyingRoot<Joint>(order, i) ? transposeTimes(w.rel[i].R, -gravity) : -gravity, {}};
     ap.linear += cross(ap.angular, r) + cross(wp, cross(wp, r));
 
-    const Motion<S> s = joint.timesIn(R, v + iv);
     Motion<S> ds = joint.timesIn(R, a + iv);
     if constexpr (Joint::has_bias) {
       const Motion<S> b = joint.bias();
       ds += {R * b.linear, R * b.angular};
     }
-    const Vec3<S> omega = turnedBy<Joint>(wp, s);
     Motion<S> acc = ap;
     if constexpr (Joint::has_angular) acc.angular += ds.angular + cross(wp, s.angular);
     if constexpr (Joint::has_linear) acc.linear += ds.linear + cross(wp + omega, s.linear);
-    w.w[i] = omega;
     w.acc[i] = acc;
-    Vec3<S> shift_rate = cross(wp, r);
-    if constexpr (Joint::has_linear) shift_rate += s.linear;
-    d.shift_rate[i] = shift_rate;
-
-    const auto [h, I] = alignedInertia<S, Joint>(order, i, c, R);
-    d.subtree[i] = ownMotion(ownMomentum(S(c.mass), h, I, omega), omega, acc);
+    d.subtree[i] = ownMotion(bodyMomentum<Joint>(order, i, omega), omega, acc);
     for (int k = 0; k < Joint::nv; ++k) {
       const DofMotion<S> motion{joint.columnIn(R, k), wp, omega, ap, s.linear};
       w.dof[iv + k].S_ = motion.column;
@@ -151,6 +171,8 @@ void pathSweep(const R& recursion, DerivativeWorkspace<S>& d) {
       force.putPart(first, D::at_by_q + D::angular, F.by_q.angular + cross(here, F.by_q.linear));
       force.putPart(first, D::at_by_v + D::angular, F.by_v.angular + cross(here, F.by_v.linear));
     });
+    by_q.template closeJoint<Joint::nv>(iv);
+    by_v.template closeJoint<Joint::nv>(iv);
   });
 }
 
@@ -169,14 +191,10 @@ void derivativesSweep(const R& recursion, DerivativeWorkspace<S>& d) {
   pathSweep<Wide>(recursion, d);
   const CompactImpl& m = recursion.order.m;
   recursion.order.backward([&]<class Joint>(const Joint&, int i, int iv) {
-    // Within a joint nothing turns: all entries are of the kind that stands below the diagonal.
-    for (int along = 0; along < Joint::nv; ++along)
-      for (int k = 0; k < Joint::nv; ++k) {
-        S entry = d.by_q.below[iv + along][iv + k];
-        if constexpr (Joint::has_bias) entry += numberOf(subspaceTorque<Joint>(recursion.order, recursion.d, recursion.d.subtree[i].f, i, along, k));
-        d.by_q.enterOwn(iv + k, iv + along, entry);
-        d.by_v.enterOwn(iv + k, iv + along, d.by_v.below[iv + along][iv + k]);
-      }
+    if constexpr (Joint::has_bias)
+      for (int along = 0; along < Joint::nv; ++along)
+        for (int k = 0; k < Joint::nv; ++k)
+          d.by_q.addOwn(iv + k, iv + along, numberOf(subspaceTorque<Joint>(recursion.order, recursion.d, recursion.d.subtree[i].f, i, along, k)));
   });
   for (std::size_t k = 0; k < m.armature.size(); ++k) d.by_a.below[static_cast<int>(k)][k] += S(static_cast<Real<S>>(m.armature[k]));
   for (std::size_t k = 0; k < m.damping.size(); ++k) d.by_v.below[static_cast<int>(k)][k] += S(static_cast<Real<S>>(m.damping[k]));

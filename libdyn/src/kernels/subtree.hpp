@@ -91,7 +91,7 @@ struct PathMatrix {
   void enterBelow(const Part<Wide, S>& part, int k, const Wide& entries) const {
     part.store(part.inside() * entries, below[k]);
   }
-  /// Of row k, columns from `from` on; those before are the joint's own, for which enterBelow, or enterOwn, is asked.
+  /// Of row k, columns from `from` on; those before are the joint's own.
   template <class Wide>
   void enterRight(const Part<Wide, S>& part, int k, int from, const Wide& entries) const {
     if constexpr (in_place) {
@@ -105,11 +105,19 @@ struct PathMatrix {
     enterBelow(part, k, entries);
     if constexpr (in_place) below[part.first()][k] = entries;
   }
-  /// Entry (row, column) of two of one joint's.
-  void enterOwn(int row, int column, const S& entry) const {
-    below[column][row] = entry;
+  /// When all of a joint's nv degrees of freedom, from `first` on, have been entered. Nothing turns within a joint: for two of its own,
+  /// enterBelow's entries hold on both sides of the diagonal.
+  template <int nv>
+  void closeJoint(int first) const {
+    if constexpr (!in_place)
+      for (int column = first; column < first + nv; ++column)
+        for (int row = first; row <= column; ++row) right[row][column] = below[column][row];
+  }
+  /// After closeJoint: to entry (row, column) of two of that joint's.
+  void addOwn(int row, int column, const S& x) const {
+    below[column][row] += x;
     if constexpr (!in_place) {
-      if (row <= column) right[row][column] = entry;
+      if (row <= column) right[row][column] += x;
     }
   }
   S& rightOf(int row, int column) const {
@@ -119,7 +127,7 @@ struct PathMatrix {
       return right[row][column];
     }
   }
-  /// The transposed matrix, in the same memory; entries on the diagonal must have been entered by enterOwn.
+  /// The transposed matrix, in the same memory; of closed joints.
   PathMatrix transposed() const { return {right, below}; }
   /// Writes the entries into the columns of an n x n matrix whose other entries are zero and stay so.
   template <class Wide>

@@ -58,10 +58,6 @@ Force<S> turnedOf(const Motion<S>& s, const Force<S>& f) {
 }
 
 template <class S>
-SubtreeMomentum<S> ownMomentum(const S& mass, const Vec3<S>& h, const Sym3<S>& I, const Vec3<S>& w) {
-  return {mass, h, I, {cross(w, h), I * w}};
-}
-template <class S>
 Subtree<S> ownMotion(const SubtreeMomentum<S>& m, const Vec3<S>& w, const Motion<S>& acceleration) {
   // Sum of mass * position * position^T, whose columns the body turns. Symmetric to the last bit, or a rigid body would have a trace of K.
   const Mat3<S> second = (S(0.5) * trace(m.I)) * Mat3<S>::identity() - symmetricMatrix(m.I);

@@ -12,10 +12,6 @@
 
 #include <cmath>
 
-// How registers of four are passed depends on the instruction set: none of these functions is called from another shared object.
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wpsabi"
-
 namespace dyn {
 
 struct Vectored {
@@ -274,5 +270,3 @@ inline Sym3<Vectored> shiftedInertia(const Sym3<Vectored>& I, const Vectored& ma
 }
 
 }  // namespace dyn
-
-#pragma GCC diagnostic pop
