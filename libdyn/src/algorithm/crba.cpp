@@ -43,8 +43,9 @@ const double* crba(const CompactModel& model, Data& data, VectorView q) {
   const Inputs in = readInputs("crba", model, data, q, nullptr, nullptr);
   const CompactImpl& m = model.impl();
   DataImpl& d = data.impl();
-  if (const kernels::PackedKernels* k = kernels::packed(m)) {
-    if (!k->massMatrix(m, d.packed.data(), in.q, d.M)) checkConfiguration("q", m, in.q);
+  if (const kernels::PackedKernels* k = kernels::packedMassMatrix(m)) {
+    char* scratch = k == kernels::packed(m) ? d.packed.data() : d.packed_mass_matrix.data();
+    if (!k->massMatrix(m, scratch, in.q, d.M)) checkConfiguration("q", m, in.q);
     return d.M;
   }
   evaluateJoints(m, d, in.q, nullptr);

@@ -34,7 +34,9 @@ class Packer {
     out_->report.passes.push_back(
         strips < 1 ? std::string("strips: none, one body after the other")
                    : "strips: " + std::to_string(out_->bodies() - 1) + " joints in " + std::to_string(strips) + " strips of 4 lanes; " +
-                         (out_->strips.used ? "dynamics of single states uses them" : "one body after the other is faster"));
+                         (!out_->strips.used                  ? "one body after the other is faster"
+                          : out_->strips.used_for_mass_matrix ? "dynamics of single states uses them"
+                                                              : "dynamics of single states uses them, the mass matrix does not"));
     return out_;
   }
 
@@ -71,6 +73,8 @@ class Packer {
       out_->mass += c.mass;
       x.flying_root = b.parent == 0 && b.instance.shape == Shape::free;
       x.turns_only = turnsOnly(b.instance.shape);
+      const int here = static_cast<int>(i), before = x.parent == here - 1 && x.parent > 0 ? out_->index[i - 1].piece : here;
+      x.piece = x.turns_only && x.nv == 1 ? before : here + 1;
       if (b.instance.shape == Shape::dense_constant) {
         out_->subspace_offset[i] = static_cast<int>(out_->subspaces.size());
         out_->subspaces.insert(out_->subspaces.end(), b.instance.subspace, b.instance.subspace + 6 * b.instance.nv);

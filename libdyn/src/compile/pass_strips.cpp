@@ -38,6 +38,8 @@ class Planner {
     // lanes that of two bodies.
     plan_.count = static_cast<int>(plan_.strips.size()) - 1;
     plan_.used = 1.3 * plan_.count + 2 < static_cast<double>(m_.bodies() - 1);
+    // Entries of the mass matrix are written one by one: its rows want lanes that are nearly full.
+    plan_.used_for_mass_matrix = plan_.used && 3.25 * plan_.count <= static_cast<double>(m_.bodies() - 1);
     if (!plan_.used) {
       plan_.strips.clear();
       plan_.seats.clear();

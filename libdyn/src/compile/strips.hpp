@@ -72,7 +72,8 @@ struct StripBatch {
 };
 
 struct StripPlan {
-  bool used = false;          ///< the compiler judged it faster than one body after the other; if not, `count` is all there is
+  bool used = false;  ///< the compiler judged it faster than one body after the other; if not, `count` is all there is
+  bool used_for_mass_matrix = false;
   int count = 0;              ///< strips without the universe
   std::vector<Strip> strips;  ///< [0]: the universe; parents first
   std::vector<Seat> seats;    ///< by body

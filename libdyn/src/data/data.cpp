@@ -76,16 +76,23 @@ Data::Data(const CompactModel& model, Need needs) : impl_(std::make_unique<DataI
   Arena arena(impl_->block.data());
   carveAll(*impl_, m, arena);
   atRest<double>(*impl_);
-  if (const kernels::PackedKernels* packed = kernels::packed(m)) {
-    impl_->packed = PackMemory(packed->bytes(m));
-    packed->prepare(m, impl_->packed.data());
-  }
+  const auto prepare = [&](const kernels::PackedKernels* packed, PackMemory& memory) {
+    if (packed == nullptr) return;
+    memory = PackMemory(packed->bytes(m));
+    packed->prepare(m, memory.data());
+  };
+  const kernels::PackedKernels *packed = kernels::packed(m), *mass_matrix = kernels::packedMassMatrix(m);
+  prepare(packed, impl_->packed);
+  if (mass_matrix != packed && has(impl_->needs, Need::mass_matrix)) prepare(mass_matrix, impl_->packed_mass_matrix);
 }
 
 Data::~Data() = default;
 Data::Data(Data&&) noexcept = default;
 Data& Data::operator=(Data&&) noexcept = default;
 
-std::size_t Data::bytes() const { return impl_->block.bytes() + impl_->packed.bytes() + impl_->dual.size() * sizeof(DualMemory) + sizeof(DataImpl); }
+std::size_t Data::bytes() const {
+  return impl_->block.bytes() + impl_->packed.bytes() + impl_->packed_mass_matrix.bytes() + impl_->dual.size() * sizeof(DualMemory) +
+         sizeof(DataImpl);
+}
 
 }  // namespace dyn

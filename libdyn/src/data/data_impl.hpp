@@ -22,7 +22,8 @@ struct DataImpl : Workspace<double> {
   std::shared_ptr<const void> keep;  ///< the model lives as long as its data
   Need needs = Need::state;
   PackMemory block;
-  PackMemory packed;  ///< scratch of the kernels that kernels::packed() names
+  PackMemory packed;              ///< scratch of the kernels that kernels::packed() names
+  PackMemory packed_mass_matrix;  ///< of those that kernels::packedMassMatrix() names, if they are others
 
   std::vector<DualMemory> dual;  ///< a batch each
 

@@ -70,7 +70,7 @@ void massMatrix(const Order& order, Workspace<S>& w, typename Order::Entries* M)
     order.addToParent(w.Io, i, shiftedInertia(I, mass, h, w.r[i]));
     order.addToParent(w.h, i, h + mass * w.r[i]);
     order.addToParent(w.mass, i, mass);
-    at.climb([&](const auto& step) {
+    const auto stepAlong = [&](const auto& step) {
       const Vec3<S> r = step.lever(w.r);
       for (int k = 0; k < Joint::nv; ++k) F[k].angular += cross(r, F[k].linear);
       if (step.flyingRoot()) {
@@ -88,7 +88,14 @@ void massMatrix(const Order& order, Workspace<S>& w, typename Order::Entries* M)
       } else {
         enterAll([](const Motion<S>& column, const Force<S>& f) { return dot(column, f); });
       }
-    });
+    };
+    const auto turnAlong = [&](const Vec3<S>& r, const Motion<S>& column, const auto& enter) {
+      for (int k = 0; k < Joint::nv; ++k) {
+        F[k].angular += cross(r, F[k].linear);
+        enter(k, dot(column.angular, F[k].angular));
+      }
+    };
+    at.climb(stepAlong, turnAlong);
   });
 }
 

@@ -60,4 +60,8 @@ const PackedKernels* packed(const CompactImpl& m) {
   return m.couplings.empty() && active().vectored.bytes != nullptr ? &active().vectored : nullptr;
 }
 
+const PackedKernels* packedMassMatrix(const CompactImpl& m) {
+  return useStrips(m) && !m.strips.used_for_mass_matrix ? &active().vectored : packed(m);
+}
+
 }  // namespace dyn::kernels

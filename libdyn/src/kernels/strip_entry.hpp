@@ -22,9 +22,9 @@ class StripEntry {
     }
   }
   void enter(int k, int l, const S& value) const { Together{*this, strip_, strip_}.enter(k, l, value); }
-  /// Strip by strip while lanes go on as they are, else body by body.
-  template <class Use>
-  void climb(Use&& use) const {
+  /// Strip by strip while lanes go on as they are, else body by body. Lanes are seldom in pieces of one length.
+  template <class Step, class Turning>
+  void climb(Step&& use, Turning&&) const {
     const Strip* from = strip_;
     while (from->aligned && from->depth > 1) {
       const Strip* to = &plan_.strips[index(from->parents[0].strip)];

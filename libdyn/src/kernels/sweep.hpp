@@ -66,13 +66,27 @@ struct Bodies {
   class Entry {
    public:
     Entry(const Bodies& bodies, S* M, int i, int iv) : bodies_(bodies), M_(M), from_(i), to_(i), row_(iv), column_(iv) {}
-    template <class Use>
-    void climb(Use&& use) {
+    /// Calls turning(r, column, enter) for each body of a piece, step(*this) for others.
+    template <class Step, class Turning>
+    void climb(Step&& step, Turning&& turning) {
+      const std::ptrdiff_t n = bodies_.m.nvx;
       do {
         from_ = to_;
         to_ = bodies_.parentOf(from_);
-        column_ = bodies_.index(to_).idx_v;
-        use(std::as_const(*this));
+        const BodyIndex& x = bodies_.index(to_);
+        column_ = x.idx_v;
+        if (x.piece > to_) {
+          step(std::as_const(*this));
+          continue;
+        }
+        const Vec3<S>* r = bodies_.w.r + from_;
+        const DofFactor<S>* dof = bodies_.w.dof + column_;
+        S *above = M_ + row_ * n + column_, *below = M_ + column_ * n + row_;
+        for (;; --to_, --dof, --above, below -= n) {
+          turning(*r, dof->S_, [&](int k, const S& value) { above[k * n] = below[k] = value; });
+          if (to_ == x.piece) break;
+          r = bodies_.w.r + to_;
+        }
       } while (!bodies_.isRoot(to_));
     }
     /// Of the body that it came from.

@@ -138,6 +138,8 @@ bool useStrips(const CompactImpl& m);
 
 /// What takes several numbers of one state of this model at once, or null.
 const PackedKernels* packed(const CompactImpl& m);
+/// The same for the mass matrix.
+const PackedKernels* packedMassMatrix(const CompactImpl& m);
 
 /// In the library itself.
 extern const Kernels scalar, baseline;
