@@ -191,7 +191,7 @@ void inverseOfMassMatrix(const CompactImpl& m, Tracer& t, const Rows<T>& L, Numb
   kernels::TreeFactors<T> factors = t.d.factors;
   factors.L = L;
   Numbers inverse(n * n);
-  kernels::inverseOfMassMatrix<T, T>(m, factors, t.d.scratch, Rows<T>{inverse.data(), m.nvx});
+  kernels::inverseOfMassMatrixColumns(m, factors, Rows<T>{inverse.data(), m.nvx});
   out.insert(out.end(), inverse.begin(), inverse.end());
 }
 
@@ -201,8 +201,8 @@ void abaDerivatives(const CompactImpl& m, Tracer& t, const std::vector<T*>& in, 
   forwardDynamics(m, t, in, tau, ddq);
   t.evaluateSubspaceDerivatives(in[0], in[1]);
   kernels::abaDerivativesSweep<T>(m, t.w, t.d, static_cast<const T*>(in[1]), static_cast<const T*>(ddq.data()), no_forces);
-  kernels::abaDerivative<T, T>(m, t.d, t.d.by_q, Rows<T>{by_q.data(), m.nvx});
-  kernels::abaDerivative<T, T>(m, t.d, t.d.by_v, Rows<T>{by_v.data(), m.nvx});
+  kernels::abaDerivativeColumns(m, t.d, t.d.by_q, Rows<T>{by_q.data(), m.nvx});
+  kernels::abaDerivativeColumns(m, t.d, t.d.by_v, Rows<T>{by_v.data(), m.nvx});
   inverseOfMassMatrix(m, t, t.d.by_a.below, inverse);
   for (std::size_t k = 0; k < m.damping.size(); ++k)
     for (std::size_t i = 0; i < n; ++i) by_v[k * n + i] -= T(m.damping[k]) * inverse[k * n + i];

@@ -106,38 +106,42 @@ void abaDerivativesSweep(const CompactImpl& m, Workspace<S>& w, DerivativeWorksp
   std::copy(std::begin(r.order.w.failed), std::end(r.order.w.failed), w.failed);
 }
 
-/// Derivative of aba from one of d.by_q and d.by_v, n x n, into the columns of `out`, whose other entries are zero; losses are not in it.
-/// In place where S is a pack of states: `out` is by's own memory then.
-template <class Wide, class Pack, class S>
-void abaDerivative(const CompactImpl& m, const DerivativeWorkspace<S>& d, const PathMatrix<S>& by, const Rows<S>& out) {
-  const int n = m.nvx;
-  const TreeSystem<S> system{m, d.by_a.below, d.factors.inverse};
-  // Right of a joint's own columns its rows have forces; the joint's own, and those of its path, have accelerations already. All have the
-  // other sign.
-  const auto begin = [&](int i) {
-    const BodyIndex& x = m.index[static_cast<std::size_t>(m.dof_body[static_cast<std::size_t>(i)])];
+/// What is left to do of one of d.by_q and d.by_v: right of a joint's own columns its rows have forces; the joint's own, and those of its path,
+/// have accelerations already. All have the other sign.
+template <class S>
+struct AbaSystem {
+  TreeSystem<S> tree;
+  AbaSystem(const CompactImpl& m, const DerivativeWorkspace<S>& d) : tree{m, d.by_a.below, d.factors.inverse} {}
+  int begin(int i) const {
+    const BodyIndex& x = tree.m.index[static_cast<std::size_t>(tree.m.dof_body[static_cast<std::size_t>(i)])];
     return x.idx_v + x.nv;
-  };
-  if constexpr (Part<Wide, S>::width == 1) {
-    if constexpr (!PathMatrix<S>::in_place) {
-      for (int k = 0; k < n; ++k) std::fill(out[k], out[k] + n, S(0));
-      by.template assemble<Wide>(m.dof_end, out);
-    }
-    for (int k = 0; k < n; ++k) {
-      solveColumn(system, begin, k, n, out[k]);
-      for (int i = 0; i < n; ++i) out[k][i] = -out[k][i];
-    }
-  } else {
-    const Rows<S> X = d.scratch, right = by.right;
-    std::fill(X[0], X[n], S(0));
-    for (int i = 0; i < n; ++i)
-      inParts<Wide, S>(begin(i), system.end(i), [&](const Part<Wide, S>& part) { part.store(part.inside() * part.load(right[i]), X[i]); });
-    solveUpper<Wide>(system, X);
-    for (int i = 0; i < n; ++i)
-      for (int j = i; j < begin(i); ++j) X[i][j] = right[i][j];
-    by.transposed().template assembleRight<Wide>(m.dof_end, X);
-    solveLower<Pack>(system, X, false);
-    transposeNegated<Wide>(X, n, out);
+  }
+};
+
+/// Derivative of aba, losses not in it, from one of d.by_q and d.by_v: n x n, into the rows d.scratch.
+template <class Wide, class Pack, class S>
+void abaDerivative(const CompactImpl& m, const DerivativeWorkspace<S>& d, const PathMatrix<S>& by) {
+  const int n = m.nvx;
+  const AbaSystem<S> system(m, d);
+  const Rows<S> X = d.scratch;
+  std::fill(X[0], X[n], S(0));
+  by.template minusRightInto<Wide>(
+      m.dof_end, [&](int i) { return system.begin(i); }, X);
+  solveUpper<Wide>(system.tree, X);
+  for (int i = 0; i < n; ++i)
+    for (int j = i; j < system.begin(i); ++j) X[i][j] = -by.rightOf(i, j);
+  by.template minusBelowInto<Wide>(m.dof_end, X);
+  solveLower<Pack>(system.tree, X, false);
+}
+/// The same column by column, into columns of zeros: with nothing done twice, and nothing for zeros.
+template <class S>
+void abaDerivativeColumns(const CompactImpl& m, const DerivativeWorkspace<S>& d, const PathMatrix<S>& by, const Rows<S>& out) {
+  const AbaSystem<S> system(m, d);
+  by.template assemble<S>(m.dof_end, out);
+  for (int k = 0; k < m.nvx; ++k) {
+    solveColumn(
+        system.tree, [&](int i) { return system.begin(i); }, k, m.nvx, out[k]);
+    for (int i = 0; i < m.nvx; ++i) out[k][i] = -out[k][i];
   }
 }
 

@@ -131,36 +131,92 @@ void loadColumns(const ColumnsIn<T>& in, int n, S* to) {
   }
 }
 
-/// The way back: n numbers of each of the first `states` lanes into columns that follow one another, n apart.
-template <class S, class T>
-void storeColumns(const S* from, std::ptrdiff_t n, int states, T* column) {
+/// Numbers one after the other.
+template <class S>
+class InOrder {
+ public:
+  explicit InOrder(const S* first) : first_(first), next_(first) {}
+  void seek(std::ptrdiff_t k) { next_ = first_ + k; }
+  const S* next() { return next_++; }
+
+ private:
+  const S *first_, *next_;
+};
+/// Those of a square matrix of n rows, column by column.
+template <class S>
+class ByColumns {
+ public:
+  ByColumns(const S* first, std::ptrdiff_t stride, std::ptrdiff_t n) : first_(first), stride_(stride), n_(n) {}
+  void seek(std::ptrdiff_t k) {
+    column_ = k / n_;
+    row_ = k % n_;
+  }
+  const S* next() {
+    const S* here = first_ + row_ * stride_ + column_;
+    if (++row_ == n_) {
+      row_ = 0;
+      ++column_;
+    }
+    return here;
+  }
+
+ private:
+  const S* first_;
+  std::ptrdiff_t stride_, n_, row_ = 0, column_ = 0;
+};
+
+/// The way back: n numbers of each of the first `states` lanes into columns that follow one another, n apart. Whether all are finite.
+template <class From, class T>
+[[nodiscard]] bool storeColumns(From from, std::ptrdiff_t n, int states, T* column) {
+  using S = std::remove_cvref_t<decltype(*from.next())>;
   constexpr int lanes = lanes_of<S>;
-  const T* in = reinterpret_cast<const T*>(from);
+  const auto next = [&] { return reinterpret_cast<const T*>(from.next()); };
+  from.seek(0);
+  // x - x is zero for finite numbers, and NaN for all others.
   if constexpr (lanes > 1) {
+    Square<T, lanes> square;
+    typename Square<T, lanes>::Row differences{};
+    const auto read = [&](int count) {
+      for (int i = 0; i < lanes; ++i) {
+        if (i < count) square.read(i, next());
+        if (i >= count) square.rows[i] = square.rows[count - 1];
+        differences += square.rows[i] - square.rows[i];
+      }
+      square.transpose();
+    };
+    const auto finite = [&] {
+      bool all = true;
+      for (int l = 0; l < lanes; ++l) all = all && differences[l] == T(0);
+      return all;
+    };
     if (n >= lanes) {
-      Square<T, lanes> square;
       for (std::ptrdiff_t row = 0; row < n; row += lanes) {
         const std::ptrdiff_t top = std::min<std::ptrdiff_t>(row, n - lanes);
-        for (int i = 0; i < lanes; ++i) square.read(i, in + (top + i) * lanes);
-        square.transpose();
+        from.seek(top);
+        read(lanes);
         for (int l = 0; l < states; ++l) square.write(l, column + l * n + top);
       }
-      return;
+      return finite();
     }
     if (2 * n >= lanes) {
       // Each column but the last is written past its end, where the next one will be.
-      Square<T, lanes> square;
-      for (int i = 0; i < lanes; ++i) square.read(i, in + std::min<std::ptrdiff_t>(i, n - 1) * lanes);
-      square.transpose();
+      read(static_cast<int>(n));
       for (int l = 0; l + 1 < states; ++l) square.write(l, column + l * n);
       T last[lanes];
       square.write(states - 1, last);
       std::copy_n(last, n, column + (states - 1) * n);
-      return;
+      return finite();
     }
   }
-  for (int l = 0; l < states; ++l)
-    for (std::ptrdiff_t i = 0; i < n; ++i) column[l * n + i] = in[i * lanes + l];
+  T differences(0);
+  for (std::ptrdiff_t i = 0; i < n; ++i) {
+    const T* numbers = next();
+    for (int l = 0; l < states; ++l) {
+      column[l * n + i] = numbers[l];
+      differences += numbers[l] - numbers[l];
+    }
+  }
+  return differences == T(0);
 }
 
 }  // namespace dyn::kernels

@@ -84,8 +84,7 @@ void runBlock(const CompactImpl& m, char* scratch, Block<T>& b) {
         kernels::forwardKinematics(bodies, w, static_cast<const S*>(nullptr), static_cast<const S*>(nullptr));
         frameJacobian(bodies, w, {b.frame.body, cast<S>(b.frame.placement)}, b.reference, s.J, 6);
       }
-      storeColumns(s.J, n, b.q.states, b.results[0]);
-      b.not_finite = !allFinite(s.J, n);
+      b.not_finite = !storeColumns(InOrder<S>(s.J), n, b.q.states, b.results[0]);
       return;
     }
     case Task::rnea:
@@ -96,8 +95,7 @@ void runBlock(const CompactImpl& m, char* scratch, Block<T>& b) {
     case Task::mass_matrix: {
       const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(m.nvx) * m.nvx;
       kernels::massMatrix(bodies, w, s.M);
-      storeColumns(s.M, n, b.q.states, b.results[0]);
-      b.not_finite = !allFinite(s.M, n);
+      b.not_finite = !storeColumns(InOrder<S>(s.M), n, b.q.states, b.results[0]);
       return;
     }
     case Task::rnea_derivatives:
@@ -116,8 +114,7 @@ void runBlock(const CompactImpl& m, char* scratch, Block<T>& b) {
       for (int l = 0; l < b.q.states; ++l) b.failed[l] = w.failed[l];
       break;
   }
-  storeColumns(s.result, m.nvx, b.q.states, b.results[0]);
-  b.not_finite = !allFinite(s.result, m.nvx);
+  b.not_finite = !storeColumns(InOrder<S>(s.result), m.nvx, b.q.states, b.results[0]);
 }
 
 template <class S>

@@ -25,8 +25,10 @@ void addDerivatives(SingleKernels& k) {
   k.abaDerivatives = [](const CompactImpl& m, W& w, D& d, const double* v, const double* a, const Force<double>* fext, double* by_q, double* by_v,
                         double* inverse) {
     abaDerivativesSweep<Panel>(m, w, d, v, a, fext);
-    abaDerivative<Panel, Panel>(m, d, d.by_q, Rows<double>{by_q, m.nvx});
-    abaDerivative<Panel, Panel>(m, d, d.by_v, Rows<double>{by_v, m.nvx});
+    abaDerivative<Panel, Panel>(m, d, d.by_q);
+    writeTransposed<Panel>(d.scratch, m.nvx, Rows<double>{by_q, m.nvx});
+    abaDerivative<Panel, Panel>(m, d, d.by_v);
+    writeTransposed<Panel>(d.scratch, m.nvx, Rows<double>{by_v, m.nvx});
     TreeFactors<double> factors = d.factors;
     factors.L = d.by_a.below;
     kernels::inverseOfMassMatrix<Panel, Panel>(m, factors, d.scratch, Rows<double>{inverse, m.nvx});
@@ -65,11 +67,10 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b)
   const std::ptrdiff_t n = m.nvx;
   const auto none = static_cast<const Force<S>*>(nullptr);
   b.not_finite = false;
-  const auto put = [&](int result, const S* numbers, std::ptrdiff_t count) {
-    if (b.results[result] == nullptr) return;
-    storeColumns(numbers, count, b.q.states, b.results[result]);
-    b.not_finite = b.not_finite || !allFinite(numbers, count);
+  const auto putFrom = [&](int result, const auto& numbers, std::ptrdiff_t count) {
+    if (b.results[result] != nullptr && !storeColumns(numbers, count, b.q.states, b.results[result])) b.not_finite = true;
   };
+  const auto put = [&](int result, const S* numbers, std::ptrdiff_t count) { putFrom(result, InOrder<S>(numbers), count); };
   const Rows<S> matrix{s.matrix, n};
   const auto whole = [&](const PathMatrix<S>& from) {
     if constexpr (PathMatrix<S>::in_place) {
@@ -103,22 +104,15 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b)
       put(3, s.result, n);
       evaluateSubspaceDerivatives(m, d, s.q, s.v);
       abaDerivativesSweep<S>(m, w, d, s.v, s.result, none);
-      const auto placeOf = [&](const PathMatrix<S>& by) { return by.in_place ? by.below : matrix; };
-      abaDerivative<S, S>(m, d, d.by_q, placeOf(d.by_q));
-      put(0, placeOf(d.by_q).first, n * n);
+      const Rows<S>& X = d.scratch;
+      const auto putRows = [&](int result) { putFrom(result, ByColumns<S>(X.first, X.stride, n), n * n); };
       inverse(2, d.by_a.below);
-      if (!m.damping.empty()) std::copy(s.matrix, s.matrix + n * n, s.inverse);
-      abaDerivative<S, S>(m, d, d.by_v, placeOf(d.by_v));
-      S* by_v = placeOf(d.by_v).first;
-      for (std::size_t k = 0; k < m.damping.size(); ++k) {
-        const std::ptrdiff_t column = n * static_cast<std::ptrdiff_t>(k);
-        for (std::ptrdiff_t i = column; i < column + n; ++i) by_v[i] -= S(static_cast<T>(m.damping[k])) * s.inverse[i];
-      }
-      put(1, by_v, n * n);
-      // What is not on a path was zero, and must be.
-      for (const PathMatrix<S>& full : {d.by_q, d.by_v})
-        if (full.in_place) std::fill(full.below.first, full.below.first + n * n, S(0));
-      return;
+      abaDerivative<S, S>(m, d, d.by_q);
+      putRows(0);
+      abaDerivative<S, S>(m, d, d.by_v);
+      for (int i = 0; i < n; ++i)
+        for (std::size_t k = 0; k < m.damping.size(); ++k) X[i][k] -= S(static_cast<T>(m.damping[k])) * matrix[i][k];
+      return putRows(1);
     }
     case Task::minverse:
       treeFactors<S>(m, w, d);

@@ -78,26 +78,26 @@ void treeFactors(const CompactImpl& m, Workspace<S>& w, DerivativeWorkspace<S>& 
   std::copy(std::begin(r.order.w.failed), std::end(r.order.w.failed), w.failed);
 }
 
-/// M^-1 from its factors, n x n, into the columns of `out`, by way of the n rows X.
+/// M^-1 from its factors, n x n, by way of the n rows X. Half of it is solved for: the result is symmetric to the last bit.
 template <class Wide, class Pack, class S>
 void inverseOfMassMatrix(const CompactImpl& m, const TreeFactors<S>& factors, const Rows<S>& X, const Rows<S>& out) {
   const int n = m.nvx;
   const TreeSystem<S> system{m, factors.L, factors.inverse};
-  constexpr bool by_columns = Part<Wide, S>::width == 1;
-  const Rows<S>& matrix = by_columns ? out : X;
-  std::fill(matrix[0], matrix[n], S(0));
-  for (int i = 0; i < n; ++i) matrix[i][i] = S(1);
-  // Half of it, so that the result is symmetric to the last bit.
-  if constexpr (by_columns) {
-    const auto begin = [](int i) { return i; };
-    for (int k = 0; k < n; ++k) {
-      solveColumn(system, begin, k, k + 1, out[k]);
-      for (int i = 0; i < k; ++i) out[i][k] = out[k][i];
-    }
-  } else {
-    solveUpper<Wide>(system, X);
-    solveLower<Pack>(system, X, true);
-    mirrorUpper<Wide>(X, n, out);
+  std::fill(X[0], X[n], S(0));
+  for (int i = 0; i < n; ++i) X[i][i] = S(1);
+  solveUpper<Wide>(system, X);
+  solveLower<Pack>(system, X, true);
+  mirrorUpper<Wide>(X, n, out);
+}
+/// The same column by column, into zeros.
+template <class S>
+void inverseOfMassMatrixColumns(const CompactImpl& m, const TreeFactors<S>& factors, const Rows<S>& out) {
+  const TreeSystem<S> system{m, factors.L, factors.inverse};
+  for (int k = 0; k < m.nvx; ++k) {
+    out[k][k] = S(1);
+    solveColumn(
+        system, [](int i) { return i; }, k, k + 1, out[k]);
+    for (int i = 0; i < k; ++i) out[i][k] = out[k][i];
   }
 }
 

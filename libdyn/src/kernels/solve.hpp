@@ -38,6 +38,7 @@ void solveColumn(const TreeSystem<S>& t, const Begin& begin, int column, int row
 /// X = D^-1 L^-T X of rows that are zero outside their subtrees.
 template <class Pack, class S>
 __attribute__((flatten)) void solveUpper(const TreeSystem<S> t, const Rows<S> X) {
+  constexpr int width = Part<Pack, S>::width;
   const std::ptrdiff_t stride = X.stride;
   for (auto chain = t.m.chains.rbegin(); chain != t.m.chains.rend(); ++chain) {
     const int begin = chain->begin, end = chain->end;
@@ -64,8 +65,8 @@ __attribute__((flatten)) void solveUpper(const TreeSystem<S> t, const Rows<S> X)
       }
       for (int i = begin; i < end; ++i)
         for (int p = 0; p < packs; ++p) {
-          S* x = X[i] + first + p * lanes_of<Pack>;
-          (Pack(t.inverse[i]) * Pack::load(x)).store(x);
+          S* x = X[i] + first + p * width;
+          storePack(Pack(t.inverse[i]) * loadPack<Pack>(x), x);
         }
     });
   }
@@ -76,7 +77,7 @@ template <class Pack, class S>
 __attribute__((flatten)) void solveLower(const TreeSystem<S> t, const Rows<S> X, bool upper) {
   const std::ptrdiff_t stride = X.stride;
   inPanels<Pack, S>(0, t.n(), [&](auto packs, int first) {
-    const int rows_end = upper ? std::min(t.n(), first + packs * lanes_of<Pack>) : t.n();
+    const int rows_end = upper ? std::min(t.n(), first + packs * Part<Pack, S>::width) : t.n();
     const auto solve = [&]<int rows>(std::integral_constant<int, rows>, const DofChain& chain, int row) {
       Tile<Pack, S, rows, packs> tile(X[row] + first, stride);
       for (int last = row - 1 >= chain.begin ? row - 1 : t.parent(chain.begin); last >= 0;) {

@@ -127,8 +127,6 @@ struct PathMatrix {
       return right[row][column];
     }
   }
-  /// The transposed matrix, in the same memory; of closed joints.
-  PathMatrix transposed() const { return {right, below}; }
   /// Writes the entries into the columns of an n x n matrix whose other entries are zero and stay so.
   template <class Wide>
   void assemble(const std::vector<int>& dof_end, const Rows<S>& out) const {
@@ -136,7 +134,7 @@ struct PathMatrix {
     const int n = static_cast<int>(dof_end.size());
     if constexpr (width > 1) {
       // The last tiles overlap those before, and what they get wrong beside the diagonal the last one on it puts right.
-      if (n >= width) return inTiles<Wide, true>(dof_end, n - width, out);
+      if (n >= width) return inTiles<Wide>(dof_end, n - width, out);
       writeSmall(diagonalTile<width>(below, 0), n, out);
     } else {
       for (int k = 0; k < n; ++k)
@@ -146,17 +144,36 @@ struct PathMatrix {
         }
     }
   }
-  /// Those above the diagonal only, into rows with room for whole tiles, where Wide is a pack.
+  /// Of each row i the entries from column begin(i) on, with the other sign, into rows with room for whole tiles.
+  template <class Wide, class Begin>
+  void minusRightInto(const std::vector<int>& dof_end, const Begin& begin, const Rows<S>& rows) const {
+    for (int i = 0; i < static_cast<int>(dof_end.size()); ++i) {
+      const int end = dof_end[static_cast<std::size_t>(i)];
+      if constexpr (Part<Wide, S>::width > 1) {
+        inParts<Wide, S>(begin(i), end, [&](const Part<Wide, S>& part) { part.store(-(part.inside() * part.load(right[i])), rows[i]); });
+      } else {
+        for (int j = begin(i); j < end; ++j) rows[i][j] = -rightOf(i, j);
+      }
+    }
+  }
+  /// The same of those below the diagonal.
   template <class Wide>
-  void assembleRight(const std::vector<int>& dof_end, const Rows<S>& out) const {
-    inTiles<Wide, false>(dof_end, static_cast<int>(dof_end.size()), out);
+  void minusBelowInto(const std::vector<int>& dof_end, const Rows<S>& rows) const {
+    const int n = static_cast<int>(dof_end.size());
+    if constexpr (Part<Wide, S>::width > 1) {
+      PathMatrix{right, below}.template inTiles<Wide, true>(dof_end, n, rows);
+    } else {
+      for (int k = 0; k < n; ++k)
+        for (int i = k + 1; i < dof_end[static_cast<std::size_t>(k)]; ++i) rows[i][k] = -below[k][i];
+    }
   }
 
  private:
-  /// Square tiles on the diagonal, those below them that have entries, and their mirror images; none begins beyond `last_begin`.
-  template <class Wide, bool with_below>
+  /// Square tiles on the diagonal, those below them that have entries, and their mirror images; none begins beyond `last_begin`. Or only what
+  /// is above the diagonal, with the other sign.
+  template <class Wide, bool minus_above = false>
   __attribute__((flatten)) void inTiles(const std::vector<int>& dof_end, int last_begin, Rows<S> out) const {
-    const Rows<S> down = with_below ? below : out, across = right;
+    const Rows<S> down = minus_above ? out : below, across = right;
     constexpr int width = Part<Wide, S>::width;
     const int n = static_cast<int>(dof_end.size());
     Square<S, width> lower, upper;
@@ -165,23 +182,25 @@ struct PathMatrix {
       const int last = *std::max_element(dof_end.begin() + left, dof_end.begin() + std::min(left + width, n));
       for (int row = column + width; row < last; row += width) {
         const int top = std::min(row, last_begin);
-        if constexpr (with_below) {
+        if constexpr (!minus_above) {
           lower.read(down[left] + top, down.stride);
           lower.write(out[left] + top, out.stride);
         }
         upper.read(across[left] + top, across.stride);
         upper.transpose();
+        if constexpr (minus_above) upper.negate();
         upper.write(out[top] + left, out.stride);
       }
-      diagonalTile<width>(down, left).write(out[left] + left, out.stride);
+      diagonalTile<width, minus_above>(down, left).write(out[left] + left, out.stride);
     }
   }
-  template <int width>
+  template <int width, bool minus_above = false>
   Square<S, width> diagonalTile(const Rows<S>& down, int first) const {
     Square<S, width> lower, upper;
     lower.read(down[first] + first, down.stride);
     upper.read(right[first] + first, right.stride);
     upper.transpose();
+    if constexpr (minus_above) upper.negate();
     lower.replaceAbove(upper);
     return lower;
   }
@@ -194,9 +213,9 @@ void inSquares(int n, Use&& use) {
     for (int column = 0; column < n; column += width) use(std::min(row, n - width), std::min(column, n - width));
 }
 
-/// Writes into the columns of an n x n matrix what stands in the rows of another, which have room for whole tiles, with the other sign.
+/// Writes into the columns of an n x n matrix what stands in the rows of another, which have room for whole tiles.
 template <class Wide, class S>
-__attribute__((flatten)) void transposeNegated(Rows<S> rows, int n, Rows<S> columns) {
+__attribute__((flatten)) void writeTransposed(Rows<S> rows, int n, Rows<S> columns) {
   constexpr int width = Part<Wide, S>::width;
   if constexpr (width > 1) {
     if (n >= width)
@@ -204,17 +223,15 @@ __attribute__((flatten)) void transposeNegated(Rows<S> rows, int n, Rows<S> colu
         Square<S, width> square;
         square.read(rows[row] + column, rows.stride);
         square.transpose();
-        square.negate();
         square.write(columns[column] + row, columns.stride);
       });
     Square<S, width> square;
     square.read(rows[0], rows.stride);
     square.transpose();
-    square.negate();
     return writeSmall(square, n, columns);
   }
   for (int column = 0; column < n; ++column)
-    for (int row = 0; row < n; ++row) columns[column][row] = -rows[row][column];
+    for (int row = 0; row < n; ++row) columns[column][row] = rows[row][column];
 }
 
 /// Writes the upper triangle of a symmetric n x n matrix, whose rows have room for whole tiles, into both of another.
