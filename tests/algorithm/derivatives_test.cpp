@@ -84,7 +84,7 @@ void checkModel(const CompactModel& model, std::uint64_t seed, bool forces) {
   };
   const Differences accelerations = differences(model, s, forward);
   const AbaDerivatives y = forces ? computeABADerivatives(model, data, s.q, s.v, s.a, s.fext) : computeABADerivatives(model, data, s.q, s.v, s.a);
-  CHECK(off(y.ddq, forward(s)) < 1e-14);
+  CHECK(off(y.ddq, forward(s)) < 1e-12);  // another elimination; against the truth both have the same budget
   CHECK(off(y.ddq_dq, accelerations.by_q) < 1e-8);
   CHECK(off(y.ddq_dv, accelerations.by_v) < 1e-8);
   CHECK(off(y.ddq_dtau, accelerations.by_a) < 1e-8);

@@ -106,6 +106,8 @@ void checkSet(const std::string& name) {
     }
     if (truth.contains("ddq_dq")) {
       const AbaDerivatives x = computeABADerivatives(model, data, q, v, tau);
+      worst.check("aba beside its derivatives", scaledError(vec(x.ddq), flatten(truth["aba"]), flatten(truth["aba_scale"])), 4);
+      worst.check("aba beside its derivatives, relative", relativeError(vec(x.ddq), flatten(truth["aba"])), no_match);
       found.ddq_dq = x.ddq_dq;
       found.ddq_dv = x.ddq_dv;
       found.ddq_dtau = x.ddq_dtau;

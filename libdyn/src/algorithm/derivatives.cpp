@@ -101,19 +101,22 @@ DerivativeViews abaDerivatives(const CompactModel& model, Data& data, VectorView
   checkData(algorithm, model, data, Need::derivatives);
   const CompactImpl& m = model.impl();
   DataImpl& d = data.impl();
-  aba(model, data, q, v, tau, fext, count);
-  const VectorView ddq{d.ddq, m.nv};
   const auto n = static_cast<Eigen::Index>(m.nv);
   using Matrix = Eigen::Map<Eigen::MatrixXd>;
   if (!m.couplings.empty()) {
+    aba(model, data, q, v, tau, fext, count);
+    const VectorView ddq{d.ddq, m.nv};
     rneaDerivatives(model, data, q, &v, &ddq, fext, count);
     invertDense(algorithm, m, d);
     Matrix(d.ddq_dq, n, n).noalias() = -Matrix(d.Minv, n, n).lazyProduct(Matrix(d.dtau_dq, n, n));
     Matrix(d.ddq_dv, n, n).noalias() = -Matrix(d.Minv, n, n).lazyProduct(Matrix(d.dtau_dv, n, n));
     return {d.ddq, d.ddq_dq, d.ddq_dv, d.Minv};
   }
-  const Prepared x = prepare(algorithm, model, data, q, &v, &ddq, fext, count);
-  checkFactors(algorithm, m, kernels::active().single.abaDerivatives(m, d, d.derivatives, x.in.v, x.in.a, x.external, d.ddq_dq, d.ddq_dv, d.Minv));
+  checkSize(algorithm, "tau", tau, m.nv);
+  const Prepared x = prepare(algorithm, model, data, q, &v, nullptr, fext, count);
+  const double* effective = lessLosses(m, d, tau.data, x.in.v);
+  checkFactors(algorithm, m,
+               kernels::active().single.abaDerivatives(m, d, d.derivatives, x.in.v, effective, x.external, d.ddq, d.ddq_dq, d.ddq_dv, d.Minv));
   if (!m.damping.empty())
     for (Eigen::Index k = 0; k < n; ++k) Matrix(d.ddq_dv, n, n).col(k) -= m.damping[static_cast<std::size_t>(k)] * Matrix(d.Minv, n, n).col(k);
   return {d.ddq, d.ddq_dq, d.ddq_dv, d.Minv};

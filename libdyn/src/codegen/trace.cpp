@@ -197,10 +197,11 @@ void inverseOfMassMatrix(const CompactImpl& m, Tracer& t, const Rows<T>& L, Numb
 
 void abaDerivatives(const CompactImpl& m, Tracer& t, const std::vector<T*>& in, Numbers& out) {
   const auto n = at(m.nvx);
-  Numbers tau, ddq, by_q(n * n), by_v(n * n), inverse;
-  forwardDynamics(m, t, in, tau, ddq);
+  Numbers tau(in[2], in[2] + m.nvx), ddq(n), by_q(n * n), by_v(n * n), inverse;
+  kernels::addLosses(m, -1.0, static_cast<const T*>(in[1]), tau.data());
+  t.evaluate(in[0], in[1]);
   t.evaluateSubspaceDerivatives(in[0], in[1]);
-  kernels::abaDerivativesSweep<T>(m, t.w, t.d, static_cast<const T*>(in[1]), static_cast<const T*>(ddq.data()), no_forces);
+  kernels::abaDerivativesSweep<T>(m, t.w, t.d, static_cast<const T*>(in[1]), static_cast<const T*>(tau.data()), no_forces, ddq.data());
   kernels::abaDerivativeColumns(m, t.d, t.d.by_q, Rows<T>{by_q.data(), m.nvx});
   kernels::abaDerivativeColumns(m, t.d, t.d.by_v, Rows<T>{by_v.data(), m.nvx});
   inverseOfMassMatrix(m, t, t.d.by_a.below, inverse);

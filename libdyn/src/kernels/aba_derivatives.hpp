@@ -29,23 +29,40 @@ CoriolisMap<S> shiftedMap(const CoriolisMap<S>& map, const ArticulatedInertia<S>
   return out;
 }
 
-/// Factors of the elimination, for factorsSweep too, articulated Coriolis maps and the columns' beginnings; after derivativesOutward, which left
-/// rigid inertias and forces in w. w.failed tells lane by lane whether a pivot vanished.
-template <class S, class Order>
-void abaDerivativesInward(const Order& order, DerivativeWorkspace<S>& d) {
+/// Placements, velocities and columns; of each body what moves it but for its acceleration, which begins with w.beta.
+template <class Order, class S>
+void movingOutward(const Order& order, DerivativeWorkspace<S>& d, const S* v) {
+  Workspace<S>& w = order.w;
+  w.w[0] = {};
+  order.forward([&]<class Joint>(const Joint& joint, int i, int iv) {
+    const auto [s, omega] = moveAligned<S>(joint, order, i, d, v + iv);
+    const Mat3<S>& R = w.R[i];
+    w.beta[i] = velocityAcceleration(joint, R, w.r[i], order.parent(w.w, i), omega, s);
+    for (int k = 0; k < Joint::nv; ++k) w.dof[iv + k].S_ = joint.columnIn(R, k);
+    d.subtree[i] = ownMotion(bodyMomentum<Joint>(order, i, omega), omega);
+  });
+}
+
+/// Factors of the elimination, the columns' beginnings, and what of the accelerations the forces tau and the velocities say, into w.dof's y;
+/// then w.IA and d.coriolis have what each body is to its parent. w.failed tells lane by lane whether a pivot vanished.
+template <class Order, class S>
+void articulatedInward(const Order& order, DerivativeWorkspace<S>& d, const S* tau) {
   Workspace<S>& w = order.w;
   for (int& body : w.failed) body = 0;
   order.backward([&]<class Joint>(const Joint&, int i, int iv) {
     const Subtree<S>& own = d.subtree[i];
     ArticulatedInertia<S> IA = ArticulatedInertia<S>::rigid(own.m.mass, own.m.h, own.m.I);
     CoriolisMap<S> map = coriolisMap(own.m.momentum.linear, own.K);
+    Force<S> pA = own.f;
     if (!order.isLeaf(i)) {
       IA += w.IA[i];
       map += d.coriolis[i];
+      pA += w.pA[i];
     }
-    Force<S>& f = w.f[i];
-    f = order.isLeaf(i) ? own.f : own.f + f;
     eliminateJoint<Joint>(order, w, IA, i, iv, [&](int k, const auto& column, const Force<S>& W, const S& inverse, const Force<S>& row) {
+      const S y = tau[iv + k] - column.along(pA);
+      w.dof[iv + k].y = inverse * y;
+      pA += y * row;
       d.factors.inverse[iv + k] = inverse;
       const Vec3<S> lever = inverse * column.along(map.linear, map.angular);
       d.dof_force[iv + k].by_a = row;
@@ -54,7 +71,52 @@ void abaDerivativesInward(const Order& order, DerivativeWorkspace<S>& d) {
       map.angular = map.angular - outer(W.angular, lever);
     });
     if (order.isRoot(i)) return;
-    // What each column hands to the parent; by q the subtree's force turns, too.
+    w.IA[i] = IA;
+    d.coriolis[i] = map;
+    pA += IA * w.beta[i];
+    const Vec3<S>& r = w.r[i];
+    order.handOver(d.coriolis, i, shiftedMap(map, IA, r, d.shift_rate[i]));
+    order.handOver(w.IA, i, IA.shifted(r));
+    order.handOver(w.pA, i, Force<S>{pA.linear, pA.angular + cross(r, pA.linear)});
+  });
+}
+
+/// Accelerations ddq, and with them the bodies' forces and the degrees of freedom's variations. Within a joint in the reverse order of
+/// elimination.
+template <class Order, class S>
+void acceleratingOutward(const Order& order, DerivativeWorkspace<S>& d, const S* v, S* ddq) {
+  Workspace<S>& w = order.w;
+  order.forward([&]<class Joint>(const Joint& joint, int i, int iv) {
+    const Vec3<S>&r = w.r[i], &wp = order.parent(w.w, i);
+    Motion<S> parent = parentAcceleration<Joint>(order, i, order.gravity());
+    parent.linear += cross(parent.angular, r);
+    Motion<S> acc = parent + w.beta[i];
+    withColumns<Joint>(order, w, i, iv, [&](const auto& column) {
+      for (int k = 0; k < Joint::nv; ++k) {
+        const S x = w.dof[iv + k].y - dot(acc, d.dof_force[iv + k].by_a);
+        ddq[iv + k] = x;
+        column(k).addTo(acc, x);
+      }
+    });
+    w.acc[i] = acc;
+    d.subtree[i].f += rigidForce(d.subtree[i].m, acc);
+    parent.linear += cross(wp, cross(wp, r));
+    Vec3<S> slide{};
+    if constexpr (Joint::has_linear) slide = joint.timesIn(w.R[i], v + iv).linear;
+    writeVariations<Joint>(order, d, i, iv, parent, slide, v + iv, static_cast<const S*>(ddq) + iv);
+  });
+}
+
+/// What each column hands to its body's parent; by q the subtree's force turns, too.
+template <class Order, class S>
+void variationsInward(const Order& order, DerivativeWorkspace<S>& d) {
+  Workspace<S>& w = order.w;
+  order.backward([&]<class Joint>(const Joint&, int i, int iv) {
+    Force<S>& f = w.f[i];
+    f = order.isLeaf(i) ? d.subtree[i].f : d.subtree[i].f + f;
+    if (order.isRoot(i)) return;
+    const ArticulatedInertia<S>& IA = w.IA[i];
+    const CoriolisMap<S>& map = d.coriolis[i];
     for (int m = 0; m < Joint::nv; ++m) {
       const Motion<S>& s = w.dof[iv + m].S_;
       const DofVariation<S>& x = d.dof[iv + m];
@@ -64,10 +126,7 @@ void abaDerivativesInward(const Order& order, DerivativeWorkspace<S>& d) {
       d.dof_force[iv + m].by_q = handed(x.acceleration, x.velocity.angular) + turnedOf<Joint>(s, f);
       d.dof_force[iv + m].by_v = handed(x.rate, s.angular);
     }
-    const Vec3<S>& r = w.r[i];
-    order.handOver(d.coriolis, i, shiftedMap(map, IA, r, d.shift_rate[i]));
-    order.handOver(w.IA, i, IA.shifted(r));
-    order.handOver(w.f, i, Force<S>{f.linear, f.angular + cross(r, f.linear)});
+    order.handOver(w.f, i, Force<S>{f.linear, f.angular + cross(w.r[i], f.linear)});
   });
 }
 
@@ -93,14 +152,16 @@ void eliminateSubspaceTorques(const R& recursion, DerivativeWorkspace<S>& d) {
   });
 }
 
-/// The beginnings of aba's derivatives at accelerations a, and the factors of M: d.by_q, d.by_v, d.by_a and d.factors, for abaDerivative. Joints
-/// have been asked into w, how subspaces vary into d. w.failed tells lane by lane whether a pivot vanished.
+/// Accelerations ddq under the forces tau, the beginnings of their derivatives, and the factors of M: d.by_q, d.by_v, d.by_a and d.factors, for
+/// abaDerivative. Joints have been asked into w, how subspaces vary into d. w.failed tells lane by lane whether a pivot vanished.
 template <class Wide, class S>
-void abaDerivativesSweep(const CompactImpl& m, Workspace<S>& w, DerivativeWorkspace<S>& d, const S* v, const S* a, const Force<S>* fext) {
+void abaDerivativesSweep(const CompactImpl& m, Workspace<S>& w, DerivativeWorkspace<S>& d, const S* v, const S* tau, const Force<S>* fext, S* ddq) {
   const auto r = recursion(m, w, d);
-  derivativesOutward(r.order, r.d, r.order.gravity(), r.in(v), r.in(a));
+  movingOutward(r.order, r.d, r.in(v));
   takeOff(fext, r.order.w, r.d, m.bodies());
-  abaDerivativesInward(r.order, r.d);
+  articulatedInward(r.order, r.d, r.in(tau));
+  acceleratingOutward(r.order, r.d, r.in(v), r.in(ddq));
+  variationsInward(r.order, r.d);
   pathSweep<Wide>(r, d);
   eliminateSubspaceTorques(r, d);
   std::copy(std::begin(r.order.w.failed), std::end(r.order.w.failed), w.failed);

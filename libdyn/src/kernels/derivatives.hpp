@@ -182,9 +182,9 @@ struct Recursion {
   using Scalar = S;
   /// Numbers as it reads them.
   template <class T>
-  static const S* in(const T* numbers) {
+  static auto in(T* numbers) {
     static_assert(sizeof(T) == sizeof(S));
-    return reinterpret_cast<const S*>(numbers);
+    return reinterpret_cast<std::conditional_t<std::is_const_v<T>, const S, S>*>(numbers);
   }
 };
 /// Of the joints that have been asked into w.

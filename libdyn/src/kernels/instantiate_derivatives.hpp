@@ -22,9 +22,9 @@ void addDerivatives(SingleKernels& k) {
   k.rneaDerivatives = [](const CompactImpl& m, W& w, D& d, const double* v, const double* a, const Force<double>* fext) {
     kernels::rneaDerivatives<Panel>(m, w, d, v, a, fext);
   };
-  k.abaDerivatives = [](const CompactImpl& m, W& w, D& d, const double* v, const double* a, const Force<double>* fext, double* by_q, double* by_v,
-                        double* inverse) {
-    abaDerivativesSweep<Panel>(m, w, d, v, a, fext);
+  k.abaDerivatives = [](const CompactImpl& m, W& w, D& d, const double* v, const double* tau, const Force<double>* fext, double* ddq, double* by_q,
+                        double* by_v, double* inverse) {
+    abaDerivativesSweep<Panel>(m, w, d, v, tau, fext, ddq);
     abaDerivative<Panel, Panel>(m, d, d.by_q);
     writeTransposed<Panel>(d.scratch, m.nvx, Rows<double>{by_q, m.nvx});
     abaDerivative<Panel, Panel>(m, d, d.by_v);
@@ -63,7 +63,6 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b)
   using T = Real<S>;
   Workspace<S>& w = s.w;
   DerivativeWorkspace<S>& d = s.d;
-  const Bodies<S> bodies{m, w};
   const std::ptrdiff_t n = m.nvx;
   const auto none = static_cast<const Force<S>*>(nullptr);
   b.not_finite = false;
@@ -98,12 +97,9 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b)
       return;
     case Task::aba_derivatives: {
       addLosses(m, -1.0, s.v, s.a);
-      abaOutward(bodies, w, s.v, none);
-      abaInward(bodies, w, s.a);
-      abaSolve(bodies, w, bodies.gravity(), s.result);
-      put(3, s.result, n);
       evaluateSubspaceDerivatives(m, d, s.q, s.v);
-      abaDerivativesSweep<S>(m, w, d, s.v, s.result, none);
+      abaDerivativesSweep<S>(m, w, d, s.v, s.a, none, s.result);
+      put(3, s.result, n);
       const Rows<S>& X = d.scratch;
       const auto putRows = [&](int result) { putFrom(result, ByColumns<S>(X.first, X.stride, n), n * n); };
       inverse(2, d.by_a.below);

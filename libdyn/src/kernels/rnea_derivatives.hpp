@@ -58,6 +58,31 @@ SubtreeMomentum<S> bodyMomentum(const Order& order, int i, const Vec3<S>& w) {
   return {S(c.mass), h, I, {cross(w, h), I * w}};
 }
 
+/// Variations of the degrees of freedom of body i's joint, whose columns are there: `parent` is the parent's acceleration where the joint's
+/// origin is, `slide` the velocity at which the joint carries that.
+template <class Joint, class Order, class S>
+void writeVariations(const Order& order, DerivativeWorkspace<S>& d, int i, int iv, const Motion<S>& parent, const Vec3<S>& slide, const S* v,
+                     const S* a) {
+  const Workspace<S>& w = order.w;
+  for (int k = 0; k < Joint::nv; ++k) {
+    const DofMotion<S> motion{w.dof[iv + k].S_, order.parent(w.w, i), w.w[i], parent, slide};
+    SubspaceTerms<S> more;
+    if constexpr (Joint::has_bias) {
+      const BodyIndex& x = order.index(i);
+      more = subspaceTerms<S, Joint>(d.subspaces[x.batch], x.slot, k, w.R[i], v, a);
+    }
+    d.dof[iv + k] = variationOf<Joint>(motion, more);
+  }
+}
+
+/// Of a root as if gravity were an acceleration of the world.
+template <class Joint, class Order, class S>
+Motion<S> parentAcceleration(const Order& order, int i, const Vec3<S>& gravity) {
+  const Workspace<S>& w = order.w;
+  if (!order.isRoot(i)) return order.parent(w.acc, i);
+  return {isFlyingRoot<Joint>(order, i) ? transposeTimes(w.rel[i].R, -gravity) : -gravity, {}};
+}
+
 /// Placements, motions and forces of the bodies, and each degree of freedom's variation.
 template <class Order, class S>
 void derivativesOutward(const Order& order, DerivativeWorkspace<S>& d, const Vec3<S>& gravity, const S* v, const S* a) {
@@ -68,8 +93,7 @@ void derivativesOutward(const Order& order, DerivativeWorkspace<S>& d, const Vec
     const Mat3<S>& R = w.R[i];
     const Vec3<S>& r = w.r[i];
     const Vec3<S>& wp = order.parent(w.w, i);
-    Motion<S> ap = order.parent(w.acc, i);
-    if (order.isRoot(i)) ap = {isFlyingRoot<Joint>(order, i) ? transposeTimes(w.rel[i].R, -gravity) : -gravity, {}};
+    Motion<S> ap = parentAcceleration<Joint>(order, i, gravity);
     ap.linear += cross(ap.angular, r) + cross(wp, cross(wp, r));
 
     Motion<S> ds = joint.timesIn(R, a + iv);
@@ -81,17 +105,11 @@ void derivativesOutward(const Order& order, DerivativeWorkspace<S>& d, const Vec
     if constexpr (Joint::has_angular) acc.angular += ds.angular + cross(wp, s.angular);
     if constexpr (Joint::has_linear) acc.linear += ds.linear + cross(wp + omega, s.linear);
     w.acc[i] = acc;
-    d.subtree[i] = ownMotion(bodyMomentum<Joint>(order, i, omega), omega, acc);
-    for (int k = 0; k < Joint::nv; ++k) {
-      const DofMotion<S> motion{joint.columnIn(R, k), wp, omega, ap, s.linear};
-      w.dof[iv + k].S_ = motion.column;
-      SubspaceTerms<S> more;
-      if constexpr (Joint::has_bias) {
-        const BodyIndex& x = order.index(i);
-        more = subspaceTerms<S, Joint>(d.subspaces[x.batch], x.slot, k, R, v + iv, a + iv);
-      }
-      d.dof[iv + k] = variationOf<Joint>(motion, more);
-    }
+    Subtree<S> own = ownMotion(bodyMomentum<Joint>(order, i, omega), omega);
+    own.f += rigidForce(own.m, acc);
+    d.subtree[i] = own;
+    for (int k = 0; k < Joint::nv; ++k) w.dof[iv + k].S_ = joint.columnIn(R, k);
+    writeVariations<Joint>(order, d, i, iv, ap, s.linear, v + iv, a + iv);
   });
 }
 

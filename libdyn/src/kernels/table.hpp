@@ -34,9 +34,9 @@ struct SingleKernels {
   void (*evaluateSubspaces)(const CompactImpl&, Derivatives&, const double* q, const double* v);
   /// Into the Derivatives' by_q, by_v and by_a.
   void (*rneaDerivatives)(const CompactImpl&, Workspace<double>&, Derivatives&, const double* v, const double* a, const Force<double>* fext);
-  /// Of aba without losses, at its accelerations a; and M^-1; n x n each. Returns the body whose pivot vanished, or 0.
-  int (*abaDerivatives)(const CompactImpl&, Workspace<double>&, Derivatives&, const double* v, const double* a, const Force<double>* fext,
-                        double* by_q, double* by_v, double* inverse);
+  /// aba without losses, its derivatives, and M^-1; n x n each. Returns the body whose pivot vanished, or 0.
+  int (*abaDerivatives)(const CompactImpl&, Workspace<double>&, Derivatives&, const double* v, const double* tau, const Force<double>* fext,
+                        double* ddq, double* by_q, double* by_v, double* inverse);
   /// C into by_v.
   void (*coriolis)(const CompactImpl&, Workspace<double>&, Derivatives&, const double* v);
   /// One of these, n x n.

@@ -57,12 +57,12 @@ Force<S> turnedOf(const Motion<S>& s, const Force<S>& f) {
   }
 }
 
+/// A body that turns with w, but for its acceleration.
 template <class S>
-Subtree<S> ownMotion(const SubtreeMomentum<S>& m, const Vec3<S>& w, const Motion<S>& acceleration) {
+Subtree<S> ownMotion(const SubtreeMomentum<S>& m, const Vec3<S>& w) {
   // Sum of mass * position * position^T, whose columns the body turns. Symmetric to the last bit, or a rigid body would have a trace of K.
   const Mat3<S> second = (S(0.5) * trace(m.I)) * Mat3<S>::identity() - symmetricMatrix(m.I);
-  const Force<S> inertial = rigidForce(m, acceleration);
-  return {m, skew(w) * second, {inertial.linear + cross(w, m.momentum.linear), inertial.angular + cross(w, m.momentum.angular)}};
+  return {m, skew(w) * second, {cross(w, m.momentum.linear), cross(w, m.momentum.angular)}};
 }
 
 /// Adds a subtree's to its parent's, about the parent's origin, with velocities relative to it: r from the parent's to the joint's, rate the joint
