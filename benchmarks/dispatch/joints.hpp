@@ -71,7 +71,7 @@ struct Member {
       if constexpr (sdk::HasBias<Author>) {
         write(Author::bias(x, v + at.idx_v, c), at.bias, at.stride);
       } else {
-        write(sdk::subspaceBias<Author::nv>(map, x, v + at.idx_v), at.bias, at.stride);
+        write(sdk::poseRates<Author::nv>(map, x, v + at.idx_v).bias, at.bias, at.stride);
       }
     }
   }

@@ -9,57 +9,58 @@
 
 namespace dyn::sdk {
 
-template <class T>
-SE3<T> valuePart(const SE3<Dual<T>>& X) {
-  SE3<T> Y;
-  for (int i = 0; i < 9; ++i) Y.R.m[i] = X.R.m[i].v;
-  Y.p = {X.p.x.v, X.p.y.v, X.p.z.v};
-  return Y;
-}
+/// A pose map's result, or its first or second derivative, by columns. Poses of dual numbers of packs are kilobytes: nothing is copied that is
+/// not computed with.
+template <class S>
+struct PosePart {
+  Vec3<S> x, y, z, p;
 
-template <class T>
-SE3<T> derivativePart(const SE3<Dual<T>>& X) {
-  SE3<T> Y;
-  for (int i = 0; i < 9; ++i) Y.R.m[i] = X.R.m[i].d;
-  Y.p = {X.p.x.d, X.p.y.d, X.p.z.d};
-  return Y;
-}
+  /// part(number): one of the numbers that a dual one consists of.
+  template <class D, class Part>
+  PosePart(const SE3<D>& X, Part part) : x(column(X.R, 0, part)), y(column(X.R, 1, part)), z(column(X.R, 2, part)) {
+    p = {part(X.p.x), part(X.p.y), part(X.p.z)};
+  }
+  SE3<S> pose() const { return {{{x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z}}, p}; }
+  /// R^T a.
+  Vec3<S> inAxes(const Vec3<S>& a) const { return {dot(x, a), dot(y, a), dot(z, a)}; }
+  /// vee(R^T D), D the other's rotation.
+  Vec3<S> turning(const PosePart& D) const {
+    return {S(0.5) * (dot(z, D.y) - dot(y, D.z)), S(0.5) * (dot(x, D.z) - dot(z, D.x)), S(0.5) * (dot(y, D.x) - dot(x, D.y))};
+  }
+
+ private:
+  template <class D, class Part>
+  static Vec3<S> column(const Mat3<D>& R, int k, Part part) {
+    return {part(R.m[k]), part(R.m[3 + k]), part(R.m[6 + k])};
+  }
+};
 
 /// Column k of S at q for a joint with nq = nv and v = dq/dt. `pose` maps n scalars of any kind to an SE3 of that kind.
 template <int N, class S, class Pose>
 Motion<S> subspaceColumn(const Pose& pose, const S* q, int k) {
-  Dual<S> qd[N];
-  for (int i = 0; i < N; ++i) qd[i] = Dual<S>(q[i], S(i == k ? 1 : 0));
-  const SE3<Dual<S>> X = pose(qd);
-  const SE3<S> X0 = valuePart(X), X1 = derivativePart(X);
-  return {transposeTimes(X0.R, X1.p), vee(transpose(X0.R) * X1.R)};
+  using D = Dual<S>;
+  D qd[N];
+  for (int i = 0; i < N; ++i) qd[i] = D(q[i], S(i == k ? 1 : 0));
+  const SE3<D> X = pose(qd);
+  const PosePart<S> X0(X, [](const D& a) { return a.v; }), X1(X, [](const D& a) { return a.d; });
+  return {X0.inAxes(X1.p), X0.turning(X1)};
 }
 
-/// Pose, S and dS/dq of a joint with one coordinate, all from one call of its pose map.
+/// Pose, S v and (dS/dt) v along q(t) with dq/dt = v.
 template <class S>
-struct OneCoordinate {
+struct PoseRates {
   SE3<S> pose;
-  Motion<S> subspace, rate;
+  Motion<S> velocity, bias;
 };
-template <class S, class Pose>
-OneCoordinate<S> alongOneCoordinate(const Pose& pose, const S& q) {
-  using D = Dual<S>;
-  const Dual<D> along(D(q, S(1)), D(S(1), S(0)));
-  const SE3<Dual<D>> X = pose(&along);
-  const SE3<S> X0 = valuePart(valuePart(X)), X1 = derivativePart(valuePart(X)), X2 = derivativePart(derivativePart(X));
-  const Mat3<S> Rt = transpose(X0.R);
-  return {X0, {Rt * X1.p, vee(Rt * X1.R)}, {Rt * X2.p + transposeTimes(X1.R, X1.p), vee(Rt * X2.R)}};
-}
-
-/// (dS/dt) v along q(t) with dq/dt = v.
 template <int N, class S, class Pose>
-Motion<S> subspaceBias(const Pose& pose, const S* q, const S* v) {
+PoseRates<S> poseRates(const Pose& pose, const S* q, const S* v) {
   using D = Dual<S>;
-  Dual<D> qd[N];
-  for (int i = 0; i < N; ++i) qd[i] = Dual<D>(D(q[i], v[i]), D(v[i], S(0)));
-  const SE3<Dual<D>> X = pose(qd);
-  const SE3<S> X0 = valuePart(valuePart(X)), X1 = derivativePart(valuePart(X)), X2 = derivativePart(derivativePart(X));
-  return {transposeTimes(X0.R, X2.p) + transposeTimes(X1.R, X1.p), vee(transpose(X0.R) * X2.R)};
+  using DD = Dual<D>;
+  DD qd[N];
+  for (int i = 0; i < N; ++i) qd[i] = DD(D(q[i], v[i]), D(v[i], S(0)));
+  const SE3<DD> X = pose(qd);
+  const PosePart<S> X0(X, [](const DD& a) { return a.v.v; }), X1(X, [](const DD& a) { return a.v.d; }), X2(X, [](const DD& a) { return a.d.d; });
+  return {X0.pose(), {X0.inAxes(X1.p), X0.turning(X1)}, {X0.inAxes(X2.p) + X1.inAxes(X1.p), X0.turning(X2)}};
 }
 
 }  // namespace dyn::sdk

@@ -236,12 +236,13 @@ class JointTypeOf final : public JointType {
 
   template <class S, class T, class C>
   static void derivedAlongOne(const JointBatch<T>& b, int i, const S* q, const C& c) {
-    const OneCoordinate<S> all = alongOneCoordinate([&c](const auto* x) { return Author::pose(x, c); }, q[0]);
-    storePose(all.pose, b, i);
-    storeMotion(all.subspace, b.subspace, b.stride, i);
+    const S one(1);
+    const PoseRates<S> along = poseRates<1>([&c](const auto* x) { return Author::pose(x, c); }, q, &one);
+    storePose(along.pose, b, i);
+    storeMotion(along.velocity, b.subspace, b.stride, i);
     if (!b.v || !b.bias) return;
     const S v = read<S>(b.v + i);
-    storeMotion((v * v) * all.rate, b.bias, b.stride, i);
+    storeMotion((v * v) * along.bias, b.bias, b.stride, i);
   }
 
   template <class S, class T, class C>
@@ -262,7 +263,7 @@ class JointTypeOf final : public JointType {
       if constexpr (HasBias<Author>) {
         storeMotion(Author::bias(q, static_cast<const S*>(v), c), b.bias, b.stride, i);
       } else {
-        storeMotion(subspaceBias<nv>(pose, q, static_cast<const S*>(v)), b.bias, b.stride, i);
+        storeMotion(poseRates<nv>(pose, q, static_cast<const S*>(v)).bias, b.bias, b.stride, i);
       }
     }
   }

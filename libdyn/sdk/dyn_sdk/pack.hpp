@@ -39,10 +39,11 @@ struct Pack {
 
   /// As a number: zero only where that is asked for, Pack{}.
   Pack() = default;
-  /// Not as bytes: structs of packs would be moved in blocks of other sizes than they were written in, and that stalls the core.
-  Pack(const Pack& other) : x(other.x) {}
+  /// Register by register. As bytes, structs of packs would be moved in blocks of other sizes than they were written in, and that stalls the core;
+  /// and compilers lose sight of what is in them.
+  Pack(const Pack& other) : x(other.x.data) {}
   Pack& operator=(const Pack& other) {
-    x = other.x;
+    x.data = other.x.data;
     return *this;
   }
   Pack(const Batch& batch) : x(batch) {}  // NOLINT
