@@ -180,7 +180,7 @@ struct AbaSystem {
 };
 
 /// Derivative of aba, losses not in it, from one of d.by_q and d.by_v: n x n, into the rows d.scratch.
-template <class Wide, class Pack, class S>
+template <class Wide, class S>
 void abaDerivative(const CompactImpl& m, const DerivativeWorkspace<S>& d, const PathMatrix<S>& by) {
   const int n = m.nvx;
   const AbaSystem<S> system(m, d);
@@ -192,7 +192,7 @@ void abaDerivative(const CompactImpl& m, const DerivativeWorkspace<S>& d, const 
   for (int i = 0; i < n; ++i)
     for (int j = i; j < system.begin(i); ++j) X[i][j] = -by.rightOf(i, j);
   by.template minusBelowInto<Wide>(m.dof_end, X);
-  solveLower<Pack>(system.tree, X, false);
+  solveLower<Wide>(system.tree, X, false);
 }
 /// The same column by column, into columns of zeros: with nothing done twice, and nothing for zeros.
 template <class S>

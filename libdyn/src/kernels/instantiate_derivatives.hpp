@@ -25,13 +25,13 @@ void addDerivatives(SingleKernels& k) {
   k.abaDerivatives = [](const CompactImpl& m, W& w, D& d, const double* v, const double* tau, const Force<double>* fext, double* ddq, double* by_q,
                         double* by_v, double* inverse) {
     abaDerivativesSweep<Panel>(m, w, d, v, tau, fext, ddq);
-    abaDerivative<Panel, Panel>(m, d, d.by_q);
+    abaDerivative<Panel>(m, d, d.by_q);
     writeTransposed<Panel>(d.scratch, m.nvx, Rows<double>{by_q, m.nvx});
-    abaDerivative<Panel, Panel>(m, d, d.by_v);
+    abaDerivative<Panel>(m, d, d.by_v);
     writeTransposed<Panel>(d.scratch, m.nvx, Rows<double>{by_v, m.nvx});
     TreeFactors<double> factors = d.factors;
     factors.L = d.by_a.below;
-    kernels::inverseOfMassMatrix<Panel, Panel>(m, factors, d.scratch, Rows<double>{inverse, m.nvx});
+    kernels::inverseOfMassMatrix<Panel>(m, factors, d.scratch, Rows<double>{inverse, m.nvx});
     return w.failed[0];
   };
   k.centroidal = [](const CompactImpl& m, W& w, D& d, const double* v, const double* a, const CentroidalMaps<double>& out) {
@@ -53,7 +53,7 @@ void addDerivatives(SingleKernels& k) {
     return w.failed[0];
   };
   k.inverseOfMassMatrix = [](const CompactImpl& m, D& d, double* out) {
-    kernels::inverseOfMassMatrix<Panel, Panel>(m, d.factors, d.scratch, Rows<double>{out, m.nvx});
+    kernels::inverseOfMassMatrix<Panel>(m, d.factors, d.scratch, Rows<double>{out, m.nvx});
   };
 }
 
@@ -83,7 +83,7 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b)
   const auto inverse = [&](int result, const Rows<S>& L) {
     TreeFactors<S> factors = d.factors;
     factors.L = L;
-    inverseOfMassMatrix<S, S>(m, factors, d.scratch, matrix);
+    inverseOfMassMatrix<S>(m, factors, d.scratch, matrix);
     put(result, s.matrix, n * n);
     for (int l = 0; l < b.q.states; ++l) b.failed[l] = w.failed[l];
   };
@@ -103,9 +103,9 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b)
       const Rows<S>& X = d.scratch;
       const auto putRows = [&](int result) { putFrom(result, ByColumns<S>(X.first, X.stride, n), n * n); };
       inverse(2, d.by_a.below);
-      abaDerivative<S, S>(m, d, d.by_q);
+      abaDerivative<S>(m, d, d.by_q);
       putRows(0);
-      abaDerivative<S, S>(m, d, d.by_v);
+      abaDerivative<S>(m, d, d.by_v);
       for (int i = 0; i < n; ++i)
         for (std::size_t k = 0; k < m.damping.size(); ++k) X[i][k] -= S(static_cast<T>(m.damping[k])) * matrix[i][k];
       return putRows(1);

@@ -79,14 +79,14 @@ void treeFactors(const CompactImpl& m, Workspace<S>& w, DerivativeWorkspace<S>& 
 }
 
 /// M^-1 from its factors, n x n, by way of the n rows X. Half of it is solved for: the result is symmetric to the last bit.
-template <class Wide, class Pack, class S>
+template <class Wide, class S>
 void inverseOfMassMatrix(const CompactImpl& m, const TreeFactors<S>& factors, const Rows<S>& X, const Rows<S>& out) {
   const int n = m.nvx;
   const TreeSystem<S> system{m, factors.L, factors.inverse};
   std::fill(X[0], X[n], S(0));
   for (int i = 0; i < n; ++i) X[i][i] = S(1);
   solveUpper<Wide>(system, X);
-  solveLower<Pack>(system, X, true);
+  solveLower<Wide>(system, X, true);
   mirrorUpper<Wide>(X, n, out);
 }
 /// The same column by column, into zeros.

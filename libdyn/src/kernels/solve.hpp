@@ -36,15 +36,15 @@ void solveColumn(const TreeSystem<S>& t, const Begin& begin, int column, int row
 }
 
 /// X = D^-1 L^-T X of rows that are zero outside their subtrees.
-template <class Pack, class S>
+template <class Wide, class S>
 __attribute__((flatten)) void solveUpper(const TreeSystem<S> t, const Rows<S> X) {
-  constexpr int width = Part<Pack, S>::width;
+  constexpr int width = Part<Wide, S>::width;
   const std::ptrdiff_t stride = X.stride;
   for (auto chain = t.m.chains.rbegin(); chain != t.m.chains.rend(); ++chain) {
     const int begin = chain->begin, end = chain->end;
-    inPanels<Pack, S>(begin, t.end(begin), [&](auto packs, int first) {
+    inPanels<Wide, S>(begin, t.end(begin), [&](auto packs, int first) {
       const auto subtract = [&]<int rows>(std::integral_constant<int, rows>, int row, bool own) {
-        Tile<Pack, S, rows, packs> tile(X[row] + first, stride);
+        Tile<Wide, S, rows, packs> tile(X[row] + first, stride);
         const int from = own ? row + rows : begin;
         tile.subtract(X[from] + first, stride, end - from, t.L[row] + from, t.L.stride, 1);
         if (own)
@@ -66,20 +66,20 @@ __attribute__((flatten)) void solveUpper(const TreeSystem<S> t, const Rows<S> X)
       for (int i = begin; i < end; ++i)
         for (int p = 0; p < packs; ++p) {
           S* x = X[i] + first + p * width;
-          storePack(Pack(t.inverse[i]) * loadPack<Pack>(x), x);
+          storePack(Wide(t.inverse[i]) * loadPack<Wide>(x), x);
         }
     });
   }
 }
 
 /// X = L^-1 X; where `upper`, only what stands right of the diagonal, and packs' ends.
-template <class Pack, class S>
+template <class Wide, class S>
 __attribute__((flatten)) void solveLower(const TreeSystem<S> t, const Rows<S> X, bool upper) {
   const std::ptrdiff_t stride = X.stride;
-  inPanels<Pack, S>(0, t.n(), [&](auto packs, int first) {
-    const int rows_end = upper ? std::min(t.n(), first + packs * Part<Pack, S>::width) : t.n();
+  inPanels<Wide, S>(0, t.n(), [&](auto packs, int first) {
+    const int rows_end = upper ? std::min(t.n(), first + packs * Part<Wide, S>::width) : t.n();
     const auto solve = [&]<int rows>(std::integral_constant<int, rows>, const DofChain& chain, int row) {
-      Tile<Pack, S, rows, packs> tile(X[row] + first, stride);
+      Tile<Wide, S, rows, packs> tile(X[row] + first, stride);
       for (int last = row - 1 >= chain.begin ? row - 1 : t.parent(chain.begin); last >= 0;) {
         const int segment = t.m.dof_segment[static_cast<std::size_t>(last)];
         tile.subtract(X[segment] + first, stride, last + 1 - segment, t.L[segment] + row, 1, t.L.stride);
