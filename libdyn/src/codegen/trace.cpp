@@ -175,9 +175,8 @@ void inverseDynamics(const CompactImpl& m, Tracer& t, const T* q, const T* v, co
   out = tau;
 }
 
-/// Accelerations, and the forces less losses that give them.
-void forwardDynamics(const CompactImpl& m, Tracer& t, const std::vector<T*>& in, Numbers& tau, Numbers& ddq) {
-  tau.assign(in[2], in[2] + m.nvx);
+void forwardDynamics(const CompactImpl& m, Tracer& t, const std::vector<T*>& in, Numbers& ddq) {
+  Numbers tau(in[2], in[2] + m.nvx);
   ddq.assign(at(m.nvx), T(0));
   kernels::addLosses(m, -1.0, static_cast<const T*>(in[1]), tau.data());
   t.evaluate(in[0], in[1]);
@@ -248,10 +247,7 @@ const std::vector<Recipe>& recipes() {
        [](const CompactImpl& m) {
          return std::vector<ArgumentShape>{{"ddq", m.nv}};
        },
-       [](const CompactImpl& m, Tracer& t, const std::vector<T*>& in, Numbers& out) {
-         Numbers tau;
-         forwardDynamics(m, t, in, tau, out);
-       }},
+       forwardDynamics},
       {"minverse",
        {"q"},
        [](const CompactImpl& m) { return matrix("Minv", m); },

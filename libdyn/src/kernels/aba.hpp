@@ -8,20 +8,6 @@
 
 namespace dyn::kernels {
 
-/// What velocities make of a body's acceleration, aligned axes at its joint's origin, r from the parent's: wp is the parent's angular velocity,
-/// omega the body's, s the joint's motion.
-template <class Joint, class S>
-Motion<S> velocityAcceleration(const Joint& joint, const Mat3<S>& R, const Vec3<S>& r, const Vec3<S>& wp, const Vec3<S>& omega, const Motion<S>& s) {
-  Motion<S> beta{cross(wp, cross(wp, r)), {}};
-  if constexpr (Joint::has_angular) beta.angular = cross(wp, s.angular);
-  if constexpr (Joint::has_linear) beta.linear += cross(wp + omega, s.linear);
-  if constexpr (Joint::has_bias) {
-    const Motion<S> b = joint.bias();
-    beta += {R * b.linear, R * b.angular};
-  }
-  return beta;
-}
-
 /// Poses, velocity-dependent accelerations, rigid inertias and bias forces.
 template <class S, class Order>
 void abaOutward(const Order& order, Workspace<S>& w, const S* v, const Force<S>* fext) {

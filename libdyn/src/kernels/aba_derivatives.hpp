@@ -36,10 +36,9 @@ void movingOutward(const Order& order, DerivativeWorkspace<S>& d, const S* v) {
   w.w[0] = {};
   order.forward([&]<class Joint>(const Joint& joint, int i, int iv) {
     const auto [s, omega] = moveAligned<S>(joint, order, i, d, v + iv);
-    const Mat3<S>& R = w.R[i];
-    w.beta[i] = velocityAcceleration(joint, R, w.r[i], order.parent(w.w, i), omega, s);
-    for (int k = 0; k < Joint::nv; ++k) w.dof[iv + k].S_ = joint.columnIn(R, k);
+    for (int k = 0; k < Joint::nv; ++k) w.dof[iv + k].S_ = joint.columnIn(w.R[i], k);
     d.subtree[i] = ownMotion(bodyMomentum<Joint>(order, i, omega), omega);
+    w.beta[i] = velocityAcceleration(joint, w.R[i], w.r[i], order.parent(w.w, i), omega, s);
   });
 }
 
@@ -87,10 +86,8 @@ template <class Order, class S>
 void acceleratingOutward(const Order& order, DerivativeWorkspace<S>& d, const S* v, S* ddq) {
   Workspace<S>& w = order.w;
   order.forward([&]<class Joint>(const Joint& joint, int i, int iv) {
-    const Vec3<S>&r = w.r[i], &wp = order.parent(w.w, i);
-    Motion<S> parent = parentAcceleration<Joint>(order, i, order.gravity());
-    parent.linear += cross(parent.angular, r);
-    Motion<S> acc = parent + w.beta[i];
+    const Motion<S> carried = carriedAcceleration<Joint>(order, i, order.gravity());
+    Motion<S> acc = carried + w.beta[i];
     withColumns<Joint>(order, w, i, iv, [&](const auto& column) {
       for (int k = 0; k < Joint::nv; ++k) {
         const S x = w.dof[iv + k].y - dot(acc, d.dof_force[iv + k].by_a);
@@ -98,12 +95,11 @@ void acceleratingOutward(const Order& order, DerivativeWorkspace<S>& d, const S*
         column(k).addTo(acc, x);
       }
     });
-    w.acc[i] = acc;
-    d.subtree[i].f += rigidForce(d.subtree[i].m, acc);
-    parent.linear += cross(wp, cross(wp, r));
     Vec3<S> slide{};
     if constexpr (Joint::has_linear) slide = joint.timesIn(w.R[i], v + iv).linear;
-    writeVariations<Joint>(order, d, i, iv, parent, slide, v + iv, static_cast<const S*>(ddq) + iv);
+    w.acc[i] = acc;
+    d.subtree[i].f += rigidForce(d.subtree[i].m, acc);
+    writeVariations<Joint>(order, d, i, iv, carried, slide, v, static_cast<const S*>(ddq));
   });
 }
 
@@ -167,41 +163,32 @@ void abaDerivativesSweep(const CompactImpl& m, Workspace<S>& w, DerivativeWorksp
   std::copy(std::begin(r.order.w.failed), std::end(r.order.w.failed), w.failed);
 }
 
-/// What is left to do of one of d.by_q and d.by_v: right of a joint's own columns its rows have forces; the joint's own, and those of its path,
-/// have accelerations already. All have the other sign.
-template <class S>
-struct AbaSystem {
-  TreeSystem<S> tree;
-  AbaSystem(const CompactImpl& m, const DerivativeWorkspace<S>& d) : tree{m, d.by_a.below, d.factors.inverse} {}
-  int begin(int i) const {
-    const BodyIndex& x = tree.m.index[static_cast<std::size_t>(tree.m.dof_body[static_cast<std::size_t>(i)])];
-    return x.idx_v + x.nv;
-  }
-};
+// Right of a joint's own columns, rows of d.by_q and d.by_v have forces; the joint's own, and those of its path, have accelerations already. All
+// have the other sign.
 
 /// Derivative of aba, losses not in it, from one of d.by_q and d.by_v: n x n, into the rows d.scratch.
 template <class Wide, class S>
 void abaDerivative(const CompactImpl& m, const DerivativeWorkspace<S>& d, const PathMatrix<S>& by) {
   const int n = m.nvx;
-  const AbaSystem<S> system(m, d);
+  const TreeSystem<S> system{m, d.by_a.below, d.factors.inverse};
+  const auto begin = [&](int i) { return system.jointEnd(i); };
   const Rows<S> X = d.scratch;
   std::fill(X[0], X[n], S(0));
-  by.template minusRightInto<Wide>(
-      m.dof_end, [&](int i) { return system.begin(i); }, X);
-  solveUpper<Wide>(system.tree, X);
+  by.template minusRightInto<Wide>(m.dof_end, begin, X);
+  solveUpper<Wide>(system, X);
   for (int i = 0; i < n; ++i)
-    for (int j = i; j < system.begin(i); ++j) X[i][j] = -by.rightOf(i, j);
+    for (int j = i; j < begin(i); ++j) X[i][j] = -by.rightOf(i, j);
   by.template minusBelowInto<Wide>(m.dof_end, X);
-  solveLower<Wide>(system.tree, X, false);
+  solveLower<Wide>(system, X, false);
 }
 /// The same column by column, into columns of zeros: with nothing done twice, and nothing for zeros.
 template <class S>
 void abaDerivativeColumns(const CompactImpl& m, const DerivativeWorkspace<S>& d, const PathMatrix<S>& by, const Rows<S>& out) {
-  const AbaSystem<S> system(m, d);
+  const TreeSystem<S> system{m, d.by_a.below, d.factors.inverse};
+  const auto begin = [&](int i) { return system.jointEnd(i); };
   by.template assemble<S>(m.dof_end, out);
   for (int k = 0; k < m.nvx; ++k) {
-    solveColumn(
-        system.tree, [&](int i) { return system.begin(i); }, k, m.nvx, out[k]);
+    solveColumn(system, begin, k, m.nvx, out[k]);
     for (int i = 0; i < m.nvx; ++i) out[k][i] = -out[k][i];
   }
 }

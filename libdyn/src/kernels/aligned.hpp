@@ -66,6 +66,20 @@ AlignedInertia<S> alignedInertia(const Order& order, int i, const Constants& c, 
   return {R * c.h, congruence(R, c.origin)};
 }
 
+/// What velocities make of a body's acceleration, aligned axes at its joint's origin, r from the parent's: wp is the parent's angular velocity,
+/// omega the body's, s the joint's motion.
+template <class Joint, class S>
+Motion<S> velocityAcceleration(const Joint& joint, const Mat3<S>& R, const Vec3<S>& r, const Vec3<S>& wp, const Vec3<S>& omega, const Motion<S>& s) {
+  Motion<S> beta{cross(wp, cross(wp, r)), {}};
+  if constexpr (Joint::has_angular) beta.angular = cross(wp, s.angular);
+  if constexpr (Joint::has_linear) beta.linear += cross(wp + omega, s.linear);
+  if constexpr (Joint::has_bias) {
+    const Motion<S> b = joint.bias();
+    beta += {R * b.linear, R * b.angular};
+  }
+  return beta;
+}
+
 /// The columns of a joint's motion subspace in aligned axes, into `dof`; of each the parts that its shape has.
 template <class S, class Joint>
 void writeColumns(const Joint& joint, const Mat3<S>& R, DofFactor<S>* dof) {

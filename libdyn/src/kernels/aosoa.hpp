@@ -54,7 +54,7 @@ class AoSoA {
     putPart(i, 0, x);
   }
   /// The struct U of their numbers from `component` on.
-  template <template <class> class U, class Wide = S>
+  template <template <class> class U, class Wide>
   U<Wide> part(int i, int component) const {
     const S* from = place(i) + width * component;
     if constexpr (width == 1) {

@@ -58,29 +58,33 @@ SubtreeMomentum<S> bodyMomentum(const Order& order, int i, const Vec3<S>& w) {
   return {S(c.mass), h, I, {cross(w, h), I * w}};
 }
 
-/// Variations of the degrees of freedom of body i's joint, whose columns are there: `parent` is the parent's acceleration where the joint's
-/// origin is, `slide` the velocity at which the joint carries that.
+/// The parent's acceleration carried to where body i's joint is, but for what the parent's own turning adds; of a root as if gravity were an
+/// acceleration of the world.
 template <class Joint, class Order, class S>
-void writeVariations(const Order& order, DerivativeWorkspace<S>& d, int i, int iv, const Motion<S>& parent, const Vec3<S>& slide, const S* v,
+Motion<S> carriedAcceleration(const Order& order, int i, const Vec3<S>& gravity) {
+  const Workspace<S>& w = order.w;
+  if (order.isRoot(i)) return {isFlyingRoot<Joint>(order, i) ? transposeTimes(w.rel[i].R, -gravity) : -gravity, {}};
+  const Motion<S>& parent = order.parent(w.acc, i);
+  return {parent.linear + cross(parent.angular, w.r[i]), parent.angular};
+}
+
+/// Variations of the degrees of freedom of body i's joint, whose columns are there: `carried` is what carriedAcceleration gave, `slide` the
+/// velocity at which the joint carries its origin.
+template <class Joint, class Order, class S>
+void writeVariations(const Order& order, DerivativeWorkspace<S>& d, int i, int iv, const Motion<S>& carried, const Vec3<S>& slide, const S* v,
                      const S* a) {
   const Workspace<S>& w = order.w;
+  const Vec3<S>& wp = order.parent(w.w, i);
+  const Motion<S> parent{carried.linear + cross(wp, cross(wp, w.r[i])), carried.angular};
   for (int k = 0; k < Joint::nv; ++k) {
-    const DofMotion<S> motion{w.dof[iv + k].S_, order.parent(w.w, i), w.w[i], parent, slide};
+    const DofMotion<S> motion{w.dof[iv + k].S_, wp, w.w[i], parent, slide};
     SubspaceTerms<S> more;
     if constexpr (Joint::has_bias) {
       const BodyIndex& x = order.index(i);
-      more = subspaceTerms<S, Joint>(d.subspaces[x.batch], x.slot, k, w.R[i], v, a);
+      more = subspaceTerms<S, Joint>(d.subspaces[x.batch], x.slot, k, w.R[i], v + iv, a + iv);
     }
     d.dof[iv + k] = variationOf<Joint>(motion, more);
   }
-}
-
-/// Of a root as if gravity were an acceleration of the world.
-template <class Joint, class Order, class S>
-Motion<S> parentAcceleration(const Order& order, int i, const Vec3<S>& gravity) {
-  const Workspace<S>& w = order.w;
-  if (!order.isRoot(i)) return order.parent(w.acc, i);
-  return {isFlyingRoot<Joint>(order, i) ? transposeTimes(w.rel[i].R, -gravity) : -gravity, {}};
 }
 
 /// Placements, motions and forces of the bodies, and each degree of freedom's variation.
@@ -90,30 +94,20 @@ void derivativesOutward(const Order& order, DerivativeWorkspace<S>& d, const Vec
   w.w[0] = {};
   order.forward([&]<class Joint>(const Joint& joint, int i, int iv) {
     const auto [s, omega] = moveAligned<S>(joint, order, i, d, v + iv);
-    const Mat3<S>& R = w.R[i];
-    const Vec3<S>& r = w.r[i];
-    const Vec3<S>& wp = order.parent(w.w, i);
-    Motion<S> ap = parentAcceleration<Joint>(order, i, gravity);
-    ap.linear += cross(ap.angular, r) + cross(wp, cross(wp, r));
-
-    Motion<S> ds = joint.timesIn(R, a + iv);
-    if constexpr (Joint::has_bias) {
-      const Motion<S> b = joint.bias();
-      ds += {R * b.linear, R * b.angular};
-    }
-    Motion<S> acc = ap;
-    if constexpr (Joint::has_angular) acc.angular += ds.angular + cross(wp, s.angular);
-    if constexpr (Joint::has_linear) acc.linear += ds.linear + cross(wp + omega, s.linear);
-    w.acc[i] = acc;
+    for (int k = 0; k < Joint::nv; ++k) w.dof[iv + k].S_ = joint.columnIn(w.R[i], k);
+    const Motion<S> carried = carriedAcceleration<Joint>(order, i, gravity), by_a = joint.timesIn(w.R[i], a + iv);
+    Motion<S> acceleration = carried + velocityAcceleration(joint, w.R[i], w.r[i], order.parent(w.w, i), omega, s);
+    if constexpr (Joint::has_linear) acceleration.linear += by_a.linear;
+    if constexpr (Joint::has_angular) acceleration.angular += by_a.angular;
+    w.acc[i] = acceleration;
     Subtree<S> own = ownMotion(bodyMomentum<Joint>(order, i, omega), omega);
-    own.f += rigidForce(own.m, acc);
+    own.f += rigidForce(own.m, acceleration);
     d.subtree[i] = own;
-    for (int k = 0; k < Joint::nv; ++k) w.dof[iv + k].S_ = joint.columnIn(R, k);
-    writeVariations<Joint>(order, d, i, iv, ap, s.linear, v + iv, a + iv);
+    writeVariations<Joint>(order, d, i, iv, carried, s.linear, v, a);
   });
 }
 
-/// After derivativesOutward, of external forces in bodies' axes.
+/// After the bodies have been moved, of external forces in their axes.
 template <class S, class T>
 void takeOff(const Force<T>* fext, const Workspace<S>& w, DerivativeWorkspace<S>& d, int bodies) {
   for (int i = 1; fext && i < bodies; ++i) d.subtree[i].f -= Force<S>{w.R[i] * fext[i].linear, w.R[i] * fext[i].angular};

@@ -17,6 +17,11 @@ struct TreeSystem {
   int n() const { return m.nvx; }
   int end(int dof) const { return m.dof_end[static_cast<std::size_t>(dof)]; }
   int parent(int dof) const { return m.dof_parent[static_cast<std::size_t>(dof)]; }
+  /// One past the last one of the same joint.
+  int jointEnd(int dof) const {
+    const BodyIndex& x = m.index[static_cast<std::size_t>(m.dof_body[static_cast<std::size_t>(dof)])];
+    return x.idx_v + x.nv;
+  }
 };
 
 /// One column, `column` of the matrix, in place, its first `rows` rows.

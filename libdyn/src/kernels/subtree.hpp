@@ -206,7 +206,7 @@ struct PathMatrix {
   }
 };
 
-/// Calls use(rows, columns, square) for the squares of `width` that cover an n x n matrix, from row to row; the last ones overlap those before.
+/// Calls use(row, column) for the squares of `width` that cover an n x n matrix, from row to row; the last ones overlap those before.
 template <int width, class Use>
 void inSquares(int n, Use&& use) {
   for (int row = 0; row < n; row += width)
