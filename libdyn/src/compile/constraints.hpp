@@ -22,6 +22,8 @@ struct PackedFrameConstraint {
   bool has_target = false;
   Baumgarte baumgarte;
   bool turnsFreely() const { return free[3] && free[4] && free[5]; }
+  /// Against the first body, or against a second one that moves: not as external forces do, which derivatives of inverse dynamics carry.
+  bool forceTurns() const { return axes != ConstraintAxes::LOCAL || body[1] != 0; }
 };
 
 /// One row: v_follower - f'(q_master) v_master.

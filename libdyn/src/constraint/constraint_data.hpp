@@ -4,10 +4,25 @@
 #include "constraint/cone_solver.hpp"
 #include "constraint/delassus_solver.hpp"
 #include "constraint/rows.hpp"
+#include "kernels/constrained_inverse.hpp"
 
 #include <dyn/constraint/constraint_set.hpp>
 
+#include <optional>
+#include <vector>
+
 namespace dyn {
+
+/// Which entries derivatives can have, by the user's degrees of freedom.
+struct DerivativePattern {
+  explicit DerivativePattern(const ConstraintSet& set);
+  DerivativePattern(const DerivativePattern&) = delete;  // `forces` and `moving` are parts of `all`
+  DerivativePattern& operator=(const DerivativePattern&) = delete;
+  std::vector<kernels::DofRun> all;
+  std::vector<kernels::DofRuns> forces;  ///< of a column of the generalised forces' derivatives by q or v
+  kernels::DofRuns moving;               ///< columns of J, and of the rows' derivatives
+  std::vector<char> moves;               ///< the same, one a column
+};
 
 /// Vectors are of one number a row.
 struct ConstraintDataImpl {
@@ -45,10 +60,9 @@ struct ConstraintDataImpl {
   double *motion_dq = nullptr, *motion_dv = nullptr, *motion_dtau = nullptr;  ///< nv x nv
   Force<double>* fext = nullptr;                                              ///< one a joint
   double* change = nullptr;                                                   ///< nv
-  double *Jt = nullptr, *Xt = nullptr;                                        ///< -J^T, nv x rows; X^T, `stride` numbers a column
-  double* force = nullptr;                                                    ///< nv x nv: derivatives of the generalised forces, or right-hand sides
-  double *inertia = nullptr, *solved = nullptr;                               ///< M^-1, padded columns; scratch, nv x rows
-  int* places = nullptr;                                                      ///< scratch of nv numbers
+  double* force = nullptr;                                                    ///< nv x nv: derivatives of the generalised forces
+  kernels::ConstrainedInverse inverse;
+  std::optional<DerivativePattern> pattern;
 };
 
 }  // namespace dyn

@@ -3,6 +3,8 @@
 #include <dyn/constraint/constraint_set.hpp>
 #include <dyn/error.hpp>
 
+#include <algorithm>
+
 namespace dyn {
 
 ConstraintSet::ConstraintSet(const CompactModel& model) : model_(model), impl_(model.impl().constraints) {}
@@ -25,6 +27,54 @@ int ConstraintSet::firstRow(int constraint) const { return impl_->first_row[chec
 int ConstraintSet::rows(int constraint) const {
   const std::size_t k = checked(constraint, count());
   return impl_->first_row[k + 1] - impl_->first_row[k];
+}
+
+DerivativePattern::DerivativePattern(const ConstraintSet& set) {
+  const PackedConstraints& c = set.impl();
+  const CompactImpl& m = set.model().impl();
+  const auto n = static_cast<std::size_t>(m.nv);
+  std::vector<std::size_t> counts;
+  // Runs of what is marked, which is unmarked.
+  std::vector<char> marked(n);
+  const auto list = [&] {
+    const std::size_t before = all.size();
+    for (std::size_t i = 0; i < n; ++i) {
+      if (!marked[i]) continue;
+      if (all.size() == before || all.back().end < static_cast<int>(i)) all.push_back({static_cast<int>(i), 0});
+      all.back().end = static_cast<int>(i) + 1;
+      marked[i] = 0;
+    }
+    counts.push_back(all.size() - before);
+  };
+  const auto mark = [&](int begin, int end) { std::fill(marked.begin() + begin, marked.begin() + end, 1); };
+  for (int k = 0; k < m.nv; ++k) {
+    if (!m.couplings.empty()) {
+      mark(0, m.nv);
+    } else {
+      kernels::alongPath(m, k, [&](int i) { mark(i, i + 1); });
+      mark(k, m.dof_end[static_cast<std::size_t>(k)]);
+    }
+    for (const PackedFrameConstraint& f : c.frames)
+      if (f.forceTurns() && std::binary_search(f.dofs.begin(), f.dofs.end(), k))
+        for (const int i : f.dofs) mark(i, i + 1);
+    list();
+  }
+  for (const PackedFrameConstraint& f : c.frames)
+    for (const int i : f.dofs) mark(i, i + 1);
+  for (const PackedJointCoupling& k : c.couplings)
+    for (const int body : {k.body, k.master})
+      mark(m.index[static_cast<std::size_t>(body)].user_v, m.index[static_cast<std::size_t>(body)].user_v + 1);
+  for (const PackedJointLock& k : c.locks)
+    mark(m.index[static_cast<std::size_t>(k.body)].user_v, m.index[static_cast<std::size_t>(k.body)].user_v + k.rows);
+  moves = marked;
+  list();
+  const kernels::DofRun* next = all.data();
+  for (const std::size_t count : counts) {
+    forces.push_back({next, static_cast<int>(count)});
+    next += count;
+  }
+  moving = forces.back();
+  forces.pop_back();
 }
 
 namespace {
@@ -52,12 +102,8 @@ void carveAll(ConstraintDataImpl& d, Arena& arena) {
     for (double*& columns : end) arena.take(columns, 6 * nv);
   for (double** matrix : {&d.row_by_q, &d.row_by_v, &d.lambda_dq, &d.lambda_dv, &d.lambda_dtau}) arena.take(*matrix, rows * nv);
   for (double** matrix : {&d.motion_dq, &d.motion_dv, &d.motion_dtau}) arena.take(*matrix, nv * nv + most_lanes);
-  arena.take(d.Jt, rows * nv);
-  arena.take(d.Xt, nv * rows);
   arena.take(d.force, nv * nv);
-  arena.take(d.inertia, nv * (nv + most_lanes));
-  arena.take(d.solved, rows * nv + most_lanes);
-  arena.take(d.places, nv + 1);
+  kernels::carve(d.inverse, d.workspace, c.rows, m.nv, arena);
   arena.take(d.fext, m.joints.size());
   arena.take(d.change, nv + 1);
 }
@@ -69,6 +115,7 @@ ConstraintData::ConstraintData(const ConstraintSet& set, Need needs) : impl_(std
   impl_->block = PackMemory(count.used());  // zeroed
   Arena arena(impl_->block.data());
   carveAll(*impl_, arena);
+  if (has(needs, Need::derivatives)) impl_->pattern.emplace(set);
 }
 
 ConstraintData::~ConstraintData() = default;

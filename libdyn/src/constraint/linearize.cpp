@@ -242,8 +242,7 @@ void linearizeRows(const CompactModel& model, DataImpl& d, ConstraintDataImpl& c
       });
     }
     // The force turns with its axes, where its derivative so far has it turn with each body, and its point moves on the second.
-    const bool local = f.axes == ConstraintAxes::LOCAL;
-    if (local && f.body[1] == 0) continue;
+    if (!f.forceTurns()) continue;
     for (const int k : f.dofs) {
       const RelativeMotion::Column s = x.column(k);
       const auto turnedWrench = [&](const Vec& w) { return Force<double>{cross(w, wrench.linear), cross(w, wrench.angular)}; };

@@ -45,7 +45,7 @@ void carveAll(DataImpl& d, const CompactImpl& m, Arena& arena) {
     arena.take(d.dtau_dv, nvx * nvx);
     arena.take(d.ddq_dq, nvx * nvx);
     arena.take(d.ddq_dv, nvx * nvx);
-    arena.take(d.Minv, nvx * nvx);
+    arena.take(d.Minv, nvx * nvx + most_lanes);
     arena.take(d.C, nvx * nvx);
     arena.take(d.regressor, std::max<std::size_t>(nv, 1) * 10 * m.joints.size());
     arena.take(d.kinematics_v, nvx);

@@ -1,10 +1,16 @@
 // The kernels of constraints compiled for one instruction set, as table.hpp has the others: apart, so that neither rebuilds the other.
 #pragma once
 
+#include "kernels/constrained_inverse.hpp"
 #include "kernels/constraints.hpp"
 #include "kernels/table.hpp"
 
 namespace dyn::kernels {
+
+constexpr std::size_t constraintLayoutStamp() {
+  return ((sizeof(PackedConstraints) * 1000003 + sizeof(ConstrainedBody)) * 1000003 + sizeof(ConstraintWorkspace)) * 1000003 +
+         sizeof(ConstrainedInverse);
+}
 
 /// Vectors of one number a row have room for a pack, with zeros in it.
 struct ConstraintKernels {
@@ -16,7 +22,9 @@ struct ConstraintKernels {
   void (*timesRows)(int rows, std::ptrdiff_t stride, const double* A, const double* x, double* out);
   void (*addForces)(const PackedConstraints&, const ConstraintWorkspace&, const double* lambda, Workspace<double>&);
   void (*accelerate)(const CompactImpl&, Workspace<double>&, const PackedConstraints&, const Vec3<double>& gravity, ConstraintWorkspace&);
-  void (*solveColumns)(const ConstraintWorkspace&, const ConstrainedColumns&);
+  void (*invertConstrained)(const double* M_inverse, const double* J, DofRuns moving, ConstrainedInverse);
+  /// Of one matrix for each right-hand side, or two.
+  void (*solveConstrained[2])(ConstrainedInverse, const DofRuns*, const char* moves, ConstrainedColumns);
   /// What articulate has left of the constraints' bodies, out of the lanes; and what their forces add, back into them.
   void (*readBodies)(const CompactImpl&, const char* scratch, const PackedConstraints&, Workspace<double>&);
   void (*writeShares)(const Workspace<double>&, const PackedConstraints&, char* scratch);

@@ -31,10 +31,6 @@ struct ConstraintWorkspace {
   double* scaledOf(int dof) const { return scaled + dof * stride; }
 };
 
-constexpr std::size_t constraintLayoutStamp() {
-  return (sizeof(PackedConstraints) * 1000003 + sizeof(ConstrainedBody)) * 1000003 + sizeof(ConstraintWorkspace);
-}
-
 inline void carve(ConstraintWorkspace& x, const PackedConstraints& c, Arena& arena) {
   constexpr std::ptrdiff_t widest = 8;
   x.stride = (c.rows + widest - 1) / widest * widest;
@@ -221,76 +217,6 @@ void timesRows(int rows, std::ptrdiff_t stride, const double* A, const double* x
     }
     if (k < rows) even += Wide(x[k]) * loadPack<Wide>(A + k * stride + first);
     storePack(even + odd, out + first);
-  }
-}
-
-/// Columns of n accelerations and of forces that solve M x - J^T lambda = -force, J x = -row. Columns of `force`, `row`, `x` and `lambda` follow
-/// one another without gaps; results are written in packs: they have room for one after the last.
-struct ConstrainedColumns {
-  int n, rows, count;
-  const double *inertia, *motion;  ///< M^-1, and M^-1 J^T by columns: padded(n) numbers each
-  const double* transposed;        ///< J M^-1, `stride` numbers a column
-  const double *force, *row;       ///< row may be null: zero
-  double *x, *lambda;
-  double *column, *solution;  ///< scratch of one number a row
-  double* values;             ///< scratch of n numbers
-  int* places;                ///< the same
-
-  static std::ptrdiff_t padded(std::ptrdiff_t n) { return (n + 7) / 8 * 8; }
-};
-
-/// With the inverse of the Delassus matrix. Zeros in `force`, of which derivatives of trees have many, cost nothing. O(count n (n + rows)).
-template <class Wide>
-void solveColumns(const ConstraintWorkspace& w, const ConstrainedColumns& c) {
-  constexpr int width = lanes_of<Wide>, most = 5;
-  const std::ptrdiff_t stride = ConstrainedColumns::padded(c.n);
-  for (int k = 0; k < c.count; ++k) {
-    const double* force = c.force + static_cast<std::ptrdiff_t>(k) * c.n;
-    int entries = 0;
-    for (int i = 0; i < c.n; ++i) {
-      c.values[entries] = force[i];
-      c.places[entries] = i;
-      entries += force[i] != 0;
-    }
-    for (int first = 0; first < c.rows; first += 2 * width) {
-      const bool second = first + width < c.rows;
-      Wide low(0), high(0);
-      for (int e = 0; e < entries; ++e) {
-        const double* from = c.transposed + c.places[e] * w.stride + first;
-        low += Wide(c.values[e]) * loadPack<Wide>(from);
-        if (second) high += Wide(c.values[e]) * loadPack<Wide>(from + width);
-      }
-      storePack(low, c.column + first);
-      if (second) storePack(high, c.column + first + width);
-    }
-    if (c.row)
-      for (int r = 0; r < c.rows; ++r) c.column[r] -= c.row[static_cast<std::ptrdiff_t>(k) * c.rows + r];
-    timesRows<Wide>(c.rows, w.stride, w.inverse, c.column, c.solution);
-    std::copy_n(c.solution, c.rows, c.lambda + static_cast<std::ptrdiff_t>(k) * c.rows);
-    double* x = c.x + static_cast<std::ptrdiff_t>(k) * c.n;
-    for (int block = 0; block < c.n; block += most * width) {
-      Wide sums[most];
-      for (Wide& sum : sums) sum = Wide(0);
-      const int packs = std::min(most, (c.n - block + width - 1) / width);
-      const auto addAll = [&](auto count) {
-        for (int e = 0; e < entries; ++e) {
-          const double* column = c.inertia + c.places[e] * stride + block;
-          const Wide f(-c.values[e]);
-          for (int p = 0; p < count; ++p) sums[p] += f * loadPack<Wide>(column + p * width);
-        }
-        for (int r = 0; r < c.rows; ++r) {
-          const double* column = c.motion + r * stride + block;
-          const Wide f(c.solution[r]);
-          for (int p = 0; p < count; ++p) sums[p] += f * loadPack<Wide>(column + p * width);
-        }
-      };
-      if (packs == most) {
-        addAll(std::integral_constant<int, most>());
-      } else {
-        addAll(packs);
-      }
-      for (int p = 0; p < packs; ++p) storePack(sums[p], x + block + p * width);
-    }
   }
 }
 

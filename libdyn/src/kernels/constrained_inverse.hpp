@@ -1,0 +1,107 @@
+// The equations of constrained motion for many right-hand sides at once,
+//   M x - J^T lambda = -force,   J x = -row,
+// by their inverse. With P the inverse of the Delassus matrix J M^-1 J^T, B = M^-1 J^T P and K = M^-1 - B J M^-1,
+//   x = -K force - B row,   lambda = B^T force - P row
+// (Featherstone 2008, ch. 8.4). Derivatives of trees have many zeros: products with the inverse leave them out where the tree says so, which
+// factors of it could not.
+#pragma once
+
+#include "kernels/constraints.hpp"
+#include "kernels/tile.hpp"
+
+namespace dyn::kernels {
+
+/// Neighbouring degrees of freedom, from `begin` on and before `end`.
+struct DofRun {
+  int begin, end;
+};
+struct DofRuns {
+  const DofRun* first = nullptr;
+  int count = 0;
+  const DofRun* begin() const { return first; }
+  const DofRun* end() const { return first + count; }
+};
+
+/// Rows for each entry of `force` and of `row`: what these give to lambda, `multipliers` numbers of which the last ones are no one's, then to x;
+/// all with the other sign.
+struct ConstrainedInverse {
+  int n = 0, rows = 0;
+  std::ptrdiff_t multipliers = 0;
+  Rows<double> of_force, of_row;
+  Rows<double> projected;  ///< -J M^-1
+  int width() const { return static_cast<int>(multipliers) + n; }
+};
+
+inline void carve(ConstrainedInverse& x, const ConstraintWorkspace& w, int rows, int n, Arena& arena) {
+  x.n = n;
+  x.rows = rows;
+  x.multipliers = w.stride;
+  arena.take(x.of_force, n, x.width());
+  arena.take(x.of_row, rows, x.width());
+  arena.take(x.projected, rows, n);
+}
+
+/// Calls use(row, count) for rows from 0 to `rows`, two at a time as long as there are two; `count` is a constant.
+template <class Use>
+void byTwos(int rows, Use&& use) {
+  int row = 0;
+  for (; row + 2 <= rows; row += 2) use(row, std::integral_constant<int, 2>());
+  if (row < rows) use(row, std::integral_constant<int, 1>());
+}
+
+/// From M^-1, n x n and followed by room for a pack, and J, rows x n, whose columns outside `moving` are zero. P is in x.of_row. O(n^2 rows).
+template <class Wide>
+void invertConstrained(const double* M_inverse, const double* J, const DofRuns moving, const ConstrainedInverse x) {
+  const int n = x.n, rows = x.rows;
+  const std::ptrdiff_t lambda = x.multipliers;
+  inPanels<Wide, double>(0, n, [&](auto packs, int first) {
+    byTwos(rows, [&](int row, auto count) {
+      Tile<Wide, double, count, packs> tile;
+      for (const DofRun& run : moving) tile.subtract(M_inverse + run.begin * n + first, n, run.end - run.begin, J + run.begin * rows + row, 1, rows);
+      tile.store(x.projected[row] + first, x.projected.stride);
+    });
+    byTwos(rows, [&](int row, auto count) {
+      Tile<Wide, double, count, packs> tile;
+      tile.subtract(x.projected[0] + first, x.projected.stride, rows, x.of_row[row], x.of_row.stride, 1);
+      tile.store(x.of_row[row] + lambda + first, x.of_row.stride);
+    });
+  });
+  for (int row = 0; row < rows; ++row)
+    for (int k = 0; k < n; ++k) x.of_force[k][row] = -x.of_row[row][lambda + k];
+  inPanels<Wide, double>(0, n, [&](auto packs, int first) {
+    byTwos(n, [&](int k, auto count) {
+      Tile<Wide, double, count, packs> tile(M_inverse + k * n + first, n);
+      tile.subtract(x.projected[0] + first, x.projected.stride, rows, x.of_force[k], x.of_force.stride, 1);
+      tile.store(x.of_force[k] + lambda + first, x.of_force.stride);
+    });
+  });
+}
+
+/// Matrices of n columns that follow one another without gaps: of n numbers, force and x, or of one a row, row and lambda. Of each one or two,
+/// the second ones `next_` numbers after the first. Results have room for a pack after their last number.
+struct ConstrainedColumns {
+  const double *force, *row;  ///< null: zero
+  double *x, *lambda;
+  std::ptrdiff_t next_force, next_row, next_x, next_lambda;
+};
+
+/// Column k of `force` is zero outside runs[k], and where moves[k] is zero, so is column k of `row`. O(entries (n + rows)).
+template <class Wide, int sides>
+void solveConstrained(const ConstrainedInverse x, const DofRuns* runs, const char* moves, const ConstrainedColumns c) {
+  constexpr int width = lanes_of<Wide>;
+  for (std::ptrdiff_t k = 0; k < x.n; ++k)
+    inPanels<Wide, double>(0, x.width(), [&](auto packs, int first) {
+      Tile<Wide, double, sides, packs> tile;
+      if (c.force)
+        for (const DofRun& run : runs[k])
+          tile.subtract(x.of_force[run.begin] + first, x.of_force.stride, run.end - run.begin, c.force + k * x.n + run.begin, c.next_force, 1);
+      if (c.row && moves[k]) tile.subtract(x.of_row[0] + first, x.of_row.stride, x.rows, c.row + k * x.rows, c.next_row, 1);
+      for (int side = 0; side < sides; ++side)
+        for (int p = 0; p < packs; ++p) {
+          const std::ptrdiff_t place = first + p * width, own = place - x.multipliers;
+          storePack(tile.sum[side][p], own < 0 ? c.lambda + side * c.next_lambda + k * x.rows + place : c.x + side * c.next_x + k * x.n + own);
+        }
+    });
+}
+
+}  // namespace dyn::kernels
