@@ -103,6 +103,30 @@ TEST_CASE("derivatives of constrained dynamics are those of differences", "[cons
   CHECK(distance(lambda_dtau, by_tau.bottomRows(rows)) < 1e-8);
 }
 
+TEST_CASE("constraints that repeat each other do not change the derivatives of accelerations", "[constraint]") {
+  const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 20)));
+  Subject s = randomScene(seed, 9, 1);
+  Data data(s.model, Need::derivatives);
+  ConstraintData once(ConstraintSet(s.model, s.constraints), Need::derivatives);
+  if (!wellPosed(constraintDynamics(s.model, data, s.q, s.v, s.tau, once), once.set())) return;
+  const ConstraintDynamicsDerivatives x = computeConstraintDynamicsDerivatives(s.model, data, s.q, s.v, s.tau, once);
+  const Eigen::MatrixXd by_q = x.ddq_dq, by_v = x.ddq_dv, by_tau = x.ddq_dtau;
+  for (std::size_t k = s.constraints.size(); k-- > 0;) {
+    s.constraints.push_back(s.constraints[k]);
+    s.constraints.back().name += " again";
+  }
+  ConstraintData twice(ConstraintSet(s.model, s.constraints), Need::derivatives);
+  for (const double mu : {0.0, 1e-6}) {
+    CAPTURE(seed, mu);
+    twice.settings.mu = mu;
+    const ConstraintDynamicsDerivatives y = computeConstraintDynamicsDerivatives(s.model, data, s.q, s.v, s.tau, twice);
+    CHECK(distance(y.ddq_dq, by_q) < 1e-8);
+    CHECK(distance(y.ddq_dv, by_v) < 1e-8);
+    CHECK(distance(y.ddq_dtau, by_tau) < 1e-8);
+    CHECK(y.lambda_dq.allFinite());
+  }
+}
+
 TEST_CASE("derivatives of couplings kept by forces are those of differences", "[constraint]") {
   const Model description = randomTree(registry(), 8, 5);
   std::vector<std::string> single;

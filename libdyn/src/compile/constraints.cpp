@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <set>
 #include <tuple>
 
@@ -72,14 +73,7 @@ class Packer {
     int a = p.body[0], b = p.body[1];
     while (a != b) (a > b ? a : b) = m_.index[at(std::max(a, b))].parent;
     p.common = a;
-    std::set<int> dofs;
-    if (!m_.couplings.empty())
-      for (int k = 0; k < m_.nv; ++k) dofs.insert(k);
-    else
-      for (const int end : p.body)
-        for (int i = end; i > 0; i = m_.index[at(i)].parent)
-          for (int k = 0; k < m_.index[at(i)].nv; ++k) dofs.insert(m_.index[at(i)].idx_v + k);
-    p.dofs.assign(dofs.begin(), dofs.end());
+    listSlots(p);
     const auto rotations = std::count(c.free.begin() + 3, c.free.end(), true);
     if (c.has_target && rotations == 2)
       refuse("two rotations are free: as a joint that has no angle to keep; free one (a hinge), all (a ball), or cut the mechanism elsewhere");
@@ -92,6 +86,23 @@ class Packer {
     p.baumgarte = current_->baumgarte;
     if (p.baumgarte.position > 0 && !p.has_target) refuse("it has a gain on an error of position, but no place to be at (has_target)");
     out_.frames.push_back(std::move(p));
+  }
+
+  void listSlots(PackedFrameConstraint& p) const {
+    std::map<int, PackedFrameConstraint::Slot> slots;
+    const auto list = [&](const BodyIndex& x) {
+      for (int k = 0; k < x.nv; ++k) slots.insert({x.idx_v + k, {x.idx_v + k, x.user_v < 0 ? -1 : x.user_v + k}});
+    };
+    for (const int end : p.body)
+      for (int i = end; i > 0; i = m_.index[at(i)].parent) list(m_.index[at(i)]);
+    // Followers come after their masters.
+    for (auto coupling = m_.couplings.rbegin(); coupling != m_.couplings.rend(); ++coupling)
+      if (slots.count(m_.index[at(coupling->body)].idx_v) > 0) list(m_.index[at(coupling->master)]);
+    for (const auto& [dof, slot] : slots) p.slots.push_back(slot);
+    for (int e = 0; e < 2; ++e)
+      for (int i = p.body[e]; i > 0; i = m_.index[at(i)].parent)
+        for (int k = 0; k < m_.index[at(i)].nv; ++k)
+          p.path[e].push_back(static_cast<int>(std::distance(slots.begin(), slots.find(m_.index[at(i)].idx_v + k))));
   }
 
   void pack(const JointCoupling& c) {

@@ -17,7 +17,12 @@ struct PackedFrameConstraint {
   int common = 0;            ///< the last body that moves both, or 0
   SE3<double> placement[2];  ///< of the constraint's frames, in the bodies' core frames
   std::array<bool, 6> free{};
-  std::vector<int> dofs;  ///< the user's, of all that moves one of the two frames; of models with followers, all
+  /// A degree of freedom that moves one of the frames, itself or what follows it.
+  struct Slot {
+    int dof, user;  ///< in the model; as the user counts, or -1 for followers
+  };
+  std::vector<Slot> slots;   ///< by dof
+  std::vector<int> path[2];  ///< slots from each body to the world, joint by joint the first degree of freedom first
   ConstraintAxes axes = ConstraintAxes::LOCAL;
   bool has_target = false;
   Baumgarte baumgarte;

@@ -21,7 +21,9 @@ struct DerivativePattern {
   std::vector<kernels::DofRun> all;
   std::vector<kernels::DofRuns> forces;  ///< of a column of the generalised forces' derivatives by q or v
   kernels::DofRuns moving;               ///< columns of J, and of the rows' derivatives
-  std::vector<char> moves;               ///< the same, one a column
+  std::vector<char> moves, twins;        ///< as ColumnPattern has them
+  bool forces_turn = false;              ///< with their axes: see PackedFrameConstraint
+  kernels::ColumnPattern columns() const { return {forces.data(), moves.data(), twins.data()}; }
 };
 
 /// Vectors are of one number a row.
@@ -54,13 +56,14 @@ struct ConstraintDataImpl {
   PackedCone* cones = nullptr;     ///< one a constraint
 
   // With Need::derivatives only.
-  double* columns[2][5] = {};                       ///< 6 x nvx each: motion of a constraint's two frames by q and v
+  kernels::StoredColumn* columns[2] = {};           ///< of a constraint's point on its two bodies, one a slot
+  Rows<double> turning;                             ///< 12 numbers a slot, scratch
   double *row_by_q = nullptr, *row_by_v = nullptr;  ///< rows x nv
   double *lambda_dq = nullptr, *lambda_dv = nullptr, *lambda_dtau = nullptr;
   double *motion_dq = nullptr, *motion_dv = nullptr, *motion_dtau = nullptr;  ///< nv x nv
   Force<double>* fext = nullptr;                                              ///< one a joint
   double* change = nullptr;                                                   ///< nv
-  double* force = nullptr;                                                    ///< nv x nv: derivatives of the generalised forces
+  double* force = nullptr;                                                    ///< nv x nv, twice: derivatives of the generalised forces
   kernels::ConstrainedInverse inverse;
   std::optional<DerivativePattern> pattern;
 };

@@ -47,6 +47,10 @@ DerivativePattern::DerivativePattern(const ConstraintSet& set) {
     counts.push_back(all.size() - before);
   };
   const auto mark = [&](int begin, int end) { std::fill(marked.begin() + begin, marked.begin() + end, 1); };
+  const auto markSlots = [&](const PackedFrameConstraint& f) {
+    for (const auto& slot : f.slots)
+      if (slot.user >= 0) mark(slot.user, slot.user + 1);
+  };
   for (int k = 0; k < m.nv; ++k) {
     if (!m.couplings.empty()) {
       mark(0, m.nv);
@@ -55,12 +59,13 @@ DerivativePattern::DerivativePattern(const ConstraintSet& set) {
       mark(k, m.dof_end[static_cast<std::size_t>(k)]);
     }
     for (const PackedFrameConstraint& f : c.frames)
-      if (f.forceTurns() && std::binary_search(f.dofs.begin(), f.dofs.end(), k))
-        for (const int i : f.dofs) mark(i, i + 1);
+      if (f.forceTurns() && std::any_of(f.slots.begin(), f.slots.end(), [&](const auto& slot) { return slot.user == k; })) markSlots(f);
     list();
   }
-  for (const PackedFrameConstraint& f : c.frames)
-    for (const int i : f.dofs) mark(i, i + 1);
+  for (const PackedFrameConstraint& f : c.frames) {
+    markSlots(f);
+    forces_turn = forces_turn || f.forceTurns();
+  }
   for (const PackedJointCoupling& k : c.couplings)
     for (const int body : {k.body, k.master})
       mark(m.index[static_cast<std::size_t>(body)].user_v, m.index[static_cast<std::size_t>(body)].user_v + 1);
@@ -75,6 +80,11 @@ DerivativePattern::DerivativePattern(const ConstraintSet& set) {
   }
   moving = forces.back();
   forces.pop_back();
+  twins.assign(n, 0);
+  for (std::size_t k = 0; k + 1 < n; ++k) {
+    const auto same = [](const kernels::DofRun& a, const kernels::DofRun& b) { return a.begin == b.begin && a.end == b.end; };
+    twins[k] = moves[k] == moves[k + 1] && std::equal(forces[k].begin(), forces[k].end(), forces[k + 1].begin(), forces[k + 1].end(), same);
+  }
 }
 
 namespace {
@@ -98,11 +108,13 @@ void carveAll(ConstraintDataImpl& d, Arena& arena) {
   arena.take(d.cones, c.descriptions.size());
   d.cone_solver.carve(c.rows, arena);
   if (!has(d.needs, Need::derivatives)) return;
-  for (auto& end : d.columns)
-    for (double*& columns : end) arena.take(columns, 6 * nv);
+  std::size_t slots = 0;
+  for (const PackedFrameConstraint& f : c.frames) slots = std::max(slots, f.slots.size());
+  for (auto& columns : d.columns) arena.take(columns, slots);
+  arena.take(d.turning, 12, static_cast<int>(slots));
   for (double** matrix : {&d.row_by_q, &d.row_by_v, &d.lambda_dq, &d.lambda_dv, &d.lambda_dtau}) arena.take(*matrix, rows * nv);
   for (double** matrix : {&d.motion_dq, &d.motion_dv, &d.motion_dtau}) arena.take(*matrix, nv * nv + most_lanes);
-  arena.take(d.force, nv * nv);
+  arena.take(d.force, 2 * nv * nv);
   kernels::carve(d.inverse, d.workspace, c.rows, m.nv, arena);
   arena.take(d.fext, m.joints.size());
   arena.take(d.change, nv + 1);

@@ -4,7 +4,6 @@
 #include "kernels/constraint_table.hpp"
 
 #include <dyn/algorithm/derivatives.hpp>
-#include <dyn/algorithm/kinematics_derivatives.hpp>
 #include <dyn/constraint/derivatives.hpp>
 #include <dyn/error.hpp>
 
@@ -25,8 +24,15 @@ void check(const char* algorithm, const CompactModel& model, const Data& data, c
         std::string(algorithm) + ": the constraints' data was made without Need::derivatives; make it as ConstraintData(set, Need::derivatives)");
 }
 
-/// c.inverse, from d.Minv and c.J.
-void invertConstrained(const DataImpl& d, ConstraintDataImpl& c) {
+/// The inverse of the equations of motion, from d.Minv, c.J and the Delassus matrix that has been factored last: without mu, whose effect proximal
+/// iterations take away, but not where they begin with what no motion of the rows can be.
+void invertConstrained(const DataImpl& d, ConstraintData& constraints) {
+  ConstraintDataImpl& c = constraints.impl();
+  if (constraints.settings.mu > 0) {
+    ConstraintSettings exact = constraints.settings;
+    exact.mu = 0;
+    c.solver.factor(c.workspace, exact);
+  }
   const int rows = c.set.rows();
   for (int r = 0; r < rows; ++r) {
     if (c.solver.regular()) {
@@ -42,11 +48,13 @@ void invertConstrained(const DataImpl& d, ConstraintDataImpl& c) {
 }
 
 void solve(const ConstraintDataImpl& c, int sides, const kernels::ConstrainedColumns& columns) {
-  kernels::constraintKernels().solveConstrained[sides - 1](c.inverse, c.pattern->forces.data(), c.pattern->moves.data(), columns);
+  kernels::constraintKernels().solveConstrained[sides - 1](c.inverse, c.pattern->columns(), columns);
 }
 
-const double* expandedConfiguration(const CompactModel& model, const DataImpl& d, VectorView q) {
-  return model.impl().couplings.empty() ? q.data : d.qx;
+/// After rneaDerivatives, which was asked at these.
+ExpandedState expanded(const CompactModel& model, const DataImpl& d, const double* q, const double* v, const double* a) {
+  if (model.impl().couplings.empty()) return {q, v, a};
+  return {d.qx, d.vx, d.ax};
 }
 
 }  // namespace
@@ -62,12 +70,19 @@ ConstrainedDerivativeViews constraintDynamicsDerivatives(const CompactModel& mod
   const VectorView ddq{c.v_after, n};
   rowForcesOnBodies(model, d, c, c.fext);
   rneaDerivatives(model, data, q, &v, &ddq, c.fext, model.impl().joints.size());
-  forwardKinematicsDerivatives(model, data, q, v, ddq);
-  linearizeRows(model, d, c, expandedConfiguration(model, d, q), RowQuantity::acceleration, {c.row_by_q, c.row_by_v, c.J, d.dtau_dq});
+  double *force_by_q = d.dtau_dq, *force_by_v = d.dtau_dv;
+  if (c.pattern->forces_turn) {
+    // Into matrices of their own: inverse dynamics leaves zeros where the tree has no paths, and counts on them.
+    force_by_q = c.force;
+    force_by_v = c.force + n * n;
+    std::copy_n(d.dtau_dq, n * n, force_by_q);
+    std::copy_n(d.dtau_dv, n * n, force_by_v);
+  }
+  linearizeRows(model, d, c, expanded(model, d, q.data, v.data, ddq.data), true, {c.row_by_q, c.row_by_v, c.J, force_by_q, rows, n});
   minverse(model, data, q);
-  invertConstrained(d, c);
+  invertConstrained(d, constraints);
   solve(c, 2,
-        {d.dtau_dq, c.row_by_q, c.motion_dq, c.lambda_dq, d.dtau_dv - d.dtau_dq, c.row_by_v - c.row_by_q, c.motion_dv - c.motion_dq,
+        {force_by_q, c.row_by_q, c.motion_dq, c.lambda_dq, force_by_v - force_by_q, c.row_by_v - c.row_by_q, c.motion_dv - c.motion_dq,
          c.lambda_dv - c.lambda_dq});
   for (int k = 0; k < model.nv(); ++k) {
     const double* solution = c.inverse.of_force[k];
@@ -93,13 +108,14 @@ ConstrainedDerivativeViews impulseDynamicsDerivatives(const CompactModel& model,
   Matrix(c.force, n, n) = -Matrix(d.dtau_dq, n, n);
   rneaDerivatives(model, data, q, &zero, &change, c.fext, model.impl().joints.size());
   Matrix(c.force, n, n) += Matrix(d.dtau_dq, n, n);
-  // J (v_after + restitution v) = 0.
+  // J (v_after + restitution v) = 0: accelerations of the rows from rest, without gravity.
   double* sum = c.expanded;
   for (Eigen::Index k = 0; k < n; ++k) sum[k] = c.v_after[k] + restitution * v.data[k];
-  forwardKinematicsDerivatives(model, data, q, {sum, n}, zero);
-  linearizeRows(model, d, c, expandedConfiguration(model, d, q), RowQuantity::velocity, {c.row_by_q, nullptr, c.J, c.force});
+  const VectorView velocities{sum, n};
+  rneaDerivatives(model, data, q, &zero, &velocities, nullptr, 0);
+  linearizeRows(model, d, c, expanded(model, d, q.data, zero.data, sum), false, {c.row_by_q, c.row_by_v, c.J, c.force, rows, n});
   minverse(model, data, q);
-  invertConstrained(d, c);
+  invertConstrained(d, constraints);
   solve(c, 1, {c.force, c.row_by_q, c.motion_dq, c.lambda_dq, 0, 0, 0, 0});
   // By v: M (dv_after - dv) = J^T dimpulse, J dv_after = -restitution J dv.
   Matrix(c.row_by_v, rows, n) = (1 + restitution) * Matrix(c.J, rows, n);

@@ -1,21 +1,19 @@
-// Derivatives of the rows' velocities and accelerations, and of the generalised force of given row forces.
+// Derivatives of the rows' accelerations, and of the generalised force of given row forces.
 #pragma once
 
 #include "constraint/constraint_data.hpp"
 
 namespace dyn {
 
-/// What is differentiated: accelerations with their feedback, or velocities.
-enum class RowQuantity { acceleration, velocity };
-
-/// Where derivatives go: rows x nv each, column-major, the last one the Jacobian; and nv x nv, to which what the turning of forces' axes and the
-/// moving of their points changes is added, with the sign of the equations of motion, M a + h - J^T lambda. by_v may be null.
-struct RowDerivatives {
-  double *by_q, *by_v, *J, *force_by_q;
+/// A state in expanded coordinates.
+struct ExpandedState {
+  const double *q, *v, *a;
 };
 
-/// After rows were located at q (expanded), and forwardKinematicsDerivatives at q, v and a; for the forces c.lambda.
-void linearizeRows(const CompactModel& model, DataImpl& d, ConstraintDataImpl& c, const double* q, RowQuantity quantity, const RowDerivatives& out);
+/// Of the rows' accelerations, with what they feed back of their errors or without, at a state at which they were located and
+/// which rneaDerivatives has just been asked at; and of the forces c.lambda.
+void linearizeRows(const CompactModel& model, DataImpl& d, ConstraintDataImpl& c, const ExpandedState& x, bool feedback,
+                   const kernels::RowDerivatives& out);
 
 /// External forces on joints' bodies, as the user numbers them, that forces of the rows amount to where the rows were located
 /// last. Constraints on joints have none.

@@ -5,19 +5,9 @@
 #include "compile/constraints.hpp"
 #include "data/data_impl.hpp"
 #include "kernels/constraints.hpp"
+#include "kernels/row_derivatives.hpp"
 
 namespace dyn {
-
-/// Of one constraint between frames, in the aligned axes of the first one's tree unless it says otherwise. Relative: as seen from the second
-/// body, of the point of the first that is the constraint's origin.
-struct FrameRows {
-  Mat3<double> axes;        ///< the constraint's
-  Vec3<double> lever[2];    ///< from each body's origin to the constraint's; of the second body in the axes of its own tree
-  Mat3<double> turn;        ///< axes of the second body's tree from those of the first's; for the world, its axes
-  Motion<double> relative;  ///< velocity
-  Vec3<double> w[2];        ///< angular velocities
-  Motion<double> error;     ///< in the constraint's axes; zero for constraints without a target
-};
 
 /// Bias of a row's acceleration beside what the kernel's sweep finds, its velocity and its error of position.
 struct RowMotion {

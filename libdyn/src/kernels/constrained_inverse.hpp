@@ -85,23 +85,50 @@ struct ConstrainedColumns {
   std::ptrdiff_t next_force, next_row, next_x, next_lambda;
 };
 
-/// Column k of `force` is zero outside runs[k], and where moves[k] is zero, so is column k of `row`. O(entries (n + rows)).
+/// Where columns have entries: of `force` column k in runs[k]; those of `row` where moves[k]. Column k + 1 has them where column k has if twins[k].
+struct ColumnPattern {
+  const DofRuns* runs;
+  const char *moves, *twins;
+};
+
+/// O(entries (n + rows)).
 template <class Wide, int sides>
-void solveConstrained(const ConstrainedInverse x, const DofRuns* runs, const char* moves, const ConstrainedColumns c) {
+void solveConstrained(const ConstrainedInverse x, const ColumnPattern pattern, const ConstrainedColumns c) {
   constexpr int width = lanes_of<Wide>;
-  for (std::ptrdiff_t k = 0; k < x.n; ++k)
+  // Two columns of each side at once where that many sums find room in registers: beside the widest packs there are 32.
+  constexpr bool by_two = width >= 8;
+  const auto solve = [&]<int count>(std::integral_constant<int, count>, std::ptrdiff_t k) {
+    const auto place = [&](auto* first, std::ptrdiff_t next, int row, std::ptrdiff_t length) {
+      return first + row / count * next + (k + row % count) * length;
+    };
     inPanels<Wide, double>(0, x.width(), [&](auto packs, int first) {
-      Tile<Wide, double, sides, packs> tile;
+      constexpr int rows = sides * count;
+      Tile<Wide, double, rows, packs> tile;
+      const double* factors[rows];
       if (c.force)
-        for (const DofRun& run : runs[k])
-          tile.subtract(x.of_force[run.begin] + first, x.of_force.stride, run.end - run.begin, c.force + k * x.n + run.begin, c.next_force, 1);
-      if (c.row && moves[k]) tile.subtract(x.of_row[0] + first, x.of_row.stride, x.rows, c.row + k * x.rows, c.next_row, 1);
-      for (int side = 0; side < sides; ++side)
+        for (const DofRun& run : pattern.runs[k]) {
+          for (int r = 0; r < rows; ++r) factors[r] = place(c.force, c.next_force, r, x.n) + run.begin;
+          tile.subtract(x.of_force[run.begin] + first, x.of_force.stride, run.end - run.begin, factors);
+        }
+      if (c.row && pattern.moves[k]) {
+        for (int r = 0; r < rows; ++r) factors[r] = place(c.row, c.next_row, r, x.rows);
+        tile.subtract(x.of_row[0] + first, x.of_row.stride, x.rows, factors);
+      }
+      for (int r = 0; r < rows; ++r)
         for (int p = 0; p < packs; ++p) {
-          const std::ptrdiff_t place = first + p * width, own = place - x.multipliers;
-          storePack(tile.sum[side][p], own < 0 ? c.lambda + side * c.next_lambda + k * x.rows + place : c.x + side * c.next_x + k * x.n + own);
+          const std::ptrdiff_t at = first + p * width, own = at - x.multipliers;
+          storePack(tile.sum[r][p], own < 0 ? place(c.lambda, c.next_lambda, r, x.rows) + at : place(c.x, c.next_x, r, x.n) + own);
         }
     });
+  };
+  for (std::ptrdiff_t k = 0; k < x.n;) {
+    if (by_two && pattern.twins[k]) {
+      if constexpr (by_two) solve(std::integral_constant<int, 2>(), k);
+      k += 2;
+    } else {
+      solve(std::integral_constant<int, 1>(), k++);
+    }
+  }
 }
 
 }  // namespace dyn::kernels

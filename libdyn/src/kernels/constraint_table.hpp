@@ -3,13 +3,15 @@
 
 #include "kernels/constrained_inverse.hpp"
 #include "kernels/constraints.hpp"
+#include "kernels/row_derivatives.hpp"
 #include "kernels/table.hpp"
 
 namespace dyn::kernels {
 
 constexpr std::size_t constraintLayoutStamp() {
-  return ((sizeof(PackedConstraints) * 1000003 + sizeof(ConstrainedBody)) * 1000003 + sizeof(ConstraintWorkspace)) * 1000003 +
-         sizeof(ConstrainedInverse);
+  return (((sizeof(PackedConstraints) + sizeof(PackedFrameConstraint)) * 1000003 + sizeof(ConstrainedBody)) * 1000003 + sizeof(ConstraintWorkspace)) *
+             1000003 +
+         sizeof(ConstrainedInverse) + sizeof(RowState);
 }
 
 /// Vectors of one number a row have room for a pack, with zeros in it.
@@ -22,9 +24,13 @@ struct ConstraintKernels {
   void (*timesRows)(int rows, std::ptrdiff_t stride, const double* A, const double* x, double* out);
   void (*addForces)(const PackedConstraints&, const ConstraintWorkspace&, const double* lambda, Workspace<double>&);
   void (*accelerate)(const CompactImpl&, Workspace<double>&, const PackedConstraints&, const Vec3<double>& gravity, ConstraintWorkspace&);
+  PointMotion (*pointColumns)(const CompactImpl&, const DerivativeWorkspace<double>&, int body, const Vec3<double>& lever, const int* path,
+                              StoredColumn* out);
+  void (*rowDerivatives)(const PackedFrameConstraint&, const RowState&, const StoredColumn* const* columns, const Rows<double>& turning,
+                         const RowDerivatives& out);
   void (*invertConstrained)(const double* M_inverse, const double* J, DofRuns moving, ConstrainedInverse);
   /// Of one matrix for each right-hand side, or two.
-  void (*solveConstrained[2])(ConstrainedInverse, const DofRuns*, const char* moves, ConstrainedColumns);
+  void (*solveConstrained[2])(ConstrainedInverse, ColumnPattern, ConstrainedColumns);
   /// What articulate has left of the constraints' bodies, out of the lanes; and what their forces add, back into them.
   void (*readBodies)(const CompactImpl&, const char* scratch, const PackedConstraints&, Workspace<double>&);
   void (*writeShares)(const Workspace<double>&, const PackedConstraints&, char* scratch);

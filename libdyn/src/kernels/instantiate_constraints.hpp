@@ -55,6 +55,8 @@ ConstraintKernels singleConstraintKernels() {
   k.timesRows = kernels::timesRows<Panel>;
   k.addForces = kernels::addConstraintForces<Panel>;
   k.accelerate = kernels::accelerateConstrained<Panel>;
+  k.pointColumns = kernels::pointColumns;
+  k.rowDerivatives = kernels::rowDerivatives<Panel>;
   k.invertConstrained = kernels::invertConstrained<Panel>;
   k.solveConstrained[0] = kernels::solveConstrained<Panel, 1>;
   k.solveConstrained[1] = kernels::solveConstrained<Panel, 2>;

@@ -33,6 +33,17 @@ struct Tile {
       }
     }
   }
+  /// The same with each row's factors, one after the other, in a place of their own.
+  void subtract(const S* from, std::ptrdiff_t stride, int terms, const S* const (&factors)[rows]) {
+    for (int k = 0; k < terms; ++k, from += stride) {
+      Wide other[packs];
+      for (int p = 0; p < packs; ++p) other[p] = loadPack<Wide>(from + p * width);
+      for (int r = 0; r < rows; ++r) {
+        const Wide factor(factors[r][k]);
+        for (int p = 0; p < packs; ++p) sum[r][p] -= factor * other[p];
+      }
+    }
+  }
   /// Of row `to` row `from` times a factor.
   void subtractRow(int to, int from, const S& factor) {
     for (int p = 0; p < packs; ++p) sum[to][p] -= Wide(factor) * sum[from][p];
@@ -43,28 +54,28 @@ struct Tile {
   }
 };
 
-/// Calls use(count, first) for columns from `first` on and before `end`, in panels of at most four packs that differ by no more than one.
-/// `count`: packs, a constant.
+/// Calls use(count, first) for columns from `first` on and before `end`, in panels of at most four packs that differ by no more than one; the
+/// last ones first, so that what they write beyond the end may be another row's beginning. `count`: packs, a constant.
 template <class Wide, class S, class Use>
 void inPanels(int first, int end, Use&& use) {
   constexpr int width = Part<Wide, S>::width;
   for (int packs = (end - first + width - 1) / width; packs > 0;) {
     const int panels = (packs + 3) / 4, now = panels == 1 ? packs : (packs + panels - 1) / panels;
+    packs -= now;
+    const int from = first + packs * width;
     switch (now) {
       case 1:
-        use(std::integral_constant<int, 1>(), first);
+        use(std::integral_constant<int, 1>(), from);
         break;
       case 2:
-        use(std::integral_constant<int, 2>(), first);
+        use(std::integral_constant<int, 2>(), from);
         break;
       case 3:
-        use(std::integral_constant<int, 3>(), first);
+        use(std::integral_constant<int, 3>(), from);
         break;
       default:
-        use(std::integral_constant<int, 4>(), first);
+        use(std::integral_constant<int, 4>(), from);
     }
-    first += now * width;
-    packs -= now;
   }
 }
 
