@@ -28,7 +28,7 @@ struct BlockScratch {
     if (room.derivatives) {
       dyn::kernels::carve(s.d, m, arena);
       arena.take(s.matrix, nv * nv);
-      for (S*& map : s.maps) arena.take(map, 6 * nv);
+      for (S*& map : s.maps) arena.take(map, 6 * nv + CentroidalMaps<S>::room);
     }
     return arena.used();
   }

@@ -8,29 +8,65 @@
 
 namespace dyn::kernels {
 
-/// What momentum and its map take, and no more: placements, velocities and composite inertias and momenta.
+/// What momentum and its map take, and no more: placements and composite inertias; of a tree's root, momentum relative to its joint's origin, to
+/// which each joint gives its column of the map.
 template <class S, class Order>
 void momenta(const Order& bodies, DerivativeWorkspace<S>& d, const S* v) {
   Workspace<S>& w = bodies.w;
-  w.w[0] = {};
   bodies.forward([&]<class Joint>(const Joint& joint, int i, int iv) {
-    const auto [s, omega] = moveAligned<S>(joint, bodies, i, d, v + iv);
-    d.subtree[i].m = bodyMomentum<Joint>(bodies, i, omega);
+    const auto& c = bodies.constants(i);
+    placeAligned<S>(joint, bodies, c.placement, i, w);
+    const auto [h, I] = alignedInertia<S, Joint>(bodies, i, c, w.R[i]);
+    d.subtree[i].m = {S(c.mass), h, I, {}};
     writeColumns(joint, w.R[i], w.dof + iv);
+    // Where a root's origin goes all of the tree goes, which gives its centre no angular momentum.
+    if (bodies.isRoot(i)) d.shift_rate[i] = joint.timesIn(w.R[i], v + iv).linear;
   });
   bodies.backward([&]<class Joint>(const Joint&, int i, int iv) {
-    const SubtreeMomentum<S>& m = d.subtree[i].m;
-    for (int k = 0; k < Joint::nv; ++k) d.dof_force[iv + k].by_a = rigidForceOf<Joint>(m, w.dof[iv + k].S_);
-    if (!bodies.isRoot(i)) addTo(d.subtree[bodies.parentOf(i)].m, m, w.r[i], d.shift_rate[i]);
+    SubtreeMomentum<S>& m = d.subtree[i].m;
+    Force<S> momentum = m.momentum;
+    for (int k = iv; k < iv + Joint::nv; ++k) {
+      const Motion<S>& s = w.dof[k].S_;
+      const Force<S> U = rigidForceOf<Joint>(m, s);
+      d.dof_force[k].by_a = U;
+      if (!bodies.isRoot(i)) {
+        momentum += v[k] * U;
+      } else if constexpr (Joint::has_angular) {
+        momentum += v[k] * Force<S>{cross(s.angular, m.h), m.I * s.angular};
+      }
+    }
+    m.momentum = momentum;
+    if (bodies.isRoot(i)) return;
+    SubtreeMomentum<S>& parent = d.subtree[bodies.parentOf(i)].m;
+    const Vec3<S>& r = w.r[i];
+    addInertia(parent, m, r);
+    parent.momentum += Force<S>{momentum.linear, momentum.angular + cross(r, momentum.linear)};
   });
+}
+
+/// Three numbers to where there is room for a fourth: what follows them may be overwritten.
+template <class S>
+void putVector(const Vec3<S>& x, S* to) {
+  for (int k = 0; k < 3; ++k) to[k] = x[k];
+}
+inline void putVector(const Vec3<Vectored>& x, Vectored* to) {
+  typedef double Unaligned __attribute__((vector_size(32), aligned(8), may_alias));
+  *reinterpret_cast<Unaligned*>(to) = x.a;
 }
 
 /// After momenta; or, for more than Ag and momentum, after derivativesOutward without gravity and derivativesInward. The trees that stand on the
 /// world are one system: where there are several, their places in the world are compared.
 template <class S, class Order>
-CentroidalState<S> centroidalOf(const Order& bodies, DerivativeWorkspace<S>& d, const CentroidalMaps<S>& out) {
+CentroidalState<S> centroidalOf(const Order& bodies, DerivativeWorkspace<S>& d, const CentroidalMaps<S> out) {
   const Workspace<S>& w = bodies.w;
-  const CompactImpl& m = bodies.m;
+  // Copies: what vectors are stored into might be anything, even what says where.
+  const int count = bodies.m.bodies();
+  const BodyIndex* const index = bodies.m.index.data();
+  Motion<S>* const places = d.place;  // y and its rate, aligned axes
+  const Vec3<S>* const rs = w.r;
+  const Subtree<S>* const subtrees = d.subtree;
+  const DofFactor<S>* const dofs = w.dof;
+  const DofForces<S>* const dof_forces = d.dof_force;
   // The first root is where the others are seen from.
   const int first = 1;
   const auto axesOf = [&](int root) { return bodies.index(root).flying_root ? w.rel[root].R : Mat3<S>::identity(); };
@@ -38,7 +74,7 @@ CentroidalState<S> centroidalOf(const Order& bodies, DerivativeWorkspace<S>& d, 
   const auto speedOf = [&](int root) { return axesOf(root) * d.shift_rate[root]; };
   S mass(0);
   Vec3<S> moment, flow;  // of mass, and of momentum, about the first root's origin and relative to its speed; world axes
-  for (int root = first; root < m.bodies(); root = bodies.treeEnd(root)) {
+  for (int root = first; root < count; root = bodies.treeEnd(root)) {
     const Mat3<S> R = axesOf(root);
     const SubtreeMomentum<S>& c = d.subtree[root].m;
     mass += c.mass;
@@ -52,46 +88,45 @@ CentroidalState<S> centroidalOf(const Order& bodies, DerivativeWorkspace<S>& d, 
 
   CentroidalState<S> sum{};
   sum.mass = mass;
-  // From each root to its leaves: where joints' origins are, seen from the centre of mass, and how fast they leave it.
-  for (int i = 1; i < m.bodies(); ++i) {
-    const BodyIndex& x = bodies.index(i);
-    Motion<S>& place = d.place[i];  // y and its rate, aligned axes
-    if (x.parent == 0) {
-      const Mat3<S> R = axesOf(i);
-      const Vec3<S> apart = i == first ? Vec3<S>{} : originOf(i) - originOf(first), parting = i == first ? Vec3<S>{} : speedOf(i) - speedOf(first);
-      place = {transposeTimes(R, centre - apart), transposeTimes(R, drift - parting)};
-      const SubtreeMomentum<S>& c = d.subtree[i].m;
-      const auto about = [&](const Force<S>& f) { return Force<S>{R * f.linear, R * (f.angular - cross(place.linear, f.linear))}; };
-      // Relative to the centre's own speed the whole has no linear momentum: that of the world is added at the end.
-      const Vec3<S> linear = c.momentum.linear - c.mass * place.angular;
-      sum.momentum += about({linear, c.momentum.angular - cross(c.h, place.angular)});
-      if (out.rates) sum.rate += about(d.subtree[i].f);
-      sum.inertia += congruence(R, shiftedInertia(c.I, c.mass, c.h, -place.linear));
-    } else {
-      place = {d.place[x.parent].linear - w.r[i], d.place[x.parent].angular - d.shift_rate[i]};
-    }
+  for (int root = first; root < count; root = bodies.treeEnd(root)) {
+    const Mat3<S> R = axesOf(root);
+    const Vec3<S> apart = root == first ? Vec3<S>{} : originOf(root) - originOf(first),
+                  parting = root == first ? Vec3<S>{} : speedOf(root) - speedOf(first);
+    const Motion<S> place{transposeTimes(R, centre - apart), transposeTimes(R, drift - parting)};
+    places[root] = place;
+    const SubtreeMomentum<S>& c = subtrees[root].m;
+    const auto about = [&](const Force<S>& f) { return Force<S>{R * f.linear, R * (f.angular - cross(place.linear, f.linear))}; };
+    // Relative to the centre's own speed the whole has no linear momentum: that of the world is added at the end.
+    const Vec3<S> linear = c.momentum.linear - c.mass * place.angular;
+    sum.momentum += about({linear, c.momentum.angular - cross(c.h, place.angular)});
+    if (out.rates) sum.rate += about(subtrees[root].f);
+    sum.inertia += congruence(R, shiftedInertia(c.I, c.mass, c.h, -place.linear));
   }
   sum.momentum.linear = mass * (speedOf(first) + drift);
 
-  int root = first;
-  for (int i = 1; i < m.bodies(); ++i) {
-    const BodyIndex& x = bodies.index(i);
-    if (x.parent == 0) root = i;
-    const Mat3<S> R = axesOf(root);
-    const Vec3<S>&y = d.place[i].linear, &dy = d.place[i].angular;
-    const SubtreeMomentum<S>& c = d.subtree[i].m;
-    const Mat3<S>& K = d.subtree[i].K;
-    const Vec3<S> total_force = (S(1) / mass) * transposeTimes(R, sum.rate.linear);
+  // From each root to its leaves: where joints' origins are, seen from the centre of mass, and how fast they leave it.
+  Mat3<S> R;
+  Vec3<S> total_force;
+  for (int i = 1; i < count; ++i) {
+    const BodyIndex& x = index[i];
+    Motion<S>& place = places[i];
+    if (x.parent == 0) {
+      R = axesOf(i);
+      if (out.rates) total_force = (S(1) / mass) * transposeTimes(R, sum.rate.linear);
+    } else {
+      place.linear = places[x.parent].linear - rs[i];
+      if (out.rates) place.angular = places[x.parent].angular - d.shift_rate[i];
+    }
+    const Vec3<S>&y = place.linear, &dy = place.angular;
+    const SubtreeMomentum<S>& c = subtrees[i].m;
+    const Mat3<S>& K = subtrees[i].K;
     for (int k = x.idx_v; k < x.idx_v + x.nv; ++k) {
-      const Motion<S>& s = w.dof[k].S_;
+      const Motion<S>& s = dofs[k].S_;
       const DofVariation<S>& change = d.dof[k];
-      const DofForces<S>& forces = d.dof_force[k];
+      const DofForces<S>& forces = dof_forces[k];
       const auto write = [&](S* to, const Force<S>& f) {
-        const Vec3<S> linear = R * f.linear, angular = R * (f.angular - cross(y, f.linear));
-        for (int r = 0; r < 3; ++r) {
-          to[6 * k + r] = linear[r];
-          to[6 * k + 3 + r] = angular[r];
-        }
+        putVector(R * f.linear, to + 6 * k);
+        putVector(R * (f.angular - cross(y, f.linear)), to + 6 * k + 3);
       };
       const Force<S>& U = forces.by_a;
       if (out.Ag) write(out.Ag, U);

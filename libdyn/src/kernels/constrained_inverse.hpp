@@ -96,7 +96,7 @@ template <class Wide, int sides>
 void solveConstrained(const ConstrainedInverse x, const ColumnPattern pattern, const ConstrainedColumns c) {
   constexpr int width = lanes_of<Wide>;
   // Two columns of each side at once where that many sums find room in registers: beside the widest packs there are 32.
-  constexpr bool by_two = width >= 8;
+  constexpr int most = width >= 8 ? 2 : 1;
   const auto solve = [&]<int count>(std::integral_constant<int, count>, std::ptrdiff_t k) {
     const auto place = [&](auto* first, std::ptrdiff_t next, int row, std::ptrdiff_t length) {
       return first + row / count * next + (k + row % count) * length;
@@ -122,9 +122,9 @@ void solveConstrained(const ConstrainedInverse x, const ColumnPattern pattern, c
     });
   };
   for (std::ptrdiff_t k = 0; k < x.n;) {
-    if (by_two && pattern.twins[k]) {
-      if constexpr (by_two) solve(std::integral_constant<int, 2>(), k);
-      k += 2;
+    if (pattern.twins[k]) {
+      solve(std::integral_constant<int, most>(), k);
+      k += most;
     } else {
       solve(std::integral_constant<int, 1>(), k++);
     }

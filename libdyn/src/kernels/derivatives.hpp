@@ -82,9 +82,10 @@ struct CoriolisMap {
   CoriolisMap& operator+=(const CoriolisMap& b) { return *this = *this + b; }
 };
 
-/// Columns of 6 numbers, linear part first, in world axes about the centre of mass; null: not wanted.
+/// Columns of 6 numbers, linear part first, in world axes about the centre of mass; null: not wanted. Each has `room` for numbers after its last.
 template <class S>
 struct CentroidalMaps {
+  static constexpr std::size_t room = 4;
   S *Ag = nullptr, *dAg = nullptr;                               ///< momentum by v, and its time derivative
   S *dh_dq = nullptr, *dhdot_dq = nullptr, *dhdot_dv = nullptr;  ///< of momentum, and of its rate
   bool rates = false;                                            ///< more than Ag and momentum

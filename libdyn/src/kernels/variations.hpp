@@ -65,14 +65,18 @@ Subtree<S> ownMotion(const SubtreeMomentum<S>& m, const Vec3<S>& w) {
   return {m, skew(w) * second, {cross(w, m.momentum.linear), cross(w, m.momentum.angular)}};
 }
 
-/// Adds a subtree's to its parent's, about the parent's origin, with velocities relative to it: r from the parent's to the joint's, rate the joint
-/// origin's velocity.
+/// Adds the inertia of a subtree to its parent's, r from the parent's origin to the joint's.
 template <class S>
-void addTo(SubtreeMomentum<S>& parent, const SubtreeMomentum<S>& m, const Vec3<S>& r, const Vec3<S>& rate) {
-  const Vec3<S> linear = m.momentum.linear + m.mass * rate;
+void addInertia(SubtreeMomentum<S>& parent, const SubtreeMomentum<S>& m, const Vec3<S>& r) {
   parent.mass += m.mass;
   parent.h += m.h + m.mass * r;
   parent.I += shiftedInertia(m.I, m.mass, m.h, r);
+}
+/// Adds a subtree's to its parent's, about the parent's origin, with velocities relative to it: rate is the joint origin's velocity.
+template <class S>
+void addTo(SubtreeMomentum<S>& parent, const SubtreeMomentum<S>& m, const Vec3<S>& r, const Vec3<S>& rate) {
+  const Vec3<S> linear = m.momentum.linear + m.mass * rate;
+  addInertia(parent, m, r);
   parent.momentum += Force<S>{linear, m.momentum.angular + cross(m.h, rate) + cross(r, linear)};
 }
 template <class S>
