@@ -1,6 +1,6 @@
 #include "algorithm/followers.hpp"
 #include "algorithm/inputs.hpp"
-#include "algorithm/motion_derivatives.hpp"
+#include "algorithm/placement.hpp"
 #include "kernels/jacobians.hpp"
 #include "kernels/table.hpp"
 
@@ -53,8 +53,8 @@ Motion<double> carried(const Motion<double>& s, const Motion<double>& m, Referen
   return {};
 }
 
-}  // namespace
-
+/// After computeForwardKinematicsDerivatives: columns of 6 numbers, nvx of them, the user's degrees of freedom first, of velocity by q and v
+/// and of acceleration by q, v and a.
 void motionDerivatives(const CompactImpl& m, DataImpl& d, const PointOnBody& point, ReferenceFrame reference, double* const columns[5]) {
   const SE3<double> oMf = d.oM[point.body] * point.placement;
   const Motion<double> v = point.placement.actInv(d.v[point.body]), a = point.placement.actInv(d.a[point.body]);
@@ -77,6 +77,8 @@ void motionDerivatives(const CompactImpl& m, DataImpl& d, const PointOnBody& poi
     for (int r = 0; r < 5; ++r) keepUsersColumns(m, 6, columns[r]);
   }
 }
+
+}  // namespace
 
 namespace detail {
 

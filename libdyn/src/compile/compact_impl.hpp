@@ -47,7 +47,8 @@ struct TypeBatch {
   Shape shape = Shape::dense;
   int nq = 0, nv = 0, count = 0;
   std::vector<int> bodies;
-  bool contiguous = false;  ///< nq = 1 and coordinates follow one another, so q needs no gathering
+  std::vector<int> q_index, v_index;  ///< of each one's first coordinates
+  bool contiguous = false;            ///< nq = 1 and coordinates follow one another, so q needs no gathering
   int constant_count = 0;
   std::vector<double> constants;  ///< component-major, stride = count
 };

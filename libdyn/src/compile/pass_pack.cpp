@@ -138,11 +138,12 @@ class Packer {
       out_->index[i].batch = found->second;
       out_->index[i].slot = batch.count++;
       batch.bodies.push_back(static_cast<int>(i));
+      batch.q_index.push_back(out_->index[i].idx_q);
+      batch.v_index.push_back(out_->index[i].idx_v);
     }
     for (TypeBatch& batch : out_->batches) {
       batch.contiguous = batch.nq == 1;
-      for (std::size_t k = 1; k < batch.bodies.size(); ++k)
-        batch.contiguous = batch.contiguous && out_->index[at(batch.bodies[k])].idx_q == out_->index[at(batch.bodies[k - 1])].idx_q + 1;
+      for (std::size_t k = 1; k < batch.q_index.size(); ++k) batch.contiguous = batch.contiguous && batch.q_index[k] == batch.q_index[k - 1] + 1;
       batch.constants.resize(at(batch.constant_count * batch.count));
       for (int k = 0; k < batch.count; ++k)
         for (int c = 0; c < batch.constant_count; ++c)

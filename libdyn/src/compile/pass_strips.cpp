@@ -213,6 +213,17 @@ class Planner {
         parents.first = leaf;
         leaf = false;
       }
+      // Measured: two are chosen between faster than four are gathered.
+      strip.apart = strip.parents_count > 2;
+      for (int l = 0; l < strip_lanes; ++l)
+        for (int p = strip.parents_count; p-- > 0;) {
+          const StripParents& parents = strip.parents[p];
+          // Lanes of nobody have someone's.
+          if (p == 0 || (parents.lanes >> l & 1) != 0) {
+            strip.lane_parents[l] = {parents.strip, parents.lane < 0 ? l : parents.lane, (parents.given >> l & 1) != 0};
+            break;
+          }
+        }
     }
   }
   /// A mirrored body that has more below it than one that is mirrored in the same lanes.

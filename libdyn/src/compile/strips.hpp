@@ -43,6 +43,11 @@ struct StripParents {
   unsigned given = 0;  ///< those that hand over what their bodies add to their parents
   bool first = false;  ///< the first to hand anything to that strip, children before parents
 };
+/// Where one lane finds its parent.
+struct LaneParent {
+  int strip = 0, lane = 0;
+  bool given = false;  ///< what its body adds
+};
 
 /// Up to four bodies. A lane without a body of its own may mirror another's, in the lane of limbs that hang on it, so that these find their
 /// parent where they are: it moves as that body does. Where limbs part, the body's inertia is in one lane, and the sum of all lanes becomes
@@ -56,6 +61,8 @@ struct Strip {
   int parents_count = 0;
   bool aligned = true;    ///< one entry of `parents`, lane by lane, or the universe: lanes go on as they are
   bool gives_all = true;  ///< and so is what they hand over
+  bool apart = false;     ///< many parents: lanes are read and written one by one
+  LaneParent lane_parents[strip_lanes];
   int depth = 0;
   bool leaf = true;  ///< no strip's parent
   int batch = 0, slot = 0;

@@ -98,7 +98,7 @@ void carveAll(ConstraintDataImpl& d, Arena& arena) {
   for (double** vector : {&d.motion.bias, &d.motion.velocity, &d.motion.error, &d.lambda, &d.wanted, &d.step, &d.left, &d.gamma})
     arena.take(*vector, rows);
   arena.take(d.J, rows * nv);
-  arena.take(d.X, rows * (nv + most_lanes));
+  arena.take(d.X, rows * nv);
   arena.take(d.expanded, nv);
   arena.take(d.v_after, nv);
   arena.take(d.q, 2 * static_cast<std::size_t>(m.nqx));

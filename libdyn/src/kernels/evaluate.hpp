@@ -44,18 +44,23 @@ JointBatch<Real<S>> callFor(const TypeBatch& batch, const std::vector<double>& c
 /// of those that the model was compiled with.
 template <class S>
 void evaluateJoints(const CompactImpl& m, Workspace<S>& w, const S* q, const S* v, const JointType* const* types = nullptr) {
-  const auto at = [](int i) { return static_cast<std::size_t>(i); };
+  const auto gather = [](const S* from, const std::vector<int>& index, int size, S* to) {
+    const auto count = static_cast<int>(index.size());
+    for (int c = 0; c < size; ++c)
+      for (int k = 0; k < count; ++k) to[c * count + k] = from[index[static_cast<std::size_t>(k)] + c];
+  };
+  // All first: what is written number by number is read in packs.
+  for (std::size_t b = 0; b < m.batches.size(); ++b) {
+    const TypeBatch& batch = m.batches[b];
+    const JointMemory<S>& memory = w.joints[b];
+    if (memory.q) gather(q, batch.q_index, batch.nq, memory.q);
+    if (memory.v && v) gather(v, batch.v_index, batch.nv, memory.v);
+  }
   for (std::size_t b = 0; b < m.batches.size(); ++b) {
     const TypeBatch& batch = m.batches[b];
     const JointMemory<S>& memory = w.joints[b];
     JointBatch<Real<S>> call = callFor(batch, batch.constants, batch.count, lanes_of<S>, memory, v != nullptr);
-    call.q = reinterpret_cast<const Real<S>*>(memory.q ? memory.q : q + m.index[at(batch.bodies[0])].idx_q);
-    if (memory.q)
-      for (int k = 0; k < batch.count; ++k)
-        for (int c = 0; c < batch.nq; ++c) memory.q[c * batch.count + k] = q[m.index[at(batch.bodies[at(k)])].idx_q + c];
-    if (call.v)
-      for (int k = 0; k < batch.count; ++k)
-        for (int c = 0; c < batch.nv; ++c) memory.v[c * batch.count + k] = v[m.index[at(batch.bodies[at(k)])].idx_v + c];
+    call.q = reinterpret_cast<const Real<S>*>(memory.q ? memory.q : q + batch.q_index[0]);
     (types ? types[b] : batch.fast)->kinematics(call);
   }
 }

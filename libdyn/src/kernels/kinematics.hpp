@@ -31,9 +31,18 @@ void store(const SE3<S>& from, SE3<S>& to) {
 template <class S, class Joint, class Order>
 void placeInWorld(const Joint& joint, const Order& order, int i, Workspace<S>& w) {
   const auto& placement = order.constants(i).placement;
-  if constexpr (std::is_same_v<S, double> && Joint::about_z) {
+  if constexpr (std::is_same_v<S, double>) {
+    const PoseRows rel = [&] {
+      if constexpr (Joint::about_z) {
+        return PoseRows::load(placement).turnZ(joint.c, joint.s);
+      } else if constexpr (requires { joint.rotation(); }) {
+        return (placement.R * PoseRows::of(joint.rotation(), joint.translation())).moved(placement.p);
+      } else {
+        const SE3<S> pose = placedInParent<S>(joint, placement);
+        return PoseRows::of(pose.R, pose.p);
+      }
+    }();
     const SE3<S>& parent = order.parent(w.oM, i);
-    const PoseRows rel = PoseRows::load(placement).turnZ(joint.c, joint.s);
     rel.store({}, w.rel[i]);
     (parent.R * rel).store(parent.p, w.oM[i]);
     if (isRenewed(order, i)) w.oM[i].R = renewed(w.oM[i].R);

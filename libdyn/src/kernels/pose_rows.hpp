@@ -21,6 +21,13 @@ struct PoseRows {
     }
     return out;
   }
+  /// Of numbers that are at hand: what was just written one by one had better not be read as rows.
+  static PoseRows of(const Mat3<double>& R, const Vec3<double>& p) {
+    return {{Four{R(0, 0), R(0, 1), R(0, 2), p.x}, Four{R(1, 0), R(1, 1), R(1, 2), p.y}, Four{R(2, 0), R(2, 1), R(2, 2), p.z}}};
+  }
+  PoseRows moved(const Vec3<double>& by) const {
+    return {{row[0] + Four{0, 0, 0, by.x}, row[1] + Four{0, 0, 0, by.y}, row[2] + Four{0, 0, 0, by.z}}};
+  }
   /// With R Rz(c, s) for R.
   PoseRows turnZ(double c, double s) const {
     const Four along{c, c, 1, 1}, across{s, -s, 0, 0};

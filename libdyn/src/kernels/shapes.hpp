@@ -1,5 +1,5 @@
 // The joint shapes as the recursions see them. Each knows its own sparsity at compile time:
-//   rotate(E)       E times the joint's rotation
+//   rotate(E)       E times the joint's rotation; rotation() itself, where it may be any
 //   translation()   of the moving frame's origin, in the joint frame
 //   times(v)        S v in the moving frame;  column(k) of S;  project(f, tau): tau = S^T f
 //   timesIn(E, v)   the same two in axes that E leads to. No product with the zeros of S is taken, which compilers would keep: 0 x may be NaN
@@ -102,6 +102,7 @@ struct Spherical {
   static constexpr bool moves_origin = false, has_linear = false, has_angular = true, has_bias = false, is_free = false, about_z = false;
   Mat3<S> R;
   explicit Spherical(const Slot<S>& slot) : R(loadMatrix(slot.pose, slot.stride)) {}
+  const Mat3<S>& rotation() const { return R; }
   Mat3<S> rotate(const Mat3<S>& E) const { return E * R; }
   Vec3<S> translation() const { return {}; }
   Motion<S> times(const S* v) const { return {{}, {v[0], v[1], v[2]}}; }
@@ -159,6 +160,7 @@ struct Free {
   Mat3<S> R;
   Vec3<S> p;
   explicit Free(const Slot<S>& slot) : R(loadMatrix(slot.pose, slot.stride)), p(loadVector(slot.pose + 9 * slot.stride, slot.stride)) {}
+  const Mat3<S>& rotation() const { return R; }
   Mat3<S> rotate(const Mat3<S>& E) const { return E * R; }
   Vec3<S> translation() const { return p; }
   Motion<S> times(const S* v) const { return {{v[0], v[1], v[2]}, {v[3], v[4], v[5]}}; }
@@ -181,7 +183,8 @@ struct Dense {
   static constexpr bool moves_origin = true, has_linear = true, has_angular = true, has_bias = Varying, is_free = false, about_z = false;
   const Slot<S>& slot;
   explicit Dense(const Slot<S>& where) : slot(where) {}
-  Mat3<S> rotate(const Mat3<S>& E) const { return E * loadMatrix(slot.pose, slot.stride); }
+  Mat3<S> rotation() const { return loadMatrix(slot.pose, slot.stride); }
+  Mat3<S> rotate(const Mat3<S>& E) const { return E * rotation(); }
   Vec3<S> translation() const { return loadVector(slot.pose + 9 * slot.stride, slot.stride); }
   Motion<S> load(const S* p, std::ptrdiff_t stride) const { return {loadVector(p, stride), loadVector(p + 3 * stride, stride)}; }
   Motion<S> column(int k) const {

@@ -25,6 +25,11 @@ struct Strips {
   T parent(const T* array, int i) const {
     const Strip& s = strip(i);
     if (s.aligned) return array[s.parents[0].strip];
+    if (s.apart) {
+      const double* first[strip_lanes];
+      for (int l = 0; l < strip_lanes; ++l) first[l] = reinterpret_cast<const double*>(array + s.lane_parents[l].strip) + s.lane_parents[l].lane;
+      return gatheredLanes<S, T>(first);
+    }
     T out = of(s.parents[0], array);
     for (int p = 1; p < s.parents_count; ++p) {
       const auto here = lanes<S>(s.parents[p].lanes);
@@ -38,6 +43,15 @@ struct Strips {
     const Strip& s = strip(i);
     if (s.gives_all) {
       array[s.parents[0].strip] += value;
+    } else if (packs_in<S, T> <= 6 && s.apart) {
+      const T given = value;
+      for (int l = 0; l < strip_lanes; ++l) {
+        const LaneParent& parent = s.lane_parents[l];
+        if (!parent.given) continue;
+        double* to = reinterpret_cast<double*>(array + parent.strip) + parent.lane;
+        const double* from = reinterpret_cast<const double*>(&given) + l;
+        for (std::size_t k = 0; k < packs_in<S, T>; ++k) to[strip_lanes * k] += from[strip_lanes * k];
+      }
     } else {
       for (int p = 0; p < s.parents_count; ++p) give(s.parents[p], array, value);
     }

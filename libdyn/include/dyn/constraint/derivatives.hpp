@@ -34,7 +34,8 @@ DYN_API ConstrainedDerivativeViews impulseDynamicsDerivatives(const CompactModel
 
 /// Of constraintDynamics, by the articulated recursion: the equations of motion and of the rows differentiated (Carpentier and Mansard 2018,
 /// sec. V), forces turning with the axes of their constraints. Feedback (Baumgarte) included. Needs Need::derivatives of both Data and
-/// ConstraintData. O(n^2 depth + n^2 rows). Throws as constraintDynamics.
+/// ConstraintData. `mu`, whose effect proximal iterations take away, has no part in it. O(n^2 depth + n^2 rows). Throws as
+/// constraintDynamics.
 inline ConstraintDynamicsDerivatives computeConstraintDynamicsDerivatives(const CompactModel& model, Data& data, const VectorArg& q,
                                                                           const VectorArg& v, const VectorArg& tau, ConstraintData& constraints) {
   const detail::ConstrainedDerivativeViews x = detail::constraintDynamicsDerivatives(model, data, q, v, tau, constraints);
