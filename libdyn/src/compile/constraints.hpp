@@ -31,6 +31,14 @@ struct PackedFrameConstraint {
   bool forceTurns() const { return axes != ConstraintAxes::LOCAL || body[1] != 0; }
 };
 
+/// The direction of each row of a constraint between frames, linear ones first, in its own axes: use(row, 0 to 5).
+template <class Use>
+void eachDirection(const PackedFrameConstraint& c, Use&& use) {
+  int row = c.row;
+  for (int k = 0; k < 6; ++k)
+    if (!c.free[static_cast<std::size_t>(k)]) use(row++, k);
+}
+
 /// One row: v_follower - f'(q_master) v_master.
 struct PackedJointCoupling {
   int row = 0;

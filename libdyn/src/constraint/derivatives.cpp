@@ -52,7 +52,7 @@ void solve(const ConstraintDataImpl& c, int sides, const kernels::ConstrainedCol
 }
 
 /// After rneaDerivatives, which was asked at these.
-ExpandedState expanded(const CompactModel& model, const DataImpl& d, const double* q, const double* v, const double* a) {
+Inputs expanded(const CompactModel& model, const DataImpl& d, const double* q, const double* v, const double* a) {
   if (model.impl().couplings.empty()) return {q, v, a};
   return {d.qx, d.vx, d.ax};
 }

@@ -90,19 +90,14 @@ void pointMotions(const CompactImpl& m, const DataImpl& d, const ConstraintDataI
 /// The wrench of the rows' forces in axes of 1, at its origin.
 Force<double> wrenchOf(const PackedFrameConstraint& f, const Mat3<double>& axes, const double* lambda) {
   Force<double> out;
-  int row = f.row;
-  for (int k = 0; k < 6; ++k) {
-    if (f.free[at(k)]) continue;
-    (k < 3 ? out.linear : out.angular) += lambda[row++] * axes.col(k % 3);
-  }
+  eachDirection(f, [&](int row, int direction) { (direction < 3 ? out.linear : out.angular) += lambda[row] * axes.col(direction % 3); });
   return out;
 }
 
 const TypeBatch& batchOf(const CompactImpl& m, int body) { return m.batches[at(m.index[at(body)].batch)]; }
 
 /// Constraints of joints; results by the user's degrees of freedom.
-void linearizeJointRows(const CompactImpl& m, const ConstraintDataImpl& c, const ExpandedState& state, bool feedback,
-                        const kernels::RowDerivatives& out) {
+void linearizeJointRows(const CompactImpl& m, const ConstraintDataImpl& c, const Inputs& state, bool feedback, const kernels::RowDerivatives& out) {
   const PackedConstraints& packed = c.set.impl();
   for (const PackedJointCoupling& k : packed.couplings) {
     const BodyIndex &follower = m.index[at(k.body)], &master = m.index[at(k.master)];
@@ -151,7 +146,7 @@ void linearizeJointRows(const CompactImpl& m, const ConstraintDataImpl& c, const
 
 }  // namespace
 
-void linearizeRows(const CompactModel& model, DataImpl& d, ConstraintDataImpl& c, const ExpandedState& state, bool feedback,
+void linearizeRows(const CompactModel& model, DataImpl& d, ConstraintDataImpl& c, const Inputs& state, bool feedback,
                    const kernels::RowDerivatives& out) {
   const CompactImpl& m = model.impl();
   const PackedConstraints& packed = c.set.impl();

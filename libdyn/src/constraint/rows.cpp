@@ -82,7 +82,7 @@ void locate(const CompactImpl& m, const Workspace<double>& w, const PackedFrameC
     out.w[0] = w.w[c.body[0]];
     if (!on_world) {
       const Motion<double> other = velocityFrom(m, w, c.body[1], c.common, out.lever[1], v);
-      out.relative -= Motion<double>{transposeTimes(out.turn, other.linear), transposeTimes(out.turn, other.angular)};
+      out.relative -= kernels::turnedBack(out.turn, other);
       out.w[1] = transposeTimes(out.turn, w.w[c.body[1]]);
     }
   }
@@ -143,8 +143,7 @@ void locateRows(const CompactImpl& m, const Workspace<double>& w, const PackedCo
     const PackedFrameConstraint& f = c.frames[k];
     FrameRows& x = frames[k];
     locate(m, w, f, v, x);
-    const auto inAxes = [&](const Motion<double>& a) { return Motion<double>{transposeTimes(x.axes, a.linear), transposeTimes(x.axes, a.angular)}; };
-    const Motion<double> velocity = inAxes(x.relative), bias = v ? inAxes(biasOf(f, x)) : Motion<double>{};
+    const Motion<double> velocity = kernels::turnedBack(x.axes, x.relative), bias = v ? kernels::turnedBack(x.axes, biasOf(f, x)) : Motion<double>{};
     eachDirection(f, [&](int row, int direction) {
       rows.velocity[row] = component(velocity, direction);
       rows.bias[row] = component(bias, direction);
@@ -243,7 +242,7 @@ void rowAccelerations(const CompactImpl& m, const Workspace<double>& w, const Pa
       return Motion<double>{a.linear + cross(a.angular, s.lever[e]), a.angular};
     };
     const Motion<double> other = seen(1);
-    const Motion<double> relative = seen(0) - Motion<double>{transposeTimes(s.turn, other.linear), transposeTimes(s.turn, other.angular)};
+    const Motion<double> relative = seen(0) - kernels::turnedBack(s.turn, other);
     eachDirection(f, [&](int row, int direction) { out[row] = dot(s.axes.col(direction % 3), direction < 3 ? relative.linear : relative.angular); });
   }
   const auto motionOf = [&](int body, int k) { return x.motion[c.bodies[at(c.body_at[at(body)])].dof + k]; };

@@ -34,12 +34,4 @@ void rowAccelerations(const CompactImpl& m, const Workspace<double>& w, const Pa
 /// What gravity adds to the rows' accelerations of a sweep in which the world falls up.
 void addGravity(const CompactImpl& m, const Workspace<double>& w, const PackedConstraints& c, const FrameRows* frames, double* accelerations);
 
-/// The direction of each row of a constraint between frames, linear ones first, in its own axes: use(row, 0 to 5).
-template <class Use>
-void eachDirection(const PackedFrameConstraint& c, Use&& use) {
-  int row = c.row;
-  for (int k = 0; k < 6; ++k)
-    if (!c.free[static_cast<std::size_t>(k)]) use(row++, k);
-}
-
 }  // namespace dyn

@@ -261,13 +261,12 @@ void rowDerivatives(const PackedFrameConstraint& c, const RowState& x, const Sto
     for (int l = 0; l < std::min(lanes, count - first); ++l) {
       const int user = c.slots[static_cast<std::size_t>(first + l)].user;
       if (user < 0) continue;
-      std::ptrdiff_t entry = out.rows * user + c.row;
-      for (std::size_t k = 0; k < 6; ++k) {
-        if (c.free[k]) continue;
-        out.by_q[entry] = numbers[0][k][l];
-        out.by_v[entry] = numbers[1][k][l];
-        out.J[entry++] = numbers[2][k][l];
-      }
+      eachDirection(c, [&](int row, int direction) {
+        const std::ptrdiff_t entry = out.rows * user + row;
+        out.by_q[entry] = numbers[0][direction][l];
+        out.by_v[entry] = numbers[1][direction][l];
+        out.J[entry] = numbers[2][direction][l];
+      });
     }
     if (!c.forceTurns()) continue;
     // The force turns with its axes, where the derivative of inverse dynamics had it turn with each body, and its point moves on the second.
