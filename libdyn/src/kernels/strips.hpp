@@ -44,6 +44,7 @@ struct Strips {
     if (s.gives_all) {
       array[s.parents[0].strip] += value;
     } else if (packs_in<S, T> <= 6 && s.apart) {
+      // Forces and the like; measured: written number by number, articulated inertias slow all strips of aba down.
       const T given = value;
       for (int l = 0; l < strip_lanes; ++l) {
         const LaneParent& parent = s.lane_parents[l];

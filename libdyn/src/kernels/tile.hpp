@@ -24,25 +24,11 @@ struct Tile {
   }
   /// `terms` other rows times their factors: of row r and term k at factors[r * by_row + k * by_term].
   void subtract(const S* from, std::ptrdiff_t stride, int terms, const S* factors, std::ptrdiff_t by_row, std::ptrdiff_t by_term) {
-    for (int k = 0; k < terms; ++k, from += stride, factors += by_term) {
-      Wide other[packs];
-      for (int p = 0; p < packs; ++p) other[p] = loadPack<Wide>(from + p * width);
-      for (int r = 0; r < rows; ++r) {
-        const Wide factor(factors[r * by_row]);
-        for (int p = 0; p < packs; ++p) sum[r][p] -= factor * other[p];
-      }
-    }
+    subtractBy(from, stride, terms, [&](int r, int k) -> const S& { return factors[r * by_row + k * by_term]; });
   }
   /// The same with each row's factors, one after the other, in a place of their own.
   void subtract(const S* from, std::ptrdiff_t stride, int terms, const S* const (&factors)[rows]) {
-    for (int k = 0; k < terms; ++k, from += stride) {
-      Wide other[packs];
-      for (int p = 0; p < packs; ++p) other[p] = loadPack<Wide>(from + p * width);
-      for (int r = 0; r < rows; ++r) {
-        const Wide factor(factors[r][k]);
-        for (int p = 0; p < packs; ++p) sum[r][p] -= factor * other[p];
-      }
-    }
+    subtractBy(from, stride, terms, [&](int r, int k) -> const S& { return factors[r][k]; });
   }
   /// Of row `to` row `from` times a factor.
   void subtractRow(int to, int from, const S& factor) {
@@ -51,6 +37,19 @@ struct Tile {
   void store(S* to, std::ptrdiff_t stride) const {
     for (int r = 0; r < rows; ++r)
       for (int p = 0; p < packs; ++p) storePack(sum[r][p], to + r * stride + p * width);
+  }
+
+ private:
+  template <class Factor>
+  void subtractBy(const S* from, std::ptrdiff_t stride, int terms, Factor&& factorOf) {
+    for (int k = 0; k < terms; ++k, from += stride) {
+      Wide other[packs];
+      for (int p = 0; p < packs; ++p) other[p] = loadPack<Wide>(from + p * width);
+      for (int r = 0; r < rows; ++r) {
+        const Wide factor(factorOf(r, k));
+        for (int p = 0; p < packs; ++p) sum[r][p] -= factor * other[p];
+      }
+    }
   }
 };
 
