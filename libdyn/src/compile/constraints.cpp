@@ -152,11 +152,19 @@ class Packer {
 
   /// Every body on a way from a constraint to the world, and the rows that act on its subtree.
   void listBodies() {
-    std::vector<std::pair<int, int>> range(m_.index.size(), {std::numeric_limits<int>::max(), 0});
+    struct Acting {
+      int begin = std::numeric_limits<int>::max(), end = 0;
+      bool here = false;  ///< on the body itself
+      int children = 0;   ///< that rows act on
+    };
+    std::vector<Acting> acting(m_.index.size());
     const auto acts = [&](int body, int row, int rows) {
+      acting[at(body)].here = true;
       for (; body > 0; body = m_.index[at(body)].parent) {
-        range[at(body)].first = std::min(range[at(body)].first, row);
-        range[at(body)].second = std::max(range[at(body)].second, row + rows);
+        Acting& x = acting[at(body)];
+        if (x.end == 0) ++acting[at(m_.index[at(body)].parent)].children;
+        x.begin = std::min(x.begin, row);
+        x.end = std::max(x.end, row + rows);
       }
     };
     for (const auto& c : out_.frames)
@@ -166,14 +174,21 @@ class Packer {
     for (const auto& c : out_.locks) acts(c.body, c.row, c.rows);
     out_.body_at.assign(m_.index.size(), -1);
     for (int i = m_.bodies() - 1; i > 0; --i) {
-      if (range[at(i)].second == 0) continue;
-      out_.body_at[at(i)] = static_cast<int>(out_.bodies.size());
-      out_.bodies.push_back({i, -1, static_cast<int>(out_.dofs.size()), range[at(i)].first, range[at(i)].second, {}});
+      const Acting& x = acting[at(i)];
+      if (x.end == 0) continue;
+      const int place = static_cast<int>(out_.bodies.size()), dof = static_cast<int>(out_.dofs.size());
+      // Subtrees are contiguous: an only child is the body before.
+      if (x.here || x.children != 1) out_.chains.push_back({place, place, dof, dof, x.begin, x.end});
+      out_.body_at[at(i)] = place;
+      out_.bodies.push_back({i, static_cast<int>(out_.chains.size()) - 1, dof, m_.strips.used ? m_.strips.seats[at(i)] : Seat{}});
       for (int k = 0; k < m_.index[at(i)].nv; ++k) out_.dofs.push_back(m_.index[at(i)].idx_v + k);
+      out_.chains.back().end = static_cast<int>(out_.bodies.size());
+      out_.chains.back().dof_end = static_cast<int>(out_.dofs.size());
     }
-    if (m_.strips.used)
-      for (ConstrainedBody& b : out_.bodies) b.seat = m_.strips.seats[at(b.body)];
-    for (ConstrainedBody& b : out_.bodies) b.parent = out_.body_at[at(m_.index[at(b.body)].parent)];
+    for (ConstrainedChain& chain : out_.chains) {
+      const int parent = out_.body_at[at(m_.index[at(out_.bodies[at(chain.end - 1)].body)].parent)];
+      if (parent >= 0) chain.parent = out_.bodies[at(parent)].chain;
+    }
   }
 
   const CompactModel& model_;

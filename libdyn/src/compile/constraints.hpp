@@ -59,10 +59,16 @@ struct PackedJointLock {
 /// A body between a constraint and the world, children before parents.
 struct ConstrainedBody {
   int body = 0;
-  int parent = -1;         ///< its parent's place in the list; -1: the world
-  int dof = 0;             ///< place of its first degree of freedom among those of the list
-  int begin = 0, end = 0;  ///< rows that act on its subtree are among these
-  Seat seat;               ///< where the model has strips
+  int chain = 0;
+  int dof = 0;  ///< place of its first degree of freedom among those of the list
+  Seat seat;    ///< where the model has strips
+};
+/// Neighbours in that list, each the parent of the one before, of which no row acts on any but through the first.
+struct ConstrainedChain {
+  int begin = 0, end = 0;          ///< in the list of bodies
+  int dof_begin = 0, dof_end = 0;  ///< in that of their degrees of freedom
+  int row_begin = 0, row_end = 0;  ///< rows that act on them are among these
+  int parent = -1;                 ///< the chain that the last one's parent begins or is part of; -1: the world
 };
 
 struct PackedConstraints {
@@ -72,6 +78,7 @@ struct PackedConstraints {
   std::vector<PackedJointCoupling> couplings;
   std::vector<PackedJointLock> locks;
   std::vector<ConstrainedBody> bodies;
+  std::vector<ConstrainedChain> chains;
   std::vector<int> dofs;     ///< of these bodies: number in the model
   std::vector<int> body_at;  ///< by body: its place in `bodies`, or -1
   int rows = 0;

@@ -87,7 +87,7 @@ void applyDelassus(const CompactModel& model, Data& data, ConstraintData& constr
       if (last) F.angular += cross(d.r[here.body], F.linear);
       F -= (last ? share : scaled) * dof.W;
     }
-    if (here.parent >= 0) c.total[static_cast<std::size_t>(here.parent)] += F;
+    if (index.parent > 0) c.total[packed.body_at[static_cast<std::size_t>(index.parent)]] += F;
   }
   kernels::constraintKernels().accelerate(m, d, packed, {}, c.workspace);
   rowAccelerations(m, d, packed, c.frames, c.q, c.workspace, out.data());

@@ -203,21 +203,21 @@ void eachRowForce(const CompactImpl& m, const PackedConstraints& c, const FrameR
 }  // namespace
 
 void writeRowForces(const CompactImpl& m, const PackedConstraints& c, const FrameRows* frames, const double* q, kernels::ConstraintWorkspace& x) {
-  // Rows that do not act on a body's subtree stay zero there.
-  for (std::size_t b = 0; b < c.bodies.size(); ++b)
-    for (int a = 0; a < x.components; ++a)
-      std::fill(x.forceOf(static_cast<int>(b)) + a * x.stride + c.bodies[b].begin, x.forceOf(static_cast<int>(b)) + a * x.stride + c.bodies[b].end,
-                0.0);
+  // Rows that do not act on a chain are read, in packs, and stay zero there.
+  constexpr int widest = kernels::ConstraintWorkspace::widest;
+  for (std::size_t k = 0; k < c.chains.size(); ++k)
+    std::fill(x.forceOf(static_cast<int>(k), c.chains[k].row_begin / widest * widest),
+              x.forceOf(static_cast<int>(k), (c.chains[k].row_end + widest - 1) / widest * widest), 0.0);
   if (c.actsOnJoints()) std::fill_n(x.share, x.stride * static_cast<std::ptrdiff_t>(c.dofs.size()), 0.0);
   eachRowForce(
       m, c, frames, q,
       [&](int body, int row, const Force<double>& f, const Vec3<double>& lever) {
-        double* to = x.forceOf(c.body_at[at(body)]) + row;
+        double* to = x.forceOf(c.bodies[at(c.body_at[at(body)])].chain, row);
         for (int a = 0; a < 3; ++a) {
-          to[a * x.stride] += f.linear[a];
-          to[(3 + a) * x.stride] += f.angular[a];
+          to[a * widest] += f.linear[a];
+          to[(3 + a) * widest] += f.angular[a];
         }
-        to[x.reach * x.stride] += dot(f.linear, f.linear) * dot(lever, lever) + (dot(f.linear, f.linear) > 0 ? 0 : dot(f.angular, f.angular));
+        to[x.reach * widest] += dot(f.linear, f.linear) * dot(lever, lever) + (dot(f.linear, f.linear) > 0 ? 0 : dot(f.angular, f.angular));
       },
       [&](int body, int k, int row, double share) { x.shareOf(c.bodies[at(c.body_at[at(body)])].dof + k)[row] += share; });
 }

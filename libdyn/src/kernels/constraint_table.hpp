@@ -9,7 +9,8 @@
 namespace dyn::kernels {
 
 constexpr std::size_t constraintLayoutStamp() {
-  return (((sizeof(PackedConstraints) + sizeof(PackedFrameConstraint)) * 1000003 + sizeof(ConstrainedBody)) * 1000003 + sizeof(ConstraintWorkspace)) *
+  return (((sizeof(PackedConstraints) + sizeof(PackedFrameConstraint)) * 1000003 + sizeof(ConstrainedBody) + sizeof(ConstrainedChain)) * 1000003 +
+          sizeof(ConstraintWorkspace)) *
              1000003 +
          sizeof(ConstrainedInverse) + sizeof(RowState);
 }

@@ -14,7 +14,7 @@ namespace dyn::kernels {
 /// Arrays of one number a row of the constraints, `stride` numbers long: a multiple of the widest pack's.
 struct ConstraintWorkspace {
   std::ptrdiff_t stride = 0;
-  double* force = nullptr;     ///< `components` arrays a body of PackedConstraints::bodies: about its joint's origin, aligned axes; last its reach
+  double* force = nullptr;     ///< see forceOf
   double* share = nullptr;     ///< one a degree of freedom of these bodies
   double* free = nullptr;      ///< acceleration of each row without constraint forces, from the sweep
   double* bound = nullptr;     ///< what the diagonal of the Delassus matrix could be if nothing cancelled and no lever lay along its force
@@ -24,18 +24,19 @@ struct ConstraintWorkspace {
   double* column = nullptr;    ///< scratch of two rows
   double* motion = nullptr;    ///< one number a degree of freedom of these bodies: acceleration
 
-  /// Of a force on a body. Its reach is the square of the moment that it would have if all levers on its way stood square to it.
-  static constexpr int components = 7, reach = 6;
-  double* forceOf(int body) const { return force + components * body * stride; }
+  /// Of a force on the first body of a chain: about its joint's origin, aligned axes; last its reach, the square of the moment that it would have
+  /// if all levers on its way stood square to it. Numbers of `widest` rows lie together, a component after the other.
+  static constexpr int components = 7, reach = 6, widest = 8;
+  double* forceOf(int chain, int row) const { return force + (chain * stride + row / widest * widest) * components + row % widest; }
   double* shareOf(int dof) const { return share + dof * stride; }
   double* scaledOf(int dof) const { return scaled + dof * stride; }
 };
 
 inline void carve(ConstraintWorkspace& x, const PackedConstraints& c, Arena& arena) {
-  constexpr std::ptrdiff_t widest = 8;
+  constexpr int widest = ConstraintWorkspace::widest;
   x.stride = (c.rows + widest - 1) / widest * widest;
   const auto stride = static_cast<std::size_t>(x.stride);
-  arena.take(x.force, ConstraintWorkspace::components * stride * c.bodies.size());
+  arena.take(x.force, ConstraintWorkspace::components * stride * c.chains.size());
   arena.take(x.share, stride * c.dofs.size());
   arena.take(x.free, stride);
   arena.take(x.bound, stride);
@@ -52,56 +53,58 @@ inline void carve(ConstraintWorkspace& x, const PackedConstraints& c, Arena& are
 /// once joints have been eliminated, or as the caller has put it.
 template <class Wide>
 void constraintSweep(const CompactImpl& m, const Workspace<double>& w, const PackedConstraints& c, bool eliminated, ConstraintWorkspace& x) {
-  constexpr int width = lanes_of<Wide>;
+  constexpr int width = lanes_of<Wide>, step = ConstraintWorkspace::widest;
   const auto load = [](const double* from) { return loadPack<Wide>(from); };
   const auto store = [](const Wide& value, double* to) { storePack(value, to); };
   std::fill_n(x.free, x.stride, 0.0);
   std::fill_n(x.bound, x.stride, 0.0);
   const bool on_joints = c.actsOnJoints();
-  for (std::size_t slot = 0; slot < c.bodies.size(); ++slot) {
-    const ConstrainedBody& here = c.bodies[slot];
-    const BodyIndex& index = m.index[static_cast<std::size_t>(here.body)];
-    const bool root = index.parent == 0;
-    const Vec3<double>& r = w.r[here.body];
-    const Motion<double>& beta = w.beta[here.body];
-    const Vec3<double> fall = index.flying_root ? transposeTimes(w.rel[here.body].R, -m.gravity) : -m.gravity;
-    for (int first = here.begin / width * width; first < here.end; first += width) {
-      const auto row = [&](int component) { return x.forceOf(static_cast<int>(slot)) + component * x.stride + first; };
-      Force<Wide> F{{load(row(0)), load(row(1)), load(row(2))}, {load(row(3)), load(row(4)), load(row(5))}};
-      Wide free = load(x.free + first), bound = load(x.bound + first), reach = load(row(ConstraintWorkspace::reach));
-      const auto along = [](const auto& s, const Force<Wide>& f) {
-        return Wide(s.linear.x) * f.linear.x + Wide(s.linear.y) * f.linear.y + Wide(s.linear.z) * f.linear.z + Wide(s.angular.x) * f.angular.x +
-               Wide(s.angular.y) * f.angular.y + Wide(s.angular.z) * f.angular.z;
-      };
-      for (int k = 0; k < index.nv; ++k) {
-        const DofFactor<double>& dof = w.dof[index.idx_v + k];
-        double* share = x.shareOf(here.dof + k) + first;
-        const Wide own = on_joints ? load(share) : Wide(0), y = own + along(dof.S_, F), scaled = Wide(dof.inverse) * y;
-        store(y, share);
-        store(scaled, x.scaledOf(here.dof + k) + first);
-        const bool last = k == index.nv - 1;
-        bound += Wide(dof.inverse) *
-                 (own * own + Wide(dot(dof.S_.linear, dof.S_.linear)) * dot(F.linear, F.linear) + Wide(dot(dof.S_.angular, dof.S_.angular)) * reach);
-        if (last) {
-          free += along(beta, F);
-          reach += Wide(dot(r, r)) * dot(F.linear, F.linear);
+  const auto along = [](const auto& s, const Force<Wide>& f) {
+    return Wide(s.linear.x) * f.linear.x + Wide(s.linear.y) * f.linear.y + Wide(s.linear.z) * f.linear.z + Wide(s.angular.x) * f.angular.x +
+           Wide(s.angular.y) * f.angular.y + Wide(s.angular.z) * f.angular.z;
+  };
+  for (std::size_t number = 0; number < c.chains.size(); ++number) {
+    const ConstrainedChain& chain = c.chains[number];
+    for (int first = chain.row_begin / width * width; first < chain.row_end; first += width) {
+      const double* from = x.forceOf(static_cast<int>(number), first);
+      Force<Wide> F{{load(from), load(from + step), load(from + 2 * step)}, {load(from + 3 * step), load(from + 4 * step), load(from + 5 * step)}};
+      Wide free = load(x.free + first), bound = load(x.bound + first), reach = load(from + ConstraintWorkspace::reach * step);
+      for (int place = chain.begin; place < chain.end; ++place) {
+        const ConstrainedBody& here = c.bodies[static_cast<std::size_t>(place)];
+        const BodyIndex& index = m.index[static_cast<std::size_t>(here.body)];
+        const Vec3<double>& r = w.r[here.body];
+        for (int k = 0; k < index.nv; ++k) {
+          const DofFactor<double>& dof = w.dof[index.idx_v + k];
+          double* share = x.shareOf(here.dof + k) + first;
+          const Wide own = on_joints ? load(share) : Wide(0), y = own + along(dof.S_, F), scaled = Wide(dof.inverse) * y;
+          store(y, share);
+          store(scaled, x.scaledOf(here.dof + k) + first);
+          const bool last = k == index.nv - 1;
+          bound += Wide(dof.inverse) * (own * own + Wide(dot(dof.S_.linear, dof.S_.linear)) * dot(F.linear, F.linear) +
+                                        Wide(dot(dof.S_.angular, dof.S_.angular)) * reach);
+          if (last) {
+            free += along(w.beta[here.body], F);
+            reach += Wide(dot(r, r)) * dot(F.linear, F.linear);
+          }
+          if (!eliminated) continue;
+          free += y * Wide(dof.y);
+          const Wide less = last ? y : scaled;
+          if (last) F.angular += cross(cast<Wide>(r), F.linear);  // abaInward has moved this W to the parent
+          F.linear -= Vec3<Wide>{less * Wide(dof.W.linear.x), less * Wide(dof.W.linear.y), less * Wide(dof.W.linear.z)};
+          F.angular -= Vec3<Wide>{less * Wide(dof.W.angular.x), less * Wide(dof.W.angular.y), less * Wide(dof.W.angular.z)};
         }
-        if (!eliminated) continue;
-        free += y * Wide(dof.y);
-        const Wide less = last ? y : scaled;
-        if (last) F.angular += cross(cast<Wide>(r), F.linear);  // abaInward has moved this W to the parent
-        F.linear -= Vec3<Wide>{less * Wide(dof.W.linear.x), less * Wide(dof.W.linear.y), less * Wide(dof.W.linear.z)};
-        F.angular -= Vec3<Wide>{less * Wide(dof.W.angular.x), less * Wide(dof.W.angular.y), less * Wide(dof.W.angular.z)};
+        if (!eliminated) F.angular += cross(cast<Wide>(r), F.linear);
       }
-      if (!eliminated) F.angular += cross(cast<Wide>(r), F.linear);
-      if (root && eliminated) free += Wide(fall.x) * F.linear.x + Wide(fall.y) * F.linear.y + Wide(fall.z) * F.linear.z;
+      const int top = c.bodies[static_cast<std::size_t>(chain.end - 1)].body;
+      if (chain.parent < 0 && eliminated) {
+        const Vec3<double> fall = m.index[static_cast<std::size_t>(top)].flying_root ? transposeTimes(w.rel[top].R, -m.gravity) : -m.gravity;
+        free += Wide(fall.x) * F.linear.x + Wide(fall.y) * F.linear.y + Wide(fall.z) * F.linear.z;
+      }
       store(free, x.free + first);
       store(bound, x.bound + first);
-      if (root) continue;
-      const auto add = [&](int component, const Wide& value) {
-        double* to = x.forceOf(here.parent) + component * x.stride + first;
-        store(load(to) + value, to);
-      };
+      if (chain.parent < 0) continue;
+      double* to = x.forceOf(chain.parent, first);
+      const auto add = [&](int component, const Wide& value) { store(load(to + component * step) + value, to + component * step); };
       for (int a = 0; a < 3; ++a) {
         add(a, F.linear[a]);
         add(3 + a, F.angular[a]);
@@ -115,16 +118,18 @@ void constraintSweep(const CompactImpl& m, const Workspace<double>& w, const Pac
 template <class Wide>
 void delassusMatrix(const PackedConstraints& c, ConstraintWorkspace& x) {
   constexpr int width = lanes_of<Wide>, tile = 8;
-  const auto count = static_cast<int>(c.dofs.size());
-  // A tile of rows and a pack of columns at a time, above the diagonal, in registers through all degrees of freedom.
+  // A tile of rows and a pack of columns at a time, above the diagonal, in registers through all degrees of freedom that have both.
   for (int row = 0; row < c.rows; row += tile)
     for (int column = row / width * width; column < c.rows; column += width) {
       Wide sums[tile];
       for (Wide& sum : sums) sum = Wide(0);
-      for (int k = 0; k < count; ++k) {
-        const Wide share = loadPack<Wide>(x.shareOf(k) + column);
-        const double* scaled = x.scaledOf(k) + row;
-        for (int r = 0; r < tile; ++r) sums[r] += Wide(scaled[r]) * share;
+      for (const ConstrainedChain& chain : c.chains) {
+        if (chain.row_end <= column || chain.row_begin >= std::min(row + tile, column + width) || chain.row_end <= row) continue;
+        for (int k = chain.dof_begin; k < chain.dof_end; ++k) {
+          const Wide share = loadPack<Wide>(x.shareOf(k) + column);
+          const double* scaled = x.scaledOf(k) + row;
+          for (int r = 0; r < tile; ++r) sums[r] += Wide(scaled[r]) * share;
+        }
       }
       for (int r = 0; r < std::min(tile, c.rows - row); ++r) storePack(sums[r], x.delassus + (row + r) * x.stride + column);
     }
@@ -250,12 +255,15 @@ void accelerateConstrained(const CompactImpl& m, Workspace<double>& w, const Pac
 /// Adds to what abaSolve starts from what forces of the constraints, one a row, give to each degree of freedom.
 template <class Wide>
 void addConstraintForces(const PackedConstraints& c, const ConstraintWorkspace& x, const double* lambda, Workspace<double>& w) {
-  for (std::size_t k = 0; k < c.dofs.size(); ++k) {
-    const double* scaled = x.scaledOf(static_cast<int>(k));
-    Wide sum(0);
-    for (int first = 0; first < c.rows; first += lanes_of<Wide>) sum += loadPack<Wide>(scaled + first) * loadPack<Wide>(lambda + first);
-    w.dof[c.dofs[k]].y += total<double>(sum);
-  }
+  constexpr int width = lanes_of<Wide>;
+  for (const ConstrainedChain& chain : c.chains)
+    for (int k = chain.dof_begin; k < chain.dof_end; ++k) {
+      const double* scaled = x.scaledOf(k);
+      Wide sum(0);
+      for (int first = chain.row_begin / width * width; first < chain.row_end; first += width)
+        sum += loadPack<Wide>(scaled + first) * loadPack<Wide>(lambda + first);
+      w.dof[c.dofs[static_cast<std::size_t>(k)]].y += total<double>(sum);
+    }
 }
 
 }  // namespace dyn::kernels
