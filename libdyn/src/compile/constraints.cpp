@@ -67,8 +67,6 @@ class Packer {
         if (!std::isfinite(k < 9 ? placements[e]->R.m[k] : placements[e]->p[k - 9])) refuse("its placement has an entry that is not finite");
     }
     if (p.body[0] == p.body[1]) refuse("'" + c.frame + "' and '" + c.other + "' belong to one body" + (p.body[0] == 0 ? ", the world" : ""));
-    for (int e = 0; e < 2; ++e)
-      for (int i = p.body[e]; i > 0; i = m_.index[at(i)].parent) p.root[e] = i;
     // Numbers are depth first: the larger one is not above the other.
     int a = p.body[0], b = p.body[1];
     while (a != b) (a > b ? a : b) = m_.index[at(std::max(a, b))].parent;

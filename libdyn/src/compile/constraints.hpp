@@ -13,7 +13,6 @@ namespace dyn {
 struct PackedFrameConstraint {
   int row = 0, rows = 0;
   int body[2] = {0, 0};
-  int root[2] = {0, 0};      ///< of their trees
   int common = 0;            ///< the last body that moves both, or 0
   SE3<double> placement[2];  ///< of the constraint's frames, in the bodies' core frames
   std::array<bool, 6> free{};
@@ -68,7 +67,7 @@ struct ConstrainedChain {
   int begin = 0, end = 0;          ///< in the list of bodies
   int dof_begin = 0, dof_end = 0;  ///< in that of their degrees of freedom
   int row_begin = 0, row_end = 0;  ///< rows that act on them are among these
-  int parent = -1;                 ///< the chain that the last one's parent begins or is part of; -1: the world
+  int parent = -1;                 ///< the chain that the last one's parent begins; -1: the world
 };
 
 struct PackedConstraints {
@@ -82,6 +81,8 @@ struct PackedConstraints {
   std::vector<int> dofs;     ///< of these bodies: number in the model
   std::vector<int> body_at;  ///< by body: its place in `bodies`, or -1
   int rows = 0;
+  /// -1: the world.
+  int chainOf(int body) const { return body > 0 ? bodies[static_cast<std::size_t>(body_at[static_cast<std::size_t>(body)])].chain : -1; }
   bool actsOnJoints() const { return !couplings.empty() || !locks.empty(); }
 };
 

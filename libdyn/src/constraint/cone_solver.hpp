@@ -1,7 +1,7 @@
 // Forces in Coulomb cones: 0 in G x + g + friction |tangential velocity| normal + normal cone of the cones at x.
 #pragma once
 
-#include "kernels/constraints.hpp"
+#include "kernels/constraint_workspace.hpp"
 
 #include <dyn/constraint/friction.hpp>
 

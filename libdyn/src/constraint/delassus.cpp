@@ -1,6 +1,5 @@
 #include "constraint/kkt.hpp"
 #include "constraint/solution.hpp"
-#include "kernels/constraint_table.hpp"
 
 #include <dyn/constraint/delassus.hpp>
 
@@ -74,24 +73,12 @@ void applyDelassus(const CompactModel& model, Data& data, ConstraintData& constr
     return;
   }
   // One force a body, on its way to the world; each degree of freedom yields to its share.
+  const PlacedBodies bodies = placedBodies(d, c);
   sumRowForces(m, packed, c.frames, c.q, x.data, c.total, c.shares);
-  for (std::size_t slot = 0; slot < packed.bodies.size(); ++slot) {
-    const ConstrainedBody& here = packed.bodies[slot];
-    const BodyIndex& index = m.index[static_cast<std::size_t>(here.body)];
-    Force<double> F = c.total[slot];
-    for (int k = 0; k < index.nv; ++k) {
-      DofFactor<double>& dof = d.dof[index.idx_v + k];
-      const double share = c.shares[here.dof + k] + dot(dof.S_, F), scaled = dof.inverse * share;
-      dof.y = scaled;
-      const bool last = k == index.nv - 1;
-      if (last) F.angular += cross(d.r[here.body], F.linear);
-      F -= (last ? share : scaled) * dof.W;
-    }
-    if (index.parent > 0) c.total[packed.body_at[static_cast<std::size_t>(index.parent)]] += F;
-  }
-  kernels::constraintKernels().accelerate(m, d, packed, {}, c.workspace);
-  rowAccelerations(m, d, packed, c.frames, c.q, c.workspace, out.data());
-  for (const int dof : packed.dofs) d.dof[dof].y = 0;
+  bodies.run.yieldTo(m, bodies.memory, packed, c.total, c.shares);
+  bodies.run.accelerate(m, bodies.memory, packed, {}, c.workspace);
+  rowAccelerations(m, packed, c.frames, c.q, c.workspace, out.data());
+  bodies.run.forgetForces(m, bodies.memory, packed);
 }
 
 }  // namespace dyn::detail

@@ -1,7 +1,7 @@
 // D x = b for the Delassus matrix D = J M^-1 J^T: positive semidefinite, and singular where constraints repeat each other.
 #pragma once
 
-#include "kernels/constraints.hpp"
+#include "kernels/constraint_workspace.hpp"
 
 #include <dyn/constraint/constraint_set.hpp>
 

@@ -68,7 +68,7 @@ ConstrainedDerivativeViews constraintDynamicsDerivatives(const CompactModel& mod
   constraintDynamics(model, data, q, v, tau, constraints, ConstraintMethod::articulated, nullptr, 0);
   std::copy_n(d.ddq, n, c.v_after);
   const VectorView ddq{c.v_after, n};
-  rowForcesOnBodies(model, d, c, c.fext);
+  rowForcesOnBodies(model, c, c.fext);
   rneaDerivatives(model, data, q, &v, &ddq, c.fext, model.impl().joints.size());
   double *force_by_q = d.dtau_dq, *force_by_v = d.dtau_dv;
   if (c.pattern->forces_turn) {
@@ -103,7 +103,7 @@ ConstrainedDerivativeViews impulseDynamicsDerivatives(const CompactModel& model,
   // M (v_after - v) - J^T impulse by q: inverse dynamics at rest with the change for an acceleration, less gravity.
   for (Eigen::Index k = 0; k < n; ++k) c.change[k] = c.v_after[k] - v.data[k];
   const VectorView change{c.change, n};
-  rowForcesOnBodies(model, d, c, c.fext);
+  rowForcesOnBodies(model, c, c.fext);
   rneaDerivatives(model, data, q, nullptr, nullptr, nullptr, 0);
   Matrix(c.force, n, n) = -Matrix(d.dtau_dq, n, n);
   rneaDerivatives(model, data, q, &zero, &change, c.fext, model.impl().joints.size());

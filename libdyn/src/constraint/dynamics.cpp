@@ -1,6 +1,5 @@
 #include "constraint/kkt.hpp"
 #include "constraint/solution.hpp"
-#include "kernels/constraint_table.hpp"
 
 #include <dyn/constraint/dynamics.hpp>
 #include <dyn/error.hpp>
@@ -26,9 +25,10 @@ ConstrainedViews refined(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& 
                          const double* motion, Wanted&& wanted) {
   const PackedConstraints& packed = c.set.impl();
   ConstrainedViews out{motion, c.lambda, 0, c.solver.rank(), c.solver.solve(c.wanted, c.lambda)};
-  kernels::constraintKernels().addForces(packed, c.workspace, c.lambda, d);
-  kernels::constraintKernels().accelerate(m, d, packed, gravity, c.workspace);
-  rowAccelerations(m, d, packed, c.frames, q, c.workspace, c.gamma);
+  const PlacedBodies bodies = placedBodies(d, c);
+  bodies.run.addForces(m, bodies.memory, packed, c.workspace, c.lambda);
+  bodies.run.accelerate(m, bodies.memory, packed, gravity, c.workspace);
+  rowAccelerations(m, packed, c.frames, q, c.workspace, c.gamma);
   wanted(c.gamma);
   for (int r = 0; r < packed.rows; ++r)
     if (!(std::abs(c.wanted[r]) <= out.residual)) out.residual = std::abs(c.wanted[r]);
@@ -61,7 +61,7 @@ ConstrainedViews constraintDynamics(const CompactModel& model, Data& data, Vecto
     return out;
   }
   return refined(m, d, c, q.data, m.gravity, d.ddq, d.ddq, [&](double* rows) {
-    addGravity(m, d, c.set.impl(), c.frames, rows);
+    addGravity(m, c.set.impl(), c.frames, c.workspace, rows);
     wantedAccelerations(c, rows);
   });
 }

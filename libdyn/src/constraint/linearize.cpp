@@ -30,8 +30,8 @@ Quotient quotient(double cosine) {
 
 /// How the angular part of a constraint's error, in axes that turn with its first frame, changes as the first body turns against the second: all
 /// in the aligned axes of the first one's tree.
-Mat3<double> errorByTurning(const PackedFrameConstraint& f, const DataImpl& d, const FrameRows& x) {
-  const Mat3<double> first = d.R[f.body[0]] * f.placement[0].R, second = transpose(x.turn) * (d.R[f.body[1]] * f.placement[1].R);
+Mat3<double> errorByTurning(const PackedFrameConstraint& f, const Mat3<double>& own, const Mat3<double>& other, const FrameRows& x) {
+  const Mat3<double> first = own * f.placement[0].R, second = transpose(x.turn) * (other * f.placement[1].R);
   if (f.turnsFreely()) return {};
   for (int k = 0; k < 3; ++k)
     if (f.free[at(3 + k)]) {
@@ -155,13 +155,14 @@ void linearizeRows(const CompactModel& model, DataImpl& d, ConstraintDataImpl& c
     kernels::RowState x{c.frames[i], {}, {}, {}, wrenchOf(f, c.frames[i].axes, c.lambda)};
     pointMotions(m, d, c, f, c.frames[i], x.points);
     if (feedback) x.gains = f.baumgarte;
-    if (x.gains.position > 0) x.error_by_turning = errorByTurning(f, d, c.frames[i]);
+    if (x.gains.position > 0)
+      x.error_by_turning = errorByTurning(f, c.workspace.stateOf(packed, f.body[0]).R, c.workspace.stateOf(packed, f.body[1]).R, c.frames[i]);
     kernels::constraintKernels().rowDerivatives(f, x, c.columns, c.turning, out);
   }
   linearizeJointRows(m, c, state, feedback, out);
 }
 
-void rowForcesOnBodies(const CompactModel& model, const DataImpl& d, const ConstraintDataImpl& c, Force<double>* fext) {
+void rowForcesOnBodies(const CompactModel& model, const ConstraintDataImpl& c, Force<double>* fext) {
   const CompactImpl& m = model.impl();
   std::fill_n(fext, m.joints.size(), Force<double>{});
   for (std::size_t k = 0; k < c.set.impl().frames.size(); ++k) {
@@ -170,7 +171,7 @@ void rowForcesOnBodies(const CompactModel& model, const DataImpl& d, const Const
     const Force<double> wrench = wrenchOf(f, x.axes, c.lambda);
     const auto add = [&](int e, const Force<double>& at_point) {
       if (f.body[e] == 0) return;
-      const Mat3<double>& R = d.R[f.body[e]];
+      const Mat3<double>& R = c.workspace.stateOf(c.set.impl(), f.body[e]).R;
       const Vec moment = at_point.angular + cross(x.lever[e], at_point.linear);
       const std::size_t joint = at(m.index[at(f.body[e])].joint);
       fext[joint] += m.user_frame[joint].actInv(Force<double>{transposeTimes(R, at_point.linear), transposeTimes(R, moment)});

@@ -12,6 +12,6 @@ void linearizeRows(const CompactModel& model, DataImpl& d, ConstraintDataImpl& c
 
 /// External forces on joints' bodies, as the user numbers them, that forces of the rows amount to where the rows were located
 /// last. Constraints on joints have none.
-void rowForcesOnBodies(const CompactModel& model, const DataImpl& d, const ConstraintDataImpl& c, Force<double>* fext);
+void rowForcesOnBodies(const CompactModel& model, const ConstraintDataImpl& c, Force<double>* fext);
 
 }  // namespace dyn

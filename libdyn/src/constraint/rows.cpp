@@ -13,28 +13,23 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// World axes from those of the tree's aligned frames.
-Mat3<double> treeAxes(const CompactImpl& m, const Workspace<double>& w, int root) {
-  return root > 0 && m.index[at(root)].flying_root ? w.rel[root].R : Mat3<double>::identity();
-}
+using kernels::ConstraintWorkspace;
 
 /// The origin of `body`, from that of `stop`, which is above it; for 0, of the world or of a flying root.
-Vec3<double> originFrom(const CompactImpl& m, const Workspace<double>& w, int body, int stop) {
+Vec3<double> originFrom(const PackedConstraints& c, const ConstraintWorkspace& x, int body, int stop) {
   Vec3<double> sum;
-  for (int i = body; i != stop; i = m.index[at(i)].parent) sum += w.r[i];
+  for (int k = c.chainOf(body), end = c.chainOf(stop); k != end; k = c.chains[at(k)].parent) sum += x.chains[k].lever;
   return sum;
 }
 
 /// The velocity relative to `stop` of the point of `body` at `lever` from its origin.
-Motion<double> velocityFrom(const CompactImpl& m, const Workspace<double>& w, int body, int stop, Vec3<double> lever, const double* v) {
+Motion<double> velocityFrom(const PackedConstraints& c, const ConstraintWorkspace& x, int body, int stop, Vec3<double> lever) {
   Motion<double> sum;
-  for (int i = body; i != stop; i = m.index[at(i)].parent) {
-    const BodyIndex& x = m.index[at(i)];
-    Motion<double> own;
-    for (int k = 0; k < x.nv; ++k) own += v[x.idx_v + k] * w.dof[x.idx_v + k].S_;
-    sum.linear += own.linear + cross(own.angular, lever);
-    sum.angular += own.angular;
-    lever += w.r[i];
+  for (int k = c.chainOf(body), end = c.chainOf(stop); k != end; k = c.chains[at(k)].parent) {
+    const Motion<double>& v = x.chains[k].velocity;
+    sum.linear += v.linear + cross(v.angular, lever);
+    sum.angular += v.angular;
+    lever += x.chains[k].lever;
   }
   return sum;
 }
@@ -58,39 +53,36 @@ Vec3<double> turnedBy(const PackedFrameConstraint& c, const Mat3<double>& first,
   return second * log3(transpose(second) * first);
 }
 
-void locate(const CompactImpl& m, const Workspace<double>& w, const PackedFrameConstraint& c, const double* v, FrameRows& out) {
+void locate(const PackedConstraints& all, const ConstraintWorkspace& x, const PackedFrameConstraint& c, bool moves, FrameRows& out) {
   const bool on_world = c.body[1] == 0;
-  const Mat3<double> first = w.R[c.body[0]] * c.placement[0].R;
-  const Mat3<double> trees[2] = {treeAxes(m, w, c.root[0]), treeAxes(m, w, c.root[1])};
-  out.lever[0] = w.R[c.body[0]] * c.placement[0].p;
+  const kernels::ChainState &own = x.stateOf(all, c.body[0]), &other = x.stateOf(all, c.body[1]);
+  const Mat3<double> first = own.R * c.placement[0].R;
+  out.lever[0] = own.R * c.placement[0].p;
   out.lever[1] = {};
   out.error = {};
-  out.turn = c.common > 0 ? Mat3<double>::identity() : (on_world ? trees[0] : transpose(trees[1]) * trees[0]);
+  out.turn = c.common > 0 ? Mat3<double>::identity() : (on_world ? own.tree.R : transpose(other.tree.R) * own.tree.R);
   // The world's own lever is asked for by targets only.
   if (c.common > 0) {
-    out.lever[1] = originFrom(m, w, c.body[0], c.common) + out.lever[0] - originFrom(m, w, c.body[1], c.common);
+    out.lever[1] = originFrom(all, x, c.body[0], c.common) + out.lever[0] - originFrom(all, x, c.body[1], c.common);
   } else if (!on_world || c.has_target) {
-    const auto inWorld = [&](int e, const Vec3<double>& x) {
-      return c.root[e] > 0 && m.index[at(c.root[e])].flying_root ? trees[e] * x + w.rel[c.root[e]].p : x;
-    };
-    out.lever[1] = transposeTimes(trees[1], inWorld(0, originFrom(m, w, c.body[0], 0) + out.lever[0]) - inWorld(1, originFrom(m, w, c.body[1], 0)));
+    out.lever[1] = transposeTimes(other.tree.R,
+                                  own.tree.act(originFrom(all, x, c.body[0], 0) + out.lever[0]) - other.tree.act(originFrom(all, x, c.body[1], 0)));
   }
   out.relative = {};
   out.w[0] = out.w[1] = {};
-  if (v) {
-    out.relative = velocityFrom(m, w, c.body[0], c.common, out.lever[0], v);
-    out.w[0] = w.w[c.body[0]];
+  if (moves) {
+    out.relative = velocityFrom(all, x, c.body[0], c.common, out.lever[0]);
+    out.w[0] = own.w;
     if (!on_world) {
-      const Motion<double> other = velocityFrom(m, w, c.body[1], c.common, out.lever[1], v);
-      out.relative -= kernels::turnedBack(out.turn, other);
-      out.w[1] = transposeTimes(out.turn, w.w[c.body[1]]);
+      out.relative -= kernels::turnedBack(out.turn, velocityFrom(all, x, c.body[1], c.common, out.lever[1]));
+      out.w[1] = transposeTimes(out.turn, other.w);
     }
   }
   Mat3<double> second;
-  if (c.has_target || c.axes == ConstraintAxes::OTHER) second = transpose(out.turn) * (w.R[c.body[1]] * c.placement[1].R);
-  out.axes = c.axes == ConstraintAxes::LOCAL ? first : (c.axes == ConstraintAxes::OTHER ? second : transpose(trees[0]));
+  if (c.has_target || c.axes == ConstraintAxes::OTHER) second = transpose(out.turn) * (other.R * c.placement[1].R);
+  out.axes = c.axes == ConstraintAxes::LOCAL ? first : (c.axes == ConstraintAxes::OTHER ? second : transpose(own.tree.R));
   if (!c.has_target) return;
-  const Vec3<double> target = w.R[c.body[1]] * c.placement[1].p;  // from the second body's origin
+  const Vec3<double> target = other.R * c.placement[1].p;  // from the second body's origin
   out.error.linear = transposeTimes(out.axes, transposeTimes(out.turn, out.lever[1] - target));
   out.error.angular = transposeTimes(out.axes, turnedBy(c, first, second));
 }
@@ -137,12 +129,12 @@ void differenceOf(const CompactImpl& m, int body, const double* from, const doub
 
 }  // namespace
 
-void locateRows(const CompactImpl& m, const Workspace<double>& w, const PackedConstraints& c, const double* q, const double* v, FrameRows* frames,
-                const RowMotion& rows) {
+void locateRows(const CompactImpl& m, const PackedConstraints& c, const ConstraintWorkspace& workspace, const double* q, const double* v,
+                FrameRows* frames, const RowMotion& rows) {
   for (std::size_t k = 0; k < c.frames.size(); ++k) {
     const PackedFrameConstraint& f = c.frames[k];
     FrameRows& x = frames[k];
-    locate(m, w, f, v, x);
+    locate(c, workspace, f, v != nullptr, x);
     const Motion<double> velocity = kernels::turnedBack(x.axes, x.relative), bias = v ? kernels::turnedBack(x.axes, biasOf(f, x)) : Motion<double>{};
     eachDirection(f, [&](int row, int direction) {
       rows.velocity[row] = component(velocity, direction);
@@ -202,9 +194,9 @@ void eachRowForce(const CompactImpl& m, const PackedConstraints& c, const FrameR
 
 }  // namespace
 
-void writeRowForces(const CompactImpl& m, const PackedConstraints& c, const FrameRows* frames, const double* q, kernels::ConstraintWorkspace& x) {
+void writeRowForces(const CompactImpl& m, const PackedConstraints& c, const FrameRows* frames, const double* q, ConstraintWorkspace& x) {
   // Rows that do not act on a chain are read, in packs, and stay zero there.
-  constexpr int widest = kernels::ConstraintWorkspace::widest;
+  constexpr int widest = ConstraintWorkspace::widest;
   for (std::size_t k = 0; k < c.chains.size(); ++k)
     std::fill(x.forceOf(static_cast<int>(k), c.chains[k].row_begin / widest * widest),
               x.forceOf(static_cast<int>(k), (c.chains[k].row_end + widest - 1) / widest * widest), 0.0);
@@ -212,7 +204,7 @@ void writeRowForces(const CompactImpl& m, const PackedConstraints& c, const Fram
   eachRowForce(
       m, c, frames, q,
       [&](int body, int row, const Force<double>& f, const Vec3<double>& lever) {
-        double* to = x.forceOf(c.bodies[at(c.body_at[at(body)])].chain, row);
+        double* to = x.forceOf(c.chainOf(body), row);
         for (int a = 0; a < 3; ++a) {
           to[a * widest] += f.linear[a];
           to[(3 + a) * widest] += f.angular[a];
@@ -231,14 +223,13 @@ void sumRowForces(const CompactImpl& m, const PackedConstraints& c, const FrameR
       [&](int body, int k, int row, double share) { shares[c.bodies[at(c.body_at[at(body)])].dof + k] += lambda[row] * share; });
 }
 
-void rowAccelerations(const CompactImpl& m, const Workspace<double>& w, const PackedConstraints& c, const FrameRows* frames, const double* q,
-                      const kernels::ConstraintWorkspace& x, double* out) {
+void rowAccelerations(const CompactImpl& m, const PackedConstraints& c, const FrameRows* frames, const double* q, const ConstraintWorkspace& x,
+                      double* out) {
   for (std::size_t k = 0; k < c.frames.size(); ++k) {
     const PackedFrameConstraint& f = c.frames[k];
     const FrameRows& s = frames[k];
     const auto seen = [&](int e) {
-      if (f.body[e] == 0) return Motion<double>{};
-      const Motion<double>& a = w.acc[f.body[e]];
+      const Motion<double>& a = x.stateOf(c, f.body[e]).acceleration;
       return Motion<double>{a.linear + cross(a.angular, s.lever[e]), a.angular};
     };
     const Motion<double> other = seen(1);
@@ -255,12 +246,12 @@ void rowAccelerations(const CompactImpl& m, const Workspace<double>& w, const Pa
     for (int r = 0; r < k.rows; ++r) out[k.row + r] = motionOf(k.body, r);
 }
 
-void addGravity(const CompactImpl& m, const Workspace<double>& w, const PackedConstraints& c, const FrameRows* frames, double* accelerations) {
+void addGravity(const CompactImpl& m, const PackedConstraints& c, const FrameRows* frames, const ConstraintWorkspace& x, double* accelerations) {
   for (std::size_t k = 0; k < c.frames.size(); ++k) {
     const PackedFrameConstraint& f = c.frames[k];
     // Where both bodies move, both fall.
     if (f.body[0] > 0 && f.body[1] > 0) continue;
-    const Vec3<double> gravity = transposeTimes(treeAxes(m, w, f.root[0]), m.gravity);
+    const Vec3<double> gravity = transposeTimes(x.stateOf(c, f.body[0]).tree.R, m.gravity);
     const double sign = f.body[0] > 0 ? 1 : -1;
     eachDirection(f, [&](int row, int direction) {
       if (direction < 3) accelerations[row] += sign * dot(frames[k].axes.col(direction), gravity);

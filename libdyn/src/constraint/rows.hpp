@@ -4,7 +4,7 @@
 
 #include "compile/constraints.hpp"
 #include "data/data_impl.hpp"
-#include "kernels/constraints.hpp"
+#include "kernels/constraint_workspace.hpp"
 #include "kernels/row_derivatives.hpp"
 
 namespace dyn {
@@ -16,9 +16,9 @@ struct RowMotion {
   double* error;
 };
 
-/// After the kernel's outward pass. q and v in expanded coordinates; v may be null (at rest).
-void locateRows(const CompactImpl& m, const Workspace<double>& w, const PackedConstraints& c, const double* q, const double* v, FrameRows* frames,
-                const RowMotion& rows);
+/// Once the kernel has located chains. q and v in expanded coordinates; v may be null (at rest).
+void locateRows(const CompactImpl& m, const PackedConstraints& c, const kernels::ConstraintWorkspace& x, const double* q, const double* v,
+                FrameRows* frames, const RowMotion& rows);
 
 /// Writes the rows' unit forces for the kernel's sweep.
 void writeRowForces(const CompactImpl& m, const PackedConstraints& c, const FrameRows* frames, const double* q, kernels::ConstraintWorkspace& x);
@@ -27,11 +27,12 @@ void writeRowForces(const CompactImpl& m, const PackedConstraints& c, const Fram
 void sumRowForces(const CompactImpl& m, const PackedConstraints& c, const FrameRows* frames, const double* q, const double* lambda,
                   Force<double>* bodies, double* shares);
 
-/// Accelerations of the rows by those of their bodies, w.acc, and joints, without their bias.
-void rowAccelerations(const CompactImpl& m, const Workspace<double>& w, const PackedConstraints& c, const FrameRows* frames, const double* q,
+/// Accelerations of the rows by those of chains and joints, without their bias.
+void rowAccelerations(const CompactImpl& m, const PackedConstraints& c, const FrameRows* frames, const double* q,
                       const kernels::ConstraintWorkspace& x, double* out);
 
 /// What gravity adds to the rows' accelerations of a sweep in which the world falls up.
-void addGravity(const CompactImpl& m, const Workspace<double>& w, const PackedConstraints& c, const FrameRows* frames, double* accelerations);
+void addGravity(const CompactImpl& m, const PackedConstraints& c, const FrameRows* frames, const kernels::ConstraintWorkspace& x,
+                double* accelerations);
 
 }  // namespace dyn

@@ -2,7 +2,6 @@
 
 #include "algorithm/external.hpp"
 #include "constraint/kkt.hpp"
-#include "kernels/constraint_table.hpp"
 
 #include <dyn/algorithm/rnea.hpp>
 #include <dyn/error.hpp>
@@ -22,6 +21,12 @@ void checkConstraints(const char* algorithm, const CompactModel& model, const Da
     throw Error(ErrorCode::argument, std::string(algorithm) + ": the constraints were looked up in another model; make a ConstraintSet of this one");
 }
 
+PlacedBodies placedBodies(DataImpl& d, const ConstraintDataImpl& c) {
+  const kernels::ConstraintKernels& k = kernels::constraintKernels();
+  if (c.in_strips) return {k.strips, d.packed.data()};
+  return {k.single, static_cast<Workspace<double>*>(&d)};
+}
+
 void articulateBodies(const char* algorithm, const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c, const double* q, const double* v,
                       const double* tau, const Force<double>* external) {
   c.in_strips = kernels::useStrips(m) && external == nullptr;
@@ -30,7 +35,6 @@ void articulateBodies(const char* algorithm, const CompactImpl& m, DataImpl& d, 
     int failed = 0;
     if (!k.articulate(m, d.packed.data(), q, v, tau, failed)) checkConfiguration("q", m, q);
     checkFactors(algorithm, m, failed);
-    kernels::constraintKernels().readBodies(m, d.packed.data(), c.set.impl(), d);
   } else {
     evaluateJoints(m, d, q, v);
     kernels::active().single.articulate(m, d, v, tau, external);
@@ -40,11 +44,10 @@ void articulateBodies(const char* algorithm, const CompactImpl& m, DataImpl& d, 
 
 void accelerateBodies(const CompactImpl& m, DataImpl& d, const ConstraintDataImpl& c, const double* forces, const Vec3<double>& gravity,
                       double* ddq) {
-  kernels::constraintKernels().addForces(c.set.impl(), c.workspace, forces, d);
+  const PlacedBodies bodies = placedBodies(d, c);
+  bodies.run.addForces(m, bodies.memory, c.set.impl(), c.workspace, forces);
   if (c.in_strips) {
-    const kernels::PackedKernels& k = kernels::active().strips;
-    kernels::constraintKernels().writeShares(d, c.set.impl(), d.packed.data());
-    k.accelerate(m, d.packed.data(), gravity, ddq);
+    kernels::active().strips.accelerate(m, d.packed.data(), gravity, ddq);
   } else {
     kernels::active().single.accelerate(m, d, gravity, ddq);
   }
@@ -52,21 +55,26 @@ void accelerateBodies(const CompactImpl& m, DataImpl& d, const ConstraintDataImp
 
 void prepareRows(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c, const double* q, const double* v) {
   const PackedConstraints& packed = c.set.impl();
-  locateRows(m, d, packed, q, v, c.frames, c.motion);
+  const PlacedBodies bodies = placedBodies(d, c);
+  bodies.run.locate(m, bodies.memory, packed, v, c.workspace);
+  locateRows(m, packed, c.workspace, q, v, c.frames, c.motion);
   writeRowForces(m, packed, c.frames, q, c.workspace);
 }
 
 void articulateRows(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c, bool gravity) {
   const PackedConstraints& packed = c.set.impl();
-  const kernels::ConstraintKernels& k = kernels::constraintKernels();
-  k.sweep(m, d, packed, true, c.workspace);
-  if (gravity) addGravity(m, d, packed, c.frames, c.workspace.free);
-  k.delassusMatrix(packed, c.workspace);
+  const PlacedBodies bodies = placedBodies(d, c);
+  bodies.run.sweep(m, bodies.memory, packed, true, c.workspace);
+  if (gravity) addGravity(m, packed, c.frames, c.workspace, c.workspace.free);
+  kernels::constraintKernels().delassusMatrix(packed, c.workspace);
 }
 
+namespace {
+/// After placeOutward and prepareRows: c.J and c.gamma.
 void rigidRows(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c) {
   const PackedConstraints& packed = c.set.impl();
-  kernels::constraintKernels().sweep(m, d, packed, false, c.workspace);
+  const PlacedBodies bodies = placedBodies(d, c);
+  bodies.run.sweep(m, bodies.memory, packed, false, c.workspace);
   const std::ptrdiff_t rows = packed.rows;
   std::fill_n(c.J, rows * m.nvx, 0.0);
   for (std::size_t k = 0; k < packed.dofs.size(); ++k) std::copy_n(c.workspace.shareOf(static_cast<int>(k)), rows, c.J + rows * packed.dofs[k]);
@@ -83,6 +91,7 @@ void rigidRows(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c) {
   }
   for (std::size_t k = 0; k < m.v_of_user.size(); ++k) std::copy_n(c.J + rows * m.v_of_user[k], rows, c.J + rows * static_cast<std::ptrdiff_t>(k));
 }
+}  // namespace
 
 void placeRows(const char* algorithm, const CompactModel& model, Data& data, VectorView q, const VectorView* v, ConstraintDataImpl& c) {
   const CompactImpl& m = model.impl();
@@ -90,6 +99,7 @@ void placeRows(const char* algorithm, const CompactModel& model, Data& data, Vec
   const Inputs in = readInputs(algorithm, model, data, q, v, nullptr);
   evaluateJoints(m, d, in.q, in.v);
   kernels::active().single.placeOutward(m, d, in.v);
+  c.in_strips = false;
   prepareRows(m, d, c, in.q, v ? in.v : nullptr);
   rigidRows(m, d, c);
 }

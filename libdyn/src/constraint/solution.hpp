@@ -3,30 +3,34 @@
 
 #include "algorithm/inputs.hpp"
 #include "constraint/constraint_data.hpp"
+#include "kernels/constraint_table.hpp"
 
 namespace dyn {
 
 /// Throws Error(argument) unless both were made for the model.
 void checkConstraints(const char* algorithm, const CompactModel& model, const Data& data, const ConstraintData& constraints);
 
-/// The articulated-body recursion up to the accelerations, in strips where the model has them: what constraints need of the bodies between them
-/// and the world is in d either way. Throws Error(singular).
+/// Where the last recursion left the bodies, and the recursions of constraints that read them there.
+struct PlacedBodies {
+  const kernels::ConstraintRecursions& run;
+  void* memory;
+};
+PlacedBodies placedBodies(DataImpl& d, const ConstraintDataImpl& c);
+
+/// The articulated-body recursion up to the accelerations, in strips where the model has them. Throws Error(singular).
 void articulateBodies(const char* algorithm, const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c, const double* q, const double* v,
                       const double* tau, const Force<double>* external);
 /// Adds what the rows' forces give to those bodies' degrees of freedom, and the rest of the recursion.
 void accelerateBodies(const CompactImpl& m, DataImpl& d, const ConstraintDataImpl& c, const double* forces, const Vec3<double>& gravity, double* ddq);
 
-/// After the kernel's outward pass: rows located, their forces written. v may be null.
+/// After the outward pass: rows located, their forces written. v may be null.
 void prepareRows(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c, const double* q, const double* v);
 
 /// After `articulate`: shares, free accelerations (under gravity, or without), and the Delassus matrix.
 void articulateRows(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c, bool gravity);
 
-/// J, by columns of the user's degrees of freedom, and c.gamma, what velocities give to the rows' accelerations beside their own bias.
-/// After placeOutward and prepareRows.
-void rigidRows(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c);
-
-/// All of this at one state, v null at rest, for what needs rows and no dynamics.
+/// Rows at one state, v null at rest, for what needs no dynamics: J, by columns of the user's degrees of freedom, and c.gamma, what velocities
+/// give to the rows' accelerations beside their own bias.
 void placeRows(const char* algorithm, const CompactModel& model, Data& data, VectorView q, const VectorView* v, ConstraintDataImpl& c);
 
 /// The motion without constraint forces, by M or by the articulated recursion (c.by_inertia; models with followers always by M): the Delassus

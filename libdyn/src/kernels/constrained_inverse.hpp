@@ -6,7 +6,7 @@
 // factors of it could not.
 #pragma once
 
-#include "kernels/constraints.hpp"
+#include "kernels/constraint_workspace.hpp"
 #include "kernels/tile.hpp"
 
 namespace dyn::kernels {

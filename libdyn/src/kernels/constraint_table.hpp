@@ -2,7 +2,7 @@
 #pragma once
 
 #include "kernels/constrained_inverse.hpp"
-#include "kernels/constraints.hpp"
+#include "kernels/constraint_workspace.hpp"
 #include "kernels/row_derivatives.hpp"
 #include "kernels/table.hpp"
 
@@ -10,21 +10,29 @@ namespace dyn::kernels {
 
 constexpr std::size_t constraintLayoutStamp() {
   return (((sizeof(PackedConstraints) + sizeof(PackedFrameConstraint)) * 1000003 + sizeof(ConstrainedBody) + sizeof(ConstrainedChain)) * 1000003 +
-          sizeof(ConstraintWorkspace)) *
+          sizeof(ConstraintWorkspace) + sizeof(ChainState)) *
              1000003 +
          sizeof(ConstrainedInverse) + sizeof(RowState);
 }
 
+/// The recursions on bodies in the memory where `articulate` or `placeOutward` left them: a Workspace<double>, or the scratch of strips.
+struct ConstraintRecursions {
+  void (*locate)(const CompactImpl&, void* memory, const PackedConstraints&, const double* v, ConstraintWorkspace&);
+  void (*sweep)(const CompactImpl&, void* memory, const PackedConstraints&, bool eliminated, ConstraintWorkspace&);
+  void (*yieldTo)(const CompactImpl&, void* memory, const PackedConstraints&, Force<double>* F, const double* shares);
+  void (*addForces)(const CompactImpl&, void* memory, const PackedConstraints&, const ConstraintWorkspace&, const double* lambda);
+  void (*accelerate)(const CompactImpl&, void* memory, const PackedConstraints&, const Vec3<double>& gravity, ConstraintWorkspace&);
+  void (*forgetForces)(const CompactImpl&, void* memory, const PackedConstraints&);
+};
+
 /// Vectors of one number a row have room for a pack, with zeros in it.
 struct ConstraintKernels {
   std::size_t layout;  ///< constraintLayoutStamp(), as Kernels::layout
-  void (*sweep)(const CompactImpl&, const Workspace<double>&, const PackedConstraints&, bool eliminated, ConstraintWorkspace&);
+  ConstraintRecursions single, strips;
   void (*delassusMatrix)(const PackedConstraints&, ConstraintWorkspace&);
   /// The inverse of the Delassus matrix with mu on its diagonal; false where a pivot is not above tolerance times its bound.
   bool (*invertDelassus)(int rows, ConstraintWorkspace&, double mu, double tolerance);
   void (*timesRows)(int rows, std::ptrdiff_t stride, const double* A, const double* x, double* out);
-  void (*addForces)(const PackedConstraints&, const ConstraintWorkspace&, const double* lambda, Workspace<double>&);
-  void (*accelerate)(const CompactImpl&, Workspace<double>&, const PackedConstraints&, const Vec3<double>& gravity, ConstraintWorkspace&);
   PointMotion (*pointColumns)(const CompactImpl&, const DerivativeWorkspace<double>&, int body, const Vec3<double>& lever, const int* path,
                               StoredColumn* out);
   void (*rowDerivatives)(const PackedFrameConstraint&, const RowState&, const StoredColumn* const* columns, const Rows<double>& turning,
@@ -32,9 +40,6 @@ struct ConstraintKernels {
   void (*invertConstrained)(const double* M_inverse, const double* J, DofRuns moving, ConstrainedInverse);
   /// Of one matrix for each right-hand side, or two.
   void (*solveConstrained[2])(ConstrainedInverse, ColumnPattern, ConstrainedColumns);
-  /// What articulate has left of the constraints' bodies, out of the lanes; and what their forces add, back into them.
-  void (*readBodies)(const CompactImpl&, const char* scratch, const PackedConstraints&, Workspace<double>&);
-  void (*writeShares)(const Workspace<double>&, const PackedConstraints&, char* scratch);
 };
 
 /// Of the table in use.

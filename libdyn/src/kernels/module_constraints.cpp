@@ -8,7 +8,7 @@ namespace dyn::kernels {
 extern const ConstraintKernels module_constraints;
 const ConstraintKernels module_constraints = [] {
   ConstraintKernels k = singleConstraintKernels<Pack<double>>();
-  addStripConstraints<Pack<double, xsimd::fma3<xsimd::avx2>>>(k);
+  k.strips = constraintRecursions<Pack<double>, Pack<double, xsimd::fma3<xsimd::avx2>>>();
   return k;
 }();
 
