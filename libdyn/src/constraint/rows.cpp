@@ -195,21 +195,20 @@ void eachRowForce(const CompactImpl& m, const PackedConstraints& c, const FrameR
 }  // namespace
 
 void writeRowForces(const CompactImpl& m, const PackedConstraints& c, const FrameRows* frames, const double* q, ConstraintWorkspace& x) {
-  // Rows that do not act on a chain are read, in packs, and stay zero there.
-  constexpr int widest = ConstraintWorkspace::widest;
-  for (std::size_t k = 0; k < c.chains.size(); ++k)
-    std::fill(x.forceOf(static_cast<int>(k), c.chains[k].row_begin / widest * widest),
-              x.forceOf(static_cast<int>(k), (c.chains[k].row_end + widest - 1) / widest * widest), 0.0);
-  if (c.actsOnJoints()) std::fill_n(x.share, x.stride * static_cast<std::ptrdiff_t>(c.dofs.size()), 0.0);
+  const auto step = [&](int chain) { return x.wholePacks(c.chains[at(chain)].row_end - c.chains[at(chain)].row_begin); };
+  for (int k = 0; k < static_cast<int>(c.chains.size()); ++k) std::fill_n(x.forceOf(k), x.components * step(k), 0.0);
+  if (c.actsOnJoints()) std::fill_n(x.share, x.room * static_cast<std::ptrdiff_t>(c.dofs.size()), 0.0);
   eachRowForce(
       m, c, frames, q,
       [&](int body, int row, const Force<double>& f, const Vec3<double>& lever) {
-        double* to = x.forceOf(c.chainOf(body), row);
+        const int chain = c.chainOf(body);
+        const std::ptrdiff_t next = step(chain);
+        double* to = x.forceOf(chain) + (row - c.chains[at(chain)].row_begin);
         for (int a = 0; a < 3; ++a) {
-          to[a * widest] += f.linear[a];
-          to[(3 + a) * widest] += f.angular[a];
+          to[a * next] += f.linear[a];
+          to[(3 + a) * next] += f.angular[a];
         }
-        to[x.reach * widest] += dot(f.linear, f.linear) * dot(lever, lever) + (dot(f.linear, f.linear) > 0 ? 0 : dot(f.angular, f.angular));
+        to[x.reach * next] += dot(f.linear, f.linear) * dot(lever, lever) + (dot(f.linear, f.linear) > 0 ? 0 : dot(f.angular, f.angular));
       },
       [&](int body, int k, int row, double share) { x.shareOf(c.bodies[at(c.body_at[at(body)])].dof + k)[row] += share; });
 }

@@ -6,9 +6,9 @@
 namespace dyn::kernels {
 
 extern const ConstraintKernels scalar_constraints, baseline_constraints;
-const ConstraintKernels scalar_constraints = singleConstraintKernels<double>();
+const ConstraintKernels scalar_constraints = singleConstraintKernels<double, double>();
 #if DYN_HAS_PACKS
-const ConstraintKernels baseline_constraints = singleConstraintKernels<Pack<double>>();
+const ConstraintKernels baseline_constraints = singleConstraintKernels<Pack<double>, Pack<double>>();
 #endif
 
 }  // namespace dyn::kernels

@@ -49,10 +49,7 @@ template <class S>
 void putVector(const Vec3<S>& x, S* to) {
   for (int k = 0; k < 3; ++k) to[k] = x[k];
 }
-inline void putVector(const Vec3<Vectored>& x, Vectored* to) {
-  typedef double Unaligned __attribute__((vector_size(32), aligned(8), may_alias));
-  *reinterpret_cast<Unaligned*>(to) = x.a;
-}
+inline void putVector(const Vec3<Vectored>& x, Vectored* to) { *reinterpret_cast<Square<double, 4>::Unaligned*>(to) = x.a; }
 
 /// After momenta; or, for more than Ag and momentum, after derivativesOutward without gravity and derivativesInward. The trees that stand on the
 /// world are one system: where there are several, their places in the world are compared.

@@ -41,26 +41,18 @@ inline void carve(ConstrainedInverse& x, const ConstraintWorkspace& w, int rows,
   arena.take(x.projected, rows, n);
 }
 
-/// Calls use(row, count) for rows from 0 to `rows`, two at a time as long as there are two; `count` is a constant.
-template <class Use>
-void byTwos(int rows, Use&& use) {
-  int row = 0;
-  for (; row + 2 <= rows; row += 2) use(row, std::integral_constant<int, 2>());
-  if (row < rows) use(row, std::integral_constant<int, 1>());
-}
-
 /// From M^-1, n x n and followed by room for a pack, and J, rows x n, whose columns outside `moving` are zero. P is in x.of_row. O(n^2 rows).
 template <class Wide>
 void invertConstrained(const double* M_inverse, const double* J, const DofRuns moving, const ConstrainedInverse x) {
   const int n = x.n, rows = x.rows;
   const std::ptrdiff_t lambda = x.multipliers;
   inPanels<Wide, double>(0, n, [&](auto packs, int first) {
-    byTwos(rows, [&](int row, auto count) {
+    byTwos(0, rows, [&](int row, auto count) {
       Tile<Wide, double, count, packs> tile;
       for (const DofRun& run : moving) tile.subtract(M_inverse + run.begin * n + first, n, run.end - run.begin, J + run.begin * rows + row, 1, rows);
       tile.store(x.projected[row] + first, x.projected.stride);
     });
-    byTwos(rows, [&](int row, auto count) {
+    byTwos(0, rows, [&](int row, auto count) {
       Tile<Wide, double, count, packs> tile;
       tile.subtract(x.projected[0] + first, x.projected.stride, rows, x.of_row[row], x.of_row.stride, 1);
       tile.store(x.of_row[row] + lambda + first, x.of_row.stride);
@@ -69,7 +61,7 @@ void invertConstrained(const double* M_inverse, const double* J, const DofRuns m
   for (int row = 0; row < rows; ++row)
     for (int k = 0; k < n; ++k) x.of_force[k][row] = -x.of_row[row][lambda + k];
   inPanels<Wide, double>(0, n, [&](auto packs, int first) {
-    byTwos(n, [&](int k, auto count) {
+    byTwos(0, n, [&](int k, auto count) {
       Tile<Wide, double, count, packs> tile(M_inverse + k * n + first, n);
       tile.subtract(x.projected[0] + first, x.projected.stride, rows, x.of_force[k], x.of_force.stride, 1);
       tile.store(x.of_force[k] + lambda + first, x.of_force.stride);

@@ -10,6 +10,8 @@
 #include "kernels/constraint_workspace.hpp"
 #include "kernels/subtree.hpp"
 
+#include <type_traits>
+
 namespace dyn::kernels {
 
 /// Places and velocities in x.chains. After abaOutward; v may be null (at rest). O(bodies).
@@ -37,70 +39,97 @@ void locateChains(const ConstrainedBodies<S>& bodies, const PackedConstraints& c
   }
 }
 
+/// Calls use(first, P) for rows from `begin` on and before `end`, in packs P: Wide, or Half for as many as this one holds.
+template <class Wide, class Half, class Use>
+void inPacks(int begin, int end, Use&& use) {
+  while (end - begin > lanes_of<Half>) {
+    use(begin, std::type_identity<Wide>());
+    begin += lanes_of<Wide>;
+  }
+  if (begin < end) use(begin, std::type_identity<Half>());
+}
+
+/// A pack of rows, from `first` on, climbs a chain.
+template <class Wide, class S>
+void climbChain(const ConstrainedBodies<S>& bodies, const PackedConstraints& c, int number, int first, bool eliminated, ConstraintWorkspace& x) {
+  const auto load = [](const double* from) { return loadPack<Wide>(from); };
+  const auto store = [](const Wide& value, double* to) { storePack(value, to); };
+  const auto along = [](const auto& s, const Force<Wide>& f) {
+    const Wide linear = Wide(s.linear.x) * f.linear.x + Wide(s.linear.y) * f.linear.y + Wide(s.linear.z) * f.linear.z;
+    const Wide angular = Wide(s.angular.x) * f.angular.x + Wide(s.angular.y) * f.angular.y + Wide(s.angular.z) * f.angular.z;
+    return linear + angular;
+  };
+  const ConstrainedChain& chain = c.chains[static_cast<std::size_t>(number)];
+  const double* from = x.forceOf(number) + (first - chain.row_begin);
+  const std::ptrdiff_t step = x.wholePacks(chain.row_end - chain.row_begin);
+  const bool on_joints = c.actsOnJoints();
+  Force<Wide> F{{load(from), load(from + step), load(from + 2 * step)}, {load(from + 3 * step), load(from + 4 * step), load(from + 5 * step)}};
+  Wide reach = load(from + ConstraintWorkspace::reach * step), free = load(x.free + first), bound = load(x.bound + first);
+  for (int place = chain.begin; place < chain.end; ++place) {
+    const ConstrainedBody& body = c.bodies[static_cast<std::size_t>(place)];
+    const auto here = bodies[body];
+    const Vec3<double> r = here.r();
+    for (int k = 0; k < here.nv(); ++k) {
+      const auto dof = here.dof(k);
+      const Motion<double> s = dof.S_();
+      double* share = x.shareOf(body.dof + k) + first;
+      const Wide inverse(dof.inverse());
+      Wide y = along(s, F), uncancelled = Wide(dot(s.linear, s.linear)) * dot(F.linear, F.linear) + Wide(dot(s.angular, s.angular)) * reach;
+      if (on_joints) {
+        const Wide own = load(share);
+        y += own;
+        uncancelled += own * own;
+      }
+      const Wide scaled = inverse * y;
+      store(y, share);
+      store(scaled, x.scaledOf(body.dof + k) + first);
+      bound += inverse * uncancelled;
+      const bool last = k == here.nv() - 1;
+      if (last) {
+        free += along(here.beta(), F);
+        reach += Wide(dot(r, r)) * dot(F.linear, F.linear);
+      }
+      if (!eliminated) continue;
+      free += y * Wide(dof.y());
+      const Wide less = last ? y : scaled;
+      const Force<double> W = dof.W();
+      if (last) F.angular += cross(cast<Wide>(r), F.linear);  // abaInward has moved this W to the parent
+      F.linear -= Vec3<Wide>{less * Wide(W.linear.x), less * Wide(W.linear.y), less * Wide(W.linear.z)};
+      F.angular -= Vec3<Wide>{less * Wide(W.angular.x), less * Wide(W.angular.y), less * Wide(W.angular.z)};
+    }
+    if (!eliminated) F.angular += cross(cast<Wide>(r), F.linear);
+  }
+  if (chain.parent < 0 && eliminated) {
+    const Vec3<double> fall = transposeTimes(x.chains[number].tree.R, -bodies.m.gravity);
+    free += Wide(fall.x) * F.linear.x + Wide(fall.y) * F.linear.y + Wide(fall.z) * F.linear.z;
+  }
+  store(free, x.free + first);
+  store(bound, x.bound + first);
+  if (chain.parent < 0) return;
+  const ConstrainedChain& parent = c.chains[static_cast<std::size_t>(chain.parent)];
+  const std::ptrdiff_t parent_step = x.wholePacks(parent.row_end - parent.row_begin);
+  double* to = x.forceOf(chain.parent) + (first - parent.row_begin);
+  const auto add = [&](int component, const Wide& value) { store(load(to + component * parent_step) + value, to + component * parent_step); };
+  for (int a = 0; a < 3; ++a) {
+    add(a, F.linear[a]);
+    add(3 + a, F.angular[a]);
+  }
+  add(ConstraintWorkspace::reach, reach);
+}
+
 /// From x.force, where constraints have put their columns (zero elsewhere), and x.share, where those on joints have put theirs.
 /// Eliminated: after abaInward; `free` is the acceleration of the rows that abaSolve would find, with the world falling up.
 /// Otherwise after abaOutward: shares are J, and `free` is what velocities alone give. Either way the bound is by the degrees of freedom's
 /// inverse, which is there once joints have been eliminated, or as the caller has put it. Either way chains have been located.
-template <class Wide, class S>
+template <class Wide, class Half, class S>
 void constraintSweep(const ConstrainedBodies<S>& bodies, const PackedConstraints& c, bool eliminated, ConstraintWorkspace& x) {
-  constexpr int width = lanes_of<Wide>, step = ConstraintWorkspace::widest;
-  const auto load = [](const double* from) { return loadPack<Wide>(from); };
-  const auto store = [](const Wide& value, double* to) { storePack(value, to); };
-  std::fill_n(x.free, x.stride, 0.0);
-  std::fill_n(x.bound, x.stride, 0.0);
-  const bool on_joints = c.actsOnJoints();
-  const auto along = [](const auto& s, const Force<Wide>& f) {
-    return Wide(s.linear.x) * f.linear.x + Wide(s.linear.y) * f.linear.y + Wide(s.linear.z) * f.linear.z + Wide(s.angular.x) * f.angular.x +
-           Wide(s.angular.y) * f.angular.y + Wide(s.angular.z) * f.angular.z;
-  };
-  for (std::size_t number = 0; number < c.chains.size(); ++number) {
-    const ConstrainedChain& chain = c.chains[number];
-    for (int first = chain.row_begin / width * width; first < chain.row_end; first += width) {
-      const double* from = x.forceOf(static_cast<int>(number), first);
-      Force<Wide> F{{load(from), load(from + step), load(from + 2 * step)}, {load(from + 3 * step), load(from + 4 * step), load(from + 5 * step)}};
-      Wide free = load(x.free + first), bound = load(x.bound + first), reach = load(from + ConstraintWorkspace::reach * step);
-      for (int place = chain.begin; place < chain.end; ++place) {
-        const ConstrainedBody& body = c.bodies[static_cast<std::size_t>(place)];
-        const auto here = bodies[body];
-        const Vec3<double> r = here.r();
-        for (int k = 0; k < here.nv(); ++k) {
-          const auto dof = here.dof(k);
-          const Motion<double> s = dof.S_();
-          double* share = x.shareOf(body.dof + k) + first;
-          const Wide own = on_joints ? load(share) : Wide(0), y = own + along(s, F), inverse(dof.inverse()), scaled = inverse * y;
-          store(y, share);
-          store(scaled, x.scaledOf(body.dof + k) + first);
-          const bool last = k == here.nv() - 1;
-          bound += inverse * (own * own + Wide(dot(s.linear, s.linear)) * dot(F.linear, F.linear) + Wide(dot(s.angular, s.angular)) * reach);
-          if (last) {
-            free += along(here.beta(), F);
-            reach += Wide(dot(r, r)) * dot(F.linear, F.linear);
-          }
-          if (!eliminated) continue;
-          free += y * Wide(dof.y());
-          const Wide less = last ? y : scaled;
-          const Force<double> W = dof.W();
-          if (last) F.angular += cross(cast<Wide>(r), F.linear);  // abaInward has moved this W to the parent
-          F.linear -= Vec3<Wide>{less * Wide(W.linear.x), less * Wide(W.linear.y), less * Wide(W.linear.z)};
-          F.angular -= Vec3<Wide>{less * Wide(W.angular.x), less * Wide(W.angular.y), less * Wide(W.angular.z)};
-        }
-        if (!eliminated) F.angular += cross(cast<Wide>(r), F.linear);
-      }
-      if (chain.parent < 0 && eliminated) {
-        const Vec3<double> fall = transposeTimes(x.chains[number].tree.R, -bodies.m.gravity);
-        free += Wide(fall.x) * F.linear.x + Wide(fall.y) * F.linear.y + Wide(fall.z) * F.linear.z;
-      }
-      store(free, x.free + first);
-      store(bound, x.bound + first);
-      if (chain.parent < 0) continue;
-      double* to = x.forceOf(chain.parent, first);
-      const auto add = [&](int component, const Wide& value) { store(load(to + component * step) + value, to + component * step); };
-      for (int a = 0; a < 3; ++a) {
-        add(a, F.linear[a]);
-        add(3 + a, F.angular[a]);
-      }
-      add(ConstraintWorkspace::reach, reach);
-    }
+  std::fill_n(x.free, x.room, 0.0);
+  std::fill_n(x.bound, x.room, 0.0);
+  int number = 0;
+  for (const ConstrainedChain& chain : c.chains) {
+    inPacks<Wide, Half>(chain.row_begin, chain.row_end,
+                        [&]<class P>(int first, std::type_identity<P>) { climbChain<P>(bodies, c, number, first, eliminated, x); });
+    ++number;
   }
 }
 
@@ -155,19 +184,19 @@ void accelerateConstrained(const ConstrainedBodies<S>& bodies, const PackedConst
 }
 
 /// Adds to what abaSolve starts from what forces of the constraints, one a row, give to each degree of freedom. O(dofs x rows).
-template <class Wide, class S>
+template <class Wide, class Half, class S>
 void addConstraintForces(const ConstrainedBodies<S>& bodies, const PackedConstraints& c, const ConstraintWorkspace& x, const double* lambda) {
-  constexpr int width = lanes_of<Wide>;
   for (const ConstrainedBody& body : c.bodies) {
     const auto here = bodies[body];
     const ConstrainedChain& chain = c.chains[static_cast<std::size_t>(body.chain)];
     for (int k = 0; k < here.nv(); ++k) {
       const double* scaled = x.scaledOf(body.dof + k);
-      Wide sum(0);
-      for (int first = chain.row_begin / width * width; first < chain.row_end; first += width)
-        sum += loadPack<Wide>(scaled + first) * loadPack<Wide>(lambda + first);
+      double sum = 0;
+      inPacks<Wide, Half>(chain.row_begin, chain.row_end, [&]<class P>(int first, std::type_identity<P>) {
+        sum += total<double>(loadPack<P>(scaled + first) * loadPack<P>(lambda + first));
+      });
       const auto dof = here.dof(k);
-      dof.setY(dof.y() + total<double>(sum));
+      dof.setY(dof.y() + sum);
     }
   }
 }

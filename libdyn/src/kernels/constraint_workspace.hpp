@@ -4,6 +4,8 @@
 #include "compile/constraints.hpp"
 #include "kernels/workspace.hpp"
 
+#include <algorithm>
+
 namespace dyn::kernels {
 
 /// Of the first body of a chain, the only one that rows act on. In the aligned axes of its tree.
@@ -16,9 +18,10 @@ struct ChainState {
   Motion<double> acceleration;                ///< classical, of its origin
 };
 
-/// Arrays of one number a row of the constraints, `stride` numbers long: a multiple of the widest pack's.
+/// Arrays of one number a row of the constraints. Packs begin at any row: after the last one there is room for the widest, with zeros in it.
 struct ConstraintWorkspace {
-  std::ptrdiff_t stride = 0;
+  std::ptrdiff_t stride = 0;  ///< of matrices: a multiple of the widest pack's
+  std::ptrdiff_t room = 0;    ///< that and a pack more
   ChainState* chains = nullptr;
   ChainState world;
   double* force = nullptr;     ///< see forceOf
@@ -31,27 +34,34 @@ struct ConstraintWorkspace {
   double* column = nullptr;    ///< scratch of two rows
   double* motion = nullptr;    ///< one number a degree of freedom of these bodies: acceleration
 
-  /// Of a force on the first body of a chain: about its joint's origin, aligned axes; last its reach, the square of the moment that it would have
-  /// if all levers on its way stood square to it. Numbers of `widest` rows lie together, a component after the other.
-  static constexpr int components = 7, reach = 6, widest = 8;
-  double* forceOf(int chain, int row) const { return force + (chain * stride + row / widest * widest) * components + row % widest; }
+  static constexpr int widest = 8;
+  static constexpr std::ptrdiff_t wholePacks(int rows) { return (rows + widest - 1) / widest * widest; }
+
+  /// Of forces on the first body of a chain, about its joint's origin, aligned axes: `components` arrays of one number for each of the chain's
+  /// rows, wholePacks of them long. The last is their reach, the square of the moment that a force would have if all levers on its way stood
+  /// square to it.
+  static constexpr int components = 7, reach = 6;
+  double* forceOf(int chain) const { return force + chain * components * stride; }
   const ChainState& stateOf(const PackedConstraints& c, int body) const { return body > 0 ? chains[c.chainOf(body)] : world; }
-  double* shareOf(int dof) const { return share + dof * stride; }
-  double* scaledOf(int dof) const { return scaled + dof * stride; }
+  double* shareOf(int dof) const { return share + dof * room; }
+  double* scaledOf(int dof) const { return scaled + dof * room; }
 };
 
 inline void carve(ConstraintWorkspace& x, const PackedConstraints& c, Arena& arena) {
   constexpr int widest = ConstraintWorkspace::widest;
-  x.stride = (c.rows + widest - 1) / widest * widest;
-  const auto stride = static_cast<std::size_t>(x.stride);
+  x.stride = ConstraintWorkspace::wholePacks(c.rows);
+  x.room = x.stride + widest;
+  const auto stride = static_cast<std::size_t>(x.stride), room = static_cast<std::size_t>(x.room);
+  // Mirrored in squares, of which one is the least.
+  const auto rows = static_cast<std::size_t>(std::max(c.rows, widest));
   arena.take(x.chains, c.chains.size());
-  arena.take(x.force, ConstraintWorkspace::components * stride * c.chains.size());
-  arena.take(x.share, stride * c.dofs.size());
-  arena.take(x.free, stride);
-  arena.take(x.bound, stride);
-  arena.take(x.delassus, stride * static_cast<std::size_t>(c.rows));
-  arena.take(x.scaled, stride * c.dofs.size());
-  arena.take(x.inverse, stride * static_cast<std::size_t>(c.rows));
+  arena.take(x.force, ConstraintWorkspace::components * stride * c.chains.size() + widest);
+  arena.take(x.share, room * c.dofs.size());
+  arena.take(x.free, room);
+  arena.take(x.bound, room);
+  arena.take(x.delassus, stride * rows + widest);
+  arena.take(x.scaled, room * c.dofs.size());
+  arena.take(x.inverse, stride * rows);
   arena.take(x.column, 2 * stride);
   arena.take(x.motion, c.dofs.size());
 }

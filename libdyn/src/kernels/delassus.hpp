@@ -9,24 +9,23 @@ namespace dyn::kernels {
 /// The Delassus matrix from the shares of an eliminated sweep, all of it. O(dofs x rows^2).
 template <class Wide>
 void delassusMatrix(const PackedConstraints& c, ConstraintWorkspace& x) {
-  constexpr int width = lanes_of<Wide>, tile = 8;
-  // A tile of rows and a pack of columns at a time, above the diagonal, in registers through all degrees of freedom that have both.
-  for (int row = 0; row < c.rows; row += tile)
-    for (int column = row / width * width; column < c.rows; column += width) {
-      Wide sums[tile];
-      for (Wide& sum : sums) sum = Wide(0);
-      for (const ConstrainedChain& chain : c.chains) {
-        if (chain.row_end <= column || chain.row_begin >= std::min(row + tile, column + width) || chain.row_end <= row) continue;
+  constexpr int width = lanes_of<Wide>, tile = 4;
+  const Rows<double> D{x.delassus, x.stride};
+  std::fill(D[0], D[c.rows], 0.0);
+  // A few rows and a pack of columns at a time, above the diagonal, in registers through a chain's degrees of freedom.
+  for (const ConstrainedChain& chain : c.chains)
+    for (int row = chain.row_begin; row < chain.row_end; row += tile)
+      for (int column = row; column < chain.row_end; column += width) {
+        Wide sums[tile];
+        for (Wide& sum : sums) sum = Wide(0);
         for (int k = chain.dof_begin; k < chain.dof_end; ++k) {
           const Wide share = loadPack<Wide>(x.shareOf(k) + column);
           const double* scaled = x.scaledOf(k) + row;
           for (int r = 0; r < tile; ++r) sums[r] += Wide(scaled[r]) * share;
         }
+        for (int r = 0; r < std::min(tile, chain.row_end - row); ++r) storePack(loadPack<Wide>(D[row + r] + column) + sums[r], D[row + r] + column);
       }
-      for (int r = 0; r < std::min(tile, c.rows - row); ++r) storePack(sums[r], x.delassus + (row + r) * x.stride + column);
-    }
-  for (int row = 1; row < c.rows; ++row)
-    for (int column = 0; column < row; ++column) x.delassus[row * x.stride + column] = x.delassus[column * x.stride + row];
+  mirrorUpper<Wide>(D, c.rows, D);
 }
 
 /// Entry k of a vector is 1, in packs. Windows of a row of zeros around a one: what is written number by number and read as a pack stalls

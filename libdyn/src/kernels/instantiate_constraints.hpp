@@ -18,21 +18,21 @@ ConstrainedBodies<S> bodiesIn(const CompactImpl& m, void* memory) {
   }
 }
 
-/// Panel: what rows are worked on in, side by side; S: what bodies are in.
-template <class Panel, class S>
+/// Panel: what rows are worked on in, side by side, and Half where there are few; S: what bodies are in.
+template <class Panel, class Half, class S>
 constexpr ConstraintRecursions constraintRecursions() {
   ConstraintRecursions k{};
   k.locate = [](const CompactImpl& m, void* memory, const PackedConstraints& c, const double* v, ConstraintWorkspace& x) {
     locateChains(bodiesIn<S>(m, memory), c, v, x);
   };
   k.sweep = [](const CompactImpl& m, void* memory, const PackedConstraints& c, bool eliminated, ConstraintWorkspace& x) {
-    constraintSweep<Panel>(bodiesIn<S>(m, memory), c, eliminated, x);
+    constraintSweep<Panel, Half>(bodiesIn<S>(m, memory), c, eliminated, x);
   };
   k.yieldTo = [](const CompactImpl& m, void* memory, const PackedConstraints& c, Force<double>* F, const double* shares) {
     yieldToForces(bodiesIn<S>(m, memory), c, F, shares);
   };
   k.addForces = [](const CompactImpl& m, void* memory, const PackedConstraints& c, const ConstraintWorkspace& x, const double* lambda) {
-    addConstraintForces<Panel>(bodiesIn<S>(m, memory), c, x, lambda);
+    addConstraintForces<Panel, Half>(bodiesIn<S>(m, memory), c, x, lambda);
   };
   k.accelerate = [](const CompactImpl& m, void* memory, const PackedConstraints& c, const Vec3<double>& gravity, ConstraintWorkspace& x) {
     accelerateConstrained(bodiesIn<S>(m, memory), c, gravity, x);
@@ -41,11 +41,11 @@ constexpr ConstraintRecursions constraintRecursions() {
   return k;
 }
 
-template <class Panel>
+template <class Panel, class Half>
 ConstraintKernels singleConstraintKernels() {
   ConstraintKernels k{};
   k.layout = constraintLayoutStamp();
-  k.single = constraintRecursions<Panel, double>();
+  k.single = constraintRecursions<Panel, Half, double>();
   k.delassusMatrix = kernels::delassusMatrix<Panel>;
   k.invertDelassus = kernels::invertDelassus<Panel>;
   k.timesRows = kernels::timesRows<Panel>;

@@ -7,8 +7,9 @@ namespace dyn::kernels {
 
 extern const ConstraintKernels module_constraints;
 const ConstraintKernels module_constraints = [] {
-  ConstraintKernels k = singleConstraintKernels<Pack<double>>();
-  k.strips = constraintRecursions<Pack<double>, Pack<double, xsimd::fma3<xsimd::avx2>>>();
+  using Four = Pack<double, xsimd::fma3<xsimd::avx2>>;
+  ConstraintKernels k = singleConstraintKernels<Pack<double>, Four>();
+  k.strips = constraintRecursions<Pack<double>, Four, Four>();
   return k;
 }();
 

@@ -94,12 +94,8 @@ __attribute__((flatten)) void solveLower(const TreeSystem<S> t, const Rows<S> X,
         for (int r = k + 1; r < rows; ++r) tile.subtractRow(r, k, t.L[row + k][row + r]);
       tile.store(X[row] + first, stride);
     };
-    for (const DofChain& chain : t.m.chains) {
-      const int end = std::min(chain.end, rows_end);
-      int row = chain.begin;
-      for (; row + 2 <= end; row += 2) solve(std::integral_constant<int, 2>(), chain, row);
-      if (row < end) solve(std::integral_constant<int, 1>(), chain, row);
-    }
+    for (const DofChain& chain : t.m.chains)
+      byTwos(chain.begin, std::min(chain.end, rows_end), [&](int row, auto count) { solve(count, chain, row); });
   });
 }
 

@@ -54,16 +54,26 @@ void inParts(int begin, int end, Use&& use) {
   for (int first = begin / width * width; first < end; first += width) use(Part<Wide, S>(first, begin, end));
 }
 
-/// The sum of a pack's numbers, beside S.
+/// The sum of a pack's numbers, by halves.
+template <class S, int lanes>
+S sumOf(const typename Square<S, lanes>::Row& x) {
+  if constexpr (lanes == 1) {
+    return x[0];
+  } else {
+    return [&]<int... k>(std::integer_sequence<int, k...>) {
+      const typename Square<S, lanes / 2>::Row lower = __builtin_shufflevector(x, x, k...), upper = __builtin_shufflevector(x, x, (lanes / 2 + k)...);
+      return sumOf<S, lanes / 2>(lower + upper);
+    }(std::make_integer_sequence<int, lanes / 2>());
+  }
+}
+/// The same, beside S.
 template <class S, class Wide>
 S total(const Wide& x) {
   if constexpr (lanes_of<Wide> == lanes_of<S>) {
     return x;
   } else {
-    const S* numbers = reinterpret_cast<const S*>(&x);
-    S sum(0);
-    for (int l = 0; l < lanes_of<Wide>; ++l) sum += numbers[l];
-    return sum;
+    using Numbers = Square<S, lanes_of<Wide>>;
+    return sumOf<S, lanes_of<Wide>>(*reinterpret_cast<const typename Numbers::Unaligned*>(&x));
   }
 }
 

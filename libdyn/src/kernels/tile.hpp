@@ -78,4 +78,11 @@ void inPanels(int first, int end, Use&& use) {
   }
 }
 
+/// Calls use(row, count) for rows from `begin` on and before `end`, two at a time as long as there are two; `count` is a constant.
+template <class Use>
+void byTwos(int begin, int end, Use&& use) {
+  for (; begin + 2 <= end; begin += 2) use(begin, std::integral_constant<int, 2>());
+  if (begin < end) use(begin, std::integral_constant<int, 1>());
+}
+
 }  // namespace dyn::kernels
