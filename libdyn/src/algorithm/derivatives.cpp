@@ -1,3 +1,5 @@
+#include "algorithm/derivatives.hpp"
+
 #include "algorithm/dense_factors.hpp"
 #include "algorithm/external.hpp"
 #include "algorithm/followers.hpp"
@@ -11,8 +13,6 @@
 #include <algorithm>
 
 namespace dyn {
-
-namespace detail {
 
 namespace {
 
@@ -47,36 +47,25 @@ Prepared prepare(const char* algorithm, const CompactModel& model, Data& data, V
   return {in, external};
 }
 
-}  // namespace
-
-DerivativeViews rneaDerivatives(const CompactModel& model, Data& data, VectorView q, const VectorView* v, const VectorView* a,
-                                const Force<double>* fext, std::size_t count) {
-  const char* algorithm = "computeRNEADerivatives";
-  checkData(algorithm, model, data, Need::derivatives);
+/// Of a model with couplings, M included.
+void coupledDerivatives(const char* algorithm, const CompactModel& model, Data& data, VectorView q, const VectorView& v, const VectorView& a,
+                        const Force<double>* fext, std::size_t count) {
   const CompactImpl& m = model.impl();
   DataImpl& d = data.impl();
-  const bool coupled = !m.couplings.empty();
-  const VectorView zero{d.zero, m.nv};
-  if (coupled) rnea(model, data, q, v ? *v : zero, a ? *a : zero, fext, count);  // leaves the followers' forces
-  const Prepared x = prepare(algorithm, model, data, q, v ? v : &zero, a ? a : &zero, fext, count);
+  detail::rnea(model, data, q, v, a, fext, count);  // leaves the followers' forces
+  const Prepared x = prepare(algorithm, model, data, q, &v, &a, fext, count);
   const kernels::SingleKernels& k = kernels::active().single;
   double* const user[3] = {d.dtau_dq, d.dtau_dv, d.M};
-  double* const* out = coupled ? d.expanded : user;
   k.rneaDerivatives(m, d, d.derivatives, x.in.v, x.in.a, x.external);
-  k.assemble(m, d.derivatives.by_q, out[0]);
-  k.assemble(m, d.derivatives.by_v, out[1]);
-  k.assemble(m, d.derivatives.by_a, out[2]);
-  if (coupled) {
-    foldDerivatives(m, d, d.taux, out[0], out[1], out[2]);
-    for (int i = 0; i < 3; ++i) {
-      keepUsersEntries(m, out[i], user[i]);
-      std::fill(out[i], out[i] + static_cast<std::ptrdiff_t>(m.nvx) * m.nvx, 0.0);  // folding has written where there are no paths
-    }
+  k.assemble(m, d.derivatives.by_q, d.expanded[0]);
+  k.assemble(m, d.derivatives.by_v, d.expanded[1]);
+  k.assemble(m, d.derivatives.by_a, d.expanded[2]);
+  foldDerivatives(m, d, d.taux, d.expanded[0], d.expanded[1], d.expanded[2]);
+  for (int i = 0; i < 3; ++i) {
+    keepUsersEntries(m, d.expanded[i], user[i]);
+    std::fill_n(d.expanded[i], static_cast<std::ptrdiff_t>(m.nvx) * m.nvx, 0.0);  // folding has written where there are no paths
   }
-  return {nullptr, d.dtau_dq, d.dtau_dv, d.M};
 }
-
-namespace {
 
 void invertDense(const char* algorithm, const CompactImpl& m, DataImpl& d) {
   const std::ptrdiff_t n = m.nv;
@@ -94,6 +83,43 @@ void invertDense(const char* algorithm, const CompactImpl& m, DataImpl& d) {
 }
 
 }  // namespace
+
+void forceDerivatives(const char* algorithm, const CompactModel& model, Data& data, VectorView q, const VectorView* v, const VectorView* a,
+                      const Force<double>* fext, std::size_t count) {
+  checkData(algorithm, model, data, Need::derivatives);
+  const CompactImpl& m = model.impl();
+  DataImpl& d = data.impl();
+  const VectorView zero{d.zero, m.nv};
+  if (!m.couplings.empty()) return coupledDerivatives(algorithm, model, data, q, v ? *v : zero, a ? *a : zero, fext, count);
+  const Prepared x = prepare(algorithm, model, data, q, v ? v : &zero, a ? a : &zero, fext, count);
+  const kernels::SingleKernels& k = kernels::active().single;
+  k.rneaDerivatives(m, d, d.derivatives, x.in.v, x.in.a, x.external);
+  k.assemble(m, d.derivatives.by_q, d.dtau_dq);
+  k.assemble(m, d.derivatives.by_v, d.dtau_dv);
+}
+
+void inverseInertia(const char* algorithm, const CompactModel& model, Data& data, VectorView q) {
+  const CompactImpl& m = model.impl();
+  DataImpl& d = data.impl();
+  if (!m.couplings.empty()) {
+    detail::crba(model, data, q);
+    return invertDense(algorithm, m, d);
+  }
+  const kernels::SingleKernels& k = kernels::active().single;
+  checkFactors(algorithm, m, k.treeFactors(m, d, d.derivatives));
+  k.inverseOfMassMatrix(m, d.derivatives, d.Minv);
+}
+
+namespace detail {
+
+DerivativeViews rneaDerivatives(const CompactModel& model, Data& data, VectorView q, const VectorView* v, const VectorView* a,
+                                const Force<double>* fext, std::size_t count) {
+  forceDerivatives("computeRNEADerivatives", model, data, q, v, a, fext, count);
+  const CompactImpl& m = model.impl();
+  DataImpl& d = data.impl();
+  if (m.couplings.empty()) kernels::active().single.assemble(m, d.derivatives.by_a, d.M);
+  return {nullptr, d.dtau_dq, d.dtau_dv, d.M};
+}
 
 DerivativeViews abaDerivatives(const CompactModel& model, Data& data, VectorView q, VectorView v, VectorView tau, const Force<double>* fext,
                                std::size_t count) {
@@ -127,16 +153,8 @@ const double* minverse(const CompactModel& model, Data& data, VectorView q) {
   checkData(algorithm, model, data, Need::derivatives);
   const CompactImpl& m = model.impl();
   DataImpl& d = data.impl();
-  if (!m.couplings.empty()) {
-    crba(model, data, q);
-    invertDense(algorithm, m, d);
-    return d.Minv;
-  }
-  const Inputs in = readInputs(algorithm, model, data, q, nullptr, nullptr);
-  evaluateJoints(m, d, in.q, nullptr);
-  const kernels::SingleKernels& k = kernels::active().single;
-  checkFactors(algorithm, m, k.treeFactors(m, d, d.derivatives));
-  k.inverseOfMassMatrix(m, d.derivatives, d.Minv);
+  if (m.couplings.empty()) evaluateJoints(m, d, readInputs(algorithm, model, data, q, nullptr, nullptr).q, nullptr);
+  inverseInertia(algorithm, model, data, q);
   return d.Minv;
 }
 

@@ -1,9 +1,10 @@
+#include "algorithm/derivatives.hpp"
+
 #include "algorithm/inputs.hpp"
 #include "constraint/linearize.hpp"
 #include "constraint/solution.hpp"
 #include "kernels/constraint_table.hpp"
 
-#include <dyn/algorithm/derivatives.hpp>
 #include <dyn/constraint/derivatives.hpp>
 #include <dyn/error.hpp>
 
@@ -25,8 +26,8 @@ void check(const char* algorithm, const CompactModel& model, const Data& data, c
 }
 
 /// The inverse of the equations of motion, from d.Minv, c.J and the Delassus matrix that has been factored last: without mu, whose effect proximal
-/// iterations take away, but not where they begin with what no motion of the rows can be.
-void invertConstrained(const DataImpl& d, ConstraintData& constraints) {
+/// iterations take away, but not where they begin with what no motion of the rows can be. Its columns too, unless null: motions and lambda by forces.
+void invertConstrained(const DataImpl& d, ConstraintData& constraints, double* motion_by_force, double* lambda_by_force) {
   ConstraintDataImpl& c = constraints.impl();
   if (constraints.settings.mu > 0) {
     ConstraintSettings exact = constraints.settings;
@@ -44,14 +45,14 @@ void invertConstrained(const DataImpl& d, ConstraintData& constraints) {
       std::copy_n(c.step, rows, c.inverse.of_row[r]);
     }
   }
-  kernels::constraintKernels().invertConstrained(d.Minv, c.J, c.pattern->moving, c.inverse);
+  kernels::constraintKernels().invertConstrained(d.Minv, c.J, c.pattern->moving, c.inverse, motion_by_force, lambda_by_force);
 }
 
 void solve(const ConstraintDataImpl& c, int sides, const kernels::ConstrainedColumns& columns) {
   kernels::constraintKernels().solveConstrained[sides - 1](c.inverse, c.pattern->columns(), columns);
 }
 
-/// After rneaDerivatives, which was asked at these.
+/// After forceDerivatives, which was asked at these.
 Inputs expanded(const CompactModel& model, const DataImpl& d, const double* q, const double* v, const double* a) {
   if (model.impl().couplings.empty()) return {q, v, a};
   return {d.qx, d.vx, d.ax};
@@ -61,7 +62,8 @@ Inputs expanded(const CompactModel& model, const DataImpl& d, const double* q, c
 
 ConstrainedDerivativeViews constraintDynamicsDerivatives(const CompactModel& model, Data& data, VectorView q, VectorView v, VectorView tau,
                                                          ConstraintData& constraints) {
-  check("computeConstraintDynamicsDerivatives", model, data, constraints);
+  const char* algorithm = "computeConstraintDynamicsDerivatives";
+  check(algorithm, model, data, constraints);
   DataImpl& d = data.impl();
   ConstraintDataImpl& c = constraints.impl();
   const std::ptrdiff_t n = model.nv(), rows = c.set.rows();
@@ -69,7 +71,7 @@ ConstrainedDerivativeViews constraintDynamicsDerivatives(const CompactModel& mod
   std::copy_n(d.ddq, n, c.v_after);
   const VectorView ddq{c.v_after, n};
   rowForcesOnBodies(model, c, c.fext);
-  rneaDerivatives(model, data, q, &v, &ddq, c.fext, model.impl().joints.size());
+  forceDerivatives(algorithm, model, data, q, &v, &ddq, c.fext, model.impl().joints.size());
   double *force_by_q = d.dtau_dq, *force_by_v = d.dtau_dv;
   if (c.pattern->forces_turn) {
     // Into matrices of their own: inverse dynamics leaves zeros where the tree has no paths, and counts on them.
@@ -79,22 +81,18 @@ ConstrainedDerivativeViews constraintDynamicsDerivatives(const CompactModel& mod
     std::copy_n(d.dtau_dv, n * n, force_by_v);
   }
   linearizeRows(model, d, c, expanded(model, d, q.data, v.data, ddq.data), true, {c.row_by_q, c.row_by_v, c.J, force_by_q, rows, n});
-  minverse(model, data, q);
-  invertConstrained(d, constraints);
+  inverseInertia(algorithm, model, data, q);
+  invertConstrained(d, constraints, c.motion_dtau, c.lambda_dtau);
   solve(c, 2,
         {force_by_q, c.row_by_q, c.motion_dq, c.lambda_dq, force_by_v - force_by_q, c.row_by_v - c.row_by_q, c.motion_dv - c.motion_dq,
          c.lambda_dv - c.lambda_dq});
-  for (int k = 0; k < model.nv(); ++k) {
-    const double* solution = c.inverse.of_force[k];
-    std::copy_n(solution, rows, c.lambda_dtau + rows * k);
-    std::copy_n(solution + c.inverse.multipliers, n, c.motion_dtau + n * k);
-  }
   return {c.v_after, c.lambda, c.motion_dq, c.motion_dv, c.motion_dtau, c.lambda_dq, c.lambda_dv, c.lambda_dtau};
 }
 
 ConstrainedDerivativeViews impulseDynamicsDerivatives(const CompactModel& model, Data& data, VectorView q, VectorView v, double restitution,
                                                       ConstraintData& constraints) {
-  check("computeImpulseDynamicsDerivatives", model, data, constraints);
+  const char* algorithm = "computeImpulseDynamicsDerivatives";
+  check(algorithm, model, data, constraints);
   DataImpl& d = data.impl();
   ConstraintDataImpl& c = constraints.impl();
   const Eigen::Index n = model.nv(), rows = c.set.rows();
@@ -104,18 +102,18 @@ ConstrainedDerivativeViews impulseDynamicsDerivatives(const CompactModel& model,
   for (Eigen::Index k = 0; k < n; ++k) c.change[k] = c.v_after[k] - v.data[k];
   const VectorView change{c.change, n};
   rowForcesOnBodies(model, c, c.fext);
-  rneaDerivatives(model, data, q, nullptr, nullptr, nullptr, 0);
+  forceDerivatives(algorithm, model, data, q, nullptr, nullptr, nullptr, 0);
   Matrix(c.force, n, n) = -Matrix(d.dtau_dq, n, n);
-  rneaDerivatives(model, data, q, &zero, &change, c.fext, model.impl().joints.size());
+  forceDerivatives(algorithm, model, data, q, &zero, &change, c.fext, model.impl().joints.size());
   Matrix(c.force, n, n) += Matrix(d.dtau_dq, n, n);
   // J (v_after + restitution v) = 0: accelerations of the rows from rest, without gravity.
   double* sum = c.expanded;
   for (Eigen::Index k = 0; k < n; ++k) sum[k] = c.v_after[k] + restitution * v.data[k];
   const VectorView velocities{sum, n};
-  rneaDerivatives(model, data, q, &zero, &velocities, nullptr, 0);
+  forceDerivatives(algorithm, model, data, q, &zero, &velocities, nullptr, 0);
   linearizeRows(model, d, c, expanded(model, d, q.data, zero.data, sum), false, {c.row_by_q, c.row_by_v, c.J, c.force, rows, n});
-  minverse(model, data, q);
-  invertConstrained(d, constraints);
+  inverseInertia(algorithm, model, data, q);
+  invertConstrained(d, constraints, nullptr, nullptr);
   solve(c, 1, {c.force, c.row_by_q, c.motion_dq, c.lambda_dq, 0, 0, 0, 0});
   // By v: M (dv_after - dv) = J^T dimpulse, J dv_after = -restitution J dv.
   Matrix(c.row_by_v, rows, n) = (1 + restitution) * Matrix(c.J, rows, n);

@@ -7,7 +7,7 @@
 namespace dyn {
 
 /// Of the rows' accelerations, with what they feed back of their errors or without, at a state at which they were located and
-/// which rneaDerivatives has just been asked at; and of the forces c.lambda.
+/// which forceDerivatives has just been asked at; and of the forces c.lambda.
 void linearizeRows(const CompactModel& model, DataImpl& d, ConstraintDataImpl& c, const Inputs& x, bool feedback, const kernels::RowDerivatives& out);
 
 /// External forces on joints' bodies, as the user numbers them, that forces of the rows amount to where the rows were located

@@ -41,9 +41,11 @@ inline void carve(ConstrainedInverse& x, const ConstraintWorkspace& w, int rows,
   arena.take(x.projected, rows, n);
 }
 
-/// From M^-1, n x n and followed by room for a pack, and J, rows x n, whose columns outside `moving` are zero. P is in x.of_row. O(n^2 rows).
+/// From M^-1, n x n and followed by room for a pack, and J, rows x n, whose columns outside `moving` are zero. P is in x.of_row. Unless null, what
+/// x (with room for a pack after it) and lambda are by tau = -force: columns that follow one another without gaps. O(n^2 rows).
 template <class Wide>
-void invertConstrained(const double* M_inverse, const double* J, const DofRuns moving, const ConstrainedInverse x) {
+void invertConstrained(const double* M_inverse, const double* J, const DofRuns moving, const ConstrainedInverse x, double* x_by_tau,
+                       double* lambda_by_tau) {
   const int n = x.n, rows = x.rows;
   const std::ptrdiff_t lambda = x.multipliers;
   inPanels<Wide, double>(0, n, [&](auto packs, int first) {
@@ -60,11 +62,15 @@ void invertConstrained(const double* M_inverse, const double* J, const DofRuns m
   });
   for (int row = 0; row < rows; ++row)
     for (int k = 0; k < n; ++k) x.of_force[k][row] = -x.of_row[row][lambda + k];
+  if (lambda_by_tau)
+    for (int k = 0; k < n; ++k)
+      for (int row = 0; row < rows; ++row) lambda_by_tau[rows * k + row] = x.of_force[k][row];
   inPanels<Wide, double>(0, n, [&](auto packs, int first) {
     byTwos(0, n, [&](int k, auto count) {
       Tile<Wide, double, count, packs> tile(M_inverse + k * n + first, n);
       tile.subtract(x.projected[0] + first, x.projected.stride, rows, x.of_force[k], x.of_force.stride, 1);
       tile.store(x.of_force[k] + lambda + first, x.of_force.stride);
+      if (x_by_tau) tile.store(x_by_tau + k * n + first, n);
     });
   });
 }

@@ -37,7 +37,7 @@ struct ConstraintKernels {
                               StoredColumn* out);
   void (*rowDerivatives)(const PackedFrameConstraint&, const RowState&, const StoredColumn* const* columns, const Rows<double>& turning,
                          const RowDerivatives& out);
-  void (*invertConstrained)(const double* M_inverse, const double* J, DofRuns moving, ConstrainedInverse);
+  void (*invertConstrained)(const double* M_inverse, const double* J, DofRuns moving, ConstrainedInverse, double* x_by_tau, double* lambda_by_tau);
   /// Of one matrix for each right-hand side, or two.
   void (*solveConstrained[2])(ConstrainedInverse, ColumnPattern, ConstrainedColumns);
 };

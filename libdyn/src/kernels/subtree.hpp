@@ -73,7 +73,8 @@ S total(const Wide& x) {
     return x;
   } else {
     using Numbers = Square<S, lanes_of<Wide>>;
-    return sumOf<S, lanes_of<Wide>>(*reinterpret_cast<const typename Numbers::Unaligned*>(&x));
+    const typename Numbers::Row numbers = *reinterpret_cast<const typename Numbers::Unaligned*>(&x);
+    return sumOf<S, lanes_of<Wide>>(numbers);
   }
 }
 

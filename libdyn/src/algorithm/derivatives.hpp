@@ -1,0 +1,15 @@
+// What derivatives of constrained motion take of the tree's.
+#pragma once
+
+#include "data/data_impl.hpp"
+
+namespace dyn {
+
+/// Of rnea(q, v, a) by q and v, as computeRNEADerivatives has them, into d.dtau_dq and d.dtau_dv. Throws Error(size | argument).
+void forceDerivatives(const char* algorithm, const CompactModel& model, Data& data, VectorView q, const VectorView* v, const VectorView* a,
+                      const Force<double>* fext, std::size_t count);
+
+/// M^-1 into d.Minv, at the q that forceDerivatives was asked at last. Throws Error(singular).
+void inverseInertia(const char* algorithm, const CompactModel& model, Data& data, VectorView q);
+
+}  // namespace dyn
