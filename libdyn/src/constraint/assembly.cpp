@@ -23,7 +23,7 @@ double prepareStep(const CompactModel& model, Data& data, VectorView q, Constrai
     const Inputs in = readInputs(algorithm, model, data, q, nullptr, nullptr);
     articulateBodies(algorithm, m, d, c, in.q, d.zero, d.zero, nullptr);
     prepareRows(m, d, c, in.q, nullptr);
-    articulateRows(m, d, c, false);
+    articulateRows(m, d, c);
   } else {
     projectInertia(algorithm, model, data, q, nullptr, c);
   }

@@ -95,7 +95,8 @@ void carveAll(ConstraintDataImpl& d, Arena& arena) {
   arena.take(d.frames, c.frames.size());
   kernels::carve(d.workspace, c, arena);
   d.solver.carve(c.rows, arena);
-  for (double** vector : {&d.motion.bias, &d.motion.velocity, &d.motion.error, &d.lambda, &d.wanted, &d.step, &d.left, &d.gamma})
+  for (double** vector :
+       {&d.motion.bias, &d.motion.drift, &d.motion.fall, &d.motion.velocity, &d.motion.error, &d.lambda, &d.wanted, &d.step, &d.left, &d.gamma})
     arena.take(*vector, rows);
   arena.take(d.J, rows * nv);
   arena.take(d.X, rows * nv);

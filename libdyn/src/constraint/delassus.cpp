@@ -24,7 +24,7 @@ void prepare(const char* algorithm, const CompactModel& model, Data& data, Vecto
 
 void form(const char* algorithm, const CompactModel& model, Data& data, VectorView q, ConstraintData& constraints) {
   prepare(algorithm, model, data, q, constraints);
-  if (model.impl().couplings.empty()) articulateRows(model.impl(), data.impl(), constraints.impl(), false);
+  if (model.impl().couplings.empty()) articulateRows(model.impl(), data.impl(), constraints.impl());
 }
 
 }  // namespace

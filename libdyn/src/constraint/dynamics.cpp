@@ -60,10 +60,7 @@ ConstrainedViews constraintDynamics(const CompactModel& model, Data& data, Vecto
     addMotionOf(m, c, c.lambda, d.ddq);
     return out;
   }
-  return refined(m, d, c, q.data, m.gravity, d.ddq, d.ddq, [&](double* rows) {
-    addGravity(m, c.set.impl(), c.frames, c.workspace, rows);
-    wantedAccelerations(c, rows);
-  });
+  return refined(m, d, c, q.data, m.gravity, d.ddq, d.ddq, [&](double* rows) { wantedAccelerations(c, rows, true); });
 }
 
 ConstrainedViews impulseDynamics(const CompactModel& model, Data& data, VectorView q, VectorView v, double restitution, ConstraintData& constraints) {
@@ -90,7 +87,7 @@ ConstrainedViews impulseDynamics(const CompactModel& model, Data& data, VectorVi
     const Inputs in = readInputs(algorithm, model, data, q, &v, nullptr);
     articulateBodies(algorithm, m, d, c, in.q, d.zero, d.zero, nullptr);
     prepareRows(m, d, c, in.q, in.v);
-    articulateRows(m, d, c, false);
+    articulateRows(m, d, c);
     factorDelassus(constraints);
     stillWanted(nullptr);
     out = refined(m, d, c, in.q, {}, change, c.v_after, stillWanted);

@@ -148,7 +148,7 @@ ContactViews contactForces(const CompactModel& model, Data& data, VectorView q, 
   // Rows' accelerations at a, from the bodies' own; then what is missing from those without forces.
   placeRows(algorithm, model, data, q, &v, c);
   addRowsOf(m, c, a.data, c.gamma);
-  wantedAccelerations(c, c.gamma);
+  wantedAccelerations(c, c.gamma, false);
   for (int r = 0; r < rows; ++r) c.step[r] = c.wanted[r];
   freeMotion(algorithm, model, data, q, v, tau, nullptr, 0, false, c);
   for (int r = 0; r < rows; ++r) c.wanted[r] = c.step[r] - c.wanted[r];

@@ -136,29 +136,33 @@ void locateRows(const CompactImpl& m, const PackedConstraints& c, const Constrai
     FrameRows& x = frames[k];
     locate(c, workspace, f, v != nullptr, x);
     const Motion<double> velocity = kernels::turnedBack(x.axes, x.relative), bias = v ? kernels::turnedBack(x.axes, biasOf(f, x)) : Motion<double>{};
+    // Where both bodies move, both fall.
+    Motion<double> fall;
+    if (f.body[0] == 0 || f.body[1] == 0)
+      fall.linear = (f.body[0] > 0 ? 1.0 : -1.0) * transposeTimes(x.axes, transposeTimes(workspace.stateOf(c, f.body[0]).tree.R, m.gravity));
     eachDirection(f, [&](int row, int direction) {
-      rows.velocity[row] = component(velocity, direction);
-      rows.bias[row] = component(bias, direction);
-      rows.error[row] = component(x.error, direction);
+      rows.put(row, component(velocity, direction), component(bias, direction), component(x.error, direction), f.baumgarte);
+      rows.fall[row] = component(fall, direction);
     });
   }
   for (const PackedJointCoupling& k : c.couplings) {
-    double f[4], q_wanted[max_joint_nq];
+    double f[4], q_wanted[max_joint_nq], error;
     evaluateCoupling(m, k, q, f);
     const BodyIndex &follower = m.index[at(k.body)], &master = m.index[at(k.master)];
     const double vm = v ? v[master.idx_v] : 0.0;
-    rows.velocity[k.row] = (v ? v[follower.idx_v] : 0.0) - f[1] * vm;
-    rows.bias[k.row] = -f[2] * vm * vm;
     setCoordinate(*batchOf(m, k.body).type, constantsOf(m, k.body), batchOf(m, k.body).count, f[0], q_wanted);
-    differenceOf(m, k.body, q_wanted, q + follower.idx_q, rows.error + k.row);
+    differenceOf(m, k.body, q_wanted, q + follower.idx_q, &error);
+    rows.put(k.row, (v ? v[follower.idx_v] : 0.0) - f[1] * vm, -f[2] * vm * vm, error, k.baumgarte);
+    rows.fall[k.row] = 0;
   }
   for (const PackedJointLock& k : c.locks) {
     const BodyIndex& x = m.index[at(k.body)];
+    double error[max_joint_nv] = {};
+    if (!k.configuration.empty()) differenceOf(m, k.body, k.configuration.data(), q + x.idx_q, error);
     for (int r = 0; r < k.rows; ++r) {
-      rows.velocity[k.row + r] = v ? v[x.idx_v + r] : 0.0;
-      rows.bias[k.row + r] = rows.error[k.row + r] = 0;
+      rows.put(k.row + r, v ? v[x.idx_v + r] : 0.0, 0, error[r], k.baumgarte);
+      rows.fall[k.row + r] = 0;
     }
-    if (!k.configuration.empty()) differenceOf(m, k.body, k.configuration.data(), q + x.idx_q, rows.error + k.row);
   }
 }
 
@@ -243,19 +247,6 @@ void rowAccelerations(const CompactImpl& m, const PackedConstraints& c, const Fr
   }
   for (const PackedJointLock& k : c.locks)
     for (int r = 0; r < k.rows; ++r) out[k.row + r] = motionOf(k.body, r);
-}
-
-void addGravity(const CompactImpl& m, const PackedConstraints& c, const FrameRows* frames, const ConstraintWorkspace& x, double* accelerations) {
-  for (std::size_t k = 0; k < c.frames.size(); ++k) {
-    const PackedFrameConstraint& f = c.frames[k];
-    // Where both bodies move, both fall.
-    if (f.body[0] > 0 && f.body[1] > 0) continue;
-    const Vec3<double> gravity = transposeTimes(x.stateOf(c, f.body[0]).tree.R, m.gravity);
-    const double sign = f.body[0] > 0 ? 1 : -1;
-    eachDirection(f, [&](int row, int direction) {
-      if (direction < 3) accelerations[row] += sign * dot(frames[k].axes.col(direction), gravity);
-    });
-  }
 }
 
 }  // namespace dyn

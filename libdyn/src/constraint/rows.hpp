@@ -9,11 +9,20 @@
 
 namespace dyn {
 
-/// Bias of a row's acceleration beside what the kernel's sweep finds, its velocity and its error of position.
+/// Of each row. Accelerations are beside what the kernel's sweep finds.
 struct RowMotion {
-  double* bias;
+  double* bias;   ///< acceleration that velocities make
+  double* drift;  ///< the same with what is fed back of the velocity and of the error
+  double* fall;   ///< acceleration that gravity makes where the sweep had the world fall up
   double* velocity;
-  double* error;
+  double* error;  ///< of position
+
+  void put(int row, double v, double rate, double distance, const Baumgarte& b) const {
+    velocity[row] = v;
+    bias[row] = rate;
+    error[row] = distance;
+    drift[row] = rate + b.velocity * v + b.position * distance;
+  }
 };
 
 /// Once the kernel has located chains. q and v in expanded coordinates; v may be null (at rest).
@@ -30,9 +39,5 @@ void sumRowForces(const CompactImpl& m, const PackedConstraints& c, const FrameR
 /// Accelerations of the rows by those of chains and joints, without their bias.
 void rowAccelerations(const CompactImpl& m, const PackedConstraints& c, const FrameRows* frames, const double* q,
                       const kernels::ConstraintWorkspace& x, double* out);
-
-/// What gravity adds to the rows' accelerations of a sweep in which the world falls up.
-void addGravity(const CompactImpl& m, const PackedConstraints& c, const FrameRows* frames, const kernels::ConstraintWorkspace& x,
-                double* accelerations);
 
 }  // namespace dyn

@@ -61,11 +61,10 @@ void prepareRows(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c, const
   writeRowForces(m, packed, c.frames, q, c.workspace);
 }
 
-void articulateRows(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c, bool gravity) {
+void articulateRows(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c) {
   const PackedConstraints& packed = c.set.impl();
   const PlacedBodies bodies = placedBodies(d, c);
   bodies.run.sweep(m, bodies.memory, packed, true, c.workspace);
-  if (gravity) addGravity(m, packed, c.frames, c.workspace, c.workspace.free);
   kernels::constraintKernels().delassusMatrix(packed, c.workspace);
 }
 
@@ -115,25 +114,25 @@ void freeMotion(const char* algorithm, const CompactModel& model, Data& data, Ve
     projectInertia(algorithm, model, data, q, &v, c);
     solveInertia(model, data, d.ddq);
     addRowsOf(m, c, d.ddq, c.gamma);
-    wantedAccelerations(c, c.gamma);
+    wantedAccelerations(c, c.gamma, false);
   } else {
     const Inputs in = readInputs(algorithm, model, data, q, &v, nullptr);
     articulateBodies(algorithm, m, d, c, in.q, in.v, lessLosses(m, d, tau.data, in.v), readExternalForces(algorithm, m, d, fext, count));
     prepareRows(m, d, c, in.q, in.v);
-    articulateRows(m, d, c, true);
-    wantedAccelerations(c, c.workspace.free);
+    articulateRows(m, d, c);
+    wantedAccelerations(c, c.workspace.free, true);
   }
 }
 
-void wantedAccelerations(ConstraintDataImpl& c, const double* free) {
-  const PackedConstraints& packed = c.set.impl();
-  const auto put = [&](int row, int rows, const Baumgarte& b) {
-    for (int r = row; r < row + rows; ++r)
-      c.wanted[r] = -(free[r] + c.motion.bias[r] + b.velocity * c.motion.velocity[r] + b.position * c.motion.error[r]);
-  };
-  for (const auto& k : packed.frames) put(k.row, k.rows, k.baumgarte);
-  for (const auto& k : packed.couplings) put(k.row, 1, k.baumgarte);
-  for (const auto& k : packed.locks) put(k.row, k.rows, k.baumgarte);
+void wantedAccelerations(ConstraintDataImpl& c, const double* free, bool world_falls_up) {
+  const int rows = c.set.rows();
+  const double *drift = c.motion.drift, *fall = c.motion.fall;
+  double* wanted = c.wanted;
+  if (world_falls_up) {
+    for (int r = 0; r < rows; ++r) wanted[r] = -(free[r] + fall[r] + drift[r]);
+  } else {
+    for (int r = 0; r < rows; ++r) wanted[r] = -(free[r] + drift[r]);
+  }
 }
 
 }  // namespace dyn

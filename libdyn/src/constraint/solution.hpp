@@ -26,8 +26,8 @@ void accelerateBodies(const CompactImpl& m, DataImpl& d, const ConstraintDataImp
 /// After the outward pass: rows located, their forces written. v may be null.
 void prepareRows(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c, const double* q, const double* v);
 
-/// After `articulate`: shares, free accelerations (under gravity, or without), and the Delassus matrix.
-void articulateRows(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c, bool gravity);
+/// After `articulate`: shares, free accelerations as if the world fell up, and the Delassus matrix.
+void articulateRows(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c);
 
 /// Rows at one state, v null at rest, for what needs no dynamics: J, by columns of the user's degrees of freedom, and c.gamma, what velocities
 /// give to the rows' accelerations beside their own bias.
@@ -39,6 +39,6 @@ void freeMotion(const char* algorithm, const CompactModel& model, Data& data, Ve
                 std::size_t count, bool by_inertia, ConstraintDataImpl& c);
 
 /// What the rows' accelerations are to be beside `free` ones, bias and feedback included, into c.wanted.
-void wantedAccelerations(ConstraintDataImpl& c, const double* free);
+void wantedAccelerations(ConstraintDataImpl& c, const double* free, bool world_falls_up);
 
 }  // namespace dyn
