@@ -90,8 +90,8 @@ void locate(const PackedConstraints& all, const ConstraintWorkspace& x, const Pa
 /// d/dt of the relative velocity in the constraint's axes, less what the accelerations of the bodies' origins give.
 Motion<double> biasOf(const PackedFrameConstraint& c, const FrameRows& x) {
   const Vec3<double>&w1 = x.w[0], &w2 = x.w[1], &V = x.relative.linear;
-  const Vec3<double> second = transposeTimes(x.turn, x.lever[1]);
-  Motion<double> bias{cross(w1, cross(w1, x.lever[0])) - cross(w2, cross(w2, second)) - cross(w2, V), {}};
+  Motion<double> bias{cross(w1, cross(w1, x.lever[0])), {}};
+  if (c.body[1] > 0) bias.linear -= cross(w2, cross(w2, transposeTimes(x.turn, x.lever[1])) + V);
   // A point that cannot move at all is held by its own acceleration, whatever its axes do.
   const bool point = c.turnsFreely() && c.rows == 3;
   if (c.axes == ConstraintAxes::OTHER || (c.axes == ConstraintAxes::LOCAL && !point)) {
@@ -102,7 +102,10 @@ Motion<double> biasOf(const PackedFrameConstraint& c, const FrameRows& x) {
   return bias;
 }
 
-double component(const Motion<double>& x, int k) { return k < 3 ? x.linear[k] : x.angular[k - 3]; }
+/// What x has in one of the directions 0 to 5 of a constraint's axes.
+double along(const Mat3<double>& axes, int direction, const Motion<double>& x) {
+  return dot(axes.col(direction % 3), direction < 3 ? x.linear : x.angular);
+}
 
 const TypeBatch& batchOf(const CompactImpl& m, int body) { return m.batches[at(m.index[at(body)].batch)]; }
 const double* constantsOf(const CompactImpl& m, int body) { return batchOf(m, body).constants.data() + m.index[at(body)].slot; }
@@ -135,14 +138,15 @@ void locateRows(const CompactImpl& m, const PackedConstraints& c, const Constrai
     const PackedFrameConstraint& f = c.frames[k];
     FrameRows& x = frames[k];
     locate(c, workspace, f, v != nullptr, x);
-    const Motion<double> velocity = kernels::turnedBack(x.axes, x.relative), bias = v ? kernels::turnedBack(x.axes, biasOf(f, x)) : Motion<double>{};
+    const Motion<double> bias = v ? biasOf(f, x) : Motion<double>{};
     // Where both bodies move, both fall.
     Motion<double> fall;
     if (f.body[0] == 0 || f.body[1] == 0)
-      fall.linear = (f.body[0] > 0 ? 1.0 : -1.0) * transposeTimes(x.axes, transposeTimes(workspace.stateOf(c, f.body[0]).tree.R, m.gravity));
+      fall.linear = (f.body[0] > 0 ? 1.0 : -1.0) * transposeTimes(workspace.stateOf(c, f.body[0]).tree.R, m.gravity);
     eachDirection(f, [&](int row, int direction) {
-      rows.put(row, component(velocity, direction), component(bias, direction), component(x.error, direction), f.baumgarte);
-      rows.fall[row] = component(fall, direction);
+      const double error = direction < 3 ? x.error.linear[direction] : x.error.angular[direction - 3];
+      rows.put(row, along(x.axes, direction, x.relative), along(x.axes, direction, bias), error, f.baumgarte);
+      rows.fall[row] = along(x.axes, direction, fall);
     });
   }
   for (const PackedJointCoupling& k : c.couplings) {
@@ -168,23 +172,15 @@ void locateRows(const CompactImpl& m, const PackedConstraints& c, const Constrai
 
 namespace {
 
-/// Every row's unit force: onBody(body, row, force about its joint's origin, aligned axes, its lever), onJoint(body, k, row, share of its k-th
-/// degree of freedom).
+/// Every row's unit force: onBody(f, body, axes, lever) for each body of a constraint between frames, where its forces' axes and point are from
+/// the body's origin; onJoint(body, k, row, share of its k-th degree of freedom).
 template <class OnBody, class OnJoint>
 void eachRowForce(const CompactImpl& m, const PackedConstraints& c, const FrameRows* frames, const double* q, OnBody&& onBody, OnJoint&& onJoint) {
   for (std::size_t k = 0; k < c.frames.size(); ++k) {
     const PackedFrameConstraint& f = c.frames[k];
     const FrameRows& s = frames[k];
-    eachDirection(f, [&](int row, int direction) {
-      const Vec3<double> d = s.axes.col(direction % 3), other = -(s.turn * d);
-      if (direction < 3) {
-        if (f.body[0] > 0) onBody(f.body[0], row, Force<double>{d, cross(s.lever[0], d)}, s.lever[0]);
-        if (f.body[1] > 0) onBody(f.body[1], row, Force<double>{other, cross(s.lever[1], other)}, s.lever[1]);
-      } else {
-        if (f.body[0] > 0) onBody(f.body[0], row, Force<double>{{}, d}, Vec3<double>{});
-        if (f.body[1] > 0) onBody(f.body[1], row, Force<double>{{}, other}, Vec3<double>{});
-      }
-    });
+    if (f.body[0] > 0) onBody(f, f.body[0], s.axes, s.lever[0]);
+    if (f.body[1] > 0) onBody(f, f.body[1], -1.0 * (s.turn * s.axes), s.lever[1]);
   }
   for (const PackedJointCoupling& k : c.couplings) {
     double f[4];
@@ -204,15 +200,24 @@ void writeRowForces(const CompactImpl& m, const PackedConstraints& c, const Fram
   if (c.actsOnJoints()) std::fill_n(x.share, x.room * static_cast<std::ptrdiff_t>(c.dofs.size()), 0.0);
   eachRowForce(
       m, c, frames, q,
-      [&](int body, int row, const Force<double>& f, const Vec3<double>& lever) {
+      [&](const PackedFrameConstraint& f, int body, const Mat3<double>& axes, const Vec3<double>& lever) {
         const int chain = c.chainOf(body);
         const std::ptrdiff_t next = step(chain);
-        double* to = x.forceOf(chain) + (row - c.chains[at(chain)].row_begin);
-        for (int a = 0; a < 3; ++a) {
-          to[a * next] += f.linear[a];
-          to[(3 + a) * next] += f.angular[a];
-        }
-        to[x.reach * next] += dot(f.linear, f.linear) * dot(lever, lever) + (dot(f.linear, f.linear) > 0 ? 0 : dot(f.angular, f.angular));
+        double* first = x.forceOf(chain) - c.chains[at(chain)].row_begin;
+        const double square = dot(lever, lever);
+        eachDirection(f, [&](int row, int direction) {
+          double* to = first + row;
+          const Vec3<double> d = axes.col(direction % 3);
+          if (direction < 3) {
+            const Vec3<double> moment = cross(lever, d);
+            for (int a = 0; a < 3; ++a) to[a * next] += d[a];
+            for (int a = 0; a < 3; ++a) to[(3 + a) * next] += moment[a];
+            to[x.reach * next] += square;
+          } else {
+            for (int a = 0; a < 3; ++a) to[(3 + a) * next] += d[a];
+            to[x.reach * next] += 1;
+          }
+        });
       },
       [&](int body, int k, int row, double share) { x.shareOf(c.bodies[at(c.body_at[at(body)])].dof + k)[row] += share; });
 }
@@ -222,7 +227,15 @@ void sumRowForces(const CompactImpl& m, const PackedConstraints& c, const FrameR
   std::fill_n(bodies, c.bodies.size(), Force<double>{});
   std::fill_n(shares, c.dofs.size(), 0.0);
   eachRowForce(
-      m, c, frames, q, [&](int body, int row, const Force<double>& f, const Vec3<double>&) { bodies[c.body_at[at(body)]] += lambda[row] * f; },
+      m, c, frames, q,
+      [&](const PackedFrameConstraint& f, int body, const Mat3<double>& axes, const Vec3<double>& lever) {
+        Force<double>& sum = bodies[c.body_at[at(body)]];
+        eachDirection(f, [&](int row, int direction) {
+          const Vec3<double> part = lambda[row] * axes.col(direction % 3);
+          if (direction < 3) sum += Force<double>{part, cross(lever, part)};
+          if (direction >= 3) sum.angular += part;
+        });
+      },
       [&](int body, int k, int row, double share) { shares[c.bodies[at(c.body_at[at(body)])].dof + k] += lambda[row] * share; });
 }
 
@@ -235,9 +248,9 @@ void rowAccelerations(const CompactImpl& m, const PackedConstraints& c, const Fr
       const Motion<double>& a = x.stateOf(c, f.body[e]).acceleration;
       return Motion<double>{a.linear + cross(a.angular, s.lever[e]), a.angular};
     };
-    const Motion<double> other = seen(1);
-    const Motion<double> relative = seen(0) - kernels::turnedBack(s.turn, other);
-    eachDirection(f, [&](int row, int direction) { out[row] = dot(s.axes.col(direction % 3), direction < 3 ? relative.linear : relative.angular); });
+    Motion<double> relative = seen(0);
+    if (f.body[1] > 0) relative -= kernels::turnedBack(s.turn, seen(1));
+    eachDirection(f, [&](int row, int direction) { out[row] = along(s.axes, direction, relative); });
   }
   const auto motionOf = [&](int body, int k) { return x.motion[c.bodies[at(c.body_at[at(body)])].dof + k]; };
   for (const PackedJointCoupling& k : c.couplings) {

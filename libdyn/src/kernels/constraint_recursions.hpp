@@ -10,8 +10,6 @@
 #include "kernels/constraint_workspace.hpp"
 #include "kernels/subtree.hpp"
 
-#include <type_traits>
-
 namespace dyn::kernels {
 
 /// Places and velocities in x.chains. After abaOutward; v may be null (at rest). O(bodies).
@@ -37,16 +35,6 @@ void locateChains(const ConstrainedBodies<S>& bodies, const PackedConstraints& c
     state.velocity = velocity;
     state.tree = chain.parent < 0 ? bodies[c.bodies[static_cast<std::size_t>(chain.end - 1)]].tree() : x.chains[chain.parent].tree;
   }
-}
-
-/// Calls use(first, P) for rows from `begin` on and before `end`, in packs P: Wide, or Half for as many as this one holds.
-template <class Wide, class Half, class Use>
-void inPacks(int begin, int end, Use&& use) {
-  while (end - begin > lanes_of<Half>) {
-    use(begin, std::type_identity<Wide>());
-    begin += lanes_of<Wide>;
-  }
-  if (begin < end) use(begin, std::type_identity<Half>());
 }
 
 /// A pack of rows, from `first` on, climbs a chain.

@@ -5,6 +5,7 @@
 #include "kernels/workspace.hpp"
 
 #include <algorithm>
+#include <type_traits>
 
 namespace dyn::kernels {
 
@@ -64,6 +65,16 @@ inline void carve(ConstraintWorkspace& x, const PackedConstraints& c, Arena& are
   arena.take(x.inverse, stride * rows);
   arena.take(x.column, 2 * stride);
   arena.take(x.motion, c.dofs.size());
+}
+
+/// Calls use(first, P) for rows from `begin` on and before `end`, in packs P: Wide, or Half for as many as this one holds.
+template <class Wide, class Half, class Use>
+void inPacks(int begin, int end, Use&& use) {
+  while (end - begin > lanes_of<Half>) {
+    use(begin, std::type_identity<Wide>());
+    begin += lanes_of<Wide>;
+  }
+  if (begin < end) use(begin, std::type_identity<Half>());
 }
 
 }  // namespace dyn::kernels

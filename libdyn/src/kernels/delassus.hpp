@@ -7,24 +7,24 @@
 namespace dyn::kernels {
 
 /// The Delassus matrix from the shares of an eliminated sweep, all of it. O(dofs x rows^2).
-template <class Wide>
+template <class Wide, class Half>
 void delassusMatrix(const PackedConstraints& c, ConstraintWorkspace& x) {
-  constexpr int width = lanes_of<Wide>, tile = 4;
+  constexpr int tile = 4;
   const Rows<double> D{x.delassus, x.stride};
   std::fill(D[0], D[c.rows], 0.0);
   // A few rows and a pack of columns at a time, above the diagonal, in registers through a chain's degrees of freedom.
   for (const ConstrainedChain& chain : c.chains)
     for (int row = chain.row_begin; row < chain.row_end; row += tile)
-      for (int column = row; column < chain.row_end; column += width) {
-        Wide sums[tile];
-        for (Wide& sum : sums) sum = Wide(0);
+      inPacks<Wide, Half>(row, chain.row_end, [&]<class P>(int column, std::type_identity<P>) {
+        P sums[tile];
+        for (P& sum : sums) sum = P(0);
         for (int k = chain.dof_begin; k < chain.dof_end; ++k) {
-          const Wide share = loadPack<Wide>(x.shareOf(k) + column);
+          const P share = loadPack<P>(x.shareOf(k) + column);
           const double* scaled = x.scaledOf(k) + row;
-          for (int r = 0; r < tile; ++r) sums[r] += Wide(scaled[r]) * share;
+          for (int r = 0; r < tile; ++r) sums[r] += P(scaled[r]) * share;
         }
-        for (int r = 0; r < std::min(tile, chain.row_end - row); ++r) storePack(loadPack<Wide>(D[row + r] + column) + sums[r], D[row + r] + column);
-      }
+        for (int r = 0; r < std::min(tile, chain.row_end - row); ++r) storePack(loadPack<P>(D[row + r] + column) + sums[r], D[row + r] + column);
+      });
   mirrorUpper<Wide>(D, c.rows, D);
 }
 
@@ -42,78 +42,77 @@ Wide unitPack(int k, int first) {
   return shift < 0 || shift >= width ? Wide(0) : loadPack<Wide>(unit.data() + width - shift);
 }
 
-/// Rows and columns k to k + size of x.inverse exchanged (Gauss and Jordan), P the inverse of the block where they meet.
-template <class Wide, int size>
-void exchangeRows(int rows, ConstraintWorkspace& x, int k, const double (&P)[size][size]) {
-  constexpr int width = lanes_of<Wide>;
-  for (int first = 0; first < rows; first += width) {
-    Wide e[size], row[size];
-    Wide outside(1);
+/// Rows and columns k to k + size of x.inverse swept (the symmetric Gauss and Jordan step), P the inverse of the block where they meet, with the
+/// other sign.
+template <class Wide, class Half, int size>
+void sweepRows(int rows, ConstraintWorkspace& x, int k, const double (&P)[size][size]) {
+  const Rows<double> B{x.inverse, x.stride}, old{x.column, x.stride};
+  inPacks<Wide, Half>(0, rows, [&]<class Pk>(int first, std::type_identity<Pk>) {
+    for (int j = 0; j < size; ++j) storePack(loadPack<Pk>(B[k + j] + first), old[j] + first);
+  });
+  inPacks<Wide, Half>(0, rows, [&]<class Pk>(int first, std::type_identity<Pk>) {
+    Pk e[size], from[size], swept[size], taken[size];
+    Pk outside(1);
     for (int j = 0; j < size; ++j) {
-      e[j] = unitPack<Wide>(k + j, first);
+      e[j] = unitPack<Pk>(k + j, first);
       outside -= e[j];
     }
-    for (int j = 0; j < size; ++j) row[j] = outside * loadPack<Wide>(x.inverse + (k + j) * x.stride + first) + e[j];
+    for (int j = 0; j < size; ++j) from[j] = e[j] - outside * loadPack<Pk>(old[j] + first);
     for (int i = 0; i < size; ++i) {
-      Wide sum = Wide(P[i][0]) * row[0];
-      for (int j = 1; j < size; ++j) sum += Wide(P[i][j]) * row[j];
-      storePack(sum, x.inverse + (k + i) * x.stride + first);
-      storePack(sum + e[i], x.column + i * x.stride + first);
+      swept[i] = Pk(P[i][0]) * from[0];
+      for (int j = 1; j < size; ++j) swept[i] += Pk(P[i][j]) * from[j];
+      taken[i] = swept[i] + e[i];
     }
-  }
-  for (int i = 0; i < rows; ++i) {
-    if (i >= k && i < k + size) continue;
-    double* other = x.inverse + i * x.stride;
-    Wide factor[size];
-    for (int j = 0; j < size; ++j) factor[j] = Wide(-other[k + j]);
-    for (int first = 0; first < rows; first += width) {
-      Wide sum = loadPack<Wide>(other + first);
-      for (int j = 0; j < size; ++j) sum += factor[j] * loadPack<Wide>(x.column + j * x.stride + first);
-      storePack(sum, other + first);
+    // The matrix is symmetric: what column k + j has in row i, row k + j has in column i.
+    for (int i = 0; i < rows; ++i) {
+      Pk sum = loadPack<Pk>(B[i] + first);
+      for (int j = 0; j < size; ++j) sum -= Pk(old[j][i]) * taken[j];
+      storePack(sum, B[i] + first);
     }
-  }
+    for (int i = 0; i < size; ++i) storePack(swept[i], B[k + i] + first);
+  });
 }
 
 /// (D + mu)^-1 into x.inverse, two rows at a time: a product with it waits for nothing, where solutions with triangles wait for each row.
 /// False where a pivot is not above tolerance times its bound; NaN goes on, to come out as NaN.
-template <class Wide>
+template <class Wide, class Half>
 bool invertDelassus(int rows, ConstraintWorkspace& x, double mu, double tolerance) {
-  constexpr int width = lanes_of<Wide>;
   const auto vanishes = [&](double pivot, int row) { return pivot <= tolerance * x.bound[row] && !(mu > 0); };
+  // Rows swept of -A are those of A^-1.
   for (int i = 0; i < rows; ++i)
-    for (int first = 0; first < rows; first += width)
-      storePack(loadPack<Wide>(x.delassus + i * x.stride + first) + Wide(mu) * unitPack<Wide>(i, first), x.inverse + i * x.stride + first);
+    inPacks<Wide, Half>(0, rows, [&]<class P>(int first, std::type_identity<P>) {
+      storePack(-(loadPack<P>(x.delassus + i * x.stride + first) + P(mu) * unitPack<P>(i, first)), x.inverse + i * x.stride + first);
+    });
   int k = 0;
   for (; k + 1 < rows; k += 2) {
     const double *upper = x.inverse + k * x.stride + k, *lower = upper + x.stride;
-    const double a = upper[0], b = upper[1], c = lower[1];
+    const double a = -upper[0], b = -upper[1], c = -lower[1];
     if (vanishes(a, k)) return false;
     const double first = 1 / a, ratio = b * first, left = c - b * ratio;
     if (vanishes(left, k + 1)) return false;
     const double second = 1 / left, across = -ratio * second;
-    exchangeRows<Wide, 2>(rows, x, k, {{first - ratio * across, across}, {across, second}});
+    sweepRows<Wide, Half, 2>(rows, x, k, {{first - ratio * across, across}, {across, second}});
   }
   if (k == rows) return true;
-  const double pivot = x.inverse[k * x.stride + k];
+  const double pivot = -x.inverse[k * x.stride + k];
   if (vanishes(pivot, k)) return false;
-  exchangeRows<Wide, 1>(rows, x, k, {{1 / pivot}});
+  sweepRows<Wide, Half, 1>(rows, x, k, {{1 / pivot}});
   return true;
 }
 
 /// out = A x for a symmetric matrix of rows.
-template <class Wide>
+template <class Wide, class Half>
 void timesRows(int rows, std::ptrdiff_t stride, const double* A, const double* x, double* out) {
-  constexpr int width = lanes_of<Wide>;
-  for (int first = 0; first < rows; first += width) {
-    Wide even(0), odd(0);
+  inPacks<Wide, Half>(0, rows, [&]<class P>(int first, std::type_identity<P>) {
+    P even(0), odd(0);
     int k = 0;
     for (; k + 1 < rows; k += 2) {
-      even += Wide(x[k]) * loadPack<Wide>(A + k * stride + first);
-      odd += Wide(x[k + 1]) * loadPack<Wide>(A + (k + 1) * stride + first);
+      even += P(x[k]) * loadPack<P>(A + k * stride + first);
+      odd += P(x[k + 1]) * loadPack<P>(A + (k + 1) * stride + first);
     }
-    if (k < rows) even += Wide(x[k]) * loadPack<Wide>(A + k * stride + first);
+    if (k < rows) even += P(x[k]) * loadPack<P>(A + k * stride + first);
     storePack(even + odd, out + first);
-  }
+  });
 }
 
 }  // namespace dyn::kernels

@@ -46,9 +46,9 @@ ConstraintKernels singleConstraintKernels() {
   ConstraintKernels k{};
   k.layout = constraintLayoutStamp();
   k.single = constraintRecursions<Panel, Half, double>();
-  k.delassusMatrix = kernels::delassusMatrix<Panel>;
-  k.invertDelassus = kernels::invertDelassus<Panel>;
-  k.timesRows = kernels::timesRows<Panel>;
+  k.delassusMatrix = kernels::delassusMatrix<Panel, Half>;
+  k.invertDelassus = kernels::invertDelassus<Panel, Half>;
+  k.timesRows = kernels::timesRows<Panel, Half>;
   k.pointColumns = kernels::pointColumns;
   k.rowDerivatives = kernels::rowDerivatives<Panel>;
   k.invertConstrained = kernels::invertConstrained<Panel>;
