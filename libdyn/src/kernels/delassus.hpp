@@ -42,34 +42,34 @@ Wide unitPack(int k, int first) {
   return shift < 0 || shift >= width ? Wide(0) : loadPack<Wide>(unit.data() + width - shift);
 }
 
-/// Rows and columns k to k + size of x.inverse swept (the symmetric Gauss and Jordan step), P the inverse of the block where they meet, with the
-/// other sign.
+/// Rows and columns k to k + size of x.inverse exchanged (Gauss and Jordan, of a matrix that keeps its symmetry but for rounding), P the inverse of
+/// the block where they meet, with the other sign.
 template <class Wide, class Half, int size>
-void sweepRows(int rows, ConstraintWorkspace& x, int k, const double (&P)[size][size]) {
-  const Rows<double> B{x.inverse, x.stride}, old{x.column, x.stride};
+void exchangeRows(int rows, ConstraintWorkspace& x, int k, const double (&P)[size][size]) {
+  const Rows<double> B{x.inverse, x.stride};
+  // Each row by its own numbers: those that symmetry has for them differ by rounding, which the matrix' condition would multiply.
+  double* factors = x.column;
+  for (int i = 0; i < rows; ++i)
+    for (int j = 0; j < size; ++j) factors[size * i + j] = B[i][k + j];
   inPacks<Wide, Half>(0, rows, [&]<class Pk>(int first, std::type_identity<Pk>) {
-    for (int j = 0; j < size; ++j) storePack(loadPack<Pk>(B[k + j] + first), old[j] + first);
-  });
-  inPacks<Wide, Half>(0, rows, [&]<class Pk>(int first, std::type_identity<Pk>) {
-    Pk e[size], from[size], swept[size], taken[size];
+    Pk e[size], from[size], exchanged[size], taken[size];
     Pk outside(1);
     for (int j = 0; j < size; ++j) {
       e[j] = unitPack<Pk>(k + j, first);
       outside -= e[j];
     }
-    for (int j = 0; j < size; ++j) from[j] = e[j] - outside * loadPack<Pk>(old[j] + first);
+    for (int j = 0; j < size; ++j) from[j] = e[j] - outside * loadPack<Pk>(B[k + j] + first);
     for (int i = 0; i < size; ++i) {
-      swept[i] = Pk(P[i][0]) * from[0];
-      for (int j = 1; j < size; ++j) swept[i] += Pk(P[i][j]) * from[j];
-      taken[i] = swept[i] + e[i];
+      exchanged[i] = Pk(P[i][0]) * from[0];
+      for (int j = 1; j < size; ++j) exchanged[i] += Pk(P[i][j]) * from[j];
+      taken[i] = exchanged[i] + e[i];
     }
-    // The matrix is symmetric: what column k + j has in row i, row k + j has in column i.
     for (int i = 0; i < rows; ++i) {
       Pk sum = loadPack<Pk>(B[i] + first);
-      for (int j = 0; j < size; ++j) sum -= Pk(old[j][i]) * taken[j];
+      for (int j = 0; j < size; ++j) sum -= Pk(factors[size * i + j]) * taken[j];
       storePack(sum, B[i] + first);
     }
-    for (int i = 0; i < size; ++i) storePack(swept[i], B[k + i] + first);
+    for (int i = 0; i < size; ++i) storePack(exchanged[i], B[k + i] + first);
   });
 }
 
@@ -78,7 +78,7 @@ void sweepRows(int rows, ConstraintWorkspace& x, int k, const double (&P)[size][
 template <class Wide, class Half>
 bool invertDelassus(int rows, ConstraintWorkspace& x, double mu, double tolerance) {
   const auto vanishes = [&](double pivot, int row) { return pivot <= tolerance * x.bound[row] && !(mu > 0); };
-  // Rows swept of -A are those of A^-1.
+  // All rows of -A exchanged are those of A^-1.
   for (int i = 0; i < rows; ++i)
     inPacks<Wide, Half>(0, rows, [&]<class P>(int first, std::type_identity<P>) {
       storePack(-(loadPack<P>(x.delassus + i * x.stride + first) + P(mu) * unitPack<P>(i, first)), x.inverse + i * x.stride + first);
@@ -91,12 +91,12 @@ bool invertDelassus(int rows, ConstraintWorkspace& x, double mu, double toleranc
     const double first = 1 / a, ratio = b * first, left = c - b * ratio;
     if (vanishes(left, k + 1)) return false;
     const double second = 1 / left, across = -ratio * second;
-    sweepRows<Wide, Half, 2>(rows, x, k, {{first - ratio * across, across}, {across, second}});
+    exchangeRows<Wide, Half, 2>(rows, x, k, {{first - ratio * across, across}, {across, second}});
   }
   if (k == rows) return true;
   const double pivot = -x.inverse[k * x.stride + k];
   if (vanishes(pivot, k)) return false;
-  sweepRows<Wide, Half, 1>(rows, x, k, {{1 / pivot}});
+  exchangeRows<Wide, Half, 1>(rows, x, k, {{1 / pivot}});
   return true;
 }
 
