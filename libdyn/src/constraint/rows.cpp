@@ -91,7 +91,7 @@ void locate(const PackedConstraints& all, const ConstraintWorkspace& x, const Pa
 Motion<double> biasOf(const PackedFrameConstraint& c, const FrameRows& x) {
   const Vec3<double>&w1 = x.w[0], &w2 = x.w[1], &V = x.relative.linear;
   Motion<double> bias{cross(w1, cross(w1, x.lever[0])), {}};
-  if (c.body[1] > 0) bias.linear -= cross(w2, cross(w2, transposeTimes(x.turn, x.lever[1])) + V);
+  if (c.body[1] > 0) bias.linear = bias.linear - cross(w2, cross(w2, transposeTimes(x.turn, x.lever[1]))) - cross(w2, V);
   // A point that cannot move at all is held by its own acceleration, whatever its axes do.
   const bool point = c.turnsFreely() && c.rows == 3;
   if (c.axes == ConstraintAxes::OTHER || (c.axes == ConstraintAxes::LOCAL && !point)) {
