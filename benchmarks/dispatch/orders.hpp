@@ -29,6 +29,20 @@ struct PerBatch : kernels::Bodies<double> {
   void evaluate(const double* q, const double* v) const { kernels::evaluateJoints(m, w, q, v, scene.batched.data()); }
 };
 
+/// A pass over one joint, with what it takes from its neighbours.
+template <class Order, class Body, class... T>
+auto eachForward(const Order& order, std::tuple<T*...> arrays, Body& body) {
+  return [&body, &order, arrays](const auto& joint, int i, int iv) {
+    std::apply([&](T*... x) { body(joint, i, iv, kernels::FromParent<Order, T>(order, x, i)...); }, arrays);
+  };
+}
+template <class Order, class Body, class... From>
+auto eachBackward(const Order& order, std::tuple<From...> arrays, Body& body) {
+  return [&body, &order, arrays](const auto& joint, int i, int iv) {
+    std::apply([&](From... x) { body(joint, i, iv, kernels::FromChildren<Order, From>(order, x, i)...); }, arrays);
+  };
+}
+
 /// Behind a virtual call: one pass over one joint.
 template <class Body>
 struct Step {
@@ -70,15 +84,17 @@ struct PerJointVirtual : kernels::Bodies<double> {
     const Evaluation* const* objects = objectsByType<Evaluation, MakeEvaluation>();
     for (int i = 1; i < m.bodies(); ++i) objects[type(i)]->run(scene.places[static_cast<std::size_t>(i)], q, v);
   }
-  template <class Body>
-  void forward(Body&& body) const {
-    const Step<std::remove_reference_t<Body>>* const* objects = steps<std::remove_reference_t<Body>>();
-    for (int i = 1; i < m.bodies(); ++i) objects[type(i)]->run(body, slotOf(i), i, index(i).idx_v);
+  template <class Body, class... T>
+  void forward(std::tuple<T*...> arrays, Body&& body) const {
+    const auto each = eachForward<PerJointVirtual>(*this, arrays, body);
+    const Step<decltype(each)>* const* objects = steps<decltype(each)>();
+    for (int i = 1; i < m.bodies(); ++i) objects[type(i)]->run(each, slotOf(i), i, index(i).idx_v);
   }
-  template <class Body>
-  void backward(Body&& body) const {
-    const Step<std::remove_reference_t<Body>>* const* objects = steps<std::remove_reference_t<Body>>();
-    for (int i = m.bodies() - 1; i > 0; --i) objects[type(i)]->run(body, slotOf(i), i, index(i).idx_v);
+  template <class Body, class... From>
+  void backward(std::tuple<From...> arrays, Body&& body) const {
+    const auto each = eachBackward<PerJointVirtual>(*this, arrays, body);
+    const Step<decltype(each)>* const* objects = steps<decltype(each)>();
+    for (int i = m.bodies() - 1; i > 0; --i) objects[type(i)]->run(each, slotOf(i), i, index(i).idx_v);
   }
 
  private:
@@ -122,13 +138,15 @@ struct PerJointVariant : kernels::Bodies<double> {
       std::visit([&](const auto& member) { member.evaluate(scene.places[k], q, v); }, scene.members[k]);
     }
   }
-  template <class Body>
-  void forward(Body&& body) const {
-    for (int i = 1; i < m.bodies(); ++i) visit(body, i);
+  template <class Body, class... T>
+  void forward(std::tuple<T*...> arrays, Body&& body) const {
+    const auto each = eachForward<PerJointVariant>(*this, arrays, body);
+    for (int i = 1; i < m.bodies(); ++i) visit(each, i);
   }
-  template <class Body>
-  void backward(Body&& body) const {
-    for (int i = m.bodies() - 1; i > 0; --i) visit(body, i);
+  template <class Body, class... From>
+  void backward(std::tuple<From...> arrays, Body&& body) const {
+    const auto each = eachBackward<PerJointVariant>(*this, arrays, body);
+    for (int i = m.bodies() - 1; i > 0; --i) visit(each, i);
   }
 
  private:
@@ -156,15 +174,17 @@ struct Monomorphic : kernels::Bodies<double> {
     if (scene.flying_root) Root::evaluate(scene.places[1], q, v);
     for (int i = first(); i < m.bodies(); ++i) Other::evaluate(scene.places[static_cast<std::size_t>(i)], q, v);
   }
-  template <class Body>
-  void forward(Body&& body) const {
-    if (scene.flying_root) run<Root>(body, 1);
-    others(body, first(), m.bodies(), 1);
+  template <class Body, class... T>
+  void forward(std::tuple<T*...> arrays, Body&& body) const {
+    const auto each = eachForward<Monomorphic>(*this, arrays, body);
+    if (scene.flying_root) run<Root>(each, 1);
+    others(each, first(), m.bodies(), 1);
   }
-  template <class Body>
-  void backward(Body&& body) const {
-    others(body, m.bodies() - 1, first() - 1, -1);
-    if (scene.flying_root) run<Root>(body, 1);
+  template <class Body, class... From>
+  void backward(std::tuple<From...> arrays, Body&& body) const {
+    const auto each = eachBackward<Monomorphic>(*this, arrays, body);
+    others(each, m.bodies() - 1, first() - 1, -1);
+    if (scene.flying_root) run<Root>(each, 1);
   }
 
  private:

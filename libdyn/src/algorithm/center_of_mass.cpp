@@ -40,7 +40,7 @@ const double* jacobianCenterOfMass(const CompactModel& model, Data& data, Vector
     d.h[i] = d.oM[i].R * m.constants[at(i)].h;
   }
   double* J = m.couplings.empty() ? d.Jcom : d.columns;
-  kernels::Bodies<double>{m, d}.backward([&]<class Joint>(const Joint& joint, int i, int iv) {
+  kernels::Bodies<double>{m, d}.backward(kernels::passing(), [&]<class Joint>(const Joint& joint, int i, int iv) {
     // The subtree's mass and first moment about the joint's origin, world axes: a rate S moves its centre by (m S_lin + S_ang x h).
     for (int k = 0; k < Joint::nv; ++k) {
       const Motion<double> S = joint.column(k);

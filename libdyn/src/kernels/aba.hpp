@@ -12,16 +12,15 @@ namespace dyn::kernels {
 template <class S, class Order>
 void abaOutward(const Order& order, Workspace<S>& w, const S* v, const Force<S>* fext) {
   w.w[0] = {};
-  order.forward([&]<class Joint>(const Joint& joint, int i, int iv) {
+  order.forward(passing(w.w, w.R, w.product), [&]<class Joint>(const Joint& joint, int i, int iv, auto&& turning, auto&&... axes) {
     const auto& c = order.constants(i);
-    placeAligned<S>(joint, order, c.placement, i, w);
-    const Mat3<S>& R = w.R[i];
-    const Vec3<S>& wp = order.parent(w.w, i);
+    const Mat3<S> R = placeAligned<S>(joint, order, c.placement, i, w, axes...);
+    const Vec3<S>& wp = turning.get();
     const Motion<S> s = joint.timesIn(R, v + iv);
 
     const Vec3<S> omega = turnedBy<Joint>(wp, s);
-    w.w[i] = omega;
     w.beta[i] = velocityAcceleration(joint, R, w.r[i], wp, omega, s);
+    turning.leave(omega);
 
     const auto [h, I] = alignedInertia<S, Joint>(order, i, c, R);
     w.h[i] = h;
@@ -58,10 +57,10 @@ void eliminate(const Order& order, const ArticulatedInertia<S>& IA, const Force<
 template <class S, class Order>
 void abaInward(const Order& order, Workspace<S>& w, const S* tau) {
   for (int& body : w.failed) body = 0;
-  order.backward([&]<class Joint>(const Joint&, int i, int iv) {
+  order.backward(passing(Handed{w.IA}, Added{w.pA}), [&]<class Joint>(const Joint&, int i, int iv, auto&& inertia, auto&& force) {
     ArticulatedInertia<S> IA = ArticulatedInertia<S>::rigid(order.mass(i), w.h[i], w.Io[i]);
-    if (!order.isLeaf(i)) IA += w.IA[i];
-    Force<S> pA = w.pA[i];
+    if (!order.isLeaf(i)) IA += inertia.get();
+    Force<S> pA = force.get();
     order.unite(i, IA);
     order.unite(i, pA);
     // Eliminating one direction after the other is the factorisation: each updates IA, so the next pivot is read off it. At the joint's
@@ -84,8 +83,8 @@ void abaInward(const Order& order, Workspace<S>& w, const S* tau) {
     dof.W = dof.inverse * Force<S>{dof.W.linear, dof.W.angular + cross(r, dof.W.linear)};
     if (order.isRoot(i)) return;
     pA += IA * beta;
-    order.handOver(w.IA, i, IA.shifted(r));
-    order.addToParent(w.pA, i, Force<S>{pA.linear, pA.angular + cross(r, pA.linear)});
+    inertia.give(IA.shifted(r));
+    force.give({pA.linear, pA.angular + cross(r, pA.linear)});
   });
 }
 
@@ -93,8 +92,8 @@ void abaInward(const Order& order, Workspace<S>& w, const S* tau) {
 template <class S, class Order>
 void abaSolve(const Order& order, Workspace<S>& w, const Vec3<S>& gravity, S* ddq) {
   w.acc[0] = {};
-  order.forward([&]<class Joint>(const Joint&, int i, int iv) {
-    Motion<S> parent = order.parent(w.acc, i);
+  order.forward(passing(w.acc), [&]<class Joint>(const Joint&, int i, int iv, auto&& acceleration) {
+    Motion<S> parent = acceleration.get();
     if (order.isRoot(i)) parent.linear = isFlyingRoot<Joint>(order, i) ? transposeTimes(w.rel[i].R, -gravity) : -gravity;
     constexpr int last = Joint::nv - 1;
     const S x = w.dof[iv + last].y - dot(parent, w.dof[iv + last].W);
@@ -109,7 +108,7 @@ void abaSolve(const Order& order, Workspace<S>& w, const Vec3<S>& gravity, S* dd
         column(k).addTo(a, ddq[iv + k]);
       }
     });
-    w.acc[i] = a;
+    acceleration.leave(a);
   });
 }
 

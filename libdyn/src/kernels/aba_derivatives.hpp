@@ -34,11 +34,13 @@ template <class Order, class S>
 void movingOutward(const Order& order, DerivativeWorkspace<S>& d, const S* v) {
   Workspace<S>& w = order.w;
   w.w[0] = {};
-  order.forward([&]<class Joint>(const Joint& joint, int i, int iv) {
-    const auto [s, omega] = moveAligned<S>(joint, order, i, d, v + iv);
-    for (int k = 0; k < Joint::nv; ++k) w.dof[iv + k].S_ = joint.columnIn(w.R[i], k);
-    d.subtree[i] = ownMotion(bodyMomentum<Joint>(order, i, omega), omega);
-    w.beta[i] = velocityAcceleration(joint, w.R[i], w.r[i], order.parent(w.w, i), omega, s);
+  order.forward(passing(w.w, w.R, w.product), [&]<class Joint>(const Joint& joint, int i, int iv, auto&& turning, auto&&... axes) {
+    const Vec3<S>& wp = turning.get();
+    const auto [R, s, omega] = moveAligned<S>(joint, order, i, d, v + iv, wp, axes...);
+    for (int k = 0; k < Joint::nv; ++k) w.dof[iv + k].S_ = joint.columnIn(R, k);
+    d.subtree[i] = ownMotion(bodyMomentum<Joint>(order, i, R, omega), omega);
+    w.beta[i] = velocityAcceleration(joint, R, w.r[i], wp, omega, s);
+    turning.leave(omega);
   });
 }
 
@@ -48,15 +50,16 @@ template <class Order, class S>
 void articulatedInward(const Order& order, DerivativeWorkspace<S>& d, const S* tau) {
   Workspace<S>& w = order.w;
   for (int& body : w.failed) body = 0;
-  order.backward([&]<class Joint>(const Joint&, int i, int iv) {
+  const auto articulated = passing(Handed{d.coriolis}, Handed{w.IA}, Handed{w.pA});
+  order.backward(articulated, [&]<class Joint>(const Joint&, int i, int iv, auto&& coriolis, auto&& inertia, auto&& force) {
     const Subtree<S>& own = d.subtree[i];
     ArticulatedInertia<S> IA = ArticulatedInertia<S>::rigid(own.m.mass, own.m.h, own.m.I);
     CoriolisMap<S> map = coriolisMap(own.m.momentum.linear, own.K);
     Force<S> pA = own.f;
     if (!order.isLeaf(i)) {
-      IA += w.IA[i];
-      map += d.coriolis[i];
-      pA += w.pA[i];
+      IA += inertia.get();
+      map += coriolis.get();
+      pA += force.get();
     }
     eliminateJoint<Joint>(order, w, IA, i, iv, [&](int k, const auto& column, const Force<S>& W, const S& inverse, const Force<S>& row) {
       const S y = tau[iv + k] - column.along(pA);
@@ -74,9 +77,9 @@ void articulatedInward(const Order& order, DerivativeWorkspace<S>& d, const S* t
     d.coriolis[i] = map;
     pA += IA * w.beta[i];
     const Vec3<S>& r = w.r[i];
-    order.handOver(d.coriolis, i, shiftedMap(map, IA, r, d.shift_rate[i]));
-    order.handOver(w.IA, i, IA.shifted(r));
-    order.handOver(w.pA, i, Force<S>{pA.linear, pA.angular + cross(r, pA.linear)});
+    coriolis.give(shiftedMap(map, IA, r, d.shift_rate[i]));
+    inertia.give(IA.shifted(r));
+    force.give({pA.linear, pA.angular + cross(r, pA.linear)});
   });
 }
 
@@ -85,8 +88,8 @@ void articulatedInward(const Order& order, DerivativeWorkspace<S>& d, const S* t
 template <class Order, class S>
 void acceleratingOutward(const Order& order, DerivativeWorkspace<S>& d, const S* v, S* ddq) {
   Workspace<S>& w = order.w;
-  order.forward([&]<class Joint>(const Joint& joint, int i, int iv) {
-    const Motion<S> carried = carriedAcceleration<Joint>(order, i, order.gravity());
+  order.forward(passing(w.acc), [&]<class Joint>(const Joint& joint, int i, int iv, auto&& accelerated) {
+    const Motion<S> carried = carriedAcceleration<Joint>(order, i, accelerated.get(), order.gravity());
     Motion<S> acc = carried + w.beta[i];
     withColumns<Joint>(order, w, i, iv, [&](const auto& column) {
       for (int k = 0; k < Joint::nv; ++k) {
@@ -97,9 +100,9 @@ void acceleratingOutward(const Order& order, DerivativeWorkspace<S>& d, const S*
     });
     Vec3<S> slide{};
     if constexpr (Joint::has_linear) slide = joint.timesIn(w.R[i], v + iv).linear;
-    w.acc[i] = acc;
     d.subtree[i].f += rigidForce(d.subtree[i].m, acc);
-    writeVariations<Joint>(order, d, i, iv, carried, slide, v, static_cast<const S*>(ddq));
+    writeVariations<Joint>(order, d, i, iv, order.parent(w.w, i), w.w[i], carried, slide, v, static_cast<const S*>(ddq));
+    accelerated.leave(acc);
   });
 }
 
@@ -107,9 +110,9 @@ void acceleratingOutward(const Order& order, DerivativeWorkspace<S>& d, const S*
 template <class Order, class S>
 void variationsInward(const Order& order, DerivativeWorkspace<S>& d) {
   Workspace<S>& w = order.w;
-  order.backward([&]<class Joint>(const Joint&, int i, int iv) {
-    Force<S>& f = w.f[i];
-    f = order.isLeaf(i) ? d.subtree[i].f : d.subtree[i].f + f;
+  order.backward(passing(Handed{w.f}), [&]<class Joint>(const Joint&, int i, int iv, auto&& force) {
+    const Force<S> f = order.isLeaf(i) ? d.subtree[i].f : d.subtree[i].f + force.get();
+    w.f[i] = f;
     if (order.isRoot(i)) return;
     const ArticulatedInertia<S>& IA = w.IA[i];
     const CoriolisMap<S>& map = d.coriolis[i];
@@ -122,7 +125,7 @@ void variationsInward(const Order& order, DerivativeWorkspace<S>& d) {
       d.dof_force[iv + m].by_q = handed(x.acceleration, x.velocity.angular) + turnedOf<Joint>(s, f);
       d.dof_force[iv + m].by_v = handed(x.rate, s.angular);
     }
-    order.handOver(w.f, i, Force<S>{f.linear, f.angular + cross(w.r[i], f.linear)});
+    force.give({f.linear, f.angular + cross(w.r[i], f.linear)});
   });
 }
 
@@ -132,7 +135,7 @@ template <class R, class S>
 void eliminateSubspaceTorques(const R& recursion, DerivativeWorkspace<S>& d) {
   const auto& order = recursion.order;
   const Rows<S>& L = d.by_a.below;
-  order.backward([&]<class Joint>(const Joint&, int i, int iv) {
+  order.backward(passing(), [&]<class Joint>(const Joint&, int i, int iv) {
     if constexpr (Joint::has_bias)
       for (int m = iv; m < iv + Joint::nv; ++m) {
         S torque[Joint::nv];

@@ -9,32 +9,35 @@
 
 namespace dyn::kernels {
 
-/// Writes w.R and w.r of body i, and of a flying root w.rel.
-template <class S, class Joint, class Order, class Placement>
-void placeAligned(const Joint& joint, const Order& order, const Placement& placement, int i, Workspace<S>& w) {
+/// Writes w.R and w.r of body i, and of a flying root w.rel. axes, products: of w.R and w.product, FromParent.
+template <class S, class Joint, class Order, class Placement, class Axes, class Products>
+Mat3<S> placeAligned(const Joint& joint, const Order& order, const Placement& placement, int i, Workspace<S>& w, Axes&& axes, Products&& products) {
   if (isFlyingRoot<Joint>(order, i)) {
     w.rel[i] = placedInParent<S>(joint, cast<S>(placement));
-    w.R[i] = Mat3<S>::identity();
-    if constexpr (Order::waits) w.product[i] = w.R[i];
+    axes.leave(Mat3<S>::identity());
+    if constexpr (Order::waits) products.leave(Mat3<S>::identity());
     w.r[i] = {};
-    return;
+    return Mat3<S>::identity();
   }
-  const Mat3<S>& parent = order.parent(w.R, i);
+  const Mat3<S>& parent = axes.get();
   if constexpr (Order::waits) {
     // The joint's axes before it moves: constants are on the right of products, where they need not be in registers.
-    const Mat3<S> E = order.parent(w.product, i) * placement.R, R = joint.rotate(E);
-    w.product[i] = R;
-    w.R[i] = renewed(R);
+    const Mat3<S> E = products.get() * placement.R, product = joint.rotate(E), R = renewed(product);
     Vec3<S> r = parent * placement.p;
     if constexpr (Joint::moves_origin) r += E * joint.translation();
     w.r[i] = r;
+    products.leave(product);
+    axes.leave(R);
+    return R;
   } else {
     const SE3<S> rel = placedInParent<S>(joint, placement);
     // Generated code pays for every operation: there a few products in a row go by before they are brought back to the rotations.
     bool renew = true;
     if constexpr (is_symbolic<S>) renew = order.depth(i) % 8 == 0;
-    w.R[i] = renew ? renewed(parent * rel.R) : parent * rel.R;
+    const Mat3<S> R = renew ? renewed(parent * rel.R) : parent * rel.R;
     w.r[i] = parent * rel.p;
+    axes.leave(R);
+    return R;
   }
 }
 

@@ -13,16 +13,16 @@ namespace dyn::kernels {
 template <class S, class Order>
 void momenta(const Order& bodies, DerivativeWorkspace<S>& d, const S* v) {
   Workspace<S>& w = bodies.w;
-  bodies.forward([&]<class Joint>(const Joint& joint, int i, int iv) {
+  bodies.forward(passing(w.R, w.product), [&]<class Joint>(const Joint& joint, int i, int iv, auto&&... axes) {
     const auto& c = bodies.constants(i);
-    placeAligned<S>(joint, bodies, c.placement, i, w);
-    const auto [h, I] = alignedInertia<S, Joint>(bodies, i, c, w.R[i]);
+    const Mat3<S> R = placeAligned<S>(joint, bodies, c.placement, i, w, axes...);
+    const auto [h, I] = alignedInertia<S, Joint>(bodies, i, c, R);
     d.subtree[i].m = {S(c.mass), h, I, {}};
-    writeColumns(joint, w.R[i], w.dof + iv);
+    writeColumns(joint, R, w.dof + iv);
     // Where a root's origin goes all of the tree goes, which gives its centre no angular momentum.
-    if (bodies.isRoot(i)) d.shift_rate[i] = joint.timesIn(w.R[i], v + iv).linear;
+    if (bodies.isRoot(i)) d.shift_rate[i] = joint.timesIn(R, v + iv).linear;
   });
-  bodies.backward([&]<class Joint>(const Joint&, int i, int iv) {
+  bodies.backward(passing(), [&]<class Joint>(const Joint&, int i, int iv) {
     SubtreeMomentum<S>& m = d.subtree[i].m;
     Force<S> momentum = m.momentum;
     for (int k = iv; k < iv + Joint::nv; ++k) {

@@ -16,16 +16,24 @@ Sym3<S> shiftedInertia(const Sym3<S>& I, const S& mass, const Vec3<S>& h, const 
 /// Placements, rigid inertias about the joints' origins, and the columns of the motion subspaces.
 template <class S, class Order>
 void inertiasOutward(const Order& order, Workspace<S>& w) {
-  order.forward([&]<class Joint>(const Joint& joint, int i, int iv) {
+  order.forward(passing(w.R, w.product), [&]<class Joint>(const Joint& joint, int i, int iv, auto&&... axes) {
     const auto& c = order.constants(i);
-    placeAligned<S>(joint, order, c.placement, i, w);
-    const Mat3<S>& R = w.R[i];
+    const Mat3<S> R = placeAligned<S>(joint, order, c.placement, i, w, axes...);
     w.mass[i] = c.mass;
     const auto [h, I] = alignedInertia<S, Joint>(order, i, c, R);
     w.h[i] = h;
     w.Io[i] = I;
     writeColumns(joint, R, w.dof + iv);
   });
+}
+
+/// What accelerates a subtree along a column of its joint: mass, first moment and inertia about the joint's origin.
+template <class Joint, class S>
+Force<S> compositeForce(const Motion<S>& column, const S& mass, const Vec3<S>& h, const Sym3<S>& I) {
+  Force<S> F{};
+  if constexpr (Joint::has_angular) F = {cross(column.angular, h), I * column.angular};
+  if constexpr (Joint::has_linear) F += Force<S>{mass * column.linear, cross(h, column.linear)};
+  return F;
 }
 
 /// The block of a flying root, whose columns are the unit vectors: mass, first moment and inertia themselves.
@@ -47,10 +55,11 @@ void enterFlyingRoot(const Order& order, const Entry& at, int iv, const S& mass,
 template <class S, class Order>
 void massMatrix(const Order& order, Workspace<S>& w, typename Order::Entries* M) {
   inertiasOutward(order, w);
-  order.backward([&]<class Joint>(const Joint&, int i, int iv) {
-    S mass = w.mass[i];
-    Vec3<S> h = w.h[i];
-    Sym3<S> I = w.Io[i];
+  const auto composite = passing(Added{w.mass}, Added{w.h}, Added{w.Io});
+  order.backward(composite, [&]<class Joint>(const Joint&, int i, int iv, auto&& masses, auto&& moments, auto&& inertias) {
+    S mass = masses.get();
+    Vec3<S> h = moments.get();
+    Sym3<S> I = inertias.get();
     order.unite(i, mass);
     order.unite(i, h);
     order.unite(i, I);
@@ -60,16 +69,14 @@ void massMatrix(const Order& order, Workspace<S>& w, typename Order::Entries* M)
     Force<S> F[Joint::nv];
     for (int k = 0; k < Joint::nv; ++k) {
       const Motion<S>& column = w.dof[iv + k].S_;
-      F[k] = {};
-      if constexpr (Joint::has_angular) F[k] = {cross(column.angular, h), I * column.angular};
-      if constexpr (Joint::has_linear) F[k] += Force<S>{mass * column.linear, cross(h, column.linear)};
+      F[k] = compositeForce<Joint>(column, mass, h, I);
       for (int l = 0; l < k; ++l) at.enter(k, l, Column<Joint, S>{w.dof[iv + l].S_}.along(F[k]));
       at.enter(k, k, Column<Joint, S>{column}.along(F[k]) + order.armature(iv + k));
     }
     if (order.isRoot(i)) return;
-    order.addToParent(w.Io, i, shiftedInertia(I, mass, h, w.r[i]));
-    order.addToParent(w.h, i, h + mass * w.r[i]);
-    order.addToParent(w.mass, i, mass);
+    inertias.give(shiftedInertia(I, mass, h, w.r[i]));
+    moments.give(h + mass * w.r[i]);
+    masses.give(mass);
     const auto stepAlong = [&](const auto& step) {
       const Vec3<S> r = step.lever(w.r);
       for (int k = 0; k < Joint::nv; ++k) F[k].angular += cross(r, F[k].linear);

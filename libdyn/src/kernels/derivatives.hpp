@@ -196,7 +196,7 @@ auto recursion(const CompactImpl& m, Workspace<S>& w, DerivativeWorkspace<S>& d)
   } else {
     d.bodies.joints = reinterpret_cast<JointMemory<Vectored>*>(w.joints);
     d.bodies.R[0] = d.bodies.product[0] = Mat3<Vectored>::identity();
-    return Recursion<AlignedBodies, Vectored>{{m, d.bodies}, *d.vectored};
+    return Recursion<AlignedBodies, Vectored>{{{{m, d.bodies}}}, *d.vectored};
   }
 }
 /// Into lanes: all of them, or by_a.

@@ -57,7 +57,7 @@ void placeInWorld(const Joint& joint, const Order& order, int i, Workspace<S>& w
 template <class S, class Order>
 void forwardKinematics(const Order& order, Workspace<S>& w, const S* v, const S* a) {
   w.v[0] = w.a[0] = {};
-  order.forward([&]<class Joint>(const Joint& joint, int i, int iv) {
+  order.forward(passing(), [&]<class Joint>(const Joint& joint, int i, int iv) {
     if (!v) return placeInWorld(joint, order, i, w);
     const SE3<S> rel = placedInParent<S>(joint, order.constants(i).placement);
     w.rel[i] = rel;

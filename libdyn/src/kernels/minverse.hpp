@@ -34,12 +34,12 @@ void eliminateJoint(const Order& order, Workspace<S>& w, ArticulatedInertia<S>& 
 template <class S, class Order, class Enter>
 void articulatedFactors(const Order& order, Workspace<S>& w, Enter&& enter) {
   for (int& body : w.failed) body = 0;
-  order.backward([&]<class Joint>(const Joint&, int i, int iv) {
+  order.backward(passing(Handed{w.IA}), [&]<class Joint>(const Joint&, int i, int iv, auto&& inertia) {
     ArticulatedInertia<S> IA = ArticulatedInertia<S>::rigid(w.mass[i], w.h[i], w.Io[i]);
-    if (!order.isLeaf(i)) IA += w.IA[i];
+    if (!order.isLeaf(i)) IA += inertia.get();
     eliminateJoint<Joint>(order, w, IA, i, iv,
                           [&](int k, const auto&, const Force<S>&, const S& inverse, const Force<S>& row) { enter(iv + k, inverse, row); });
-    if (!order.isRoot(i)) order.handOver(w.IA, i, IA.shifted(w.r[i]));
+    if (!order.isRoot(i)) inertia.give(IA.shifted(w.r[i]));
   });
 }
 
@@ -49,7 +49,7 @@ void factorsSweep(const Order& order, const Workspace<R>& w, DerivativeWorkspace
   // Copies: what packs are stored into might be anything, even the struct that says where.
   const AoSoA<DofForces, S> force = d.force;
   const Rows<S> L = d.factors.L;
-  order.backward([&]<class Joint>(const Joint&, int i, int iv) {
+  order.backward(passing(), [&]<class Joint>(const Joint&, int i, int iv) {
     inParts<Wide, S>(iv, order.dofEnd(i), [&](const Part<Wide, S>& part) {
       using D = DofForces<Wide>;
       const Force<Wide> F = force.template part<Force, Wide>(part.first(), D::at_by_a);

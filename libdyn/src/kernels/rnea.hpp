@@ -11,17 +11,17 @@ template <class S, class Order>
 void rneaOutward(const Order& order, Workspace<S>& w, const S* v, const S* a, const Force<S>* fext) {
   w.w[0] = {};
   w.a[0] = {-order.gravity(), {}};
-  order.forward([&]<class Joint>(const Joint& joint, int i, int iv) {
+  order.forward(passing(w.w, w.a), [&]<class Joint>(const Joint& joint, int i, int iv, auto&& turning, auto&& acceleration) {
     const auto& c = order.constants(i);
     const SE3<S> rel = placedInParent<S>(joint, c.placement);
     w.rel[i] = rel;
 
-    const Motion<S>& ap = order.parent(w.a, i);
+    const Motion<S>& ap = acceleration.get();
     Vec3<S> w_carried{}, domega{}, origin;
     if (isFlyingRoot<Joint>(order, i)) {
       origin = transposeTimes(rel.R, ap.linear);
     } else {
-      const Vec3<S>& wp = order.parent(w.w, i);
+      const Vec3<S>& wp = turning.get();
       w_carried = transposeTimes(rel.R, wp);
       domega = transposeTimes(rel.R, ap.angular);
       origin = transposeTimes(rel.R, ap.linear + cross(ap.angular, rel.p) + cross(wp, cross(wp, rel.p)));
@@ -46,8 +46,8 @@ void rneaOutward(const Order& order, Workspace<S>& w, const S* v, const S* a, co
       domega += ds.angular + cross(w_carried, s.angular);
     }
     if constexpr (Joint::has_linear) origin += ds.linear + cross(w_carried + omega, s.linear);
-    w.w[i] = omega;
-    w.a[i] = {origin, domega};
+    turning.leave(omega);
+    acceleration.leave({origin, domega});
 
     const Vec3<S> f = c.mass * (origin + cross(domega, c.com) + cross(omega, cross(omega, c.com)));
     const Vec3<S> n = c.rotational * domega + cross(omega, c.rotational * omega) + cross(c.com, f);
@@ -59,10 +59,11 @@ void rneaOutward(const Order& order, Workspace<S>& w, const S* v, const S* a, co
 /// tau = S^T f, and each body's force on its parent.
 template <class S, class Order>
 void rneaInward(const Order& order, Workspace<S>& w, S* tau) {
-  order.backward([&]<class Joint>(const Joint& joint, int i, int iv) {
-    order.unite(i, w.f[i]);
-    joint.project(w.f[i], tau + iv);
-    if (!order.isRoot(i)) order.addToParent(w.f, i, w.rel[i].act(w.f[i]));
+  order.backward(passing(Added{w.f}), [&]<class Joint>(const Joint& joint, int i, int iv, auto&& force) {
+    auto&& f = force.get();
+    order.unite(i, f);
+    joint.project(f, tau + iv);
+    if (!order.isRoot(i)) force.give(w.rel[i].act(f));
   });
 }
 

@@ -29,55 +29,53 @@ SubspaceTerms<S> subspaceTerms(const SubspaceDerivatives<S>& dS, int slot, int m
   return x;
 }
 
-/// A joint's motion and its body's angular velocity, in aligned axes.
+/// A body's axes, its joint's motion and its angular velocity, in aligned axes.
 template <class S>
 struct JointMotion {
+  Mat3<S> R;
   Motion<S> s;
   Vec3<S> w;
 };
 /// Places body i, whose joint moves with v.
-template <class S, class Joint, class Order>
-JointMotion<S> moveAligned(const Joint& joint, const Order& order, int i, DerivativeWorkspace<S>& d, const S* v) {
+template <class S, class Joint, class Order, class... Axes>
+JointMotion<S> moveAligned(const Joint& joint, const Order& order, int i, DerivativeWorkspace<S>& d, const S* v, const Vec3<S>& parent,
+                           Axes&... axes) {
   Workspace<S>& w = order.w;
-  placeAligned<S>(joint, order, order.constants(i).placement, i, w);
-  const Motion<S> s = joint.timesIn(w.R[i], v);
-  const Vec3<S>& parent = order.parent(w.w, i);
+  const Mat3<S> R = placeAligned<S>(joint, order, order.constants(i).placement, i, w, axes...);
+  const Motion<S> s = joint.timesIn(R, v);
   const Vec3<S> omega = turnedBy<Joint>(parent, s);
   Vec3<S> shift_rate = cross(parent, w.r[i]);
   if constexpr (Joint::has_linear) shift_rate += s.linear;
-  w.w[i] = omega;
   d.shift_rate[i] = shift_rate;
-  return {s, omega};
+  return {R, s, omega};
 }
 
 /// Of body i alone, which turns with w.
 template <class Joint, class S, class Order>
-SubtreeMomentum<S> bodyMomentum(const Order& order, int i, const Vec3<S>& w) {
+SubtreeMomentum<S> bodyMomentum(const Order& order, int i, const Mat3<S>& R, const Vec3<S>& w) {
   const auto& c = order.constants(i);
-  const auto [h, I] = alignedInertia<S, Joint>(order, i, c, order.w.R[i]);
+  const auto [h, I] = alignedInertia<S, Joint>(order, i, c, R);
   return {S(c.mass), h, I, {cross(w, h), I * w}};
 }
 
 /// The parent's acceleration carried to where body i's joint is, but for what the parent's own turning adds; of a root as if gravity were an
 /// acceleration of the world.
 template <class Joint, class Order, class S>
-Motion<S> carriedAcceleration(const Order& order, int i, const Vec3<S>& gravity) {
+Motion<S> carriedAcceleration(const Order& order, int i, const Motion<S>& parent, const Vec3<S>& gravity) {
   const Workspace<S>& w = order.w;
   if (order.isRoot(i)) return {isFlyingRoot<Joint>(order, i) ? transposeTimes(w.rel[i].R, -gravity) : -gravity, {}};
-  const Motion<S>& parent = order.parent(w.acc, i);
   return {parent.linear + cross(parent.angular, w.r[i]), parent.angular};
 }
 
 /// Variations of the degrees of freedom of body i's joint, whose columns are there: `carried` is what carriedAcceleration gave, `slide` the
 /// velocity at which the joint carries its origin.
 template <class Joint, class Order, class S>
-void writeVariations(const Order& order, DerivativeWorkspace<S>& d, int i, int iv, const Motion<S>& carried, const Vec3<S>& slide, const S* v,
-                     const S* a) {
+void writeVariations(const Order& order, DerivativeWorkspace<S>& d, int i, int iv, const Vec3<S>& wp, const Vec3<S>& omega, const Motion<S>& carried,
+                     const Vec3<S>& slide, const S* v, const S* a) {
   const Workspace<S>& w = order.w;
-  const Vec3<S>& wp = order.parent(w.w, i);
   const Motion<S> parent{carried.linear + cross(wp, cross(wp, w.r[i])), carried.angular};
   for (int k = 0; k < Joint::nv; ++k) {
-    const DofMotion<S> motion{w.dof[iv + k].S_, wp, w.w[i], parent, slide};
+    const DofMotion<S> motion{w.dof[iv + k].S_, wp, omega, parent, slide};
     SubspaceTerms<S> more;
     if constexpr (Joint::has_bias) {
       const BodyIndex& x = order.index(i);
@@ -92,18 +90,21 @@ template <class Order, class S>
 void derivativesOutward(const Order& order, DerivativeWorkspace<S>& d, const Vec3<S>& gravity, const S* v, const S* a) {
   Workspace<S>& w = order.w;
   w.w[0] = {};
-  order.forward([&]<class Joint>(const Joint& joint, int i, int iv) {
-    const auto [s, omega] = moveAligned<S>(joint, order, i, d, v + iv);
-    for (int k = 0; k < Joint::nv; ++k) w.dof[iv + k].S_ = joint.columnIn(w.R[i], k);
-    const Motion<S> carried = carriedAcceleration<Joint>(order, i, gravity), by_a = joint.timesIn(w.R[i], a + iv);
-    Motion<S> acceleration = carried + velocityAcceleration(joint, w.R[i], w.r[i], order.parent(w.w, i), omega, s);
+  const auto motion = passing(w.w, w.acc, w.R, w.product);
+  order.forward(motion, [&]<class Joint>(const Joint& joint, int i, int iv, auto&& turning, auto&& accelerated, auto&&... axes) {
+    const Vec3<S>& wp = turning.get();
+    const auto [R, s, omega] = moveAligned<S>(joint, order, i, d, v + iv, wp, axes...);
+    for (int k = 0; k < Joint::nv; ++k) w.dof[iv + k].S_ = joint.columnIn(R, k);
+    const Motion<S> carried = carriedAcceleration<Joint>(order, i, accelerated.get(), gravity), by_a = joint.timesIn(R, a + iv);
+    Motion<S> acceleration = carried + velocityAcceleration(joint, R, w.r[i], wp, omega, s);
     if constexpr (Joint::has_linear) acceleration.linear += by_a.linear;
     if constexpr (Joint::has_angular) acceleration.angular += by_a.angular;
-    w.acc[i] = acceleration;
-    Subtree<S> own = ownMotion(bodyMomentum<Joint>(order, i, omega), omega);
+    Subtree<S> own = ownMotion(bodyMomentum<Joint>(order, i, R, omega), omega);
     own.f += rigidForce(own.m, acceleration);
     d.subtree[i] = own;
-    writeVariations<Joint>(order, d, i, iv, carried, s.linear, v, a);
+    writeVariations<Joint>(order, d, i, iv, wp, omega, carried, s.linear, v, a);
+    accelerated.leave(acceleration);
+    turning.leave(omega);
   });
 }
 
@@ -117,7 +118,7 @@ void takeOff(const Force<T>* fext, const Workspace<S>& w, DerivativeWorkspace<S>
 template <class Order, class S>
 void derivativesInward(const Order& order, DerivativeWorkspace<S>& d) {
   const Workspace<S>& w = order.w;
-  order.backward([&]<class Joint>(const Joint&, int i, int iv) {
+  order.backward(passing(), [&]<class Joint>(const Joint&, int i, int iv) {
     const Subtree<S>& c = d.subtree[i];
     for (int k = iv; k < iv + Joint::nv; ++k) d.dof_force[k] = forcesOf<Joint>(w.dof[k].S_, d.dof[k], c);
     if (!order.isRoot(i)) addTo(d.subtree[order.parentOf(i)], c, w.r[i], d.shift_rate[i]);
@@ -137,7 +138,7 @@ void pathSweep(const R& recursion, DerivativeWorkspace<S>& d) {
   // Copies: what packs are stored into might be anything, even the struct that says where.
   const AoSoA<DofForces, S> force = d.force;
   const PathMatrix<S> by_a = d.by_a, by_q = d.by_q, by_v = d.by_v;
-  order.backward([&]<class Joint>(const Joint&, int i, int iv) {
+  order.backward(passing(), [&]<class Joint>(const Joint&, int i, int iv) {
     const Vec3<Wide> r = cast<Wide>(w.r[i]), rate = cast<Wide>(T(2) * x.shift_rate[i]);
     inParts<Wide, S>(iv, order.dofEnd(i), [&](const Part<Wide, S>& part) {
       const DofForces<Wide> F = force.template get<Wide>(part.first());
@@ -202,7 +203,7 @@ template <class Wide, class R, class S>
 void derivativesSweep(const R& recursion, DerivativeWorkspace<S>& d) {
   pathSweep<Wide>(recursion, d);
   const CompactImpl& m = recursion.order.m;
-  recursion.order.backward([&]<class Joint>(const Joint&, int i, int iv) {
+  recursion.order.backward(passing(), [&]<class Joint>(const Joint&, int i, int iv) {
     if constexpr (Joint::has_bias)
       for (int along = 0; along < Joint::nv; ++along)
         for (int k = 0; k < Joint::nv; ++k)

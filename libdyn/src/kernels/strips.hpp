@@ -1,9 +1,9 @@
 // Walking the strips of a model, four joints in the lanes of a pack, as Bodies walks its bodies.
 #pragma once
 
+#include "kernels/kept.hpp"
 #include "kernels/shapes.hpp"
 #include "kernels/strip_entry.hpp"
-#include "kernels/sweep.hpp"
 
 namespace dyn::kernels {
 
@@ -70,6 +70,14 @@ struct Strips {
     addToParent(array, i, value);
   }
   bool isLeaf(int i) const { return strip(i).leaf; }
+  /// What has its place in registers beside all that a joint takes.
+  template <class T>
+  static constexpr bool keeps = packs_in<S, T> <= 6;
+  /// To strip i from i - 1, which has all its parents, lane by lane.
+  bool goesOn(int i) const { return strip(i).aligned && strip(i).parents[0].strip == i - 1; }
+  /// From strip i to i - 1, all there is to give.
+  bool goesBack(int i) const { return strip(i).gives_all && strip(i).parents[0].strip == i - 1; }
+  bool isOnlyChild(int i) const { return strip(i).parents[0].first; }
   /// What is in several lanes of one body: its sum, in each of them.
   template <class T>
   void unite(int i, T& value) const {
@@ -88,28 +96,30 @@ struct Strips {
   using Entry = StripEntry<S>;
   Entry entry(double* M, int i, int iv) const { return {m, M, i, iv}; }
 
-  template <class Body>
-  void forward(Body&& body) const {
+  template <class Body, class... T>
+  void forward(std::tuple<T*...> arrays, Body&& body) const {
     const int n = static_cast<int>(m.strips.strips.size());
     for (int first = 1, end; first < n; first = end) {
       for (end = first; end < n && alike(first, end);) ++end;
       withShape<S, false>(strip(first).shape, strip(first).nv, [&]<class Joint>() DYN_RUN_LOOP {
-        for (int i = first; i < end; ++i) {
+        const auto step = [&](int i, auto&... from) {
           const Slot<S> slot = slotOf(i);
-          body(Joint(slot), i, strip(i).dof);
-        }
+          body(Joint(slot), i, strip(i).dof, from...);
+        };
+        forwardKeeping(*this, first, end, arrays, step);
       });
     }
   }
-  template <class Body>
-  void backward(Body&& body) const {
+  template <class Body, class... From>
+  void backward(std::tuple<From...> arrays, Body&& body) const {
     for (int end = static_cast<int>(m.strips.strips.size()), first; end > 1; end = first) {
       for (first = end - 1; first > 1 && alike(first - 1, end - 1);) --first;
       withShape<S, false>(strip(first).shape, strip(first).nv, [&]<class Joint>() DYN_RUN_LOOP {
-        for (int i = end - 1; i >= first; --i) {
+        const auto step = [&](int i, auto&... from) {
           const Slot<S> slot = slotOf(i);
-          body(Joint(slot), i, strip(i).dof);
-        }
+          body(Joint(slot), i, strip(i).dof, from...);
+        };
+        backwardKeeping(*this, first, end, arrays, step);
       });
     }
   }

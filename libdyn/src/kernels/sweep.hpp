@@ -4,6 +4,7 @@
 #include "kernels/shapes.hpp"
 #include "kernels/workspace.hpp"
 
+#include <tuple>
 #include <utility>
 
 namespace dyn::kernels {
@@ -15,6 +16,70 @@ namespace dyn::kernels {
 #else
 #define DYN_RUN_LOOP __attribute__((flatten, noinline))
 #endif
+
+// What bodies hand on in a sweep, each in an array by body: order.forward(passing(arrays...), body). Forward, arrays are as they are; backward
+// they are Added or Handed.
+
+template <class... Array>
+std::tuple<Array...> passing(Array... arrays) {
+  return {arrays...};
+}
+
+/// To what each body has of its own, what its children give is added.
+template <class T>
+struct Added {
+  using Type = T;
+  static constexpr bool has_own = true;
+  T* array;
+};
+/// What the children have given, and nothing of leaves.
+template <class T>
+struct Handed {
+  using Type = T;
+  static constexpr bool has_own = false;
+  T* array;
+};
+
+/// Of one array, for body i.
+template <class Order, class T>
+class FromParent {
+ public:
+  FromParent(const Order& order, T* array, int i) : order_(order), array_(array), i_(i) {}
+  /// Goes on to another body.
+  void begin(const Order&, int i, bool) { i_ = i; }
+  /// What the parent left.
+  decltype(auto) get() const { return order_.parent(array_, i_); }
+  /// To the children. Nothing got before is to be used after.
+  void leave(const T& x) const { array_[i_] = x; }
+
+ private:
+  const Order& order_;
+  T* array_;
+  int i_;
+};
+template <class Order, class From>
+class FromChildren {
+ public:
+  using T = typename From::Type;
+  FromChildren(const Order& order, From from, int i) : order_(order), array_(from.array), i_(i) {}
+  void begin(const Order&, int i, bool) { i_ = i; }
+  void putAway(const Order&, int) {}
+  /// What has been added up, or handed.
+  T& get() const { return array_[i_]; }
+  /// To the parent; a root has none.
+  void give(const T& x) const {
+    if constexpr (From::has_own) {
+      order_.addToParent(array_, i_, x);
+    } else {
+      order_.handOver(array_, i_, x);
+    }
+  }
+
+ private:
+  const Order& order_;
+  T* array_;
+  int i_;
+};
 
 /// One body after the other. S: a number, or a pack of states.
 template <class S>
@@ -112,26 +177,30 @@ struct Bodies {
   };
   Entry entry(S* M, int i, int iv) const { return {*this, M, i, iv}; }
 
-  /// body(joint, i, idx_v): joint is one of the shapes.
-  template <class Body>
-  void forward(Body&& body) const {
+  /// body(joint, i, idx_v, from...): joint is one of the shapes, `from` FromParent of each array.
+  template <class Body, class... T>
+  void forward(std::tuple<T*...> arrays, Body&& body) const {
     for (const Run& run : m.runs)
       withShape<S>(run.shape, run.nv, [&]<class Joint>() DYN_RUN_LOOP {
         const int v0 = index(run.first).idx_v;
         for (int k = 0; k < run.count; ++k) {
           const Slot<S> slot = slotOf(run, k);
-          body(Joint(slot), run.first + k, v0 + k * Joint::nv);
+          std::apply([&](T*... x) { body(Joint(slot), run.first + k, v0 + k * Joint::nv, FromParent<Bodies, T>(*this, x, run.first + k)...); },
+                     arrays);
         }
       });
   }
-  template <class Body>
-  void backward(Body&& body) const {
+  /// body(joint, i, idx_v, from...), `from` FromChildren of each array.
+  template <class Body, class... From>
+  void backward(std::tuple<From...> arrays, Body&& body) const {
     for (auto run = m.runs.rbegin(); run != m.runs.rend(); ++run)
       withShape<S>(run->shape, run->nv, [&]<class Joint>() DYN_RUN_LOOP {
         const int v0 = index(run->first).idx_v;
         for (int k = run->count - 1; k >= 0; --k) {
           const Slot<S> slot = slotOf(*run, k);
-          body(Joint(slot), run->first + k, v0 + k * Joint::nv);
+          std::apply(
+              [&](From... x) { body(Joint(slot), run->first + k, v0 + k * Joint::nv, FromChildren<Bodies, From>(*this, x, run->first + k)...); },
+              arrays);
         }
       });
   }

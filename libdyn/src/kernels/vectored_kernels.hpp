@@ -1,10 +1,9 @@
 // The recursions of one state on vectors in registers: the kernels for bodies, with memory of their own.
 #pragma once
 
-#include "kernels/vectored_bodies.hpp"
+#include "kernels/vectored_crba.hpp"
 // Specialisations come before what is made of them.
 #include "kernels/aba.hpp"
-#include "kernels/crba.hpp"
 #include "kernels/evaluate.hpp"
 #include "kernels/losses.hpp"
 #include "kernels/rnea.hpp"
@@ -28,7 +27,7 @@ struct VectoredScratch {
 };
 
 /// Where constants multiply vectors, from the left.
-struct TurningBodies : Bodies<Vectored> {
+struct TurningBodies : KeepingBodies {
   const BodyConstants<Vectored>* all;
   const BodyConstants<Vectored>& constants(int i) const { return all[i]; }
 };
@@ -40,7 +39,7 @@ inline PackedKernels vectoredKernels() {
   static constexpr auto in = [](const double* x) { return reinterpret_cast<const S*>(x); };
   static constexpr auto out = [](double* x) { return reinterpret_cast<S*>(x); };
   static constexpr auto scratchOf = [](char* memory) -> VectoredScratch& { return *reinterpret_cast<VectoredScratch*>(memory); };
-  static constexpr auto bodies = [](const CompactImpl& m, VectoredScratch& s) { return AlignedBodies{{m, s.w}}; };
+  static constexpr auto bodies = [](const CompactImpl& m, VectoredScratch& s) { return AlignedBodies{{{m, s.w}}}; };
   static constexpr auto evaluate = [](const CompactImpl& m, VectoredScratch& s, const double* q, const double* v) {
     evaluateJoints(m, s.w, in(q), v ? in(v) : nullptr);
     for (std::size_t b = 0; b < m.batches.size(); ++b)
@@ -58,7 +57,7 @@ inline PackedKernels vectoredKernels() {
   k.rnea = [](const CompactImpl& m, char* memory, const double* q, const double* v, const double* a, double* tau) {
     VectoredScratch& s = scratchOf(memory);
     const bool finite = evaluate(m, s, q, v);
-    const TurningBodies turning{{m, s.w}, s.constants};
+    const TurningBodies turning{{{m, s.w}}, s.constants};
     rneaOutward(turning, s.w, in(v), in(a), static_cast<const Force<S>*>(nullptr));
     rneaInward(turning, s.w, out(tau));
     addJointForces(m, v, a, tau);
@@ -67,7 +66,7 @@ inline PackedKernels vectoredKernels() {
   k.massMatrix = [](const CompactImpl& m, char* memory, const double* q, double* M) {
     VectoredScratch& s = scratchOf(memory);
     const bool finite = evaluate(m, s, q, nullptr);
-    kernels::massMatrix(bodies(m, s), s.w, out(M));
+    massMatrixByColumns(bodies(m, s), s.w, out(M));
     return finite;
   };
   k.articulate = [](const CompactImpl& m, char* memory, const double* q, const double* v, const double* tau, int& failed) {

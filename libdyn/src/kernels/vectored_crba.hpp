@@ -1,0 +1,183 @@
+// The mass matrix of one state: composite inertias on vectors in registers, then four columns at once.
+#pragma once
+
+#include "kernels/vectored_bodies.hpp"
+// Specialisations come before what is made of them.
+#include "kernels/columns.hpp"
+#include "kernels/crba.hpp"
+
+#include <algorithm>
+
+namespace dyn::kernels {
+
+/// The first `count` numbers of four, one after the other.
+template <int count>
+void writeFirst(const Four& numbers, double* to) {
+  if constexpr (count >= 2) {
+    Square<double, count == 4 ? 4 : 2> row;
+    if constexpr (count == 4) row.rows[0] = numbers;
+    if constexpr (count < 4) row.rows[0] = __builtin_shufflevector(numbers, numbers, 0, 1);
+    row.write(0, to);
+  }
+  if constexpr (count % 2 == 1) to[count - 1] = numbers[count - 1];
+}
+/// Zero in the lanes before `first`.
+template <int first>
+Four from(const Four& x) {
+  return __builtin_shufflevector(Four{}, x, (first > 0 ? 0 : 4), (first > 1 ? 1 : 5), (first > 2 ? 2 : 6), (first > 3 ? 3 : 7));
+}
+
+/// Rows and columns of `count` degrees of freedom of one chain, at most four, whose forces climb to the root in the lanes of registers. At each
+/// body on the way they have their entries with its degrees of freedom; on the chain itself, lanes join at their own bodies, and what is
+/// written for a lane before that is written again when its own row is.
+template <int count>
+struct ClimbingColumns {
+  Four fx, fy, fz, tx, ty, tz;  ///< forces, and moments about the origin of the body that they have come to
+
+  explicit ClimbingColumns(const DofFactor<Vectored>* dofs) {
+    Square<double, 4> linear, angular;
+    for (int l = 0; l < 4; ++l) {
+      const Force<Vectored>& F = dofs[std::min(l, count - 1)].W;
+      linear.rows[l] = F.linear.a;
+      angular.rows[l] = F.angular.a;
+    }
+    linear.transpose();
+    angular.transpose();
+    fx = linear.rows[0], fy = linear.rows[1], fz = linear.rows[2];
+    tx = angular.rows[0], ty = angular.rows[1], tz = angular.rows[2];
+  }
+  /// By lever r, the lanes from `first` on.
+  template <int first>
+  void shift(const Vec3<Vectored>& r) {
+    const Four rx = inAll<0>(r.a), ry = inAll<1>(r.a), rz = inAll<2>(r.a), jx = from<first>(fx), jy = from<first>(fy), jz = from<first>(fz);
+    tx += ry * jz - rz * jy;
+    ty += rz * jx - rx * jz;
+    tz += rx * jy - ry * jx;
+  }
+  void shiftFrom(int first, const Vec3<Vectored>& r) {
+    switch (first) {
+      case 1:
+        return shift<1>(r);
+      case 2:
+        return shift<2>(r);
+      case 3:
+        return shift<3>(r);
+      default:
+        return shift<0>(r);
+    }
+  }
+  Four alongAxis(const Motion<Vectored>& s) const { return inAll<0>(s.angular.a) * tx + inAll<1>(s.angular.a) * ty + inAll<2>(s.angular.a) * tz; }
+  Four along(const Motion<Vectored>& s) const {
+    return alongAxis(s) + (inAll<0>(s.linear.a) * fx + inAll<1>(s.linear.a) * fy + inAll<2>(s.linear.a) * fz);
+  }
+  /// In a row of the matrix and its mirror image, from where the first lane's entries go.
+  static void enter(const Four& entries, double* row, double* column, std::ptrdiff_t n) {
+    writeFirst<count>(entries, row);
+    for (int l = 0; l < count; ++l) column[l * n] = entries[l];
+  }
+  void enterFlying(double* row, double* column, std::ptrdiff_t n) const {
+    const Four parts[] = {fx, fy, fz, tx, ty, tz};
+    for (int a = 0; a < 6; ++a) writeFirst<count>(parts[a], row + a * n);
+    Square<double, 4> first, last;
+    for (int a = 0; a < 4; ++a) {
+      first.rows[a] = parts[a];
+      last.rows[a] = parts[a + 2];
+    }
+    first.transpose();
+    last.transpose();
+    for (int l = 0; l < count; ++l) {
+      first.write(l, column + l * n);
+      last.write(l, column + l * n + 2);
+    }
+  }
+};
+
+/// Of degrees of freedom from `first` on.
+template <int count>
+__attribute__((flatten, noinline)) void enterColumns(const AlignedBodies& bodies, double* M, int first) {
+  const std::ptrdiff_t n = bodies.m.nvx;
+  double *const rows = M + first, *const columns = M + first * n;
+  const DofFactor<Vectored>* const dofs = bodies.w.dof;
+  const int end = first + count;
+  ClimbingColumns<count> climbing(dofs + first);
+  for (int body = bodies.m.dof_body[static_cast<std::size_t>(end - 1)];;) {
+    const BodyIndex& x = bodies.index(body);
+    double *row = rows + x.idx_v * n, *column = columns + x.idx_v;
+    if (x.flying_root) return climbing.enterFlying(row, column, n);
+    if (x.piece <= body) {
+      const Vec3<Vectored>* r = bodies.w.r + body;
+      const DofFactor<Vectored>* dof = dofs + x.idx_v;
+      int left = body - x.piece;
+      const auto climb = [&]<int joined>(std::integral_constant<int, joined>) {
+        climbing.enter(climbing.alongAxis(dof->S_), row, column, n);
+        if (left-- == 0) return false;
+        climbing.template shift<joined>(*r--);
+        --dof;
+        row -= n;
+        --column;
+        return true;
+      };
+      const auto climbPiece = [&] {
+        switch (x.idx_v - first) {
+          case 3:
+            if (!climb(std::integral_constant<int, 3>())) return;
+            [[fallthrough]];
+          case 2:
+            if (!climb(std::integral_constant<int, 2>())) return;
+            [[fallthrough]];
+          case 1:
+            if (!climb(std::integral_constant<int, 1>())) return;
+            [[fallthrough]];
+          default:
+            while (climb(std::integral_constant<int, 0>())) {
+            }
+        }
+      };
+      climbPiece();
+      body = x.piece;
+    } else {
+      for (int k = 0; k < x.nv && x.idx_v + k < end; ++k) {
+        const Motion<Vectored>& s = dofs[x.idx_v + k].S_;
+        climbing.enter(x.turns_only ? climbing.alongAxis(s) : climbing.along(s), row + k * n, column + k, n);
+      }
+    }
+    const BodyIndex& reached = bodies.index(body);
+    if (reached.parent == 0) return;
+    climbing.shiftFrom(reached.idx_v - first, bodies.w.r[body]);
+    body = reached.parent;
+  }
+}
+
+/// massMatrix of crba.hpp.
+inline void massMatrixByColumns(const AlignedBodies& bodies, Workspace<Vectored>& w, Vectored* M) {
+  inertiasOutward(bodies, w);
+  const auto composite = passing(Added{w.mass}, Added{w.h}, Added{w.Io});
+  bodies.backward(composite, [&]<class Joint>(const Joint&, int i, int iv, auto&& masses, auto&& moments, auto&& inertias) {
+    const Vectored mass = masses.get();
+    const Vec3<Vectored> h = moments.get();
+    const Sym3<Vectored> I = inertias.get();
+    if constexpr (Joint::is_free)
+      if (bodies.isRoot(i)) return enterFlyingRoot(bodies, bodies.entry(M, i, iv), iv, mass, h, I);
+    for (int k = 0; k < Joint::nv; ++k) w.dof[iv + k].W = compositeForce<Joint>(w.dof[iv + k].S_, mass, h, I);
+    if (bodies.isRoot(i)) return;
+    inertias.give(shiftedInertia(I, mass, h, w.r[i]));
+    moments.give(h + mass * w.r[i]);
+    masses.give(mass);
+  });
+  double* entries = reinterpret_cast<double*>(M);
+  for (const DofChain& chain : bodies.m.chains) {
+    const BodyIndex& top = bodies.index(bodies.m.dof_body[static_cast<std::size_t>(chain.begin)]);
+    const int begin = chain.begin + (top.flying_root ? top.nv : 0);
+    // What does not fill the lanes is at the top, from where the way is shortest.
+    int first = chain.end;
+    for (; first - 4 >= begin; first -= 4) enterColumns<4>(bodies, entries, first - 4);
+    if (first - begin == 3) enterColumns<3>(bodies, entries, begin);
+    if (first - begin == 2) enterColumns<2>(bodies, entries, begin);
+    if (first - begin == 1) enterColumns<1>(bodies, entries, begin);
+  }
+  const std::vector<double>& armature = bodies.m.armature;
+  for (std::size_t k = 0; k < armature.size(); ++k)
+    if (!bodies.index(bodies.m.dof_body[k]).flying_root) entries[k * (armature.size() + 1)] += armature[k];
+}
+
+}  // namespace dyn::kernels
