@@ -64,6 +64,32 @@ TEST_CASE("rnea inverts aba, and M's columns are its differences", "[property]")
   CHECK(relative(columns, M) < 1e-11);
 }
 
+TEST_CASE("the mass matrix is right wherever joints of other shapes interrupt a limb of revolute ones", "[property]") {
+  constexpr int joints = 7;
+  const int interruptions = GENERATE(range(0, 1 << joints));
+  const bool flies = GENERATE(false, true);
+  Random random(static_cast<std::uint64_t>(interruptions));
+  Model limb;
+  if (flies) limb.addBody("base", 0, {.name = "root", .type = "free_flyer"}, random.inertia());
+  for (int i = 0; i < joints; ++i) {
+    const char* other = i % 2 == 0 ? "prismatic" : "spherical";
+    JointDescription joint{.name = "j" + std::to_string(i), .type = interruptions >> i & 1 ? other : "revolute"};
+    joint.parameters = exampleParameters(registry().jointType(joint.type, {}).info(), static_cast<std::uint64_t>(i));
+    joint.placement = random.pose();
+    const auto nv = static_cast<std::size_t>(degreesOfFreedom(joint, registry()));
+    joint.armature.assign(nv, 0.1 * i);
+    limb.addBody("b" + std::to_string(i), static_cast<int>(limb.bodies.size()) - 1, joint, random.inertia());
+  }
+  Subject s(limb, 1);
+  const Eigen::MatrixXd M = crba(s.model, s.data, s.q);
+  const Eigen::VectorXd gravity = generalizedGravity(s.model, s.data, s.q), rest = Eigen::VectorXd::Zero(s.model.nv());
+  Eigen::MatrixXd columns(s.model.nv(), s.model.nv());
+  for (Eigen::Index k = 0; k < s.model.nv(); ++k) columns.col(k) = rnea(s.model, s.data, s.q, rest, Eigen::VectorXd::Unit(s.model.nv(), k)) - gravity;
+  INFO(interruptions << (flies ? ", flying" : ""));
+  CHECK(relative(columns, M) < 1e-12);
+  CHECK(M == M.transpose());
+}
+
 TEST_CASE("power of the joints is the rate of energy", "[property]") {
   const int seed = GENERATE(range(1, 20));
   Subject s(randomTree(registry(), 3 + seed % 15, static_cast<std::uint64_t>(seed)), static_cast<std::uint64_t>(seed));
