@@ -37,10 +37,9 @@ void momenta(const Order& bodies, DerivativeWorkspace<S>& d, const S* v) {
     }
     m.momentum = momentum;
     if (bodies.isRoot(i)) return;
-    SubtreeMomentum<S>& parent = d.subtree[bodies.parentOf(i)].m;
-    const Vec3<S>& r = w.r[i];
-    addInertia(parent, m, r);
-    parent.momentum += Force<S>{momentum.linear, momentum.angular + cross(r, momentum.linear)};
+    SubtreeMomentum<S> given = movedInertia(m, w.r[i]);
+    given.momentum = {momentum.linear, momentum.angular + cross(w.r[i], momentum.linear)};
+    d.subtree[bodies.parentOf(i)].m += given;
   });
 }
 

@@ -55,6 +55,14 @@ struct SubtreeMomentum {
   Vec3<S> h;
   Sym3<S> I;
   Force<S> momentum;
+
+  SubtreeMomentum& operator+=(const SubtreeMomentum& x) {
+    mass += x.mass;
+    h += x.h;
+    I += x.I;
+    momentum += x.momentum;
+    return *this;
+  }
 };
 /// With what turning rates and accelerations bring to it.
 template <class S>
@@ -62,6 +70,13 @@ struct Subtree {
   SubtreeMomentum<S> m;
   Mat3<S> K;  ///< sum of mass * velocity * position^T
   Force<S> f;
+
+  Subtree& operator+=(const Subtree& x) {
+    m += x.m;
+    K = K + x.K;
+    f += x.f;
+    return *this;
+  }
 };
 
 /// Forces about its joint's origin that a degree of freedom's motion, and its variation, bring; on their way to the root, about the origins there.

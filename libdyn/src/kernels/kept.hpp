@@ -42,7 +42,8 @@ class KeptFromChildren<Added<T>> {
   KeptFromChildren(const Order&, Added<T> from, int) : array_(from.array) {}
   template <class Order>
   void begin(const Order&, int i, bool) {
-    sum_ = array_[i] + kept_;
+    sum_ = array_[i];
+    sum_ += kept_;
     array_[i] = sum_;
   }
   T get() const { return sum_; }

@@ -118,10 +118,10 @@ void takeOff(const Force<T>* fext, const Workspace<S>& w, DerivativeWorkspace<S>
 template <class Order, class S>
 void derivativesInward(const Order& order, DerivativeWorkspace<S>& d) {
   const Workspace<S>& w = order.w;
-  order.backward(passing(), [&]<class Joint>(const Joint&, int i, int iv) {
-    const Subtree<S>& c = d.subtree[i];
+  order.backward(passing(Added{d.subtree}), [&]<class Joint>(const Joint&, int i, int iv, auto&& subtree) {
+    const Subtree<S>& c = subtree.get();
     for (int k = iv; k < iv + Joint::nv; ++k) d.dof_force[k] = forcesOf<Joint>(w.dof[k].S_, d.dof[k], c);
-    if (!order.isRoot(i)) addTo(d.subtree[order.parentOf(i)], c, w.r[i], d.shift_rate[i]);
+    if (!order.isRoot(i)) subtree.give(moved(c, w.r[i], d.shift_rate[i]));
   });
 }
 

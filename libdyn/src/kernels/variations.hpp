@@ -65,27 +65,19 @@ Subtree<S> ownMotion(const SubtreeMomentum<S>& m, const Vec3<S>& w) {
   return {m, skew(w) * second, {cross(w, m.momentum.linear), cross(w, m.momentum.angular)}};
 }
 
-/// Adds the inertia of a subtree to its parent's, r from the parent's origin to the joint's.
+/// A subtree at rest, about its parent's origin: r from there to the joint's.
 template <class S>
-void addInertia(SubtreeMomentum<S>& parent, const SubtreeMomentum<S>& m, const Vec3<S>& r) {
-  parent.mass += m.mass;
-  parent.h += m.h + m.mass * r;
-  parent.I += shiftedInertia(m.I, m.mass, m.h, r);
+SubtreeMomentum<S> movedInertia(const SubtreeMomentum<S>& m, const Vec3<S>& r) {
+  return {m.mass, m.h + m.mass * r, shiftedInertia(m.I, m.mass, m.h, r), {}};
 }
-/// Adds a subtree's to its parent's, about the parent's origin, with velocities relative to it: rate is the joint origin's velocity.
+/// The same in motion, with velocities relative to the parent's origin: rate is the joint origin's.
 template <class S>
-void addTo(SubtreeMomentum<S>& parent, const SubtreeMomentum<S>& m, const Vec3<S>& r, const Vec3<S>& rate) {
-  const Vec3<S> linear = m.momentum.linear + m.mass * rate;
-  addInertia(parent, m, r);
-  parent.momentum += Force<S>{linear, m.momentum.angular + cross(m.h, rate) + cross(r, linear)};
-}
-template <class S>
-void addTo(Subtree<S>& parent, const Subtree<S>& x, const Vec3<S>& r, const Vec3<S>& rate) {
-  const SubtreeMomentum<S>& m = x.m;
-  const Vec3<S> moment = m.h + m.mass * r;
-  parent.K = parent.K + x.K + outer(m.momentum.linear, r) + outer(rate, moment);
-  parent.f += Force<S>{x.f.linear, x.f.angular + cross(r, x.f.linear)};
-  addTo(parent.m, m, r, rate);
+Subtree<S> moved(const Subtree<S>& x, const Vec3<S>& r, const Vec3<S>& rate) {
+  Subtree<S> out{movedInertia(x.m, r), {}, {x.f.linear, x.f.angular + cross(r, x.f.linear)}};
+  const Vec3<S> linear = x.m.momentum.linear + x.m.mass * rate;
+  out.K = x.K + outer(x.m.momentum.linear, r) + outer(rate, out.m.h);
+  out.m.momentum = {linear, x.m.momentum.angular + cross(x.m.h, rate) + cross(r, linear)};
+  return out;
 }
 
 /// Singh, Russell and Wensing 2022; see rnea_derivatives.hpp.
