@@ -88,8 +88,8 @@ void addOrder(const std::shared_ptr<Memory>& memory, const char* name, int evalu
       "rnea", 2,
       [](Memory& s, const Order& o, const double* q, const double* v, const double* a) {
         o.evaluate(q, v);
-        kernels::rneaOutward(o, s.w, v, a, static_cast<const Force<double>*>(nullptr));
-        kernels::rneaInward(o, s.w, s.tau.data());
+        kernels::rneaOutward(o, s.w, v, a);
+        kernels::rneaInward(o, s.w, s.tau.data(), static_cast<const Force<double>*>(nullptr));
         kernels::addJointForces(s.scene.m, v, a, s.tau.data());
       },
       x.tau.data(), x.tau.size());
@@ -106,8 +106,8 @@ void addOrder(const std::shared_ptr<Memory>& memory, const char* name, int evalu
         o.evaluate(q, v);
         std::copy(a, a + s.scene.m.nv, s.tau.begin());
         kernels::addLosses(s.scene.m, -1.0, v, s.tau.data());
-        kernels::abaOutward(o, s.w, v, static_cast<const Force<double>*>(nullptr));
-        kernels::abaInward(o, s.w, s.tau.data());
+        kernels::abaOutward(o, s.w, v);
+        kernels::abaInward(o, s.w, s.tau.data(), static_cast<const Force<double>*>(nullptr));
         kernels::abaSolve(o, s.w, o.gravity(), s.ddq.data());
       },
       x.ddq.data(), x.ddq.size());

@@ -36,10 +36,10 @@ auto eachForward(const Order& order, std::tuple<T*...> arrays, Body& body) {
     std::apply([&](T*... x) { body(joint, i, iv, kernels::FromParent<Order, T>(order, x, i)...); }, arrays);
   };
 }
-template <class Order, class Body, class... From>
-auto eachBackward(const Order& order, std::tuple<From...> arrays, Body& body) {
+template <class Order, class Body, class... T>
+auto eachBackward(const Order& order, std::tuple<T*...> arrays, Body& body) {
   return [&body, &order, arrays](const auto& joint, int i, int iv) {
-    std::apply([&](From... x) { body(joint, i, iv, kernels::FromChildren<Order, From>(order, x, i)...); }, arrays);
+    std::apply([&](T*... x) { body(joint, i, iv, kernels::FromChildren<Order, T>(order, x, i)...); }, arrays);
   };
 }
 
@@ -90,8 +90,8 @@ struct PerJointVirtual : kernels::Bodies<double> {
     const Step<decltype(each)>* const* objects = steps<decltype(each)>();
     for (int i = 1; i < m.bodies(); ++i) objects[type(i)]->run(each, slotOf(i), i, index(i).idx_v);
   }
-  template <class Body, class... From>
-  void backward(std::tuple<From...> arrays, Body&& body) const {
+  template <class Body, class... T>
+  void backward(std::tuple<T*...> arrays, Body&& body) const {
     const auto each = eachBackward<PerJointVirtual>(*this, arrays, body);
     const Step<decltype(each)>* const* objects = steps<decltype(each)>();
     for (int i = m.bodies() - 1; i > 0; --i) objects[type(i)]->run(each, slotOf(i), i, index(i).idx_v);
@@ -143,8 +143,8 @@ struct PerJointVariant : kernels::Bodies<double> {
     const auto each = eachForward<PerJointVariant>(*this, arrays, body);
     for (int i = 1; i < m.bodies(); ++i) visit(each, i);
   }
-  template <class Body, class... From>
-  void backward(std::tuple<From...> arrays, Body&& body) const {
+  template <class Body, class... T>
+  void backward(std::tuple<T*...> arrays, Body&& body) const {
     const auto each = eachBackward<PerJointVariant>(*this, arrays, body);
     for (int i = m.bodies() - 1; i > 0; --i) visit(each, i);
   }
@@ -180,8 +180,8 @@ struct Monomorphic : kernels::Bodies<double> {
     if (scene.flying_root) run<Root>(each, 1);
     others(each, first(), m.bodies(), 1);
   }
-  template <class Body, class... From>
-  void backward(std::tuple<From...> arrays, Body&& body) const {
+  template <class Body, class... T>
+  void backward(std::tuple<T*...> arrays, Body&& body) const {
     const auto each = eachBackward<Monomorphic>(*this, arrays, body);
     others(each, m.bodies() - 1, first() - 1, -1);
     if (scene.flying_root) run<Root>(each, 1);

@@ -169,8 +169,8 @@ std::vector<ArgumentShape> matrix(const char* name, const CompactImpl& m) { retu
 void inverseDynamics(const CompactImpl& m, Tracer& t, const T* q, const T* v, const T* a, Numbers& out) {
   Numbers tau(at(m.nvx));
   t.evaluate(q, v);
-  kernels::rneaOutward(t.bodies, t.w, v, a, no_forces);
-  kernels::rneaInward(t.bodies, t.w, tau.data());
+  kernels::rneaOutward(t.bodies, t.w, v, a);
+  kernels::rneaInward(t.bodies, t.w, tau.data(), no_forces);
   kernels::addJointForces(m, v, a, tau.data());
   out = tau;
 }
@@ -180,8 +180,8 @@ void forwardDynamics(const CompactImpl& m, Tracer& t, const std::vector<T*>& in,
   ddq.assign(at(m.nvx), T(0));
   kernels::addLosses(m, -1.0, static_cast<const T*>(in[1]), tau.data());
   t.evaluate(in[0], in[1]);
-  kernels::abaOutward(t.bodies, t.w, static_cast<const T*>(in[1]), no_forces);
-  kernels::abaInward(t.bodies, t.w, static_cast<const T*>(tau.data()));
+  kernels::abaOutward(t.bodies, t.w, static_cast<const T*>(in[1]));
+  kernels::abaInward(t.bodies, t.w, static_cast<const T*>(tau.data()), no_forces);
   kernels::abaSolve(t.bodies, t.w, t.bodies.gravity(), ddq.data());
 }
 

@@ -8,25 +8,18 @@
 
 namespace dyn::kernels {
 
-/// Poses, velocity-dependent accelerations, rigid inertias and bias forces.
+/// Poses, velocities and what they make of accelerations.
 template <class S, class Order>
-void abaOutward(const Order& order, Workspace<S>& w, const S* v, const Force<S>* fext) {
+void abaOutward(const Order& order, Workspace<S>& w, const S* v) {
   w.w[0] = {};
   order.forward(passing(w.w, w.R, w.product), [&]<class Joint>(const Joint& joint, int i, int iv, auto&& turning, auto&&... axes) {
-    const auto& c = order.constants(i);
-    const Mat3<S> R = placeAligned<S>(joint, order, c.placement, i, w, axes...);
+    const Mat3<S> R = placeAligned<S>(joint, order, order.constants(i).placement, i, w, axes...);
     const Vec3<S>& wp = turning.get();
     const Motion<S> s = joint.timesIn(R, v + iv);
 
     const Vec3<S> omega = turnedBy<Joint>(wp, s);
     w.beta[i] = velocityAcceleration(joint, R, w.r[i], wp, omega, s);
     turning.leave(omega);
-
-    const auto [h, I] = alignedInertia<S, Joint>(order, i, c, R);
-    w.h[i] = h;
-    w.Io[i] = I;
-    w.pA[i] = {cross(omega, cross(omega, h)), cross(omega, I * omega)};
-    if (fext) w.pA[i] -= Force<S>{R * fext[i].linear, R * fext[i].angular};
     writeColumns(joint, R, w.dof + iv);
   });
 }
@@ -55,12 +48,15 @@ void eliminate(const Order& order, const ArticulatedInertia<S>& IA, const Force<
 /// Eliminates each degree of freedom (pivot S^T IA S + armature), projects inertia and bias force, hands them to the parent.
 /// w.failed tells lane by lane whether a pivot vanished.
 template <class S, class Order>
-void abaInward(const Order& order, Workspace<S>& w, const S* tau) {
+void abaInward(const Order& order, Workspace<S>& w, const S* tau, const Force<S>* fext) {
   for (int& body : w.failed) body = 0;
-  order.backward(passing(Handed{w.IA}, Added{w.pA}), [&]<class Joint>(const Joint&, int i, int iv, auto&& inertia, auto&& force) {
-    ArticulatedInertia<S> IA = ArticulatedInertia<S>::rigid(order.mass(i), w.h[i], w.Io[i]);
-    if (!order.isLeaf(i)) IA += inertia.get();
-    Force<S> pA = force.get();
+  order.backward(passing(w.IA, w.pA), [&]<class Joint>(const Joint&, int i, int iv, auto&& inertia, auto&& force) {
+    const auto [mass, h, I] = alignedInertia<Joint>(order, w, i);
+    const Vec3<S>& omega = w.w[i];
+    Force<S> own{cross(omega, cross(omega, h)), cross(omega, I * omega)};
+    if (fext) own -= inAlignedAxes(w, i, fext[i]);
+    ArticulatedInertia<S> IA = inertia.with(ArticulatedInertia<S>::rigid(mass, h, I));
+    Force<S> pA = force.with(own);
     order.unite(i, IA);
     order.unite(i, pA);
     // Eliminating one direction after the other is the factorisation: each updates IA, so the next pivot is read off it. At the joint's

@@ -29,7 +29,7 @@ CoriolisMap<S> shiftedMap(const CoriolisMap<S>& map, const ArticulatedInertia<S>
   return out;
 }
 
-/// Placements, velocities and columns; of each body what moves it but for its acceleration, which begins with w.beta.
+/// Placements, velocities and columns, and w.beta.
 template <class Order, class S>
 void movingOutward(const Order& order, DerivativeWorkspace<S>& d, const S* v) {
   Workspace<S>& w = order.w;
@@ -38,29 +38,25 @@ void movingOutward(const Order& order, DerivativeWorkspace<S>& d, const S* v) {
     const Vec3<S>& wp = turning.get();
     const auto [R, s, omega] = moveAligned<S>(joint, order, i, d, v + iv, wp, axes...);
     for (int k = 0; k < Joint::nv; ++k) w.dof[iv + k].S_ = joint.columnIn(R, k);
-    d.subtree[i] = ownMotion(bodyMomentum<Joint>(order, i, R, omega), omega);
     w.beta[i] = velocityAcceleration(joint, R, w.r[i], wp, omega, s);
     turning.leave(omega);
   });
 }
 
-/// Factors of the elimination, the columns' beginnings, and what of the accelerations the forces tau and the velocities say, into w.dof's y;
-/// then w.IA and d.coriolis have what each body is to its parent. w.failed tells lane by lane whether a pivot vanished.
-template <class Order, class S>
-void articulatedInward(const Order& order, DerivativeWorkspace<S>& d, const S* tau) {
+/// Factors of the elimination, the columns' beginnings, of each body what moves it but for its acceleration, and what of the accelerations the forces
+/// tau and the velocities say, into w.dof's y; then w.IA and d.coriolis have what each body is to its parent. w.failed tells lane by lane whether a
+/// pivot vanished.
+template <class Order, class S, class T>
+void articulatedInward(const Order& order, DerivativeWorkspace<S>& d, const S* tau, const Force<T>* fext) {
   Workspace<S>& w = order.w;
   for (int& body : w.failed) body = 0;
-  const auto articulated = passing(Handed{d.coriolis}, Handed{w.IA}, Handed{w.pA});
+  const auto articulated = passing(d.coriolis, w.IA, w.pA);
   order.backward(articulated, [&]<class Joint>(const Joint&, int i, int iv, auto&& coriolis, auto&& inertia, auto&& force) {
-    const Subtree<S>& own = d.subtree[i];
-    ArticulatedInertia<S> IA = ArticulatedInertia<S>::rigid(own.m.mass, own.m.h, own.m.I);
-    CoriolisMap<S> map = coriolisMap(own.m.momentum.linear, own.K);
-    Force<S> pA = own.f;
-    if (!order.isLeaf(i)) {
-      IA += inertia.get();
-      map += coriolis.get();
-      pA += force.get();
-    }
+    const Subtree<S> own = movingBody<Joint>(order, w, i, fext);
+    d.subtree[i] = own;
+    ArticulatedInertia<S> IA = inertia.with(ArticulatedInertia<S>::rigid(own.m.mass, own.m.h, own.m.I));
+    CoriolisMap<S> map = coriolis.with(coriolisMap(own.m.momentum.linear, own.K));
+    Force<S> pA = force.with(own.f);
     eliminateJoint<Joint>(order, w, IA, i, iv, [&](int k, const auto& column, const Force<S>& W, const S& inverse, const Force<S>& row) {
       const S y = tau[iv + k] - column.along(pA);
       w.dof[iv + k].y = inverse * y;
@@ -110,9 +106,8 @@ void acceleratingOutward(const Order& order, DerivativeWorkspace<S>& d, const S*
 template <class Order, class S>
 void variationsInward(const Order& order, DerivativeWorkspace<S>& d) {
   Workspace<S>& w = order.w;
-  order.backward(passing(Handed{w.f}), [&]<class Joint>(const Joint&, int i, int iv, auto&& force) {
-    const Force<S> f = order.isLeaf(i) ? d.subtree[i].f : d.subtree[i].f + force.get();
-    w.f[i] = f;
+  order.backward(passing(w.f), [&]<class Joint>(const Joint&, int i, int iv, auto&& force) {
+    const Force<S>& f = force.gather(d.subtree[i].f);
     if (order.isRoot(i)) return;
     const ArticulatedInertia<S>& IA = w.IA[i];
     const CoriolisMap<S>& map = d.coriolis[i];
@@ -157,8 +152,7 @@ template <class Wide, class S>
 void abaDerivativesSweep(const CompactImpl& m, Workspace<S>& w, DerivativeWorkspace<S>& d, const S* v, const S* tau, const Force<S>* fext, S* ddq) {
   const auto r = recursion(m, w, d);
   movingOutward(r.order, r.d, r.in(v));
-  takeOff(fext, r.order.w, r.d, m.bodies());
-  articulatedInward(r.order, r.d, r.in(tau));
+  articulatedInward(r.order, r.d, r.in(tau), fext);
   acceleratingOutward(r.order, r.d, r.in(v), r.in(ddq));
   variationsInward(r.order, r.d);
   pathSweep<Wide>(r, d);

@@ -56,17 +56,27 @@ Mat3<S> symmetricMatrix(const Sym3<S>& a) {
   return a.matrix();
 }
 
-/// A body's inertia about its origin, beside its mass.
+/// A rigid body's inertia about its origin.
 template <class S>
 struct AlignedInertia {
+  S mass;
   Vec3<S> h;
   Sym3<S> Io;
 };
-/// In aligned axes, which are a flying root's own.
-template <class S, class Joint, class Order, class Constants>
-AlignedInertia<S> alignedInertia(const Order& order, int i, const Constants& c, const Mat3<S>& R) {
-  if (isFlyingRoot<Joint>(order, i)) return {cast<S>(c.h), cast<S>(c.origin)};
-  return {R * c.h, congruence(R, c.origin)};
+/// Of body i in aligned axes, which are a flying root's own; its axes are in w.R. It waits for nothing else, and takes little time beside what
+/// waits for neighbours: sweeps to the root, where inertias are gathered, compute it on the way.
+template <class Joint, class S, class Order>
+AlignedInertia<S> alignedInertia(const Order& order, const Workspace<S>& w, int i) {
+  const auto& c = order.constants(i);
+  if (isFlyingRoot<Joint>(order, i)) return {S(c.mass), cast<S>(c.h), cast<S>(c.origin)};
+  const Mat3<S>& R = w.R[i];
+  return {S(c.mass), R * c.h, congruence(R, c.origin)};
+}
+
+/// A force that is given in the axes of body i.
+template <class S, class T>
+Force<S> inAlignedAxes(const Workspace<S>& w, int i, const Force<T>& f) {
+  return {w.R[i] * f.linear, w.R[i] * f.angular};
 }
 
 /// What velocities make of a body's acceleration, aligned axes at its joint's origin, r from the parent's: wp is the parent's angular velocity,

@@ -14,16 +14,14 @@ template <class S, class Order>
 void momenta(const Order& bodies, DerivativeWorkspace<S>& d, const S* v) {
   Workspace<S>& w = bodies.w;
   bodies.forward(passing(w.R, w.product), [&]<class Joint>(const Joint& joint, int i, int iv, auto&&... axes) {
-    const auto& c = bodies.constants(i);
-    const Mat3<S> R = placeAligned<S>(joint, bodies, c.placement, i, w, axes...);
-    const auto [h, I] = alignedInertia<S, Joint>(bodies, i, c, R);
-    d.subtree[i].m = {S(c.mass), h, I, {}};
+    const Mat3<S> R = placeAligned<S>(joint, bodies, bodies.constants(i).placement, i, w, axes...);
     writeColumns(joint, R, w.dof + iv);
     // Where a root's origin goes all of the tree goes, which gives its centre no angular momentum.
     if (bodies.isRoot(i)) d.shift_rate[i] = joint.timesIn(R, v + iv).linear;
   });
-  bodies.backward(passing(), [&]<class Joint>(const Joint&, int i, int iv) {
-    SubtreeMomentum<S>& m = d.subtree[i].m;
+  bodies.backward(passing(d.momentum), [&]<class Joint>(const Joint&, int i, int iv, auto&& handed) {
+    const auto [mass, h, I] = alignedInertia<Joint>(bodies, w, i);
+    SubtreeMomentum<S> m = handed.with({mass, h, I, {}});
     Force<S> momentum = m.momentum;
     for (int k = iv; k < iv + Joint::nv; ++k) {
       const Motion<S>& s = w.dof[k].S_;
@@ -36,10 +34,11 @@ void momenta(const Order& bodies, DerivativeWorkspace<S>& d, const S* v) {
       }
     }
     m.momentum = momentum;
+    d.subtree[i].m = m;
     if (bodies.isRoot(i)) return;
     SubtreeMomentum<S> given = movedInertia(m, w.r[i]);
     given.momentum = {momentum.linear, momentum.angular + cross(w.r[i], momentum.linear)};
-    d.subtree[bodies.parentOf(i)].m += given;
+    handed.give(given);
   });
 }
 
@@ -155,7 +154,7 @@ CentroidalState<S> centroidal(const CompactImpl& m, Workspace<S>& w, DerivativeW
   using T = typename decltype(r)::Scalar;
   if (out.rates) {
     derivativesOutward(r.order, r.d, Vec3<T>{}, r.in(v), r.in(a));
-    derivativesInward(r.order, r.d);
+    derivativesInward(r.order, r.d, static_cast<const Force<S>*>(nullptr));
   } else {
     momenta(r.order, r.d, r.in(v));
   }

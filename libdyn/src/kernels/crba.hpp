@@ -13,16 +13,11 @@ Sym3<S> shiftedInertia(const Sym3<S>& I, const S& mass, const Vec3<S>& h, const 
   return I + Sym3<S>{t - kx, -(k.x * r.y + r.x * k.y), -(k.x * r.z + r.x * k.z), t - ky, -(k.y * r.z + r.y * k.z), t - kz};
 }
 
-/// Placements, rigid inertias about the joints' origins, and the columns of the motion subspaces.
+/// Placements, and the columns of the motion subspaces.
 template <class S, class Order>
-void inertiasOutward(const Order& order, Workspace<S>& w) {
+void columnsOutward(const Order& order, Workspace<S>& w) {
   order.forward(passing(w.R, w.product), [&]<class Joint>(const Joint& joint, int i, int iv, auto&&... axes) {
-    const auto& c = order.constants(i);
-    const Mat3<S> R = placeAligned<S>(joint, order, c.placement, i, w, axes...);
-    w.mass[i] = c.mass;
-    const auto [h, I] = alignedInertia<S, Joint>(order, i, c, R);
-    w.h[i] = h;
-    w.Io[i] = I;
+    const Mat3<S> R = placeAligned<S>(joint, order, order.constants(i).placement, i, w, axes...);
     writeColumns(joint, R, w.dof + iv);
   });
 }
@@ -54,12 +49,13 @@ void enterFlyingRoot(const Order& order, const Entry& at, int iv, const S& mass,
 /// written: M must have been zero once.
 template <class S, class Order>
 void massMatrix(const Order& order, Workspace<S>& w, typename Order::Entries* M) {
-  inertiasOutward(order, w);
-  const auto composite = passing(Added{w.mass}, Added{w.h}, Added{w.Io});
+  columnsOutward(order, w);
+  const auto composite = passing(w.mass, w.h, w.Io);
   order.backward(composite, [&]<class Joint>(const Joint&, int i, int iv, auto&& masses, auto&& moments, auto&& inertias) {
-    S mass = masses.get();
-    Vec3<S> h = moments.get();
-    Sym3<S> I = inertias.get();
+    const auto own = alignedInertia<Joint>(order, w, i);
+    S mass = masses.with(own.mass);
+    Vec3<S> h = moments.with(own.h);
+    Sym3<S> I = inertias.with(own.Io);
     order.unite(i, mass);
     order.unite(i, h);
     order.unite(i, I);

@@ -118,12 +118,13 @@ struct DerivativeWorkspace {
   Dual<double>* dual = nullptr;                 ///< of the largest batch: q, v, pose, subspace, bias
   // What recursions over bodies write. Those of single states have vectors in registers, and what they write is in `vectored`.
   DofVariation<S>* dof = nullptr;
-  Vec3<S>* shift_rate = nullptr;       ///< velocity of each joint's origin relative to the parent's
-  Subtree<S>* subtree = nullptr;       ///< by body: its own first, then with its children's
-  DofForces<S>* dof_force = nullptr;   ///< at the joint's own origin
-  CoriolisMap<S>* coriolis = nullptr;  ///< articulated, of what the children hand over [aba]
-  Motion<S>* place = nullptr;          ///< [centroidal] from each joint's origin to the centre of mass, and its rate, aligned axes
-  Workspace<Vectored> bodies;          ///< of single states
+  Vec3<S>* shift_rate = nullptr;           ///< velocity of each joint's origin relative to the parent's
+  Subtree<S>* subtree = nullptr;           ///< by body, about its joint's origin; in aba of the body alone
+  SubtreeMomentum<S>* momentum = nullptr;  ///< what children hand over [centroidal]
+  DofForces<S>* dof_force = nullptr;       ///< at the joint's own origin
+  CoriolisMap<S>* coriolis = nullptr;      ///< articulated, of what the children hand over [aba]
+  Motion<S>* place = nullptr;              ///< [centroidal] from each joint's origin to the centre of mass, and its rate, aligned axes
+  Workspace<Vectored> bodies;              ///< of single states
   DerivativeWorkspace<Vectored>* vectored = nullptr;
 
   AoSoA<DofForces, S> force;  ///< on their way to the root
@@ -140,6 +141,7 @@ void carveRecursions(DerivativeWorkspace<S>& w, const CompactImpl& m, Arena& are
   arena.take(w.dof, dofs);
   arena.take(w.shift_rate, bodies);
   arena.take(w.subtree, bodies);
+  arena.take(w.momentum, bodies);
   arena.take(w.dof_force, dofs);
   arena.take(w.coriolis, bodies);
   arena.take(w.place, bodies);

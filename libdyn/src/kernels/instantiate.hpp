@@ -35,20 +35,18 @@ SingleKernels singleKernels() {
   k.jointJacobians = [](const CompactImpl& m, W& w, double* J) { kernels::jointJacobians(Bodies<double>{m, w}, w, J); };
   k.rnea = [](const CompactImpl& m, W& w, const double* v, const double* a, const Force<double>* fext, double* tau) {
     const Bodies<double> bodies{m, w};
-    rneaOutward(bodies, w, v, a, fext);
-    rneaInward(bodies, w, tau);
+    rneaOutward(bodies, w, v, a);
+    rneaInward(bodies, w, tau, fext);
     addJointForces(m, v, a, tau);
   };
   k.massMatrix = [](const CompactImpl& m, W& w, double* M) { kernels::massMatrix(Bodies<double>{m, w}, w, M); };
   k.articulate = [](const CompactImpl& m, W& w, const double* v, const double* tau, const Force<double>* fext) {
     const Bodies<double> bodies{m, w};
-    abaOutward(bodies, w, v, fext);
-    abaInward(bodies, w, tau);
+    abaOutward(bodies, w, v);
+    abaInward(bodies, w, tau, fext);
   };
   k.accelerate = [](const CompactImpl& m, W& w, const Vec3<double>& gravity, double* ddq) { abaSolve(Bodies<double>{m, w}, w, gravity, ddq); };
-  k.placeOutward = [](const CompactImpl& m, W& w, const double* v) {
-    abaOutward(Bodies<double>{m, w}, w, v, static_cast<const Force<double>*>(nullptr));
-  };
+  k.placeOutward = [](const CompactImpl& m, W& w, const double* v) { abaOutward(Bodies<double>{m, w}, w, v); };
   addDerivatives<Wide, Panel>(k);
   return k;
 }
@@ -88,8 +86,8 @@ void runBlock(const CompactImpl& m, char* scratch, Block<T>& b) {
       return;
     }
     case Task::rnea:
-      rneaOutward(bodies, w, s.v, s.a, static_cast<const Force<S>*>(nullptr));
-      rneaInward(bodies, w, s.result);
+      rneaOutward(bodies, w, s.v, s.a);
+      rneaInward(bodies, w, s.result, static_cast<const Force<S>*>(nullptr));
       addJointForces(m, s.v, s.a, s.result);
       break;
     case Task::mass_matrix: {
@@ -108,8 +106,8 @@ void runBlock(const CompactImpl& m, char* scratch, Block<T>& b) {
       return runDerivatives(m, s, b);
     case Task::aba:
       addLosses(m, -1.0, s.v, s.a);
-      abaOutward(bodies, w, s.v, static_cast<const Force<S>*>(nullptr));
-      abaInward(bodies, w, s.a);
+      abaOutward(bodies, w, s.v);
+      abaInward(bodies, w, s.a, static_cast<const Force<S>*>(nullptr));
       abaSolve(bodies, w, bodies.gravity(), s.result);
       for (int l = 0; l < b.q.states; ++l) b.failed[l] = w.failed[l];
       break;

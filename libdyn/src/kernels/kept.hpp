@@ -33,48 +33,34 @@ class KeptFromParent {
 };
 
 /// FromChildren, through all of a run.
-template <class From>
-class KeptFromChildren;
 template <class T>
-class KeptFromChildren<Added<T>> {
+class KeptFromChildren {
  public:
   template <class Order>
-  KeptFromChildren(const Order&, Added<T> from, int) : array_(from.array) {}
-  template <class Order>
-  void begin(const Order&, int i, bool) {
-    sum_ = array_[i];
-    sum_ += kept_;
-    array_[i] = sum_;
-  }
-  T get() const { return sum_; }
-  void give(const T& x) { kept_ = x; }
-  /// To where the parent looks for it.
-  template <class Order>
-  void putAway(const Order& order, int i) {
-    if (!order.isRoot(i)) order.addToParent(array_, i, kept_);
-    kept_ = T{};
-  }
-
- private:
-  T* array_;
-  T kept_{}, sum_{};
-};
-template <class T>
-class KeptFromChildren<Handed<T>> {
- public:
-  template <class Order>
-  KeptFromChildren(const Order&, Handed<T> from, int) : array_(from.array) {}
+  KeptFromChildren(const Order&, T* array, int) : array_(array) {}
   template <class Order>
   void begin(const Order& order, int i, bool kept) {
-    if (order.isLeaf(i)) return;
+    i_ = i;
+    leaf_ = order.isLeaf(i);
+    if (leaf_) return;
     if (!kept) {
       kept_ = array_[i];
     } else if (!order.isOnlyChild(i + 1)) {
-      kept_ = kept_ + array_[i];
+      kept_ += array_[i];
     }
   }
-  T get() const { return kept_; }
+  T with(const T& own) const {
+    T sum = own;
+    if (!leaf_) sum += kept_;
+    return sum;
+  }
+  T gather(const T& own) const {
+    const T sum = with(own);
+    array_[i_] = sum;
+    return sum;
+  }
   void give(const T& x) { kept_ = x; }
+  /// To where the parent looks for it.
   template <class Order>
   void putAway(const Order& order, int i) {
     if (!order.isRoot(i)) order.handOver(array_, i, kept_);
@@ -83,13 +69,15 @@ class KeptFromChildren<Handed<T>> {
  private:
   T* array_;
   T kept_{};
+  int i_ = 0;
+  bool leaf_ = true;
 };
 
 /// What the order keeps, and what it does not.
 template <class Order, class T>
 using ParentOf = std::conditional_t<Order::template keeps<T>, KeptFromParent<T>, FromParent<Order, T>>;
-template <class Order, class From>
-using ChildrenOf = std::conditional_t<Order::template keeps<typename From::Type>, KeptFromChildren<From>, FromChildren<Order, From>>;
+template <class Order, class T>
+using ChildrenOf = std::conditional_t<Order::template keeps<T>, KeptFromChildren<T>, FromChildren<Order, T>>;
 
 /// Calls step(i, from...) for i from `first` on and before `end`, all of one run.
 template <class Order, class Step, class... T>
@@ -104,9 +92,9 @@ void forwardKeeping(const Order& order, int first, int end, std::tuple<T*...> ar
         from);
 }
 /// The other way.
-template <class Order, class Step, class... From>
-void backwardKeeping(const Order& order, int first, int end, std::tuple<From...> arrays, Step&& step) {
-  auto from = std::apply([&](From... x) { return std::tuple<ChildrenOf<Order, From>...>(ChildrenOf<Order, From>(order, x, first)...); }, arrays);
+template <class Order, class Step, class... T>
+void backwardKeeping(const Order& order, int first, int end, std::tuple<T*...> arrays, Step&& step) {
+  auto from = std::apply([&](T*... x) { return std::tuple<ChildrenOf<Order, T>...>(ChildrenOf<Order, T>(order, x, first)...); }, arrays);
   for (int i = end - 1; i >= first; --i)
     std::apply(
         [&](auto&... x) {

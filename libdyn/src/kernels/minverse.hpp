@@ -29,14 +29,13 @@ void eliminateJoint(const Order& order, Workspace<S>& w, ArticulatedInertia<S>& 
   });
 }
 
-/// Pivots and force columns, of bodies whose rigid inertias are in w.mass, w.h and w.Io: enter(dof, inverse, row). w.failed tells lane by lane
-/// whether one vanished.
+/// Pivots and force columns, after columnsOutward: enter(dof, inverse, row). w.failed tells lane by lane whether one vanished.
 template <class S, class Order, class Enter>
 void articulatedFactors(const Order& order, Workspace<S>& w, Enter&& enter) {
   for (int& body : w.failed) body = 0;
-  order.backward(passing(Handed{w.IA}), [&]<class Joint>(const Joint&, int i, int iv, auto&& inertia) {
-    ArticulatedInertia<S> IA = ArticulatedInertia<S>::rigid(w.mass[i], w.h[i], w.Io[i]);
-    if (!order.isLeaf(i)) IA += inertia.get();
+  order.backward(passing(w.IA), [&]<class Joint>(const Joint&, int i, int iv, auto&& inertia) {
+    const auto [mass, h, I] = alignedInertia<Joint>(order, w, i);
+    ArticulatedInertia<S> IA = inertia.with(ArticulatedInertia<S>::rigid(mass, h, I));
     eliminateJoint<Joint>(order, w, IA, i, iv,
                           [&](int k, const auto&, const Force<S>&, const S& inverse, const Force<S>& row) { enter(iv + k, inverse, row); });
     if (!order.isRoot(i)) inertia.give(IA.shifted(w.r[i]));
@@ -68,7 +67,7 @@ template <class Wide, class S>
 void treeFactors(const CompactImpl& m, Workspace<S>& w, DerivativeWorkspace<S>& d) {
   const auto r = recursion(m, w, d);
   using T = typename decltype(r)::Scalar;
-  inertiasOutward(r.order, r.order.w);
+  columnsOutward(r.order, r.order.w);
   articulatedFactors(r.order, r.order.w, [&](int dof, const T& inverse, const Force<T>& row) {
     r.d.factors.inverse[dof] = inverse;
     r.d.dof_force[dof].by_a = row;

@@ -5,15 +5,14 @@
 
 namespace dyn::kernels {
 
-/// Angular velocity w, angular acceleration and classical acceleration of each body's origin, in its own axes; then the force that moves
-/// it. w.a[i] = (classical linear, angular) acceleration, less gravity.
+/// Angular velocity w, angular acceleration and classical acceleration of each body's origin, in its own axes.
+/// w.a[i] = (classical linear, angular) acceleration, less gravity.
 template <class S, class Order>
-void rneaOutward(const Order& order, Workspace<S>& w, const S* v, const S* a, const Force<S>* fext) {
+void rneaOutward(const Order& order, Workspace<S>& w, const S* v, const S* a) {
   w.w[0] = {};
   w.a[0] = {-order.gravity(), {}};
   order.forward(passing(w.w, w.a), [&]<class Joint>(const Joint& joint, int i, int iv, auto&& turning, auto&& acceleration) {
-    const auto& c = order.constants(i);
-    const SE3<S> rel = placedInParent<S>(joint, c.placement);
+    const SE3<S> rel = placedInParent<S>(joint, order.constants(i).placement);
     w.rel[i] = rel;
 
     const Motion<S>& ap = acceleration.get();
@@ -48,19 +47,20 @@ void rneaOutward(const Order& order, Workspace<S>& w, const S* v, const S* a, co
     if constexpr (Joint::has_linear) origin += ds.linear + cross(w_carried + omega, s.linear);
     turning.leave(omega);
     acceleration.leave({origin, domega});
-
-    const Vec3<S> f = c.mass * (origin + cross(domega, c.com) + cross(omega, cross(omega, c.com)));
-    const Vec3<S> n = c.rotational * domega + cross(omega, c.rotational * omega) + cross(c.com, f);
-    w.f[i] = {f, n};
-    if (fext) w.f[i] -= fext[i];
   });
 }
 
-/// tau = S^T f, and each body's force on its parent.
+/// The force that moves each body, tau = S^T f, and each body's force on its parent.
 template <class S, class Order>
-void rneaInward(const Order& order, Workspace<S>& w, S* tau) {
-  order.backward(passing(Added{w.f}), [&]<class Joint>(const Joint& joint, int i, int iv, auto&& force) {
-    auto&& f = force.get();
+void rneaInward(const Order& order, Workspace<S>& w, S* tau, const Force<S>* fext) {
+  order.backward(passing(w.f), [&]<class Joint>(const Joint& joint, int i, int iv, auto&& force) {
+    const auto& c = order.constants(i);
+    const Vec3<S>& omega = w.w[i];
+    const auto& [origin, domega] = w.a[i];
+    const Vec3<S> linear = c.mass * (origin + cross(domega, c.com) + cross(omega, cross(omega, c.com)));
+    Force<S> own{linear, c.rotational * domega + cross(omega, c.rotational * omega) + cross(c.com, linear)};
+    if (fext) own -= fext[i];
+    Force<S> f = force.with(own);
     order.unite(i, f);
     joint.project(f, tau + iv);
     if (!order.isRoot(i)) force.give(w.rel[i].act(f));

@@ -50,12 +50,14 @@ JointMotion<S> moveAligned(const Joint& joint, const Order& order, int i, Deriva
   return {R, s, omega};
 }
 
-/// Of body i alone, which turns with w.
-template <class Joint, class S, class Order>
-SubtreeMomentum<S> bodyMomentum(const Order& order, int i, const Mat3<S>& R, const Vec3<S>& w) {
-  const auto& c = order.constants(i);
-  const auto [h, I] = alignedInertia<S, Joint>(order, i, c, R);
-  return {S(c.mass), h, I, {cross(w, h), I * w}};
+/// Of body i alone, which turns with w.w, but for its acceleration. fext: null, or external forces in the bodies' axes.
+template <class Joint, class T, class S, class Order>
+Subtree<S> movingBody(const Order& order, const Workspace<S>& w, int i, const Force<T>* fext) {
+  const auto [mass, h, I] = alignedInertia<Joint>(order, w, i);
+  const Vec3<S>& omega = w.w[i];
+  Subtree<S> own = ownMotion(SubtreeMomentum<S>{mass, h, I, {cross(omega, h), I * omega}}, omega);
+  if (fext) own.f -= inAlignedAxes(w, i, fext[i]);
+  return own;
 }
 
 /// The parent's acceleration carried to where body i's joint is, but for what the parent's own turning adds; of a root as if gravity were an
@@ -85,7 +87,7 @@ void writeVariations(const Order& order, DerivativeWorkspace<S>& d, int i, int i
   }
 }
 
-/// Placements, motions and forces of the bodies, and each degree of freedom's variation.
+/// Placements and motions of the bodies, and each degree of freedom's variation.
 template <class Order, class S>
 void derivativesOutward(const Order& order, DerivativeWorkspace<S>& d, const Vec3<S>& gravity, const S* v, const S* a) {
   Workspace<S>& w = order.w;
@@ -99,27 +101,20 @@ void derivativesOutward(const Order& order, DerivativeWorkspace<S>& d, const Vec
     Motion<S> acceleration = carried + velocityAcceleration(joint, R, w.r[i], wp, omega, s);
     if constexpr (Joint::has_linear) acceleration.linear += by_a.linear;
     if constexpr (Joint::has_angular) acceleration.angular += by_a.angular;
-    Subtree<S> own = ownMotion(bodyMomentum<Joint>(order, i, R, omega), omega);
-    own.f += rigidForce(own.m, acceleration);
-    d.subtree[i] = own;
     writeVariations<Joint>(order, d, i, iv, wp, omega, carried, s.linear, v, a);
     accelerated.leave(acceleration);
     turning.leave(omega);
   });
 }
 
-/// After the bodies have been moved, of external forces in their axes.
-template <class S, class T>
-void takeOff(const Force<T>* fext, const Workspace<S>& w, DerivativeWorkspace<S>& d, int bodies) {
-  for (int i = 1; fext && i < bodies; ++i) d.subtree[i].f -= Force<S>{w.R[i] * fext[i].linear, w.R[i] * fext[i].angular};
-}
-
 /// Composite quantities, and from them the forces that each degree of freedom's variations bring, about its joint's origin.
-template <class Order, class S>
-void derivativesInward(const Order& order, DerivativeWorkspace<S>& d) {
+template <class Order, class S, class T>
+void derivativesInward(const Order& order, DerivativeWorkspace<S>& d, const Force<T>* fext) {
   const Workspace<S>& w = order.w;
-  order.backward(passing(Added{d.subtree}), [&]<class Joint>(const Joint&, int i, int iv, auto&& subtree) {
-    const Subtree<S>& c = subtree.get();
+  order.backward(passing(d.subtree), [&]<class Joint>(const Joint&, int i, int iv, auto&& subtree) {
+    Subtree<S> own = movingBody<Joint>(order, w, i, fext);
+    own.f += rigidForce(own.m, w.acc[i]);
+    const Subtree<S>& c = subtree.gather(own);
     for (int k = iv; k < iv + Joint::nv; ++k) d.dof_force[k] = forcesOf<Joint>(w.dof[k].S_, d.dof[k], c);
     if (!order.isRoot(i)) subtree.give(moved(c, w.r[i], d.shift_rate[i]));
   });
@@ -218,8 +213,7 @@ template <class Wide, class S>
 void rneaDerivatives(const CompactImpl& m, Workspace<S>& w, DerivativeWorkspace<S>& d, const S* v, const S* a, const Force<S>* fext) {
   const auto r = recursion(m, w, d);
   derivativesOutward(r.order, r.d, r.order.gravity(), r.in(v), r.in(a));
-  takeOff(fext, r.order.w, r.d, m.bodies());
-  derivativesInward(r.order, r.d);
+  derivativesInward(r.order, r.d, fext);
   derivativesSweep<Wide>(r, d);
 }
 

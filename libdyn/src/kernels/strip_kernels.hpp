@@ -125,8 +125,8 @@ PackedKernels stripKernels() {
     gatherCoordinates(m, s.w, q, v);
     gatherDofs(m.strips, v, s.v, a, s.a);
     const bool finite = evaluateStrips(m, s.w, q, v);
-    rneaOutward(strips, s.w, s.v, s.a, static_cast<const Force<S>*>(nullptr));
-    rneaInward(strips, s.w, s.result);
+    rneaOutward(strips, s.w, s.v, s.a);
+    rneaInward(strips, s.w, s.result, static_cast<const Force<S>*>(nullptr));
     scatterDofs(m.strips, s.result, tau);
     addJointForces(m, v, a, tau);
     return finite;
@@ -145,8 +145,8 @@ PackedKernels stripKernels() {
     gatherCoordinates(m, s.w, q, v);
     gatherDofs(m.strips, v, s.v, tau, s.a);
     const bool finite = evaluateStrips(m, s.w, q, v);
-    abaOutward(strips, s.w, s.v, static_cast<const Force<S>*>(nullptr));
-    abaInward(strips, s.w, s.a);
+    abaOutward(strips, s.w, s.v);
+    abaInward(strips, s.w, s.a, static_cast<const Force<S>*>(nullptr));
     failed = 0;
     for (int l = 0; l < strip_lanes; ++l)
       if (s.w.failed[l] != 0 && failed == 0) failed = m.strips.strips[static_cast<std::size_t>(s.w.failed[l])].shown[l];

@@ -38,26 +38,7 @@ struct Strips {
     }
     return out;
   }
-  template <class T>
-  void addToParent(T* array, int i, const T& value) const {
-    const Strip& s = strip(i);
-    if (s.gives_all) {
-      array[s.parents[0].strip] += value;
-    } else if (packs_in<S, T> <= 6 && s.apart) {
-      // Forces and the like; measured: written number by number, articulated inertias slow all strips of aba down.
-      const T given = value;
-      for (int l = 0; l < strip_lanes; ++l) {
-        const LaneParent& parent = s.lane_parents[l];
-        if (!parent.given) continue;
-        double* to = reinterpret_cast<double*>(array + parent.strip) + parent.lane;
-        const double* from = reinterpret_cast<const double*>(&given) + l;
-        for (std::size_t k = 0; k < packs_in<S, T>; ++k) to[strip_lanes * k] += from[strip_lanes * k];
-      }
-    } else {
-      for (int p = 0; p < s.parents_count; ++p) give(s.parents[p], array, value);
-    }
-  }
-  /// The same where the first child writes. Leaves keep what they had.
+  /// Adds to what the parents have been handed, which begins with the first child's. Leaves keep what they had.
   template <class T>
   void handOver(T* array, int i, const T& value) const {
     const Strip& s = strip(i);
@@ -110,8 +91,8 @@ struct Strips {
       });
     }
   }
-  template <class Body, class... From>
-  void backward(std::tuple<From...> arrays, Body&& body) const {
+  template <class Body, class... T>
+  void backward(std::tuple<T*...> arrays, Body&& body) const {
     for (int end = static_cast<int>(m.strips.strips.size()), first; end > 1; end = first) {
       for (first = end - 1; first > 1 && alike(first - 1, end - 1);) --first;
       withShape<S, false>(strip(first).shape, strip(first).nv, [&]<class Joint>() DYN_RUN_LOOP {
@@ -125,6 +106,25 @@ struct Strips {
   }
 
  private:
+  template <class T>
+  void addToParent(T* array, int i, const T& value) const {
+    const Strip& s = strip(i);
+    if (s.gives_all) {
+      array[s.parents[0].strip] += value;
+    } else if (packs_in<S, T> <= 6 && s.apart) {
+      // Forces and the like; measured: written number by number, articulated inertias slow all strips of aba down.
+      const T given = value;
+      for (int l = 0; l < strip_lanes; ++l) {
+        const LaneParent& parent = s.lane_parents[l];
+        if (!parent.given) continue;
+        double* to = reinterpret_cast<double*>(array + parent.strip) + parent.lane;
+        const double* from = reinterpret_cast<const double*>(&given) + l;
+        for (std::size_t k = 0; k < packs_in<S, T>; ++k) to[strip_lanes * k] += from[strip_lanes * k];
+      }
+    } else {
+      for (int p = 0; p < s.parents_count; ++p) give(s.parents[p], array, value);
+    }
+  }
   const Strip& strip(int i) const { return m.strips.strips[static_cast<std::size_t>(i)]; }
   bool alike(int i, int j) const { return strip(i).shape == strip(j).shape && strip(i).nv == strip(j).nv; }
   Slot<S> slotOf(int i) const {

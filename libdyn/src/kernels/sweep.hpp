@@ -17,28 +17,12 @@ namespace dyn::kernels {
 #define DYN_RUN_LOOP __attribute__((flatten, noinline))
 #endif
 
-// What bodies hand on in a sweep, each in an array by body: order.forward(passing(arrays...), body). Forward, arrays are as they are; backward
-// they are Added or Handed.
+// What bodies hand on in a sweep, each in an array by body: order.forward(passing(arrays...), body), and backward.
 
-template <class... Array>
-std::tuple<Array...> passing(Array... arrays) {
+template <class... T>
+std::tuple<T*...> passing(T*... arrays) {
   return {arrays...};
 }
-
-/// To what each body has of its own, what its children give is added.
-template <class T>
-struct Added {
-  using Type = T;
-  static constexpr bool has_own = true;
-  T* array;
-};
-/// What the children have given, and nothing of leaves.
-template <class T>
-struct Handed {
-  using Type = T;
-  static constexpr bool has_own = false;
-  T* array;
-};
 
 /// Of one array, for body i.
 template <class Order, class T>
@@ -57,23 +41,30 @@ class FromParent {
   T* array_;
   int i_;
 };
-template <class Order, class From>
+template <class Order, class T>
 class FromChildren {
  public:
-  using T = typename From::Type;
-  FromChildren(const Order& order, From from, int i) : order_(order), array_(from.array), i_(i) {}
+  FromChildren(const Order& order, T* array, int i) : order_(order), array_(array), i_(i) {}
   void begin(const Order&, int i, bool) { i_ = i; }
   void putAway(const Order&, int) {}
-  /// What has been added up, or handed.
-  T& get() const { return array_[i_]; }
-  /// To the parent; a root has none.
-  void give(const T& x) const {
-    if constexpr (From::has_own) {
-      order_.addToParent(array_, i_, x);
-    } else {
-      order_.handOver(array_, i_, x);
-    }
+  /// What they gave, and the body's own.
+  T with(const T& own) const {
+    T sum = own;
+    if (!order_.isLeaf(i_)) sum += array_[i_];
+    return sum;
   }
+  /// The same, which stays in the array.
+  const T& gather(const T& own) const {
+    T& sum = array_[i_];
+    if (order_.isLeaf(i_)) {
+      sum = own;
+    } else {
+      sum += own;
+    }
+    return sum;
+  }
+  /// To the parent; a root has none.
+  void give(const T& x) const { order_.handOver(array_, i_, x); }
 
  private:
   const Order& order_;
@@ -109,15 +100,15 @@ struct Bodies {
   const T& parent(const T* array, int i) const {
     return array[parentOf(i)];
   }
-  template <class T>
-  void addToParent(T* array, int i, const T& value) const {
-    array[parentOf(i)] += value;
-  }
-  /// The same where the first child writes. Leaves keep what they had.
+  /// Adds to what the parent has been handed, which begins with the first child's. Leaves keep what they had.
   template <class T>
   void handOver(T* array, int i, const T& value) const {
     T& sum = array[parentOf(i)];
-    sum = isLastChild(i) ? value : sum + value;
+    if (isLastChild(i)) {
+      sum = value;
+    } else {
+      sum += value;
+    }
   }
   bool isLeaf(int i) const { return treeEnd(i) == i + 1; }
 
@@ -191,16 +182,15 @@ struct Bodies {
       });
   }
   /// body(joint, i, idx_v, from...), `from` FromChildren of each array.
-  template <class Body, class... From>
-  void backward(std::tuple<From...> arrays, Body&& body) const {
+  template <class Body, class... T>
+  void backward(std::tuple<T*...> arrays, Body&& body) const {
     for (auto run = m.runs.rbegin(); run != m.runs.rend(); ++run)
       withShape<S>(run->shape, run->nv, [&]<class Joint>() DYN_RUN_LOOP {
         const int v0 = index(run->first).idx_v;
         for (int k = run->count - 1; k >= 0; --k) {
           const Slot<S> slot = slotOf(*run, k);
-          std::apply(
-              [&](From... x) { body(Joint(slot), run->first + k, v0 + k * Joint::nv, FromChildren<Bodies, From>(*this, x, run->first + k)...); },
-              arrays);
+          std::apply([&](T*... x) { body(Joint(slot), run->first + k, v0 + k * Joint::nv, FromChildren<Bodies, T>(*this, x, run->first + k)...); },
+                     arrays);
         }
       });
   }

@@ -50,11 +50,12 @@ Four inAll(const Four& a) {
 /// (y, z, x).
 inline Four turned(const Four& a) { return __builtin_shufflevector(a, a, 1, 2, 0, 3); }
 inline Vectored sumOf(const Four& a) { return a[0] + a[1] + a[2]; }
-/// The product of two vectors in each lane.
-inline Four dotInAll(const Four& a, const Four& b) {
-  const Four products = a * b, next = turned(products);
-  return products + next + turned(next);
+/// A vector's sum, and the product of two, in each lane.
+inline Four totalInAll(const Four& a) {
+  const Four next = turned(a);
+  return a + next + turned(next);
 }
+inline Four dotInAll(const Four& a, const Four& b) { return totalInAll(a * b); }
 
 template <>
 struct Vec3<Vectored> {
@@ -258,8 +259,9 @@ inline Mat3<Vectored> turnZ(const Mat3<Vectored>& E, const Vectored& c, const Ve
 /// Brought back by Newton's other step, the mean of R and R^-T (Higham 1986), whose columns are cross products.
 inline Mat3<Vectored> renewed(const Mat3<Vectored>& R) {
   const Vec3<Vectored> x = R.c[0], y = R.c[1], z = R.c[2], yz = cross(y, z), zx = cross(z, x), xy = cross(x, y);
-  // 1 / det is 2 - det next to 1.
-  const Four half = inAll(0.5), weight = inAll(1) - half * dotInAll(x.a, yz.a);
+  // 1 / det is 2 - det next to 1, and det - 1 half of |R|^2 - 3, which need not wait for the cross products: row by row, so that what is summed
+  // is small.
+  const Four half = inAll(0.5), excess = x.a * x.a - inAll(1) + y.a * y.a + z.a * z.a, weight = half - inAll(0.25) * totalInAll(excess);
   return {half * x.a + weight * yz.a, half * y.a + weight * zx.a, half * z.a + weight * xy.a};
 }
 inline Sym3<Vectored> shiftedInertia(const Sym3<Vectored>& I, const Vectored& mass, const Vec3<Vectored>& h, const Vec3<Vectored>& r) {

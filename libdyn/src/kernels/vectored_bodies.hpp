@@ -30,8 +30,8 @@ struct KeepingBodies : Bodies<Vectored> {
         forwardKeeping(*this, run.first, run.first + run.count, arrays, step);
       });
   }
-  template <class Body, class... From>
-  void backward(std::tuple<From...> arrays, Body&& body) const {
+  template <class Body, class... T>
+  void backward(std::tuple<T*...> arrays, Body&& body) const {
     for (auto run = m.runs.rbegin(); run != m.runs.rend(); ++run)
       withShape<Vectored>(run->shape, run->nv, [&]<class Joint>() DYN_RUN_LOOP {
         const int v0 = index(run->first).idx_v;

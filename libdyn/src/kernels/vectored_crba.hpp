@@ -150,12 +150,13 @@ __attribute__((flatten, noinline)) void enterColumns(const AlignedBodies& bodies
 
 /// massMatrix of crba.hpp.
 inline void massMatrixByColumns(const AlignedBodies& bodies, Workspace<Vectored>& w, Vectored* M) {
-  inertiasOutward(bodies, w);
-  const auto composite = passing(Added{w.mass}, Added{w.h}, Added{w.Io});
+  columnsOutward(bodies, w);
+  const auto composite = passing(w.mass, w.h, w.Io);
   bodies.backward(composite, [&]<class Joint>(const Joint&, int i, int iv, auto&& masses, auto&& moments, auto&& inertias) {
-    const Vectored mass = masses.get();
-    const Vec3<Vectored> h = moments.get();
-    const Sym3<Vectored> I = inertias.get();
+    const auto own = alignedInertia<Joint>(bodies, w, i);
+    const Vectored mass = masses.with(own.mass);
+    const Vec3<Vectored> h = moments.with(own.h);
+    const Sym3<Vectored> I = inertias.with(own.Io);
     if constexpr (Joint::is_free)
       if (bodies.isRoot(i)) return enterFlyingRoot(bodies, bodies.entry(M, i, iv), iv, mass, h, I);
     for (int k = 0; k < Joint::nv; ++k) w.dof[iv + k].W = compositeForce<Joint>(w.dof[iv + k].S_, mass, h, I);

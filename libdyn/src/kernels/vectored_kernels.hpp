@@ -58,8 +58,8 @@ inline PackedKernels vectoredKernels() {
     VectoredScratch& s = scratchOf(memory);
     const bool finite = evaluate(m, s, q, v);
     const TurningBodies turning{{{m, s.w}}, s.constants};
-    rneaOutward(turning, s.w, in(v), in(a), static_cast<const Force<S>*>(nullptr));
-    rneaInward(turning, s.w, out(tau));
+    rneaOutward(turning, s.w, in(v), in(a));
+    rneaInward(turning, s.w, out(tau), static_cast<const Force<S>*>(nullptr));
     addJointForces(m, v, a, tau);
     return finite;
   };
@@ -72,8 +72,8 @@ inline PackedKernels vectoredKernels() {
   k.articulate = [](const CompactImpl& m, char* memory, const double* q, const double* v, const double* tau, int& failed) {
     VectoredScratch& s = scratchOf(memory);
     const bool finite = evaluate(m, s, q, v);
-    abaOutward(bodies(m, s), s.w, in(v), static_cast<const Force<S>*>(nullptr));
-    abaInward(bodies(m, s), s.w, in(tau));
+    abaOutward(bodies(m, s), s.w, in(v));
+    abaInward(bodies(m, s), s.w, in(tau), static_cast<const Force<S>*>(nullptr));
     failed = s.w.failed[0];
     return finite;
   };

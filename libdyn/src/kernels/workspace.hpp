@@ -48,17 +48,17 @@ struct Workspace {
   Motion<S>* v = nullptr;               ///< spatial velocity, body axes at its origin [velocities]
   Motion<S>* a = nullptr;               ///< spatial acceleration, same [accelerations]; in rnea: classical acceleration, body axes
   Vec3<S>* w = nullptr;                 ///< angular velocity: body axes in rnea, aligned axes in aba
-  Force<S>* f = nullptr;                ///< force through the joint [rnea]
+  Force<S>* f = nullptr;                ///< what the children hand over [rnea]; force through the joint [aba's derivatives]
   Mat3<S>* R = nullptr;                 ///< body axes in aligned axes [aligned]
   Mat3<S>* product = nullptr;           ///< the same as products of rotations left it [aligned, of an order that waits]
   Vec3<S>* r = nullptr;                 ///< from the parent's origin to the joint's, aligned axes [aligned]
   Motion<S>* beta = nullptr;            ///< velocity-dependent acceleration, aligned [aba]
   ArticulatedInertia<S>* IA = nullptr;  ///< what the children hand over, not of leaves [aba]
-  Force<S>* pA = nullptr;               ///< [aba]
+  Force<S>* pA = nullptr;               ///< the same of bias forces [aba]
   Motion<S>* acc = nullptr;             ///< classical acceleration, aligned [aba]
-  S* mass = nullptr;                    ///< of the subtree [crba, com]
-  Vec3<S>* h = nullptr;                 ///< first moment of the subtree (in aba: the body) about the joint's origin, aligned [crba, aba]
-  Sym3<S>* Io = nullptr;                ///< rotational inertia of the same about the same [crba, aba]
+  S* mass = nullptr;                    ///< what the children hand over, as the next two [crba]; of the subtree [com]
+  Vec3<S>* h = nullptr;                 ///< first moment about the joint's origin, aligned [crba]; of the subtree [com]
+  Sym3<S>* Io = nullptr;                ///< rotational inertia about the same [crba]
   DofFactor<S>* dof = nullptr;          ///< nvx
   int failed[lanes_of<S>] = {};         ///< by lane: the first body whose pivot vanished, or 0 [aba]
 };
