@@ -61,7 +61,7 @@ Failure forBlocks(BatchImpl<T>& d, int states, int lanes, const Block& block) {
 template <class T>
 kernels::ColumnsIn<T> columns(const StatesView<T>& x, int first, int count) {
   if (x.data == nullptr) return {};
-  return {x.data + first * x.stride, x.stride, count, first + count < x.cols};
+  return {x.data + first * x.stride, x.stride, count, static_cast<int>(x.cols) - first - count};
 }
 
 template <class T>

@@ -90,7 +90,7 @@ struct ColumnsIn {
   const T* first = nullptr;
   std::ptrdiff_t stride = 0;
   int states = 0;     ///< columns in use, at most as many as a pack has lanes; the other lanes repeat the last
-  bool more = false;  ///< another column follows these, so that reading past the end of the last one stays in the caller's memory
+  int following = 0;  ///< columns after these: reading past the end of a column, into the next ones, stays in the caller's memory
 };
 
 /// n numbers of each column into packs.
@@ -115,11 +115,15 @@ void loadColumns(const ColumnsIn<T>& in, int n, S* to) {
       }
       return;
     }
-    if (2 * n >= lanes) {
-      // Short columns are read past their end, into the next one; the last, which may have none, is copied.
-      T last[lanes] = {};
-      std::copy_n(column(in.states - 1), n, last);
-      for (int l = 0; l < lanes; ++l) square.read(l, l + 1 < in.states || in.more ? column(l) : last);
+    if (4 * n >= lanes) {
+      // Short columns are read past their end, into the next ones; the last, where these are too few, are copied.
+      T copied[lanes] = {};
+      for (int l = 0; l < lanes; ++l) {
+        const T* from = column(l);
+        const int after = std::max(in.states - 1 - l, 0) + in.following;
+        if (after * in.stride + n < lanes) from = (std::copy_n(from, n, copied), copied);
+        square.read(l, from);
+      }
       square.transpose();
       for (int i = 0; i < n; ++i) square.write(i, out + i * lanes);
       return;
@@ -198,13 +202,19 @@ template <class From, class T>
       }
       return finite();
     }
-    if (2 * n >= lanes) {
-      // Each column but the last is written past its end, where the next one will be.
+    if (4 * n >= lanes) {
+      // Columns are written past their ends, where the next ones will be; the last, where these are too few, are copied.
       read(static_cast<int>(n));
-      for (int l = 0; l + 1 < states; ++l) square.write(l, column + l * n);
-      T last[lanes];
-      square.write(states - 1, last);
-      std::copy_n(last, n, column + (states - 1) * n);
+      for (int l = 0; l < states; ++l) {
+        T* to = column + l * n;
+        if ((states - l) * n >= lanes) {
+          square.write(l, to);
+        } else {
+          T copied[lanes];
+          square.write(l, copied);
+          std::copy_n(copied, n, to);
+        }
+      }
       return finite();
     }
   }
