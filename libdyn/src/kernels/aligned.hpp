@@ -22,7 +22,8 @@ Mat3<S> placeAligned(const Joint& joint, const Order& order, const Placement& pl
   const Mat3<S>& parent = axes.get();
   if constexpr (Order::waits) {
     // The joint's axes before it moves: constants are on the right of products, where they need not be in registers.
-    const Mat3<S> E = products.get() * placement.R, product = joint.rotate(E), R = renewed(product);
+    const Mat3<S> E = products.get() * placement.R, product = joint.rotate(E);
+    Mat3<S> R = renewed(product);
     Vec3<S> r = parent * placement.p;
     if constexpr (Joint::moves_origin) r += E * joint.translation();
     w.r[i] = r;
@@ -34,7 +35,7 @@ Mat3<S> placeAligned(const Joint& joint, const Order& order, const Placement& pl
     // Generated code pays for every operation: there a few products in a row go by before they are brought back to the rotations.
     bool renew = true;
     if constexpr (is_symbolic<S>) renew = order.depth(i) % 8 == 0;
-    const Mat3<S> R = renew ? renewed(parent * rel.R) : parent * rel.R;
+    Mat3<S> R = renew ? renewed(parent * rel.R) : parent * rel.R;
     w.r[i] = parent * rel.p;
     axes.leave(R);
     return R;

@@ -55,7 +55,7 @@ class KeptFromChildren {
     return sum;
   }
   T gather(const T& own) const {
-    const T sum = with(own);
+    T sum = with(own);
     array_[i_] = sum;
     return sum;
   }
