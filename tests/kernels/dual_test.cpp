@@ -27,8 +27,8 @@ struct DualRun {
     Arena count(nullptr);
     kernels::carve(s, m, count);
     memory.resize(count.used() / sizeof(double) + 16);
-    auto address = reinterpret_cast<std::uintptr_t>(memory.data());
-    Arena arena(reinterpret_cast<char*>((address + 63) / 64 * 64));
+    char* begin = reinterpret_cast<char*>(memory.data());
+    Arena arena(begin + (64 - reinterpret_cast<std::uintptr_t>(begin) % 64) % 64);
     kernels::carve(s, m, arena);
     kernels::loadState(m, d, d.derivatives, v.data(), a.data(), s);
   }
