@@ -89,7 +89,7 @@ void addOrder(const std::shared_ptr<Memory>& memory, const char* name, int evalu
       [](Memory& s, const Order& o, const double* q, const double* v, const double* a) {
         o.evaluate(q, v);
         kernels::rneaOutward(o, s.w, v, a);
-        kernels::rneaInward(o, s.w, s.tau.data(), static_cast<const Force<double>*>(nullptr));
+        kernels::rneaInward(o, s.w, s.tau.data());
         kernels::addJointForces(s.scene.m, v, a, s.tau.data());
       },
       x.tau.data(), x.tau.size());
@@ -107,7 +107,7 @@ void addOrder(const std::shared_ptr<Memory>& memory, const char* name, int evalu
         std::copy(a, a + s.scene.m.nv, s.tau.begin());
         kernels::addLosses(s.scene.m, -1.0, v, s.tau.data());
         kernels::abaOutward(o, s.w, v);
-        kernels::abaInward(o, s.w, s.tau.data(), static_cast<const Force<double>*>(nullptr));
+        kernels::abaInward(o, s.w, s.tau.data());
         kernels::abaSolve(o, s.w, o.gravity(), s.ddq.data());
       },
       x.ddq.data(), x.ddq.size());

@@ -62,7 +62,7 @@ TEST_CASE("derivatives by q are those of the recursions on dual numbers", "[dual
   const kernels::Bodies<D> bodies{run.m, run.s.w};
   const Eigen::MatrixXd by_rnea = run.alongAll(q, v, [&] {
     kernels::rneaOutward(bodies, run.s.w, run.s.v, run.s.a);
-    kernels::rneaInward(bodies, run.s.w, run.result.data(), static_cast<const Force<D>*>(nullptr));
+    kernels::rneaInward(bodies, run.s.w, run.result.data());
   });
   CHECK(distance(dtau_dq, by_rnea) < 1e-12);
 
@@ -70,7 +70,7 @@ TEST_CASE("derivatives by q are those of the recursions on dual numbers", "[dual
   for (int k = 0; k < model.nv(); ++k) run.s.a[k] = D(tau[k], 0.0);
   const Eigen::MatrixXd by_aba = run.alongAll(q, v, [&] {
     kernels::abaOutward(bodies, run.s.w, run.s.v);
-    kernels::abaInward(bodies, run.s.w, run.s.a, static_cast<const Force<D>*>(nullptr));
+    kernels::abaInward(bodies, run.s.w, run.s.a);
     kernels::abaSolve(bodies, run.s.w, bodies.gravity(), run.result.data());
   });
   CHECK(distance(ddq_dq, by_aba) < 1e-12);

@@ -22,7 +22,6 @@ namespace dyn {
 namespace {
 
 using T = Traced;
-constexpr const Force<T>* no_forces = nullptr;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -170,7 +169,7 @@ void inverseDynamics(const CompactImpl& m, Tracer& t, const T* q, const T* v, co
   Numbers tau(at(m.nvx));
   t.evaluate(q, v);
   kernels::rneaOutward(t.bodies, t.w, v, a);
-  kernels::rneaInward(t.bodies, t.w, tau.data(), no_forces);
+  kernels::rneaInward(t.bodies, t.w, tau.data());
   kernels::addJointForces(m, v, a, tau.data());
   out = tau;
 }
@@ -181,7 +180,7 @@ void forwardDynamics(const CompactImpl& m, Tracer& t, const std::vector<T*>& in,
   kernels::addLosses(m, -1.0, static_cast<const T*>(in[1]), tau.data());
   t.evaluate(in[0], in[1]);
   kernels::abaOutward(t.bodies, t.w, static_cast<const T*>(in[1]));
-  kernels::abaInward(t.bodies, t.w, static_cast<const T*>(tau.data()), no_forces);
+  kernels::abaInward(t.bodies, t.w, static_cast<const T*>(tau.data()));
   kernels::abaSolve(t.bodies, t.w, t.bodies.gravity(), ddq.data());
 }
 
@@ -200,7 +199,7 @@ void abaDerivatives(const CompactImpl& m, Tracer& t, const std::vector<T*>& in, 
   kernels::addLosses(m, -1.0, static_cast<const T*>(in[1]), tau.data());
   t.evaluate(in[0], in[1]);
   t.evaluateSubspaceDerivatives(in[0], in[1]);
-  kernels::abaDerivativesSweep<T>(m, t.w, t.d, static_cast<const T*>(in[1]), static_cast<const T*>(tau.data()), no_forces, ddq.data());
+  kernels::abaDerivativesSweep<T>(m, t.w, t.d, static_cast<const T*>(in[1]), static_cast<const T*>(tau.data()), ddq.data());
   kernels::abaDerivativeColumns(m, t.d, t.d.by_q, Rows<T>{by_q.data(), m.nvx});
   kernels::abaDerivativeColumns(m, t.d, t.d.by_v, Rows<T>{by_v.data(), m.nvx});
   inverseOfMassMatrix(m, t, t.d.by_a.below, inverse);
@@ -294,7 +293,7 @@ const std::vector<Recipe>& recipes() {
        [](const CompactImpl& m, Tracer& t, const std::vector<T*>& in, Numbers& out) {
          t.evaluate(in[0], in[1]);
          t.evaluateSubspaceDerivatives(in[0], in[1]);
-         kernels::rneaDerivatives<T>(m, t.w, t.d, static_cast<const T*>(in[1]), static_cast<const T*>(in[2]), no_forces);
+         kernels::rneaDerivatives<T>(m, t.w, t.d, static_cast<const T*>(in[1]), static_cast<const T*>(in[2]));
          append(m, t.d.by_q, out);
          append(m, t.d.by_v, out);
          append(m, t.d.by_a, out);

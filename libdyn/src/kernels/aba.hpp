@@ -48,7 +48,7 @@ void eliminate(const Order& order, const ArticulatedInertia<S>& IA, const Force<
 /// Eliminates each degree of freedom (pivot S^T IA S + armature), projects inertia and bias force, hands them to the parent.
 /// w.failed tells lane by lane whether a pivot vanished.
 template <class S, class Order>
-void abaInward(const Order& order, Workspace<S>& w, const S* tau, const Force<S>* fext) {
+void abaInward(const Order& order, Workspace<S>& w, const S* tau, const Force<S>* fext = nullptr) {
   for (int& body : w.failed) body = 0;
   order.backward(passing(w.IA, w.pA), [&]<class Joint>(const Joint&, int i, int iv, auto&& inertia, auto&& force) {
     const auto [mass, h, I] = alignedInertia<Joint>(order, w, i);

@@ -149,7 +149,8 @@ void eliminateSubspaceTorques(const R& recursion, DerivativeWorkspace<S>& d) {
 /// Accelerations ddq under the forces tau, the beginnings of their derivatives, and the factors of M: d.by_q, d.by_v, d.by_a and d.factors, for
 /// abaDerivative. Joints have been asked into w, how subspaces vary into d. w.failed tells lane by lane whether a pivot vanished.
 template <class Wide, class S>
-void abaDerivativesSweep(const CompactImpl& m, Workspace<S>& w, DerivativeWorkspace<S>& d, const S* v, const S* tau, const Force<S>* fext, S* ddq) {
+void abaDerivativesSweep(const CompactImpl& m, Workspace<S>& w, DerivativeWorkspace<S>& d, const S* v, const S* tau, S* ddq,
+                         const Force<S>* fext = nullptr) {
   const auto r = recursion(m, w, d);
   movingOutward(r.order, r.d, r.in(v));
   articulatedInward(r.order, r.d, r.in(tau), fext);

@@ -154,7 +154,7 @@ CentroidalState<S> centroidal(const CompactImpl& m, Workspace<S>& w, DerivativeW
   using T = typename decltype(r)::Scalar;
   if (out.rates) {
     derivativesOutward(r.order, r.d, Vec3<T>{}, r.in(v), r.in(a));
-    derivativesInward(r.order, r.d, static_cast<const Force<S>*>(nullptr));
+    derivativesInward(r.order, r.d);
   } else {
     momenta(r.order, r.d, r.in(v));
   }

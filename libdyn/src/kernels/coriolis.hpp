@@ -18,7 +18,7 @@ void coriolisMatrix(const CompactImpl& m, Workspace<S>& w, DerivativeWorkspace<S
     DofVariation<T>& x = r.d.dof[k];
     x.rate = T(2) * (x.rate - x.velocity);
   }
-  derivativesInward(r.order, r.d, static_cast<const Force<T>*>(nullptr));
+  derivativesInward(r.order, r.d);
   for (int k = 0; k < n; ++k) {
     DofForces<T>& x = r.d.dof_force[k];
     const T half(0.5);

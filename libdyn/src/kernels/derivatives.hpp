@@ -93,8 +93,12 @@ struct DofForces {
 template <class S>
 struct CoriolisMap {
   Mat3<S> linear, angular;
-  friend CoriolisMap operator+(const CoriolisMap& a, const CoriolisMap& b) { return {a.linear + b.linear, a.angular + b.angular}; }
-  CoriolisMap& operator+=(const CoriolisMap& b) { return *this = *this + b; }
+
+  CoriolisMap& operator+=(const CoriolisMap& x) {
+    linear = linear + x.linear;
+    angular = angular + x.angular;
+    return *this;
+  }
 };
 
 /// Columns of 6 numbers, linear part first, in world axes about the centre of mass; null: not wanted. Each has `room` for numbers after its last.

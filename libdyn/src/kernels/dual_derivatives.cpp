@@ -126,7 +126,7 @@ void loadState(const CompactImpl& m, const Workspace<double>& w, const Derivativ
 void derivativesAlong(const CompactImpl& m, const Workspace<double>& w, const DerivativeWorkspace<double>& d, const double* q, const double* v, int i,
                       int k, DualState& s, double* by_q, double* by_v, double* by_a) {
   moveAlong(m, w, d, q, v, i, k, s);
-  rneaDerivatives<D>(m, s.w, s.d, s.v, s.a, static_cast<const Force<D>*>(nullptr));
+  rneaDerivatives<D>(m, s.w, s.d, s.v, s.a);
   changesOf(m, s.d.by_q, s.matrix, by_q);
   changesOf(m, s.d.by_v, s.matrix, by_v);
   changesOf(m, s.d.by_a, s.matrix, by_a);

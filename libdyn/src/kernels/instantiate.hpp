@@ -87,7 +87,7 @@ void runBlock(const CompactImpl& m, char* scratch, Block<T>& b) {
     }
     case Task::rnea:
       rneaOutward(bodies, w, s.v, s.a);
-      rneaInward(bodies, w, s.result, static_cast<const Force<S>*>(nullptr));
+      rneaInward(bodies, w, s.result);
       addJointForces(m, s.v, s.a, s.result);
       break;
     case Task::mass_matrix: {
@@ -107,7 +107,7 @@ void runBlock(const CompactImpl& m, char* scratch, Block<T>& b) {
     case Task::aba:
       addLosses(m, -1.0, s.v, s.a);
       abaOutward(bodies, w, s.v);
-      abaInward(bodies, w, s.a, static_cast<const Force<S>*>(nullptr));
+      abaInward(bodies, w, s.a);
       abaSolve(bodies, w, bodies.gravity(), s.result);
       for (int l = 0; l < b.q.states; ++l) b.failed[l] = w.failed[l];
       break;

@@ -24,7 +24,7 @@ void addDerivatives(SingleKernels& k) {
   };
   k.abaDerivatives = [](const CompactImpl& m, W& w, D& d, const double* v, const double* tau, const Force<double>* fext, double* ddq, double* by_q,
                         double* by_v, double* inverse) {
-    abaDerivativesSweep<Panel>(m, w, d, v, tau, fext, ddq);
+    abaDerivativesSweep<Panel>(m, w, d, v, tau, ddq, fext);
     abaDerivative<Panel>(m, d, d.by_q);
     writeTransposed<Panel>(d.scratch, m.nvx, Rows<double>{by_q, m.nvx});
     abaDerivative<Panel>(m, d, d.by_v);
@@ -64,7 +64,6 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b)
   Workspace<S>& w = s.w;
   DerivativeWorkspace<S>& d = s.d;
   const std::ptrdiff_t n = m.nvx;
-  const auto none = static_cast<const Force<S>*>(nullptr);
   b.not_finite = false;
   const auto putFrom = [&](int result, const auto& numbers, std::ptrdiff_t count) {
     if (b.results[result] != nullptr && !storeColumns(numbers, count, b.q.states, b.results[result])) b.not_finite = true;
@@ -90,7 +89,7 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b)
   switch (b.task) {
     case Task::rnea_derivatives:
       evaluateSubspaceDerivatives(m, d, s.q, s.v);
-      rneaDerivatives<S>(m, w, d, s.v, s.a, none);
+      rneaDerivatives<S>(m, w, d, s.v, s.a);
       put(0, whole(d.by_q), n * n);
       put(1, whole(d.by_v), n * n);
       put(2, whole(d.by_a), n * n);
@@ -98,7 +97,7 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b)
     case Task::aba_derivatives: {
       addLosses(m, -1.0, s.v, s.a);
       evaluateSubspaceDerivatives(m, d, s.q, s.v);
-      abaDerivativesSweep<S>(m, w, d, s.v, s.a, none, s.result);
+      abaDerivativesSweep<S>(m, w, d, s.v, s.a, s.result);
       put(3, s.result, n);
       const Rows<S>& X = d.scratch;
       const auto putRows = [&](int result) { putFrom(result, ByColumns<S>(X.first, X.stride, n), n * n); };

@@ -45,7 +45,7 @@ class KeptFromChildren {
     if (leaf_) return;
     if (!kept) {
       kept_ = array_[i];
-    } else if (!order.isOnlyChild(i + 1)) {
+    } else if (!order.isLastChild(i + 1)) {
       kept_ += array_[i];
     }
   }

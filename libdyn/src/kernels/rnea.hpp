@@ -52,7 +52,7 @@ void rneaOutward(const Order& order, Workspace<S>& w, const S* v, const S* a) {
 
 /// The force that moves each body, tau = S^T f, and each body's force on its parent.
 template <class S, class Order>
-void rneaInward(const Order& order, Workspace<S>& w, S* tau, const Force<S>* fext) {
+void rneaInward(const Order& order, Workspace<S>& w, S* tau, const Force<S>* fext = nullptr) {
   order.backward(passing(w.f), [&]<class Joint>(const Joint& joint, int i, int iv, auto&& force) {
     const auto& c = order.constants(i);
     const Vec3<S>& omega = w.w[i];

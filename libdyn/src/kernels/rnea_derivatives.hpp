@@ -108,8 +108,8 @@ void derivativesOutward(const Order& order, DerivativeWorkspace<S>& d, const Vec
 }
 
 /// Composite quantities, and from them the forces that each degree of freedom's variations bring, about its joint's origin.
-template <class Order, class S, class T>
-void derivativesInward(const Order& order, DerivativeWorkspace<S>& d, const Force<T>* fext) {
+template <class Order, class S, class T = S>
+void derivativesInward(const Order& order, DerivativeWorkspace<S>& d, const Force<T>* fext = nullptr) {
   const Workspace<S>& w = order.w;
   order.backward(passing(d.subtree), [&]<class Joint>(const Joint&, int i, int iv, auto&& subtree) {
     Subtree<S> own = movingBody<Joint>(order, w, i, fext);
@@ -210,7 +210,7 @@ void derivativesSweep(const R& recursion, DerivativeWorkspace<S>& d) {
 
 /// The derivatives of rnea, losses included, into d.by_q, d.by_v and d.by_a. Joints have been asked into w, how subspaces vary into d.
 template <class Wide, class S>
-void rneaDerivatives(const CompactImpl& m, Workspace<S>& w, DerivativeWorkspace<S>& d, const S* v, const S* a, const Force<S>* fext) {
+void rneaDerivatives(const CompactImpl& m, Workspace<S>& w, DerivativeWorkspace<S>& d, const S* v, const S* a, const Force<S>* fext = nullptr) {
   const auto r = recursion(m, w, d);
   derivativesOutward(r.order, r.d, r.order.gravity(), r.in(v), r.in(a));
   derivativesInward(r.order, r.d, fext);

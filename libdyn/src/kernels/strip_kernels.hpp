@@ -126,7 +126,7 @@ PackedKernels stripKernels() {
     gatherDofs(m.strips, v, s.v, a, s.a);
     const bool finite = evaluateStrips(m, s.w, q, v);
     rneaOutward(strips, s.w, s.v, s.a);
-    rneaInward(strips, s.w, s.result, static_cast<const Force<S>*>(nullptr));
+    rneaInward(strips, s.w, s.result);
     scatterDofs(m.strips, s.result, tau);
     addJointForces(m, v, a, tau);
     return finite;
@@ -146,7 +146,7 @@ PackedKernels stripKernels() {
     gatherDofs(m.strips, v, s.v, tau, s.a);
     const bool finite = evaluateStrips(m, s.w, q, v);
     abaOutward(strips, s.w, s.v);
-    abaInward(strips, s.w, s.a, static_cast<const Force<S>*>(nullptr));
+    abaInward(strips, s.w, s.a);
     failed = 0;
     for (int l = 0; l < strip_lanes; ++l)
       if (s.w.failed[l] != 0 && failed == 0) failed = m.strips.strips[static_cast<std::size_t>(s.w.failed[l])].shown[l];

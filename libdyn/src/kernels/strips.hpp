@@ -15,7 +15,6 @@ struct Strips {
   Workspace<S>& w;
 
   const BodyConstants<S>& constants(int i) const { return reinterpret_cast<const BodyConstants<S>*>(m.strips.constants.data())[i]; }
-  S mass(int i) const { return constants(i).mass; }
   S armature(int dof) const { return S::load(m.strips.armature.data() + strip_lanes * dof); }
   Vec3<S> gravity() const { return cast<S>(m.gravity); }
   bool isRoot(int i) const { return strip(i).depth == 1; }
@@ -58,7 +57,8 @@ struct Strips {
   bool goesOn(int i) const { return strip(i).aligned && strip(i).parents[0].strip == i - 1; }
   /// From strip i to i - 1, all there is to give.
   bool goesBack(int i) const { return strip(i).gives_all && strip(i).parents[0].strip == i - 1; }
-  bool isOnlyChild(int i) const { return strip(i).parents[0].first; }
+  /// Of its parents' that give, if it gives all.
+  bool isLastChild(int i) const { return strip(i).parents[0].first; }
   /// What is in several lanes of one body: its sum, in each of them.
   template <class T>
   void unite(int i, T& value) const {

@@ -91,7 +91,6 @@ struct Bodies {
       return broadcast<S>(c);
     }
   }
-  S mass(int i) const { return S(m.constantsIn<Real<S>>()[static_cast<std::size_t>(i)].mass); }
   S armature(int dof) const { return m.armature.empty() ? S(0) : S(static_cast<Real<S>>(m.armature[static_cast<std::size_t>(dof)])); }
   Vec3<S> gravity() const { return cast<S>(m.gravity); }
   bool isRoot(int i) const { return parentOf(i) == 0; }

@@ -15,7 +15,6 @@ struct KeepingBodies : Bodies<Vectored> {
   bool goesOn(int i) const { return parentOf(i) == i - 1; }
   /// From body i to i - 1.
   bool goesBack(int i) const { return parentOf(i) == i - 1; }
-  bool isOnlyChild(int i) const { return treeEnd(i) == treeEnd(parentOf(i)); }
 
   template <class Body, class... T>
   void forward(std::tuple<T*...> arrays, Body&& body) const {

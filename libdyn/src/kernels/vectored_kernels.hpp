@@ -59,7 +59,7 @@ inline PackedKernels vectoredKernels() {
     const bool finite = evaluate(m, s, q, v);
     const TurningBodies turning{{{m, s.w}}, s.constants};
     rneaOutward(turning, s.w, in(v), in(a));
-    rneaInward(turning, s.w, out(tau), static_cast<const Force<S>*>(nullptr));
+    rneaInward(turning, s.w, out(tau));
     addJointForces(m, v, a, tau);
     return finite;
   };
@@ -73,7 +73,7 @@ inline PackedKernels vectoredKernels() {
     VectoredScratch& s = scratchOf(memory);
     const bool finite = evaluate(m, s, q, v);
     abaOutward(bodies(m, s), s.w, in(v));
-    abaInward(bodies(m, s), s.w, in(tau), static_cast<const Force<S>*>(nullptr));
+    abaInward(bodies(m, s), s.w, in(tau));
     failed = s.w.failed[0];
     return finite;
   };
