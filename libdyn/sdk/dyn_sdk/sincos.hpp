@@ -7,11 +7,16 @@
 #include <dyn/scalar/dual.hpp>
 #include <dyn_sdk/pack.hpp>
 
+#include <array>
+#include <cstdint>
+
 namespace dyn {
 
 namespace detail {
 
-/// Parts of pi / 2, each but the last so short that n of at most `limit` times it is exact; Taylor coefficients up to what rounding leaves.
+/// Parts of pi / 2, each but the last so short that n of at most `limit` times it is exact. Of polynomials in z = r^2 for |r| <= pi / 4, lowest
+/// first: sine (sin r / r - 1) / z, cosine ((cos r - 1) / z + 1/2) / z. They are Remez', each coefficient rounded before the next ones are found, and
+/// off by a thirtieth of rounding in sin r / r, less in cos r.
 template <class T>
 struct Trigonometry;
 
@@ -23,7 +28,10 @@ struct Trigonometry<double> {
   static constexpr double part1 = 0x1.921fb544p+0;        ///< 33 bits
   static constexpr double part2 = 0x1.0b4611a6p-34;       ///< the next 33
   static constexpr double part3 = 0x1.3198a2e037073p-69;  ///< the rest
-  static constexpr int terms = 8;
+  static constexpr std::array sine{-0x1.5555555555549p-3, 0x1.111111110f8a6p-7,   -0x1.a01a019c16198p-13,
+                                   0x1.71de357b1b3e2p-19, -0x1.ae5e689e2ae1bp-26, 0x1.5d93a42040921p-33};
+  static constexpr std::array cosine{0x1.555555555554cp-5,   -0x1.6c16c16c1521fp-10, 0x1.a01a019cbf62ap-16,
+                                     -0x1.27e4f812b6826p-22, 0x1.1ee9f152a65bfp-29,  -0x1.8fb1310a37000p-37};
 };
 
 template <>
@@ -34,7 +42,8 @@ struct Trigonometry<float> {
   static constexpr float part1 = 0x1.92p+0F;
   static constexpr float part2 = 0x1.fb4p-12F;
   static constexpr float part3 = 0x1.4442d2p-24F;
-  static constexpr int terms = 5;
+  static constexpr std::array sine{-0x1.555546p-3F, 0x1.11077ep-7F, -0x1.9956b6p-13F};
+  static constexpr std::array cosine{0x1.55554ap-5F, -0x1.6c0c1ap-10F, 0x1.99e0eep-16F};
 };
 
 /// By the C library, in the lanes whose angle n pi / 2 + r is too large, or too near n pi / 2.
@@ -49,6 +58,30 @@ template <class T, class Arch>
   }
 }
 
+/// By pairs, which do not wait for one another (Estrin): a polynomial in zz = z^2 of polynomials in z.
+template <class P, class T, std::size_t n>
+[[gnu::always_inline]] inline P polynomial(const std::array<T, n>& coefficients, const P& z, const P& zz) {
+  const auto pair = [&](std::size_t k) { return k + 1 < n ? P(coefficients[k + 1]) * z + P(coefficients[k]) : P(coefficients[k]); };
+  std::size_t k = (n - 1) / 2 * 2;
+  P sum = pair(k);
+  for (; k > 0; k -= 2) sum = sum * zz + pair(k - 2);
+  return sum;
+}
+
+/// Turns by n quarters, n in the last bits of `whole`. Bits, in the compilers' own vectors: comparing numbers takes the place of multiplications.
+template <class T, class Arch>
+[[gnu::always_inline]] inline void turnByQuarters(const Pack<T, Arch>& whole, Pack<T, Arch>& sine, Pack<T, Arch>& cosine) {
+  using Whole = std::conditional_t<sizeof(T) == 8, std::int64_t, std::int32_t>;
+  typedef Whole Bits __attribute__((vector_size(sizeof(Pack<T, Arch>))));
+  constexpr int sign_from_second = 8 * sizeof(T) - 2;
+  const auto bits = [](const Pack<T, Arch>& x) { return (Bits)x.x.data; };
+  const auto numbers = [](const Bits& x) -> Pack<T, Arch> { return typename Pack<T, Arch>::Batch((decltype(whole.x.data))x); };
+  const Bits n = bits(whole), s = bits(sine), c = bits(cosine);
+  const Bits exchanged = (s ^ c) & -(n & 1);
+  sine = numbers(s ^ exchanged ^ ((n & 2) << sign_from_second));
+  cosine = numbers(c ^ exchanged ^ (((n + 1) & 2) << sign_from_second));
+}
+
 }  // namespace detail
 
 // Inlined, since what it computes of one pack waits for itself most of the time: the next pack's begins meanwhile.
@@ -56,7 +89,7 @@ template <class T, class Arch>
 [[gnu::always_inline]] inline void sincos(const Pack<T, Arch>& angle, Pack<T, Arch>& sine, Pack<T, Arch>& cosine) {
   using P = Pack<T, Arch>;
   using K = detail::Trigonometry<T>;
-  const P n = (angle * P(T(0.63661977236758134308)) + P(K::round)) - P(K::round);
+  const P whole = angle * P(T(0.63661977236758134308)) + P(K::round), n = whole - P(K::round);
   // angle = n pi / 2 + r + e: the subtraction of each part is exact or its error is kept.
   const P a = angle - n * P(K::part1), b = n * P(K::part2);
   const P r0 = a - b;
@@ -64,30 +97,15 @@ template <class T, class Arch>
   const P r = r0 + e0, e = (r0 - r) + e0;
   // What follows the leading terms needs r to few digits only, and these are ready sooner.
   const P early = r0 - n * P(K::part3), z = early * early, zz = z * z;
+  const P s = detail::polynomial(K::sine, z, zz), c = detail::polynomial(K::cosine, z, zz);
 
-  // sin(r + e) = r + (r^3 (-1/3! + z/5! - ...) + e cos r), cos(r + e) = 1 - r^2/2 + (z^2 (1/4! - ...) - r e).
-  T factorial = 1;
-  T sine_terms[K::terms], cosine_terms[K::terms];
-  for (int k = 0; k < K::terms; ++k) {
-    factorial *= static_cast<T>((2 * k + 1) * (2 * k + 2));
-    cosine_terms[k] = (k % 2 == 0 ? T(-1) : T(1)) / factorial;
-    sine_terms[k] = cosine_terms[k] / static_cast<T>(2 * k + 3);
-  }
-  P s(sine_terms[K::terms - 1]), c(cosine_terms[K::terms - 1]);
-  for (int k = K::terms - 2; k >= 0; --k) s = s * z + P(sine_terms[k]);
-  for (int k = K::terms - 2; k >= 1; --k) c = c * z + P(cosine_terms[k]);
+  // sin(r + e) = r + (r z s + e cos r), cos(r + e) = 1 - r^2/2 + (z^2 c - r e).
   const P half = P(T(0.5)) * (r * r), top = P(T(1)) - half;
-  const P sin_r = r + (r * z * s + e * top);
-  const P cos_r = top + (((P(T(1)) - top) - half) + (zz * c - r * e));
+  sine = r + (r * z * s + e * top);
+  cosine = top + (((P(T(1)) - top) - half) + (zz * c - r * e));
+  detail::turnByQuarters(whole, sine, cosine);
 
-  // n modulo 4 says which of the two, with which sign.
-  const P quarter = n - P(T(4)) * ((n * P(T(0.25)) - P(T(0.375)) + P(K::round)) - P(K::round));
-  const auto odd = abs(quarter - P(T(2))) == P(T(1));
-  const P s_ = select(odd, cos_r, sin_r), c_ = select(odd, sin_r, cos_r);
-  sine = select(quarter >= P(T(1.5)), -s_, s_);
-  cosine = select(abs(quarter - P(T(1.5))) < P(T(1)), -c_, c_);
-
-  const auto beyond = !((abs(n) < P(K::limit)) & ((abs(r) > P(K::least)) | (abs(n) < P(T(0.5)))));
+  const auto beyond = !((abs(n) < P(K::limit)) & ((abs(r) > P(K::least)) | (n == P(T(0)))));
   if (anyOf(beyond)) detail::sincosBeyond(angle, n, r, sine, cosine);
 }
 

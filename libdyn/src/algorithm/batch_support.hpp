@@ -47,11 +47,17 @@ struct Failure {
 template <class T, class Block>
 Failure forBlocks(BatchImpl<T>& d, int states, int lanes, const Block& block) {
   const int blocks = (states + lanes - 1) / lanes, threads = d.workers->count();
-  Failure failures[256];
-  const auto work = [&](int t) {
+  const auto stretch = [&](int t, Failure& failure) {
     for (int b = static_cast<int>(static_cast<long>(blocks) * t / threads); b < static_cast<int>(static_cast<long>(blocks) * (t + 1) / threads); ++b)
-      block(t, b * lanes, std::min(lanes, states - b * lanes), failures[std::min(t, 255)]);
+      block(t, b * lanes, std::min(lanes, states - b * lanes), failure);
   };
+  if (threads == 1) {
+    Failure failure;
+    stretch(0, failure);
+    return failure;
+  }
+  Failure failures[256];
+  const auto work = [&](int t) { stretch(t, failures[std::min(t, 255)]); };
   d.workers->run(work);
   Failure first;
   for (int t = 0; t < std::min(threads, 256); ++t) first.note(failures[t].state, failures[t].body, failures[t].count);

@@ -22,17 +22,23 @@ struct Square {
   void read(int i, const T* from) { rows[i] = *reinterpret_cast<const Unaligned*>(from); }
   void write(int i, T* to) const { *reinterpret_cast<Unaligned*>(to) = rows[i]; }
   void negate() {
-#pragma GCC unroll 8
+#pragma GCC unroll 16
     for (int i = 0; i < lanes; ++i) rows[i] = -rows[i];
   }
   /// Rows `stride` apart.
   void read(const T* from, std::ptrdiff_t stride) {
-#pragma GCC unroll 8
+#pragma GCC unroll 16
     for (int i = 0; i < lanes; ++i) read(i, from + i * stride);
   }
   void write(T* to, std::ptrdiff_t stride) const {
-#pragma GCC unroll 8
+#pragma GCC unroll 16
     for (int i = 0; i < lanes; ++i) write(i, to + i * stride);
+  }
+  /// The first n rows. Row by row: a loop over them is made a copy of bytes.
+  void writeSome(int n, T* to) const {
+#pragma GCC unroll 16
+    for (int i = 0; i < lanes; ++i)
+      if (i < n) write(i, to + i * lanes);
   }
   void transpose() { exchangeFrom<1>(); }
   /// Takes another's numbers k of each row beyond k.
@@ -51,7 +57,7 @@ struct Square {
   template <int d>
   void exchangeFrom() {
     if constexpr (d < lanes) {
-#pragma GCC unroll 8
+#pragma GCC unroll 16
       for (int i = 0; i < lanes / 2; ++i) {
         const int row = i / d * 2 * d + i % d;
         exchange<d>(rows[row], rows[row + d], std::make_integer_sequence<int, lanes>());
@@ -74,7 +80,7 @@ void gatherStructs(const S* const* from, Wide* to) {
   constexpr int lanes = lanes_of<Wide>;
   S* out = reinterpret_cast<S*>(to);
   Square<S, lanes> square;
-#pragma GCC unroll 8
+#pragma GCC unroll 16
   for (int k = 0; k < numbers; k += lanes) {
     // The last square overlaps the one before.
     const int first = std::min(k, numbers - lanes);
@@ -101,7 +107,9 @@ void loadColumns(const ColumnsIn<T>& in, int n, S* to) {
     std::fill(to, to + n, S(0));
     return;
   }
-  const auto column = [&](int l) { return in.first + std::min(l, in.states - 1) * in.stride; };
+  const T* columns[lanes];
+#pragma GCC unroll 16
+  for (int l = 0; l < lanes; ++l) columns[l] = in.first + std::min(l, in.states - 1) * in.stride;
   T* out = reinterpret_cast<T*>(to);
   if constexpr (lanes > 1) {
     Square<T, lanes> square;
@@ -109,30 +117,31 @@ void loadColumns(const ColumnsIn<T>& in, int n, S* to) {
       // The last square overlaps the one before.
       for (int row = 0; row < n; row += lanes) {
         const int top = std::min(row, n - lanes);
-        for (int l = 0; l < lanes; ++l) square.read(l, column(l) + top);
+#pragma GCC unroll 16
+        for (int l = 0; l < lanes; ++l) square.read(l, columns[l] + top);
         square.transpose();
-        for (int i = 0; i < lanes; ++i) square.write(i, out + (top + i) * lanes);
+        square.write(out + top * lanes, lanes);
       }
       return;
     }
     if (4 * n >= lanes) {
       // Short columns are read past their end, into the next ones; the last, where these are too few, are copied.
-      T copied[lanes] = {};
-      for (int l = 0; l < lanes; ++l) {
-        const T* from = column(l);
-        const int after = std::max(in.states - 1 - l, 0) + in.following;
-        if (after * in.stride + n < lanes) from = (std::copy_n(from, n, copied), copied);
-        square.read(l, from);
+      T copied[lanes][lanes];
+      if (in.following * in.stride + n < lanes) {
+        std::fill_n(copied[0], lanes * lanes, T(0));
+        for (int l = 0; l < lanes; ++l)
+          if ((std::max(in.states - 1 - l, 0) + in.following) * in.stride + n < lanes)
+            columns[l] = (std::copy_n(columns[l], n, copied[l]), copied[l]);
       }
+#pragma GCC unroll 16
+      for (int l = 0; l < lanes; ++l) square.read(l, columns[l]);
       square.transpose();
-      for (int i = 0; i < n; ++i) square.write(i, out + i * lanes);
+      square.writeSome(n, out);
       return;
     }
   }
-  for (int l = 0; l < lanes; ++l) {
-    const T* from = column(l);
-    for (int i = 0; i < n; ++i) out[i * lanes + l] = from[i];
-  }
+  for (int l = 0; l < lanes; ++l)
+    for (int i = 0; i < n; ++i) out[i * lanes + l] = columns[l][i];
 }
 
 /// Numbers one after the other.

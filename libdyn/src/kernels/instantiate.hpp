@@ -6,6 +6,7 @@
 #include "kernels/columns.hpp"
 #include "kernels/crba.hpp"
 #include "kernels/evaluate.hpp"
+#include "kernels/kept.hpp"
 #include "kernels/kinematics.hpp"
 #include "kernels/losses.hpp"
 #include "kernels/rnea.hpp"
@@ -55,7 +56,7 @@ template <class S, class T = Real<S>>
 void runBlock(const CompactImpl& m, char* scratch, Block<T>& b) {
   BlockScratch<S>& s = *reinterpret_cast<BlockScratch<S>*>(scratch);
   Workspace<S>& w = s.w;
-  const Bodies<S> bodies{m, w};
+  const KeepingBodies<S> bodies{{m, w}};
   loadColumns(b.q, m.nqx, s.q);
   loadColumns(b.v, m.nvx, s.v);
   loadColumns(b.a, m.nvx, s.a);

@@ -105,4 +105,41 @@ void backwardKeeping(const Order& order, int first, int end, std::tuple<T*...> a
         from);
 }
 
+/// One body after the other, with what they hand on in registers.
+template <class S>
+struct KeepingBodies : Bodies<S> {
+  /// What has its place in registers beside all that a joint takes.
+  template <class T>
+  static constexpr bool keeps = lanes_of<S> == 1 || sizeof(T) <= 6 * sizeof(S);
+  /// To body i from i - 1, its parent.
+  bool goesOn(int i) const { return this->parentOf(i) == i - 1; }
+  /// From body i to i - 1.
+  bool goesBack(int i) const { return goesOn(i); }
+
+  template <class Body, class... T>
+  void forward(std::tuple<T*...> arrays, Body&& body) const {
+    for (const Run& run : this->m.runs)
+      overRun(run, body, [&](const auto& step) { forwardKeeping(*this, run.first, run.first + run.count, arrays, step); });
+  }
+  template <class Body, class... T>
+  void backward(std::tuple<T*...> arrays, Body&& body) const {
+    for (auto run = this->m.runs.rbegin(); run != this->m.runs.rend(); ++run)
+      overRun(*run, body, [&](const auto& step) { backwardKeeping(*this, run->first, run->first + run->count, arrays, step); });
+  }
+
+ private:
+  /// Calls walk(step), step(i, from...) being body(joint, i, idx_v, from...).
+  template <class Body, class Walk>
+  void overRun(const Run& run, Body&& body, Walk&& walk) const {
+    withShape<S>(run.shape, run.nv, [&]<class Joint>() DYN_RUN_LOOP {
+      const int v0 = this->index(run.first).idx_v;
+      walk([&](int i, auto&... from) {
+        const int k = i - run.first;
+        const Slot<S> slot = this->slotOf(run, k);
+        body(Joint(slot), i, v0 + k * Joint::nv, from...);
+      });
+    });
+  }
+};
+
 }  // namespace dyn::kernels

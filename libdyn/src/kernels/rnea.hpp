@@ -1,6 +1,7 @@
 // Newton and Euler's recursion with classical accelerations: linear velocities do not enter, so a fast base costs no digits.
 #pragma once
 
+#include "kernels/spin.hpp"
 #include "kernels/sweep.hpp"
 
 namespace dyn::kernels {
@@ -23,7 +24,7 @@ void rneaOutward(const Order& order, Workspace<S>& w, const S* v, const S* a) {
       const Vec3<S>& wp = turning.get();
       w_carried = transposeTimes(rel.R, wp);
       domega = transposeTimes(rel.R, ap.angular);
-      origin = transposeTimes(rel.R, ap.linear + cross(ap.angular, rel.p) + cross(wp, cross(wp, rel.p)));
+      origin = transposeTimes(rel.R, Spin<S>(wp, ap.angular).at(ap.linear, rel.p));
     }
     const Motion<S> s = joint.times(v + iv);
     Motion<S> ds = joint.times(a + iv);
@@ -55,10 +56,10 @@ template <class S, class Order>
 void rneaInward(const Order& order, Workspace<S>& w, S* tau, const Force<S>* fext = nullptr) {
   order.backward(passing(w.f), [&]<class Joint>(const Joint& joint, int i, int iv, auto&& force) {
     const auto& c = order.constants(i);
-    const Vec3<S>& omega = w.w[i];
     const auto& [origin, domega] = w.a[i];
-    const Vec3<S> linear = c.mass * (origin + cross(domega, c.com) + cross(omega, cross(omega, c.com)));
-    Force<S> own{linear, c.rotational * domega + cross(omega, c.rotational * omega) + cross(c.com, linear)};
+    const Spin<S> spin(w.w[i], domega);
+    const Vec3<S> linear = c.mass * spin.at(origin, c.com);
+    Force<S> own{linear, spin.torque(c.rotational) + cross(c.com, linear)};
     if (fext) own -= fext[i];
     Force<S> f = force.with(own);
     order.unite(i, f);

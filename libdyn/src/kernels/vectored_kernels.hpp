@@ -27,7 +27,7 @@ struct VectoredScratch {
 };
 
 /// Where constants multiply vectors, from the left.
-struct TurningBodies : KeepingBodies {
+struct TurningBodies : KeepingBodies<Vectored> {
   const BodyConstants<Vectored>* all;
   const BodyConstants<Vectored>& constants(int i) const { return all[i]; }
 };
