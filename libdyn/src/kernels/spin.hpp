@@ -1,22 +1,35 @@
 // What turning does to points and masses fixed in a body.
 #pragma once
 
-#include "kernels/vectored.hpp"
+#include <dyn/scalar/select.hpp>
+#include <dyn/spatial/inertia.hpp>
 
 namespace dyn::kernels {
 
-/// A body's angular velocity w and acceleration a, as the matrix B = [a]x + [w]x [w]x that both uses read: it costs less than their cross products.
-template <class S>
+/// A body's angular velocity w and acceleration a.
+template <class S, bool packs = (lanes_of<S> > 1)>
 class Spin {
  public:
-  Spin(const Vec3<S>& w, const Vec3<S>& a) : a_(a), xx_(w.x * w.x), yy_(w.y * w.y), zz_(w.z * w.z), xy_(w.x * w.y), yz_(w.y * w.z), zx_(w.z * w.x) {}
-
+  Spin(const Vec3<S>& w, const Vec3<S>& a) : w_(w), a_(a) {}
   /// Acceleration of the point r: the origin's + a x r + w x (w x r).
+  Vec3<S> at(const Vec3<S>& origin, const Vec3<S>& r) const { return origin + cross(a_, r) + cross(w_, cross(w_, r)); }
+  /// Torque that the rotational inertia takes.
+  Vec3<S> torque(const Sym3<S>& I) const { return I * a_ + cross(w_, I * w_); }
+
+ private:
+  Vec3<S> w_, a_;
+};
+
+/// The same with the matrix [a]x + [w]x [w]x, whose entries are also the torque's: fewer multiplications, more sums, which packs are computed with at
+/// the same time. Generated code would have to keep its nine entries.
+template <class S>
+class Spin<S, true> {
+ public:
+  Spin(const Vec3<S>& w, const Vec3<S>& a) : a_(a), xx_(w.x * w.x), yy_(w.y * w.y), zz_(w.z * w.z), xy_(w.x * w.y), yz_(w.y * w.z), zx_(w.z * w.x) {}
   Vec3<S> at(const Vec3<S>& origin, const Vec3<S>& r) const {
     return origin + Vec3<S>{(xy_ - a_.z) * r.y + (zx_ + a_.y) * r.z - (yy_ + zz_) * r.x, (xy_ + a_.z) * r.x + (yz_ - a_.x) * r.z - (zz_ + xx_) * r.y,
                             (zx_ - a_.y) * r.x + (yz_ + a_.x) * r.y - (xx_ + yy_) * r.z};
   }
-  /// Torque that the rotational inertia takes: I a + w x I w.
   Vec3<S> torque(const Sym3<S>& I) const {
     return {I.xx * a_.x + (I.zz - I.yy) * yz_ + I.xy * (a_.y - zx_) + I.xz * (a_.z + xy_) + I.yz * (yy_ - zz_),
             I.yy * a_.y + (I.xx - I.zz) * zx_ + I.yz * (a_.z - xy_) + I.xy * (a_.x + yz_) + I.xz * (zz_ - xx_),
@@ -26,20 +39,6 @@ class Spin {
  private:
   Vec3<S> a_;
   S xx_, yy_, zz_, xy_, yz_, zx_;
-};
-
-/// Vectors in registers are multiplied at once, coordinates are not to be had.
-template <>
-class Spin<Vectored> {
-  using V = Vec3<Vectored>;
-
- public:
-  Spin(const V& w, const V& a) : w_(w), a_(a) {}
-  V at(const V& origin, const V& r) const { return origin + cross(a_, r) + cross(w_, cross(w_, r)); }
-  V torque(const Sym3<Vectored>& I) const { return I * a_ + cross(w_, I * w_); }
-
- private:
-  V w_, a_;
 };
 
 }  // namespace dyn::kernels
