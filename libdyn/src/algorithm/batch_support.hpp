@@ -33,34 +33,18 @@ void checkBatch(const char* algorithm, const CompactModel& model, const BatchImp
                                      std::to_string(model.nq()) + " x 1 to " + std::to_string(d.capacity));
 }
 
-/// The first state, in order, that something is wrong with.
-struct Failure {
-  int state = std::numeric_limits<int>::max();
-  int body = 0;   ///< whose pivot vanished; 0: q may be no configuration
-  int count = 1;  ///< it is this state or one of those after it
-  void note(int s, int b, int n = 1) {
-    if (s < state) *this = {s, b, n};
-  }
-};
-
 /// Calls block(thread, first state, count, failure) for all states, each thread a stretch of neighbours.
 template <class T, class Block>
 Failure forBlocks(BatchImpl<T>& d, int states, int lanes, const Block& block) {
   const int blocks = (states + lanes - 1) / lanes, threads = d.workers->count();
-  const auto stretch = [&](int t, Failure& failure) {
+  const auto work = [&](int t) {
+    Failure& failure = d.failures[static_cast<std::size_t>(t)] = {};
     for (int b = static_cast<int>(static_cast<long>(blocks) * t / threads); b < static_cast<int>(static_cast<long>(blocks) * (t + 1) / threads); ++b)
       block(t, b * lanes, std::min(lanes, states - b * lanes), failure);
   };
-  if (threads == 1) {
-    Failure failure;
-    stretch(0, failure);
-    return failure;
-  }
-  Failure failures[256];
-  const auto work = [&](int t) { stretch(t, failures[std::min(t, 255)]); };
   d.workers->run(work);
   Failure first;
-  for (int t = 0; t < std::min(threads, 256); ++t) first.note(failures[t].state, failures[t].body, failures[t].count);
+  for (const Failure& f : d.failures) first.note(f.state, f.body, f.count);
   return first;
 }
 

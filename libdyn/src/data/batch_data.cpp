@@ -19,6 +19,7 @@ BasicBatchData<T>::BasicBatchData(const CompactModel& model, int capacity, Need 
   d.capacity = capacity;
   d.kernels = &blockKernelsOf<T>(kernels::active());
   d.workers = std::make_unique<Workers>(threads);
+  d.failures.resize(static_cast<std::size_t>(threads));
   const kernels::Room room{has(needs, Need::mass_matrix), has(needs, Need::jacobians), has(needs, Need::derivatives)};
   for (int i = 0; i < threads; ++i) {
     if (m.couplings.empty()) {

@@ -6,10 +6,25 @@
 
 #include <dyn/data/batch_data.hpp>
 
+#include <limits>
 #include <memory>
 #include <vector>
 
 namespace dyn {
+
+namespace detail {
+
+/// The first state, in order, that something is wrong with.
+struct Failure {
+  int state = std::numeric_limits<int>::max();
+  int body = 0;   ///< whose pivot vanished; 0: q may be no configuration
+  int count = 1;  ///< it is this state or one of those after it
+  void note(int s, int b, int n = 1) {
+    if (s < state) *this = {s, b, n};
+  }
+};
+
+}  // namespace detail
 
 template <class T>
 struct BatchImpl {
@@ -19,9 +34,10 @@ struct BatchImpl {
   int capacity = 0;
   const kernels::BlockKernels<T>* kernels = nullptr;
   std::unique_ptr<Workers> workers;
-  std::vector<PackMemory> scratch;       ///< a thread each
-  std::vector<Data> single;              ///< a thread each, for models with couplings
-  std::vector<Eigen::VectorXd> columns;  ///< three a thread, for the same: q, v, a of one state
+  std::vector<PackMemory> scratch;        ///< a thread each
+  std::vector<detail::Failure> failures;  ///< a thread each, of the call that is under way
+  std::vector<Data> single;               ///< a thread each, for models with couplings
+  std::vector<Eigen::VectorXd> columns;   ///< three a thread, for the same: q, v, a of one state
 
   std::vector<T> tau, nle, gravity, ddq;        ///< nv numbers a state
   std::vector<T> M;                             ///< nv * nv numbers a state

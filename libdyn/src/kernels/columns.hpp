@@ -127,11 +127,11 @@ void loadColumns(const ColumnsIn<T>& in, int n, S* to) {
     if (4 * n >= lanes) {
       // Short columns are read past their end, into the next ones; the last, where these are too few, are copied.
       T copied[lanes][lanes];
-      if (in.following * in.stride + n < lanes) {
+      const T* end = in.first + (in.states - 1 + in.following) * in.stride + n;
+      if (end - columns[lanes - 1] < lanes) {
         std::fill_n(copied[0], lanes * lanes, T(0));
         for (int l = 0; l < lanes; ++l)
-          if ((std::max(in.states - 1 - l, 0) + in.following) * in.stride + n < lanes)
-            columns[l] = (std::copy_n(columns[l], n, copied[l]), copied[l]);
+          if (end - columns[l] < lanes) columns[l] = (std::copy_n(columns[l], n, copied[l]), copied[l]);
       }
 #pragma GCC unroll 16
       for (int l = 0; l < lanes; ++l) square.read(l, columns[l]);

@@ -2,6 +2,7 @@
 // come late.
 #pragma once
 
+#include "kernels/lanes.hpp"
 #include "kernels/sweep.hpp"
 
 #include <tuple>
@@ -108,9 +109,8 @@ void backwardKeeping(const Order& order, int first, int end, std::tuple<T*...> a
 /// One body after the other, with what they hand on in registers.
 template <class S>
 struct KeepingBodies : Bodies<S> {
-  /// What has its place in registers beside all that a joint takes.
   template <class T>
-  static constexpr bool keeps = lanes_of<S> == 1 || sizeof(T) <= 6 * sizeof(S);
+  static constexpr bool keeps = lanes_of<S> == 1 || fits_registers<S, T>;
   /// To body i from i - 1, its parent.
   bool goesOn(int i) const { return this->parentOf(i) == i - 1; }
   /// From body i to i - 1.

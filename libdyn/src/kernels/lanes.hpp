@@ -31,6 +31,9 @@ S sumInAll(const S& a) {
 /// Struct T as the packs it is made of.
 template <class S, class T>
 constexpr std::size_t packs_in = sizeof(T) / sizeof(S);
+/// Whether one has its place in registers beside all that a joint takes.
+template <class S, class T>
+constexpr bool fits_registers = packs_in<S, T> <= 6;
 template <class S, class T>
 S* packsOf(T& x) {
   return reinterpret_cast<S*>(&x);

@@ -50,14 +50,13 @@ struct Strips {
     addToParent(array, i, value);
   }
   bool isLeaf(int i) const { return strip(i).leaf; }
-  /// What has its place in registers beside all that a joint takes.
   template <class T>
-  static constexpr bool keeps = packs_in<S, T> <= 6;
+  static constexpr bool keeps = fits_registers<S, T>;
   /// To strip i from i - 1, which has all its parents, lane by lane.
   bool goesOn(int i) const { return strip(i).aligned && strip(i).parents[0].strip == i - 1; }
   /// From strip i to i - 1, all there is to give.
   bool goesBack(int i) const { return strip(i).gives_all && strip(i).parents[0].strip == i - 1; }
-  /// Of its parents' that give, if it gives all.
+  /// Of all its parents, and so the first one backward. Asked of strips that give to all of them only.
   bool isLastChild(int i) const { return strip(i).parents[0].first; }
   /// What is in several lanes of one body: its sum, in each of them.
   template <class T>
