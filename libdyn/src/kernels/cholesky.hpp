@@ -27,75 +27,130 @@ void carve(PathFactors<S>& c, const CompactImpl& m, Arena& arena) {
   arena.take(c.inverse, static_cast<std::size_t>(m.nvx));
 }
 
-/// Subtracts from the first `columns` entries of a row, or of zeros, those of `count` other rows times their factors, in packs. Factors are the
-/// first numbers of rows, too.
-template <class Wide, class S>
-void subtractRows(S* row, bool zero, int columns, const Rows<S>& factors, const Rows<S>& rows, int count) {
-  inPanels<Wide, S>(0, columns, [&](auto packs, int first) {
-    using Row = Tile<Wide, S, 1, packs>;
-    Row sum = zero ? Row() : Row(row + first, 0);
-    sum.subtract(rows.first + first, rows.stride, count, factors.first, 0, factors.stride);
-    sum.store(row + first, 0);
-  });
+/// Degrees of freedom that are eliminated together.
+constexpr int most_pivots = 8;
+
+/// So many of a chain, one after the other.
+template <class S>
+struct Pivots {
+  int begin, depth;         ///< of the first one
+  bool bare;                ///< nothing has been subtracted from their rows yet
+  int fresh;                ///< from this depth on nothing has been subtracted from their path, either
+  Rows<const S> own, path;  ///< their rows of M: from the first one on, and by depth
+};
+
+/// Whether M itself has a chain's rows by depth: what leads to it has no gap in its numbers, nor is there one within.
+inline bool isStraight(const CompactImpl& m, const DofChain& chain) {
+  const int parent = m.dof_parent[static_cast<std::size_t>(chain.begin)];
+  if (parent < 0) return true;
+  const int first = m.dof_segment[static_cast<std::size_t>(parent)];
+  return m.dof_parent[static_cast<std::size_t>(first)] < 0 && (parent == chain.begin - 1 || chain.end - chain.begin <= most_pivots);
 }
 
-/// Adds what M, n x n with room for a pack, has of the rows of a chain to those of `path`, or puts it there: each piece of the path that has
-/// no gap in the numbers lies side by side.
-template <class Wide, bool put, class S>
-void addPaths(const CompactImpl& m, const DofChain& chain, const S* M, const Rows<S>& path) {
+/// Copies what M, n x n with room for a pack, has of a chain's rows to `rows`, by depth: each piece of the path that has no gap in the numbers
+/// lies side by side, from `last` down. Beyond its end packs bring numbers that the next piece replaces, or that nobody reads.
+template <class Wide, class S>
+void copyPaths(const CompactImpl& m, const DofChain& chain, int last, const S* M, const Rows<S>& rows) {
   constexpr int width = Part<Wide, S>::width;
-  for (int last = chain.begin; last >= 0;) {
-    const int first = m.dof_segment[static_cast<std::size_t>(last)], depth = m.dof_depth[static_cast<std::size_t>(first)];
-    const bool own = last == chain.begin;
-    for (int i = chain.begin; i < chain.end; ++i) {
-      const int count = (own ? i : last) + 1 - first;
-      const S* from = M + static_cast<std::ptrdiff_t>(m.nvx) * i + first;
-      S* to = path[chain.depth + i - chain.begin] + depth;
-      int k = 0;
-      // Beyond the diagonal are numbers that nobody reads.
-      for (; own ? k < count : k + width <= count; k += width)
-        storePack(put ? loadPack<Wide>(from + k) : loadPack<Wide>(to + k) + loadPack<Wide>(from + k), to + k);
-      for (; k < count; ++k) to[k] = put ? from[k] : to[k] + from[k];
-    }
-    last = m.dof_parent[static_cast<std::size_t>(first)];
+  const int first = m.dof_segment[static_cast<std::size_t>(last)], above = m.dof_parent[static_cast<std::size_t>(first)];
+  if (above >= 0) copyPaths<Wide>(m, chain, above, M, rows);
+  const int end = last == chain.begin ? chain.end : last + 1, depth = m.dof_depth[static_cast<std::size_t>(first)];
+  for (int k = 0; k < end - first; k += width)
+    for (int i = chain.begin; i < chain.end; ++i)
+      storePack(loadPack<Wide>(M + static_cast<std::ptrdiff_t>(m.nvx) * i + first + k), rows[i] + depth + k);
+}
+
+/// Eliminates `count` degrees of freedom: from their rows what is in c.path for them is subtracted, and to c.path what their path has to have
+/// subtracted is added. Products are made before the pivots that they wait to be divided by, so that from pivot to pivot it takes a division and a
+/// difference.
+template <int count, class Wide, class S>
+void eliminate(const Pivots<S>& pivots, const PathFactors<S>& factors, int* failed) {
+  constexpr int width = Part<Wide, S>::width;
+  // Copies: what packs are stored into might be anything, even the structs that say where.
+  const Pivots<S> p = pivots;
+  const PathFactors<S> c = factors;
+  const Rows<S> rows{c.L[p.begin], c.L.stride}, sums{c.path[p.depth], c.path.stride};
+  S own[count][count], inverse[count];
+#pragma GCC unroll 8
+  for (int i = 0; i < count; ++i)
+#pragma GCC unroll 8
+    for (int j = 0; j <= i; ++j) own[i][j] = p.bare ? p.own[i][j] : p.own[i][j] + sums[i][p.depth + j];
+#pragma GCC unroll 8
+  for (int k = count - 1; k >= 0; --k) {
+    inverse[k] = S(1) / own[k][k];
+    noteSmall(own[k][k], S(8 * std::numeric_limits<Real<S>>::epsilon()) * p.own[k][k], p.begin + k + 1, failed);
+#pragma GCC unroll 8
+    for (int i = k - 1; i >= 0; --i)
+#pragma GCC unroll 8
+      for (int j = i; j >= 0; --j) own[i][j] -= own[k][i] * own[k][j] * inverse[k];
+    c.diagonal[p.begin + k] = own[k][k];
+    c.inverse[p.begin + k] = inverse[k];
+#pragma GCC unroll 8
+    for (int j = 0; j < k; ++j) own[k][j] *= inverse[k];
   }
+  // A pack's rows need all columns of L from there on.
+  for (int first = (p.depth - 1) / width * width; first >= 0 && p.depth > 0; first -= width) {
+    Wide row[count];
+#pragma GCC unroll 8
+    for (int k = count - 1; k >= 0; --k) {
+      row[k] = loadPack<Wide>(p.path[k] + first);
+      if (!p.bare) row[k] += loadPack<Wide>(sums[k] + first);
+#pragma GCC unroll 8
+      for (int l = count - 1; l > k; --l) row[k] -= Wide(own[l][k]) * row[l];
+      storePack(Wide(inverse[k]) * row[k], rows[k] + first);
+    }
+    for (int depth = first; depth < p.depth; ++depth) {
+      Wide sum = depth < p.fresh ? loadPack<Wide>(c.path[depth] + first) : Wide(0);
+#pragma GCC unroll 8
+      for (int k = 0; k < count; ++k) sum -= Wide(rows[k][depth]) * row[k];
+      storePack(sum, c.path[depth] + first);
+    }
+  }
+#pragma GCC unroll 8
+  for (int k = 1; k < count; ++k)
+#pragma GCC unroll 8
+    for (int j = 0; j < k; ++j) rows[k][p.depth + j] = own[k][j];
 }
 
 /// Of M, n x n with room for a pack, symmetric. Notes in `failed`, lane by lane, the first degree of freedom, plus one, whose pivot is not
 /// above the rounding of what it was subtracted from. O(n depth^2).
 template <class Wide, class S>
 __attribute__((flatten)) void choleskyDecompose(const CompactImpl& m, const S* M, PathFactors<S>& c, int* failed) {
-  constexpr int width = Part<Wide, S>::width;
+  constexpr auto eliminators = []<int... k>(std::integer_sequence<int, k...>) {
+    return std::array{&eliminate<k + 1, Wide, S>...};
+  }(std::make_integer_sequence<int, most_pivots>());
+  const std::ptrdiff_t n = m.nvx;
   std::fill(failed, failed + lanes_of<S>, 0);
+  // All of them first: what has just been stored in pieces is not at hand as a whole.
+  for (auto chain = m.chains.rbegin(); chain != m.chains.rend(); ++chain)
+    if (!isStraight(m, *chain)) copyPaths<Wide>(m, *chain, chain->begin, M, c.L);
   for (auto chain = m.chains.rbegin(); chain != m.chains.rend(); ++chain) {
-    const int count = chain->end - chain->begin;
-    if (chain->leaf) {
-      addPaths<Wide, true>(m, *chain, M, c.path);
-    } else {
-      addPaths<Wide, false>(m, *chain, M, c.path);
+    bool bare = chain->leaf;
+    const bool straight = isStraight(m, *chain);
+    const int parent = m.dof_parent[static_cast<std::size_t>(chain->begin)];
+    const int first = m.dof_segment[static_cast<std::size_t>(parent < 0 ? chain->begin : parent)];
+    for (int end = chain->end; end > chain->begin;) {
+      const int begin = std::max(end - most_pivots, chain->begin);
+      const Rows<const S> path = straight ? Rows<const S>{M + n * begin + first, n} : Rows<const S>{c.L[begin], c.L.stride};
+      eliminators[static_cast<std::size_t>(end - begin - 1)](
+          {begin, chain->depth + begin - chain->begin, bare, bare ? chain->fresh : m.path_room, {M + (n + 1) * begin, n}, path}, c, failed);
+      bare = false;
+      end = begin;
     }
-    const Rows<S> factors{c.L[chain->begin], c.L.stride}, rows{c.path[chain->depth], c.path.stride};
-    S inverse(0);
-    for (int k = count - 1; k >= 0; --k) {
-      const int i = chain->begin + k, depth = chain->depth + k;
-      S* row = c.path[depth];
-      // The pivot by itself, from numbers at hand: the next ones wait for it.
-      S pivot = row[depth];
-      for (int l = count - 1; l > k + 1; --l) pivot -= factors[l][depth] * rows[l][depth];
-      if (k < count - 1) pivot -= inverse * rows[k + 1][depth] * rows[k + 1][depth];
-      subtractRows<Wide>(row, false, depth, Rows<S>{factors[k + 1] + depth, factors.stride}, Rows<S>{rows[k + 1], rows.stride}, count - 1 - k);
-      noteSmall(pivot, S(8 * std::numeric_limits<Real<S>>::epsilon()) * M[static_cast<std::ptrdiff_t>(m.nvx + 1) * i], i + 1, failed);
-      inverse = S(1) / pivot;
-      c.diagonal[i] = pivot;
-      c.inverse[i] = inverse;
-      for (int first = 0; first < depth; first += width) storePack(Wide(inverse) * loadPack<Wide>(row + first), c.L[i] + first);
-    }
-    for (int depth = 0; depth < chain->depth; ++depth)
-      subtractRows<Wide>(c.path[depth], depth >= chain->fresh, depth + 1, Rows<S>{factors[0] + depth, factors.stride}, rows, count);
   }
 }
 
 enum class FactorProduct { inverse, mass_matrix, upper, lower };
+
+/// Subtracts from the first `columns` numbers those of `count` rows times their factors, in packs.
+template <class Wide, class S>
+void subtractRows(S* from, int columns, const S* factors, const Rows<S>& rows, int count) {
+  inPanels<Wide, S>(0, columns, [&](auto packs, int first) {
+    Tile<Wide, S, 1, packs> sum(from + first, 0);
+    sum.subtract(rows.first + first, rows.stride, count, factors, 0, 1);
+    sum.store(from + first, 0);
+  });
+}
 
 /// x = L^-T x, or L^T x. What a subtree's rows send to its path goes by way of `sums`, by depth, which are zero before and after.
 template <bool inverse, class Wide, class S>
@@ -113,7 +168,7 @@ void timesUpper(const CompactImpl& m, const PathFactors<S>& c, S* sums, S* x) {
     };
     if (inverse)
       for (int row = count - 1; row >= 0; --row) gather(row);
-    subtractRows<Wide>(sums, false, packed, Rows<S>{own, 1}, rows, count);
+    subtractRows<Wide>(sums, packed, own, rows, count);
     for (int k = 0; k < count; ++k)
       for (int depth = packed; depth < chain->depth; ++depth) sums[depth] -= rows[k][depth] * own[k];
     if (!inverse)

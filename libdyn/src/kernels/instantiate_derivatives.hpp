@@ -45,7 +45,7 @@ void addDerivatives(SingleKernels& k) {
   k.assemble = [](const CompactImpl& m, const PathMatrix<double>& from, double* out) { from.assemble<Panel>(m.dof_end, Rows<double>{out, m.nvx}); };
   k.choleskyDecompose = [](const CompactImpl& m, D& d, const double* M) {
     int failed = 0;
-    kernels::choleskyDecompose<Wide>(m, M, d.cholesky, &failed);
+    kernels::choleskyDecompose<Panel>(m, M, d.cholesky, &failed);
     return failed;
   };
   k.treeFactors = [](const CompactImpl& m, W& w, D& d) {
