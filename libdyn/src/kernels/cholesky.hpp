@@ -27,10 +27,7 @@ void carve(PathFactors<S>& c, const CompactImpl& m, Arena& arena) {
   arena.take(c.inverse, static_cast<std::size_t>(m.nvx));
 }
 
-/// Degrees of freedom that are eliminated together.
-constexpr int most_pivots = 8;
-
-/// So many of a chain, one after the other.
+/// Degrees of freedom that are eliminated together: some of a chain, one after the other.
 template <class S>
 struct Pivots {
   int begin, depth;         ///< of the first one
@@ -44,7 +41,7 @@ inline bool isStraight(const CompactImpl& m, const DofChain& chain) {
   const int parent = m.dof_parent[static_cast<std::size_t>(chain.begin)];
   if (parent < 0) return true;
   const int first = m.dof_segment[static_cast<std::size_t>(parent)];
-  return m.dof_parent[static_cast<std::size_t>(first)] < 0 && (parent == chain.begin - 1 || chain.end - chain.begin <= most_pivots);
+  return m.dof_parent[static_cast<std::size_t>(first)] < 0 && (parent == chain.begin - 1 || chain.end - chain.begin <= most_rows);
 }
 
 /// Copies what M, n x n with room for a pack, has of a chain's rows to `rows`, by depth: each piece of the path that has no gap in the numbers
@@ -116,9 +113,6 @@ void eliminate(const Pivots<S>& pivots, const PathFactors<S>& factors, int* fail
 /// above the rounding of what it was subtracted from. O(n depth^2).
 template <class Wide, class S>
 __attribute__((flatten)) void choleskyDecompose(const CompactImpl& m, const S* M, PathFactors<S>& c, int* failed) {
-  constexpr auto eliminators = []<int... k>(std::integer_sequence<int, k...>) {
-    return std::array{&eliminate<k + 1, Wide, S>...};
-  }(std::make_integer_sequence<int, most_pivots>());
   const std::ptrdiff_t n = m.nvx;
   std::fill(failed, failed + lanes_of<S>, 0);
   // All of them first: what has just been stored in pieces is not at hand as a whole.
@@ -129,14 +123,12 @@ __attribute__((flatten)) void choleskyDecompose(const CompactImpl& m, const S* M
     const bool straight = isStraight(m, *chain);
     const int parent = m.dof_parent[static_cast<std::size_t>(chain->begin)];
     const int first = m.dof_segment[static_cast<std::size_t>(parent < 0 ? chain->begin : parent)];
-    for (int end = chain->end; end > chain->begin;) {
-      const int begin = std::max(end - most_pivots, chain->begin);
+    inBlocksBackward(chain->begin, chain->end, [&](auto count, int begin) {
       const Rows<const S> path = straight ? Rows<const S>{M + n * begin + first, n} : Rows<const S>{c.L[begin], c.L.stride};
-      eliminators[static_cast<std::size_t>(end - begin - 1)](
-          {begin, chain->depth + begin - chain->begin, bare, bare ? chain->fresh : m.path_room, {M + (n + 1) * begin, n}, path}, c, failed);
+      eliminate<count, Wide>({begin, chain->depth + begin - chain->begin, bare, bare ? chain->fresh : m.path_room, {M + (n + 1) * begin, n}, path}, c,
+                             failed);
       bare = false;
-      end = begin;
-    }
+    });
   }
 }
 

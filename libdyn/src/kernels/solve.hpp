@@ -40,63 +40,42 @@ void solveColumn(const TreeSystem<S>& t, const Begin& begin, int column, int row
   }
 }
 
+// Copies of the system: what packs are stored into might be anything, even the struct that says where.
+
 /// X = D^-1 L^-T X of rows that are zero outside their subtrees.
 template <class Wide, class S>
 __attribute__((flatten)) void solveUpper(const TreeSystem<S> t, const Rows<S> X) {
-  constexpr int width = Part<Wide, S>::width;
-  const std::ptrdiff_t stride = X.stride;
-  for (auto chain = t.m.chains.rbegin(); chain != t.m.chains.rend(); ++chain) {
-    const int begin = chain->begin, end = chain->end;
-    inPanels<Wide, S>(begin, t.end(begin), [&](auto packs, int first) {
-      const auto subtract = [&]<int rows>(std::integral_constant<int, rows>, int row, bool own) {
-        Tile<Wide, S, rows, packs> tile(X[row] + first, stride);
-        const int from = own ? row + rows : begin;
-        tile.subtract(X[from] + first, stride, end - from, t.L[row] + from, t.L.stride, 1);
-        if (own)
-          for (int k = rows - 1; k > 0; --k)
-            for (int r = k - 1; r >= 0; --r) tile.subtractRow(r, k, t.L[row + r][row + k]);
-        tile.store(X[row] + first, stride);
-      };
-      // Rows before `last` down to `row`, by twos.
-      const auto subtractDown = [&](int last, int row, bool own) {
-        for (; last - row >= 2; last -= 2) subtract(std::integral_constant<int, 2>(), last - 2, own);
-        if (last > row) subtract(std::integral_constant<int, 1>(), row, own);
-      };
-      subtractDown(end, begin, true);
-      for (int last = t.parent(begin); last >= 0;) {
-        const int segment = t.m.dof_segment[static_cast<std::size_t>(last)];
-        subtractDown(last + 1, segment, false);
-        last = t.parent(segment);
-      }
-      for (int i = begin; i < end; ++i)
-        for (int p = 0; p < packs; ++p) {
-          S* x = X[i] + first + p * width;
-          storePack(Wide(t.inverse[i]) * loadPack<Wide>(x), x);
-        }
+  for (auto chain = t.m.chains.rbegin(); chain != t.m.chains.rend(); ++chain)
+    inBlocksBackward(chain->begin, chain->end, [&]<int rows>(std::integral_constant<int, rows>, int begin) {
+      inPanels<Wide, S, packs_beside<Wide, rows>>(begin, t.end(begin), [&](auto packs, int first) {
+        Tile<Wide, S, rows, packs> own(X[begin] + first, X.stride);
+#pragma GCC unroll 8
+        for (int k = rows - 1; k > 0; --k)
+#pragma GCC unroll 8
+          for (int r = k - 1; r >= 0; --r) own.subtractRow(r, k, t.L[begin + r][begin + k]);
+        alongPath(t.m, t.parent(begin), [&](int row) { own.subtractFrom(X[row] + first, t.L[row] + begin); });
+        own.scale(t.inverse + begin);
+        own.store(X[begin] + first, X.stride);
+      });
     });
-  }
 }
 
 /// X = L^-1 X; where `upper`, only what stands right of the diagonal, and packs' ends.
 template <class Wide, class S>
 __attribute__((flatten)) void solveLower(const TreeSystem<S> t, const Rows<S> X, bool upper) {
-  const std::ptrdiff_t stride = X.stride;
-  inPanels<Wide, S>(0, t.n(), [&](auto packs, int first) {
-    const int rows_end = upper ? std::min(t.n(), first + packs * Part<Wide, S>::width) : t.n();
-    const auto solve = [&]<int rows>(std::integral_constant<int, rows>, const DofChain& chain, int row) {
-      Tile<Wide, S, rows, packs> tile(X[row] + first, stride);
-      for (int last = row - 1 >= chain.begin ? row - 1 : t.parent(chain.begin); last >= 0;) {
-        const int segment = t.m.dof_segment[static_cast<std::size_t>(last)];
-        tile.subtract(X[segment] + first, stride, last + 1 - segment, t.L[segment] + row, 1, t.L.stride);
-        last = t.parent(segment);
-      }
-      for (int k = 0; k < rows; ++k)
-        for (int r = k + 1; r < rows; ++r) tile.subtractRow(r, k, t.L[row + k][row + r]);
-      tile.store(X[row] + first, stride);
-    };
-    for (const DofChain& chain : t.m.chains)
-      byTwos(chain.begin, std::min(chain.end, rows_end), [&](int row, auto count) { solve(count, chain, row); });
-  });
+  constexpr int width = Part<Wide, S>::width;
+  for (const DofChain& chain : t.m.chains)
+    inBlocks(chain.begin, chain.end, [&]<int rows>(std::integral_constant<int, rows>, int begin) {
+      inPanels<Wide, S, packs_beside<Wide, rows>>(upper ? begin / width * width : 0, t.n(), [&](auto packs, int first) {
+        Tile<Wide, S, rows, packs> own(X[begin] + first, X.stride);
+        alongPathParentLast(t.m, begin, [&](int row) { own.subtractOf(X[row] + first, t.L[row] + begin); });
+#pragma GCC unroll 8
+        for (int k = 0; k < rows; ++k)
+#pragma GCC unroll 8
+          for (int r = k + 1; r < rows; ++r) own.subtractRow(r, k, t.L[begin + k][begin + r]);
+        own.store(X[begin] + first, X.stride);
+      });
+    });
 }
 
 }  // namespace dyn::kernels

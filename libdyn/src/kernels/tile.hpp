@@ -19,6 +19,7 @@ struct Tile {
       for (int p = 0; p < packs; ++p) sum[r][p] = Wide(0);
   }
   Tile(const S* from, std::ptrdiff_t stride) {
+#pragma GCC unroll 8
     for (int r = 0; r < rows; ++r)
       for (int p = 0; p < packs; ++p) sum[r][p] = loadPack<Wide>(from + r * stride + p * width);
   }
@@ -30,11 +31,34 @@ struct Tile {
   void subtract(const S* from, std::ptrdiff_t stride, int terms, const S* const (&factors)[rows]) {
     subtractBy(from, stride, terms, [&](int r, int k) -> const S& { return factors[r][k]; });
   }
+  /// Of each row another one times its factor.
+  void subtractOf(const S* from, const S* factors) {
+    Wide other[packs];
+    for (int p = 0; p < packs; ++p) other[p] = loadPack<Wide>(from + p * width);
+#pragma GCC unroll 8
+    for (int r = 0; r < rows; ++r)
+      for (int p = 0; p < packs; ++p) sum[r][p] -= Wide(factors[r]) * other[p];
+  }
+  /// Of another row, in memory, each of these times its factor.
+  void subtractFrom(S* row, const S* factors) const {
+    Wide other[packs];
+    for (int p = 0; p < packs; ++p) other[p] = loadPack<Wide>(row + p * width);
+#pragma GCC unroll 8
+    for (int r = 0; r < rows; ++r)
+      for (int p = 0; p < packs; ++p) other[p] -= Wide(factors[r]) * sum[r][p];
+    for (int p = 0; p < packs; ++p) storePack(other[p], row + p * width);
+  }
   /// Of row `to` row `from` times a factor.
   void subtractRow(int to, int from, const S& factor) {
     for (int p = 0; p < packs; ++p) sum[to][p] -= Wide(factor) * sum[from][p];
   }
+  void scale(const S* factors) {
+#pragma GCC unroll 8
+    for (int r = 0; r < rows; ++r)
+      for (int p = 0; p < packs; ++p) sum[r][p] = Wide(factors[r]) * sum[r][p];
+  }
   void store(S* to, std::ptrdiff_t stride) const {
+#pragma GCC unroll 8
     for (int r = 0; r < rows; ++r)
       for (int p = 0; p < packs; ++p) storePack(sum[r][p], to + r * stride + p * width);
   }
@@ -53,28 +77,46 @@ struct Tile {
   }
 };
 
-/// Calls use(count, first) for columns from `first` on and before `end`, in panels of at most four packs that differ by no more than one; the
+/// Calls use(n) with n, from 1 to `most`, a constant.
+template <int most, class Use>
+void withConstant(int n, Use&& use) {
+  [&]<int... k>(std::integer_sequence<int, k...>) {
+    (void)((n == k + 1 && (use(std::integral_constant<int, k + 1>()), true)) || ...);
+  }(std::make_integer_sequence<int, most>());
+}
+
+/// Calls use(count, first) for columns from `first` on and before `end`, in panels of at most `most` packs, the last two alike but for one; the
 /// last ones first, so that what they write beyond the end may be another row's beginning. `count`: packs, a constant.
-template <class Wide, class S, class Use>
+template <class Wide, class S, int most = 4, class Use>
 void inPanels(int first, int end, Use&& use) {
   constexpr int width = Part<Wide, S>::width;
   for (int packs = (end - first + width - 1) / width; packs > 0;) {
-    const int panels = (packs + 3) / 4, now = panels == 1 ? packs : (packs + panels - 1) / panels;
+    const int now = packs >= 2 * most ? most : packs > most ? (packs + 1) / 2 : packs;
     packs -= now;
-    const int from = first + packs * width;
-    switch (now) {
-      case 1:
-        use(std::integral_constant<int, 1>(), from);
-        break;
-      case 2:
-        use(std::integral_constant<int, 2>(), from);
-        break;
-      case 3:
-        use(std::integral_constant<int, 3>(), from);
-        break;
-      default:
-        use(std::integral_constant<int, 4>(), from);
-    }
+    withConstant<most>(now, [&](auto count) { use(count, first + packs * width); });
+  }
+}
+
+/// Rows that are worked on together.
+constexpr int most_rows = 8;
+/// The packs of so many rows that have their places in registers, of which packs of 64 bytes have twice as many.
+template <class Wide, int rows>
+constexpr int packs_beside = std::clamp((sizeof(Wide) == 64 ? 24 : 12) / rows, 1, 4);
+
+/// Calls use(count, first) for rows from `begin` on and before `end`, so many at a time, the first or the last ones first; `count` is a constant.
+template <class Use>
+void inBlocks(int begin, int end, Use&& use) {
+  for (int count; begin < end; begin += count) {
+    count = std::min(end - begin, most_rows);
+    withConstant<most_rows>(count, [&](auto rows) { use(rows, begin); });
+  }
+}
+template <class Use>
+void inBlocksBackward(int begin, int end, Use&& use) {
+  while (begin < end) {
+    const int count = std::min(end - begin, most_rows);
+    end -= count;
+    withConstant<most_rows>(count, [&](auto rows) { use(rows, end); });
   }
 }
 
