@@ -210,7 +210,7 @@ void Library::aba(const double* q, const double* vq, const double* torque) {
         factor.inverse = 1 / (dot(s, factor.U) + (m.armature.empty() ? 0.0 : m.armature[at(joint.idx_v + k)]));
         factor.u = factor.inverse * (effective[at(joint.idx_v + k)] - dot(s, f[at(i)]));
         if (parent[at(i)] == 0 && k + 1 == joint.nv) break;
-        Y.subtractOuter(factor.U, factor.inverse * factor.U);
+        Y.subtractSquare(factor.U, factor.inverse);
         f[at(i)] += factor.u * factor.U;
       }
       if (parent[at(i)] == 0) return;

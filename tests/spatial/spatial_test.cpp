@@ -132,7 +132,7 @@ TEMPLATE_TEST_CASE("articulated inertias act, add, shift and project as 6x6 matr
     CHECK_NEAR(dense(A.shifted(r)), toEigen(Y.transformed({Mat3<S>::identity(), r})));
     const Force<S> W = A * v;
     ArticulatedInertia<S> projected = A;
-    projected.subtractOuter((S(1) / dot(v, W)) * W, W);
+    projected.subtractSquare(W, S(1) / dot(v, W));
     const Vector6<S> w = toEigen(W);
     CHECK_NEAR(dense(projected), dense(A) - w * w.transpose() / toEigen(v).dot(w));
     CHECK_NEAR(toEigen(projected * v), Vector6<S>::Zero());

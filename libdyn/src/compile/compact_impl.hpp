@@ -107,6 +107,7 @@ struct CompactImpl {
   std::vector<int> q_of_user, v_of_user;  ///< user's index -> expanded index; empty without couplings
 
   std::vector<double> damping, friction, armature;  ///< nvx each, or empty when the model has none
+  bool roots_have_armature = false;                 ///< some of those that fly
 
   std::vector<JointRecord> joints;
   std::vector<SE3<double>> user_frame;  ///< user's joint frame in its body's core frame

@@ -255,6 +255,8 @@ class Packer {
       out_->friction = collect(&JointDescription::friction);
     }
     if (options_.armature) out_->armature = collect(&JointDescription::armature);
+    for (std::size_t k = 0; k < out_->armature.size(); ++k)
+      out_->roots_have_armature |= out_->armature[k] != 0 && out_->index[at(out_->dof_body[k])].flying_root;
     const auto used = [](const std::vector<double>& values) { return values.empty() ? "none" : "used"; };
     out_->report.passes.push_back(std::string("losses: damping ") + used(out_->damping) + ", friction " + used(out_->friction) + ", armature " +
                                   used(out_->armature));

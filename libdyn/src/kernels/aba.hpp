@@ -4,6 +4,7 @@
 #include "kernels/aligned.hpp"
 #include "kernels/pivots.hpp"
 
+#include <algorithm>
 #include <limits>
 
 namespace dyn::kernels {
@@ -45,6 +46,76 @@ void eliminate(const Order& order, const ArticulatedInertia<S>& IA, const Force<
   dof.y = (tau[k] - column.along(pA)) / pivot;
 }
 
+/// Whether a root flies and leaves nothing behind in directions that are eliminated, as armature does, which accelerates but does not fall.
+template <class Joint, class Order>
+bool isBareRoot(const Order& order, int i) {
+  return isFlyingRoot<Joint>(order, i) && !order.m.roots_have_armature;
+}
+
+/// A bare root's directions are its axes: its inertia is the matrix that they are eliminated from, one after the other, the last or the first one
+/// first. Products are made before the pivots that they wait to be divided by.
+template <bool last_first, class S>
+class AxesElimination {
+ public:
+  template <class Order>
+  AxesElimination(const Order& order, const ArticulatedInertia<S>& IA, int i, int iv, int* failed) {
+    using T = Real<S>;
+#pragma GCC unroll 6
+    for (int r = 0; r < 6; ++r)
+#pragma GCC unroll 6
+      for (int c = 0; c <= r; ++c) left_[r][c] = entry(IA, std::max(axis(r), axis(c)), std::min(axis(r), axis(c)));
+#pragma GCC unroll 6
+    for (int p = 0; p < 6; ++p) {
+      // noteVanishing's yardstick: what is left in this direction and the others of its three.
+      S three = left_[p][p];
+      for (int r = p + 1; r < (p < 3 ? 3 : 6); ++r) three += left_[r][r];
+      // Strips have armature in lanes of nobody.
+      const S pivot = left_[p][p] + order.armature(iv + axis(p));
+      noteSmall(pivot, S(4 * std::numeric_limits<T>::epsilon()) * three, i, failed);
+      inverse_[p] = S(1) / pivot;
+#pragma GCC unroll 6
+      for (int r = p + 1; r < 6; ++r)
+#pragma GCC unroll 6
+        for (int c = p + 1; c <= r; ++c) left_[r][c] -= left_[r][p] * left_[c][p] * inverse_[p];
+    }
+  }
+
+  /// What is eliminated p-th; and when axis p is.
+  static constexpr int axis(int p) { return last_first ? 5 - p : p; }
+  const S& inverse(int p) const { return inverse_[p]; }
+  /// Column p of what was left, against axis r.
+  const S& left(int r, int p) const { return left_[r][p]; }
+  Force<S> column(int p) const {
+    const auto along = [&](int d) { return axis(d) < p ? S(0) : left_[axis(d)][p]; };
+    return {{along(0), along(1), along(2)}, {along(3), along(4), along(5)}};
+  }
+
+ private:
+  static S entry(const ArticulatedInertia<S>& I, int r, int c) {
+    if (r < 3) return I.linear.matrix().col(c)[r];
+    return c < 3 ? I.coupling.row(c)[r - 3] : I.angular.matrix().col(c - 3)[r - 3];
+  }
+  S left_[6][6], inverse_[6];
+};
+
+/// abaInward at a bare root.
+template <class S, class Order>
+void eliminateBareRoot(const Order& order, const ArticulatedInertia<S>& IA, const Force<S>& pA, const S* tau, int i, int iv, Workspace<S>& w) {
+  const AxesElimination<false, S> axes(order, IA, i, iv, w.failed);
+  S rest[6];
+#pragma GCC unroll 6
+  for (int k = 0; k < 6; ++k) rest[k] = tau[k] - UnitColumn<S>{k}.along(pA);
+#pragma GCC unroll 6
+  for (int k = 0; k < 6; ++k) {
+    const S y = rest[k] * axes.inverse(k);
+#pragma GCC unroll 6
+    for (int r = k + 1; r < 6; ++r) rest[r] -= y * axes.left(r, k);
+    w.dof[iv + k].y = y;
+    w.dof[iv + k].W = axes.column(k);
+    w.dof[iv + k].inverse = axes.inverse(k);
+  }
+}
+
 /// Eliminates each degree of freedom (pivot S^T IA S + armature), projects inertia and bias force, hands them to the parent.
 /// w.failed tells lane by lane whether a pivot vanished.
 template <class S, class Order>
@@ -62,15 +133,19 @@ void abaInward(const Order& order, Workspace<S>& w, const S* tau, const Force<S>
     // Eliminating one direction after the other is the factorisation: each updates IA, so the next pivot is read off it. At the joint's
     // origin, before the shift: the projection cancels, and what it leaves must not be lost under larger numbers.
     constexpr int last = Joint::nv - 1;
-    withColumns<Joint>(order, w, i, iv, [&](const auto& column) {
-      for (int k = 0; k <= last; ++k) {
-        eliminate(order, IA, pA, column(k), tau, iv + k, i, w);
-        if (k == last && order.isRoot(i)) break;
-        const DofFactor<S>& dof = w.dof[iv + k];
-        IA.subtractOuter(dof.W, dof.inverse * dof.W);
-        pA += dof.y * dof.W;
-      }
-    });
+    if (isBareRoot<Joint>(order, i)) {
+      if constexpr (Joint::is_free) eliminateBareRoot(order, IA, pA, tau + iv, i, iv, w);
+    } else {
+      withColumns<Joint>(order, w, i, iv, [&](const auto& column) {
+        for (int k = 0; k <= last; ++k) {
+          eliminate(order, IA, pA, column(k), tau, iv + k, i, w);
+          if (k == last && order.isRoot(i)) break;
+          const DofFactor<S>& dof = w.dof[iv + k];
+          IA.subtractSquare(dof.W, dof.inverse);
+          pA += dof.y * dof.W;
+        }
+      });
+    }
     // The last direction is solved for first, from the parent's acceleration.
     DofFactor<S>& dof = w.dof[iv + last];
     const Motion<S>& beta = w.beta[i];

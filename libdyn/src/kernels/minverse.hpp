@@ -16,6 +16,16 @@ namespace dyn::kernels {
 /// pivot, row their product.
 template <class Joint, class S, class Order, class Use>
 void eliminateJoint(const Order& order, Workspace<S>& w, ArticulatedInertia<S>& IA, int i, int iv, Use&& use) {
+  if constexpr (Joint::is_free) {
+    if (isBareRoot<Joint>(order, i)) {
+      const AxesElimination<true, S> axes(order, IA, i, iv, w.failed);
+      for (int p = 0; p < 6; ++p) {
+        const Force<S> W = axes.column(p);
+        use(axes.axis(p), UnitColumn<S>{axes.axis(p)}, W, axes.inverse(p), axes.inverse(p) * W);
+      }
+      return;
+    }
+  }
   withColumns<Joint>(order, w, i, iv, [&](const auto& columns) {
     for (int k = Joint::nv - 1; k >= 0; --k) {
       const auto column = columns(k);
@@ -24,7 +34,7 @@ void eliminateJoint(const Order& order, Workspace<S>& w, ArticulatedInertia<S>& 
       noteVanishing(pivot, column, IA, i, w.failed);
       const Force<S> row = inverse * W;
       use(k, column, W, inverse, row);
-      if (k > 0 || !order.isRoot(i)) IA.subtractOuter(W, row);
+      if (k > 0 || !order.isRoot(i)) IA.subtractSquare(W, inverse);
     }
   });
 }

@@ -198,13 +198,15 @@ inline ArticulatedInertia<Vectored> ArticulatedInertia<Vectored>::rigid(const Ve
            __builtin_shufflevector(h.a, zero, 1, 0, 4, 4) * Four{-1, 1, 0, 0}},
           at_origin};
 }
+/// Products first: the factor, a pivot's inverse, is what comes last.
 template <>
-inline void ArticulatedInertia<Vectored>::subtractOuter(const Force<Vectored>& U, const Force<Vectored>& W) {
+inline void ArticulatedInertia<Vectored>::subtractSquare(const Force<Vectored>& W, const Vectored& factor) {
+  const Four &a = W.linear.a, &b = W.angular.a, all = inAll(factor);
   const auto column = [&]<int i>() {
-    const Four c = inAll<i>(W.linear.a), d = inAll<i>(W.angular.a);
-    linear.c[i] -= U.linear.a * c;
-    coupling.c[i] -= U.linear.a * d;
-    angular.c[i] -= U.angular.a * d;
+    const Four c = inAll<i>(a), d = inAll<i>(b);
+    linear.c[i] -= a * c * all;
+    coupling.c[i] -= a * d * all;
+    angular.c[i] -= b * d * all;
   };
   column.template operator()<0>();
   column.template operator()<1>();

@@ -56,9 +56,10 @@ struct ArticulatedInertia {
   }
   ArticulatedInertia& operator+=(const ArticulatedInertia& b) { return *this = *this + b; }
 
-  /// this - U W^T where U W^T is symmetric (one term of a projection).
-  void subtractOuter(const Force<S>& U, const Force<S>& W) {
-    const Vec3<S>&a = U.linear, &b = U.angular, &c = W.linear, &d = W.angular;
+  /// this - factor W W^T (one term of a projection).
+  void subtractSquare(const Force<S>& W, const S& factor) {
+    const Force<S> row = factor * W;
+    const Vec3<S>&a = W.linear, &b = W.angular, &c = row.linear, &d = row.angular;
     linear = linear - Sym3<S>{a.x * c.x, a.x * c.y, a.x * c.z, a.y * c.y, a.y * c.z, a.z * c.z};
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) coupling(i, j) = coupling(i, j) - a[i] * d[j];
