@@ -68,8 +68,8 @@ template <class P, class T, std::size_t n>
   return sum;
 }
 
-/// Turns by n quarters, n in the last bits of `whole`. Bits, in the compilers' own vectors, since comparisons of
-/// numbers would keep multiplications waiting for a unit.
+/// Turns by n quarters, n in the last bits of `whole`. Bits, in the compilers' own vectors, since comparisons of numbers would keep multiplications
+/// waiting for a unit.
 template <class T, class Arch>
 [[gnu::always_inline]] inline void turnByQuarters(const Pack<T, Arch>& whole, Pack<T, Arch>& sine, Pack<T, Arch>& cosine) {
   using Whole = std::conditional_t<sizeof(T) == 8, std::int64_t, std::int32_t>;

@@ -36,12 +36,14 @@ struct Pivots {
   Rows<const S> own, path;  ///< their rows of M: from the first one on, and by depth
 };
 
-/// Whether M itself has a chain's rows by depth: what leads to it has no gap in its numbers, nor is there one within.
-inline bool isStraight(const CompactImpl& m, const DofChain& chain) {
+/// Where M itself has a chain's rows by depth, since what leads to it has no gap in its numbers, nor is there one within: its path's first number,
+/// or else -1.
+inline int straightFrom(const CompactImpl& m, const DofChain& chain) {
   const int parent = m.dof_parent[static_cast<std::size_t>(chain.begin)];
-  if (parent < 0) return true;
+  if (parent < 0) return chain.begin;
   const int first = m.dof_segment[static_cast<std::size_t>(parent)];
-  return m.dof_parent[static_cast<std::size_t>(first)] < 0 && (parent == chain.begin - 1 || chain.end - chain.begin <= most_rows);
+  const bool one_piece = m.dof_parent[static_cast<std::size_t>(first)] < 0 && (parent == chain.begin - 1 || chain.end - chain.begin <= most_rows);
+  return one_piece ? first : -1;
 }
 
 /// Copies what M, n x n with room for a pack, has of a chain's rows to `rows`, by depth: each piece of the path that has no gap in the numbers
@@ -117,14 +119,12 @@ __attribute__((flatten)) void choleskyDecompose(const CompactImpl& m, const S* M
   std::fill(failed, failed + lanes_of<S>, 0);
   // All of them first: what has just been stored in pieces is not at hand as a whole.
   for (auto chain = m.chains.rbegin(); chain != m.chains.rend(); ++chain)
-    if (!isStraight(m, *chain)) copyPaths<Wide>(m, *chain, chain->begin, M, c.L);
+    if (straightFrom(m, *chain) < 0) copyPaths<Wide>(m, *chain, chain->begin, M, c.L);
   for (auto chain = m.chains.rbegin(); chain != m.chains.rend(); ++chain) {
     bool bare = chain->leaf;
-    const bool straight = isStraight(m, *chain);
-    const int parent = m.dof_parent[static_cast<std::size_t>(chain->begin)];
-    const int first = m.dof_segment[static_cast<std::size_t>(parent < 0 ? chain->begin : parent)];
+    const int first = straightFrom(m, *chain);
     inBlocksBackward(chain->begin, chain->end, [&](auto count, int begin) {
-      const Rows<const S> path = straight ? Rows<const S>{M + n * begin + first, n} : Rows<const S>{c.L[begin], c.L.stride};
+      const Rows<const S> path = first >= 0 ? Rows<const S>{M + n * begin + first, n} : Rows<const S>{c.L[begin], c.L.stride};
       eliminate<count, Wide>({begin, chain->depth + begin - chain->begin, bare, bare ? chain->fresh : m.path_room, {M + (n + 1) * begin, n}, path}, c,
                              failed);
       bare = false;

@@ -49,12 +49,12 @@ void invertConstrained(const double* M_inverse, const double* J, const DofRuns m
   const int n = x.n, rows = x.rows;
   const std::ptrdiff_t lambda = x.multipliers;
   inPanels<Wide, double>(0, n, [&](auto packs, int first) {
-    byTwos(0, rows, [&](int row, auto count) {
+    inBlocks<2>(0, rows, [&](auto count, int row) {
       Tile<Wide, double, count, packs> tile;
       for (const DofRun& run : moving) tile.subtract(M_inverse + run.begin * n + first, n, run.end - run.begin, J + run.begin * rows + row, 1, rows);
       tile.store(x.projected[row] + first, x.projected.stride);
     });
-    byTwos(0, rows, [&](int row, auto count) {
+    inBlocks<2>(0, rows, [&](auto count, int row) {
       Tile<Wide, double, count, packs> tile;
       tile.subtract(x.projected[0] + first, x.projected.stride, rows, x.of_row[row], x.of_row.stride, 1);
       tile.store(x.of_row[row] + lambda + first, x.of_row.stride);
@@ -66,7 +66,7 @@ void invertConstrained(const double* M_inverse, const double* J, const DofRuns m
     for (int k = 0; k < n; ++k)
       for (int row = 0; row < rows; ++row) lambda_by_tau[rows * k + row] = x.of_force[k][row];
   inPanels<Wide, double>(0, n, [&](auto packs, int first) {
-    byTwos(0, n, [&](int k, auto count) {
+    inBlocks<2>(0, n, [&](auto count, int k) {
       Tile<Wide, double, count, packs> tile(M_inverse + k * n + first, n);
       tile.subtract(x.projected[0] + first, x.projected.stride, rows, x.of_force[k], x.of_force.stride, 1);
       tile.store(x.of_force[k] + lambda + first, x.of_force.stride);

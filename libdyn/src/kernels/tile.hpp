@@ -33,11 +33,7 @@ struct Tile {
   }
   /// Of each row another one times its factor.
   void subtractOf(const S* from, const S* factors) {
-    Wide other[packs];
-    for (int p = 0; p < packs; ++p) other[p] = loadPack<Wide>(from + p * width);
-#pragma GCC unroll 8
-    for (int r = 0; r < rows; ++r)
-      for (int p = 0; p < packs; ++p) sum[r][p] -= Wide(factors[r]) * other[p];
+    subtractOnce(from, [&](int r) -> const S& { return factors[r]; });
   }
   /// Of another row, in memory, each of these times its factor.
   void subtractFrom(S* row, const S* factors) const {
@@ -66,13 +62,16 @@ struct Tile {
  private:
   template <class Factor>
   void subtractBy(const S* from, std::ptrdiff_t stride, int terms, Factor&& factorOf) {
-    for (int k = 0; k < terms; ++k, from += stride) {
-      Wide other[packs];
-      for (int p = 0; p < packs; ++p) other[p] = loadPack<Wide>(from + p * width);
-      for (int r = 0; r < rows; ++r) {
-        const Wide factor(factorOf(r, k));
-        for (int p = 0; p < packs; ++p) sum[r][p] -= factor * other[p];
-      }
+    for (int k = 0; k < terms; ++k, from += stride) subtractOnce(from, [&](int r) -> const S& { return factorOf(r, k); });
+  }
+  template <class Factor>
+  void subtractOnce(const S* from, Factor&& factorOf) {
+    Wide other[packs];
+    for (int p = 0; p < packs; ++p) other[p] = loadPack<Wide>(from + p * width);
+#pragma GCC unroll 8
+    for (int r = 0; r < rows; ++r) {
+      const Wide factor(factorOf(r));
+      for (int p = 0; p < packs; ++p) sum[r][p] -= factor * other[p];
     }
   }
 };
@@ -103,12 +102,13 @@ constexpr int most_rows = 8;
 template <class Wide, int rows>
 constexpr int packs_beside = std::clamp((sizeof(Wide) == 64 ? 24 : 12) / rows, 1, 4);
 
-/// Calls use(count, first) for rows from `begin` on and before `end`, so many at a time, the first or the last ones first; `count` is a constant.
-template <class Use>
+/// Calls use(count, first) for rows from `begin` on and before `end`, `most` at a time as long as there are so many, the first or the last ones
+/// first; `count` is a constant.
+template <int most = most_rows, class Use>
 void inBlocks(int begin, int end, Use&& use) {
   for (int count; begin < end; begin += count) {
-    count = std::min(end - begin, most_rows);
-    withConstant<most_rows>(count, [&](auto rows) { use(rows, begin); });
+    count = std::min(end - begin, most);
+    withConstant<most>(count, [&](auto rows) { use(rows, begin); });
   }
 }
 template <class Use>
@@ -118,13 +118,6 @@ void inBlocksBackward(int begin, int end, Use&& use) {
     end -= count;
     withConstant<most_rows>(count, [&](auto rows) { use(rows, end); });
   }
-}
-
-/// Calls use(row, count) for rows from `begin` on and before `end`, two at a time as long as there are two; `count` is a constant.
-template <class Use>
-void byTwos(int begin, int end, Use&& use) {
-  for (; begin + 2 <= end; begin += 2) use(begin, std::integral_constant<int, 2>());
-  if (begin < end) use(begin, std::integral_constant<int, 1>());
 }
 
 }  // namespace dyn::kernels
