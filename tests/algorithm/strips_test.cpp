@@ -14,17 +14,26 @@ bool usesStrips(const CompactModel& model) {
   return false;
 }
 
+/// Types whose subspace does not vary with q.
+bool staysAsItIs(const std::string& type) {
+  const auto names = {"revolute", "continuous", "prismatic", "translation", "spherical", "planar", "free_flyer"};
+  return std::find(names.begin(), names.end(), type) != names.end();
+}
+
 /// All types but those of constant dense subspaces, which are never in lanes. A bush has many limbs: each body hangs on one of those a few
 /// before it. A trunk goes on for a while before limbs part, which are trunks themselves.
 enum class Growth { bush, trunks };
-Model grown(Growth growth, int n, std::uint64_t seed, bool many_types) {
+enum class Types { revolute, rigid, many };
+Model grown(Growth growth, int n, std::uint64_t seed, Types wanted) {
   Random random(seed);
   Model model;
   model.gravity = random.vector(10);
   std::vector<const JointType*> types;
   for (const JointType* type : registry().jointTypes()) {
     const std::string name = type->info().name;
-    if (name == "revolute" || (many_types && name != "helical" && name != "cylindrical" && name != "composite")) types.push_back(type);
+    if (name == "revolute" || (wanted == Types::rigid && staysAsItIs(name)) ||
+        (wanted == Types::many && name != "helical" && name != "cylindrical" && name != "composite"))
+      types.push_back(type);
   }
   for (int i = 0; i < n; ++i) {
     const JointTypeInfo& info = types[static_cast<std::size_t>(random.below(static_cast<int>(types.size())))]->info();
@@ -49,7 +58,7 @@ TEST_CASE("strips give what one body after the other gives", "[strips]") {
   const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 12)));
   const Growth growth = GENERATE(Growth::bush, Growth::trunks);
   const bool many_types = seed % 2 == 0;
-  const Model described = grown(growth, many_types ? 120 : 30, seed, many_types);
+  const Model described = grown(growth, many_types ? 120 : 30, seed, many_types ? Types::many : Types::revolute);
   const CompactModel model = compile(described, registry());
   Data data(model, Need::mass_matrix), other(model, Need::mass_matrix);
   Random random(seed);
@@ -73,6 +82,38 @@ TEST_CASE("strips give what one body after the other gives", "[strips]") {
   CHECK((rnea(without, plain_data, q, v, a) - plain).cwiseAbs().maxCoeff() < 1e-13 * plain.cwiseAbs().maxCoeff());
   CHECK((nonLinearEffects(model, data, q, v) - rnea(model, other, q, v, Eigen::VectorXd::Zero(model.nv()), none)).cwiseAbs().maxCoeff() <
         1e-13 * plain.cwiseAbs().maxCoeff());
+}
+
+TEST_CASE("derivatives over strips are those of one body after the other", "[strips]") {
+  const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 12)));
+  const Growth growth = GENERATE(Growth::bush, Growth::trunks);
+  const bool flies = GENERATE(false, true), has_armature = seed % 3 != 0;
+  Model described = grown(growth, 60, seed, seed % 2 == 0 ? Types::rigid : Types::revolute);
+  if (flies) described.bodies[1].joint.type = "free_flyer", described.bodies[1].joint.parameters = {};
+  for (auto& body : described.bodies)
+    if (!has_armature || body.joint.type == "free_flyer") body.joint.armature = body.joint.damping = body.joint.friction = {};
+  const CompactModel model = compile(described, registry());
+  CompileOptions asked;
+  asked.strips = false;
+  const CompactModel without = compile(described, registry(), asked);
+  Data data(model, Need::derivatives), other(without, Need::derivatives);
+  Random random(seed);
+  const Eigen::VectorXd q = integrate(model, neutral(model), Eigen::VectorXd(random.vector(model.nv(), 0.4).array() + 0.8));
+  const Eigen::VectorXd v = random.vector(model.nv(), 1), a = random.vector(model.nv(), 1);
+  ExternalForces forces(model.joints().size());
+  for (auto& f : forces) f = {random.vector(2.0), random.vector(2.0)};
+  const auto same = [](const Eigen::MatrixXd& x, const Eigen::MatrixXd& y) {
+    CHECK((x - y).cwiseAbs().maxCoeff() < 1e-12 * (1 + y.cwiseAbs().maxCoeff()));
+  };
+  const auto check = [&](const auto& x, const auto& y) {
+    same(x.dtau_dq, y.dtau_dq);
+    same(x.dtau_dv, y.dtau_dv);
+    same(x.dtau_da, y.dtau_da);
+  };
+  check(computeRNEADerivatives(model, data, q, v, a), computeRNEADerivatives(without, other, q, v, a));
+  check(computeRNEADerivatives(model, data, q, v, a, forces), computeRNEADerivatives(without, other, q, v, a, forces));
+  const Eigen::MatrixXd inverse = computeMinverse(model, data, q), plain = computeMinverse(without, other, q);
+  CHECK((inverse - plain).cwiseAbs().maxCoeff() < 1e-9 * (1 + plain.cwiseAbs().maxCoeff()));
 }
 
 TEST_CASE("a chain has no strips, a hand of many fingers has", "[strips]") {

@@ -134,10 +134,7 @@ ComputedViews compute(const CompactModel& model, Data& data, Quantity what, Vect
   dynamics(Q::rnea, out.tau, in.v, in.a, d.tau);
   dynamics(Q::nle, out.nle, in.v, d.zero, d.nle);
   if (has(what, Q::rnea_derivatives)) {
-    k.rneaDerivatives(m, d, d.derivatives, in.v, in.a, nullptr);
-    k.assemble(m, d.derivatives.by_q, d.dtau_dq);
-    k.assemble(m, d.derivatives.by_v, d.dtau_dv);
-    k.assemble(m, d.derivatives.by_a, d.M);
+    k.rneaDerivatives(m, d, d.derivatives, in.v, in.a, nullptr, {d.dtau_dq, d.dtau_dv, d.M});
     out.dtau_dq = d.dtau_dq;
     out.dtau_dv = d.dtau_dv;
     out.M = d.M;

@@ -56,10 +56,7 @@ void coupledDerivatives(const char* algorithm, const CompactModel& model, Data& 
   const Prepared x = prepare(algorithm, model, data, q, &v, &a, fext, count);
   const kernels::SingleKernels& k = kernels::active().single;
   double* const user[3] = {d.dtau_dq, d.dtau_dv, d.M};
-  k.rneaDerivatives(m, d, d.derivatives, x.in.v, x.in.a, x.external);
-  k.assemble(m, d.derivatives.by_q, d.expanded[0]);
-  k.assemble(m, d.derivatives.by_v, d.expanded[1]);
-  k.assemble(m, d.derivatives.by_a, d.expanded[2]);
+  k.rneaDerivatives(m, d, d.derivatives, x.in.v, x.in.a, x.external, {d.expanded[0], d.expanded[1], d.expanded[2]});
   foldDerivatives(m, d, d.taux, d.expanded[0], d.expanded[1], d.expanded[2]);
   for (int i = 0; i < 3; ++i) {
     keepUsersEntries(m, d.expanded[i], user[i]);
@@ -85,17 +82,14 @@ void invertDense(const char* algorithm, const CompactImpl& m, DataImpl& d) {
 }  // namespace
 
 void forceDerivatives(const char* algorithm, const CompactModel& model, Data& data, VectorView q, const VectorView* v, const VectorView* a,
-                      const Force<double>* fext, std::size_t count) {
+                      const Force<double>* fext, std::size_t count, bool with_M) {
   checkData(algorithm, model, data, Need::derivatives);
   const CompactImpl& m = model.impl();
   DataImpl& d = data.impl();
   const VectorView zero{d.zero, m.nv};
   if (!m.couplings.empty()) return coupledDerivatives(algorithm, model, data, q, v ? *v : zero, a ? *a : zero, fext, count);
   const Prepared x = prepare(algorithm, model, data, q, v ? v : &zero, a ? a : &zero, fext, count);
-  const kernels::SingleKernels& k = kernels::active().single;
-  k.rneaDerivatives(m, d, d.derivatives, x.in.v, x.in.a, x.external);
-  k.assemble(m, d.derivatives.by_q, d.dtau_dq);
-  k.assemble(m, d.derivatives.by_v, d.dtau_dv);
+  kernels::active().single.rneaDerivatives(m, d, d.derivatives, x.in.v, x.in.a, x.external, {d.dtau_dq, d.dtau_dv, with_M ? d.M : nullptr});
 }
 
 void inverseInertia(const char* algorithm, const CompactModel& model, Data& data, VectorView q) {
@@ -114,10 +108,8 @@ namespace detail {
 
 DerivativeViews rneaDerivatives(const CompactModel& model, Data& data, VectorView q, const VectorView* v, const VectorView* a,
                                 const Force<double>* fext, std::size_t count) {
-  forceDerivatives("computeRNEADerivatives", model, data, q, v, a, fext, count);
-  const CompactImpl& m = model.impl();
-  DataImpl& d = data.impl();
-  if (m.couplings.empty()) kernels::active().single.assemble(m, d.derivatives.by_a, d.M);
+  forceDerivatives("computeRNEADerivatives", model, data, q, v, a, fext, count, true);
+  const DataImpl& d = data.impl();
   return {nullptr, d.dtau_dq, d.dtau_dv, d.M};
 }
 

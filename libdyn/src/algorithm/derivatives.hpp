@@ -5,9 +5,10 @@
 
 namespace dyn {
 
-/// Of rnea(q, v, a) by q and v, as computeRNEADerivatives has them, into d.dtau_dq and d.dtau_dv. Throws Error(size | argument).
+/// Of rnea(q, v, a) by q and v, as computeRNEADerivatives has them, into d.dtau_dq and d.dtau_dv; with couplings, or if asked for, M
+/// into d.M. Throws Error(size | argument).
 void forceDerivatives(const char* algorithm, const CompactModel& model, Data& data, VectorView q, const VectorView* v, const VectorView* a,
-                      const Force<double>* fext, std::size_t count);
+                      const Force<double>* fext, std::size_t count, bool with_M = false);
 
 /// M^-1 into d.Minv, at the q that forceDerivatives was asked at last. Throws Error(singular).
 void inverseInertia(const char* algorithm, const CompactModel& model, Data& data, VectorView q);

@@ -315,7 +315,7 @@ const std::vector<Recipe>& recipes() {
          t.evaluate(in[0], nullptr);
          kernels::CentroidalMaps<T> maps;
          maps.Ag = out.data();
-         kernels::centroidal(m, t.w, t.d, zero.data(), zero.data(), maps);
+         kernels::centroidal<T>(m, t.w, t.d, zero.data(), zero.data(), maps);
        }},
   };
   return all;

@@ -40,12 +40,15 @@ class Planner {
     plan_.used = 1.3 * plan_.count + 2 < static_cast<double>(m_.bodies() - 1);
     // Entries of the mass matrix are written one by one: its rows want lanes that are nearly full.
     plan_.used_for_mass_matrix = plan_.used && 3.25 * plan_.count <= static_cast<double>(m_.bodies() - 1);
+    const auto varies = [](const TypeBatch& batch) { return batch.shape == Shape::dense; };
+    plan_.used_for_derivatives = plan_.used && std::none_of(m_.batches.begin(), m_.batches.end(), varies);
     if (!plan_.used) {
       plan_.strips.clear();
       plan_.seats.clear();
       return std::move(plan_);
     }
     family();
+    ways();
     batches();
     numbers();
     return std::move(plan_);
@@ -164,23 +167,23 @@ class Planner {
       const int body = strip.shown[l];
       if (body < 0) continue;
       const BodyIndex& x = index(body);
-      const unsigned same = lanesOf(strip, [&](int other) { return other == body; });
+      const unsigned same = lanesOf(strip.shown, [&](int other) { return other == body; });
       if (strip.body[l] >= 0) {
         strip.depth = std::max(strip.depth, x.depth);
         plan_.seats[at(body)] = {number, l, same, strip.dof};
       }
       const Seat& parent = plan_.seats[at(x.parent)];
-      const bool alone = lanesOf(strip, [&](int other) { return other >= 0 && parentOf(other) == x.parent; }) == same;
+      const bool alone = lanesOf(strip.shown, [&](int other) { return other >= 0 && parentOf(other) == x.parent; }) == same;
       join(strip, {parent.strip, hasLane(x.parent, l) && (alone || parent.lanes != 1U << parent.lane) ? -1 : parent.lane, 1U << l});
     }
     strip.aligned = strip.parents_count == 1 && strip.parents[0].lane < 0;
     plan_.strips.push_back(strip);
   }
-  template <class Test>
-  static unsigned lanesOf(const Strip& strip, Test&& test) {
+  template <class Lanes, class Test>
+  static unsigned lanesOf(const Lanes& all, Test&& test) {
     unsigned lanes = 0;
     for (int l = 0; l < strip_lanes; ++l)
-      if (test(strip.shown[l])) lanes |= 1U << l;
+      if (test(all[static_cast<std::size_t>(l)])) lanes |= 1U << l;
     return lanes;
   }
 
@@ -226,6 +229,31 @@ class Planner {
         }
     }
   }
+  void ways() {
+    // By strip and lane, the first of the lanes that go the same way.
+    std::vector<std::array<int, strip_lanes>> first(plan_.strips.size());
+    for (std::size_t s = 1; s < plan_.strips.size(); ++s) {
+      Strip& strip = plan_.strips[s];
+      strip.bodies = lanesOf(strip.body, [](int body) { return body >= 0; });
+      const auto together = [&](int l, int other) {
+        for (int p = 0; p < strip.parents_count; ++p) {
+          const StripParents& parents = strip.parents[p];
+          if ((parents.lanes >> l & 1) == 0 || (parents.lanes >> other & 1) == 0) continue;
+          const auto& above = first[at(parents.strip)];
+          return parents.strip == 0 || parents.lane >= 0 || above[at(l)] == above[at(other)];
+        }
+        return false;
+      };
+      int count = 0;
+      for (int l = 0; l < strip_lanes; ++l) {
+        first[s][at(l)] = l;
+        for (int other = l; other-- > 0;)
+          if (together(l, other)) first[s][at(l)] = other;
+      }
+      for (int l = 0; l < strip_lanes; ++l)
+        if (const unsigned lanes = strip.bodies & lanesOf(first[s], [&](int other) { return other == l; })) strip.ways[count++] = lanes;
+    }
+  }
   /// A mirrored body that has more below it than one that is mirrored in the same lanes.
   bool parts(int body) const {
     const Seat& seat = plan_.seats[at(body)];
@@ -249,6 +277,7 @@ class Planner {
       for (const int body : to.bodies) {
         to.q_index.push_back(m_.index[at(body)].idx_q);
         to.v_index.push_back(m_.index[at(body)].idx_v);
+        to.pose_index.push_back(m_.index[at(body)].slot);
       }
       for (int c = 0; c < from.constant_count; ++c)
         for (const int body : to.bodies) to.constants.push_back(from.constants[at(c * from.count + m_.index[at(body)].slot)]);

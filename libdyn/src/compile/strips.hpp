@@ -63,6 +63,8 @@ struct Strip {
   bool gives_all = true;  ///< and so is what they hand over
   bool apart = false;     ///< many parents: lanes are read and written one by one
   LaneParent lane_parents[strip_lanes];
+  unsigned bodies = 0;              ///< lanes with a body of their own
+  unsigned ways[strip_lanes] = {};  ///< these by how they go up to the root: those that are in the same strips, lane by lane until they meet
   int depth = 0;
   bool leaf = true;  ///< no strip's parent
   int batch = 0, slot = 0;
@@ -76,11 +78,13 @@ struct StripBatch {
   std::vector<int> bodies;                     ///< four a slot: whose pose the lanes have
   std::vector<double> constants;               ///< of the joint type, component-major, stride 4 * slots
   std::vector<std::int64_t> q_index, v_index;  ///< of each of the bodies
+  std::vector<std::int64_t> pose_index;        ///< where each has its place in the batch
 };
 
 struct StripPlan {
   bool used = false;  ///< the compiler judged it faster than one body after the other; if not, `count` is all there is
   bool used_for_mass_matrix = false;
+  bool used_for_derivatives = false;
   int count = 0;              ///< strips without the universe
   std::vector<Strip> strips;  ///< [0]: the universe; parents first
   std::vector<Seat> seats;    ///< by body

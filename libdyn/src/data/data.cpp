@@ -83,6 +83,11 @@ Data::Data(const CompactModel& model, Need needs) : impl_(std::make_unique<DataI
   };
   const kernels::PackedKernels *packed = kernels::packed(m), *mass_matrix = kernels::packedMassMatrix(m);
   prepare(packed, impl_->packed);
+  if (has(impl_->needs, Need::derivatives) && kernels::useStripsForDerivatives(m)) {
+    const kernels::SingleKernels& k = kernels::active().single;
+    impl_->strip_derivatives = PackMemory(k.stripBytes(m));
+    k.prepareStrips(m, impl_->strip_derivatives.data(), impl_->derivatives);
+  }
   if (mass_matrix != packed && has(impl_->needs, Need::mass_matrix)) prepare(mass_matrix, impl_->packed_mass_matrix);
 }
 
@@ -91,8 +96,8 @@ Data::Data(Data&&) noexcept = default;
 Data& Data::operator=(Data&&) noexcept = default;
 
 std::size_t Data::bytes() const {
-  return impl_->block.bytes() + impl_->packed.bytes() + impl_->packed_mass_matrix.bytes() + impl_->dual.size() * sizeof(DualMemory) +
-         sizeof(DataImpl);
+  return impl_->block.bytes() + impl_->packed.bytes() + impl_->packed_mass_matrix.bytes() + impl_->strip_derivatives.bytes() +
+         impl_->dual.size() * sizeof(DualMemory) + sizeof(DataImpl);
 }
 
 }  // namespace dyn

@@ -23,6 +23,7 @@ struct DataImpl : Workspace<double> {
   Need needs = Need::state;
   PackMemory block;
   PackMemory packed;              ///< scratch of the kernels that kernels::packed() names
+  PackMemory strip_derivatives;   ///< where derivatives' recursions are over strips
   PackMemory packed_mass_matrix;  ///< of those that kernels::packedMassMatrix() names, if they are others
 
   std::vector<DualMemory> dual;  ///< a batch each

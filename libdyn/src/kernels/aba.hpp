@@ -128,8 +128,6 @@ void abaInward(const Order& order, Workspace<S>& w, const S* tau, const Force<S>
     if (fext) own -= inAlignedAxes(w, i, fext[i]);
     ArticulatedInertia<S> IA = inertia.with(ArticulatedInertia<S>::rigid(mass, h, I));
     Force<S> pA = force.with(own);
-    order.unite(i, IA);
-    order.unite(i, pA);
     // Eliminating one direction after the other is the factorisation: each updates IA, so the next pivot is read off it. At the joint's
     // origin, before the shift: the projection cancels, and what it leaves must not be lost under larger numbers.
     constexpr int last = Joint::nv - 1;

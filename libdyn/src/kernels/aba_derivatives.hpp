@@ -154,7 +154,7 @@ void abaDerivativesSweep(const CompactImpl& m, Workspace<S>& w, DerivativeWorksp
   const auto r = recursion(m, w, d);
   movingOutward(r.order, r.d, r.in(v));
   articulatedInward(r.order, r.d, r.in(tau), fext);
-  acceleratingOutward(r.order, r.d, r.in(v), r.in(ddq));
+  acceleratingOutward(r.order, r.d, r.in(v), r.out(ddq));
   variationsInward(r.order, r.d);
   pathSweep<Wide>(r, d);
   eliminateSubspaceTorques(r, d);

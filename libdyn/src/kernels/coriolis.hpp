@@ -13,7 +13,7 @@ void coriolisMatrix(const CompactImpl& m, Workspace<S>& w, DerivativeWorkspace<S
   const auto r = recursion(m, w, d);
   using T = typename decltype(r)::Scalar;
   const int n = m.nvx;
-  derivativesOutward(r.order, r.d, Vec3<T>{}, r.in(v), r.in(zeros));
+  derivativesOutward(r.order, r.d, Vec3<T>{}, r.velocities(v), r.accelerations(zeros));
   for (int k = 0; k < n; ++k) {
     DofVariation<T>& x = r.d.dof[k];
     x.rate = T(2) * (x.rate - x.velocity);

@@ -52,13 +52,10 @@ void massMatrix(const Order& order, Workspace<S>& w, typename Order::Entries* M)
   columnsOutward(order, w);
   const auto composite = passing(w.mass, w.h, w.Io);
   order.backward(composite, [&]<class Joint>(const Joint&, int i, int iv, auto&& masses, auto&& moments, auto&& inertias) {
-    const auto own = alignedInertia<Joint>(order, w, i);
-    S mass = masses.with(own.mass);
-    Vec3<S> h = moments.with(own.h);
-    Sym3<S> I = inertias.with(own.Io);
-    order.unite(i, mass);
-    order.unite(i, h);
-    order.unite(i, I);
+    const auto body = alignedInertia<Joint>(order, w, i);
+    const S mass = masses.with(body.mass);
+    const Vec3<S> h = moments.with(body.h);
+    const Sym3<S> I = inertias.with(body.Io);
     auto at = order.entry(M, i, iv);
     if constexpr (Joint::is_free)
       if (order.isRoot(i)) return enterFlyingRoot(order, at, iv, mass, h, I);
@@ -98,7 +95,10 @@ void massMatrix(const Order& order, Workspace<S>& w, typename Order::Entries* M)
         enter(k, dot(column.angular, F[k].angular));
       }
     };
-    at.climb(stepAlong, turnAlong);
+    const auto begin = [&] {
+      for (int k = 0; k < Joint::nv; ++k) F[k] = compositeForce<Joint>(w.dof[iv + k].S_, mass, h, I);
+    };
+    at.climb(begin, stepAlong, turnAlong);
   });
 }
 

@@ -101,6 +101,11 @@ struct CoriolisMap {
   }
 };
 
+/// Derivatives of inverse dynamics by q, v and, unless null, a: n x n each, zeros where no path leads. These stay as they are.
+struct PathDerivatives {
+  double *by_q, *by_v, *by_a;
+};
+
 /// Columns of 6 numbers, linear part first, in world axes about the centre of mass; null: not wanted. Each has `room` for numbers after its last.
 template <class S>
 struct CentroidalMaps {
@@ -114,6 +119,12 @@ struct CentroidalState {
   Force<S> momentum, rate;  ///< world axes, about the centre of mass
   Sym3<S> inertia;          ///< of the whole, locked, about the centre of mass, world axes
   S mass;
+};
+
+/// Numbers of strips' arrays: of each struct in them the first.
+struct StripArrays {
+  const double *levers = nullptr, *lever_rates = nullptr, *turnings = nullptr, *accelerations = nullptr;  ///< by strip
+  const double *dofs = nullptr, *variations = nullptr;                                                    ///< by its degrees of freedom
 };
 
 template <class S>
@@ -130,6 +141,8 @@ struct DerivativeWorkspace {
   Motion<S>* place = nullptr;              ///< [centroidal] from each joint's origin to the centre of mass, and its rate, aligned axes
   Workspace<Vectored> bodies;              ///< of single states
   DerivativeWorkspace<Vectored>* vectored = nullptr;
+  char* strips = nullptr;    ///< of single states, StripDerivatives where recursions are over strips
+  StripArrays strip_arrays;  ///< what these leave to others
 
   AoSoA<DofForces, S> force;  ///< on their way to the root
   PathMatrix<S> by_q, by_v, by_a;
@@ -140,8 +153,7 @@ struct DerivativeWorkspace {
 
 /// What recursions over bodies write.
 template <class S>
-void carveRecursions(DerivativeWorkspace<S>& w, const CompactImpl& m, Arena& arena) {
-  const auto bodies = static_cast<std::size_t>(m.bodies()), dofs = static_cast<std::size_t>(m.nvx);
+void carveRecursions(DerivativeWorkspace<S>& w, std::size_t bodies, std::size_t dofs, Arena& arena) {
   arena.take(w.dof, dofs);
   arena.take(w.shift_rate, bodies);
   arena.take(w.subtree, bodies);
@@ -176,12 +188,12 @@ void carve(DerivativeWorkspace<S>& w, const CompactImpl& m, Arena& arena) {
     DerivativeWorkspace<Vectored> without;
     DerivativeWorkspace<Vectored>& x = w.vectored ? *w.vectored : without;
     x = {};
-    carveRecursions(x, m, arena);
+    carveRecursions(x, bodies, nv, arena);
     // A number of theirs is a double in memory.
     x.subspaces = reinterpret_cast<SubspaceDerivatives<Vectored>*>(w.subspaces);
     arena.take(w.force, nv);
   } else {
-    carveRecursions(w, m, arena);
+    carveRecursions(w, bodies, nv, arena);
     w.force = AoSoA<DofForces, S>(reinterpret_cast<S*>(w.dof_force));
   }
   const int rows = (m.nvx + abreast<S> - 1) / abreast<S> * abreast<S>;  // for whole tiles
@@ -195,52 +207,6 @@ void carve(DerivativeWorkspace<S>& w, const CompactImpl& m, Arena& arena) {
   if constexpr (lanes_of<S> == 1) carve(w.cholesky, m, arena);
   arena.take(w.scratch, rows, m.nvx);
 }
-
-/// A recursion over the bodies: in what order, and what of the derivatives' memory it writes.
-template <class Order, class S>
-struct Recursion {
-  Order order;
-  DerivativeWorkspace<S>& d;
-  using Scalar = S;
-  /// Numbers as it reads them.
-  template <class T>
-  static auto in(T* numbers) {
-    static_assert(sizeof(T) == sizeof(S));
-    return reinterpret_cast<std::conditional_t<std::is_const_v<T>, const S, S>*>(numbers);
-  }
-};
-/// Of the joints that have been asked into w.
-template <class S>
-auto recursion(const CompactImpl& m, Workspace<S>& w, DerivativeWorkspace<S>& d) {
-  if constexpr (abreast<S> == 1) {
-    return Recursion<Bodies<S>, S>{{m, w}, d};
-  } else {
-    d.bodies.joints = reinterpret_cast<JointMemory<Vectored>*>(w.joints);
-    d.bodies.R[0] = d.bodies.product[0] = Mat3<Vectored>::identity();
-    return Recursion<AlignedBodies, Vectored>{{{{m, d.bodies}}}, *d.vectored};
-  }
-}
-/// Into lanes: all of them, or by_a.
-template <class Wide, bool only_by_a = false>
-void forcesAbreast(const CompactImpl& m, const DofForces<Vectored>* forces, const AoSoA<DofForces, double>& to) {
-  constexpr int numbers = (only_by_a ? sizeof(Force<Vectored>) : sizeof(DofForces<Vectored>)) / sizeof(double);
-  for (int k = 0; k < m.nvx; k += lanes_of<Wide>) {
-    const double* from[lanes_of<Wide>];
-    for (int l = 0; l < lanes_of<Wide>; ++l) from[l] = reinterpret_cast<const double*>(forces + std::min(k + l, m.nvx - 1));
-    Wide x[numbers];
-    gatherStructs<numbers>(from, x);
-    const auto vector = [&](int i) { return Vec3<Wide>{x[4 * i], x[4 * i + 1], x[4 * i + 2]}; };
-    const auto force = [&](int i) { return Force<Wide>{vector(i), vector(i + 1)}; };
-    if constexpr (only_by_a) {
-      to.putPart(k, DofForces<double>::at_by_a, force(0));
-    } else {
-      to.put(k, DofForces<Wide>{force(0), vector(2), force(3), force(5)});
-    }
-  }
-}
-/// They have been written there.
-template <class Wide, bool only_by_a = false, class S>
-void forcesAbreast(const CompactImpl&, const DofForces<S>*, const AoSoA<DofForces, S>&) {}
 
 /// One differentiated call a batch and degree of freedom of its type. q and v in expanded coordinates.
 template <class S>

@@ -55,6 +55,8 @@ const Kernels& active() {
 
 bool useStrips(const CompactImpl& m) { return m.strips.used && active().strips.bytes != nullptr; }
 
+bool useStripsForDerivatives(const CompactImpl& m) { return m.strips.used_for_derivatives && active().single.stripBytes != nullptr; }
+
 const PackedKernels* packed(const CompactImpl& m) {
   if (useStrips(m)) return &active().strips;
   return m.couplings.empty() && active().vectored.bytes != nullptr ? &active().vectored : nullptr;

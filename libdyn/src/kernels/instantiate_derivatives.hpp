@@ -9,6 +9,7 @@
 #include "kernels/evaluate.hpp"
 #include "kernels/losses.hpp"
 #include "kernels/rnea_derivatives.hpp"
+#include "kernels/scratch.hpp"
 
 #include <algorithm>
 
@@ -18,9 +19,18 @@ template <class Wide, class Panel>
 void addDerivatives(SingleKernels& k) {
   using W = Workspace<double>;
   using D = DerivativeWorkspace<double>;
+  if constexpr (lanes_of<Wide> == strip_lanes) {
+    k.stripBytes = [](const CompactImpl& m) { return scratchBytes<StripDerivatives<Wide>>(m); };
+    k.prepareStrips = [](const CompactImpl& m, char* scratch, D& d) {
+      auto& s = makeScratch<StripDerivatives<Wide>>(scratch, m);
+      s.w.R[0] = Mat3<Wide>::identity();
+      d.strips = scratch;
+      d.strip_arrays = s.arrays();
+    };
+  }
   k.evaluateSubspaces = [](const CompactImpl& m, D& d, const double* q, const double* v) { evaluateSubspaceDerivatives(m, d, q, v); };
-  k.rneaDerivatives = [](const CompactImpl& m, W& w, D& d, const double* v, const double* a, const Force<double>* fext) {
-    kernels::rneaDerivatives<Panel>(m, w, d, v, a, fext);
+  k.rneaDerivatives = [](const CompactImpl& m, W& w, D& d, const double* v, const double* a, const Force<double>* fext, const PathDerivatives& out) {
+    rneaDerivativesInPlace<Panel, Wide>(m, w, d, v, a, fext, out);
   };
   k.abaDerivatives = [](const CompactImpl& m, W& w, D& d, const double* v, const double* tau, const Force<double>* fext, double* ddq, double* by_q,
                         double* by_v, double* inverse) {
@@ -35,7 +45,7 @@ void addDerivatives(SingleKernels& k) {
     return w.failed[0];
   };
   k.centroidal = [](const CompactImpl& m, W& w, D& d, const double* v, const double* a, const CentroidalMaps<double>& out) {
-    return kernels::centroidal(m, w, d, v, a, out);
+    return kernels::centroidal<Wide>(m, w, d, v, a, out);
   };
   k.coriolis = [](const CompactImpl& m, W& w, D& d, const double* v) {
     std::fill(d.scratch.first, d.scratch.first + m.nvx, 0.0);
@@ -49,7 +59,7 @@ void addDerivatives(SingleKernels& k) {
     return failed;
   };
   k.treeFactors = [](const CompactImpl& m, W& w, D& d) {
-    kernels::treeFactors<Panel>(m, w, d);
+    kernels::treeFactors<Panel, Wide>(m, w, d);
     return w.failed[0];
   };
   k.inverseOfMassMatrix = [](const CompactImpl& m, D& d, double* out) {
@@ -128,7 +138,7 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b)
         maps.dhdot_dv = s.maps[4];
       }
       if (maps.rates) evaluateSubspaceDerivatives(m, d, s.q, s.v);
-      const CentroidalState<S> state = kernels::centroidal(m, w, d, s.v, s.a, maps);
+      const CentroidalState<S> state = kernels::centroidal<S>(m, w, d, s.v, s.a, maps);
       if (b.task == Task::centroidal_derivatives) {
         for (int k = 0; k < 3; ++k) put(k, s.maps[2 + k], 6 * n);
         return put(3, s.maps[0], 6 * n);

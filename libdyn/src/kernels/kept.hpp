@@ -34,25 +34,24 @@ class KeptFromParent {
 };
 
 /// FromChildren, through all of a run.
-template <class T>
+template <class Order, class T>
 class KeptFromChildren {
  public:
-  template <class Order>
-  KeptFromChildren(const Order&, T* array, int) : array_(array) {}
-  template <class Order>
-  void begin(const Order& order, int i, bool kept) {
+  KeptFromChildren(const Order& order, T* array, int) : order_(order), array_(array) {}
+  void begin(const Order&, int i, bool kept) {
     i_ = i;
-    leaf_ = order.isLeaf(i);
+    leaf_ = order_.isLeaf(i);
     if (leaf_) return;
     if (!kept) {
       kept_ = array_[i];
-    } else if (!order.isLastChild(i + 1)) {
+    } else if (!order_.isLastChild(i + 1)) {
       kept_ += array_[i];
     }
   }
   T with(const T& own) const {
     T sum = own;
     if (!leaf_) sum += kept_;
+    order_.unite(i_, sum);
     return sum;
   }
   T gather(const T& own) const {
@@ -62,12 +61,12 @@ class KeptFromChildren {
   }
   void give(const T& x) { kept_ = x; }
   /// To where the parent looks for it.
-  template <class Order>
-  void putAway(const Order& order, int i) {
-    if (!order.isRoot(i)) order.handOver(array_, i, kept_);
+  void putAway(const Order&, int i) {
+    if (!order_.isRoot(i)) order_.handOver(array_, i, kept_);
   }
 
  private:
+  const Order& order_;
   T* array_;
   T kept_{};
   int i_ = 0;
@@ -78,7 +77,7 @@ class KeptFromChildren {
 template <class Order, class T>
 using ParentOf = std::conditional_t<Order::template keeps<T>, KeptFromParent<T>, FromParent<Order, T>>;
 template <class Order, class T>
-using ChildrenOf = std::conditional_t<Order::template keeps<T>, KeptFromChildren<T>, FromChildren<Order, T>>;
+using ChildrenOf = std::conditional_t<Order::template keeps<T>, KeptFromChildren<Order, T>, FromChildren<Order, T>>;
 
 /// Calls step(i, from...) for i from `first` on and before `end`, all of one run.
 template <class Order, class Step, class... T>

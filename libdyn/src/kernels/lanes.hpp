@@ -3,6 +3,8 @@
 
 #include "compile/strips.hpp"
 
+#include <dyn/spatial/vector3.hpp>
+
 #include <array>
 
 namespace dyn {
@@ -10,6 +12,12 @@ namespace dyn {
 /// The compilers' own vectors, which name no instruction set.
 typedef double Four __attribute__((vector_size(32)));  // gcc 12 forgets the attribute of an alias
 
+/// A scalar whose vectors stay where they are, in one lane of the packs that strips have written.
+struct Seated {};
+template <>
+struct Vec3<Seated> {
+  const double* first = nullptr;
+};
 }  // namespace dyn
 
 namespace dyn::kernels {
@@ -43,14 +51,31 @@ const S* packsOf(const T& x) {
   return reinterpret_cast<const S*>(&x);
 }
 
-/// Each lane's numbers of a struct of its own, in a lane of its own: from[l] is the first of them.
-template <class S, class T>
+/// Each lane's numbers of a struct of its own, in a lane of its own: from[l] is the first of them, `stride` apart.
+template <class S, class T, std::size_t stride = strip_lanes>
 T gatheredLanes(const double* const* from) {
   T out;
   for (std::size_t k = 0; k < packs_in<S, T>; ++k) {
-    const std::size_t at = strip_lanes * k;
+    const std::size_t at = stride * k;
     packsOf<S>(out)[k] = typename S::Batch(Four{from[0][at], from[1][at], from[2][at], from[3][at]});
   }
+  return out;
+}
+
+/// The numbers of one lane of U's, as T.
+template <class T, class S, class U>
+T fromLane(const U& x, int lane) {
+  T out;
+  const double* numbers = reinterpret_cast<const double*>(&x) + lane;
+  for (std::size_t k = 0; k < packs_in<S, U>; ++k) reinterpret_cast<double*>(&out)[k] = numbers[strip_lanes * k];
+  return out;
+}
+/// What one lane has, in all.
+template <class S, class T>
+T inAllLanes(const T& x, int lane) {
+  T out;
+  const double* numbers = reinterpret_cast<const double*>(&x) + lane;
+  for (std::size_t k = 0; k < packs_in<S, T>; ++k) packsOf<S>(out)[k] = S(numbers[strip_lanes * k]);
   return out;
 }
 

@@ -7,8 +7,8 @@
 
 #include "kernels/aba.hpp"
 #include "kernels/crba.hpp"
-#include "kernels/derivatives.hpp"
 #include "kernels/solve.hpp"
+#include "kernels/strip_paths.hpp"
 
 namespace dyn::kernels {
 
@@ -72,19 +72,27 @@ void factorsSweep(const Order& order, const Workspace<R>& w, DerivativeWorkspace
   });
 }
 
-/// The factors of M, with joints in w.
-template <class Wide, class S>
+/// The factors of M, with joints in w. Quad: in whose lanes strips may be.
+template <class Wide, class Quad = Wide, class S>
 void treeFactors(const CompactImpl& m, Workspace<S>& w, DerivativeWorkspace<S>& d) {
-  const auto r = recursion(m, w, d);
-  using T = typename decltype(r)::Scalar;
-  columnsOutward(r.order, r.order.w);
-  articulatedFactors(r.order, r.order.w, [&](int dof, const T& inverse, const Force<T>& row) {
-    r.d.factors.inverse[dof] = inverse;
-    r.d.dof_force[dof].by_a = row;
+  // Entries are written one by one, which as in the mass matrix wants lanes that are nearly full.
+  withRecursion<Quad>(m, w, d, m.strips.used_for_mass_matrix, [&](const auto& r) {
+    using T = typename std::remove_cvref_t<decltype(r)>::Scalar;
+    columnsOutward(r.order, r.order.w);
+    T* inverses = r.out(d.factors.inverse);
+    articulatedFactors(r.order, r.order.w, [&](int dof, const T& inverse, const Force<T>& row) {
+      inverses[dof] = inverse;
+      r.d.dof_force[dof].by_a = row;
+    });
+    if constexpr (std::remove_cvref_t<decltype(r)>::over_strips) {
+      r.put(inverses, d.factors.inverse);
+      stripFactorsSweep(r, d.factors.L);
+    } else {
+      forcesAbreast<Wide, true>(m, r.d.dof_force, d.force);
+      factorsSweep<Wide>(r.order, r.order.w, d);
+    }
+    r.failures(w.failed);
   });
-  forcesAbreast<Wide, true>(m, r.d.dof_force, d.force);
-  factorsSweep<Wide>(r.order, r.order.w, d);
-  std::copy(std::begin(r.order.w.failed), std::end(r.order.w.failed), w.failed);
 }
 
 /// M^-1 from its factors, n x n, by way of the n rows X. Half of it is solved for: the result is symmetric to the last bit.

@@ -61,8 +61,7 @@ void rneaInward(const Order& order, Workspace<S>& w, S* tau, const Force<S>* fex
     const Vec3<S> linear = c.mass * spin.at(origin, c.com);
     Force<S> own{linear, spin.torque(c.rotational) + cross(c.com, linear)};
     if (fext) own -= fext[i];
-    Force<S> f = force.with(own);
-    order.unite(i, f);
+    const Force<S> f = force.with(own);
     joint.project(f, tau + iv);
     if (!order.isRoot(i)) force.give(w.rel[i].act(f));
   });

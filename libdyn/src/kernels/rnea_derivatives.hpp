@@ -9,6 +9,7 @@
 // these it takes the momentum and K = sum m r' r^T. Velocities are counted relative to each joint's origin, so the base's does not enter.
 #pragma once
 
+#include "kernels/strip_paths.hpp"
 #include "kernels/variations.hpp"
 
 namespace dyn::kernels {
@@ -75,6 +76,8 @@ template <class Joint, class Order, class S>
 void writeVariations(const Order& order, DerivativeWorkspace<S>& d, int i, int iv, const Vec3<S>& wp, const Vec3<S>& omega, const Motion<S>& carried,
                      const Vec3<S>& slide, const S* v, const S* a) {
   const Workspace<S>& w = order.w;
+  if constexpr (Joint::is_free)
+    if (order.isRoot(i)) return flyingVariations(carried.linear, slide, omega, [&](int k, const DofVariation<S>& x) { d.dof[iv + k] = x; });
   const Motion<S> parent{carried.linear + cross(wp, cross(wp, w.r[i])), carried.angular};
   for (int k = 0; k < Joint::nv; ++k) {
     const DofMotion<S> motion{w.dof[iv + k].S_, wp, omega, parent, slide};
@@ -115,6 +118,8 @@ void derivativesInward(const Order& order, DerivativeWorkspace<S>& d, const Forc
     Subtree<S> own = movingBody<Joint>(order, w, i, fext);
     own.f += rigidForce(own.m, w.acc[i]);
     const Subtree<S>& c = subtree.gather(own);
+    if constexpr (Joint::is_free)
+      if (order.isRoot(i)) return flyingForces(d.dof + iv, c, [&](int k, const DofForces<S>& x) { d.dof_force[iv + k] = x; });
     for (int k = iv; k < iv + Joint::nv; ++k) d.dof_force[k] = forcesOf<Joint>(w.dof[k].S_, d.dof[k], c);
     if (!order.isRoot(i)) subtree.give(moved(c, w.r[i], d.shift_rate[i]));
   });
@@ -124,11 +129,11 @@ void derivativesInward(const Order& order, DerivativeWorkspace<S>& d, const Forc
 /// variations of the joints that they reach below the diagonals of d.by_q and d.by_v; s . forces right of these.
 template <class Wide, class R, class S>
 void pathSweep(const R& recursion, DerivativeWorkspace<S>& d) {
-  using T = typename R::Scalar;
   using D = DofForces<Wide>;
   const auto& order = recursion.order;
-  const Workspace<T>& w = order.w;
-  const DerivativeWorkspace<T>& x = recursion.d;
+  const auto& w = order.w;
+  const auto& x = recursion.d;
+  using T = typename R::Scalar;
   forcesAbreast<Wide>(order.m, x.dof_force, d.force);
   // Copies: what packs are stored into might be anything, even the struct that says where.
   const AoSoA<DofForces, S> force = d.force;
@@ -193,7 +198,14 @@ S subspaceTorque(const Order& order, const DerivativeWorkspace<S>& d, const Forc
   return dot(Motion<S>{R * dS.linear, R * dS.angular}, f);
 }
 
-/// d.by_q, d.by_v and d.by_a, which are the derivatives of rnea, losses included.
+/// Armature and damping, which are on the diagonals: add(matrix, k, x) is called for each, by_a 0 and by_v 1.
+template <class Add>
+void addLossDerivatives(const CompactImpl& m, Add&& add) {
+  for (std::size_t k = 0; k < m.armature.size(); ++k) add(0, static_cast<int>(k), m.armature[k]);
+  for (std::size_t k = 0; k < m.damping.size(); ++k) add(1, static_cast<int>(k), m.damping[k]);
+}
+
+/// After derivativesInward: d.by_q, d.by_v and d.by_a, which are the derivatives of rnea, losses included.
 template <class Wide, class R, class S>
 void derivativesSweep(const R& recursion, DerivativeWorkspace<S>& d) {
   pathSweep<Wide>(recursion, d);
@@ -204,17 +216,37 @@ void derivativesSweep(const R& recursion, DerivativeWorkspace<S>& d) {
         for (int k = 0; k < Joint::nv; ++k)
           d.by_q.addOwn(iv + k, iv + along, numberOf(subspaceTorque<Joint>(recursion.order, recursion.d, recursion.d.subtree[i].f, i, along, k)));
   });
-  for (std::size_t k = 0; k < m.armature.size(); ++k) d.by_a.below[static_cast<int>(k)][k] += S(static_cast<Real<S>>(m.armature[k]));
-  for (std::size_t k = 0; k < m.damping.size(); ++k) d.by_v.below[static_cast<int>(k)][k] += S(static_cast<Real<S>>(m.damping[k]));
+  addLossDerivatives(m, [&](int matrix, int k, double x) { (matrix == 0 ? d.by_a : d.by_v).below[k][k] += S(static_cast<Real<S>>(x)); });
 }
 
 /// The derivatives of rnea, losses included, into d.by_q, d.by_v and d.by_a. Joints have been asked into w, how subspaces vary into d.
 template <class Wide, class S>
 void rneaDerivatives(const CompactImpl& m, Workspace<S>& w, DerivativeWorkspace<S>& d, const S* v, const S* a, const Force<S>* fext = nullptr) {
   const auto r = recursion(m, w, d);
-  derivativesOutward(r.order, r.d, r.order.gravity(), r.in(v), r.in(a));
+  derivativesOutward(r.order, r.d, r.order.gravity(), r.velocities(v), r.accelerations(a));
   derivativesInward(r.order, r.d, fext);
   derivativesSweep<Wide>(r, d);
+}
+/// The same of one state, into place. Quad: in whose lanes strips may be.
+template <class Wide, class Quad>
+void rneaDerivativesInPlace(const CompactImpl& m, Workspace<double>& w, DerivativeWorkspace<double>& d, const double* v, const double* a,
+                            const Force<double>* fext, const PathDerivatives& out) {
+  withRecursion<Quad>(m, w, d, true, [&](const auto& r) {
+    derivativesOutward(r.order, r.d, r.order.gravity(), r.velocities(v), r.accelerations(a));
+    derivativesInward(r.order, r.d, r.external(fext));
+    if constexpr (std::remove_cvref_t<decltype(r)>::over_strips) {
+      stripPathSweep(r, out);
+      addLossDerivatives(m, [&](int matrix, int k, double x) {
+        if (double* to = matrix == 0 ? out.by_a : out.by_v) to[(m.nvx + 1) * k] += x;
+      });
+    } else {
+      derivativesSweep<Wide>(r, d);
+      const auto assemble = [&](const PathMatrix<double>& from, double* to) { from.assemble<Wide>(m.dof_end, Rows<double>{to, m.nvx}); };
+      assemble(d.by_q, out.by_q);
+      assemble(d.by_v, out.by_v);
+      if (out.by_a) assemble(d.by_a, out.by_a);
+    }
+  });
 }
 
 }  // namespace dyn::kernels

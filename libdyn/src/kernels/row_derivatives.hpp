@@ -10,7 +10,7 @@
 
 #include "compile/constraints.hpp"
 #include "kernels/columns.hpp"
-#include "kernels/derivatives.hpp"
+#include "kernels/recursion.hpp"
 
 namespace dyn {
 
@@ -38,43 +38,53 @@ struct PointColumn {
   Motion<S> rate;          ///< of the acceleration by v
 };
 using StoredColumn = PointColumn<Vectored>;
+inline const Vec3<Vectored>& vectored(const Vec3<Vectored>& v) { return v; }
+inline Vec3<Vectored> vectored(const Vec3<Seated>& v) { return {v.first[0], v.first[strip_lanes], v.first[2 * strip_lanes]}; }
 
 /// Velocity of a point and its body; the point's acceleration, gravity's taken off, and the body's.
 struct PointMotion {
   Motion<double> velocity, acceleration;
 };
 
-/// Of the point at `lever` from body's origin, after derivativesOutward: its motion, and its columns to out[path[k]] in the order in which
-/// degrees of freedom are met on the way from the body to the world, joint by joint the first one first.
-inline PointMotion pointColumns(const CompactImpl& m, const DerivativeWorkspace<double>& d, int body, const Vec3<double>& lever, const int* path,
-                                StoredColumn* out) {
+inline const Motion<Vectored>& vectored(const Motion<Vectored>& m) { return m; }
+inline Motion<Vectored> vectored(const Motion<Seated>& m) { return {vectored(m.linear), vectored(m.angular)}; }
+
+template <class Left>
+PointMotion pointColumnsOf(const CompactImpl& m, const Left& left, int body, const Vec3<double>& lever, const int* path, StoredColumn* out) {
   using S = Vectored;
-  const Workspace<S>& w = d.bodies;
-  const DerivativeWorkspace<S>& x = *d.vectored;
-  const Vec3<S> omega = w.w[body], start = Vec3<S>(lever.x, lever.y, lever.z), start_rate = cross(omega, start);
+  const Vec3<S> omega = vectored(left.turning(body)), start = Vec3<S>(lever.x, lever.y, lever.z), start_rate = cross(omega, start);
   const auto parentOf = [&](int i) { return m.index[static_cast<std::size_t>(i)].parent; };
   Vec3<S> velocity = start_rate;
-  for (int i = body; i > 0; i = parentOf(i)) velocity += x.shift_rate[i];
+  for (int i = body; i > 0; i = parentOf(i)) velocity += vectored(left.leverRate(i));
   // Of the point, from the joint's origin, and how that changes.
   Vec3<S> r = start, rate = start_rate;
   for (int i = body; i > 0; i = parentOf(i)) {
     const BodyIndex& index = m.index[static_cast<std::size_t>(i)];
     for (int k = index.idx_v; k < index.idx_v + index.nv; ++k) {
-      const Motion<S>& s = w.dof[k].S_;
-      const DofVariation<S>& change = x.dof[k];
-      const Vec3<S>&turn = s.angular, &more = change.velocity.angular;
+      const auto& change = left.variation(k);
+      const Motion<S>&s = vectored(left.column(k)), &by_v = vectored(change.rate);
+      const Motion<S>&dv = vectored(change.velocity), &da = vectored(change.acceleration);
+      const Vec3<S>&turn = s.angular, &more = dv.angular;
       const auto atPoint = [&](const Motion<S>& a) { return a.linear + cross(a.angular, r); };
       out[*path++] = {{atPoint(s), turn},
-                      {atPoint(change.velocity) - cross(turn, velocity - rate), more},
-                      {atPoint(change.acceleration) + S(2) * cross(more, rate), change.acceleration.angular + cross(more, omega)},
-                      {atPoint(change.rate) + S(2) * cross(turn, rate), change.rate.angular + cross(turn, omega)}};
+                      {atPoint(dv) - cross(turn, velocity - rate), more},
+                      {atPoint(da) + S(2) * cross(more, rate), da.angular + cross(more, omega)},
+                      {atPoint(by_v) + S(2) * cross(turn, rate), by_v.angular + cross(turn, omega)}};
     }
-    r += w.r[i];
-    rate += x.shift_rate[i];
+    r += vectored(left.lever(i));
+    rate += vectored(left.leverRate(i));
   }
-  const Motion<S>& a = w.acc[body];
+  const Motion<S>& a = vectored(left.acceleration(body));
   const Vec3<S> acceleration = a.linear + cross(a.angular, start) + cross(omega, start_rate);
   return {{cast<double>(velocity), cast<double>(omega)}, {cast<double>(acceleration), cast<double>(a.angular)}};
+}
+
+/// Of the point at `lever` from body's origin, after derivativesOutward: its motion, and its columns to out[path[k]] in the order in which
+/// degrees of freedom are met on the way from the body to the world, joint by joint the first one first.
+inline PointMotion pointColumns(const CompactImpl& m, const DerivativeWorkspace<double>& d, int body, const Vec3<double>& lever, const int* path,
+                                StoredColumn* out) {
+  if (d.strips) return pointColumnsOf(m, LeftByStrips{m.strips, d.strip_arrays}, body, lever, path, out);
+  return pointColumnsOf(m, LeftByBodies<Vectored>{d.bodies, *d.vectored}, body, lever, path, out);
 }
 
 /// A constraint's part of matrices with a column a degree of freedom of the user's: `rows` numbers each, or nv.

@@ -215,23 +215,23 @@ struct Dense {
 };
 
 /// Hands a kernel over to the shape of a run: `kernel.template operator()<Shape>()`. The one dispatch of a run.
-/// Without `constants` there are no dense_constant shapes.
-template <class S, bool constants = true, class Kernel>
+/// Without `constants` there are no dense_constant shapes, without `varying` no dense ones.
+template <class S, bool constants = true, bool varying = true, class Kernel>
 void withShape(Shape shape, int nv, Kernel&& kernel) {
-  const auto dense = [&]<bool varying>() {
+  [[maybe_unused]] const auto dense = [&]<bool varies>() {
     switch (nv) {
       case 1:
-        return kernel.template operator()<Dense<S, 1, varying>>();
+        return kernel.template operator()<Dense<S, 1, varies>>();
       case 2:
-        return kernel.template operator()<Dense<S, 2, varying>>();
+        return kernel.template operator()<Dense<S, 2, varies>>();
       case 3:
-        return kernel.template operator()<Dense<S, 3, varying>>();
+        return kernel.template operator()<Dense<S, 3, varies>>();
       case 4:
-        return kernel.template operator()<Dense<S, 4, varying>>();
+        return kernel.template operator()<Dense<S, 4, varies>>();
       case 5:
-        return kernel.template operator()<Dense<S, 5, varying>>();
+        return kernel.template operator()<Dense<S, 5, varies>>();
       default:
-        return kernel.template operator()<Dense<S, 6, varying>>();
+        return kernel.template operator()<Dense<S, 6, varies>>();
     }
   };
   switch (shape) {
@@ -251,7 +251,8 @@ void withShape(Shape shape, int nv, Kernel&& kernel) {
       if constexpr (constants) dense.template operator()<false>();
       return;
     case Shape::dense:
-      return dense.template operator()<true>();
+      if constexpr (varying) dense.template operator()<true>();
+      return;
   }
 }
 

@@ -79,21 +79,6 @@ bool evaluateStrips(const CompactImpl& m, Workspace<S>& w, const double* q, cons
   return finite;
 }
 
-template <class S>
-void gatherDofs(const StripPlan& plan, const double* v, S* v_to, const double* a, S* a_to) {
-  const std::int64_t* index = plan.dof_index.data();
-  for (int k = 0; k < plan.dofs; ++k, index += strip_lanes) {
-    v_to[k] = gathered<S>(v, index);
-    a_to[k] = gathered<S>(a, index);
-  }
-}
-
-template <class S>
-void scatterDofs(const StripPlan& plan, const S* from, double* to) {
-  const auto* numbers = reinterpret_cast<const double*>(from);
-  for (const std::int64_t place : plan.dof_place) *to++ = numbers[place];
-}
-
 /// Of flying roots the half below the diagonal, from what putFlying wrote.
 inline void mirrorFlyingRoots(const CompactImpl& m, double* M) {
   const std::ptrdiff_t n = m.nvx;
@@ -123,7 +108,8 @@ PackedKernels stripKernels() {
     auto& s = *reinterpret_cast<StripScratch<S>*>(scratch);
     const Strips<S> strips{m, s.w};
     gatherCoordinates(m, s.w, q, v);
-    gatherDofs(m.strips, v, s.v, a, s.a);
+    gatherDofs(m.strips, v, s.v);
+    gatherDofs(m.strips, a, s.a);
     const bool finite = evaluateStrips(m, s.w, q, v);
     rneaOutward(strips, s.w, s.v, s.a);
     rneaInward(strips, s.w, s.result);
@@ -143,13 +129,12 @@ PackedKernels stripKernels() {
     auto& s = *reinterpret_cast<StripScratch<S>*>(scratch);
     const Strips<S> strips{m, s.w};
     gatherCoordinates(m, s.w, q, v);
-    gatherDofs(m.strips, v, s.v, tau, s.a);
+    gatherDofs(m.strips, v, s.v);
+    gatherDofs(m.strips, tau, s.a);
     const bool finite = evaluateStrips(m, s.w, q, v);
     abaOutward(strips, s.w, s.v);
     abaInward(strips, s.w, s.a);
-    failed = 0;
-    for (int l = 0; l < strip_lanes; ++l)
-      if (s.w.failed[l] != 0 && failed == 0) failed = m.strips.strips[static_cast<std::size_t>(s.w.failed[l])].shown[l];
+    failed = firstFailure(m, s.w);
     return finite;
   };
   k.accelerate = [](const CompactImpl& m, char* scratch, const Vec3<double>& gravity, double* ddq) {

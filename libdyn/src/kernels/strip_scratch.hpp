@@ -1,6 +1,7 @@
-// Memory of the recursions over strips.
+// Memory of the recursions over strips, and the way in and out of their lanes.
 #pragma once
 
+#include "kernels/lanes.hpp"
 #include "kernels/workspace.hpp"
 
 namespace dyn::kernels {
@@ -12,8 +13,12 @@ struct StripScratch {
   S *v, *a, *result;
 
   static std::size_t carve(StripScratch& s, const CompactImpl& m, char* base) {
-    const StripPlan& plan = m.strips;
     Arena arena(base);
+    carve(s, m, arena);
+    return arena.used();
+  }
+  static void carve(StripScratch& s, const CompactImpl& m, Arena& arena) {
+    const StripPlan& plan = m.strips;
     arena.take(s.w.joints, m.batches.size());
     JointMemory<S> counted;
     for (std::size_t b = 0; b < m.batches.size(); ++b)
@@ -23,8 +28,29 @@ struct StripScratch {
     arena.take(s.v, dofs);
     arena.take(s.a, dofs);
     arena.take(s.result, dofs);
-    return arena.used();
   }
 };
+
+/// What it has been gathered to.
+template <class S>
+const S* gatherDofs(const StripPlan& plan, const double* from, S* to) {
+  const std::int64_t* index = plan.dof_index.data();
+  for (int k = 0; k < plan.dofs; ++k, index += strip_lanes) to[k] = gathered<S>(from, index);
+  return to;
+}
+
+template <class S>
+void scatterDofs(const StripPlan& plan, const S* from, double* to) {
+  const auto* numbers = reinterpret_cast<const double*>(from);
+  for (const std::int64_t place : plan.dof_place) *to++ = numbers[place];
+}
+
+/// The body whose pivot vanished, in the first lane where one did; or 0.
+template <class S>
+int firstFailure(const CompactImpl& m, const Workspace<S>& w) {
+  for (int l = 0; l < strip_lanes; ++l)
+    if (w.failed[l] != 0) return m.strips.strips[static_cast<std::size_t>(w.failed[l])].shown[l];
+  return 0;
+}
 
 }  // namespace dyn::kernels

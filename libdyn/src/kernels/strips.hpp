@@ -7,7 +7,8 @@
 
 namespace dyn::kernels {
 
-template <class S>
+/// `varying`: also of joints whose subspace varies with q.
+template <class S, bool varying = true>
 struct Strips {
   static constexpr bool waits = false;
 
@@ -74,14 +75,14 @@ struct Strips {
 
   using Entries = double;
   using Entry = StripEntry<S>;
-  Entry entry(double* M, int i, int iv) const { return {m, M, i, iv}; }
+  Entry entry(double* M, int i, int) const { return {m, M, i}; }
 
   template <class Body, class... T>
   void forward(std::tuple<T*...> arrays, Body&& body) const {
     const int n = static_cast<int>(m.strips.strips.size());
     for (int first = 1, end; first < n; first = end) {
       for (end = first; end < n && alike(first, end);) ++end;
-      withShape<S, false>(strip(first).shape, strip(first).nv, [&]<class Joint>() DYN_RUN_LOOP {
+      withShape<S, false, varying>(strip(first).shape, strip(first).nv, [&]<class Joint>() DYN_RUN_LOOP {
         const auto step = [&](int i, auto&... from) {
           const Slot<S> slot = slotOf(i);
           body(Joint(slot), i, strip(i).dof, from...);
@@ -94,7 +95,7 @@ struct Strips {
   void backward(std::tuple<T*...> arrays, Body&& body) const {
     for (int end = static_cast<int>(m.strips.strips.size()), first; end > 1; end = first) {
       for (first = end - 1; first > 1 && alike(first - 1, end - 1);) --first;
-      withShape<S, false>(strip(first).shape, strip(first).nv, [&]<class Joint>() DYN_RUN_LOOP {
+      withShape<S, false, varying>(strip(first).shape, strip(first).nv, [&]<class Joint>() DYN_RUN_LOOP {
         const auto step = [&](int i, auto&... from) {
           const Slot<S> slot = slotOf(i);
           body(Joint(slot), i, strip(i).dof, from...);
@@ -134,11 +135,7 @@ struct Strips {
   template <class T>
   static T of(const StripParents& parents, const T* array) {
     const T& all = array[parents.strip];
-    if (parents.lane < 0) return all;
-    T out;
-    const auto* numbers = reinterpret_cast<const double*>(&all) + parents.lane;
-    for (std::size_t k = 0; k < packs_in<S, T>; ++k) packsOf<S>(out)[k] = S(numbers[strip_lanes * k]);
-    return out;
+    return parents.lane < 0 ? all : inAllLanes<S>(all, parents.lane);
   }
   template <class T>
   static void give(const StripParents& parents, T* array, const T& value) {

@@ -51,6 +51,7 @@ class FromChildren {
   T with(const T& own) const {
     T sum = own;
     if (!order_.isLeaf(i_)) sum += array_[i_];
+    order_.unite(i_, sum);
     return sum;
   }
   /// The same, which stays in the array.
@@ -61,6 +62,7 @@ class FromChildren {
     } else {
       sum += own;
     }
+    order_.unite(i_, sum);
     return sum;
   }
   /// To the parent; a root has none.
@@ -111,7 +113,7 @@ struct Bodies {
   }
   bool isLeaf(int i) const { return treeEnd(i) == i + 1; }
 
-  /// Strips may have a body in several lanes.
+  /// Strips may have a body in several lanes, whose sum each of them takes.
   template <class T>
   void unite(int, T&) const {}
 
@@ -121,9 +123,9 @@ struct Bodies {
   class Entry {
    public:
     Entry(const Bodies& bodies, S* M, int i, int iv) : bodies_(bodies), M_(M), from_(i), to_(i), row_(iv), column_(iv) {}
-    /// Calls turning(r, column, enter) for each body of a piece, step(*this) for others.
-    template <class Step, class Turning>
-    void climb(Step&& step, Turning&& turning) {
+    /// Calls turning(r, column, enter) for each body of a piece, step(*this) for others. This one goes one way, and does not begin again.
+    template <class Begin, class Step, class Turning>
+    void climb(Begin&&, Step&& step, Turning&& turning) {
       const std::ptrdiff_t n = bodies_.m.nvx;
       do {
         from_ = to_;

@@ -30,10 +30,13 @@ struct SingleKernels {
   void (*placeOutward)(const CompactImpl&, Workspace<double>&, const double* v);
 
   using Derivatives = DerivativeWorkspace<double>;
+  /// Memory for the Derivatives of models whose recursions are over strips; null where packs are too narrow.
+  std::size_t (*stripBytes)(const CompactImpl&) = nullptr;
+  void (*prepareStrips)(const CompactImpl&, char* memory, Derivatives&) = nullptr;
   /// How subspaces vary, which all derivatives take.
   void (*evaluateSubspaces)(const CompactImpl&, Derivatives&, const double* q, const double* v);
-  /// Into the Derivatives' by_q, by_v and by_a.
-  void (*rneaDerivatives)(const CompactImpl&, Workspace<double>&, Derivatives&, const double* v, const double* a, const Force<double>* fext);
+  void (*rneaDerivatives)(const CompactImpl&, Workspace<double>&, Derivatives&, const double* v, const double* a, const Force<double>* fext,
+                          const PathDerivatives& out);
   /// aba without losses, its derivatives, and M^-1; n x n each. Returns the body whose pivot vanished, or 0.
   int (*abaDerivatives)(const CompactImpl&, Workspace<double>&, Derivatives&, const double* v, const double* tau, const Force<double>* fext,
                         double* ddq, double* by_q, double* by_v, double* inverse);
@@ -135,6 +138,9 @@ const Kernels& active();
 
 /// Whether the algorithms that can take joints in lanes do so for this model.
 bool useStrips(const CompactImpl& m);
+
+/// The same of derivatives.
+bool useStripsForDerivatives(const CompactImpl& m);
 
 /// What takes several numbers of one state of this model at once, or null.
 const PackedKernels* packed(const CompactImpl& m);

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "kernels/crba.hpp"
-#include "kernels/derivatives.hpp"
+#include "kernels/recursion.hpp"
 
 namespace dyn::kernels {
 
@@ -102,6 +102,18 @@ DofVariation<S> variationOf(const DofMotion<S>& x, const SubspaceTerms<S>& more)
   return {velocity, acceleration, velocity + rate};
 }
 
+/// The same of a flying root, whose columns are the axes and which nothing moves before: `acceleration` is the world's, less gravity, `slide` and
+/// `omega` how it moves.
+template <class S, class Use>
+void flyingVariations(const Vec3<S>& acceleration, const Vec3<S>& slide, const Vec3<S>& omega, Use&& use) {
+  const Mat3<S> accelerates = skew(acceleration), slides = skew(slide), turns = skew(omega);
+  for (int k = 0; k < 3; ++k) {
+    const Vec3<S> back = -slides.col(k);
+    use(k, DofVariation<S>{{}, {}, {turns.col(k), {}}});
+    use(3 + k, DofVariation<S>{{back, {}}, {accelerates.col(k), {}}, {back, turns.col(k)}});
+  }
+}
+
 /// Of a degree of freedom with motion s and variation x.
 template <class Joint, class S>
 DofForces<S> forcesOf(const Motion<S>& s, const DofVariation<S>& x, const Subtree<S>& c) {
@@ -110,6 +122,34 @@ DofForces<S> forcesOf(const Motion<S>& s, const DofVariation<S>& x, const Subtre
   return {rigidForceOf<Joint>(m, s), coriolisLever<Joint>(m, K, s),
           rigidForce(m, x.acceleration) + coriolis(m, K, x.velocity.angular) + turnedOf<Joint>(s, c.f),
           rigidForceOf<Joint>(m, x.rate) + coriolis(m, K, s.angular)};
+}
+
+/// use(k, I s_k) for all six of a flying root.
+template <class S, class Use>
+void flyingColumns(const SubtreeMomentum<S>& m, Use&& use) {
+  const Mat3<S> mass = m.mass * Mat3<S>::identity(), h = skew(m.h), inertia = m.I.matrix();
+  for (int k = 0; k < 3; ++k) {
+    use(k, Force<S>{mass.col(k), h.col(k)});
+    use(3 + k, Force<S>{-h.col(k), inertia.col(k)});
+  }
+}
+/// The same of all six of a flying root; variations are where x begins.
+template <class S, class Use>
+void flyingForces(const DofVariation<S>* x, const Subtree<S>& c, Use&& use) {
+  const SubtreeMomentum<S>& m = c.m;
+  const S two(2);
+  const Mat3<S> second = trace(c.K) * Mat3<S>::identity() - c.K, lever = transpose(second), inertia = m.I.matrix();
+  const Mat3<S> h = skew(m.h), momentum = skew(m.momentum.linear), linear = skew(c.f.linear), angular = skew(c.f.angular);
+  const Mat3<S> mass = m.mass * Mat3<S>::identity();
+  for (int k = 0; k < 3; ++k) {
+    const Vec3<S> slid = x[k].rate.linear, accelerated = x[3 + k].acceleration.linear, turned_force = linear.col(k);
+    use(k, DofForces<S>{{mass.col(k), h.col(k)}, two * momentum.col(k), {{}, -turned_force}, {m.mass * slid, cross(m.h, slid)}});
+    const Force<S> by_v = rigidForce(m, x[3 + k].rate);
+    use(3 + k, DofForces<S>{{-h.col(k), inertia.col(k)},
+                            two * lever.col(k),
+                            {m.mass * accelerated - turned_force, cross(m.h, accelerated) - angular.col(k)},
+                            {by_v.linear - two * momentum.col(k), by_v.angular + two * second.col(k)}});
+  }
 }
 
 }  // namespace dyn::kernels
