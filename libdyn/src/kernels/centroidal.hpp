@@ -165,7 +165,7 @@ CentroidalState<S> centroidalOf(const Order& bodies, DerivativeWorkspace<S>& d, 
   const DofVariation<S>* const variations = d.dof;
   const DofForces<S>* const dof_forces = d.dof_force;
   const auto rootOf = [&](int i) { return treeRoot(index[i], w.rel[i], rs[i], rates[i], subtrees[i]); };
-  const CentroidalState<S> sum = centroidalState<S>(bodies.m, out.rates, rootOf, places);
+  CentroidalState<S> sum = centroidalState<S>(bodies.m, out.rates, rootOf, places);
   // From each root to its leaves.
   TreeAxes<S> tree;
   for (int i = 1; i < count; ++i) {
@@ -196,7 +196,7 @@ CentroidalState<double> centroidalOf(const StripRecursion<S>& r, const Centroida
   const Subtree<double> whole = ofRoot(d.subtree);
   const TreeRoot<double> root = treeRoot(order.m.index[1], ofRoot(w.rel), ofRoot(w.r), ofRoot(d.shift_rate), whole);
   Motion<double> places[2];
-  const CentroidalState<double> sum = centroidalState<double>(
+  CentroidalState<double> sum = centroidalState<double>(
       order.m, out.rates, [&](int) { return root; }, places);
   const TreeAxes<double> axes = treeAxes(root.R, sum, out.rates);
   const TreeAxes<S> tree{cast<S>(axes.R), cast<S>(axes.force)};

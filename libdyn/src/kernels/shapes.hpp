@@ -248,12 +248,13 @@ void withShape(Shape shape, int nv, Kernel&& kernel) {
     case Shape::free:
       return kernel.template operator()<Free<S>>();
     case Shape::dense_constant:
-      if constexpr (constants) dense.template operator()<false>();
-      return;
     case Shape::dense:
-      if constexpr (varying) dense.template operator()<true>();
-      return;
+      break;
   }
+  if constexpr (constants)
+    if (shape == Shape::dense_constant) return dense.template operator()<false>();
+  if constexpr (varying)
+    if (shape == Shape::dense) return dense.template operator()<true>();
 }
 
 }  // namespace dyn::kernels
