@@ -135,8 +135,6 @@ DerivativeViews abaDerivatives(const CompactModel& model, Data& data, VectorView
   const double* effective = lessLosses(m, d, tau.data, x.in.v);
   checkFactors(algorithm, m,
                kernels::active().single.abaDerivatives(m, d, d.derivatives, x.in.v, effective, x.external, d.ddq, d.ddq_dq, d.ddq_dv, d.Minv));
-  if (!m.damping.empty())
-    for (Eigen::Index k = 0; k < n; ++k) Matrix(d.ddq_dv, n, n).col(k) -= m.damping[static_cast<std::size_t>(k)] * Matrix(d.Minv, n, n).col(k);
   return {d.ddq, d.ddq_dq, d.ddq_dv, d.Minv};
 }
 

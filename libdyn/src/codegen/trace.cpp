@@ -199,7 +199,7 @@ void abaDerivatives(const CompactImpl& m, Tracer& t, const std::vector<T*>& in, 
   kernels::addLosses(m, -1.0, static_cast<const T*>(in[1]), tau.data());
   t.evaluate(in[0], in[1]);
   t.evaluateSubspaceDerivatives(in[0], in[1]);
-  kernels::abaDerivativesSweep<T>(m, t.w, t.d, static_cast<const T*>(in[1]), static_cast<const T*>(tau.data()), ddq.data());
+  kernels::abaDerivativesSweep(m, t.w, t.d, static_cast<const T*>(in[1]), static_cast<const T*>(tau.data()), ddq.data());
   kernels::abaDerivativeColumns(m, t.d, t.d.by_q, Rows<T>{by_q.data(), m.nvx});
   kernels::abaDerivativeColumns(m, t.d, t.d.by_v, Rows<T>{by_v.data(), m.nvx});
   inverseOfMassMatrix(m, t, t.d.by_a.below, inverse);

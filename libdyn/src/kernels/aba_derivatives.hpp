@@ -17,16 +17,15 @@ namespace dyn::kernels {
 /// Of a rigid body: what coriolis() is as a matrix.
 template <class S>
 CoriolisMap<S> coriolisMap(const Vec3<S>& momentum, const Mat3<S>& K) {
-  return {S(-2) * skew(momentum), S(2) * (trace(K) * Mat3<S>::identity() - K)};
+  return {skew(S(-2) * momentum), S(2) * (trace(K) * Mat3<S>::identity() - K)};
 }
 
 /// About the parent's origin, with velocities relative to it: r from the parent's to the joint's, rate the joint origin's velocity.
 template <class S>
 CoriolisMap<S> shiftedMap(const CoriolisMap<S>& map, const ArticulatedInertia<S>& I, const Vec3<S>& r, const Vec3<S>& rate) {
-  const Mat3<S> turned = S(-2) * skew(rate);
-  CoriolisMap<S> out{map.linear + I.linear.matrix() * turned, map.angular + transpose(I.coupling) * turned};
-  out.angular = out.angular + skew(r) * out.linear;
-  return out;
+  const Vec3<S> turning = S(-2) * rate;
+  const Mat3<S> linear = map.linear + timesSkew(I.linear.matrix(), turning);
+  return {linear, map.angular + timesSkew(transpose(I.coupling), turning) + crossColumns(r, linear)};
 }
 
 /// Placements, velocities and columns, and w.beta.
@@ -124,10 +123,10 @@ void variationsInward(const Order& order, DerivativeWorkspace<S>& d) {
   });
 }
 
-/// After pathSweep: what the torques s . f of subspaces that vary with q add to d.by_q. They are eliminated within the joint, and what is left
+/// After pathSweep: what the torques s . f of subspaces that vary with q add to by_q. They are eliminated within the joint, and what is left
 /// of them on its path.
-template <class R, class S>
-void eliminateSubspaceTorques(const R& recursion, DerivativeWorkspace<S>& d) {
+template <bool open, class R, class S>
+void eliminateSubspaceTorques(const R& recursion, DerivativeWorkspace<S>& d, const PathMatrix<S>& by_q) {
   const auto& order = recursion.order;
   const Rows<S>& L = d.by_a.below;
   order.backward(passing(), [&]<class Joint>(const Joint&, int i, int iv) {
@@ -139,45 +138,78 @@ void eliminateSubspaceTorques(const R& recursion, DerivativeWorkspace<S>& d) {
           for (int l = k + 1; l < Joint::nv; ++l) torque[k] -= L[iv + k][iv + l] * torque[l];
         }
         alongPath(order.m, order.m.dof_parent[static_cast<std::size_t>(iv)], [&](int j) {
-          for (int k = 0; k < Joint::nv; ++k) d.by_q.rightOf(j, m) -= L[j][iv + k] * torque[k];
+          for (int k = 0; k < Joint::nv; ++k) by_q.rightOf(j, m) -= L[j][iv + k] * torque[k];
         });
-        for (int k = 0; k < Joint::nv; ++k) d.by_q.addOwn(iv + k, m, d.factors.inverse[iv + k] * torque[k]);
+        for (int k = 0; k < Joint::nv; ++k) by_q.template addOwn<open>(iv + k, m, d.factors.inverse[iv + k] * torque[k]);
       }
   });
 }
 
-/// Accelerations ddq under the forces tau, the beginnings of their derivatives, and the factors of M: d.by_q, d.by_v, d.by_a and d.factors, for
-/// abaDerivative. Joints have been asked into w, how subspaces vary into d. w.failed tells lane by lane whether a pivot vanished.
-template <class Wide, class S>
-void abaDerivativesSweep(const CompactImpl& m, Workspace<S>& w, DerivativeWorkspace<S>& d, const S* v, const S* tau, S* ddq,
-                         const Force<S>* fext = nullptr) {
+// Rows of by_q and by_v have forces right of a joint's own columns; the joint's own, and those of its path, have accelerations already. All have the
+// other sign.
+
+/// Accelerations ddq under the forces tau, the beginnings of their derivatives by_q and by_v, and the factors of M, d.by_a and d.factors. Joints have
+/// been asked into w, how subspaces vary into d. w.failed tells lane by lane whether a pivot vanished. Where joints are left open (PathMatrix), by_v
+/// has damping.
+template <class Wide, bool open, class S>
+void abaDerivativesSweep(const CompactImpl& m, Workspace<S>& w, DerivativeWorkspace<S>& d, const S* v, const S* tau, S* ddq, const Force<S>* fext,
+                         const PathMatrix<S>& by_q, const PathMatrix<S>& by_v) {
   const auto r = recursion(m, w, d);
   movingOutward(r.order, r.d, r.in(v));
   articulatedInward(r.order, r.d, r.in(tau), fext);
   acceleratingOutward(r.order, r.d, r.in(v), r.out(ddq));
   variationsInward(r.order, r.d);
-  pathSweep<Wide>(r, d);
-  eliminateSubspaceTorques(r, d);
-  std::copy(std::begin(r.order.w.failed), std::end(r.order.w.failed), w.failed);
+  pathSweep<Wide>(r, d, by_q, by_v);
+  if constexpr (open) {
+    by_q.leaveJointsOpen(m, nullptr);
+    by_v.leaveJointsOpen(m, m.damping.empty() ? nullptr : m.damping.data());
+  } else {
+    closeJoints(m, d);
+  }
+  eliminateSubspaceTorques<open>(r, d, by_q);
+  r.failures(w.failed);
+}
+/// Into d.by_q and d.by_v, for abaDerivative and abaDerivativeColumns.
+template <class S>
+void abaDerivativesSweep(const CompactImpl& m, Workspace<S>& w, DerivativeWorkspace<S>& d, const S* v, const S* tau, S* ddq) {
+  abaDerivativesSweep<S, false>(m, w, d, v, tau, ddq, static_cast<const Force<S>*>(nullptr), d.by_q, d.by_v);
 }
 
-// Right of a joint's own columns, rows of d.by_q and d.by_v have forces; the joint's own, and those of its path, have accelerations already. All
-// have the other sign.
+/// Where a state's derivatives of accelerations are wanted, n x n each. That by tau is M^-1.
+struct AccelerationDerivatives {
+  double *by_q, *by_v, *by_tau;
+};
+/// ddq and its derivatives of one state: all solved for together, side by side in d.sides. tau is without losses, the derivatives are with
+/// them.
+template <class Wide>
+void abaDerivatives(const CompactImpl& m, Workspace<double>& w, DerivativeWorkspace<double>& d, const double* v, const double* tau,
+                    const Force<double>* fext, double* ddq, const AccelerationDerivatives& out) {
+  const int n = m.nvx;
+  const SideBySide<double> X = d.sides;
+  const PathMatrix<double> by_q{d.by_q.below, X[1]}, by_v{d.by_v.below, X[2]};
+  for (int i = 0; i < n; ++i)
+    for (std::ptrdiff_t k = 0; k < X.matrices * X.apart; k += lanes_of<Wide>) storePack(Wide(0), X.rows[i] + k);
+  abaDerivativesSweep<Wide, true>(m, w, d, v, tau, ddq, fext, by_q, by_v);
+  for (int i = 0; i < n; ++i) X[0][i][i] = 1;
+  const TreeSystem<double> system{m, d.by_a.below, d.factors.inverse};
+  solveUpper<Wide, X.matrices>(system, X.rows, X.apart, wholeBlocks);
+  by_q.addBelowTo<Wide>(m, X[1]);
+  by_v.addBelowTo<Wide>(m, X[2]);
+  // Half of the first one is solved for: it is symmetric to the last bit.
+  solveLower<Wide>(system, X.rows, X.rows, static_cast<int>(2 * X.apart) + n, true);
+  mirrorUpper<Wide>(X[0], n, Rows<double>{out.by_tau, n});
+  writeMinusTransposed<Wide>(X[1], n, Rows<double>{out.by_q, n});
+  writeMinusTransposed<Wide>(X[2], n, Rows<double>{out.by_v, n});
+}
 
-/// Derivative of aba, losses not in it, from one of d.by_q and d.by_v: n x n, into the rows d.scratch.
-template <class Wide, class S>
-void abaDerivative(const CompactImpl& m, const DerivativeWorkspace<S>& d, const PathMatrix<S>& by) {
+/// Derivative of aba in lanes, losses not in it, from its beginnings, which are n x n and change.
+template <class S>
+void abaDerivative(const CompactImpl& m, const DerivativeWorkspace<S>& d, S* beginnings, S* out) {
   const int n = m.nvx;
   const TreeSystem<S> system{m, d.by_a.below, d.factors.inverse};
-  const auto begin = [&](int i) { return system.jointEnd(i); };
-  const Rows<S> X = d.scratch;
-  std::fill(X[0], X[n], S(0));
-  by.template minusRightInto<Wide>(m.dof_end, begin, X);
-  solveUpper<Wide>(system, X);
-  for (int i = 0; i < n; ++i)
-    for (int j = i; j < begin(i); ++j) X[i][j] = -by.rightOf(i, j);
-  by.template minusBelowInto<Wide>(m.dof_end, X);
-  solveLower<Wide>(system, X, false);
+  const ByColumns<S> B{beginnings, n}, X{out, n};
+  solveUpper<S>(system, B, 0, [&](int column) { return system.jointBegin(column); });
+  solveLower<S, true>(system, B, X, n, false);
 }
 /// The same column by column, into columns of zeros: with nothing done twice, and nothing for zeros.
 template <class S>

@@ -130,10 +130,13 @@ struct Column {
   /// Of a pack of forces.
   template <class F>
   F along(const Force<F>& f) const {
-    F sum(0);
-    if constexpr (Joint::has_linear) sum = dot(cast<F>(s.linear), f.linear);
-    if constexpr (Joint::has_angular) sum += dot(cast<F>(s.angular), f.angular);
-    return sum;
+    if constexpr (!Joint::has_linear) {
+      return dot(cast<F>(s.angular), f.angular);
+    } else if constexpr (!Joint::has_angular) {
+      return dot(cast<F>(s.linear), f.linear);
+    } else {
+      return dot(cast<F>(s.linear), f.linear) + dot(cast<F>(s.angular), f.angular);
+    }
   }
   void addTo(Motion<S>& a, const S& x) const {
     if constexpr (Joint::has_linear) a.linear += x * s.linear;

@@ -12,8 +12,8 @@ struct BlockScratch {
   Workspace<S> w;
   S *q, *v, *a, *result, *M, *J;
   DerivativeWorkspace<S> d;
-  S* matrix;   ///< nvx * nvx
-  S* maps[5];  ///< 6 nvx each
+  S *matrix, *solved;  ///< nvx * nvx
+  S* maps[5];          ///< 6 nvx each
 
   static std::size_t carve(BlockScratch& s, const CompactImpl& m, Room room, char* base) {
     Arena arena(base);
@@ -28,6 +28,7 @@ struct BlockScratch {
     if (room.derivatives) {
       dyn::kernels::carve(s.d, m, arena);
       arena.take(s.matrix, nv * nv);
+      arena.take(s.solved, nv * nv);
       for (S*& map : s.maps) arena.take(map, 6 * nv + CentroidalMaps<S>::room);
     }
     return arena.used();

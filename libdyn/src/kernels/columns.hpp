@@ -41,6 +41,10 @@ struct Square {
       if (i < n) write(i, to + i * lanes);
   }
   void transpose() { exchangeFrom<1>(); }
+  void add(const Square& other) {
+#pragma GCC unroll 16
+    for (int i = 0; i < lanes; ++i) rows[i] += other.rows[i];
+  }
   /// Takes another's numbers k of each row beyond k.
   void replaceAbove(const Square& other) {
     [&]<int... row>(std::integer_sequence<int, row...>) {
@@ -144,54 +148,18 @@ void loadColumns(const ColumnsIn<T>& in, int n, S* to) {
     for (int i = 0; i < n; ++i) out[i * lanes + l] = columns[l][i];
 }
 
-/// Numbers one after the other.
-template <class S>
-class InOrder {
- public:
-  explicit InOrder(const S* first) : first_(first), next_(first) {}
-  void seek(std::ptrdiff_t k) { next_ = first_ + k; }
-  const S* next() { return next_++; }
-
- private:
-  const S *first_, *next_;
-};
-/// Those of a square matrix of n rows, column by column.
-template <class S>
-class ByColumns {
- public:
-  ByColumns(const S* first, std::ptrdiff_t stride, std::ptrdiff_t n) : first_(first), stride_(stride), n_(n) {}
-  void seek(std::ptrdiff_t k) {
-    column_ = k / n_;
-    row_ = k % n_;
-  }
-  const S* next() {
-    const S* here = first_ + row_ * stride_ + column_;
-    if (++row_ == n_) {
-      row_ = 0;
-      ++column_;
-    }
-    return here;
-  }
-
- private:
-  const S* first_;
-  std::ptrdiff_t stride_, n_, row_ = 0, column_ = 0;
-};
-
 /// The way back: n numbers of each of the first `states` lanes into columns that follow one another, n apart. Whether all are finite.
-template <class From, class T>
-[[nodiscard]] bool storeColumns(From from, std::ptrdiff_t n, int states, T* column) {
-  using S = std::remove_cvref_t<decltype(*from.next())>;
+template <class S, class T>
+[[nodiscard]] bool storeColumns(const S* packs, std::ptrdiff_t n, int states, T* column) {
   constexpr int lanes = lanes_of<S>;
-  const auto next = [&] { return reinterpret_cast<const T*>(from.next()); };
-  from.seek(0);
+  const auto* numbers = reinterpret_cast<const T*>(packs);
   // x - x is zero for finite numbers, and NaN for all others.
   if constexpr (lanes > 1) {
     Square<T, lanes> square;
     typename Square<T, lanes>::Row differences{};
-    const auto read = [&](int count) {
+    const auto read = [&](std::ptrdiff_t first, int count) {
       for (int i = 0; i < lanes; ++i) {
-        if (i < count) square.read(i, next());
+        if (i < count) square.read(i, numbers + (first + i) * lanes);
         if (i >= count) square.rows[i] = square.rows[count - 1];
         differences += square.rows[i] - square.rows[i];
       }
@@ -205,15 +173,14 @@ template <class From, class T>
     if (n >= lanes) {
       for (std::ptrdiff_t row = 0; row < n; row += lanes) {
         const std::ptrdiff_t top = std::min<std::ptrdiff_t>(row, n - lanes);
-        from.seek(top);
-        read(lanes);
+        read(top, lanes);
         for (int l = 0; l < states; ++l) square.write(l, column + l * n + top);
       }
       return finite();
     }
     if (4 * n >= lanes) {
       // Columns are written past their ends, where the next ones will be; the last, where these are too few, are copied.
-      read(static_cast<int>(n));
+      read(0, static_cast<int>(n));
       for (int l = 0; l < states; ++l) {
         T* to = column + l * n;
         if ((states - l) * n >= lanes) {
@@ -228,8 +195,7 @@ template <class From, class T>
     }
   }
   T differences(0);
-  for (std::ptrdiff_t i = 0; i < n; ++i) {
-    const T* numbers = next();
+  for (std::ptrdiff_t i = 0; i < n; ++i, numbers += lanes) {
     for (int l = 0; l < states; ++l) {
       column[l * n + i] = numbers[l];
       differences += numbers[l] - numbers[l];

@@ -24,7 +24,8 @@ void coriolisMatrix(const CompactImpl& m, Workspace<S>& w, DerivativeWorkspace<S
     const T half(0.5);
     x = {half * x.by_a, half * x.lever, half * x.by_q, half * x.by_v};
   }
-  pathSweep<Wide>(r, d);
+  pathSweep<Wide>(r, d, d.by_q, d.by_v);
+  closeJoints(m, d);
 }
 
 }  // namespace dyn::kernels

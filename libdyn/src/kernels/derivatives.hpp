@@ -85,8 +85,6 @@ struct DofForces {
   Force<S> by_a;  ///< I s; in aba the articulated inertia's, / pivot
   Vec3<S> lever;  ///< of by_a's on turning rates
   Force<S> by_q, by_v;
-  /// Where each begins, in numbers, and its angular part.
-  static constexpr int angular = sizeof(Vec3<S>) / sizeof(S), at_by_a = 0, at_lever = 2 * angular, at_by_q = 3 * angular, at_by_v = 5 * angular;
 };
 
 /// Force that each turning rate brings to a subtree whose joints are free to move.
@@ -121,6 +119,18 @@ struct CentroidalState {
   S mass;
 };
 
+/// Matrices that are solved for together, side by side in the same rows, which have room for whole tiles.
+template <class S>
+struct SideBySide {
+  static constexpr int matrices = 3;
+  Rows<S> rows;
+  std::ptrdiff_t apart = 0;
+
+  Rows<S> operator[](int matrix) const { return {rows.first + matrix * apart, rows.stride}; }
+  /// Where there is one only, with its rows closer to one another.
+  Rows<S> alone() const { return {rows.first, rows.stride - (matrices - 1) * apart}; }
+};
+
 /// Numbers of strips' arrays: of each struct in them the first.
 struct StripArrays {
   const double *levers = nullptr, *lever_rates = nullptr, *turnings = nullptr, *accelerations = nullptr;  ///< by strip
@@ -136,7 +146,7 @@ struct DerivativeWorkspace {
   Vec3<S>* shift_rate = nullptr;           ///< velocity of each joint's origin relative to the parent's
   Subtree<S>* subtree = nullptr;           ///< by body, about its joint's origin; in aba of the body alone
   SubtreeMomentum<S>* momentum = nullptr;  ///< what children hand over [centroidal]
-  DofForces<S>* dof_force = nullptr;       ///< at the joint's own origin
+  DofForces<S>* dof_force = nullptr;       ///< at the joint's own origin, until they climb
   CoriolisMap<S>* coriolis = nullptr;      ///< articulated, of what the children hand over [aba]
   Motion<S>* place = nullptr;              ///< [centroidal] from each joint's origin to the centre of mass, and its rate, aligned axes
   Workspace<Vectored> bodies;              ///< of single states
@@ -144,11 +154,10 @@ struct DerivativeWorkspace {
   char* strips = nullptr;    ///< of single states, StripDerivatives where recursions are over strips
   StripArrays strip_arrays;  ///< what these leave to others
 
-  AoSoA<DofForces, S> force;  ///< on their way to the root
   PathMatrix<S> by_q, by_v, by_a;
   TreeFactors<S> factors;
   PathFactors<S> cholesky;
-  Rows<S> scratch;  ///< nvx rows of nvx numbers
+  SideBySide<S> sides;  ///< of nvx rows, of single states
 };
 
 /// What recursions over bodies write.
@@ -191,10 +200,8 @@ void carve(DerivativeWorkspace<S>& w, const CompactImpl& m, Arena& arena) {
     carveRecursions(x, bodies, nv, arena);
     // A number of theirs is a double in memory.
     x.subspaces = reinterpret_cast<SubspaceDerivatives<Vectored>*>(w.subspaces);
-    arena.take(w.force, nv);
   } else {
     carveRecursions(w, bodies, nv, arena);
-    w.force = AoSoA<DofForces, S>(reinterpret_cast<S*>(w.dof_force));
   }
   const int rows = (m.nvx + abreast<S> - 1) / abreast<S> * abreast<S>;  // for whole tiles
   for (PathMatrix<S>* matrix : {&w.by_q, &w.by_v, &w.by_a}) {
@@ -205,7 +212,8 @@ void carve(DerivativeWorkspace<S>& w, const CompactImpl& m, Arena& arena) {
   carve(w.factors, m.nvx, arena);
   if (w.vectored) w.vectored->factors.inverse = reinterpret_cast<Vectored*>(w.factors.inverse);
   if constexpr (lanes_of<S> == 1) carve(w.cholesky, m, arena);
-  arena.take(w.scratch, rows, m.nvx);
+  w.sides.apart = rows;
+  if constexpr (lanes_of<S> == 1) arena.take(w.sides.rows, rows, SideBySide<S>::matrices * rows);
 }
 
 /// One differentiated call a batch and degree of freedom of its type. q and v in expanded coordinates.

@@ -34,22 +34,16 @@ void addDerivatives(SingleKernels& k) {
   };
   k.abaDerivatives = [](const CompactImpl& m, W& w, D& d, const double* v, const double* tau, const Force<double>* fext, double* ddq, double* by_q,
                         double* by_v, double* inverse) {
-    abaDerivativesSweep<Panel>(m, w, d, v, tau, ddq, fext);
-    abaDerivative<Panel>(m, d, d.by_q);
-    writeTransposed<Panel>(d.scratch, m.nvx, Rows<double>{by_q, m.nvx});
-    abaDerivative<Panel>(m, d, d.by_v);
-    writeTransposed<Panel>(d.scratch, m.nvx, Rows<double>{by_v, m.nvx});
-    TreeFactors<double> factors = d.factors;
-    factors.L = d.by_a.below;
-    kernels::inverseOfMassMatrix<Panel>(m, factors, d.scratch, Rows<double>{inverse, m.nvx});
+    kernels::abaDerivatives<Panel>(m, w, d, v, tau, fext, ddq, {by_q, by_v, inverse});
     return w.failed[0];
   };
   k.centroidal = [](const CompactImpl& m, W& w, D& d, const double* v, const double* a, const CentroidalMaps<double>& out) {
     return kernels::centroidal<Wide>(m, w, d, v, a, out);
   };
   k.coriolis = [](const CompactImpl& m, W& w, D& d, const double* v) {
-    std::fill(d.scratch.first, d.scratch.first + m.nvx, 0.0);
-    coriolisMatrix<Panel>(m, w, d, v, static_cast<const double*>(d.scratch.first));
+    double* zeros = d.sides.rows.first;
+    std::fill(zeros, zeros + m.nvx, 0.0);
+    coriolisMatrix<Panel>(m, w, d, v, static_cast<const double*>(zeros));
   };
   k.factorTimes = [](const CompactImpl& m, D& d, FactorProduct product, double* x) { kernels::factorTimes<Wide>(m, d.cholesky, product, x); };
   k.assemble = [](const CompactImpl& m, const PathMatrix<double>& from, double* out) { from.assemble<Panel>(m.dof_end, Rows<double>{out, m.nvx}); };
@@ -63,7 +57,7 @@ void addDerivatives(SingleKernels& k) {
     return w.failed[0];
   };
   k.inverseOfMassMatrix = [](const CompactImpl& m, D& d, double* out) {
-    kernels::inverseOfMassMatrix<Panel>(m, d.factors, d.scratch, Rows<double>{out, m.nvx});
+    kernels::inverseOfMassMatrix<Panel>(m, d.factors, d.sides.alone(), Rows<double>{out, m.nvx});
   };
 }
 
@@ -75,25 +69,23 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b)
   DerivativeWorkspace<S>& d = s.d;
   const std::ptrdiff_t n = m.nvx;
   b.not_finite = false;
-  const auto putFrom = [&](int result, const auto& numbers, std::ptrdiff_t count) {
+  const auto put = [&](int result, const S* numbers, std::ptrdiff_t count) {
     if (b.results[result] != nullptr && !storeColumns(numbers, count, b.q.states, b.results[result])) b.not_finite = true;
   };
-  const auto put = [&](int result, const S* numbers, std::ptrdiff_t count) { putFrom(result, InOrder<S>(numbers), count); };
-  const Rows<S> matrix{s.matrix, n};
   const auto whole = [&](const PathMatrix<S>& from) {
     if constexpr (PathMatrix<S>::in_place) {
       return from.below.first;
     } else {
       std::fill(s.matrix, s.matrix + n * n, S(0));
-      from.template assemble<S>(m.dof_end, matrix);
+      from.template assemble<S>(m.dof_end, Rows<S>{s.matrix, n});
       return s.matrix;
     }
   };
-  const auto inverse = [&](int result, const Rows<S>& L) {
+  const auto inverse = [&](int result, const Rows<S>& L, S* out) {
     TreeFactors<S> factors = d.factors;
     factors.L = L;
-    inverseOfMassMatrix<S>(m, factors, d.scratch, matrix);
-    put(result, s.matrix, n * n);
+    inverseOfMassMatrix(m, factors, out);
+    put(result, out, n * n);
     for (int l = 0; l < b.q.states; ++l) b.failed[l] = w.failed[l];
   };
   switch (b.task) {
@@ -107,21 +99,20 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b)
     case Task::aba_derivatives: {
       addLosses(m, -1.0, s.v, s.a);
       evaluateSubspaceDerivatives(m, d, s.q, s.v);
-      abaDerivativesSweep<S>(m, w, d, s.v, s.a, s.result);
+      abaDerivativesSweep(m, w, d, s.v, s.a, s.result);
       put(3, s.result, n);
-      const Rows<S>& X = d.scratch;
-      const auto putRows = [&](int result) { putFrom(result, ByColumns<S>(X.first, X.stride, n), n * n); };
-      inverse(2, d.by_a.below);
-      abaDerivative<S>(m, d, d.by_q);
-      putRows(0);
-      abaDerivative<S>(m, d, d.by_v);
-      for (int i = 0; i < n; ++i)
-        for (std::size_t k = 0; k < m.damping.size(); ++k) X[i][k] -= S(static_cast<T>(m.damping[k])) * matrix[i][k];
-      return putRows(1);
+      abaDerivative(m, d, whole(d.by_q), s.solved);
+      put(0, s.solved, n * n);
+      abaDerivative(m, d, whole(d.by_v), s.solved);
+      inverse(2, d.by_a.below, s.matrix);
+      if (!m.damping.empty())
+        for (int k = 0; k < n; ++k)
+          for (int i = 0; i < n; ++i) s.solved[n * k + i] -= S(static_cast<T>(m.damping[static_cast<std::size_t>(k)])) * s.matrix[n * k + i];
+      return put(1, s.solved, n * n);
     }
     case Task::minverse:
       treeFactors<S>(m, w, d);
-      return inverse(0, d.factors.L);
+      return inverse(0, d.factors.L, s.matrix);
     case Task::coriolis:
       evaluateSubspaceDerivatives(m, d, s.q, s.v);
       std::fill(s.a, s.a + n, S(0));

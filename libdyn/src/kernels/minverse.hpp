@@ -7,6 +7,7 @@
 
 #include "kernels/aba.hpp"
 #include "kernels/crba.hpp"
+#include "kernels/path_sweep.hpp"
 #include "kernels/solve.hpp"
 #include "kernels/strip_paths.hpp"
 
@@ -52,26 +53,6 @@ void articulatedFactors(const Order& order, Workspace<S>& w, Enter&& enter) {
   });
 }
 
-/// L: the force columns on their way to the root.
-template <class Wide, class R, class Order, class S>
-void factorsSweep(const Order& order, const Workspace<R>& w, DerivativeWorkspace<S>& d) {
-  // Copies: what packs are stored into might be anything, even the struct that says where.
-  const AoSoA<DofForces, S> force = d.force;
-  const Rows<S> L = d.factors.L;
-  order.backward(passing(), [&]<class Joint>(const Joint&, int i, int iv) {
-    inParts<Wide, S>(iv, order.dofEnd(i), [&](const Part<Wide, S>& part) {
-      using D = DofForces<Wide>;
-      const Force<Wide> F = force.template part<Force, Wide>(part.first(), D::at_by_a);
-      withColumns<Joint>(order, w, i, iv, [&](const auto& column) {
-        for (int k = 0; k < Joint::nv; ++k) part.store(column(k).along(F), L[iv + k]);
-      });
-      if (order.isRoot(i)) return;
-      const Vec3<Wide> here = part.inside() * cast<Wide>(w.r[i]);
-      force.putPart(part.first(), D::at_by_a + D::angular, F.angular + cross(here, F.linear));
-    });
-  });
-}
-
 /// The factors of M, with joints in w. Quad: in whose lanes strips may be.
 template <class Wide, class Quad = Wide, class S>
 void treeFactors(const CompactImpl& m, Workspace<S>& w, DerivativeWorkspace<S>& d) {
@@ -88,8 +69,7 @@ void treeFactors(const CompactImpl& m, Workspace<S>& w, DerivativeWorkspace<S>& 
       r.put(inverses, d.factors.inverse);
       stripFactorsSweep(r, d.factors.L);
     } else {
-      forcesAbreast<Wide, true>(m, r.d.dof_force, d.force);
-      factorsSweep<Wide>(r.order, r.order.w, d);
+      factorsSweep<Wide>(r, d);
     }
     r.failures(w.failed);
   });
@@ -102,9 +82,24 @@ void inverseOfMassMatrix(const CompactImpl& m, const TreeFactors<S>& factors, co
   const TreeSystem<S> system{m, factors.L, factors.inverse};
   std::fill(X[0], X[n], S(0));
   for (int i = 0; i < n; ++i) X[i][i] = S(1);
-  solveUpper<Wide>(system, X);
-  solveLower<Wide>(system, X, true);
+  solveUpper<Wide>(system, X, 0, wholeBlocks);
+  solveLower<Wide>(system, X, X, n, true);
   mirrorUpper<Wide>(X, n, out);
+}
+/// The same in lanes, in place.
+template <class S>
+void inverseOfMassMatrix(const CompactImpl& m, const TreeFactors<S>& factors, S* out) {
+  const int n = m.nvx;
+  const TreeSystem<S> system{m, factors.L, factors.inverse};
+  const ByColumns<S> X{out, n};
+  for (int k = 0; k < n; ++k) {
+    std::fill(place(X, 0, k), place(X, k, k), S(0));
+    *place(X, k, k) = S(1);
+  }
+  solveUpper<S>(system, X, 0, [](int column) { return column + 1; });
+  solveLower<S>(system, X, X, n, true);
+  for (int i = 0; i < n; ++i)
+    for (int k = i + 1; k < n; ++k) *place(X, k, i) = *place(X, i, k);
 }
 /// The same column by column, into zeros.
 template <class S>

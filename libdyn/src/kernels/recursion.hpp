@@ -165,26 +165,4 @@ decltype(auto) withRecursion(const CompactImpl& m, Workspace<S>& w, DerivativeWo
   return use(recursion(m, w, d));
 }
 
-/// Forces of the degrees of freedom into lanes: all of them, or by_a.
-template <class Wide, bool only_by_a = false>
-void forcesAbreast(const CompactImpl& m, const DofForces<Vectored>* forces, const AoSoA<DofForces, double>& to) {
-  constexpr int numbers = (only_by_a ? sizeof(Force<Vectored>) : sizeof(DofForces<Vectored>)) / sizeof(double);
-  for (int k = 0; k < m.nvx; k += lanes_of<Wide>) {
-    const double* from[lanes_of<Wide>];
-    for (int l = 0; l < lanes_of<Wide>; ++l) from[l] = reinterpret_cast<const double*>(forces + std::min(k + l, m.nvx - 1));
-    Wide x[numbers];
-    gatherStructs<numbers>(from, x);
-    const auto vector = [&](int i) { return Vec3<Wide>{x[4 * i], x[4 * i + 1], x[4 * i + 2]}; };
-    const auto force = [&](int i) { return Force<Wide>{vector(i), vector(i + 1)}; };
-    if constexpr (only_by_a) {
-      to.putPart(k, DofForces<double>::at_by_a, force(0));
-    } else {
-      to.put(k, DofForces<Wide>{force(0), vector(2), force(3), force(5)});
-    }
-  }
-}
-/// They have been written there.
-template <class Wide, bool only_by_a = false, class S>
-void forcesAbreast(const CompactImpl&, const DofForces<S>*, const AoSoA<DofForces, S>&) {}
-
 }  // namespace dyn::kernels

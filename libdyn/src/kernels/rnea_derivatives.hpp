@@ -9,6 +9,7 @@
 // these it takes the momentum and K = sum m r' r^T. Velocities are counted relative to each joint's origin, so the base's does not enter.
 #pragma once
 
+#include "kernels/path_sweep.hpp"
 #include "kernels/strip_paths.hpp"
 #include "kernels/variations.hpp"
 
@@ -125,68 +126,11 @@ void derivativesInward(const Order& order, DerivativeWorkspace<S>& d, const Forc
   });
 }
 
-/// The columns of all subtrees on their way to the root, U, lever and forces in d.force: s . U into d.by_a; what U and lever say of the
-/// variations of the joints that they reach below the diagonals of d.by_q and d.by_v; s . forces right of these.
-template <class Wide, class R, class S>
-void pathSweep(const R& recursion, DerivativeWorkspace<S>& d) {
-  using D = DofForces<Wide>;
-  const auto& order = recursion.order;
-  const auto& w = order.w;
-  const auto& x = recursion.d;
-  using T = typename R::Scalar;
-  forcesAbreast<Wide>(order.m, x.dof_force, d.force);
-  // Copies: what packs are stored into might be anything, even the struct that says where.
-  const AoSoA<DofForces, S> force = d.force;
-  const PathMatrix<S> by_a = d.by_a, by_q = d.by_q, by_v = d.by_v;
-  order.backward(passing(), [&]<class Joint>(const Joint&, int i, int iv) {
-    const Vec3<Wide> r = cast<Wide>(w.r[i]), rate = cast<Wide>(T(2) * x.shift_rate[i]);
-    inParts<Wide, S>(iv, order.dofEnd(i), [&](const Part<Wide, S>& part) {
-      const DofForces<Wide> F = force.template get<Wide>(part.first());
-      const Force<Wide>& U = F.by_a;
-      const Vec3<Wide>& lever = F.lever;
-      const auto enter = [&](int k, const auto& column, const Wide& q, const Wide& v) {
-        by_a.enterSymmetric(part, iv + k, column.along(U));
-        by_q.enterBelow(part, iv + k, q);
-        by_v.enterBelow(part, iv + k, v);
-        by_q.enterRight(part, iv + k, iv + Joint::nv, column.along(F.by_q));
-        by_v.enterRight(part, iv + k, iv + Joint::nv, column.along(F.by_v));
-      };
-      if constexpr (Joint::is_free) {
-        // Nothing moves before a flying root: what it makes of its own columns has no more than these.
-        if (order.isRoot(i)) {
-          for (int k = 0; k < 3; ++k) {
-            const DofVariation<T>&slide = x.dof[iv + k], &turn = x.dof[iv + 3 + k];
-            const Vec3<Wide> by_turn = cast<Wide>(turn.rate.linear), turn_rate = cast<Wide>(turn.rate.angular);
-            enter(k, UnitColumn<T>{k}, Wide(0), dot(cast<Wide>(slide.rate.linear), U.linear));
-            enter(3 + k, UnitColumn<T>{3 + k}, dot(cast<Wide>(turn.acceleration.linear), U.linear),
-                  dot(by_turn, U.linear) + dot(turn_rate, U.angular) + lever[k]);
-          }
-          return;
-        }
-      }
-      for (int k = 0; k < Joint::nv; ++k) {
-        const Column<Joint, T> column{w.dof[iv + k].S_};
-        const DofVariation<T>& change = x.dof[iv + k];
-        Wide q = dot(cast<Wide>(change.acceleration.linear), U.linear) + dot(cast<Wide>(change.acceleration.angular), U.angular),
-             v = dot(cast<Wide>(change.rate.angular), U.angular);
-        if constexpr (Joint::has_linear) v += dot(cast<Wide>(change.rate.linear), U.linear);
-        if constexpr (Joint::has_angular) {
-          q += dot(cast<Wide>(change.velocity.angular), lever);
-          v += dot(cast<Wide>(column.s.angular), lever);
-        }
-        enter(k, column, q, v);
-      }
-      if (order.isRoot(i)) return;
-      const Vec3<Wide> here = part.inside() * r;
-      const int first = part.first();
-      force.putPart(first, D::at_by_a + D::angular, U.angular + cross(here, U.linear));
-      force.putPart(first, D::at_lever, lever + cross(part.inside() * rate, U.linear));
-      force.putPart(first, D::at_by_q + D::angular, F.by_q.angular + cross(here, F.by_q.linear));
-      force.putPart(first, D::at_by_v + D::angular, F.by_v.angular + cross(here, F.by_v.linear));
-    });
-    by_q.template closeJoint<Joint::nv>(iv);
-    by_v.template closeJoint<Joint::nv>(iv);
-  });
+/// After pathSweep: the entries within joints on both sides.
+template <class S>
+void closeJoints(const CompactImpl& m, const DerivativeWorkspace<S>& d) {
+  d.by_q.closeJoints(m);
+  d.by_v.closeJoints(m);
 }
 
 /// What the torque s . f of a subspace that varies changes along degree of freedom m: s_k's part of it.
@@ -208,13 +152,15 @@ void addLossDerivatives(const CompactImpl& m, Add&& add) {
 /// After derivativesInward: d.by_q, d.by_v and d.by_a, which are the derivatives of rnea, losses included.
 template <class Wide, class R, class S>
 void derivativesSweep(const R& recursion, DerivativeWorkspace<S>& d) {
-  pathSweep<Wide>(recursion, d);
+  pathSweep<Wide>(recursion, d, d.by_q, d.by_v);
   const CompactImpl& m = recursion.order.m;
+  closeJoints(m, d);
   recursion.order.backward(passing(), [&]<class Joint>(const Joint&, int i, int iv) {
     if constexpr (Joint::has_bias)
       for (int along = 0; along < Joint::nv; ++along)
         for (int k = 0; k < Joint::nv; ++k)
-          d.by_q.addOwn(iv + k, iv + along, numberOf(subspaceTorque<Joint>(recursion.order, recursion.d, recursion.d.subtree[i].f, i, along, k)));
+          d.by_q.template addOwn<false>(iv + k, iv + along,
+                                        numberOf(subspaceTorque<Joint>(recursion.order, recursion.d, recursion.d.subtree[i].f, i, along, k)));
   });
   addLossDerivatives(m, [&](int matrix, int k, double x) { (matrix == 0 ? d.by_a : d.by_v).below[k][k] += S(static_cast<Real<S>>(x)); });
 }

@@ -4,8 +4,8 @@
 // on its way. Depth-first order puts a subtree's degrees of freedom side by side, so that one instruction takes several of them.
 #pragma once
 
-#include "kernels/aosoa.hpp"
 #include "kernels/columns.hpp"
+#include "kernels/neighbours.hpp"
 #include "kernels/workspace.hpp"
 
 #include <algorithm>
@@ -34,7 +34,6 @@ class Part {
     }
   }
 
-  Wide load(const S* row) const { return loadPack<Wide>(row + first_); }
   /// Into an array of which all lanes may be written: outside the subtree, `value` must be what was there.
   void store(const Wide& value, S* row) const { storePack(value, row + first_); }
   /// 1 in the subtree, 0 outside.
@@ -45,14 +44,6 @@ class Part {
   int first_;
   Wide inside_;
 };
-
-/// Calls use(part) for the degrees of freedom from `begin` on and before `end`, in packs that begin at multiples of their width: what one
-/// joint has written the next reads in the same packs.
-template <class Wide, class S, class Use>
-void inParts(int begin, int end, Use&& use) {
-  constexpr int width = Part<Wide, S>::width;
-  for (int first = begin / width * width; first < end; first += width) use(Part<Wide, S>(first, begin, end));
-}
 
 /// The sum of a pack's numbers, by halves.
 template <class S, int lanes>
@@ -116,19 +107,21 @@ struct PathMatrix {
     enterBelow(part, k, entries);
     if constexpr (in_place) below[part.first()][k] = entries;
   }
-  /// When all of a joint's nv degrees of freedom, from `first` on, have been entered. Nothing turns within a joint: for two of its own,
-  /// enterBelow's entries hold on both sides of the diagonal.
-  template <int nv>
-  void closeJoint(int first) const {
-    if constexpr (!in_place)
-      for (int column = first; column < first + nv; ++column)
-        for (int row = first; row <= column; ++row) right[row][column] = below[column][row];
+  /// When all have been entered. Nothing turns within a joint: for two of its own, enterBelow's entries hold on both sides of the diagonal.
+  void closeJoints(const CompactImpl& m) const {
+    if constexpr (!in_place) inJoints(m, [&](int row, int column) { right[row][column] = below[column][row]; });
   }
-  /// After closeJoint: to entry (row, column) of two of that joint's.
+  /// The same where `right` is to be solved for before it has these: it has a diagonal, or zeros.
+  void leaveJointsOpen(const CompactImpl& m, const double* diagonal) const {
+    inJoints(m, [&](int row, int column) { right[row][column] = right[column][row] = S(0); });
+    for (int k = 0; k < m.nvx; ++k) right[k][k] = diagonal ? S(diagonal[k]) : S(0);
+  }
+  /// After either: to entry (row, column) of two of that joint's.
+  template <bool open>
   void addOwn(int row, int column, const S& x) const {
     below[column][row] += x;
-    if constexpr (!in_place) {
-      if (row <= column) right[row][column] += x;
+    if constexpr (!in_place && !open) {
+      if (row < column) right[row][column] += x;
     }
   }
   S& rightOf(int row, int column) const {
@@ -146,7 +139,7 @@ struct PathMatrix {
     if constexpr (width > 1) {
       // The last tiles overlap those before, and what they get wrong beside the diagonal the last one on it puts right.
       if (n >= width) return inTiles<Wide>(dof_end, n - width, out);
-      writeSmall(diagonalTile<width>(below, 0), n, out);
+      writeSmall(diagonalTile<width>(0), n, out);
     } else {
       for (int k = 0; k < n; ++k)
         for (int i = k; i < dof_end[static_cast<std::size_t>(k)]; ++i) {
@@ -155,63 +148,73 @@ struct PathMatrix {
         }
     }
   }
-  /// Of each row i the entries from column begin(i) on, with the other sign, into rows with room for whole tiles.
-  template <class Wide, class Begin>
-  void minusRightInto(const std::vector<int>& dof_end, const Begin& begin, const Rows<S>& rows) const {
-    for (int i = 0; i < static_cast<int>(dof_end.size()); ++i) {
-      const int end = dof_end[static_cast<std::size_t>(i)];
-      if constexpr (Part<Wide, S>::width > 1) {
-        inParts<Wide, S>(begin(i), end, [&](const Part<Wide, S>& part) { part.store(-(part.inside() * part.load(right[i])), rows[i]); });
-      } else {
-        for (int j = begin(i); j < end; ++j) rows[i][j] = -rightOf(i, j);
-      }
-    }
-  }
-  /// The same of those below the diagonal.
+  /// Adds what `below` has to the rows of such a matrix, which have room for whole tiles.
   template <class Wide>
-  void minusBelowInto(const std::vector<int>& dof_end, const Rows<S>& rows) const {
-    const int n = static_cast<int>(dof_end.size());
+  void addBelowTo(const CompactImpl& m, const Rows<S>& rows) const {
+    const int n = m.nvx;
     if constexpr (Part<Wide, S>::width > 1) {
-      PathMatrix{right, below}.template inTiles<Wide, true>(dof_end, n, rows);
+      PathMatrix{rows, below}.template inTiles<Wide, true>(m.dof_end, n, rows);
     } else {
       for (int k = 0; k < n; ++k)
-        for (int i = k + 1; i < dof_end[static_cast<std::size_t>(k)]; ++i) rows[i][k] = -below[k][i];
+        for (int i = k; i < m.dof_end[static_cast<std::size_t>(k)]; ++i) rows[i][k] += below[k][i];
     }
+    // What joints have above the diagonal, but for what is in tiles on it.
+    constexpr int width = Part<Wide, S>::width;
+    inJoints(m, [&](int row, int column) {
+      if (row / width != column / width) rows[row][column] += below[column][row];
+    });
   }
 
  private:
+  /// Calls use(row, column) for two degrees of freedom of one joint, row the first one.
+  template <class Use>
+  static void inJoints(const CompactImpl& m, Use&& use) {
+    for (const Run& run : m.runs) {
+      if (run.nv == 1) continue;
+      const int begin = m.index[static_cast<std::size_t>(run.first)].idx_v;
+      for (int joint = begin; joint < begin + run.count * run.nv; joint += run.nv)
+        for (int row = joint; row < joint + run.nv; ++row)
+          for (int column = row + 1; column < joint + run.nv; ++column) use(row, column);
+    }
+  }
   /// Square tiles on the diagonal, those below them that have entries, and their mirror images; none begins beyond `last_begin`. Or only what
-  /// is above the diagonal, with the other sign.
-  template <class Wide, bool minus_above = false>
+  /// `right` has, which is added on the diagonal's.
+  template <class Wide, bool only_right = false>
   __attribute__((flatten)) void inTiles(const std::vector<int>& dof_end, int last_begin, Rows<S> out) const {
-    const Rows<S> down = minus_above ? out : below, across = right;
+    const Rows<S> across = right;
     constexpr int width = Part<Wide, S>::width;
     const int n = static_cast<int>(dof_end.size());
     Square<S, width> lower, upper;
     for (int column = 0; column < n; column += width) {
       const int left = std::min(column, last_begin);
-      const int last = *std::max_element(dof_end.begin() + left, dof_end.begin() + std::min(left + width, n));
+      const int last = column + width < n ? *std::max_element(dof_end.begin() + left, dof_end.begin() + std::min(left + width, n)) : 0;
       for (int row = column + width; row < last; row += width) {
         const int top = std::min(row, last_begin);
-        if constexpr (!minus_above) {
-          lower.read(down[left] + top, down.stride);
+        if constexpr (!only_right) {
+          lower.read(below[left] + top, below.stride);
           lower.write(out[left] + top, out.stride);
         }
         upper.read(across[left] + top, across.stride);
         upper.transpose();
-        if constexpr (minus_above) upper.negate();
         upper.write(out[top] + left, out.stride);
       }
-      diagonalTile<width, minus_above>(down, left).write(out[left] + left, out.stride);
+      if constexpr (only_right) {
+        lower.read(out[left] + left, out.stride);
+        upper.read(right[left] + left, right.stride);
+        upper.transpose();
+        lower.add(upper);
+        lower.write(out[left] + left, out.stride);
+      } else {
+        diagonalTile<width>(left).write(out[left] + left, out.stride);
+      }
     }
   }
-  template <int width, bool minus_above = false>
-  Square<S, width> diagonalTile(const Rows<S>& down, int first) const {
+  template <int width>
+  Square<S, width> diagonalTile(int first) const {
     Square<S, width> lower, upper;
-    lower.read(down[first] + first, down.stride);
+    lower.read(below[first] + first, below.stride);
     upper.read(right[first] + first, right.stride);
     upper.transpose();
-    if constexpr (minus_above) upper.negate();
     lower.replaceAbove(upper);
     return lower;
   }
@@ -224,25 +227,23 @@ void inSquares(int n, Use&& use) {
     for (int column = 0; column < n; column += width) use(std::min(row, n - width), std::min(column, n - width));
 }
 
-/// Writes into the columns of an n x n matrix what stands in the rows of another, which have room for whole tiles.
+/// Writes into the columns of an n x n matrix, with the other sign, what stands in the rows of another, which have room for whole tiles.
 template <class Wide, class S>
-__attribute__((flatten)) void writeTransposed(Rows<S> rows, int n, Rows<S> columns) {
+__attribute__((flatten)) void writeMinusTransposed(Rows<S> rows, int n, Rows<S> columns) {
   constexpr int width = Part<Wide, S>::width;
   if constexpr (width > 1) {
-    if (n >= width)
-      return inSquares<width>(n, [&](int row, int column) {
-        Square<S, width> square;
-        square.read(rows[row] + column, rows.stride);
-        square.transpose();
-        square.write(columns[column] + row, columns.stride);
-      });
-    Square<S, width> square;
-    square.read(rows[0], rows.stride);
-    square.transpose();
-    return writeSmall(square, n, columns);
+    const auto tile = [&](int row, int column) {
+      Square<S, width> square;
+      square.read(rows[row] + column, rows.stride);
+      square.negate();
+      square.transpose();
+      return square;
+    };
+    if (n < width) return writeSmall(tile(0, 0), n, columns);
+    return inSquares<width>(n, [&](int row, int column) { tile(row, column).write(columns[column] + row, columns.stride); });
   }
   for (int column = 0; column < n; ++column)
-    for (int row = 0; row < n; ++row) columns[column][row] = rows[row][column];
+    for (int row = 0; row < n; ++row) columns[column][row] = -rows[row][column];
 }
 
 /// Writes the upper triangle of a symmetric n x n matrix, whose rows have room for whole tiles, into both of another.

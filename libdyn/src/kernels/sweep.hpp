@@ -196,6 +196,31 @@ struct Bodies {
       });
   }
 
+  /// The bodies on the paths of the degrees of freedom from `first` on and before `end`, children first: calls along.operator()<Joint>(each) for each
+  /// run of them, and each(visit) calls visit(i, idx_v) for its bodies and tells whether there are more runs.
+  template <class Along>
+  void climb(int first, int end, Along&& along) const {
+    int body = m.dof_body[static_cast<std::size_t>(end - 1)];
+    const auto next = [&](int i) {
+      if (end - first == 1) return parentOf(i);
+      do --i;
+      while (i > 0 && dofEnd(i) <= first);
+      return i;
+    };
+    for (auto run = m.runs.rbegin(); body > 0; ++run) {
+      if (run->first > body) continue;
+      withShape<S>(run->shape, run->nv, [&]<class Joint>() DYN_RUN_LOOP {
+        along.template operator()<Joint>([&](auto&& visit) {
+          const int run_first = run->first, v0 = index(run_first).idx_v;
+          int i = body;
+          for (; i >= run_first; i = next(i)) visit(i, v0 + (i - run_first) * Joint::nv);
+          body = i;
+          return i > 0;
+        });
+      });
+    }
+  }
+
   Slot<S> slotOf(const Run& run, int k) const {
     const JointMemory<S>& b = w.joints[run.batch];
     const int i = run.slot + k;

@@ -15,6 +15,27 @@ Mat3<S> outer(const Vec3<S>& a, const Vec3<S>& b) {
   return out;
 }
 
+/// M [r]x.
+template <class S>
+Mat3<S> timesSkew(const Mat3<S>& M, const Vec3<S>& r) {
+  Mat3<S> out;
+  for (int i = 0; i < 3; ++i) {
+    const Vec3<S> row = cross(M.row(i), r);
+    for (int j = 0; j < 3; ++j) out(i, j) = row[j];
+  }
+  return out;
+}
+/// [w]x M.
+template <class S>
+Mat3<S> crossColumns(const Vec3<S>& w, const Mat3<S>& M) {
+  Mat3<S> out;
+  for (int j = 0; j < 3; ++j) {
+    const Vec3<S> column = cross(w, M.col(j));
+    for (int i = 0; i < 3; ++i) out(i, j) = column[i];
+  }
+  return out;
+}
+
 /// Force [N, N m] about the joint's origin that a turning rate x brings to a subtree: Coriolis.
 template <class S>
 Force<S> coriolis(const SubtreeMomentum<S>& m, const Mat3<S>& K, const Vec3<S>& x) {
@@ -62,7 +83,7 @@ template <class S>
 Subtree<S> ownMotion(const SubtreeMomentum<S>& m, const Vec3<S>& w) {
   // Sum of mass * position * position^T, whose columns the body turns. Symmetric to the last bit, or a rigid body would have a trace of K.
   const Mat3<S> second = (S(0.5) * trace(m.I)) * Mat3<S>::identity() - symmetricMatrix(m.I);
-  return {m, skew(w) * second, {cross(w, m.momentum.linear), cross(w, m.momentum.angular)}};
+  return {m, crossColumns(w, second), {cross(w, m.momentum.linear), cross(w, m.momentum.angular)}};
 }
 
 /// A subtree at rest, about its parent's origin: r from there to the joint's.

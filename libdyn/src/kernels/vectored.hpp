@@ -49,6 +49,8 @@ Four inAll(const Four& a) {
 }
 /// (y, z, x).
 inline Four turned(const Four& a) { return __builtin_shufflevector(a, a, 1, 2, 0, 3); }
+/// (z, x, y).
+inline Four turnedBack(const Four& a) { return __builtin_shufflevector(a, a, 2, 0, 1, 3); }
 inline Vectored sumOf(const Four& a) { return a[0] + a[1] + a[2]; }
 /// A vector's sum, and the product of two, in each lane.
 inline Four totalInAll(const Four& a) {
@@ -126,6 +128,18 @@ inline Mat3<Vectored> skew(const Vec3<Vectored>& v) {
 /// a b^T.
 inline Mat3<Vectored> outer(const Vec3<Vectored>& a, const Vec3<Vectored>& b) {
   return {a.a * inAll<0>(b.a), a.a * inAll<1>(b.a), a.a * inAll<2>(b.a)};
+}
+
+/// M [r]x.
+inline Mat3<Vectored> timesSkew(const Mat3<Vectored>& M, const Vec3<Vectored>& r) {
+  const Four x = inAll<0>(r.a), y = inAll<1>(r.a), z = inAll<2>(r.a);
+  return {M.c[1] * z - M.c[2] * y, M.c[2] * x - M.c[0] * z, M.c[0] * y - M.c[1] * x};
+}
+/// [w]x M: as cross does it, but for turning what comes out, which would come last.
+inline Mat3<Vectored> crossColumns(const Vec3<Vectored>& w, const Mat3<Vectored>& M) {
+  const Four next = turned(w.a), last = turnedBack(w.a);
+  const auto column = [&](const Four& c) { return next * turnedBack(c) - last * turned(c); };
+  return {column(M.c[0]), column(M.c[1]), column(M.c[2])};
 }
 
 /// x, y and z of the columns.
@@ -222,8 +236,8 @@ inline ArticulatedInertia<Vectored> ArticulatedInertia<Vectored>::shifted(const 
   ArticulatedInertia out;
   out.linear = linear;
   out.coupling = minusTimesX(linear.c, coupling.c);
-  const Mat3<Vectored> below = transpose(coupling), sum = minusTimesX(below.c, angular.c);
-  for (int i = 0; i < 3; ++i) out.angular.c[i] = sum.c[i] + cross(r, out.coupling.c[i]).a;
+  const Mat3<Vectored> below = transpose(coupling), sum = minusTimesX(below.c, angular.c), turned = crossColumns(r, out.coupling);
+  for (int i = 0; i < 3; ++i) out.angular.c[i] = sum.c[i] + turned.c[i];
   return out;
 }
 

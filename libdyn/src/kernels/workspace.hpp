@@ -2,7 +2,7 @@
 #pragma once
 
 #include "compile/compact_impl.hpp"
-#include "kernels/aosoa.hpp"
+#include "kernels/neighbours.hpp"
 
 #include <dyn/scalar/select.hpp>
 
@@ -84,12 +84,6 @@ class Arena {
     const std::ptrdiff_t stride = lanes_of<S> == 1 ? (((count + line - 1) / line + 1) / 2 * 2 + 1) * line : count;
     if (base_) rows.stride = stride;
     take(rows.first, static_cast<std::size_t>(components * stride));
-  }
-  template <template <class> class T, class S>
-  void take(AoSoA<T, S>& structs, std::size_t count) {
-    S* first = nullptr;
-    take(first, AoSoA<T, S>::room(count));
-    if (base_) structs = AoSoA<T, S>(first);
   }
   std::size_t used() const { return used_; }
 
