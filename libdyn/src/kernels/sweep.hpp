@@ -207,8 +207,9 @@ struct Bodies {
       while (i > 0 && dofEnd(i) <= first);
       return i;
     };
-    for (auto run = m.runs.rbegin(); body > 0; ++run) {
-      if (run->first > body) continue;
+    auto run = m.runs.rbegin();
+    while (body > 0) {
+      while (run->first > body) ++run;
       withShape<S>(run->shape, run->nv, [&]<class Joint>() DYN_RUN_LOOP {
         along.template operator()<Joint>([&](auto&& visit) {
           const int run_first = run->first, v0 = index(run_first).idx_v;
