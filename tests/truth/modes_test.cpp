@@ -1,7 +1,6 @@
 // The same budgets for every way to compute the same: many states a call, in double and in float, and operations as code generation writes them.
+#include "support/traced.hpp"
 #include "truth/data_sets.hpp"
-
-#include <dyn/codegen/trace.hpp>
 
 using namespace dyn;
 using namespace dyn::test;
@@ -84,22 +83,16 @@ std::vector<Eigen::VectorXd> replayed(const TracedFunction& f, const nlohmann::j
     const Eigen::VectorXd x = vectorOf(sample[argument.name]);
     in.insert(in.end(), x.begin(), x.end());
   }
-  const std::vector<double> all = replay<double>(f.graph, in);
-  std::vector<Eigen::VectorXd> out;
-  std::size_t first = 0;
-  for (const ArgumentShape& argument : f.outputs) {
-    out.emplace_back(Eigen::Map<const Eigen::VectorXd>(all.data() + first, argument.size()));
-    first += static_cast<std::size_t>(argument.size());
-  }
-  return out;
+  return byGraph(f, in);
 }
 
-void checkTraced(const std::string& name) {
+void checkTraced(const std::string& name, const TraceOptions& how) {
   const Set set = load(name);
-  const std::string mode = ", generated";
+  const std::string mode = how.abreast ? ", generated, abreast" : ", generated";
   Worst worst(name);
-  const TracedFunction rnea = trace(set.model, "rnea"), crba = trace(set.model, "crba"), aba = trace(set.model, "aba");
-  const TracedFunction by_rnea = trace(set.model, "rnea_derivatives"), by_aba = trace(set.model, "aba_derivatives");
+  const auto traced = [&](const char* function) { return trace(set.model, function, how); };
+  const TracedFunction rnea = traced("rnea"), crba = traced("crba"), aba = traced("aba");
+  const TracedFunction by_rnea = traced("rnea_derivatives"), by_aba = traced("aba_derivatives");
   for (const auto& sample : set.document["samples"]) {
     const nlohmann::json& truth = sample["truth"];
     if (truth.contains("rnea_scale"))
@@ -124,5 +117,6 @@ TEST_CASE("batches are within the same budgets, in double and in float", "[truth
 TEST_CASE("operations of generated code are within the same budgets", "[truth]") {
   DYN_NEEDS_SHARED();
   for (const std::string& name : truth_sets)
-    if (name != "chain_100" && name != "big_chain_200") checkTraced(name);  // graphs of millions of operations
+    if (name != "chain_100" && name != "big_chain_200")  // graphs of millions of operations
+      for (const bool abreast : {false, true}) checkTraced(name, {.abreast = abreast});
 }

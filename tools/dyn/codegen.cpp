@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 struct CodegenOptions : ModelOptions {
   std::vector<std::string> functions;
   std::string out;
-  bool compile_now = false, single_precision = false, casadi = false;
+  bool compile_now = false, single_precision = false, casadi = false, plain = false;
   int lanes = 1;
 };
 
@@ -109,7 +109,7 @@ void run(const CodegenOptions& o) {
   const auto start = Clock::now();
   for (const std::string& f : o.functions) {
     std::fprintf(stderr, "tracing %s\n", f.c_str());
-    functions.push_back(trace(model, f));
+    functions.push_back(trace(model, f, {.abreast = o.lanes == 1 && !o.plain}));
   }
   SourceOptions how;
   how.single_precision = o.single_precision;
@@ -124,15 +124,20 @@ void run(const CodegenOptions& o) {
     replaceFile(folder / (name + ".c"), source.code(name + ".h"));
     replaceFile(folder / (name + "_test.c"), testOf(o, model, functions, name + ".h"));
     replaceFile(folder / "CMakeLists.txt", listsOf(name) + (o.casadi ? casadiListsOf(name) : ""));
-    if (o.casadi) replaceFile(folder / (name + "_casadi.c"), writeCasadiSource(functions));
+    if (o.casadi) {
+      std::vector<TracedFunction> plain;
+      for (const std::string& f : o.functions) plain.push_back(trace(model, f));
+      replaceFile(folder / (name + "_casadi.c"), writeCasadiSource(plain));
+    }
     std::fprintf(stderr, "written to %s: cmake -S %s -B %s/build && cmake --build %s/build && ctest --test-dir %s/build\n", o.out.c_str(),
                  o.out.c_str(), o.out.c_str(), o.out.c_str(), o.out.c_str());
   }
-  std::printf("%-24s %10s %10s %10s %10s %10s %10s\n", "function", "operations", "sums", "products", "quotients", "functions", "selections");
-  for (const TracedFunction& f : functions) {
-    const OperationCounts n = f.graph.count();
-    std::printf("%-24s %10d %10d %10d %10d %10d %10d\n", f.name.c_str(), n.total(), n.additions, n.multiplications, n.divisions, n.functions,
-                n.selections);
+  std::printf("%-24s %10s %10s %10s %10s %10s %10s %10s\n", "function", "operations", "sums", "products", "quotients", "functions", "selections",
+              "steps");
+  for (std::size_t i = 0; i < functions.size(); ++i) {
+    const OperationCounts n = functions[i].graph.count();
+    std::printf("%-24s %10d %10d %10d %10d %10d %10d %10d\n", functions[i].name.c_str(), n.total(), n.additions, n.multiplications, n.divisions,
+                n.functions, n.selections, source.steps[i]);
   }
   std::printf("traced and written in %.2f s\n", std::chrono::duration<double>(Clock::now() - start).count());
   if (!o.compile_now) return;
@@ -160,6 +165,7 @@ void addCodegen(CLI::App& app) {
   sub->add_option("--out", o->out, "folder for source, header, CMakeLists and test");
   sub->add_flag("--compile", o->compile_now, "compile into the cache that compileNative() uses");
   sub->add_flag("--float", o->single_precision, "float for double");
+  sub->add_flag("--plain", o->plain, "C99 without vectors: fewer operations, more steps");
   sub->add_flag("--casadi", o->casadi, "beside them a CasADi external with Jacobians, NAME_casadi.c");
   sub->add_option("--lanes", o->lanes, "states a call: 1, 2, 4, 8, ...")->capture_default_str();
   sub->callback([o] { run(*o); });

@@ -1,8 +1,11 @@
 #include <dyn/codegen/graph.hpp>
 #include <dyn/error.hpp>
 
+#include <algorithm>
 #include <bit>
 #include <limits>
+#include <map>
+#include <set>
 #include <string>
 #include <unordered_map>
 #include <utility>
@@ -59,13 +62,24 @@ struct GraphBuilder::Impl {
   std::vector<GraphNode> nodes;
   std::unordered_map<Key, std::uint32_t, KeyHash> known;
   std::unordered_map<std::uint64_t, std::uint32_t> constants;  ///< by their bits
+  std::unordered_map<std::uint64_t, std::uint32_t> opaque;     ///< the same of those that are not to be seen as such
+  std::vector<char> is_opaque;
   int inputs = 0;
   std::size_t most_nodes = 0;
+  // Runs that go on: by step what was recorded, in turn.
+  using Steps = std::map<int, std::vector<std::uint32_t>>;
+  std::array<Steps, most_abreast> runs;
+  std::vector<std::uint32_t>* step = nullptr;
+  int run = -1, depth = 0;
+  std::uint32_t first_of_runs = 0;
+  std::vector<NodesAbreast> abreast;
+  std::vector<char> is_abreast;  ///< by node
+
+  bool isConstant(std::uint32_t node) const { return nodes[node].operation == Operation::constant && (node >= is_opaque.size() || !is_opaque[node]); }
   bool full() const { return nodes.size() > most_nodes; }
 
   Traced traced(std::uint32_t node) const {
-    const GraphNode& n = nodes[node];
-    if (n.operation == Operation::constant) return n.value;
+    if (isConstant(node)) return nodes[node].value;
     Traced out;
     out.recorder = self;
     out.node = node;
@@ -82,8 +96,7 @@ struct GraphBuilder::Impl {
   Traced argument(const Traced& x, int k) const { return traced(nodes[x.node].argument[k]); }
   /// c x with c known: c, and x in `rest`.
   bool isScaled(const Traced& x, double& factor, Traced& rest) const {
-    if (!x.recorder || nodes[x.node].operation != Operation::multiply || nodes[nodes[x.node].argument[0]].operation != Operation::constant)
-      return false;
+    if (!x.recorder || nodes[x.node].operation != Operation::multiply || !isConstant(nodes[x.node].argument[0])) return false;
     factor = nodes[nodes[x.node].argument[0]].value;
     rest = argument(x, 1);
     return true;
@@ -144,6 +157,81 @@ struct GraphBuilder::Impl {
     return node(Operation::divide, a, b);
   }
   Traced negate(const Traced& a) { return isNegation(a) ? argument(a, 0) : node(Operation::negate, a); }
+
+  Traced simplified(Operation operation, const Traced& a, const Traced& b, const Traced& c, const Traced& d) {
+    switch (operation) {
+      case Operation::add:
+        return add(a, b);
+      case Operation::subtract:
+        return subtract(a, b);
+      case Operation::multiply:
+        return multiply(a, b);
+      case Operation::divide:
+        return divide(a, b);
+      case Operation::negate:
+        return negate(a);
+      case Operation::sin:
+        return isNegation(a) ? -sin(argument(a, 0)) : node(operation, a);
+      case Operation::cos:
+      case Operation::abs:
+        return node(operation, isNegation(a) ? argument(a, 0) : a);
+      case Operation::select_less:
+        if (!a.recorder && !b.recorder) return a.value < b.value ? c : d;
+        if (nodeOf(c) == nodeOf(d)) return c;
+        return node(operation, a, b, c, d);
+      default:
+        return node(operation, a, b, c, d);
+    }
+  }
+
+  /// Nodes of the runs, or no_node: those of the most common operation that are the runs' own go abreast, and then their arguments.
+  void join(NodesAbreast tuple) {
+    is_abreast.resize(nodes.size(), 0);
+    int count = 0;
+    for (std::uint32_t& node : tuple) {
+      const bool own = node != no_node && node >= first_of_runs && !is_abreast[node] && arity(nodes[node].operation) > 0;
+      const std::uint32_t* same = std::find(tuple.begin(), &node, node);
+      if (!own || same != &node) {
+        node = no_node;
+        continue;
+      }
+      ++count;
+    }
+    if (count < 2) return;
+    const std::uint32_t first = *std::find_if(tuple.begin(), tuple.end(), [](std::uint32_t node) { return node != no_node; });
+    const Operation operation = nodes[first].operation;
+    for (std::uint32_t& node : tuple)
+      if (node != no_node && nodes[node].operation != operation) node = no_node, --count;
+    if (count < 2) return;
+    for (const std::uint32_t node : tuple)
+      if (node != no_node) is_abreast[node] = 1;
+    abreast.push_back(tuple);
+    for (int k = 0; k < arity(operation); ++k) {
+      NodesAbreast arguments;
+      for (std::size_t l = 0; l < tuple.size(); ++l) arguments[l] = tuple[l] == no_node ? no_node : nodes[tuple[l]].argument[k];
+      join(arguments);
+    }
+  }
+  void joinRuns() {
+    std::set<int> numbers;
+    for (const Steps& steps : runs)
+      for (const auto& [number, nodes_of] : steps) numbers.insert(number);
+    for (const int number : numbers) {
+      const std::vector<std::uint32_t>* of[most_abreast];
+      std::size_t longest = 0;
+      for (std::size_t l = 0; l < most_abreast; ++l) {
+        const auto found = runs[l].find(number);
+        of[l] = found == runs[l].end() ? nullptr : &found->second;
+        if (of[l]) longest = std::max(longest, of[l]->size());
+      }
+      for (std::size_t i = 0; i < longest; ++i) {
+        NodesAbreast tuple;
+        for (std::size_t l = 0; l < most_abreast; ++l) tuple[l] = of[l] && i < of[l]->size() ? (*of[l])[i] : no_node;
+        join(tuple);
+      }
+    }
+    for (Steps& steps : runs) steps.clear();
+  }
 };
 
 GraphBuilder::GraphBuilder(std::size_t most_nodes) : impl_(std::make_unique<Impl>()) {
@@ -161,31 +249,41 @@ Traced GraphBuilder::record(Operation operation, const Traced& a, const Traced& 
   Impl& g = *impl_;
   // A plugin's code may be on the way, which must not see an exception: known numbers bring it to its end soon.
   if (g.full()) return std::numeric_limits<double>::quiet_NaN();
-  switch (operation) {
-    case Operation::add:
-      return g.add(a, b);
-    case Operation::subtract:
-      return g.subtract(a, b);
-    case Operation::multiply:
-      return g.multiply(a, b);
-    case Operation::divide:
-      return g.divide(a, b);
-    case Operation::negate:
-      return g.negate(a);
-    case Operation::sin:
-      return g.isNegation(a) ? -sin(g.argument(a, 0)) : g.node(operation, a);
-    case Operation::cos:
-    case Operation::abs:
-      return g.node(operation, g.isNegation(a) ? g.argument(a, 0) : a);
-    case Operation::select_less:
-      if (!a.recorder && !b.recorder) return a.value < b.value ? c : d;
-      if (g.nodeOf(c) == g.nodeOf(d)) return c;
-      return g.node(operation, a, b, c, d);
-    default:
-      return g.node(operation, a, b, c, d);
-  }
+  ++g.depth;
+  const Traced result = g.simplified(operation, a, b, c, d);
+  // What simplifying records is part of it.
+  if (--g.depth == 0 && g.step) g.step->push_back(result.recorder ? result.node : no_node);
+  return result;
 }
 
+void GraphBuilder::abreast(const std::function<void()>& runs) {
+  Impl& g = *impl_;
+  g.first_of_runs = static_cast<std::uint32_t>(g.nodes.size());
+  runs();
+  g.run = -1;
+  g.step = nullptr;
+  g.joinRuns();
+}
+void GraphBuilder::run(int k) {
+  impl_->run = k;
+  impl_->step = nullptr;
+}
+void GraphBuilder::step(int number) {
+  Impl& g = *impl_;
+  if (g.run >= 0) g.step = number < 0 ? nullptr : &g.runs[static_cast<std::size_t>(g.run)][number];
+}
+bool GraphBuilder::inRun() const { return impl_->run >= 0; }
+
+Traced GraphBuilder::opaque(double x) {
+  Impl& g = *impl_;
+  const auto [found, is_new] = g.opaque.emplace(std::bit_cast<std::uint64_t>(x), static_cast<std::uint32_t>(g.nodes.size()));
+  if (is_new) {
+    g.nodes.push_back({Operation::constant, {}, x});
+    g.is_opaque.resize(g.nodes.size(), 0);
+    g.is_opaque.back() = 1;
+  }
+  return g.traced(found->second);
+}
 Graph GraphBuilder::finish(std::span<const Traced> results) const {
   Impl& g = *impl_;
   if (g.full())
@@ -209,6 +307,16 @@ Graph GraphBuilder::finish(std::span<const Traced> results) const {
     out.nodes.push_back(n);
   }
   for (const std::uint32_t e : ends) out.outputs.push_back(number[e]);
+  for (NodesAbreast tuple : g.abreast) {
+    int count = 0;
+    for (std::uint32_t& node : tuple) {
+      if (node != no_node && !live[node]) node = no_node;
+      if (node == no_node) continue;
+      node = number[node];
+      ++count;
+    }
+    if (count > 1) out.abreast.push_back(tuple);
+  }
   return out;
 }
 

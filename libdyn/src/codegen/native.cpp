@@ -185,7 +185,7 @@ CompiledModel compileNative(const CompactModel& model, const std::vector<std::st
   traced.reserve(functions.size());
   for (const std::string& f : functions) {
     if (options.progress) options.progress("tracing " + f);
-    traced.push_back(trace(model, f));
+    traced.push_back(trace(model, f, {.abreast = options.lanes == 1}));
   }
   return compileNative(traced, options);
 }

@@ -31,8 +31,8 @@ constexpr const char* sincos_float = R"(#define DYN_LIMIT 4000.0f
 
 /// Numbers' own functions, the wider type for angles that are too large, and 64 bytes of numbers as a vector.
 constexpr const char* double_type = R"(#define R(x) x
-#define DYN_LIBM(f) f
-#define DYN_WIDER(f) f##l
+#define DYN_LIBM(name) name
+#define DYN_WIDER(name) name##l
 #define DYN_FABS fabs
 #define DYN_WIDTH 8
 #define DYN_DIGITS 0x7fffffffffffffffLL
@@ -40,8 +40,8 @@ typedef long long dyn_int;
 typedef long double dyn_wider;
 )";
 constexpr const char* float_type = R"(#define R(x) x##f
-#define DYN_LIBM(f) f##f
-#define DYN_WIDER(f) f
+#define DYN_LIBM(name) name##f
+#define DYN_WIDER(name) name
 #define DYN_FABS fabsf
 #define DYN_WIDTH 16
 #define DYN_DIGITS 0x7fffffff
@@ -108,6 +108,9 @@ constexpr const char* scalar_functions = R"(typedef dyn_real T;
 #define dyn_abs DYN_FABS
 #define dyn_select_less(a, b, c, d) ((a) < (b) ? (c) : (d))
 #define dyn_sincos dyn_sincos_numbers
+#if defined(__GNUC__)
+typedef dyn_real dyn_four __attribute__((vector_size(4 * sizeof(dyn_real)), aligned(sizeof(dyn_real)), may_alias));
+#endif
 
 )";
 

@@ -1,4 +1,5 @@
 #include "codegen/prelude.hpp"
+#include "codegen/schedule.hpp"
 
 #include <dyn/codegen/source.hpp>
 #include <dyn/error.hpp>
@@ -6,6 +7,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdio>
+#include <map>
 #include <set>
 
 namespace dyn {
@@ -23,20 +25,26 @@ std::string number(double x, bool single) {
   return x < 0 ? "(" + out + ")" : out;
 }
 
-/// One function: its nodes in pieces, each a C function of its own; values that a later piece reads go through memory.
+/// One function: its operations in pieces, each a C function of its own; values that a later piece reads go through memory.
 class Writer {
  public:
-  Writer(const TracedFunction& f, const SourceOptions& options) : f_(f), g_(f.graph), options_(options), name_(options.prefix + f.name) {
-    const std::size_t n = g_.nodes.size();
+  Writer(const TracedFunction& f, const SourceOptions& options)
+      : f_(f), options_(options), schedule_(schedule(f.graph, options.lanes == 1)), name_(options.prefix + f.name) {
     for (const ArgumentShape& a : f.inputs)
-      for (int i = 0; i < a.size(); ++i) inputs_.push_back(a.name + "[" + std::to_string(i) + "]");
+      for (int i = 0; i < a.size(); ++i) inputs_.push_back({a.name, i});
     std::size_t o = 0;
     for (const ArgumentShape& a : f.outputs)
-      for (int i = 0; i < a.size(); ++i) stores_.push_back({a.name + "[" + std::to_string(i) + "] = ", g_.outputs[o++]});
-    piece_of_.assign(n, -1);
-    last_use_.assign(n, -1);
-    slot_.assign(n, -1);
-    sine_.assign(n, -1);
+      for (int i = 0; i < a.size(); ++i) stores_.push_back({a.name + "[" + std::to_string(i) + "] = ", f.graph.outputs[o++]});
+    plan();
+  }
+
+  int steps() const {
+    int out = static_cast<int>(schedule_.units.size());
+    for (std::size_t i = 0; i < nodes().size(); ++i) out += isTurned(static_cast<std::uint32_t>(i)) ? 1 : 0;
+    return out;
+  }
+  bool hasVectors() const {
+    return std::any_of(schedule_.units.begin(), schedule_.units.end(), [](const Unit& unit) { return unit.several; });
   }
 
   std::string declaration() const {
@@ -47,8 +55,7 @@ class Writer {
     return out + ")";
   }
 
-  std::string definition() {
-    plan();
+  std::string definition() const {
     std::string out;
     for (int p = 0; p < pieces_; ++p) out += piece(p);
     out += declaration() + " {\n";
@@ -65,10 +72,8 @@ class Writer {
       const std::string count = std::to_string((angles_.size() + width - 1) / width * width);
       out += "  T angle[" + count + "] = {" + (options_.lanes > 1 ? "{0}" : "0") + "}, s[" + count + "], c[" + count + "];\n";
       for (std::size_t i = 0; i < angles_.size(); ++i) {
-        const GraphNode& n = g_.nodes[angles_[i]];
-        std::string text = inputs_[n.argument[0]];
-        text.insert(text.find('['), "_");
-        out += "  angle[" + std::to_string(i) + "] = " + text + ";\n";
+        const auto& [argument, index] = inputs_[nodes()[angles_[i]].argument[0]];
+        out += "  angle[" + std::to_string(i) + "] = " + argument + "_[" + std::to_string(index) + "];\n";
       }
       out += "  dyn_sincos(angle, s, c, " + count + ");\n";
     }
@@ -77,36 +82,54 @@ class Writer {
   }
 
  private:
-  bool isValue(std::size_t i) const { return g_.nodes[i].operation != Operation::input && g_.nodes[i].operation != Operation::constant; }
+  const std::vector<GraphNode>& nodes() const { return schedule_.nodes; }
+  bool isTurned(std::uint32_t node) const { return isTurn(nodes(), node); }
+  int pieceOf(std::uint32_t node) const {
+    const int unit = schedule_.places[node].unit;
+    return unit < 0 ? -1 : unit / options_.piece;
+  }
+  const Unit& unitOf(std::uint32_t node) const { return schedule_.units[static_cast<std::size_t>(schedule_.places[node].unit)]; }
+  static std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-  /// Which piece computes each node, which values wait in memory, which angles are known from the start.
+  /// Which values wait in memory, and where; in which order sines are taken.
   void plan() {
-    std::vector<int> angle_of(g_.nodes.size(), -1);
-    int count = 0;
-    for (std::size_t i = 0; i < g_.nodes.size(); ++i) {
-      const GraphNode& n = g_.nodes[i];
-      if (!isValue(i)) continue;
-      const bool turns = n.operation == Operation::sin || n.operation == Operation::cos;
-      if (turns && g_.nodes[n.argument[0]].operation == Operation::input) {
-        int& angle = angle_of[n.argument[0]];
-        if (angle < 0) {
-          angle = static_cast<int>(angles_.size());
-          angles_.push_back(n.argument[0]);
-        }
-        sine_[i] = angle;
-        continue;
+    const auto& units = schedule_.units;
+    pieces_ = std::max(1, (static_cast<int>(units.size()) + options_.piece - 1) / options_.piece);
+    std::vector<int> last_use(units.size(), -1);
+    angle_.assign(nodes().size(), -1);
+    slot_.assign(units.size(), -1);
+    const auto turn = [&](std::uint32_t node) {
+      int& angle = angle_[nodes()[node].argument[0]];
+      if (angle >= 0) return;
+      angle = static_cast<int>(angles_.size());
+      angles_.push_back(nodes()[node].argument[0]);
+    };
+    // Those that go abreast side by side.
+    for (const Unit& unit : units)
+      for (int k = 0; unit.several && k < arity(unit.operation); ++k) {
+        const NodesAbreast tuple = argumentsOf(nodes(), unit, k);
+        if (std::all_of(tuple.begin(), tuple.end(), [&](std::uint32_t node) { return node == no_node || isTurned(node); }))
+          for (const std::uint32_t node : tuple)
+            if (node != no_node) turn(node);
       }
-      piece_of_[i] = count++ / options_.piece;
-      for (int k = 0; k < arity(n.operation); ++k) last_use_[n.argument[k]] = std::max(last_use_[n.argument[k]], piece_of_[i]);
-    }
-    pieces_ = std::max(1, (count + options_.piece - 1) / options_.piece);
-    for (std::size_t i = 0; i < g_.nodes.size(); ++i)
-      if (piece_of_[i] >= 0 && last_use_[i] > piece_of_[i]) slot_[i] = slots_++;
+    for (std::size_t i = 0; i < nodes().size(); ++i)
+      if (isTurned(static_cast<std::uint32_t>(i))) turn(static_cast<std::uint32_t>(i));
+    for (std::size_t u = 0; u < units.size(); ++u)
+      for (const std::uint32_t node : units[u].nodes)
+        for (int k = 0; node != no_node && k < arity(nodes()[node].operation); ++k) {
+          const int from = schedule_.places[nodes()[node].argument[k]].unit;
+          if (from >= 0) last_use[at(from)] = static_cast<int>(u) / options_.piece;
+        }
+    for (std::size_t u = 0; u < units.size(); ++u)
+      if (last_use[u] > static_cast<int>(u) / options_.piece) {
+        slot_[u] = slots_;
+        slots_ += units[u].several ? most_abreast : 1;
+      }
     // A result is stored by the piece that computes it; those that none computes by the last one.
-    stores_of_.resize(static_cast<std::size_t>(pieces_));
+    stores_of_.resize(at(pieces_));
     for (std::size_t s = 0; s < stores_.size(); ++s) {
-      const int p = piece_of_[stores_[s].second];
-      stores_of_[static_cast<std::size_t>(p < 0 ? pieces_ - 1 : p)].push_back(s);
+      const int p = pieceOf(stores_[s].second);
+      stores_of_[at(p < 0 ? pieces_ - 1 : p)].push_back(s);
     }
   }
 
@@ -129,19 +152,56 @@ class Writer {
     return out;
   }
 
-  std::string value(std::uint32_t i, int piece) const {
-    const GraphNode& n = g_.nodes[i];
-    if (n.operation == Operation::constant) return number(n.value, options_.single_precision);
+  /// Where in memory a value that is there from the start is: array and index; of constants no array.
+  std::pair<std::string, int> memoryOf(std::uint32_t i) const {
+    const GraphNode& n = nodes()[i];
     if (n.operation == Operation::input) return inputs_[n.argument[0]];
-    if (sine_[i] >= 0) return (n.operation == Operation::sin ? "s[" : "c[") + std::to_string(sine_[i]) + "]";
-    if (piece_of_[i] != piece) return "w[" + std::to_string(slot_[i]) + "]";
-    return "t" + std::to_string(i);
+    if (isTurned(i)) return {n.operation == Operation::sin ? "s" : "c", angle_[n.argument[0]]};
+    return {"", 0};
+  }
+  std::string value(std::uint32_t i, int piece) const {
+    const GraphNode& n = nodes()[i];
+    if (n.operation == Operation::constant) return number(n.value, options_.single_precision);
+    const Place& place = schedule_.places[i];
+    if (place.unit < 0) {
+      const auto [array, index] = memoryOf(i);
+      return array + "[" + std::to_string(index) + "]";
+    }
+    if (pieceOf(i) != piece) return "w[" + std::to_string(slot_[at(place.unit)] + place.lane) + "]";
+    return unitOf(i).several ? "v" + std::to_string(place.unit) + "[" + std::to_string(place.lane) + "]" : "t" + std::to_string(place.unit);
+  }
+  /// The same in lanes; lanes that nobody has may have anything.
+  std::string vector(const NodesAbreast& tuple, int piece) const {
+    const std::uint32_t first = *std::find_if(tuple.begin(), tuple.end(), [](std::uint32_t node) { return node != no_node; });
+    const Place& place = schedule_.places[first];
+    bool in_place = place.unit >= 0 && unitOf(first).several, side_by_side = place.unit < 0 && nodes()[first].operation != Operation::constant;
+    int start = -1;
+    for (int l = 0; l < most_abreast; ++l) {
+      const std::uint32_t node = tuple[at(l)];
+      if (node == no_node) {
+        side_by_side = false;  // what follows may be past the end
+        continue;
+      }
+      in_place = in_place && schedule_.places[node].unit == place.unit && schedule_.places[node].lane == l;
+      if (!side_by_side) continue;
+      side_by_side =
+          schedule_.places[node].unit < 0 && nodes()[node].operation != Operation::constant && memoryOf(node).first == memoryOf(first).first;
+      if (start < 0) start = memoryOf(node).second - l;
+      side_by_side = side_by_side && memoryOf(node).second == start + l;
+    }
+    if (in_place) {
+      if (pieceOf(first) == piece) return "v" + std::to_string(place.unit);
+      return "*(const dyn_four*)(w + " + std::to_string(slot_[at(place.unit)]) + ")";
+    }
+    if (side_by_side) return "*(const dyn_four*)(" + memoryOf(first).first + " + " + std::to_string(start) + ")";
+    std::string out = "(dyn_four){";
+    for (const std::uint32_t node : tuple) out += (out.back() == '{' ? "" : ", ") + value(node == no_node ? first : node, piece);
+    return out + "}";
   }
 
-  std::string expression(std::size_t i, int piece) const {
-    const GraphNode& n = g_.nodes[i];
-    const auto arg = [&](int k) { return value(n.argument[k], piece); };
-    switch (n.operation) {
+  template <class Argument>
+  static std::string expression(Operation operation, const Argument& arg) {
+    switch (operation) {
       case Operation::input:
       case Operation::constant:
         return "";
@@ -179,26 +239,49 @@ class Writer {
 
   std::string piece(int p) const {
     std::string out = "static DYN_PIECE void " + name_ + "_" + std::to_string(p) + "(" + parameters() + ") {\n";
-    for (std::size_t i = 0; i < g_.nodes.size(); ++i) {
-      if (piece_of_[i] != p) continue;
-      out += "  const T t" + std::to_string(i) + " = " + expression(i, p) + ";\n";
-      if (slot_[i] >= 0) out += "  w[" + std::to_string(slot_[i]) + "] = t" + std::to_string(i) + ";\n";
+    std::map<NodesAbreast, std::string> gathered;
+    const int count = static_cast<int>(schedule_.units.size());
+    for (int u = p * options_.piece; u < std::min((p + 1) * options_.piece, count); ++u) {
+      const Unit& unit = schedule_.units[at(u)];
+      const std::string slot = std::to_string(slot_[at(u)]), id = std::to_string(u);
+      if (unit.several) {
+        const auto argument = [&](int k) {
+          const NodesAbreast tuple = argumentsOf(nodes(), unit, k);
+          std::string x = vector(tuple, p);
+          if (x[0] == 'v') return x;
+          std::string& name = gathered[tuple];
+          if (name.empty()) {
+            name = "g" + id + "_" + std::to_string(k);
+            out += "  const dyn_four " + name + " = " + x + ";\n";
+          }
+          return name;
+        };
+        std::vector<std::string> names;
+        for (int k = 0; k < arity(unit.operation); ++k) names.push_back(argument(k));
+        out += "  const dyn_four v" + id + " = " + expression(unit.operation, [&](int k) { return names[at(k)]; }) + ";\n";
+        if (slot_[at(u)] >= 0) out += "  *(dyn_four*)(w + " + slot + ") = v" + id + ";\n";
+        continue;
+      }
+      const GraphNode& n = nodes()[unit.nodes[0]];
+      out += "  const T t" + id + " = " + expression(n.operation, [&](int k) { return value(n.argument[k], p); }) + ";\n";
+      if (slot_[at(u)] >= 0) out += "  w[" + slot + "] = t" + id + ";\n";
     }
-    for (const std::size_t s : stores_of_[static_cast<std::size_t>(p)]) {
+    for (const std::size_t s : stores_of_[at(p)]) {
       const std::string x = value(stores_[s].second, p);
-      out += "  " + stores_[s].first + (g_.nodes[stores_[s].second].operation == Operation::constant ? "DYN_ALL(" + x + ")" : x) + ";\n";
+      out += "  " + stores_[s].first + (nodes()[stores_[s].second].operation == Operation::constant ? "DYN_ALL(" + x + ")" : x) + ";\n";
     }
     return out + "}\n\n";
   }
 
   const TracedFunction& f_;
-  const Graph& g_;
   const SourceOptions& options_;
+  const Schedule schedule_;
   std::string name_;
-  std::vector<std::string> inputs_;                            ///< how each input is read
+  std::vector<std::pair<std::string, int>> inputs_;            ///< argument and index of each
   std::vector<std::pair<std::string, std::uint32_t>> stores_;  ///< where each output goes
-  std::vector<int> piece_of_, last_use_, slot_, sine_;         ///< by node
-  std::vector<std::uint32_t> angles_;                          ///< nodes of inputs whose sines and cosines are taken together
+  std::vector<int> slot_;                                      ///< by unit
+  std::vector<int> angle_;                                     ///< by node of an input: its place among those whose sines are taken together
+  std::vector<std::uint32_t> angles_;                          ///< these nodes
   std::vector<std::vector<std::size_t>> stores_of_;            ///< by piece
   int pieces_ = 1, slots_ = 0;
 };
@@ -224,7 +307,7 @@ void checkNames(const std::vector<TracedFunction>& functions, const SourceOption
   if (options.piece < 1) throw Error(ErrorCode::argument, "a piece of " + std::to_string(options.piece) + " operations; it takes 1 at least");
 }
 
-std::string comment(const TracedFunction& f, int lanes) {
+std::string comment(const TracedFunction& f, int lanes, int steps) {
   std::string out = "/* " + f.name + ":";
   for (const auto* list : {&f.inputs, &f.outputs}) {
     out += list == &f.inputs ? " from" : " to";
@@ -235,6 +318,7 @@ std::string comment(const TracedFunction& f, int lanes) {
   out += "; " + std::to_string(n.total()) + " operations: " + std::to_string(n.additions) + " sums, " + std::to_string(n.multiplications) +
          " products, " + std::to_string(n.divisions) + " quotients and roots, " + std::to_string(n.functions) + " functions, " +
          std::to_string(n.selections) + " selections. ";
+  if (steps < n.total()) out += "Done in " + std::to_string(steps) + " steps, some of them vectors of four. ";
   if (lanes > 1) out += "Numbers of " + std::to_string(lanes) + " states side by side. ";
   return out + "*/\n";
 }
@@ -253,9 +337,14 @@ Source writeSource(const std::vector<TracedFunction>& functions, const SourceOpt
   Source out;
   out.types = std::string("typedef ") + (options.single_precision ? "float" : "double") + " dyn_real;\n";
   out.definitions = codegenPrelude(options.single_precision, options.lanes);
+  bool has_vectors = false;
   for (const TracedFunction& f : functions) {
     Writer writer(f, options);
-    out.declarations += comment(f, options.lanes) + writer.declaration() + ";\n\n";
+    out.steps.push_back(writer.steps());
+    if (writer.hasVectors() && !has_vectors)
+      out.definitions += "#if !defined(__GNUC__)\n#error \"this has vectors of gcc and clang; dyn codegen --plain writes C99\"\n#endif\n\n";
+    has_vectors = has_vectors || writer.hasVectors();
+    out.declarations += comment(f, options.lanes, writer.steps()) + writer.declaration() + ";\n\n";
     out.definitions += writer.definition();
   }
   return out;

@@ -1,3 +1,4 @@
+#include "codegen/traced_bodies.hpp"
 #include "compile/compact_impl.hpp"
 #include "kernels/aba.hpp"
 #include "kernels/aba_derivatives.hpp"
@@ -28,7 +29,9 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 /// The recursions' memory in traced numbers, and the joints evaluated in them.
 class Tracer {
  public:
-  explicit Tracer(const CompactImpl& m) : bodies{m, w}, m_(m) {
+  Tracer(const CompactImpl& m, bool abreast) : limbs(m, abreast), bodies(m, w, limbs), m_(m) {
+    limbs.builder = &builder;
+    w.limbs = &limbs;
     Arena counted(nullptr);
     carve(counted);
     const std::size_t bytes = counted.used() + Arena::alignment;
@@ -36,7 +39,7 @@ class Tracer {
     const auto address = reinterpret_cast<std::uintptr_t>(memory_.get());
     Arena arena(memory_.get() + (Arena::alignment - address % Arena::alignment) % Arena::alignment);
     carve(arena);
-    atRest(w);
+    atRest(static_cast<Workspace<T>&>(w));
   }
 
   Traced* input(int size) {
@@ -104,13 +107,14 @@ class Tracer {
   }
 
   GraphBuilder builder;
-  Workspace<T> w;
+  Limbs limbs;
+  TracedWorkspace w;
   kernels::DerivativeWorkspace<T> d;
-  const kernels::Bodies<T> bodies;
+  const kernels::TracedBodies bodies;
 
  private:
   void carve(Arena& arena) {
-    dyn::carve(w, m_, arena);
+    dyn::carve(static_cast<Workspace<T>&>(w), m_, arena);
     kernels::carve(d, m_, arena);
   }
   static JointBatch<T> callOf(const TypeBatch& batch) {
@@ -189,7 +193,7 @@ void inverseOfMassMatrix(const CompactImpl& m, Tracer& t, const Rows<T>& L, Numb
   kernels::TreeFactors<T> factors = t.d.factors;
   factors.L = L;
   Numbers inverse(n * n);
-  kernels::inverseOfMassMatrixColumns(m, factors, Rows<T>{inverse.data(), m.nvx});
+  kernels::inverseOfMassMatrixColumns(t.bodies, factors, Rows<T>{inverse.data(), m.nvx});
   out.insert(out.end(), inverse.begin(), inverse.end());
 }
 
@@ -200,8 +204,8 @@ void abaDerivatives(const CompactImpl& m, Tracer& t, const std::vector<T*>& in, 
   t.evaluate(in[0], in[1]);
   t.evaluateSubspaceDerivatives(in[0], in[1]);
   kernels::abaDerivativesSweep(m, t.w, t.d, static_cast<const T*>(in[1]), static_cast<const T*>(tau.data()), ddq.data());
-  kernels::abaDerivativeColumns(m, t.d, t.d.by_q, Rows<T>{by_q.data(), m.nvx});
-  kernels::abaDerivativeColumns(m, t.d, t.d.by_v, Rows<T>{by_v.data(), m.nvx});
+  kernels::abaDerivativeColumns(t.bodies, t.d, t.d.by_q, Rows<T>{by_q.data(), m.nvx});
+  kernels::abaDerivativeColumns(t.bodies, t.d, t.d.by_v, Rows<T>{by_v.data(), m.nvx});
   inverseOfMassMatrix(m, t, t.d.by_a.below, inverse);
   for (std::size_t k = 0; k < m.damping.size(); ++k)
     for (std::size_t i = 0; i < n; ++i) by_v[k * n + i] -= T(m.damping[k]) * inverse[k * n + i];
@@ -332,7 +336,7 @@ const std::vector<std::string>& traceableFunctions() {
   return names;
 }
 
-TracedFunction trace(const CompactModel& model, const std::string& function) {
+TracedFunction trace(const CompactModel& model, const std::string& function, const TraceOptions& options) {
   const CompactImpl& m = model.impl();
   const auto recipe = std::find_if(recipes().begin(), recipes().end(), [&](const Recipe& r) { return r.name == function; });
   if (recipe == recipes().end()) {
@@ -344,7 +348,7 @@ TracedFunction trace(const CompactModel& model, const std::string& function) {
     throw Error(ErrorCode::model, "joints that follow others cannot be traced; load the model with them independent, or keep them as constraints");
   TracedFunction out;
   out.name = function;
-  Tracer tracer(m);
+  Tracer tracer(m, options.abreast);
   std::vector<T*> in;
   for (const char* name : recipe->inputs) {
     const int size = std::string(name) == "q" ? m.nqx : m.nvx;

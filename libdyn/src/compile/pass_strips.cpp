@@ -32,6 +32,10 @@ class Planner {
     }
   }
 
+  StripPlan seats() {
+    seatAll();
+    return std::move(plan_);
+  }
   StripPlan run() {
     seatAll();
     // Measured (dyn bench on the robots of ../shared/models): a strip takes about 1.3 times one body's time, and entering and leaving the
@@ -319,6 +323,8 @@ class Planner {
 };
 
 }  // namespace
+
+StripPlan seatStrips(const CompactImpl& m) { return Planner(m).seats(); }
 
 StripPlan planStrips(const CompactImpl& m) {
   const bool packs = instructionSet().name == "avx2" || instructionSet().name == "avx512";

@@ -96,6 +96,8 @@ struct StripPlan {
   std::vector<double> armature;         ///< four a degree of freedom; 1 in lanes of nobody, which keeps their pivots from zero
 };
 
+/// Only which bodies share a strip, of any model and on any machine: Strip::body, and seats.
+StripPlan seatStrips(const CompactImpl& m);
 /// Groups the bodies of a packed model. Models with couplings, or with joints of constant dense subspaces, have no strips.
 StripPlan planStrips(const CompactImpl& m);
 

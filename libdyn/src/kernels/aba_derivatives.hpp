@@ -212,15 +212,19 @@ void abaDerivative(const CompactImpl& m, const DerivativeWorkspace<S>& d, S* beg
   solveLower<S, true>(system, B, X, n, false);
 }
 /// The same column by column, into columns of zeros: with nothing done twice, and nothing for zeros.
-template <class S>
-void abaDerivativeColumns(const CompactImpl& m, const DerivativeWorkspace<S>& d, const PathMatrix<S>& by, const Rows<S>& out) {
+template <class S, class Order>
+void abaDerivativeColumns(const Order& order, const DerivativeWorkspace<S>& d, const PathMatrix<S>& by, const Rows<S>& out) {
+  const CompactImpl& m = order.m;
   const TreeSystem<S> system{m, d.by_a.below, d.factors.inverse};
   const auto begin = [&](int i) { return system.jointEnd(i); };
   by.template assemble<S>(m.dof_end, out);
-  for (int k = 0; k < m.nvx; ++k) {
-    solveColumn(system, begin, k, m.nvx, out[k]);
-    for (int i = 0; i < m.nvx; ++i) out[k][i] = -out[k][i];
-  }
+  order.eachDof(0, m.nvx, [&](int k) {
+    solveColumn(system, order, begin, k, m.nvx, out[k]);
+    for (int i = 0; i < m.nvx; ++i) {
+      order.goesDown(i);
+      out[k][i] = -out[k][i];
+    }
+  });
 }
 
 }  // namespace dyn::kernels

@@ -18,8 +18,8 @@ void writeMotion(const Motion<S>& c, S* out) {
 }
 
 /// w.rel, w.oM, and each joint's columns in the world, about its origin: 6 numbers a degree of freedom.
-template <class S>
-void jointJacobians(const Bodies<S>& bodies, Workspace<S>& w, S* J) {
+template <class S, class Order>
+void jointJacobians(const Order& bodies, Workspace<S>& w, S* J) {
   bodies.forward(passing(), [&]<class Joint>(const Joint& joint, int i, int iv) {
     placeInWorld(joint, bodies, i, w);
     const SE3<S>& oM = w.oM[i];

@@ -102,15 +102,15 @@ void inverseOfMassMatrix(const CompactImpl& m, const TreeFactors<S>& factors, S*
     for (int k = i + 1; k < n; ++k) *place(X, k, i) = *place(X, i, k);
 }
 /// The same column by column, into zeros.
-template <class S>
-void inverseOfMassMatrixColumns(const CompactImpl& m, const TreeFactors<S>& factors, const Rows<S>& out) {
-  const TreeSystem<S> system{m, factors.L, factors.inverse};
-  for (int k = 0; k < m.nvx; ++k) {
+template <class S, class Order>
+void inverseOfMassMatrixColumns(const Order& order, const TreeFactors<S>& factors, const Rows<S>& out) {
+  const TreeSystem<S> system{order.m, factors.L, factors.inverse};
+  order.eachDof(0, order.m.nvx, [&](int k) {
     out[k][k] = S(1);
     solveColumn(
-        system, [](int i) { return i; }, k, k + 1, out[k]);
+        system, order, [](int i) { return i; }, k, k + 1, out[k]);
     for (int i = 0; i < k; ++i) out[i][k] = out[k][i];
-  }
+  });
 }
 
 }  // namespace dyn::kernels

@@ -68,12 +68,12 @@ void forcesToRoot(const R& recursion, Along&& along) {
       along.template operator()<Joint>([&](auto&& visit) {
         const int end = order.dofEnd(i);
         auto* const forces = recursion.d.dof_force;
-        for (int dof = iv; dof < end; ++dof) {
+        order.eachDof(iv, end, [&](int dof) {
           auto& place = reinterpret_cast<Forces<Wide>&>(forces[dof]);
           Forces<Wide> F = place;
           visit(F, i, iv, Part<Wide, S>(dof, iv, end));
           leave(F, place);
-        }
+        });
       });
     });
   } else {

@@ -76,11 +76,18 @@ struct BodyRecursion {
   void failures(int* to) const { std::copy(std::begin(order.w.failed), std::end(order.w.failed), to); }
 };
 
+/// How bodies are walked one after the other.
+template <class S>
+struct OrderOf {
+  using type = Bodies<S>;
+  static type over(const CompactImpl& m, Workspace<S>& w) { return {m, w}; }
+};
+
 /// Of the joints that have been asked into w.
 template <class S>
 auto recursion(const CompactImpl& m, Workspace<S>& w, DerivativeWorkspace<S>& d) {
   if constexpr (abreast<S> == 1) {
-    return BodyRecursion<Bodies<S>, S, S>{{m, w}, d};
+    return BodyRecursion<typename OrderOf<S>::type, S, S>{OrderOf<S>::over(m, w), d};
   } else {
     d.bodies.joints = reinterpret_cast<JointMemory<Vectored>*>(w.joints);
     d.bodies.R[0] = d.bodies.product[0] = Mat3<Vectored>::identity();

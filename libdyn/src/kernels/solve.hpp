@@ -22,16 +22,18 @@ struct TreeSystem {
   const BodyIndex& joint(int dof) const { return m.index[static_cast<std::size_t>(m.dof_body[static_cast<std::size_t>(dof)])]; }
 };
 
-/// One column, `column` of the matrix, in place, its first `rows` rows.
-template <class S, class Begin>
-void solveColumn(const TreeSystem<S>& t, const Begin& begin, int column, int rows, S* x) {
+/// One column, `column` of the matrix, in place, its first `rows` rows. order.goesUp(i), goesDown(i): told of each row that it comes to.
+template <class S, class Order, class Begin>
+void solveColumn(const TreeSystem<S>& t, const Order& order, const Begin& begin, int column, int rows, S* x) {
   alongPath(t.m, column, [&](int i) {
     if (begin(i) > column) return;
+    order.goesUp(i);
     const S force = x[i];
     alongPath(t.m, t.parent(i), [&](int j) { x[j] -= t.L[j][i] * force; });
     x[i] = t.inverse[i] * force;
   });
   for (int i = 0; i < rows; ++i) {
+    order.goesDown(i);
     S sum = x[i];
     alongPathParentLast(t.m, i, [&](int j) { sum -= t.L[j][i] * x[j]; });
     x[i] = sum;

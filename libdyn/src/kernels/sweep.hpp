@@ -74,6 +74,58 @@ class FromChildren {
   int i_;
 };
 
+/// A joint's rows of the mass matrix, and the way from its body up to the root.
+template <class Order, class S>
+class BodyEntry {
+ public:
+  BodyEntry(const Order& bodies, S* M, int i, int iv) : bodies_(bodies), M_(M), from_(i), to_(i), row_(iv), column_(iv) {}
+  /// Calls turning(r, column, enter) for each body of a piece, step(*this) for others. This one goes one way, and does not begin again.
+  template <class Begin, class Step, class Turning>
+  void climb(Begin&&, Step&& step, Turning&& turning) {
+    const std::ptrdiff_t n = bodies_.m.nvx;
+    do {
+      from_ = to_;
+      to_ = bodies_.parentOf(from_);
+      const BodyIndex& x = bodies_.index(to_);
+      column_ = x.idx_v;
+      if (x.piece > to_) {
+        bodies_.reaches(to_);
+        step(std::as_const(*this));
+        continue;
+      }
+      const Vec3<S>* r = bodies_.w.r + from_;
+      const DofFactor<S>* dof = bodies_.w.dof + column_;
+      S *above = M_ + row_ * n + column_, *below = M_ + column_ * n + row_;
+      for (;; --to_, --dof, --above, below -= n) {
+        bodies_.reaches(to_);
+        turning(*r, dof->S_, [&](int k, const S& value) { above[k * n] = below[k] = value; });
+        if (to_ == x.piece) break;
+        r = bodies_.w.r + to_;
+      }
+    } while (!bodies_.isRoot(to_));
+  }
+  /// Of the body that it came from.
+  const Vec3<S>& lever(const Vec3<S>* r) const { return r[from_]; }
+  int nv() const { return bodies_.index(to_).nv; }
+  bool flyingRoot() const { return bodies_.index(to_).flying_root; }
+  bool turnsOnly() const { return bodies_.index(to_).turns_only; }
+  const Motion<S>& column(const Workspace<S>& workspace, int l) const { return workspace.dof[column_ + l].S_; }
+  /// Of degree of freedom k of the joint and l of the body that was reached, and its mirror image.
+  void enter(int k, int l, const S& value) const {
+    const std::ptrdiff_t n = bodies_.m.nvx, i = row_ + k, j = column_ + l;
+    M_[i * n + j] = M_[j * n + i] = value;
+  }
+  /// The same for all six of a flying root.
+  void enterFlying(int k, const Force<S>& f) const {
+    for (int l = 0; l < 6; ++l) enter(k, l, l < 3 ? f.linear[l] : f.angular[l - 3]);
+  }
+
+ private:
+  const Order& bodies_;
+  S* M_;
+  int from_, to_, row_, column_;
+};
+
 /// One body after the other. S: a number, or a pack of states.
 template <class S>
 struct Bodies {
@@ -119,55 +171,14 @@ struct Bodies {
 
   /// What the mass matrix is made of.
   using Entries = S;
-  /// A joint's rows of the mass matrix, and the way from its body up to the root.
-  class Entry {
-   public:
-    Entry(const Bodies& bodies, S* M, int i, int iv) : bodies_(bodies), M_(M), from_(i), to_(i), row_(iv), column_(iv) {}
-    /// Calls turning(r, column, enter) for each body of a piece, step(*this) for others. This one goes one way, and does not begin again.
-    template <class Begin, class Step, class Turning>
-    void climb(Begin&&, Step&& step, Turning&& turning) {
-      const std::ptrdiff_t n = bodies_.m.nvx;
-      do {
-        from_ = to_;
-        to_ = bodies_.parentOf(from_);
-        const BodyIndex& x = bodies_.index(to_);
-        column_ = x.idx_v;
-        if (x.piece > to_) {
-          step(std::as_const(*this));
-          continue;
-        }
-        const Vec3<S>* r = bodies_.w.r + from_;
-        const DofFactor<S>* dof = bodies_.w.dof + column_;
-        S *above = M_ + row_ * n + column_, *below = M_ + column_ * n + row_;
-        for (;; --to_, --dof, --above, below -= n) {
-          turning(*r, dof->S_, [&](int k, const S& value) { above[k * n] = below[k] = value; });
-          if (to_ == x.piece) break;
-          r = bodies_.w.r + to_;
-        }
-      } while (!bodies_.isRoot(to_));
-    }
-    /// Of the body that it came from.
-    const Vec3<S>& lever(const Vec3<S>* r) const { return r[from_]; }
-    int nv() const { return bodies_.index(to_).nv; }
-    bool flyingRoot() const { return bodies_.index(to_).flying_root; }
-    bool turnsOnly() const { return bodies_.index(to_).turns_only; }
-    const Motion<S>& column(const Workspace<S>& workspace, int l) const { return workspace.dof[column_ + l].S_; }
-    /// Of degree of freedom k of the joint and l of the body that was reached, and its mirror image.
-    void enter(int k, int l, const S& value) const {
-      const std::ptrdiff_t n = bodies_.m.nvx, i = row_ + k, j = column_ + l;
-      M_[i * n + j] = M_[j * n + i] = value;
-    }
-    /// The same for all six of a flying root.
-    void enterFlying(int k, const Force<S>& f) const {
-      for (int l = 0; l < 6; ++l) enter(k, l, l < 3 ? f.linear[l] : f.angular[l - 3]);
-    }
-
-   private:
-    const Bodies& bodies_;
-    S* M_;
-    int from_, to_, row_, column_;
-  };
-  Entry entry(S* M, int i, int iv) const { return {*this, M, i, iv}; }
+  BodyEntry<Bodies, S> entry(S* M, int i, int iv) const { return {*this, M, i, iv}; }
+  /// Told by what goes from body to body on its own: it is at body i.
+  void reaches(int) const {}
+  /// Calls use(dof) for those from `first` on and before `end`.
+  template <class Use>
+  void eachDof(int first, int end, Use&& use) const {
+    for (int dof = first; dof < end; ++dof) use(dof);
+  }
 
   /// body(joint, i, idx_v, from...): joint is one of the shapes, `from` FromParent of each array.
   template <class Body, class... T>

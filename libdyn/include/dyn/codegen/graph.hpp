@@ -5,6 +5,7 @@
 #include <dyn/export.hpp>
 #include <dyn/scalar/traced.hpp>
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -29,11 +30,18 @@ struct OperationCounts {
   int total() const { return additions + multiplications + divisions + functions + selections; }
 };
 
+/// Nodes of one operation, from runs of the same code on other values (GraphBuilder::abreast), by run: what vectors may compute at once, each in a
+/// lane of its own. Several at least are not no_node.
+inline constexpr std::uint32_t no_node = 0xffffffff;
+inline constexpr int most_abreast = 4;
+using NodesAbreast = std::array<std::uint32_t, most_abreast>;
+
 /// Arguments come before what uses them; every node leads to an output, and no two compute the same.
 struct Graph {
   int inputs = 0;
   std::vector<GraphNode> nodes;
   std::vector<std::uint32_t> outputs;
+  std::vector<NodesAbreast> abreast;  ///< no node is there twice. Nothing but a hint
 
   DYN_API OperationCounts count() const;
 };
@@ -53,6 +61,16 @@ class DYN_API GraphBuilder final : public Recorder {
   /// The next input, a value that is not known.
   Traced input();
   Traced record(Operation operation, const Traced& a, const Traced& b, const Traced& c, const Traced& d) noexcept override;
+
+  /// Runs of the same code on other values, one after the other: as many as most_abreast, each of which begins with run(k). Operations that come in
+  /// the same place of a step are taken for the same; a step is what is recorded from step(number) on, in whichever order, and none before the first.
+  void abreast(const std::function<void()>& runs);
+  void run(int k);
+  void step(int number);
+  bool inRun() const;
+  /// A known number that no operation is simplified for.
+  Traced opaque(double x);
+
   /// The graph of these results. What does not lead to one is left out. Throws Error(size) if there were more nodes than allowed: from then on
   /// nothing was recorded.
   Graph finish(std::span<const Traced> results) const;

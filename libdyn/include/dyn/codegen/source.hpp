@@ -1,4 +1,4 @@
-// C source of traced functions: C99, nothing but <math.h>; vectors of states by gcc's and clang's vector types.
+// C source of traced functions: C99, nothing but <math.h>; vectors of states, or of what a graph has abreast, by gcc's and clang's vector types.
 #pragma once
 
 #include <dyn/codegen/trace.hpp>
@@ -21,6 +21,7 @@ struct DYN_API Source {
   std::string types;         ///< the number type
   std::string declarations;  ///< with the shapes of all arguments in words
   std::string definitions;
+  std::vector<int> steps;  ///< by function: its operations, of which those that a vector does at once count as one
 
   /// For programs that call the functions.
   std::string header() const;

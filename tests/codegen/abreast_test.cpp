@@ -1,0 +1,207 @@
+// Limbs that are alike, traced side by side: the same results, orders that can be computed, source in vectors.
+#include "support/random_model.hpp"
+#include "support/registry.hpp"
+#include "support/traced.hpp"
+
+#include <dyn/parsers/urdf.hpp>
+
+#include <codegen/schedule.hpp>
+
+#include <algorithm>
+#include <set>
+
+using namespace dyn;
+using namespace dyn::test;
+
+namespace {
+
+/// A body with up to six limbs of the same types of joints, which end here and there; some of their numbers are zeros and ones.
+Model limbed(std::uint64_t seed) {
+  Random random(seed);
+  Model model;
+  model.gravity = random.vector(10);
+  const auto& types = registry().jointTypes();
+  int joints = 0;
+  const auto add = [&](const std::string& type, std::uint64_t parameters, int parent) {
+    JointDescription joint;
+    joint.name = "j" + std::to_string(joints);
+    joint.type = type;
+    joint.parameters = exampleParameters(registry().jointType(type, {}).info(), parameters);
+    if (random.below(3) > 0) joint.placement = random.pose();
+    if (random.below(4) == 0) joint.placement.p = {0, 0, random.uniform()};
+    joint.damping.assign(static_cast<std::size_t>(degreesOfFreedom(joint, registry())), random.uniform(0, 1));
+    Inertia<double> inertia = random.inertia();
+    if (random.below(4) == 0) inertia = {1, {}, {0.1, 0, 0, 0.1, 0, 0.1}};
+    return model.addBody("b" + std::to_string(joints++), parent, joint, inertia);
+  };
+  const int trunk = random.below(2) == 0 ? add("free_flyer", 1, 0) : add("revolute", 1, 0);
+  const int length = 1 + random.below(3), limbs = 2 + random.below(5);
+  std::vector<std::string> of_limb;
+  for (int k = 0; k < length; ++k) of_limb.push_back(types[static_cast<std::size_t>(random.below(static_cast<int>(types.size())))]->info().name);
+  for (int l = 0; l < limbs; ++l) {
+    int end = trunk;
+    for (int k = 0; k < length - (random.below(4) == 0 ? 1 : 0); ++k)
+      end = add(of_limb[static_cast<std::size_t>(k)], seed + static_cast<std::uint64_t>(k), end);
+  }
+  return model;
+}
+
+/// Every node once, after what it takes; vectors of one operation; all take what the graph has them take.
+bool isOrder(const Graph& graph, const Schedule& found) {
+  std::vector<char> there(graph.nodes.size(), 0);
+  std::size_t left = 0;
+  for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
+    const GraphNode &n = graph.nodes[i], &m = found.nodes[i];
+    const bool from_start = arity(n.operation) == 0 || isTurn(graph.nodes, static_cast<std::uint32_t>(i));
+    if (from_start != (found.places[i].unit < 0)) return false;
+    there[i] = from_start;
+    left += from_start ? 0 : 1;
+    const bool exchanged =
+        m.argument[0] == n.argument[1] && m.argument[1] == n.argument[0] && (n.operation == Operation::add || n.operation == Operation::multiply);
+    if (!exchanged && !std::equal(m.argument, m.argument + arity(n.operation), n.argument)) return false;
+  }
+  for (const Unit& unit : found.units) {
+    for (const std::uint32_t node : unit.nodes) {
+      if (node == no_node) continue;
+      const GraphNode& n = graph.nodes[node];
+      if (n.operation != unit.operation || there[node]) return false;
+      for (int k = 0; k < arity(n.operation); ++k)
+        if (!there[n.argument[k]]) return false;
+    }
+    for (const std::uint32_t node : unit.nodes)
+      if (node != no_node) there[node] = 1, --left;
+  }
+  return left == 0;
+}
+
+}  // namespace
+
+TEST_CASE("operations of runs of the same code go abreast", "[codegen]") {
+  GraphBuilder builder;
+  std::vector<Traced> x, y(3);
+  for (int i = 0; i < 4; ++i) x.push_back(builder.input());
+  builder.abreast([&] {
+    for (int k = 0; k < 3; ++k) {
+      builder.run(k);
+      builder.step(1);
+      y[static_cast<std::size_t>(k)] = x[static_cast<std::size_t>(k)] * x[3] + Traced(2);
+      builder.step(-1);
+      if (k == 1) y[1] = y[1] * y[1];  // not compared
+      builder.step(2);
+      y[static_cast<std::size_t>(k)] = sin(y[static_cast<std::size_t>(k)]) / x[3];
+    }
+  });
+  CHECK_FALSE(builder.inRun());
+  const Graph graph = builder.finish(y);
+  std::multiset<Operation> abreast;
+  for (const NodesAbreast& tuple : graph.abreast) {
+    CHECK(tuple[3] == no_node);
+    for (int l = 0; l < 3; ++l) CHECK(graph.nodes[tuple[static_cast<std::size_t>(l)]].operation == graph.nodes[tuple[0]].operation);
+    abreast.insert(graph.nodes[tuple[0]].operation);
+  }
+  CHECK(abreast == std::multiset<Operation>{Operation::multiply, Operation::add, Operation::sin, Operation::divide});
+}
+
+TEST_CASE("opaque numbers are computed with like any other", "[codegen]") {
+  GraphBuilder builder;
+  const Traced x = builder.input(), zero = builder.opaque(0), one = builder.opaque(1);
+  const Graph graph = builder.finish(std::vector<Traced>{x * one + zero, x * 1 + 0});
+  CHECK(graph.count().total() == 2);
+  CHECK(replay<double>(graph, std::vector<double>{3}) == std::vector<double>{3, 3});
+}
+
+TEST_CASE("nodes abreast that would wait for one another are computed one by one", "[codegen]") {
+  GraphBuilder builder;
+  const Traced x = builder.input();
+  const Traced a = x * x, b = a + x, c = b * x, d = c + x;
+  Graph graph = builder.finish({&d, 1});
+  // The first product is taken by the second sum's lane, and the other way round.
+  graph.abreast = {{1, 3, no_node, no_node}, {2, 4, no_node, no_node}};
+  const Schedule found = schedule(graph, true);
+  CHECK(isOrder(graph, found));
+}
+
+TEST_CASE("every algorithm traced abreast is what it is one body after the other", "[codegen]") {
+  int traced = 0;
+  std::size_t vectors = 0;
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    const CompactModel model = compile(limbed(seed), registry());
+    if (!canBeTraced(model)) continue;
+    ++traced;
+    Random random(seed);
+    const Eigen::VectorXd q = integrate(model, neutral(model), random.vector(model.nv(), 1)), v = random.vector(model.nv(), 1),
+                          a = random.vector(model.nv(), 2);
+    for (const std::string& name : traceableFunctions()) {
+      INFO(name << ", seed " << seed);
+      const TracedFunction plain = trace(model, name), abreast = trace(model, name, {.abreast = true});
+      CHECK(plain.graph.abreast.empty());
+      const std::vector<Eigen::VectorXd> expected = byGraph(plain, q, v, a), found = byGraph(abreast, q, v, a);
+      for (std::size_t i = 0; i < found.size(); ++i) CHECK(difference(found[i], expected[i]) < 1e-11);
+      std::set<std::uint32_t> seen;
+      bool each_once = true;
+      for (const NodesAbreast& tuple : abreast.graph.abreast)
+        for (const std::uint32_t node : tuple)
+          if (node != no_node) each_once = seen.insert(node).second && each_once;
+      CHECK(each_once);
+      const Schedule order = schedule(abreast.graph, true);
+      CHECK(isOrder(abreast.graph, order));
+      for (const Unit& unit : order.units) vectors += unit.several ? 1 : 0;
+      CHECK(isOrder(plain.graph, schedule(plain.graph, true)));
+    }
+  }
+  CHECK(traced >= 20);
+  CHECK(vectors > 10000);
+}
+
+TEST_CASE("source in vectors gives what the graph does, in double and in float", "[codegen]") {
+  const CompilerCache cache;
+  const bool single = GENERATE(false, true);
+  const CompactModel biped = compile(urdf::load(DYN_SOURCE_DIR "/models/biped.urdf", {.root = "free_flyer"}), registry());
+  std::vector<std::pair<CompactModel, std::vector<std::string>>> subjects{{biped, {"rnea_derivatives", "centroidal_map"}}};
+  for (std::uint64_t seed = 1; subjects.size() < 5; ++seed) {
+    const CompactModel model = compile(limbed(seed), registry());
+    if (canBeTraced(model)) subjects.emplace_back(model, std::vector<std::string>{"rnea", "crba", "aba", "minverse", "jacobians"});
+  }
+  NativeOptions options = cache.options();
+  options.single_precision = single;
+  for (const auto& [model, names] : subjects) {
+    const CompiledModel jit = compileNative(model, names, options);
+    Random random(1);
+    const Eigen::VectorXd q = integrate(model, neutral(model), random.vector(model.nv(), 1)), v = random.vector(model.nv(), 1),
+                          a = random.vector(model.nv(), 2);
+    for (const std::string& name : names) {
+      INFO(name);
+      const std::vector<Eigen::VectorXd> expected = byGraph(trace(model, name), q, v, a);
+      const CompiledFunction& f = jit.function(name);
+      for (std::size_t i = 0; i < expected.size(); ++i) {
+        if (!single) {
+          CHECK(difference(byCode(f, q, v, a)[i], expected[i]) < 1e-11);
+          continue;
+        }
+        const Eigen::VectorXf in[] = {q.cast<float>(), v.cast<float>(), a.cast<float>()};
+        std::vector<Eigen::VectorXf> parts;
+        for (const ArgumentShape& shape : f.outputs()) parts.emplace_back(shape.size());
+        const void* from[] = {in[0].data(), in[1].data(), in[2].data()};
+        void* to[4];
+        for (std::size_t k = 0; k < parts.size(); ++k) to[k] = parts[k].data();
+        f.call(from, to);
+        CHECK(difference(parts[i].cast<double>(), expected[i]) < 2e-3);
+      }
+    }
+  }
+}
+
+TEST_CASE("source in vectors is shorter, and source of a plain trace is C99", "[codegen]") {
+  const Folder folder;
+  const CompactModel model = compile(urdf::load(DYN_SOURCE_DIR "/models/biped.urdf", {.root = "free_flyer"}), registry());
+  for (const std::string name : {"rnea", "aba", "minverse"}) {
+    const TracedFunction plain = trace(model, name);
+    const Source without = writeSource({plain}), with = writeSource({trace(model, name, {.abreast = true})});
+    CHECK(without.steps[0] == plain.graph.count().total());
+    CHECK(with.steps[0] < 0.8 * without.steps[0]);
+    CHECK(with.definitions.find("#error") != std::string::npos);
+    CHECK(without.definitions.find("#error") == std::string::npos);
+    const std::string file = folder.write(name + ".c", without.code());
+    CHECK(std::system(("cc -std=c99 -pedantic -Wall -Werror -Wno-unused-function -fsyntax-only '" + file + "'").c_str()) == 0);
+  }
+}

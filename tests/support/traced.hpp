@@ -1,0 +1,74 @@
+// Functions of a model, traced or compiled, called with vectors; and a cache for what a test compiles.
+#pragma once
+
+#include "support/catch.hpp"
+#include "support/folder.hpp"
+
+#include <dyn/codegen/native.hpp>
+#include <dyn/dyn.hpp>
+
+#include <vector>
+
+namespace dyn::test {
+
+/// A cache of the test's own.
+struct CompilerCache : Folder {
+  NativeOptions options() const {
+    NativeOptions o;
+    o.cache = path.string();
+    o.flags = {"-O1"};
+    return o;
+  }
+};
+
+/// Not with splines, one of the examples' joints, which look up their interval.
+inline bool canBeTraced(const CompactModel& model) {
+  try {
+    trace(model, "rnea");
+    return true;
+  } catch (const Error& e) {
+    REQUIRE(e.code() == ErrorCode::joint_type);
+    CHECK_THAT(e.what(), containing("'function_joint") && containing("branch_free = true"));
+    return false;
+  }
+}
+
+/// The largest difference beside the largest number.
+inline double difference(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+  REQUIRE(a.size() == b.size());
+  return (a - b).cwiseAbs().maxCoeff() / std::max(b.cwiseAbs().maxCoeff(), 1e-300);
+}
+
+/// Each output of a graph, from all inputs one after the other.
+inline std::vector<Eigen::VectorXd> byGraph(const TracedFunction& f, const std::vector<double>& in) {
+  const std::vector<double> out = replay<double>(f.graph, in);
+  std::vector<Eigen::VectorXd> parts;
+  std::ptrdiff_t at = 0;
+  for (const ArgumentShape& shape : f.outputs) {
+    parts.push_back(Eigen::Map<const Eigen::VectorXd>(out.data() + at, shape.size()));
+    at += shape.size();
+  }
+  return parts;
+}
+/// Of a function with one, two or three arguments q, v, a.
+inline std::vector<Eigen::VectorXd> byGraph(const TracedFunction& f, const Eigen::VectorXd& q, const Eigen::VectorXd& v, const Eigen::VectorXd& a) {
+  std::vector<double> in;
+  for (std::size_t i = 0; i < f.inputs.size(); ++i) {
+    const Eigen::VectorXd& x = i == 0 ? q : i == 1 ? v : a;
+    in.insert(in.end(), x.begin(), x.end());
+  }
+  return byGraph(f, in);
+}
+
+/// The same of a compiled one.
+inline std::vector<Eigen::VectorXd> byCode(const CompiledFunction& f, const Eigen::VectorXd& q, const Eigen::VectorXd& v, const Eigen::VectorXd& a) {
+  std::vector<Eigen::VectorXd> parts;
+  const void* in[] = {q.data(), v.data(), a.data()};
+  void* out[4];
+  for (const ArgumentShape& shape : f.outputs()) parts.emplace_back(shape.size());
+  for (std::size_t i = 0; i < parts.size(); ++i) out[i] = parts[i].data();
+  f.call(in, out);
+  return parts;
+}
+
+}  // namespace dyn::test
