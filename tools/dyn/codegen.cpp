@@ -90,15 +90,17 @@ std::string listsOf(const std::string& name) {
          " C)\n\nif(NOT CMAKE_BUILD_TYPE)\n  set(CMAKE_BUILD_TYPE Release CACHE STRING \"\" FORCE)\nendif()\n"
          "include(CheckCCompilerFlag)\ncheck_c_compiler_flag(-march=native has_native)\nadd_library(" +
          name + " " + name + ".c)\ntarget_include_directories(" + name + " PUBLIC ${CMAKE_CURRENT_SOURCE_DIR})\ntarget_compile_options(" + name +
-         " PRIVATE -O2 -ffp-contract=fast -fno-math-errno -fno-trapping-math $<$<BOOL:${has_native}>:-march=native>)\ntarget_link_libraries(" + name +
-         " PUBLIC m)\n\nenable_testing()\nadd_executable(" + name + "_test " + name + "_test.c)\ntarget_link_libraries(" + name + "_test PRIVATE " +
-         name + ")\nadd_test(NAME " + name + " COMMAND " + name + "_test)\n";
+         " PRIVATE -O2 -ffp-contract=fast -fno-math-errno -fno-trapping-math -fno-tree-vectorize "
+         "$<$<BOOL:${has_native}>:-march=native>)\ntarget_link_libraries(" +
+         name + " PUBLIC m)\n\nenable_testing()\nadd_executable(" + name + "_test " + name + "_test.c)\ntarget_link_libraries(" + name +
+         "_test PRIVATE " + name + ")\nadd_test(NAME " + name + " COMMAND " + name + "_test)\n";
 }
 
 std::string casadiListsOf(const std::string& name) {
   return "\n# casadi.external(\"rnea\", \"./lib" + name + "_casadi.so\")\nadd_library(" + name + "_casadi SHARED " + name +
-         "_casadi.c)\ntarget_compile_options(" + name + "_casadi PRIVATE -O2 -ffp-contract=fast -fno-math-errno -fno-trapping-math)\n" +
-         "target_link_libraries(" + name + "_casadi PRIVATE m)\n";
+         "_casadi.c)\ntarget_compile_options(" + name +
+         "_casadi PRIVATE -O2 -ffp-contract=fast -fno-math-errno -fno-trapping-math -fno-tree-vectorize)\n" + "target_link_libraries(" + name +
+         "_casadi PRIVATE m)\n";
 }
 
 void run(const CodegenOptions& o) {

@@ -102,7 +102,8 @@ CompiledFunction make(const TracedFunction& f, const ObjectCache& cache, const N
   how.lanes = options.lanes;
   const std::string text = writeSource({f}, how).code() + uniformEntry(f);
   std::vector<std::string> command{compilerOf(options),   "-std=gnu99",         "-shared",         "-fPIC",
-                                   "-fvisibility=hidden", "-ffp-contract=fast", "-fno-math-errno", "-fno-trapping-math"};
+                                   "-fvisibility=hidden", "-ffp-contract=fast", "-fno-math-errno", "-fno-trapping-math",
+                                   "-fno-tree-vectorize"};
   command.insert(command.end(), options.flags.begin(), options.flags.end());
   std::string identity = text + versionOf(command[0]) + processor();
   for (const std::string& word : command) identity += '\0' + word;

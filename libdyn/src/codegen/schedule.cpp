@@ -1,7 +1,8 @@
 #include "codegen/schedule.hpp"
 
+#include "codegen/minimum_cut.hpp"
+
 #include <algorithm>
-#include <deque>
 #include <functional>
 #include <iterator>
 #include <map>
@@ -29,21 +30,14 @@ constexpr NodesAbreast nobody{no_node, no_node, no_node, no_node};
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 bool isThere(const std::vector<GraphNode>& nodes, std::uint32_t node) { return arity(nodes[node].operation) == 0 || isTurn(nodes, node); }
 
-/// Chooses what is done at once. A vector is taken apart if bringing its arguments into lanes, and its results out of them, takes more than it saves;
-/// those beside it are then looked at again.
+/// Chooses what is done at once: of all choices that for which operations, and what brings their arguments into lanes and their results out of
+/// them, are fewest.
 class Packer {
  public:
-  explicit Packer(const Graph& graph) : nodes_(graph.nodes), unit_(nodes_.size(), -1), lane_(nodes_.size(), 0), read_alone_(nodes_.size(), 0) {
+  explicit Packer(const Graph& graph) : nodes_(graph.nodes), unit_(nodes_.size(), -1), lane_(nodes_.size(), 0) {
     for (const NodesAbreast& tuple : graph.abreast) seat(tuple);
     for (const Unit& unit : units_) exchange(unit);
-    for (const std::uint32_t o : graph.outputs) ++read_alone_[o];
-    countReaders();
-    while (!doubtful_.empty()) {
-      const int u = doubtful_.front();
-      doubtful_.pop_front();
-      waits_[at(u)] = 0;
-      if (units_[at(u)].several && cost(u) >= saved(u)) takeApart(u);
-    }
+    choose(graph);
   }
 
   std::vector<GraphNode> nodes() { return std::move(nodes_); }
@@ -54,7 +48,8 @@ class Packer {
   }
 
  private:
-  bool inVector(std::uint32_t node) const { return unit_[node] >= 0; }
+  bool mayBeInVector(std::uint32_t node) const { return unit_[node] >= 0; }
+  bool inPlace(std::uint32_t node, std::size_t lane) const { return mayBeInVector(node) && lane_[node] == static_cast<int>(lane); }
 
   void seat(NodesAbreast tuple) {
     int count = 0;
@@ -76,9 +71,9 @@ class Packer {
 
   /// How alike two arguments are.
   int likeness(std::uint32_t a, std::uint32_t b) const {
-    if (inVector(a) && unit_[a] == unit_[b]) return 4;
+    if (mayBeInVector(a) && unit_[a] == unit_[b]) return 4;
     if (a == b) return 3;
-    if (inVector(a) != inVector(b)) return 0;
+    if (mayBeInVector(a) != mayBeInVector(b)) return 0;
     return nodes_[a].operation == nodes_[b].operation ? 2 : 1;
   }
   /// Lets factors and summands of all lanes come in the first one's order.
@@ -97,113 +92,85 @@ class Packer {
     }
   }
 
-  void countReaders() {
-    readers_.resize(nodes_.size());
-    tuple_of_.resize(units_.size());
-    read_in_place_.resize(units_.size(), 0);
-    waits_.resize(units_.size(), 0);
+  // Costs, in quarters of an operation.
+  static constexpr int operation_cost = 4, division_cost = 16, lane_cost = 4, first_lane_cost = 1;
+
+  /// Asks of each unit whether its operations are done at once. Only those that are need their arguments in lanes, which are there if what
+  /// computes them is such a unit, too; what is read by itself must be brought out of lanes.
+  void choose(const Graph& graph) {
+    MinimumCut cut;
+    for (const Unit& unit : units_) {
+      const auto count = std::count_if(unit.nodes.begin(), unit.nodes.end(), [](std::uint32_t node) { return node != no_node; });
+      cut.costsIfNo(cut.add(), static_cast<int>(count - 1) * (unit.operation == Operation::divide ? division_cost : operation_cost));
+    }
+    std::vector<char> read_alone(nodes_.size(), 0);
+    std::vector<std::vector<int>> readers(nodes_.size());  // units that take it in its lane
+    for (const std::uint32_t output : graph.outputs) read_alone[output] = 1;
+    for (std::uint32_t node = 0; node < nodes_.size(); ++node)
+      for (int k = 0; !mayBeInVector(node) && k < arity(nodes_[node].operation); ++k) read_alone[nodes_[node].argument[k]] = 1;
     std::map<NodesAbreast, int> known;
-    for (std::size_t u = 0; u < units_.size(); ++u) {
+    for (std::size_t u = 0; u < units_.size(); ++u)
       for (int k = 0; k < arity(units_[u].operation); ++k) {
         const NodesAbreast tuple = argumentsOf(nodes_, units_[u], k);
-        const int id = known.emplace(tuple, static_cast<int>(tuples_.size())).first->second;
-        if (at(id) == tuples_.size()) tuples_.push_back({tuple, {}});
-        tuples_[at(id)].readers.push_back(static_cast<int>(u));
-        tuple_of_[u].push_back(id);
-        for (std::size_t l = 0; l < tuple.size(); ++l)
-          if (tuple[l] != no_node && inVector(tuple[l])) {
-            readers_[tuple[l]].push_back(static_cast<int>(u));
-            if (lane_[tuple[l]] == static_cast<int>(l)) ++read_in_place_[at(unit_[tuple[l]])];
+        const auto [found, is_new] = known.emplace(tuple, 0);
+        if (is_new) found->second = askFor(tuple, cut);
+        cut.follows(static_cast<int>(u), found->second);
+        for (std::size_t l = 0; l < tuple.size(); ++l) {
+          if (tuple[l] == no_node) continue;
+          if (inPlace(tuple[l], l)) {
+            readers[tuple[l]].push_back(static_cast<int>(u));
+          } else {
+            read_alone[tuple[l]] = 1;
           }
+        }
       }
-      doubt(static_cast<int>(u));
+    for (std::uint32_t node = 0; node < nodes_.size(); ++node) {
+      if (!mayBeInVector(node)) continue;
+      const int cost = lane_[node] == 0 ? first_lane_cost : lane_cost;
+      if (read_alone[node]) {
+        cut.costsIfYes(unit_[node], cost);
+      } else if (!readers[node].empty()) {
+        const int stays = cut.add();
+        cut.costsIf(unit_[node], stays, cost);
+        for (const int reader : readers[node]) cut.follows(stays, reader);
+      }
     }
-    for (std::uint32_t node = 0; node < nodes_.size(); ++node)
-      for (int k = 0; !inVector(node) && k < arity(nodes_[node].operation); ++k) ++read_alone_[nodes_[node].argument[k]];
+    cut.solve();
+    for (std::size_t u = 0; u < units_.size(); ++u) units_[u].several = cut.answer(static_cast<int>(u));
   }
-  void doubt(int u) {
-    if (waits_[at(u)] || !units_[at(u)].several) return;
-    waits_[at(u)] = 1;
-    doubtful_.push_back(u);
-  }
-
-  /// Instructions that bring a tuple into lanes.
-  double gatheringCost(const NodesAbreast& tuple) const {
-    int sources = 0, constants = 0, single = 0;
-    double cost = 0;
-    std::vector<int> units;
+  /// Whether these are brought into lanes.
+  int askFor(const NodesAbreast& tuple, MinimumCut& cut) const {
+    const int question = cut.add();
+    int parts = 0;  // what is put together: vectors, single numbers, constants
+    bool constants = false, same = true;
+    std::map<int, int> lanes_of;  // by unit
     std::uint32_t first = no_node;
-    bool same = true;
     for (std::size_t l = 0; l < tuple.size(); ++l) {
       const std::uint32_t node = tuple[l];
       if (node == no_node) continue;
       if (first == no_node) first = node;
       same = same && node == first;
       if (nodes_[node].operation == Operation::constant) {
-        constants = 1;
-      } else if (inVector(node) && lane_[node] == static_cast<int>(l)) {
-        if (std::find(units.begin(), units.end(), unit_[node]) == units.end()) units.push_back(unit_[node]), ++sources;
+        constants = true;
+      } else if (inPlace(node, l)) {
+        ++lanes_of[unit_[node]];
       } else {
-        single += 1;
-        if (inVector(node)) cost += 0.5;
+        ++parts;
       }
     }
-    if (same && nodes_[first].operation == Operation::constant) return 0;
-    if (same) return inVector(first) ? 1.5 : 1;
-    return cost + single + std::max(0, sources + constants - 1);
-  }
-  double cost(int u) const {
-    double out = 0;
-    for (const int id : tuple_of_[at(u)]) out += gatheringCost(tuples_[at(id)].nodes) / static_cast<double>(tuples_[at(id)].readers.size());
-    for (const std::uint32_t node : units_[at(u)].nodes)
-      if (node != no_node && read_alone_[node] > 0) out += 0.5;
-    return out;
-  }
-  double saved(int u) const {
-    const Unit& unit = units_[at(u)];
-    const auto lanes = static_cast<int>(std::count_if(unit.nodes.begin(), unit.nodes.end(), [](std::uint32_t node) { return node != no_node; }));
-    return (lanes - 1) * (unit.operation == Operation::divide ? 4 : 1) + (read_in_place_[at(u)] > 0 ? lanes : 0);
-  }
-
-  void takeApart(int u) {
-    Unit& unit = units_[at(u)];
-    unit.several = false;
-    for (const int id : tuple_of_[at(u)]) {
-      Tuple& tuple = tuples_[at(id)];
-      tuple.readers.erase(std::find(tuple.readers.begin(), tuple.readers.end(), u));
-      for (const int other : tuple.readers) doubt(other);
-      for (std::size_t l = 0; l < tuple.nodes.size(); ++l) {
-        const std::uint32_t node = tuple.nodes[l];
-        if (node == no_node) continue;
-        ++read_alone_[node];
-        if (!inVector(node)) continue;
-        if (lane_[node] == static_cast<int>(l)) --read_in_place_[at(unit_[node])];
-        doubt(unit_[node]);
-      }
+    if (same) {
+      cut.costsIfYes(question, nodes_[first].operation == Operation::constant ? 0 : lane_cost);
+      return question;
     }
-    for (const std::uint32_t node : unit.nodes) {
-      if (node == no_node) continue;
-      unit_[node] = -1;
-      for (const int reader : readers_[node]) doubt(reader);
-    }
+    parts += static_cast<int>(lanes_of.size()) + (constants ? 1 : 0);
+    cut.costsIfYes(question, lane_cost * (parts - 1));
+    for (const auto& [unit, lanes] : lanes_of) cut.costsIf(question, unit, lane_cost * (lanes - 1));
+    return question;
   }
-
-  /// What goes into lanes, and which vectors take it.
-  struct Tuple {
-    NodesAbreast nodes;
-    std::vector<int> readers;
-  };
 
   std::vector<GraphNode> nodes_;
   std::vector<Unit> units_;
-  std::vector<int> unit_, lane_;           ///< by node
-  std::vector<int> read_alone_;            ///< by node: how often by no vector
-  std::vector<std::vector<int>> readers_;  ///< by node: vectors
-  std::vector<Tuple> tuples_;
-  std::vector<std::vector<int>> tuple_of_;  ///< by unit
-  std::vector<int> read_in_place_;          ///< by unit: how often lanes are read in the same lane
-  std::vector<char> waits_;                 ///< by unit: among the doubtful
-  std::deque<int> doubtful_;
+  std::vector<int> unit_, lane_;  ///< by node
 };
 
 /// Units one after the other, of those that have all that they take the one with the first node. What waits for itself is taken apart.

@@ -34,7 +34,8 @@ class Writer {
       for (int i = 0; i < a.size(); ++i) inputs_.push_back({a.name, i});
     std::size_t o = 0;
     for (const ArgumentShape& a : f.outputs)
-      for (int i = 0; i < a.size(); ++i) stores_.push_back({a.name + "[" + std::to_string(i) + "] = ", f.graph.outputs[o++]});
+      for (int i = 0; i < a.size(); ++i) stores_.push_back({a.name, i, f.graph.outputs[o++]});
+    vectors_ = std::any_of(schedule_.units.begin(), schedule_.units.end(), [](const Unit& unit) { return unit.several; });
     plan();
   }
 
@@ -43,9 +44,8 @@ class Writer {
     for (std::size_t i = 0; i < nodes().size(); ++i) out += isTurned(static_cast<std::uint32_t>(i)) ? 1 : 0;
     return out;
   }
-  bool hasVectors() const {
-    return std::any_of(schedule_.units.begin(), schedule_.units.end(), [](const Unit& unit) { return unit.several; });
-  }
+  /// Of what is abreast; not of states.
+  bool hasVectors() const { return vectors_; }
 
   std::string declaration() const {
     std::string out = "void " + name_ + "(";
@@ -88,6 +88,7 @@ class Writer {
     const int unit = schedule_.places[node].unit;
     return unit < 0 ? -1 : unit / options_.piece;
   }
+  bool isConstant(std::uint32_t node) const { return nodes()[node].operation == Operation::constant; }
   const Unit& unitOf(std::uint32_t node) const { return schedule_.units[static_cast<std::size_t>(schedule_.places[node].unit)]; }
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -128,7 +129,7 @@ class Writer {
     // A result is stored by the piece that computes it; those that none computes by the last one.
     stores_of_.resize(at(pieces_));
     for (std::size_t s = 0; s < stores_.size(); ++s) {
-      const int p = pieceOf(stores_[s].second);
+      const int p = pieceOf(stores_[s].node);
       stores_of_[at(p < 0 ? pieces_ - 1 : p)].push_back(s);
     }
   }
@@ -199,6 +200,22 @@ class Writer {
     return out + "}";
   }
 
+  /// Of four stores that are side by side what they store, if it is known or in the lanes of one vector; else nothing.
+  std::string fourFrom(const std::vector<std::size_t>& stores, std::size_t k, int piece) const {
+    if (!vectors_ || k + most_abreast > stores.size()) return "";
+    const Store& first = stores_[stores[k]];
+    NodesAbreast tuple;
+    bool known = true;
+    for (std::size_t l = 0; l < tuple.size(); ++l) {
+      const Store& store = stores_[stores[k + l]];
+      if (store.array != first.array || store.index != first.index + static_cast<int>(l)) return "";
+      tuple[l] = store.node;
+      known = known && isConstant(store.node);
+    }
+    const std::string out = vector(tuple, piece);
+    return known || out[0] == 'v' ? out : "";
+  }
+
   template <class Argument>
   static std::string expression(Operation operation, const Argument& arg) {
     switch (operation) {
@@ -266,9 +283,16 @@ class Writer {
       out += "  const T t" + id + " = " + expression(n.operation, [&](int k) { return value(n.argument[k], p); }) + ";\n";
       if (slot_[at(u)] >= 0) out += "  w[" + slot + "] = t" + id + ";\n";
     }
-    for (const std::size_t s : stores_of_[at(p)]) {
-      const std::string x = value(stores_[s].second, p);
-      out += "  " + stores_[s].first + (nodes()[stores_[s].second].operation == Operation::constant ? "DYN_ALL(" + x + ")" : x) + ";\n";
+    const std::vector<std::size_t>& stores = stores_of_[at(p)];
+    for (std::size_t k = 0; k < stores.size(); ++k) {
+      const Store& store = stores_[stores[k]];
+      if (const std::string four = fourFrom(stores, k, p); !four.empty()) {
+        out += "  *(dyn_four*)(" + store.array + " + " + std::to_string(store.index) + ") = " + four + ";\n";
+        k += most_abreast - 1;
+        continue;
+      }
+      const std::string x = value(store.node, p);
+      out += "  " + store.array + "[" + std::to_string(store.index) + "] = " + (isConstant(store.node) ? "DYN_ALL(" + x + ")" : x) + ";\n";
     }
     return out + "}\n\n";
   }
@@ -277,13 +301,19 @@ class Writer {
   const SourceOptions& options_;
   const Schedule schedule_;
   std::string name_;
-  std::vector<std::pair<std::string, int>> inputs_;            ///< argument and index of each
-  std::vector<std::pair<std::string, std::uint32_t>> stores_;  ///< where each output goes
-  std::vector<int> slot_;                                      ///< by unit
-  std::vector<int> angle_;                                     ///< by node of an input: its place among those whose sines are taken together
-  std::vector<std::uint32_t> angles_;                          ///< these nodes
-  std::vector<std::vector<std::size_t>> stores_of_;            ///< by piece
+  std::vector<std::pair<std::string, int>> inputs_;  ///< argument and index of each
+  struct Store {
+    std::string array;
+    int index;
+    std::uint32_t node;
+  };
+  std::vector<Store> stores_;                        ///< where each output goes
+  std::vector<int> slot_;                            ///< by unit
+  std::vector<int> angle_;                           ///< by node of an input: its place among those whose sines are taken together
+  std::vector<std::uint32_t> angles_;                ///< these nodes
+  std::vector<std::vector<std::size_t>> stores_of_;  ///< by piece
   int pieces_ = 1, slots_ = 0;
+  bool vectors_ = false;
 };
 
 bool isName(const std::string& text) {
