@@ -91,7 +91,7 @@ std::string listsOf(const std::string& name) {
          "include(CheckCCompilerFlag)\ncheck_c_compiler_flag(-march=native has_native)\nadd_library(" +
          name + " " + name + ".c)\ntarget_include_directories(" + name + " PUBLIC ${CMAKE_CURRENT_SOURCE_DIR})\ntarget_compile_options(" + name +
          " PRIVATE -O2 -ffp-contract=fast -fno-math-errno -fno-trapping-math -fno-tree-vectorize "
-         "$<$<BOOL:${has_native}>:-march=native>)\ntarget_link_libraries(" +
+         "$<$<BOOL:${has_native}>:-march=native> $<$<BOOL:${has_native}>:-mtune=generic>)\ntarget_link_libraries(" +
          name + " PUBLIC m)\n\nenable_testing()\nadd_executable(" + name + "_test " + name + "_test.c)\ntarget_link_libraries(" + name +
          "_test PRIVATE " + name + ")\nadd_test(NAME " + name + " COMMAND " + name + "_test)\n";
 }

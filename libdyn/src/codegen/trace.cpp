@@ -1,3 +1,4 @@
+#include "codegen/schedule.hpp"
 #include "codegen/traced_bodies.hpp"
 #include "compile/compact_impl.hpp"
 #include "kernels/aba.hpp"
@@ -336,6 +337,28 @@ const std::vector<std::string>& traceableFunctions() {
   return names;
 }
 
+namespace {
+TracedFunction traced(const CompactImpl& m, const Recipe& recipe, Tracer& tracer) {
+  TracedFunction out;
+  out.name = recipe.name;
+  std::vector<T*> in;
+  for (const char* name : recipe.inputs) {
+    const int size = std::string(name) == "q" ? m.nqx : m.nvx;
+    out.inputs.push_back({name, size});
+    in.push_back(tracer.input(size));
+  }
+  out.outputs = recipe.outputs(m);
+  Numbers results;
+  recipe.run(m, tracer, in, results);
+  try {
+    out.graph = tracer.builder.finish(results);
+  } catch (const Error& e) {
+    throw Error(e.code(), out.name + " of this model: " + e.what());
+  }
+  return out;
+}
+}  // namespace
+
 TracedFunction trace(const CompactModel& model, const std::string& function, const TraceOptions& options) {
   const CompactImpl& m = model.impl();
   const auto recipe = std::find_if(recipes().begin(), recipes().end(), [&](const Recipe& r) { return r.name == function; });
@@ -346,22 +369,13 @@ TracedFunction trace(const CompactModel& model, const std::string& function, con
   }
   if (!m.couplings.empty())
     throw Error(ErrorCode::model, "joints that follow others cannot be traced; load the model with them independent, or keep them as constraints");
-  TracedFunction out;
-  out.name = function;
   Tracer tracer(m, options.abreast);
-  std::vector<T*> in;
-  for (const char* name : recipe->inputs) {
-    const int size = std::string(name) == "q" ? m.nqx : m.nvx;
-    out.inputs.push_back({name, size});
-    in.push_back(tracer.input(size));
-  }
-  out.outputs = recipe->outputs(m);
-  Numbers results;
-  recipe->run(m, tracer, in, results);
-  try {
-    out.graph = tracer.builder.finish(results);
-  } catch (const Error& e) {
-    throw Error(e.code(), function + " of this model: " + e.what());
+  TracedFunction out = traced(m, *recipe, tracer);
+  if (tracer.limbs.has_columns && options.abreast) {
+    Tracer other(m, true);
+    other.limbs.columns_by_neighbours = true;
+    TracedFunction by_neighbours = traced(m, *recipe, other);
+    if (schedule(by_neighbours.graph, true).units.size() < schedule(out.graph, true).units.size()) return by_neighbours;
   }
   return out;
 }

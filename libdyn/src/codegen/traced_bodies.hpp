@@ -21,6 +21,8 @@ class Limbs {
   const CompactImpl& m;
   const bool abreast;
   GraphBuilder* builder = nullptr;
+  bool columns_by_neighbours = false;  ///< which columns of matrices go abreast: those of limbs that are alike, or neighbours
+  bool has_columns = false;            ///< whether there were some
   StripPlan plan;
   std::vector<Run> runs;                   ///< by body: itself
   std::vector<char> gives_first;           ///< by body: of its parent's children the one that is met first on the way inward
@@ -71,52 +73,24 @@ struct TracedBodies : Bodies<Traced> {
   void goesUp(int dof) const { limbs.builder->step(reached + placeOf(dof)); }
   void goesDown(int dof) const { limbs.builder->step(down + dof); }
 
+  /// In lanes those of limbs that are alike, else neighbours; columns of matrices as the limbs say.
   template <class Use>
   void eachDof(int first, int end, Use&& use) const {
-    GraphBuilder& builder = *limbs.builder;
-    if (builder.inRun() || !limbs.abreast) {
-      for (int dof = first; dof < end; ++dof) {
-        builder.step(along + dof - first);
-        use(dof);
-      }
-      return;
-    }
-    std::vector<char> done(static_cast<std::size_t>(end), 0);
-    const auto together = [&](const std::array<int, strip_lanes>& dofs) {
-      builder.abreast([&] {
-        for (int l = 0; l < strip_lanes; ++l) {
-          const int dof = dofs[static_cast<std::size_t>(l)];
-          if (dof < 0) continue;
-          builder.run(l);
-          builder.step(along);
-          use(dof);
-          done[static_cast<std::size_t>(dof)] = 1;
-        }
-      });
-    };
-    for (int dof = first; dof < end; ++dof) {
-      if (done[static_cast<std::size_t>(dof)]) continue;
+    const bool columns = !visiting_;
+    limbs.has_columns = limbs.has_columns || columns;
+    eachTogether(first, end, use, [&](int dof, auto&& isOpen) {
+      if (columns && limbs.columns_by_neighbours) return neighboursOf(dof, isOpen);
+      std::array<int, strip_lanes> dofs = nobody;
       const int body = m.dof_body[static_cast<std::size_t>(dof)], k = dof - index(body).idx_v;
-      std::array<int, strip_lanes> dofs;
       int count = 0;
-      for (int l = 0; l < strip_lanes; ++l) {
+      for (std::size_t l = 0; l < dofs.size(); ++l) {
         const int other = limbs.plan.strips[static_cast<std::size_t>(limbs.seat(body).strip)].body[l];
-        int& of_lane = dofs[static_cast<std::size_t>(l)] = other < 0 ? -1 : index(other).idx_v + k;
-        if (of_lane < first || of_lane >= end) of_lane = -1;
-        count += of_lane >= 0 ? 1 : 0;
+        if (other < 0 || !isOpen(index(other).idx_v + k)) continue;
+        dofs[l] = index(other).idx_v + k;
+        ++count;
       }
-      if (count < 2) {
-        // Neighbours, then.
-        dofs = {-1, -1, -1, -1};
-        const int begin = dof / strip_lanes * strip_lanes;
-        for (int l = 0; l < strip_lanes; ++l) {
-          const int other = begin + l;
-          if (other >= dof && other < end && !done[static_cast<std::size_t>(other)] && alone(other, first, end))
-            dofs[static_cast<std::size_t>(l)] = other;
-        }
-      }
-      together(dofs);
-    }
+      return count > 1 ? dofs : neighboursOf(dof, [&](int other) { return isOpen(other) && alone(other, first, end); });
+    });
   }
 
   template <class Body, class... T>
@@ -137,6 +111,44 @@ struct TracedBodies : Bodies<Traced> {
  private:
   static constexpr int reached = 1 << 24, down = 2 << 24, along = 3 << 24;
 
+  static constexpr std::array<int, strip_lanes> nobody{-1, -1, -1, -1};
+
+  /// choose(dof, isOpen): which go along with dof, by lane, of those that are open yet.
+  template <class Use, class Choose>
+  void eachTogether(int first, int end, Use&& use, Choose&& choose) const {
+    GraphBuilder& builder = *limbs.builder;
+    if (builder.inRun() || !limbs.abreast) {
+      for (int dof = first; dof < end; ++dof) {
+        builder.step(along + dof - first);
+        use(dof);
+      }
+      return;
+    }
+    std::vector<char> done(static_cast<std::size_t>(end), 0);
+    for (int dof = first; dof < end; ++dof) {
+      if (done[static_cast<std::size_t>(dof)]) continue;
+      const std::array<int, strip_lanes> dofs =
+          choose(dof, [&](int other) { return other >= first && other < end && !done[static_cast<std::size_t>(other)]; });
+      builder.abreast([&] {
+        for (int l = 0; l < strip_lanes; ++l) {
+          const int next = dofs[static_cast<std::size_t>(l)];
+          if (next < 0) continue;
+          builder.run(l);
+          builder.step(along);
+          use(next);
+          done[static_cast<std::size_t>(next)] = 1;
+        }
+      });
+    }
+  }
+  /// Of dof and those that follow it the ones up to the next multiple of the lanes.
+  template <class May>
+  static std::array<int, strip_lanes> neighboursOf(int dof, May&& may) {
+    std::array<int, strip_lanes> dofs = nobody;
+    for (int l = dof % strip_lanes; l < strip_lanes; ++l)
+      if (const int other = dof - dof % strip_lanes + l; may(other)) dofs[static_cast<std::size_t>(l)] = other;
+    return dofs;
+  }
   int placeOf(int dof) const {
     const int body = m.dof_body[static_cast<std::size_t>(dof)];
     return limbs.seat(body).strip_dof + dof - index(body).idx_v;
@@ -160,7 +172,9 @@ struct TracedBodies : Bodies<Traced> {
       const Run& run = limbs.runs[static_cast<std::size_t>(i)];
       withShape<Traced>(run.shape, run.nv, [&]<class Joint>() {
         const Slot<Traced> slot = slotOf(run, 0);
+        visiting_ = true;
         visit(Joint(slot), i);
+        visiting_ = false;
       });
     };
     if (!limbs.several(s)) {
@@ -180,6 +194,7 @@ struct TracedBodies : Bodies<Traced> {
   }
 
   mutable int step_ = 0;
+  mutable bool visiting_ = false;
 };
 
 template <>

@@ -17,11 +17,12 @@ struct NativeOptions {
   int lanes = 1;  ///< states a call, as SourceOptions::lanes
   /// Folder of compiled functions; empty: $LIBDYN_CACHE, else $XDG_CACHE_HOME/libdyn, else ~/.cache/libdyn.
   std::string cache;
-  std::string compiler;                                       ///< empty: $CC, else cc
-  std::vector<std::string> flags = {"-O2", "-march=native"};  ///< beside those that the source needs
-  double seconds = 300;                                       ///< after so long a compiler that is still running is ended
-  std::size_t operations = 1000000;                           ///< a function of more is refused
-  std::function<void(const std::string&)> progress;           ///< told what is done next
+  std::string compiler;  ///< empty: $CC, else cc
+  /// Beside those that the source needs. Tuned for some processors, gcc 12 keeps numbers in registers of integers, which takes longer.
+  std::vector<std::string> flags = {"-O2", "-march=native", "-mtune=generic"};
+  double seconds = 300;                              ///< after so long a compiler that is still running is ended
+  std::size_t operations = 1000000;                  ///< a function of more is refused
+  std::function<void(const std::string&)> progress;  ///< told what is done next
 };
 
 /// A compiled function. Cheap to copy; may be called from any thread; its code stays loaded as long as the process lives.
