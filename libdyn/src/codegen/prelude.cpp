@@ -137,7 +137,10 @@ static inline T dyn_select_less_(T a, T b, T c, T d) { T y; int i; for (i = 0; i
 
 std::string codegenPrelude(bool single, int lanes) {
   std::string out = "#include <math.h>\n\n";
-  out += "#if defined(__GNUC__)\n#define DYN_PIECE __attribute__((noinline, unused))\n#else\n#define DYN_PIECE\n#endif\n";
+  out +=
+      "#if defined(__GNUC__)\n#define DYN_PIECE __attribute__((noinline, unused))\n#define DYN_ALIGNED __attribute__((aligned(64)))\n#else\n#define "
+      "DYN_PIECE\n"
+      "#define DYN_ALIGNED\n#endif\n";
   out += single ? float_type : double_type;
   out += single ? sincos_float : sincos_double;
   out += sincos_loop;

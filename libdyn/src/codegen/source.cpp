@@ -64,13 +64,13 @@ class Writer {
         const std::string qualifier = list == &f_.inputs ? "const " : "";
         out += "  " + qualifier + "T* const " + a.name + "_ = (" + qualifier + "T*)" + a.name + ";\n";
       }
-    if (slots_ > 0) out += "  T w[" + std::to_string(slots_) + "];\n";
+    if (slots_ > 0) out += "  DYN_ALIGNED T w[" + std::to_string(slots_) + "];\n";
     if (!angles_.empty()) {
       // Sines come in whole vectors of 64 bytes, the last one filled up.
       const std::size_t lanes = static_cast<std::size_t>(options_.lanes),
                         width = std::max<std::size_t>((options_.single_precision ? 16 : 8) / lanes, 1);
       const std::string count = std::to_string((angles_.size() + width - 1) / width * width);
-      out += "  T angle[" + count + "] = {" + (options_.lanes > 1 ? "{0}" : "0") + "}, s[" + count + "], c[" + count + "];\n";
+      out += "  DYN_ALIGNED T angle[" + count + "] = {" + (options_.lanes > 1 ? "{0}" : "0") + "}, s[" + count + "], c[" + count + "];\n";
       for (std::size_t i = 0; i < angles_.size(); ++i) {
         const auto& [argument, index] = inputs_[nodes()[angles_[i]].argument[0]];
         out += "  angle[" + std::to_string(i) + "] = " + argument + "_[" + std::to_string(index) + "];\n";
@@ -121,11 +121,13 @@ class Writer {
           const int from = schedule_.places[nodes()[node].argument[k]].unit;
           if (from >= 0) last_use[at(from)] = static_cast<int>(u) / options_.piece;
         }
-    for (std::size_t u = 0; u < units.size(); ++u)
-      if (last_use[u] > static_cast<int>(u) / options_.piece) {
-        slot_[u] = slots_;
-        slots_ += units[u].several ? most_abreast : 1;
-      }
+    // Vectors first: none is to lie across two lines of the cache.
+    for (const bool several : {true, false})
+      for (std::size_t u = 0; u < units.size(); ++u)
+        if (units[u].several == several && last_use[u] > static_cast<int>(u) / options_.piece) {
+          slot_[u] = slots_;
+          slots_ += several ? most_abreast : 1;
+        }
     // A result is stored by the piece that computes it; those that none computes by the last one.
     stores_of_.resize(at(pieces_));
     for (std::size_t s = 0; s < stores_.size(); ++s) {
