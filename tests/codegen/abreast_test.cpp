@@ -36,8 +36,8 @@ Model limbed(std::uint64_t seed) {
   };
   const int trunk = random.below(2) == 0 ? add("free_flyer", 1, 0) : add("revolute", 1, 0);
   const int length = 1 + random.below(3), limbs = 2 + random.below(5);
-  std::vector<std::string> of_limb;
-  for (int k = 0; k < length; ++k) of_limb.push_back(types[static_cast<std::size_t>(random.below(static_cast<int>(types.size())))]->info().name);
+  std::vector<std::string> of_limb(static_cast<std::size_t>(length));
+  for (std::string& type : of_limb) type = types[static_cast<std::size_t>(random.below(static_cast<int>(types.size())))]->info().name;
   for (int l = 0; l < limbs; ++l) {
     int end = trunk;
     for (int k = 0; k < length - (random.below(4) == 0 ? 1 : 0); ++k)

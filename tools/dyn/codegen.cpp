@@ -128,6 +128,7 @@ void run(const CodegenOptions& o) {
     replaceFile(folder / "CMakeLists.txt", listsOf(name) + (o.casadi ? casadiListsOf(name) : ""));
     if (o.casadi) {
       std::vector<TracedFunction> plain;
+      plain.reserve(o.functions.size());
       for (const std::string& f : o.functions) plain.push_back(trace(model, f));
       replaceFile(folder / (name + "_casadi.c"), writeCasadiSource(plain));
     }

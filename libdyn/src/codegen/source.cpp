@@ -275,8 +275,8 @@ class Writer {
           }
           return name;
         };
-        std::vector<std::string> names;
-        for (int k = 0; k < arity(unit.operation); ++k) names.push_back(argument(k));
+        std::vector<std::string> names(at(arity(unit.operation)));
+        for (std::size_t k = 0; k < names.size(); ++k) names[k] = argument(static_cast<int>(k));
         out += "  const dyn_four v" + id + " = " + expression(unit.operation, [&](int k) { return names[at(k)]; }) + ";\n";
         if (slot_[at(u)] >= 0) out += "  *(dyn_four*)(w + " + slot + ") = v" + id + ";\n";
         continue;
