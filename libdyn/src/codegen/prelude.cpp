@@ -52,6 +52,8 @@ typedef double dyn_wider;
 /// Of whole vectors of DYN_WIDTH numbers where the compiler has them, number by number elsewhere.
 constexpr const char* sincos_loop = R"(
 #if defined(__GNUC__)
+/* Vectors are passed between functions of this file only. */
+#pragma GCC diagnostic ignored "-Wpsabi"
 typedef dyn_real V __attribute__((vector_size(DYN_WIDTH * sizeof(dyn_real)), aligned(sizeof(dyn_real)), may_alias));
 typedef dyn_int M __attribute__((vector_size(DYN_WIDTH * sizeof(dyn_int)), may_alias));
 #define DYN_BLEND(m, x, y) ((V)(((m) & (M)(x)) | (~(m) & (M)(y))))
@@ -67,30 +69,27 @@ typedef int M;
 #define DYN_LANE(m, l) m
 #endif
 
-/* Of n numbers that follow one another; n is a multiple of DYN_WIDTH. */
-static void dyn_sincos_numbers(const dyn_real* angle, dyn_real* sine, dyn_real* cosine, int n) {
-  int i, l;
-  for (i = 0; i < n; i += DYN_WIDTH) {
-    const V x = *(const V*)(angle + i);
-    const V k = (x * R(0.63661977236758134308) + DYN_ROUND) - DYN_ROUND;
-    const V a = x - k * DYN_PART1, b = k * DYN_PART2, r0 = a - b, e0 = ((a - r0) - b) - k * DYN_PART3;
-    const V r = r0 + e0, e = (r0 - r) + e0, z = r * r, half = R(0.5) * z, top = R(1.0) - half;
-    const V sr = r + (r * z * (DYN_SIN(z)) + e * top);
-    const V cr = top + (((R(1.0) - top) - half) + (z * z * (DYN_COS(z)) - r * e));
-    const V quarter = k - R(4.0) * ((k * R(0.25) - R(0.375) + DYN_ROUND) - DYN_ROUND);
-    const M odd = (M)(DYN_SIZE(quarter - R(2.0)) == R(1.0));
-    const V s = DYN_BLEND(odd, cr, sr), c = DYN_BLEND(odd, sr, cr);
-    *(V*)(sine + i) = DYN_BLEND((M)(quarter >= R(1.5)), -s, s);
-    *(V*)(cosine + i) = DYN_BLEND((M)(DYN_SIZE(quarter - R(1.5)) < R(1.0)), -c, c);
-    const M beyond = (M)(DYN_SIZE(k) >= DYN_LIMIT) | ((M)(DYN_SIZE(r) <= DYN_LEAST) & (M)(DYN_SIZE(k) >= R(0.5))) | (M)(x != x);
-    dyn_int any = 0;
-    for (l = 0; l < DYN_WIDTH; ++l) any |= DYN_LANE(beyond, l);
-    if (!any) continue;
-    for (l = i; l < i + DYN_WIDTH; ++l) {
-      if (!DYN_LANE(beyond, l - i)) continue;
-      sine[l] = (dyn_real)DYN_WIDER(sin)((dyn_wider)angle[l]);
-      cosine[l] = (dyn_real)DYN_WIDER(cos)((dyn_wider)angle[l]);
-    }
+/* Of DYN_WIDTH numbers. From registers: what was written to memory one by one is not soon read as a whole. */
+static inline void dyn_sincos_vector(V x, dyn_real* sine, dyn_real* cosine) {
+  int l;
+  const V k = (x * R(0.63661977236758134308) + DYN_ROUND) - DYN_ROUND;
+  const V a = x - k * DYN_PART1, b = k * DYN_PART2, r0 = a - b, e0 = ((a - r0) - b) - k * DYN_PART3;
+  const V r = r0 + e0, e = (r0 - r) + e0, z = r * r, half = R(0.5) * z, top = R(1.0) - half;
+  const V sr = r + (r * z * (DYN_SIN(z)) + e * top);
+  const V cr = top + (((R(1.0) - top) - half) + (z * z * (DYN_COS(z)) - r * e));
+  const V quarter = k - R(4.0) * ((k * R(0.25) - R(0.375) + DYN_ROUND) - DYN_ROUND);
+  const M odd = (M)(DYN_SIZE(quarter - R(2.0)) == R(1.0));
+  const V s = DYN_BLEND(odd, cr, sr), c = DYN_BLEND(odd, sr, cr);
+  *(V*)sine = DYN_BLEND((M)(quarter >= R(1.5)), -s, s);
+  *(V*)cosine = DYN_BLEND((M)(DYN_SIZE(quarter - R(1.5)) < R(1.0)), -c, c);
+  const M beyond = (M)(DYN_SIZE(k) >= DYN_LIMIT) | ((M)(DYN_SIZE(r) <= DYN_LEAST) & (M)(DYN_SIZE(k) >= R(0.5))) | (M)(x != x);
+  dyn_int any = 0;
+  for (l = 0; l < DYN_WIDTH; ++l) any |= DYN_LANE(beyond, l);
+  if (!any) return;
+  for (l = 0; l < DYN_WIDTH; ++l) {
+    if (!DYN_LANE(beyond, l)) continue;
+    sine[l] = (dyn_real)DYN_WIDER(sin)((dyn_wider)DYN_LANE(x, l));
+    cosine[l] = (dyn_real)DYN_WIDER(cos)((dyn_wider)DYN_LANE(x, l));
   }
 }
 
@@ -107,7 +106,6 @@ constexpr const char* scalar_functions = R"(typedef dyn_real T;
 #define dyn_atan2 DYN_LIBM(atan2)
 #define dyn_abs DYN_FABS
 #define dyn_select_less(a, b, c, d) ((a) < (b) ? (c) : (d))
-#define dyn_sincos dyn_sincos_numbers
 #if defined(__GNUC__)
 typedef dyn_real dyn_four __attribute__((vector_size(4 * sizeof(dyn_real)), aligned(sizeof(dyn_real)), may_alias));
 #endif
@@ -116,8 +114,6 @@ typedef dyn_real dyn_four __attribute__((vector_size(4 * sizeof(dyn_real)), alig
 
 constexpr const char* vector_functions = R"(typedef dyn_real T __attribute__((vector_size(DYN_LANES * sizeof(dyn_real)), aligned(sizeof(dyn_real))));
 #define DYN_ALL(x) ((T){0} + (x))
-/* Vectors are passed between functions of this file only. */
-#pragma GCC diagnostic ignored "-Wpsabi"
 #define DYN_EACH(name, f) static inline T name(T x) { T y; int i; for (i = 0; i < DYN_LANES; ++i) y[i] = f(x[i]); return y; }
 DYN_EACH(dyn_sqrt, DYN_LIBM(sqrt))
 DYN_EACH(dyn_tan, DYN_LIBM(tan))
@@ -129,7 +125,11 @@ DYN_EACH(dyn_sin, DYN_LIBM(sin))
 DYN_EACH(dyn_cos, DYN_LIBM(cos))
 static inline T dyn_select_less_(T a, T b, T c, T d) { T y; int i; for (i = 0; i < DYN_LANES; ++i) y[i] = a[i] < b[i] ? c[i] : d[i]; return y; }
 #define dyn_select_less(a, b, c, d) dyn_select_less_(DYN_ALL(a), DYN_ALL(b), DYN_ALL(c), DYN_ALL(d))
-#define dyn_sincos(angle, sine, cosine, n) dyn_sincos_numbers((const dyn_real*)(angle), (dyn_real*)(sine), (dyn_real*)(cosine), (n) * DYN_LANES)
+static void dyn_sincos(const T* angle, T* sine, T* cosine, int n) {
+  int i;
+  for (i = 0; i < n * DYN_LANES; i += DYN_WIDTH)
+    dyn_sincos_vector(*(const V*)((const dyn_real*)angle + i), (dyn_real*)sine + i, (dyn_real*)cosine + i);
+}
 
 )";
 

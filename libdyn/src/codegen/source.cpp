@@ -65,23 +65,38 @@ class Writer {
         out += "  " + qualifier + "T* const " + a.name + "_ = (" + qualifier + "T*)" + a.name + ";\n";
       }
     if (slots_ > 0) out += "  DYN_ALIGNED T w[" + std::to_string(slots_) + "];\n";
-    if (!angles_.empty()) {
-      // Sines come in whole vectors of 64 bytes, the last one filled up.
-      const std::size_t lanes = static_cast<std::size_t>(options_.lanes),
-                        width = std::max<std::size_t>((options_.single_precision ? 16 : 8) / lanes, 1);
-      const std::string count = std::to_string((angles_.size() + width - 1) / width * width);
-      out += "  DYN_ALIGNED T angle[" + count + "] = {" + (options_.lanes > 1 ? "{0}" : "0") + "}, s[" + count + "], c[" + count + "];\n";
-      for (std::size_t i = 0; i < angles_.size(); ++i) {
-        const auto& [argument, index] = inputs_[nodes()[angles_[i]].argument[0]];
-        out += "  angle[" + std::to_string(i) + "] = " + argument + "_[" + std::to_string(index) + "];\n";
-      }
-      out += "  dyn_sincos(angle, s, c, " + count + ");\n";
-    }
+    if (!angles_.empty()) out += sines();
     for (int p = 0; p < pieces_; ++p) out += "  " + name_ + "_" + std::to_string(p) + "(" + passed() + ");\n";
     return out + "}\n\n";
   }
 
  private:
+  /// Of all angles, into s and c. They come in whole vectors of 64 bytes, the last one filled up.
+  std::string sines() const {
+    const std::size_t lanes = at(options_.lanes), width = std::max<std::size_t>((options_.single_precision ? 16 : 8) / lanes, 1);
+    const std::string count = std::to_string((angles_.size() + width - 1) / width * width);
+    const auto angle = [&](std::size_t i) {
+      const auto& [argument, index] = inputs_[nodes()[angles_[i]].argument[0]];
+      return argument + "_[" + std::to_string(index) + "]";
+    };
+    const auto store = [](std::size_t i) { return ", s + " + std::to_string(i) + ", c + " + std::to_string(i) + ");\n"; };
+    std::string out;
+    if (lanes > 1) {
+      out = "  DYN_ALIGNED T angle[" + count + "] = {{0}}, s[" + count + "], c[" + count + "];\n";
+      for (std::size_t i = 0; i < angles_.size(); ++i) out += "  angle[" + std::to_string(i) + "] = " + angle(i) + ";\n";
+      return out + "  dyn_sincos(angle, s, c, " + count + ");\n";
+    }
+    out = "  DYN_ALIGNED T s[" + count + "], c[" + count + "];\n#if DYN_WIDTH > 1\n";
+    for (std::size_t first = 0; first < angles_.size(); first += width) {
+      out += "  dyn_sincos_vector((V){" + angle(first);
+      for (std::size_t i = first + 1; i < std::min(first + width, angles_.size()); ++i) out += ", " + angle(i);
+      out += "}" + store(first);
+    }
+    out += "#else\n";
+    for (std::size_t i = 0; i < angles_.size(); ++i) out += "  dyn_sincos_vector(" + angle(i) + store(i);
+    return out + "#endif\n";
+  }
+
   const std::vector<GraphNode>& nodes() const { return schedule_.nodes; }
   bool isTurned(std::uint32_t node) const { return isTurn(nodes(), node); }
   int pieceOf(std::uint32_t node) const {
