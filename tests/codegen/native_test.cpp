@@ -63,11 +63,13 @@ TEST_CASE("every algorithm traced over every joint type is the library's", "[cod
   int traced = 0;
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     const CompactModel model = compile(randomTree(registry(), 5, seed, seed % 2 == 0), registry());
-    if (!canBeTraced(model)) continue;
+    if (const std::string why = whyNotTraced(model); !why.empty()) {
+      // Splines, one of the examples' joints, look up their interval.
+      CHECK_THAT(why, containing("'function_joint") && containing("branch_free = true"));
+      continue;
+    }
     ++traced;
-    Random random(seed);
-    const Eigen::VectorXd q = integrate(model, neutral(model), random.vector(model.nv(), 1)), v = random.vector(model.nv(), 1),
-                          a = random.vector(model.nv(), 2);
+    const auto [q, v, a] = randomState(model, seed);
     for (const std::string& name : traceableFunctions()) {
       INFO(name << ", seed " << seed);
       const TracedFunction f = trace(model, name);

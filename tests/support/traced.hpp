@@ -3,10 +3,13 @@
 
 #include "support/catch.hpp"
 #include "support/folder.hpp"
+#include "support/random_model.hpp"
 
 #include <dyn/codegen/native.hpp>
 #include <dyn/dyn.hpp>
 
+#include <array>
+#include <string>
 #include <vector>
 
 namespace dyn::test {
@@ -21,16 +24,21 @@ struct CompilerCache : Folder {
   }
 };
 
-/// Not with splines and the like, which look up their interval.
-inline bool canBeTraced(const CompactModel& model) {
+/// Why a model cannot be traced; empty if it can.
+inline std::string whyNotTraced(const CompactModel& model) {
   try {
     trace(model, "rnea");
-    return true;
+    return "";
   } catch (const Error& e) {
     REQUIRE(e.code() == ErrorCode::joint_type);
-    CHECK_THAT(e.what(), containing("cannot be traced") && containing("branch_free = true"));
-    return false;
+    return e.what();
   }
+}
+
+/// q, v, and a or tau.
+inline std::array<Eigen::VectorXd, 3> randomState(const CompactModel& model, std::uint64_t seed) {
+  Random random(seed);
+  return {integrate(model, neutral(model), random.vector(model.nv(), 1)), random.vector(model.nv(), 1), random.vector(model.nv(), 2)};
 }
 
 /// The largest difference beside the largest number.

@@ -184,7 +184,7 @@ struct GraphBuilder::Impl {
     }
   }
 
-  /// Nodes of the runs, or no_node: those of the most common operation that are the runs' own go abreast, and then their arguments.
+  /// Nodes of the runs, or no_node: those of the first one's operation that are the runs' own go abreast, and then their arguments.
   void join(NodesAbreast tuple) {
     is_abreast.resize(nodes.size(), 0);
     int count = 0;

@@ -179,7 +179,7 @@ class Writer {
   }
   std::string value(std::uint32_t i, int piece) const {
     const GraphNode& n = nodes()[i];
-    if (n.operation == Operation::constant) return number(n.value, options_.single_precision);
+    if (isConstant(i)) return number(n.value, options_.single_precision);
     const Place& place = schedule_.places[i];
     if (place.unit < 0) {
       const auto [array, index] = memoryOf(i);
@@ -192,7 +192,7 @@ class Writer {
   std::string vector(const NodesAbreast& tuple, int piece) const {
     const std::uint32_t first = *std::find_if(tuple.begin(), tuple.end(), [](std::uint32_t node) { return node != no_node; });
     const Place& place = schedule_.places[first];
-    bool in_place = place.unit >= 0 && unitOf(first).several, side_by_side = place.unit < 0 && nodes()[first].operation != Operation::constant;
+    bool in_place = place.unit >= 0 && unitOf(first).several, side_by_side = place.unit < 0 && !isConstant(first);
     int start = -1;
     for (int l = 0; l < most_abreast; ++l) {
       const std::uint32_t node = tuple[at(l)];
@@ -202,8 +202,7 @@ class Writer {
       }
       in_place = in_place && schedule_.places[node].unit == place.unit && schedule_.places[node].lane == l;
       if (!side_by_side) continue;
-      side_by_side =
-          schedule_.places[node].unit < 0 && nodes()[node].operation != Operation::constant && memoryOf(node).first == memoryOf(first).first;
+      side_by_side = schedule_.places[node].unit < 0 && !isConstant(node) && memoryOf(node).first == memoryOf(first).first;
       if (start < 0) start = memoryOf(node).second - l;
       side_by_side = side_by_side && memoryOf(node).second == start + l;
     }

@@ -28,10 +28,9 @@ class Limbs {
   std::vector<char> gives_first;           ///< by body: of its parent's children the one that is met first on the way inward
   std::vector<std::vector<char>> uniform;  ///< by strip: which of the bodies' constants are such that nothing may be simplified for one of them alone
 
-  bool several(int strip) const { return bodiesIn(strip) > 1; }
-  int bodiesIn(int strip) const {
+  bool several(int strip) const {
     const int* body = plan.strips[static_cast<std::size_t>(strip)].body;
-    return static_cast<int>(std::count_if(body, body + strip_lanes, [](int b) { return b >= 0; }));
+    return std::count_if(body, body + strip_lanes, [](int b) { return b >= 0; }) > 1;
   }
   const Seat& seat(int body) const { return plan.seats[static_cast<std::size_t>(body)]; }
 };
