@@ -92,11 +92,13 @@ struct GraphBuilder::Impl {
   }
   std::uint32_t nodeOf(const Traced& x) { return x.recorder ? x.node : constant(x.value); }
   bool isKnown(const Traced& x, double value) const { return !x.recorder && x.value == value; }
-  bool isNegation(const Traced& x) const { return x.recorder && nodes[x.node].operation == Operation::negate; }
+  /// Runs do not look into what was there before them: by its signs they would differ.
+  bool isOpen(const Traced& x) const { return x.recorder && (run < 0 || x.node >= first_of_runs); }
+  bool isNegation(const Traced& x) const { return isOpen(x) && nodes[x.node].operation == Operation::negate; }
   Traced argument(const Traced& x, int k) const { return traced(nodes[x.node].argument[k]); }
   /// c x with c known: c, and x in `rest`.
   bool isScaled(const Traced& x, double& factor, Traced& rest) const {
-    if (!x.recorder || nodes[x.node].operation != Operation::multiply || !isConstant(nodes[x.node].argument[0])) return false;
+    if (!isOpen(x) || nodes[x.node].operation != Operation::multiply || !isConstant(nodes[x.node].argument[0])) return false;
     factor = nodes[nodes[x.node].argument[0]].value;
     rest = argument(x, 1);
     return true;
