@@ -74,6 +74,9 @@ struct GraphBuilder::Impl {
   std::uint32_t first_of_runs = 0;
   std::vector<NodesAbreast> abreast;
   std::vector<char> is_abreast;  ///< by node
+  std::set<NodesAbreast> tried;
+  std::vector<std::uint32_t> seen;  ///< by node: the last of areIndependent's looks that met it
+  std::uint32_t looks = 0;
 
   bool isConstant(std::uint32_t node) const { return nodes[node].operation == Operation::constant && (node >= is_opaque.size() || !is_opaque[node]); }
   bool full() const { return nodes.size() > most_nodes; }
@@ -186,33 +189,64 @@ struct GraphBuilder::Impl {
     }
   }
 
-  /// Nodes of the runs, or no_node: those of the first one's operation that are the runs' own go abreast, and then their arguments.
+  /// Nodes, or no_node: those of the first one's operation go abreast if none of them waits for another, and then their arguments.
   void join(NodesAbreast tuple) {
     is_abreast.resize(nodes.size(), 0);
     int count = 0;
     for (std::uint32_t& node : tuple) {
-      const bool own = node != no_node && node >= first_of_runs && !is_abreast[node] && arity(nodes[node].operation) > 0;
+      const bool open = node != no_node && !is_abreast[node] && arity(nodes[node].operation) > 0;
       const std::uint32_t* same = std::find(tuple.begin(), &node, node);
-      if (!own || same != &node) {
+      if (!open || same != &node) {
         node = no_node;
         continue;
       }
       ++count;
     }
     if (count < 2) return;
-    const std::uint32_t first = *std::find_if(tuple.begin(), tuple.end(), [](std::uint32_t node) { return node != no_node; });
-    const Operation operation = nodes[first].operation;
+    const GraphNode& first = nodes[*std::find_if(tuple.begin(), tuple.end(), [](std::uint32_t node) { return node != no_node; })];
     for (std::uint32_t& node : tuple)
-      if (node != no_node && nodes[node].operation != operation) node = no_node, --count;
-    if (count < 2) return;
-    for (const std::uint32_t node : tuple)
-      if (node != no_node) is_abreast[node] = 1;
-    abreast.push_back(tuple);
-    for (int k = 0; k < arity(operation); ++k) {
+      if (node != no_node && nodes[node].operation != first.operation) node = no_node, --count;
+    if (count < 2 || !tried.insert(tuple).second) return;
+    if (areIndependent(tuple)) {
+      for (const std::uint32_t node : tuple)
+        if (node != no_node) is_abreast[node] = 1;
+      abreast.push_back(tuple);
+    }
+    const bool exchangeable = first.operation == Operation::add || first.operation == Operation::multiply;
+    const auto like = [&](std::uint32_t a, std::uint32_t b) { return nodes[a].operation == nodes[b].operation; };
+    for (int k = 0; k < arity(first.operation); ++k) {
       NodesAbreast arguments;
-      for (std::size_t l = 0; l < tuple.size(); ++l) arguments[l] = tuple[l] == no_node ? no_node : nodes[tuple[l]].argument[k];
+      for (std::size_t l = 0; l < tuple.size(); ++l) {
+        arguments[l] = no_node;
+        if (tuple[l] == no_node) continue;
+        const GraphNode& n = nodes[tuple[l]];
+        const auto alike = [&](int a, int b) { return like(n.argument[a], first.argument[0]) + like(n.argument[b], first.argument[1]); };
+        arguments[l] = n.argument[exchangeable && alike(1, 0) > alike(0, 1) ? 1 - k : k];
+      }
       join(arguments);
     }
+  }
+  /// Whether none of these takes, by whatever way, another one.
+  bool areIndependent(const NodesAbreast& tuple) {
+    std::uint32_t least = no_node;
+    for (const std::uint32_t node : tuple) least = std::min(least, node);
+    seen.resize(nodes.size(), 0);
+    ++looks;
+    std::vector<std::uint32_t> open;
+    for (const std::uint32_t node : tuple)
+      if (node != no_node) open.push_back(node);
+    while (!open.empty()) {
+      const GraphNode& n = nodes[open.back()];
+      open.pop_back();
+      for (int k = 0; k < arity(n.operation); ++k) {
+        const std::uint32_t node = n.argument[k];
+        if (node < least || seen[node] == looks) continue;
+        if (std::find(tuple.begin(), tuple.end(), node) != tuple.end()) return false;
+        seen[node] = looks;
+        open.push_back(node);
+      }
+    }
+    return true;
   }
   void joinRuns() {
     std::set<int> numbers;
@@ -265,6 +299,11 @@ void GraphBuilder::abreast(const std::function<void()>& runs) {
   g.run = -1;
   g.step = nullptr;
   g.joinRuns();
+}
+void GraphBuilder::alike(const std::array<Traced, most_abreast>& numbers) {
+  NodesAbreast tuple;
+  for (std::size_t l = 0; l < tuple.size(); ++l) tuple[l] = numbers[l].recorder ? numbers[l].node : no_node;
+  impl_->join(tuple);
 }
 void GraphBuilder::run(int k) {
   impl_->run = k;

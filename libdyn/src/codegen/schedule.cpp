@@ -7,6 +7,7 @@
 #include <iterator>
 #include <map>
 #include <queue>
+#include <set>
 #include <utility>
 
 namespace dyn {
@@ -34,7 +35,13 @@ bool isThere(const std::vector<GraphNode>& nodes, std::uint32_t node) { return a
 /// them, are fewest.
 class Packer {
  public:
-  explicit Packer(const Graph& graph) : nodes_(graph.nodes), unit_(nodes_.size(), -1), lane_(nodes_.size(), 0) {
+  explicit Packer(const Graph& graph) : nodes_(graph.nodes), unit_(nodes_.size(), -1), lane_(nodes_.size(), 0), is_fused_(nodes_.size(), 0) {
+    std::vector<int> uses(nodes_.size(), 0);
+    for (const GraphNode& n : nodes_)
+      for (int k = 0; k < arity(n.operation); ++k)
+        uses[n.argument[k]] += n.operation == Operation::add || n.operation == Operation::subtract ? 1 : 2;
+    for (const std::uint32_t output : graph.outputs) uses[output] += 2;
+    for (std::size_t node = 0; node < uses.size(); ++node) is_fused_[node] = uses[node] == 1;
     for (const NodesAbreast& tuple : graph.abreast) seat(tuple);
     for (const Unit& unit : units_) exchange(unit);
     choose(graph);
@@ -94,14 +101,31 @@ class Packer {
 
   // Costs, in quarters of an operation.
   static constexpr int operation_cost = 4, division_cost = 16, lane_cost = 4, first_lane_cost = 1;
+  /// Of a product that nothing but one sum takes: the two are one instruction.
+  static constexpr int fused_cost = 1;
+  int costOf(std::uint32_t node) const {
+    switch (nodes_[node].operation) {
+      case Operation::divide:
+        return division_cost;
+      case Operation::multiply:
+        return is_fused_[node] ? fused_cost : operation_cost;
+      default:
+        return operation_cost;
+    }
+  }
 
   /// Asks of each unit whether its operations are done at once. Only those that are need their arguments in lanes, which are there if what
   /// computes them is such a unit, too; what is read by itself must be brought out of lanes.
   void choose(const Graph& graph) {
     MinimumCut cut;
     for (const Unit& unit : units_) {
-      const auto count = std::count_if(unit.nodes.begin(), unit.nodes.end(), [](std::uint32_t node) { return node != no_node; });
-      cut.costsIfNo(cut.add(), static_cast<int>(count - 1) * (unit.operation == Operation::divide ? division_cost : operation_cost));
+      int all = 0, most = 0;
+      for (const std::uint32_t node : unit.nodes) {
+        if (node == no_node) continue;
+        all += costOf(node);
+        most = std::max(most, costOf(node));
+      }
+      cut.costsIfNo(cut.add(), all - most);
     }
     std::vector<char> read_alone(nodes_.size(), 0);
     std::vector<std::vector<int>> readers(nodes_.size());  // units that take it in its lane
@@ -171,14 +195,16 @@ class Packer {
   std::vector<GraphNode> nodes_;
   std::vector<Unit> units_;
   std::vector<int> unit_, lane_;  ///< by node
+  std::vector<char> is_fused_;    ///< by node: taken by one sum, or difference, and nothing else
 };
 
-/// Units one after the other, of those that have all that they take the one with the first node. What waits for itself is taken apart.
+/// Units one after the other, of those that have all that they take one that is the last to take most: registers are few, and what waits in memory
+/// meanwhile is written and read again. Of several the one with the first node. What waits for itself is taken apart.
 class Orderer {
  public:
   Orderer(const std::vector<GraphNode>& nodes, std::vector<Unit> vectors)
-      : nodes_(nodes), units_(std::move(vectors)), unit_(nodes.size(), -1), waits_(nodes.size(), 0), users_(nodes.size()) {
-    std::vector<Item> left;
+      : nodes_(nodes), units_(std::move(vectors)), unit_(nodes.size(), -1), waits_(nodes.size(), 0), left_(nodes.size(), 0), users_(nodes.size()) {
+    std::vector<std::pair<std::uint32_t, int>> left;
     for (std::size_t u = 0; u < units_.size(); ++u) {
       for (const std::uint32_t node : units_[u].nodes)
         if (node != no_node) unit_[node] = static_cast<int>(u);
@@ -188,14 +214,17 @@ class Orderer {
     for (std::uint32_t node = 0; node < nodes_.size(); ++node) {
       if (isThere(nodes_, node)) continue;
       if (unit_[node] < 0) single(node);
-      for (int k = 0; k < arity(nodes_[node].operation); ++k)
-        if (const std::uint32_t from = nodes_[node].argument[k]; !isThere(nodes_, from)) {
-          users_[from].push_back(node);
-          ++waits_[node];
-        }
+      eachArgument(node, [&](std::uint32_t from) {
+        users_[from].push_back(node);
+        ++waits_[node];
+        ++left_[from];
+      });
     }
-    for (std::size_t u = 0; u < units_.size(); ++u) offer(static_cast<int>(u));
     done_.resize(units_.size(), 0);
+    ends_.resize(units_.size(), 0);
+    for (std::uint32_t node = 0; node < nodes_.size(); ++node)
+      if (const int u = lastUser(node); u >= 0) ++ends_[at(u)];
+    for (std::size_t u = 0; u < units_.size(); ++u) offer(static_cast<int>(u));
     for (auto next = left.begin();;) {
       doAllReady();
       while (next != left.end() && done_[at(next->second)]) ++next;
@@ -216,39 +245,79 @@ class Orderer {
   }
 
  private:
-  using Item = std::pair<std::uint32_t, int>;  ///< first node and unit
+  struct Ready {
+    int ends;
+    std::uint32_t first;
+    int unit;
+    bool operator<(const Ready& other) const { return ends != other.ends ? ends < other.ends : first > other.first; }
+  };
 
   std::uint32_t firstOf(int u) const { return *std::min_element(units_[at(u)].nodes.begin(), units_[at(u)].nodes.end()); }
   int single(std::uint32_t node) {
     unit_[node] = static_cast<int>(units_.size());
     units_.push_back({{node, no_node, no_node, no_node}, false, nodes_[node].operation});
     done_.resize(units_.size(), 0);
+    ends_.resize(units_.size(), 0);
     return unit_[node];
+  }
+  /// Calls use(argument), once each, for those that are not there from the start.
+  template <class Use>
+  void eachArgument(std::uint32_t node, Use&& use) const {
+    const GraphNode& n = nodes_[node];
+    for (int k = 0; k < arity(n.operation); ++k)
+      if (!isThere(nodes_, n.argument[k]) && std::find(n.argument, n.argument + k, n.argument[k]) == n.argument + k) use(n.argument[k]);
+  }
+  /// The only unit left that takes a node, or -1.
+  int lastUser(std::uint32_t node) const {
+    if (left_[node] > most_abreast) return -1;
+    int last = -1;
+    for (const std::uint32_t user : users_[node]) {
+      const int u = unit_[user];
+      if (done_[at(u)] || u == last) continue;
+      if (last >= 0) return -1;
+      last = u;
+    }
+    return last;
   }
   void offer(int u) {
     const NodesAbreast& of = units_[at(u)].nodes;
-    if (std::all_of(of.begin(), of.end(), [&](std::uint32_t node) { return node == no_node || waits_[node] == 0; })) ready_.emplace(firstOf(u), u);
+    if (std::all_of(of.begin(), of.end(), [&](std::uint32_t node) { return node == no_node || waits_[node] == 0; }))
+      ready_.push({ends_[at(u)], firstOf(u), u});
   }
   void doAllReady() {
     while (!ready_.empty()) {
-      const int u = ready_.top().second;
+      const Ready next = ready_.top();
       ready_.pop();
-      order_.push_back(u);
-      done_[at(u)] = 1;
-      for (const std::uint32_t node : units_[at(u)].nodes) {
+      // What ends more now has been offered again.
+      if (done_[at(next.unit)] || next.ends != ends_[at(next.unit)]) continue;
+      order_.push_back(next.unit);
+      done_[at(next.unit)] = 1;
+      std::set<std::uint32_t> taken;
+      for (const std::uint32_t node : units_[at(next.unit)].nodes) {
         if (node == no_node) continue;
         for (const std::uint32_t user : users_[node])
           if (--waits_[user] == 0) offer(unit_[user]);
+        eachArgument(node, [&](std::uint32_t from) {
+          --left_[from];
+          taken.insert(from);
+        });
       }
+      for (const std::uint32_t node : taken)
+        if (const int u = lastUser(node); u >= 0) {
+          ++ends_[at(u)];
+          offer(u);
+        }
     }
   }
 
   const std::vector<GraphNode>& nodes_;
   std::vector<Unit> units_;
   std::vector<int> unit_, waits_;  ///< by node: of its arguments how many are not there yet
+  std::vector<int> left_;          ///< by node: of its users how many are not done yet
   std::vector<std::vector<std::uint32_t>> users_;
   std::vector<char> done_;  ///< by unit
-  std::priority_queue<Item, std::vector<Item>, std::greater<>> ready_;
+  std::vector<int> ends_;   ///< by unit: how many nodes it is the last to take
+  std::priority_queue<Ready> ready_;
   std::vector<int> order_;
 };
 

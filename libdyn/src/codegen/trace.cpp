@@ -298,7 +298,10 @@ const std::vector<Recipe>& recipes() {
        [](const CompactImpl& m, Tracer& t, const std::vector<T*>& in, Numbers& out) {
          t.evaluate(in[0], in[1]);
          t.evaluateSubspaceDerivatives(in[0], in[1]);
-         kernels::rneaDerivatives<T>(m, t.w, t.d, static_cast<const T*>(in[1]), static_cast<const T*>(in[2]));
+         kernels::derivativesOutward(t.bodies, t.d, t.bodies.gravity(), static_cast<const T*>(in[1]), static_cast<const T*>(in[2]));
+         kernels::derivativesInward(t.bodies, t.d);
+         t.bodies.neighboursAlike(t.d.dof_force);
+         kernels::derivativesSweep<T>(kernels::recursion(m, static_cast<Workspace<T>&>(t.w), t.d), t.d);
          append(m, t.d.by_q, out);
          append(m, t.d.by_v, out);
          append(m, t.d.by_a, out);

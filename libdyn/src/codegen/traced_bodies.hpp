@@ -72,6 +72,21 @@ struct TracedBodies : Bodies<Traced> {
   void goesUp(int dof) const { limbs.builder->step(reached + placeOf(dof)); }
   void goesDown(int dof) const { limbs.builder->step(down + dof); }
 
+  /// Tells that all degrees of freedom's numbers in the array are found by the same code.
+  template <class Value>
+  void neighboursAlike(const Value* array) const {
+    if (!limbs.abreast) return;
+    constexpr int numbers = sizeof(Value) / sizeof(Traced);
+    const int n = m.nvx;
+    for (int first = n % most_abreast - most_abreast; first < n; first += most_abreast)
+      for (int k = 0; k < numbers; ++k) {
+        std::array<Traced, most_abreast> alike;
+        for (int l = std::max(-first, 0); l < most_abreast; ++l)
+          alike[static_cast<std::size_t>(l)] = reinterpret_cast<const Traced*>(array + first + l)[k];
+        limbs.builder->alike(alike);
+      }
+  }
+
   /// In lanes those of limbs that are alike, else neighbours; columns of matrices as the limbs say.
   template <class Use>
   void eachDof(int first, int end, Use&& use) const {
@@ -140,12 +155,13 @@ struct TracedBodies : Bodies<Traced> {
       });
     }
   }
-  /// Of dof and those that follow it the ones up to the next multiple of the lanes.
+  /// Of dof and those that follow it the ones up to where lanes begin again, which they do such that the last ones, far from the root, fill them.
   template <class May>
-  static std::array<int, strip_lanes> neighboursOf(int dof, May&& may) {
+  std::array<int, strip_lanes> neighboursOf(int dof, May&& may) const {
     std::array<int, strip_lanes> dofs = nobody;
-    for (int l = dof % strip_lanes; l < strip_lanes; ++l)
-      if (const int other = dof - dof % strip_lanes + l; may(other)) dofs[static_cast<std::size_t>(l)] = other;
+    const int lane = (dof + strip_lanes - m.nvx % strip_lanes) % strip_lanes;
+    for (int l = lane; l < strip_lanes; ++l)
+      if (const int other = dof - lane + l; may(other)) dofs[static_cast<std::size_t>(l)] = other;
     return dofs;
   }
   int placeOf(int dof) const {

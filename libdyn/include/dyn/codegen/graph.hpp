@@ -67,6 +67,8 @@ class DYN_API GraphBuilder final : public Recorder {
   void abreast(const std::function<void()>& runs);
   void run(int k);
   void step(int number);
+  /// Numbers that the same code has found, of other values: may be computed abreast, and what they are made of, as far as none waits for another.
+  void alike(const std::array<Traced, most_abreast>& numbers);
   bool inRun() const;
   /// A known number that no operation is simplified for.
   Traced opaque(double x);
