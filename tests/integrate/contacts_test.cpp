@@ -193,6 +193,20 @@ TEST_CASE("a closed loop stays closed while it lies against a limit", "[contact]
   CHECK(s.v().cwiseAbs().maxCoeff() < 1e-6);
 }
 
+TEST_CASE("geared joints stop at a limit together", "[contact][limits]") {
+  Model description = tool::pendulum(2);
+  description.bodies[1].joint.limits.upper = {0.4};
+  description.constraints.push_back(coupleJoint("j2", {"mimic", "j1", {{"coefficients", std::vector<double>{0, -0.5}}}}));
+  const CompactModel model = compile(description, registry());
+  Simulator s(model, {.dt = 1e-3, .limits = true});
+  s.setController([](double, const VectorResult&, const VectorResult&, VectorMap tau) { tau[0] = 60; });
+  s.reset(Vector::Zero(2), Vector::Zero(2));
+  s.advance(1);
+  CHECK(s.statistics().contact_steps > 100);
+  CHECK(std::abs(s.q()[0] - 0.4) < 1e-8);
+  CHECK(std::abs(s.q()[1] + 0.2) < 1e-8);
+}
+
 TEST_CASE("runs with contacts are the same to the last byte, resumed ones too", "[contact]") {
   std::vector<std::string> corners;
   const CompactModel model = box(corners);
@@ -218,6 +232,9 @@ TEST_CASE("what is no contact is refused", "[contact][error]") {
   const CompactModel model = ball();
   CHECK_THROWS_WITH(pointsOnPlane(model, {"foot"}), containing("no frame 'foot'"));
   CHECK_THROWS_WITH(pointsOnPlane(model, {"body"}, {0, 0, 0}), containing("no direction"));
+  for (const double friction : {-1.0, std::nan("")})
+    CHECK_THROWS_WITH(pointsOnPlane(model, {"body"}, {0, 0, 1}, 0, friction), containing("not negative"));
+  CHECK_THROWS_WITH(pointsOnPlane(model, {"body"}, {0, 0, 1}, std::nan("")), containing("height"));
   CHECK_THROWS_WITH(Simulator(model, {.restitution = 1.5}), containing("restitution is 1.5"));
   Simulator s(model, {});
   s.setContacts([](const VectorResult&, std::vector<ContactPoint>& found) {

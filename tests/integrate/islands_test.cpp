@@ -52,6 +52,11 @@ TEST_CASE("islands move as they do in the whole scene", "[islands]") {
   all.reset(q, Vector::Zero(whole.nv()));
   all.advance(2);
   // In the whole all take the contact's steps of first order, alone only the ball does: equal to what those keep, 1e-3 s of order one.
+  const Simulator& swinging = s.island(s.islandOf("j1"));
+  for (const char* joint : {"j1", "j2"}) {
+    const auto alone = swinging.model().joints()[static_cast<std::size_t>(swinging.model().jointId(joint))].idx_q;
+    CHECK(std::abs(all.q()[idx(joint)] - swinging.q()[alone]) < 1e-2);
+  }
   CHECK(std::abs(all.q()[idx("damped/j1")] - s.island(s.islandOf("damped/j1")).q()[0]) < 1e-3);
   CHECK(std::abs(all.q()[idx("ball/joint") + 2] - s.island(s.islandOf("ball/joint")).q()[2]) < 1e-9);
 }
@@ -81,6 +86,28 @@ TEST_CASE("what rests falls asleep, costs nothing, and wakes as it was", "[islan
   s.advance(30);
   CHECK_FALSE(std::abs(s.island(damped).q()[0]) < 0.1);
   CHECK(s.time() == 30);
+}
+
+TEST_CASE("islands come to one time, whatever happens in them", "[islands]") {
+  IslandSimulator s = start({});
+  const int swinging = s.islandOf("j1");
+  int passed = 0;
+  s.island(swinging).setEvents({{"late", [](double t, const VectorResult&, const VectorResult&) { return t - 0.05; }}});
+  s.advance(0.1);
+  for (int k = 0; k < s.count(); ++k) CHECK(s.island(k).time() == 0.1);
+  // The last one throws when the others are there already: they wait for it.
+  s.island(s.count() - 1).setController([&](double t, const VectorResult&, const VectorResult&, const VectorMap&) {
+    if (t > 0.15 && passed++ == 0) throw std::runtime_error("a moment");
+  });
+  CHECK_THROWS_WITH(s.advance(0.2), containing("a moment"));
+  CHECK(s.time() == 0.1);
+  CHECK(s.island(0).time() == 0.2);
+  s.advance(0.18);
+  CHECK(s.time() == 0.18);
+  CHECK(s.island(0).time() == 0.2);
+  CHECK(s.island(s.count() - 1).time() == 0.18);
+  s.advance(0.3);
+  for (int k = 0; k < s.count(); ++k) CHECK(s.island(k).time() == 0.3);
 }
 
 TEST_CASE("nothing falls asleep unasked, or while it only turns back", "[islands]") {

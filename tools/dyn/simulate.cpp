@@ -55,15 +55,7 @@ struct SimulateOptions : ModelOptions {
     app.add_option("--resume", resume, "go on from there");
   }
 
-  ConstraintSet constraints(const CompactModel& model) const {
-    const ConstraintSet own(model);
-    std::vector<ConstraintDescription> all;
-    all.reserve(static_cast<std::size_t>(own.count()));
-    for (int k = 0; k < own.count(); ++k) all.push_back(own.description(k));
-    const JointRegistry known = registry();
-    for (const ConstraintDescription& contact : readContacts(contacts)) all.push_back(contact);
-    return {model, all, &known};
-  }
+  ConstraintSet constraints(const CompactModel& model) const { return {ConstraintSet(model), readContacts(contacts)}; }
 
   /// Of the ground, of volumes, of both; none where nothing is to touch.
   ContactFinder finder(const CompactModel& model, const Model& description) const {
@@ -102,6 +94,7 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
   void at(double t) {
+    if (to_ <= from_) return;
     const int now = static_cast<int>(40 * (t - from_) / (to_ - from_));
     if (!shown_ || now == bars_) return;
     bars_ = now;
@@ -163,6 +156,7 @@ void start(const SimulateOptions& o, Simulator& simulator, const ConstraintSet& 
 
 void run(const SimulateOptions& o) {
   if (!(o.time >= 0) || !std::isfinite(o.time)) throw Error(ErrorCode::argument, "--time: seconds to simulate are not negative");
+  if (!(o.every >= 0) || !std::isfinite(o.every)) throw Error(ErrorCode::argument, "--every: seconds between states are not negative");
   if (!o.out.empty()) checkTrajectoryFile(o.out);
   const Model description = o.volumes.description(o);
   const CompactModel model = o.compile(description);

@@ -14,7 +14,6 @@ class Trajectory {
 
   void add(double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v, double energy);
   bool empty() const { return times_.empty(); }
-  double lastTime() const { return times_.back(); }
   double firstEnergy() const { return energies_.front(); }
   double lastEnergy() const { return energies_.back(); }
   /// Largest difference to the first one.

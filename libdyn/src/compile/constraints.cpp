@@ -19,9 +19,13 @@ class Packer {
  public:
   Packer(const CompactModel& model, const JointRegistry* registry) : model_(model), m_(model.impl()), registry_(registry) {}
 
-  PackedConstraints run(const std::vector<ConstraintDescription>& descriptions) {
-    out_.descriptions = descriptions;
+  PackedConstraints run(const std::vector<ConstraintDescription>& descriptions, const PackedConstraints* base) {
     std::set<std::string> names;
+    if (base) {
+      goOnFrom(*base);
+      for (const ConstraintDescription& d : base->descriptions) names.insert(d.name);
+    }
+    out_.descriptions.insert(out_.descriptions.end(), descriptions.begin(), descriptions.end());
     for (const ConstraintDescription& d : descriptions) {
       current_ = &d;
       if (!names.insert(d.name).second)
@@ -37,6 +41,15 @@ class Packer {
   }
 
  private:
+  void goOnFrom(const PackedConstraints& base) {
+    out_.descriptions = base.descriptions;
+    out_.first_row.assign(base.first_row.begin(), base.first_row.end() - 1);
+    out_.frames = base.frames;
+    out_.couplings = base.couplings;
+    out_.locks = base.locks;
+    out_.rows = base.rows;
+  }
+
   [[noreturn]] void refuse(const std::string& why, ErrorCode code = ErrorCode::model) const {
     throw Error(code, "constraint '" + current_->name + "': " + why, current_->where);
   }
@@ -198,8 +211,9 @@ class Packer {
 
 }  // namespace
 
-PackedConstraints packConstraints(const CompactModel& model, const std::vector<ConstraintDescription>& descriptions, const JointRegistry* registry) {
-  return Packer(model, registry).run(descriptions);
+PackedConstraints packConstraints(const CompactModel& model, const std::vector<ConstraintDescription>& descriptions, const JointRegistry* registry,
+                                  const PackedConstraints* base) {
+  return Packer(model, registry).run(descriptions, base);
 }
 
 void attachConstraints(const std::shared_ptr<CompactImpl>& compact, const std::vector<ConstraintDescription>& descriptions,

@@ -86,8 +86,10 @@ struct PackedConstraints {
   bool actsOnJoints() const { return !couplings.empty() || !locks.empty(); }
 };
 
-/// `registry` is needed for couplings only. Throws Error(model | argument | joint_type | parameter), naming the constraint.
-PackedConstraints packConstraints(const CompactModel& model, const std::vector<ConstraintDescription>& descriptions, const JointRegistry* registry);
+/// After those of `base`, which are of the same model and as they were looked up, if there are any. `registry` is needed for couplings only.
+/// Throws Error(model | argument | joint_type | parameter), naming the constraint.
+PackedConstraints packConstraints(const CompactModel& model, const std::vector<ConstraintDescription>& descriptions, const JointRegistry* registry,
+                                  const PackedConstraints* base = nullptr);
 
 /// 7. The description's own constraints, looked up in what became of it, with their line in the report.
 void attachConstraints(const std::shared_ptr<CompactImpl>& compact, const std::vector<ConstraintDescription>& descriptions,

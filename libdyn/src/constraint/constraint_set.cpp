@@ -12,6 +12,9 @@ ConstraintSet::ConstraintSet(const CompactModel& model) : model_(model), impl_(m
 ConstraintSet::ConstraintSet(const CompactModel& model, const std::vector<ConstraintDescription>& constraints, const JointRegistry* registry)
     : model_(model), impl_(std::make_shared<PackedConstraints>(packConstraints(model, constraints, registry))) {}
 
+ConstraintSet::ConstraintSet(const ConstraintSet& base, const std::vector<ConstraintDescription>& more, const JointRegistry* registry)
+    : model_(base.model_), impl_(std::make_shared<PackedConstraints>(packConstraints(base.model_, more, registry, base.impl_.get()))) {}
+
 namespace {
 std::size_t checked(int constraint, int count) {
   if (constraint < 0 || constraint >= count)

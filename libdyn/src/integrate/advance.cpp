@@ -47,7 +47,7 @@ int Simulator::advanceTo(double until, const double* times, std::size_t count, c
     }
     x.commit();
     for (; shown < count && times[shown] == x.now.time; ++shown) x.show(times[shown], x.now.q.data(), x.now.v.data(), observer);
-    x.readEvents();
+    x.readEvents(x.now, x.signs);
     if (event >= 0) return event;
   }
   return -1;

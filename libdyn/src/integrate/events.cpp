@@ -10,7 +10,7 @@ void Simulator::setEvents(std::vector<Event> events) {
     if (!event.value) throw Error(ErrorCode::argument, "Simulator::setEvents: the event '" + event.name + "' has no function");
   impl_->events = std::move(events);
   impl_->signs.assign(impl_->events.size(), 0);
-  impl_->readEvents();
+  impl_->readEvents(impl_->now, impl_->signs);
 }
 
 int Simulator::Impl::signOf(const Event& event, double t, const double* q, const double* v) const {
@@ -20,8 +20,8 @@ int Simulator::Impl::signOf(const Event& event, double t, const double* q, const
   return (value > 0) - (value < 0);
 }
 
-void Simulator::Impl::readEvents() {
-  for (std::size_t k = 0; k < events.size(); ++k) signs[k] = signOf(events[k], now.time, now.q.data(), now.v.data());
+void Simulator::Impl::readEvents(const Moment& at, std::vector<int>& sides) const {
+  for (std::size_t k = 0; k < events.size(); ++k) sides[k] = signOf(events[k], at.time, at.q.data(), at.v.data());
 }
 
 bool Simulator::Impl::happened(std::size_t k, int sign) const {

@@ -99,8 +99,10 @@ void IslandSimulator::advance(double until) {
                 "IslandSimulator::advance: to t = " + std::to_string(until) + " s, but it is " + std::to_string(x.time) + " s: time goes forward");
   while (x.time < until) {
     const double next = x.sleep.allowed ? std::min(until, x.time + 0.1 * x.sleep.time) : until;
-    for (Impl::Island& island : x.islands)
-      if (!island.asleep) island.simulator.advance(next);
+    for (Impl::Island& island : x.islands) {
+      // Events end the simulator's advance, not that of the scene. An island that is ahead, after another one threw, waits.
+      while (!island.asleep && island.simulator.time() < next) island.simulator.advance(next);
+    }
     x.time = next;
     if (!x.sleep.allowed) continue;
     for (Impl::Island& island : x.islands)

@@ -11,7 +11,8 @@ namespace dyn {
 
 namespace {
 
-constexpr const char* heading = "libdyn-simulation-1";
+constexpr const char* family = "libdyn-simulation-";
+constexpr const char* heading = "libdyn-simulation-2";
 
 void write(std::string& out, double x) {
   char text[64];
@@ -69,7 +70,7 @@ std::string Simulator::save() const {
     out += std::to_string(values.size()) + '\n';
     for (const double value : values) write(out, value);
   };
-  for (const double value : {x.now.time, x.anchor, x.trial}) write(out, value);
+  for (const double value : {x.options.dt, x.now.time, x.anchor, x.trial}) write(out, value);
   put(x.now.q);
   put(x.now.v);
   // Accelerations that the last step has left are those of its own evaluation, to the last bit.
@@ -81,10 +82,15 @@ std::string Simulator::save() const {
 void Simulator::resume(const std::string& saved) {
   Impl& x = *impl_;
   Reader in(saved);
-  if (in.word("heading") != heading) refuse("this is no saved simulation");
+  const std::string found = in.word("heading");
+  if (found != heading) {
+    const bool other_version = found.rfind(family, 0) == 0;
+    refuse(other_version ? "it is a '" + found + "', this library reads '" + heading + "'; simulate from the start" : "this is no saved simulation");
+  }
   const std::string integrator = in.word("integrator"), own = infoOf(x.options.integrator).name;
   if (integrator != own) refuse("saved by the integrator '" + integrator + "', this one is '" + own + "'");
   const long steps = in.count("number of steps");
+  const double dt = in.number("dt");
   Moment state(model());
   state.time = in.number("time");
   const double anchor = in.number("first time"), trial = in.number("step");
@@ -96,11 +102,12 @@ void Simulator::resume(const std::string& saved) {
   state.has_acceleration = known == 1;
   if (state.has_acceleration) in.vector("a", state.a);
   in.end();
-  x.now = std::move(state);
-  x.startAt(x.now.time);
+  x.start(std::move(state));
+  x.trial = trial;
+  // Whole steps of another length have a grid of their own, from here on.
+  if (dt != x.options.dt) return;
   x.anchor = anchor;
   x.steps = steps;
-  x.trial = trial;
 }
 
 }  // namespace dyn

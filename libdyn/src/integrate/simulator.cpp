@@ -23,10 +23,9 @@ std::string number(double x) {
 [[noreturn]] void refuse(const std::string& why) { throw Error(ErrorCode::argument, "Simulator: " + why); }
 
 const SimulatorOptions& checked(const CompactModel& model, const SimulatorOptions& options) {
-  const IntegratorInfo& info = infoOf(options.integrator);
   if (!(options.restitution >= 0 && options.restitution <= 1)) refuse("restitution is " + number(options.restitution) + "; it is between 0 and 1");
   if (!(options.dt > 0) || !std::isfinite(options.dt)) refuse("dt is " + number(options.dt) + "; a step of time must be positive");
-  if (info.adaptive && !(options.tolerance > 0)) refuse("the tolerance is " + number(options.tolerance) + "; it must be positive");
+  if (!(options.tolerance > 0)) refuse("the tolerance is " + number(options.tolerance) + "; it must be positive");
   if (options.integrator == Integrator::variational && !model.impl().couplings.empty())
     refuse("the integrator 'variational' takes no joints that follow others; load them as independent ones, or use implicit_midpoint");
   return options;
@@ -132,9 +131,9 @@ double Simulator::Impl::adaptiveStep(double most) {
   bool rejected = false, taken = true, finite = true;
   std::string why;
   for (;;) {
-    const bool cut = trial >= most;
+    const bool cut = trial + slack * options.dt >= most;
     const double h = cut ? most : trial;
-    if (h < 0x1p-40 * options.dt || now.time + h == now.time)
+    if (!cut && (h < 0x1p-40 * options.dt || now.time + h == now.time))
       throw Error(ErrorCode::simulation, "at t = " + number(now.time) + " s steps have collapsed to " + number(h) + " s: " +
                                              (!taken    ? why
                                               : !finite ? "what they lead to is not finite"
@@ -251,17 +250,19 @@ void Simulator::resetTo(VectorView q, VectorView v, double time) {
   x.q = VectorResult(q.data, q.size);
   x.v = VectorResult(v.data, v.size);
   impl_->checkFinite(x, 0);
-  checkConfiguration("q", m.impl(), q.data);
-  impl_->now = std::move(x);
-  impl_->startAt(time);
+  impl_->start(std::move(x));
 }
 
-void Simulator::Impl::startAt(double time) {
-  anchor = time;
+void Simulator::Impl::start(Moment from) {
+  checkConfiguration("q", law.model().impl(), from.q.data());
+  std::vector<int> sides(events.size());
+  readEvents(from, sides);
+  now = std::move(from);
+  signs = std::move(sides);
+  anchor = now.time;
   steps = 0;
   trial = options.dt;
   law.statistics = {};
-  readEvents();
 }
 
 void Simulator::step() {
@@ -272,7 +273,7 @@ void Simulator::step() {
     x.stepTowards(x.anchor + static_cast<double>(x.steps + 1) * x.options.dt);
   }
   x.commit();
-  x.readEvents();
+  x.readEvents(x.now, x.signs);
 }
 
 }  // namespace dyn

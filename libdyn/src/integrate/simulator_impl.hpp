@@ -38,7 +38,8 @@ struct Simulator::Impl {
   Impl(const CompactModel& model, const ConstraintSet* constraints, const SimulatorOptions& options);
   Unilateral& contacts();
 
-  void startAt(double time);
+  /// From this state, with statistics at zero. Throws Error(argument | simulation) and leaves everything as it was.
+  void start(Moment from);
   /// From `now` to `next` by at most until - now.time; returns by how much. Throws and leaves `now` as it was.
   double stepTowards(double until);
   /// `next` becomes `now`.
@@ -69,7 +70,8 @@ struct Simulator::Impl {
   void retake(double h);
 
   void show(double t, const double* q, const double* v, const Observer& observer) const;
-  void readEvents();
+  /// On which side of zero each event's function is.
+  void readEvents(const Moment& at, std::vector<int>& sides) const;
   /// Whether event k has come between the sign that it had at `now` and this one.
   bool happened(std::size_t k, int sign) const;
   int signOf(const Event& event, double t, const double* q, const double* v) const;

@@ -28,15 +28,14 @@ bool same(const ContactPoint& a, const ContactPoint& b) {
 
 Unilateral::Unilateral(const CompactModel& model, const ConstraintSet* base)
     : model_(model),
+      base_(base ? *base : ConstraintSet(model, {})),
       data_(model, Need::derivatives),
       velocity_(model.nv()),
       displacement_(model.nv()),
       middle_v_(model.nv()),
       tau_(model.nv()),
       zero_(Eigen::VectorXd::Zero(model.nv())),
-      end_q_(model.nq()) {
-  for (int k = 0; base && k < base->count(); ++k) base_.push_back(base->description(k));
-}
+      end_q_(model.nq()) {}
 
 void Unilateral::watchLimits() {
   const ModelLimits& limits = model_.limits();
@@ -95,26 +94,26 @@ void Unilateral::bind() {
     std::rotate(bound_.begin(), found, found + 1);
     return;
   }
-  std::vector<ConstraintDescription> all = base_;
+  std::vector<ConstraintDescription> more;
   std::vector<FrictionCone> cones;
   std::vector<long> keys;
   std::vector<ContactPoint> points;
   for (const std::size_t gap : chosen_) {
     const ContactPoint* p = pointOf(gap);
     FrictionCone cone;
-    cone.constraint = static_cast<int>(all.size());
+    cone.constraint = base_.count() + static_cast<int>(more.size());
     cone.friction = p ? p->friction : 0;
     cone.downwards = !p && limits_[gap].upper;
     cones.push_back(cone);
     keys.push_back(gaps_[gap].key);
     points.push_back(p ? *p : ContactPoint{});
-    all.push_back(describe(gap));
+    more.push_back(describe(gap));
   }
   std::vector<FrictionCone> smooth = cones;
   for (FrictionCone& cone : smooth) cone.friction = 0;
   if (bound_.size() >= most_bound) bound_.pop_back();
   bound_.insert(bound_.begin(),
-                Bound{std::move(keys), std::move(points), ConstraintData(ConstraintSet(model_, all)), std::move(cones), std::move(smooth)});
+                Bound{std::move(keys), std::move(points), ConstraintData(ConstraintSet(base_, more)), std::move(cones), std::move(smooth)});
 }
 
 void Unilateral::centreForces(const double* q, const double* v, double dt) {

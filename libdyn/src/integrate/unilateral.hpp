@@ -75,7 +75,7 @@ class Unilateral {
   const ContactPoint* pointOf(std::size_t gap) const;
 
   CompactModel model_;
-  std::vector<ConstraintDescription> base_;
+  ConstraintSet base_;
   std::vector<Limit> limits_;
   ContactFinder finder_;
   std::vector<ContactPoint> points_;

@@ -22,6 +22,8 @@ class DYN_API ConstraintSet {
   /// These; `registry` is for couplings only. Throws Error(model | argument | joint_type | parameter), naming the constraint: a frame or joint
   /// that is not there, a name used twice, frames of one body, a joint without freedom.
   ConstraintSet(const CompactModel& model, const std::vector<ConstraintDescription>& constraints, const JointRegistry* registry = nullptr);
+  /// Those of `base`, whose couplings are as they were looked up, and these after them. Throws as the constructor before.
+  ConstraintSet(const ConstraintSet& base, const std::vector<ConstraintDescription>& more, const JointRegistry* registry = nullptr);
 
   const CompactModel& model() const { return model_; }
   /// Of the constraints together: entries of lambda.

@@ -24,7 +24,7 @@ struct GeometryContactOptions {
 
 /// Contacts of all pairs of `geometry`: where two solids face each other the corners of what they share, of faces, sides and rims, not their
 /// nearest points alone. Of meshes and voxels no more than eight a pair. Throws Error(argument) for a margin or friction that is negative
-/// or not finite, and for names that no pair has.
+/// or not finite, and for names that no pair has. For one thread: copies share their scratch.
 DYN_API ContactFinder geometryContacts(const CompactModel& model, const GeometryModel& geometry, const GeometryContactOptions& options = {});
 
 }  // namespace dyn

@@ -21,11 +21,12 @@ struct ContactPoint {
   double friction = 0;  ///< coefficient
 };
 
-/// Appends the points that are near enough to matter. Called several times a step; a function of q alone.
+/// Appends the points that are near enough to matter. Called several times a step; a function of q alone. The library's own keep scratch, which
+/// copies of one share: a finder of its own for each thread.
 using ContactFinder = std::function<void(VectorResult q, std::vector<ContactPoint>& found)>;
 
-/// Origins of these frames above the plane normal . x = height of the world [m]. Throws Error(argument) for a frame that is not there or a normal
-/// without direction.
+/// Origins of these frames above the plane normal . x = height of the world [m]. Throws Error(argument) for a frame that is not there, a
+/// normal without direction, a height that is not finite, a friction that is negative or not finite.
 DYN_API ContactFinder pointsOnPlane(const CompactModel& model, const std::vector<std::string>& frames, const Vec3<double>& normal = {0, 0, 1},
                                     double height = 0, double friction = 0);
 

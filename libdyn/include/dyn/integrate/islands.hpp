@@ -37,8 +37,10 @@ class DYN_API IslandSimulator {
   /// What happens to it, an impulse, a new controller, makes it move again from now on.
   void wake(int k);
 
+  /// That all islands have come to.
   double time() const;
-  /// All islands to this time, each as Simulator::advance; those that may fall asleep are looked at every tenth of `sleep.time`.
+  /// All islands to this time, one after the other, each as Simulator::advance; their events do not end it. Those that may fall asleep are looked
+  /// at every tenth of `sleep.time`. Throws as Simulator::advance: time() is then what all have come to, and those that are past it wait there.
   void advance(double until);
 
   /// What was left out, how many islands there are.

@@ -114,9 +114,10 @@ class DYN_API Simulator {
     return advanceTo(until, times.data(), times.size(), observer);
   }
 
-  /// Time, state and step as text, without loss: resumed, the simulation goes on to the same bytes. Options and callbacks are not in it.
+  /// Time, state and step as text, without loss: resumed with the same options, the simulation goes on to the same bytes. Callbacks are not in it.
   std::string save() const;
-  /// Throws Error(syntax | size) and leaves the simulator as it was.
+  /// What the same integrator has saved, of any dt: whole steps of another one count from the saved time. Throws Error(syntax | size | argument),
+  /// and Error(simulation) if an event's function throws; the simulator is then as it was.
   void resume(const std::string& saved);
 
   struct Impl;
