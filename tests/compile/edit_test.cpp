@@ -124,6 +124,17 @@ TEST_CASE("followers of a held joint are held where it puts them", "[edit]") {
   checkSame(whole, held, q);
 }
 
+TEST_CASE("a follower that is named itself is held where it is said, whichever comes first", "[edit]") {
+  Model model = arm(3);
+  model.bodies[4].joint.coupling = {"mimic", "j0", {{"coefficients", std::vector<double>{0.1, 2}}}};
+  const CompactModel whole = compile(arm(3), registry());
+  Eigen::VectorXd q = Eigen::VectorXd::Zero(3);
+  q[0] = 0.5;
+  q[2] = -0.25;
+  checkSame(whole, compile(reduce(model, registry(), {{"j0", {0.5}}, {"j3", {-0.25}}}), registry()), q);
+  checkSame(whole, compile(reduce(model, registry(), {{"j3", {-0.25}}, {"j0", {0.5}}}), registry()), q);
+}
+
 TEST_CASE("joints of every kind can be held anywhere", "[edit]") {
   const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 6)));
   const Model model = randomTree(registry(), 12, seed);
@@ -140,6 +151,7 @@ TEST_CASE("what cannot be held is refused by name, and the model is untouched", 
   const Model model = arm(4);
   CHECK_THROWS_WITH(reduce(model, registry(), {{"nobody", {}}}), containing("'nobody'"));
   CHECK_THROWS_WITH(reduce(model, registry(), {{"j2", {1, 2}}}), containing("'j2'") && containing("1 coordinates"));
+  CHECK_THROWS_WITH(reduce(model, registry(), {{"j2", {0.5}}, {"j2", {0.5}}}), containing("'j2'") && containing("twice"));
   CHECK_THROWS_WITH(keepOnly(model, registry(), {"nobody"}), containing("'nobody'"));
   CHECK(compile(model, registry()).nv() == 3);
 }

@@ -29,13 +29,13 @@ SE3<double> poseOf(const DraftBody& body, const double* q) {
   return body.instance.before * poseFromComponents(body.instance.shape, pose) * body.instance.after;
 }
 
-/// Makes joints rigid, and with them those that follow them.
+/// Makes joints rigid, and with them those that follow them, but for those that are named to be held themselves.
 class Holder {
  public:
-  Holder(const Model& model, const JointRegistry& registry) : model_(model), registry_(registry) {
+  Holder(const Model& model, const JointRegistry& registry, const std::unordered_set<std::string>& named) : model_(model), registry_(registry) {
     for (std::size_t i = 1; i < model.bodies.size(); ++i) {
       const JointDescription& joint = model.bodies[i].joint;
-      if (!joint.coupling.type.empty()) followers_[joint.coupling.master].push_back(static_cast<int>(i));
+      if (!joint.coupling.type.empty() && !named.count(joint.name)) followers_[joint.coupling.master].push_back(static_cast<int>(i));
     }
   }
 
@@ -57,12 +57,12 @@ class Holder {
     }
     const std::vector<SE3<double>> poses = heldPoses(resolve(alone, registry_), held.size(), q);
     for (std::size_t k = 0; k < held.size(); ++k) {
-      JointDescription& joint = out.bodies[at(held[k])].joint;
+      const JointDescription& joint = model_.bodies[at(held[k])].joint;
       JointDescription rigid;
       rigid.name = joint.name;
       rigid.where = joint.where;
       rigid.placement = joint.placement * poses[k];
-      joint = std::move(rigid);
+      out.bodies[at(held[k])].joint = std::move(rigid);
     }
   }
 
@@ -130,7 +130,10 @@ Model reduce(const Model& model, const JointRegistry& registry, const std::vecto
   Model out = model;
   std::unordered_map<std::string, int> by_name;
   for (std::size_t i = 1; i < model.bodies.size(); ++i) by_name[model.bodies[i].joint.name] = static_cast<int>(i);
-  const Holder holder(model, registry);
+  std::unordered_set<std::string> named;
+  for (const LockedJoint& l : lock)
+    if (!named.insert(l.joint).second) throw Error(ErrorCode::model, "is to be held twice; name it once", {"", 0, l.joint});
+  const Holder holder(model, registry, named);
   for (const LockedJoint& l : lock) {
     const auto found = by_name.find(l.joint);
     if (found == by_name.end()) throw Error(ErrorCode::model, "is to be held, but the model has no such joint", {"", 0, l.joint});
@@ -158,7 +161,7 @@ Model keepOnly(const Model& model, const JointRegistry& registry, const std::vec
   // Followers of a kept joint that are not kept themselves stand still at their neutral.
   Model uncoupled = model;
   for (BodyDescription& body : uncoupled.bodies) {
-    if (kept.count(body.joint.name) || !kept.count(body.joint.coupling.master)) continue;
+    if (kept.count(body.joint.name) || body.joint.coupling.type.empty() || !kept.count(body.joint.coupling.master)) continue;
     body.joint.coupling = {};
     lock.push_back({body.joint.name, {}});
   }
