@@ -96,6 +96,43 @@ TEST_CASE("without dynamics only what carries an output stays, and it stands whe
   for (int k = 0; k < 3; ++k) CHECK(std::abs(a.p[k] - b.p[k]) < 1e-13);
 }
 
+TEST_CASE("a link and a joint of one name are told apart", "[scene]") {
+  // The joint "finger" carries "tip", and "thumb", on another tree, follows it; the link "finger" hangs on neither.
+  const auto slider = [](const std::string& name) {
+    JointDescription joint;
+    joint.name = name;
+    joint.type = "prismatic";
+    joint.parameters["axis"] = std::vector<double>{1, 0, 0};
+    return joint;
+  };
+  const Inertia<double> Y{1, {}, {1, 0, 0, 1, 0, 1}};
+  Model model;
+  model.addBody("finger", 0, slider("base"), Y);
+  model.addBody("tip", 0, slider("finger"), Y);
+  model.addBody("thumb", 0, slider("thumb"), Y);
+  model.bodies[3].joint.coupling = {"mimic", "finger", {{"coefficients", std::vector<double>{0, 1}}}};
+  CHECK(islandsOf(model) == std::vector<std::string>{"finger", "tip"});
+  const auto joints = [&](const std::string& output, bool dynamics) {
+    CompileOptions options;
+    options.scene = {{output}, {}, dynamics};
+    std::vector<std::string> names;
+    const CompactModel part = compile(model, registry(), options);
+    for (const JointRecord& joint : part.joints())
+      if (joint.name != "universe") names.push_back(joint.name);
+    return names;
+  };
+  for (const bool dynamics : {true, false}) {
+    CHECK(joints("thumb", dynamics) == std::vector<std::string>{"finger", "thumb"});
+    CHECK(joints("finger", dynamics) == std::vector<std::string>{"base"});
+  }
+  model.bodies[3].joint.coupling = {};
+  model.constraints = {coupleJoint("thumb", {"mimic", "finger", {{"coefficients", std::vector<double>{0, 1}}}}), lockJoint("finger")};
+  CHECK(joints("thumb", true) == std::vector<std::string>{"finger", "thumb"});
+  CompileOptions options;
+  options.scene.outputs = {"base"};
+  CHECK(reports(compile(model, registry(), options), "2 of 2 constraints"));
+}
+
 TEST_CASE("a scene that speaks of what is not there is refused", "[scene]") {
   CompileOptions options;
   options.scene.outputs = {"elbow"};

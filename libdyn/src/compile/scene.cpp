@@ -9,29 +9,35 @@ namespace dyn {
 
 namespace {
 
-/// Bodies by every name that a scene may use.
+/// Bodies by every name that a scene may use. A joint may be called as a body or frame is, which need not be the one that it carries.
 class Names {
  public:
   explicit Names(const Model& model) {
     for (std::size_t i = 0; i < model.bodies.size(); ++i) {
-      body_.emplace(model.bodies[i].name, static_cast<int>(i));
-      if (i > 0) body_.emplace(model.bodies[i].joint.name, static_cast<int>(i));
+      place_.emplace(model.bodies[i].name, static_cast<int>(i));
+      if (i > 0) joint_.emplace(model.bodies[i].joint.name, static_cast<int>(i));
     }
-    for (const FrameDescription& frame : model.frames) body_.emplace(frame.name, frame.body);
+    for (const FrameDescription& frame : model.frames) place_.emplace(frame.name, frame.body);
   }
+  /// Of a body, a frame or, where no such has that name, a joint.
   int bodyOf(const std::string& name) const {
-    const auto found = body_.find(name);
-    if (found == body_.end()) throw Error(ErrorCode::model, "the scene speaks of '" + name + "', and there is no such joint, body or frame");
-    return found->second;
+    const int body = place(name) < 0 ? joint(name) : place(name);
+    if (body < 0) throw Error(ErrorCode::model, "the scene speaks of '" + name + "', and there is no such joint, body or frame");
+    return body;
   }
-  /// -1 for a name that is not there: compile() will say so.
-  int find(const std::string& name) const {
-    const auto found = body_.find(name);
-    return found == body_.end() ? -1 : found->second;
-  }
+  /// Of a body or frame; -1 for a name that is not there: compile() will say so.
+  int place(const std::string& name) const { return find(place_, name); }
+  /// That the joint carries; -1 likewise.
+  int joint(const std::string& name) const { return find(joint_, name); }
 
  private:
-  std::unordered_map<std::string, int> body_;
+  using Bodies = std::unordered_map<std::string, int>;
+  static int find(const Bodies& bodies, const std::string& name) {
+    const auto found = bodies.find(name);
+    return found == bodies.end() ? -1 : found->second;
+  }
+
+  Bodies place_, joint_;
 };
 
 /// Bodies that move each other, by union and find. The universe belongs to none.
@@ -58,25 +64,23 @@ Islands tied(const Model& model, const Names& names, const std::vector<std::stri
   Islands islands(model.bodies.size());
   for (std::size_t i = 1; i < model.bodies.size(); ++i) {
     islands.tie(static_cast<int>(i), model.bodies[i].parent);
-    if (!model.bodies[i].joint.coupling.type.empty()) islands.tie(static_cast<int>(i), names.find(model.bodies[i].joint.coupling.master));
+    if (!model.bodies[i].joint.coupling.type.empty()) islands.tie(static_cast<int>(i), names.joint(model.bodies[i].joint.coupling.master));
   }
   for (const ConstraintDescription& constraint : model.constraints) {
-    if (const auto* frames = std::get_if<FrameConstraint>(&constraint.relation)) islands.tie(names.find(frames->frame), names.find(frames->other));
+    if (const auto* frames = std::get_if<FrameConstraint>(&constraint.relation)) islands.tie(names.place(frames->frame), names.place(frames->other));
     if (const auto* coupling = std::get_if<JointCoupling>(&constraint.relation))
-      islands.tie(names.find(coupling->joint), names.find(coupling->coupling.master));
+      islands.tie(names.joint(coupling->joint), names.joint(coupling->coupling.master));
   }
   for (std::size_t k = 1; k < touching.size(); ++k) islands.tie(names.bodyOf(touching[k - 1]), names.bodyOf(touching[k]));
   return islands;
 }
 
 bool speaksOf(const ConstraintDescription& constraint, const std::vector<bool>& kept, const Names& names) {
-  const auto stays = [&](const std::string& name) {
-    const int body = names.find(name);
-    return body <= 0 || kept[static_cast<std::size_t>(body)];
-  };
-  if (const auto* frames = std::get_if<FrameConstraint>(&constraint.relation)) return stays(frames->frame) && stays(frames->other);
-  if (const auto* coupling = std::get_if<JointCoupling>(&constraint.relation)) return stays(coupling->joint);
-  return stays(std::get<JointLock>(constraint.relation).joint);
+  const auto stays = [&](int body) { return body <= 0 || kept[static_cast<std::size_t>(body)]; };
+  if (const auto* frames = std::get_if<FrameConstraint>(&constraint.relation))
+    return stays(names.place(frames->frame)) && stays(names.place(frames->other));
+  if (const auto* coupling = std::get_if<JointCoupling>(&constraint.relation)) return stays(names.joint(coupling->joint));
+  return stays(names.joint(std::get<JointLock>(constraint.relation).joint));
 }
 
 }  // namespace
@@ -103,7 +107,7 @@ Model keepForScene(const Model& model, const Scene& scene, std::vector<std::stri
       if (kept[body]) continue;
       kept[body] = true;
       needed.push_back(model.bodies[body].parent);
-      if (!model.bodies[body].joint.coupling.type.empty()) needed.push_back(names.find(model.bodies[body].joint.coupling.master));
+      if (!model.bodies[body].joint.coupling.type.empty()) needed.push_back(names.joint(model.bodies[body].joint.coupling.master));
       needed.erase(std::remove(needed.begin(), needed.end(), -1), needed.end());
     }
   }
@@ -151,7 +155,7 @@ std::vector<std::string> islandsOf(const Model& model, const std::vector<std::st
   std::vector<bool> seen(model.bodies.size(), false);
   for (std::size_t i = 1; i < model.bodies.size(); ++i) {
     const auto island = static_cast<std::size_t>(islands.of(static_cast<int>(i)));
-    if (!seen[island]) out.push_back(model.bodies[i].joint.name);
+    if (!seen[island]) out.push_back(model.bodies[i].name);
     seen[island] = true;
   }
   return out;

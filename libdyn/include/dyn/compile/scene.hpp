@@ -9,7 +9,8 @@
 namespace dyn {
 
 struct Scene {
-  /// Joints, bodies or frames whose motion is wanted; empty: all of them, and nothing is left out.
+  /// Joints, bodies or frames whose motion is wanted; empty: all of them, and nothing is left out. A name that a body or frame and a joint
+  /// share is the body's or frame's.
   std::vector<std::string> outputs;
   /// Bodies or frames that may touch each other while the scene moves: where one is wanted all are needed.
   std::vector<std::string> touching;
@@ -18,11 +19,12 @@ struct Scene {
 };
 
 /// The model without what cannot influence the outputs: islands, trees that neither constraints, couplings nor contacts tie to one with an
-/// output; without dynamics all bodies that carry none; and frames that nothing speaks of. What stays moves as it would in the whole, to the last
-/// bit. `report` gets a line that says what was left out. Throws Error(model) for a name that is not there.
+/// output; without dynamics all bodies that carry none; and frames that nothing speaks of. What stays moves as it would in the whole, up to
+/// rounding: all joints together decide which of them share lanes, and so the order of sums. `report` gets a line that says what was left out.
+/// Throws Error(model) for a name that is not there.
 DYN_API Model keepForScene(const Model& model, const Scene& scene, std::vector<std::string>& report);
 
-/// The trees on the world that move independently of each other: for each the joint of its first body. Contacts between bodies of `touching` tie
+/// The trees on the world that move independently of each other: for each its first body. Contacts between bodies of `touching` tie
 /// trees together as constraints and couplings do.
 DYN_API std::vector<std::string> islandsOf(const Model& model, const std::vector<std::string>& touching = {});
 
