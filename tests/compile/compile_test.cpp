@@ -88,6 +88,36 @@ TEST_CASE("resolve: names are unique, parents come first, values are finite", "[
     model.bodies[1].joint.armature = {-1};
     refused("armature");
   }
+  SECTION("limits the wrong way round") {
+    model.bodies[1].joint.limits.lower = {2};
+    model.bodies[1].joint.limits.upper = {1};
+    refused("joint 'j': its lower limit is above its upper one");
+  }
+  SECTION("placements") {
+    SE3<double>& X = model.bodies[1].joint.placement;
+    SECTION("are finite") {
+      X.p.y = std::nan("");
+      refused("joint 'j': its placement has an entry that is not finite");
+    }
+    SECTION("turn") {
+      const double no = GENERATE(std::nan(""), -1.0, 0.0, 0x1p-10, 1000.0);
+      for (double& x : X.R.m) x *= no;
+      refused("joint 'j': its placement has a matrix that is no rotation");
+    }
+    SECTION("may have been written with two digits") {
+      X.R.m[0] = X.R.m[4] = X.R.m[3] = 0.71;
+      X.R.m[1] = -0.71;
+      CHECK_NOTHROW(compile(model, registry()));
+    }
+    SECTION("of frames, too") {
+      model.addFrame("f", 1, {Mat3<double>{}, {}});
+      refused("frame 'f': its placement has a matrix that is no rotation");
+    }
+  }
+  SECTION("gravity") {
+    model.gravity.x = std::nan("");
+    refused("gravity");
+  }
   SECTION("a rigid master") {
     model.bodies[1].joint = rigid("j");
     model.bodies[2].joint.coupling = {"mimic", "j", {{"coefficients", std::vector<double>{0, 1}}}};
@@ -104,6 +134,132 @@ TEST_CASE("resolve: a rigid joint that follows another is rigid, with a warning"
   const CompactModel compact = compile(model, registry());
   CHECK(compact.nv() == 1);
   CHECK(warns(compact, "'k'"));
+}
+
+TEST_CASE("resolve: joints made of joints have no coupling, and what their parts say is checked", "[compile]") {
+  Model model;
+  const Inertia<double> Y{1, {}, {1, 0, 0, 1, 0, 1}};
+  model.addBody("a", 0, revolute("ja"), Y);
+  JointDescription joint;
+  joint.name = "j";
+  joint.type = "composite";
+  std::vector<JointDescription> parts{revolute("first"), revolute("second")};
+  SECTION("a coupling") {
+    joint.coupling = {"mimic", "ja", {{"coefficients", std::vector<double>{0, 1}}}};
+    joint.parameters["parts"] = parts;
+    model.addBody("b", 1, joint, Y);
+    CHECK_THROWS_WITH(compile(model, registry()), containing("'j'") && containing("couple one of its parts"));
+  }
+  SECTION("the coupling of a part") {
+    parts[1].coupling = {"mimic", "ja", {{"coefficients", std::vector<double>{0, 1}}}};
+    joint.parameters["parts"] = parts;
+    model.addBody("b", 1, joint, Y);
+    CHECK(compile(model, registry()).nv() == 2);
+  }
+  SECTION("limits and losses, of parts of parts as well") {
+    const auto refused = [&](const char* text) {
+      JointDescription inner;
+      inner.name = "inner";
+      inner.type = "composite";
+      inner.parameters["parts"] = parts;
+      joint.parameters["parts"] = std::vector<JointDescription>{revolute("before"), inner};
+      model.addBody("b", 1, joint, Y);
+      CHECK_THROWS_WITH(compile(model, registry()), containing("'j/inner") && containing(text));
+    };
+    SECTION("of wrong size") {
+      parts[1].damping = {1, 2, 3};
+      refused("damping has 3 entries, the joint wants 1");
+    }
+    SECTION("the wrong way round") {
+      parts[0].limits.lower = {2};
+      parts[0].limits.upper = {1};
+      refused("lower limit is above");
+    }
+  }
+  SECTION("what a part says holds unless the joint says otherwise") {
+    parts[0].damping = {3};
+    parts[1].limits.upper = {0.5};
+    JointDescription inner;
+    inner.type = "composite";
+    inner.limits.lower = {-1, -2};
+    inner.parameters["parts"] = parts;
+    joint.parameters["parts"] = std::vector<JointDescription>{inner};
+    model.addBody("b", 1, joint, Y);
+    const CompactModel compact = compile(model, registry());
+    CHECK(compact.limits().lower == std::vector<double>{-HUGE_VAL, -1, -2});
+    CHECK(compact.limits().upper == std::vector<double>{HUGE_VAL, HUGE_VAL, 0.5});
+    Data data(compact);
+    const Eigen::VectorXd zero = Eigen::VectorXd::Zero(3), v = Eigen::Vector3d(0, 1, 0);
+    CHECK(rnea(compact, data, zero, v, zero)[1] == 3);
+  }
+}
+
+namespace {
+
+/// Slides along its first n axes: one type, one shape, one constant, and sizes that vary.
+class Rails final : public JointType {
+ public:
+  const JointTypeInfo& info() const noexcept override {
+    static constexpr ParameterSpec axes{"axes", ParameterKind::number, true, "1", "how many", "2"};
+    static constexpr JointTypeInfo description{"rails", "for tests", Structure::joint, closed_subspace | closed_bias, &axes, 1};
+    return description;
+  }
+  bool prepare(const ParameterArgument* a, JointInstance& out, char*, int) const noexcept override {
+    out.nq = out.nv = static_cast<int>(a[0].numbers[0]);
+    out.constant_count = 1;
+    return true;
+  }
+  void constants(const ParameterArgument* a, double* out) const noexcept override { *out = a[0].numbers[0]; }
+  void kinematics(const JointBatch<double>& b) const noexcept override { slide(b); }
+  void kinematics(const JointBatch<float>& b) const noexcept override { slide(b); }
+  void kinematics(const JointBatch<Dual<double>>& b) const noexcept override { slide(b); }
+  void kinematics(const JointBatch<Dual<Dual<double>>>& b) const noexcept override { slide(b); }
+  bool kinematics(const JointBatch<Traced>&) const noexcept override { return false; }
+  void neutral(const ConfigurationBatch<double>& b) const noexcept override {
+    for (int i = 0; i < b.count; ++i)
+      for (int k = 0; k < static_cast<int>(b.constants[i]); ++k) b.q_out[k * b.q_stride + i] = 0;
+  }
+  void integrate(const ConfigurationBatch<double>&) const noexcept override {}
+  void difference(const ConfigurationBatch<double>&) const noexcept override {}
+  void normalize(const ConfigurationBatch<double>&) const noexcept override {}
+
+ private:
+  template <class S>
+  static void slide(const JointBatch<S>& b) {
+    for (int i = 0; i < b.count * b.lanes; ++i) {
+      const int n = static_cast<int>(b.constants[i / b.lanes]);
+      for (int c = 0; c < 9; ++c) b.pose[c * b.stride + i] = S(c % 4 == 0);
+      for (int k = 0; k < 3; ++k) b.pose[(9 + k) * b.stride + i] = k < n ? b.q[k * b.q_stride + i] : S(0);
+      for (int c = 0; c < 6 * n; ++c) b.subspace[c * b.stride + i] = S(c % 7 == 0);
+      for (int c = 0; b.bias && c < 6; ++c) b.bias[c * b.stride + i] = S(0);
+    }
+  }
+};
+
+}  // namespace
+
+TEST_CASE("pack: joints of one type that differ in their sizes have a batch each", "[compile]") {
+  const Rails rails;
+  JointRegistry registry;
+  registry.add(rails);
+  Model model;
+  for (const int n : {1, 3, 2, 1}) {
+    JointDescription joint;
+    joint.name = "j" + std::to_string(model.bodies.size());
+    joint.type = "rails";
+    joint.parameters["axes"] = std::vector<double>{static_cast<double>(n)};
+    model.addBody("b" + std::to_string(model.bodies.size()), 0, joint, {1, {}, {1, 0, 0, 1, 0, 1}});
+  }
+  model.gravity = {};
+  const CompactModel compact = compile(model, registry);
+  CHECK(passOf(compact, "pack")->find("3 type batches") != std::string::npos);
+  Data data(compact);
+  const Eigen::VectorXd q = Eigen::VectorXd::LinSpaced(7, 1, 7), zero = Eigen::VectorXd::Zero(7);
+  CHECK(rnea(compact, data, q, zero, q) == q);
+  forwardKinematics(compact, data, q);
+  CHECK(jointPlacement(compact, data, 2).p.z == 4);
+  CHECK(jointPlacement(compact, data, 3).p.y == 6);
+  CHECK(jointPlacement(compact, data, 4).p.x == 7);
 }
 
 TEST_CASE("order: depth first, children as described, frames behind the bodies", "[compile]") {

@@ -1,7 +1,7 @@
 // Shared objects that are wrong in every way known: each is an Error that names the file, and the registry stays as it was.
 #include "support/folder.hpp"
 
-#include <dyn/joint/registry.hpp>
+#include <dyn/compile/compile.hpp>
 
 #include <unistd.h>
 
@@ -17,10 +17,12 @@ const fs::path bad_plugins = fs::path(DYN_BINARY_DIR) / "bad_plugins";
 
 /// A folder of shared objects.
 struct Folder : dyn::test::Folder {
-  fs::path copy(const std::string& file, fs::perms perms = fs::perms::owner_all) const {
-    fs::path to = path / file;
+  fs::path copy(const std::string& file) const { return copy(file, file); }
+  fs::path copy(const std::string& file, const fs::path& as) const {
+    fs::path to = path / as;
+    fs::create_directories(to.parent_path());
     fs::copy_file(bad_plugins / file, to);
-    fs::permissions(to, perms);
+    fs::permissions(to, fs::perms::owner_all);
     return to;
   }
 };
@@ -134,6 +136,60 @@ TEST_CASE("links are followed, and it is the file behind them that is judged") {
   const fs::path dangling = elsewhere.path / "dangling.so";
   fs::create_symlink(folder.path / "gone.so", dangling);
   requireRefused(dangling.string(), {"cannot find"});
+}
+
+TEST_CASE("a link that others can replace is refused, wherever on the way it lies", "[trust]") {
+  const Folder folder, open;
+  const fs::path file = folder.copy("sound.so"), link = open.path / "link.so", other = folder.path / "other.so", way = open.path / "way";
+  fs::create_symlink(file, link);
+  fs::create_symlink(link, other);
+  fs::create_symlink(folder.path, way);
+  const auto files = {link, other, way / "sound.so"};
+  for (const fs::path& path : files) CHECK_NOTHROW(dyn::JointRegistry().load(path.string()));
+  fs::permissions(open.path, fs::perms::all);
+  for (const fs::path& path : files) {
+    requireRefused(path.string(), {"'" + open.path.string() + "'", "can be written by"}, dyn::Trust::owner_only);
+    CHECK_NOTHROW(dyn::JointRegistry().load(path.string(), dyn::Trust::any));
+  }
+  for (const fs::path& path : {open.path, way}) {
+    dyn::JointRegistry registry;
+    registry.loadDirectory(path.string());
+    CHECK(registry.jointTypes().empty());
+    CHECK(registry.plugins().at(0).problem.find("can be written by") != std::string::npos);
+  }
+}
+
+TEST_CASE("files and folders of another user are refused", "[trust]") {
+  if (geteuid() != 0) {
+    WARN("skipped: only root can give files away");
+    return;
+  }
+  const Folder folder, elsewhere;
+  const fs::path file = folder.copy("sound.so"), link = elsewhere.path / "link.so";
+  fs::create_symlink(file, link);
+  for (const fs::path& given : {file, folder.path, elsewhere.path}) {
+    REQUIRE(chown(given.c_str(), 12345, 12345) == 0);
+    requireRefused(link.string(), {"'" + given.string() + "'", "another user", "12345"}, dyn::Trust::owner_only);
+    REQUIRE(chown(given.c_str(), 0, 0) == 0);
+  }
+  CHECK_NOTHROW(dyn::JointRegistry().load(link.string()));
+}
+
+TEST_CASE("a build for a processor that is not of the plugin beside it is refused", "[processor]") {
+  const auto lay = [&](const Folder& folder, const std::string& build) {
+    for (const fs::path set : {"avx512", "avx2", "baseline", "scalar"}) folder.copy(build, set / "sound.so");
+    return folder.copy("sound.so").string();
+  };
+  const Folder one, another;
+  requireRefused(lay(one, "stale_description.so"), {"sound_slider", "differently", "rebuild"});
+  dyn::JointRegistry registry;
+  registry.load(lay(another, "stale_sizes.so"));
+  dyn::JointDescription joint;
+  joint.name = "j";
+  joint.type = "sound_slider";
+  dyn::Model model;
+  model.addBody("b", 0, joint);
+  CHECK_THROWS_WITH(dyn::compile(model, registry), dyn::test::containing("'j'") && dyn::test::containing("rebuild the plugin"));
 }
 
 TEST_CASE("folders: empty ones, missing ones, and bad files among good ones") {

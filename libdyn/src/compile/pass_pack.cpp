@@ -119,19 +119,20 @@ class Packer {
   }
 
   void batches() {
-    std::map<std::tuple<const JointType*, Shape, int>, int> known;
+    std::map<std::tuple<const JointType*, Shape, int, int, int>, int> known;
     for (std::size_t i = 1; i < draft_.bodies.size(); ++i) {
       const DraftBody& b = draft_.bodies[i];
+      const JointInstance& made = b.instance;
       const auto [found, is_new] =
-          known.emplace(std::tuple(b.type, b.instance.shape, b.instance.constant_count), static_cast<int>(out_->batches.size()));
+          known.emplace(std::tuple(b.type, made.shape, made.nq, made.nv, made.constant_count), static_cast<int>(out_->batches.size()));
       if (is_new) {
         TypeBatch batch;
         batch.type = b.type;
         batch.fast = b.fast;
-        batch.shape = b.instance.shape;
-        batch.nq = b.instance.nq;
-        batch.nv = b.instance.nv;
-        batch.constant_count = b.instance.constant_count;
+        batch.shape = made.shape;
+        batch.nq = made.nq;
+        batch.nv = made.nv;
+        batch.constant_count = made.constant_count;
         out_->batches.push_back(std::move(batch));
       }
       TypeBatch& batch = out_->batches[at(found->second)];

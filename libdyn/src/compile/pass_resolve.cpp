@@ -1,6 +1,8 @@
 #include "compile/parameters.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <tuple>
 #include <unordered_map>
 
@@ -14,6 +16,16 @@ Where whereOf(const JointDescription& joint, const std::string& name) {
   Where where = joint.where;
   where.joint = name;
   return where;
+}
+
+/// A rotation may be off by what numbers written with two digits are off; a reflection, a scale, or a matrix never filled in are none.
+void checkPlacement(const SE3<double>& X, const std::string& what, const Where& where) {
+  for (const double x : {X.p.x, X.p.y, X.p.z})
+    if (!std::isfinite(x)) throw Error(ErrorCode::model, what + " has an entry that is not finite", where);
+  const Vec3<double> x = X.R.col(0), y = X.R.col(1), z = X.R.col(2);
+  const double off[] = {dot(x, x) - 1, dot(y, y) - 1, dot(z, z) - 1, dot(x, y), dot(x, z), dot(y, z)};
+  const bool orthonormal = std::all_of(std::begin(off), std::end(off), [](double e) { return std::fabs(e) < 0.02; });
+  if (!orthonormal || !(dot(cross(x, y), z) > 0)) throw Error(ErrorCode::model, what + " has a matrix that is no rotation", where);
 }
 
 void checkInertia(const BodyDescription& body) {
@@ -31,6 +43,8 @@ class Resolver {
   Draft run() {
     draft_.name = model_.name;
     draft_.gravity = model_.gravity;
+    for (const double g : {model_.gravity.x, model_.gravity.y, model_.gravity.z})
+      if (!std::isfinite(g)) throw Error(ErrorCode::model, "gravity has an entry that is not finite");
     draft_.bodies.resize(1);
     draft_.bodies[0].name = "universe";
     draft_.bodies[0].joint.name = "universe";
@@ -41,6 +55,7 @@ class Resolver {
     for (const FrameDescription& frame : model_.frames) {
       if (frame.body < 0 || frame.body >= static_cast<int>(model_.bodies.size()))
         throw Error(ErrorCode::model, "frame '" + frame.name + "' is fixed to body " + std::to_string(frame.body) + ", which does not exist");
+      checkPlacement(frame.placement, "frame '" + frame.name + "': its placement", {});
       draft_.frames.push_back({frame.name, last_body_[at(frame.body)], cast<long double>(frame.placement)});
     }
     resolveCouplings();
@@ -69,7 +84,10 @@ class Resolver {
     checkInertia(body);
     const std::size_t first = draft_.bodies.size();
     addJoint(body.joint, body.joint.name, last_body_[at(body.parent)], body.joint.placement, index, 0);
-    layOut(body.joint, first);
+    for (std::size_t i = first; i < draft_.bodies.size(); ++i) {
+      draft_.bodies[i].user_name = body.joint.name;
+      draft_.bodies[i].user_type = body.joint.type;
+    }
     DraftBody& last = draft_.bodies.back();
     last.name = body.name;
     last.inertia = cast<long double>(body.inertia);
@@ -79,14 +97,26 @@ class Resolver {
 
   void addJoint(const JointDescription& joint, const std::string& name, int parent, const SE3<double>& placement, int user, int depth) {
     const Where where = whereOf(joint, name);
+    checkPlacement(joint.placement, "its placement", where);
+    const std::size_t first = draft_.bodies.size();
     const JointType& type = registry_.jointType(joint.type, where);
     const CheckedParameters checked = checkParameters(joint.parameters, type.info(), where);
     if (type.info().structure == Structure::series) {
       if (depth > 8) throw Error(ErrorCode::model, "joints made of joints are nested deeper than 8", where);
+      if (!joint.coupling.type.empty())
+        throw Error(ErrorCode::model,
+                    "follows '" + joint.coupling.master + "', but is made of joints and has no one coordinate; couple one of its parts", where);
       ++expanded_;
       expandSeries(joint, name, parent, placement, user, depth);
-      return;
+    } else {
+      addSingle(joint, name, type, checked, parent, placement, user);
     }
+    layOut(joint, first, where);
+  }
+
+  void addSingle(const JointDescription& joint, const std::string& name, const JointType& type, const CheckedParameters& checked, int parent,
+                 const SE3<double>& placement, int user) {
+    const Where where = whereOf(joint, name);
     DraftBody body;
     body.joint = joint;
     body.joint.name = name;
@@ -100,6 +130,12 @@ class Resolver {
     char message[256] = "";
     if (!type.prepare(arguments.data(), body.instance, message, sizeof message))
       throw Error(ErrorCode::parameter, "type '" + joint.type + "': " + message, where);
+    JointInstance fast;
+    if (!body.fast->prepare(arguments.data(), fast, message, sizeof message) || fast.shape != body.instance.shape || fast.nq != body.instance.nq ||
+        fast.nv != body.instance.nv || fast.constant_count != body.instance.constant_count)
+      throw Error(ErrorCode::plugin,
+                  "type '" + joint.type + "': the plugin's build for this processor makes another joint of these parameters; rebuild the plugin",
+                  where);
     body.constants.resize(static_cast<std::size_t>(body.instance.constant_count));
     type.constants(arguments.data(), body.constants.data());
     draft_.bodies.push_back(std::move(body));
@@ -117,13 +153,11 @@ class Resolver {
     }
   }
 
-  /// Limits and losses of a described joint are shared out over the bodies that it became, from `first` on.
-  void layOut(const JointDescription& joint, std::size_t first) {
+  /// Limits and losses of a joint are shared out over the bodies that it became, from `first` on; where it is silent its parts' own stay.
+  void layOut(const JointDescription& joint, std::size_t first, const Where& where) {
     std::size_t nq = 0, nv = 0;
     for (std::size_t i = first; i < draft_.bodies.size(); ++i) {
       DraftBody& made = draft_.bodies[i];
-      made.user_name = joint.name;
-      made.user_type = joint.type;
       slice(joint.limits.lower, nq, made.instance.nq, made.joint.limits.lower);
       slice(joint.limits.upper, nq, made.instance.nq, made.joint.limits.upper);
       slice(joint.limits.velocity, nv, made.instance.nv, made.joint.limits.velocity);
@@ -134,7 +168,6 @@ class Resolver {
       nq += static_cast<std::size_t>(made.instance.nq);
       nv += static_cast<std::size_t>(made.instance.nv);
     }
-    const Where where = whereOf(joint, joint.name);
     const auto wants = [&](const char* name, const std::vector<double>& values, std::size_t size, bool signs) {
       if (!values.empty() && values.size() != size)
         throw Error(ErrorCode::size,
@@ -151,6 +184,13 @@ class Resolver {
     wants("damping", joint.damping, nv, true);
     wants("friction", joint.friction, nv, true);
     wants("armature", joint.armature, nv, false);
+    for (std::size_t i = first; i < draft_.bodies.size(); ++i) {
+      const JointLimits& limits = draft_.bodies[i].joint.limits;
+      for (std::size_t k = 0; k < std::min(limits.lower.size(), limits.upper.size()); ++k)
+        if (limits.lower[k] > limits.upper[k])
+          throw Error(ErrorCode::model, "its lower limit is above its upper one, at coordinate " + std::to_string(k),
+                      whereOf(draft_.bodies[i].joint, draft_.bodies[i].joint.name));
+    }
   }
 
   static void slice(const std::vector<double>& all, std::size_t first, int count, std::vector<double>& part) {

@@ -7,6 +7,10 @@
 #include <boost/dll/runtime_symbol_info.hpp>
 #include <boost/dll/shared_library.hpp>
 
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
 #include <cstring>
 #include <deque>
 #include <filesystem>
@@ -20,12 +24,32 @@ namespace fs = std::filesystem;
 
 [[noreturn]] void refuse(const std::string& path, const std::string& why) { throw Error(ErrorCode::plugin, why, {path, 0, ""}); }
 
-void checkPermissions(const fs::path& file, const std::string& path) {
-  for (const fs::path& p : {file, file.parent_path()}) {
+/// Refuses a file or folder that anyone but this process's user and root could have made or can replace.
+void requireOwned(const fs::path& p, const std::string& path) {
+  struct stat s {};
+  const auto untrusted = [&](const std::string& why, const char* cure) {
+    refuse(path, "refused: '" + p.string() + "' " + why + "; " + cure + ", or load it with Trust::any");
+  };
+  if (stat(p.c_str(), &s) != 0) untrusted(std::string("cannot be looked at: ") + std::strerror(errno), "make it readable");
+  if ((s.st_mode & (S_IWGRP | S_IWOTH)) != 0) untrusted("can be written by its group or by everyone", "run chmod go-w on it");
+  if (s.st_uid != geteuid() && s.st_uid != 0) untrusted("belongs to another user, number " + std::to_string(s.st_uid), "copy it");
+}
+
+/// The folder of each link on the way must be owned, too: who writes one says what is loaded.
+void checkLinks(const fs::path& way, const std::string& path) {
+  fs::path walked;
+  for (auto part = way.begin(); part != way.end(); ++part) {
     std::error_code error;
-    const fs::perms perms = fs::status(p, error).permissions();
-    if (!error && (perms & (fs::perms::group_write | fs::perms::others_write)) != fs::perms::none)
-      refuse(path, "refused: '" + p.string() + "' can be written by its group or by everyone; run chmod go-w on it, or load it with Trust::any");
+    const fs::path next = walked / *part, target = fs::read_symlink(next, error);
+    if (error == std::errc::invalid_argument) {  // no link
+      walked = next;
+      continue;
+    }
+    if (error) refuse(path, "refused: '" + next.string() + "' cannot be looked at: " + error.message());
+    requireOwned(walked, path);
+    fs::path rest = walked / target;
+    while (++part != way.end()) rest /= *part;
+    return checkLinks(rest, path);
   }
 }
 
@@ -62,7 +86,11 @@ const dyn_plugin_descriptor& openPlugin(const std::string& path, Trust trust) {
   const fs::path file = fs::canonical(path, error);
   if (error) refuse(path, "cannot find the plugin: " + error.message());
   if (!fs::is_regular_file(file)) refuse(path, "is not a file");
-  if (trust == Trust::owner_only) checkPermissions(file, path);
+  if (trust == Trust::owner_only) {
+    checkLinks(fs::absolute(path), path);
+    requireOwned(file.parent_path(), path);
+    requireOwned(file, path);
+  }
 
   boost::dll::shared_library opened;
   std::string reason = trialLoad(file.string());

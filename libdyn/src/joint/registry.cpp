@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <map>
 #include <sstream>
+#include <string_view>
 
 namespace dyn {
 
@@ -38,6 +39,18 @@ const Type* find(const std::vector<const Type*>& types, const std::string& name)
   return nullptr;
 }
 
+bool same(const char* a, const char* b) { return a == b || (a && b && std::string_view(a) == b); }
+
+/// Whether two builds say the same of a type.
+bool same(const JointTypeInfo& a, const JointTypeInfo& b) {
+  const auto alike = [](const ParameterSpec& x, const ParameterSpec& y) {
+    return same(x.name, y.name) && x.kind == y.kind && x.required == y.required && same(x.unit, y.unit) && same(x.help, y.help) &&
+           same(x.example, y.example);
+  };
+  return same(a.name, b.name) && same(a.summary, b.summary) && a.structure == b.structure && a.closed_forms == b.closed_forms &&
+         std::equal(a.parameters, a.parameters + a.parameter_count, b.parameters, b.parameters + b.parameter_count, alike);
+}
+
 /// What lies in the folder of this process's instruction set beside a plugin, type by type.
 std::map<const JointType*, const JointType*> builtForProcessor(const std::string& path, Trust trust, const std::vector<const JointType*>& joints) {
   std::error_code ignored;
@@ -47,8 +60,16 @@ std::map<const JointType*, const JointType*> builtForProcessor(const std::string
   const dyn_plugin_descriptor& d = openPlugin(other.string(), trust);
   const auto fast_joints = typesOf<JointType>(d.joint_types, d.joint_type_count);
   std::map<const JointType*, const JointType*> result;
-  for (const JointType* type : joints)
-    if (const JointType* fast = find(fast_joints, type->info().name)) result[type] = fast;
+  for (const JointType* type : joints) {
+    const JointType* fast = find(fast_joints, type->info().name);
+    if (fast == nullptr) continue;
+    if (!same(type->info(), fast->info()))
+      throw Error(ErrorCode::plugin,
+                  std::string("is another build than '") + other.string() + "': they describe joint type '" + type->info().name +
+                      "' differently; rebuild both from one source, or remove the second",
+                  {path, 0, ""});
+    result[type] = fast;
+  }
   return result;
 }
 

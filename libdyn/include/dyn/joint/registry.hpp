@@ -10,7 +10,8 @@
 
 namespace dyn {
 
-/// A group- or world-writable plugin file or directory could be replaced by anyone; it is refused unless `any` is said.
+/// A plugin file, its folder, and folders of links to it must belong to this process's user or to root, and neither their group nor everyone may
+/// write them: others could replace what is loaded. Refused unless `any` is said.
 enum class Trust { owner_only, any };
 
 struct PluginRecord {
@@ -44,7 +45,8 @@ class DYN_API JointRegistry {
   const CouplingType& couplingType(const std::string& name, const Where& where = {}) const;
 
   /// The same type built for this processor, if its plugin brings that (avx2/NAME.so and avx512/NAME.so beside NAME.so); else `type`.
-  /// For poses, subspaces and biases; DYN_SIMD says which, as for the library's own kernels.
+  /// For poses, subspaces and biases; DYN_SIMD says which, as for the library's own kernels. load() refuses a plugin whose two builds describe
+  /// a type differently, compile() a joint of which they say different sizes.
   const JointType& forProcessor(const JointType& type) const;
 
   const std::vector<const JointType*>& jointTypes() const;

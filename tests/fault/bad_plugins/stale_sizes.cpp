@@ -1,0 +1,13 @@
+// Laid beside sound.so as its build for a processor: the type as it is described there, with other sizes.
+#include <dyn_sdk/joint_plugin.hpp>
+
+struct SoundOfTwo : dyn::sdk::Joint<SoundOfTwo, 2> {
+  static constexpr const char* name = "sound_slider";
+  static constexpr const char* summary = "for tests";
+  template <class S>
+  static dyn::SE3<S> pose(const S* q, const dyn::sdk::Constants&) {
+    return {dyn::Mat3<S>::identity(), {q[0], q[1], S(0)}};
+  }
+};
+
+DYN_EXPORT_JOINTS(SoundOfTwo)
