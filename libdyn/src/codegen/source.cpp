@@ -31,10 +31,10 @@ class Writer {
   Writer(const TracedFunction& f, const SourceOptions& options)
       : f_(f), options_(options), schedule_(schedule(f.graph, options.lanes == 1)), name_(options.prefix + f.name) {
     for (const ArgumentShape& a : f.inputs)
-      for (int i = 0; i < a.size(); ++i) inputs_.push_back({a.name, i});
+      for (int i = 0; i < a.size(); ++i) inputs_.push_back({a.name + "_", i});
     std::size_t o = 0;
     for (const ArgumentShape& a : f.outputs)
-      for (int i = 0; i < a.size(); ++i) stores_.push_back({a.name, i, f.graph.outputs[o++]});
+      for (int i = 0; i < a.size(); ++i) stores_.push_back({a.name + "_", i, f.graph.outputs[o++]});
     vectors_ = std::any_of(schedule_.units.begin(), schedule_.units.end(), [](const Unit& unit) { return unit.several; });
     plan();
   }
@@ -77,7 +77,7 @@ class Writer {
     const std::string count = std::to_string((angles_.size() + width - 1) / width * width);
     const auto angle = [&](std::size_t i) {
       const auto& [argument, index] = inputs_[nodes()[angles_[i]].argument[0]];
-      return argument + "_[" + std::to_string(index) + "]";
+      return argument + "[" + std::to_string(index) + "]";
     };
     const auto store = [](std::size_t i) { return ", s + " + std::to_string(i) + ", c + " + std::to_string(i) + ");\n"; };
     std::string out;
@@ -137,12 +137,16 @@ class Writer {
           if (from >= 0) last_use[at(from)] = static_cast<int>(u) / options_.piece;
         }
     // Vectors first: none is to lie across two lines of the cache.
-    for (const bool several : {true, false})
+    for (const bool several : {true, false}) {
+      // Addresses are short that are near w, before it or after, of vectors four times as far: it points amid the single ones.
+      middle_ += slots_;
       for (std::size_t u = 0; u < units.size(); ++u)
         if (units[u].several == several && last_use[u] > static_cast<int>(u) / options_.piece) {
           slot_[u] = slots_;
           slots_ += several ? most_abreast : 1;
         }
+    }
+    middle_ = (middle_ + slots_) / 2;
     // A result is stored by the piece that computes it; those that none computes by the last one.
     stores_of_.resize(at(pieces_));
     for (std::size_t s = 0; s < stores_.size(); ++s) {
@@ -153,8 +157,8 @@ class Writer {
 
   std::string parameters() const {
     std::string out;
-    for (const ArgumentShape& a : f_.inputs) out += "const T* restrict " + a.name + ", ";
-    for (const ArgumentShape& a : f_.outputs) out += "T* restrict " + a.name + ", ";
+    for (const ArgumentShape& a : f_.inputs) out += "const T* restrict " + a.name + "_, ";
+    for (const ArgumentShape& a : f_.outputs) out += "T* restrict " + a.name + "_, ";
     if (slots_ > 0) out += "T* restrict w, ";
     if (!angles_.empty()) out += "const T* restrict s, const T* restrict c, ";
     out.resize(out.size() - 2);
@@ -164,7 +168,7 @@ class Writer {
     std::string out;
     for (const auto* list : {&f_.inputs, &f_.outputs})
       for (const ArgumentShape& a : *list) out += a.name + "_, ";
-    if (slots_ > 0) out += "w, ";
+    if (slots_ > 0) out += "w + " + std::to_string(middle_) + ", ";
     if (!angles_.empty()) out += "s, c, ";
     out.resize(out.size() - 2);
     return out;
@@ -185,7 +189,7 @@ class Writer {
       const auto [array, index] = memoryOf(i);
       return array + "[" + std::to_string(index) + "]";
     }
-    if (pieceOf(i) != piece) return "w[" + std::to_string(slot_[at(place.unit)] + place.lane) + "]";
+    if (pieceOf(i) != piece) return "w[" + std::to_string(slot_[at(place.unit)] + place.lane - middle_) + "]";
     return unitOf(i).several ? "v" + std::to_string(place.unit) + "[" + std::to_string(place.lane) + "]" : "t" + std::to_string(place.unit);
   }
   /// The same in lanes; lanes that nobody has may have anything.
@@ -208,7 +212,7 @@ class Writer {
     }
     if (in_place) {
       if (pieceOf(first) == piece) return "v" + std::to_string(place.unit);
-      return "*(const dyn_four*)(w + " + std::to_string(slot_[at(place.unit)]) + ")";
+      return "*(const dyn_four*)(w + " + std::to_string(slot_[at(place.unit)] - middle_) + ")";
     }
     if (side_by_side) return "*(const dyn_four*)(" + memoryOf(first).first + " + " + std::to_string(start) + ")";
     std::string out = "(dyn_four){";
@@ -270,13 +274,37 @@ class Writer {
     return "";
   }
 
+  /// Of a piece, by unit what is stored after it, as soon as it is there, or it would take registers; -1: what is known.
+  std::map<int, std::string> storesOf(int p) const {
+    std::map<int, std::string> out;
+    const std::vector<std::size_t>& stores = stores_of_[at(p)];
+    for (std::size_t k = 0; k < stores.size(); ++k) {
+      const Store& store = stores_[stores[k]];
+      const std::string four = fourFrom(stores, k, p);
+      if (!four.empty()) {
+        out[schedule_.places[store.node].unit] += "  *(dyn_four*)(" + store.array + " + " + std::to_string(store.index) + ") = " + four + ";\n";
+        k += most_abreast - 1;
+        continue;
+      }
+      const std::string x = value(store.node, p);
+      out[schedule_.places[store.node].unit] +=
+          "  " + store.array + "[" + std::to_string(store.index) + "] = " + (isConstant(store.node) ? "DYN_ALL(" + x + ")" : x) + ";\n";
+    }
+    return out;
+  }
+
   std::string piece(int p) const {
+    const std::map<int, std::string> stores = storesOf(p);
+    const auto storesAfter = [&](int unit) {
+      const auto found = stores.find(unit);
+      return found == stores.end() ? "" : found->second;
+    };
     std::string out = "static DYN_PIECE void " + name_ + "_" + std::to_string(p) + "(" + parameters() + ") {\n";
     std::map<NodesAbreast, std::string> gathered;
     const int count = static_cast<int>(schedule_.units.size());
     for (int u = p * options_.piece; u < std::min((p + 1) * options_.piece, count); ++u) {
       const Unit& unit = schedule_.units[at(u)];
-      const std::string slot = std::to_string(slot_[at(u)]), id = std::to_string(u);
+      const std::string slot = std::to_string(slot_[at(u)] - middle_), id = std::to_string(u);
       if (unit.several) {
         const auto argument = [&](int k) {
           const NodesAbreast tuple = argumentsOf(nodes(), unit, k);
@@ -293,23 +321,15 @@ class Writer {
         for (std::size_t k = 0; k < names.size(); ++k) names[k] = argument(static_cast<int>(k));
         out += "  const dyn_four v" + id + " = " + expression(unit.operation, [&](int k) { return names[at(k)]; }) + ";\n";
         if (slot_[at(u)] >= 0) out += "  *(dyn_four*)(w + " + slot + ") = v" + id + ";\n";
+        out += storesAfter(u);
         continue;
       }
       const GraphNode& n = nodes()[unit.nodes[0]];
       out += "  const T t" + id + " = " + expression(n.operation, [&](int k) { return value(n.argument[k], p); }) + ";\n";
       if (slot_[at(u)] >= 0) out += "  w[" + slot + "] = t" + id + ";\n";
+      out += storesAfter(u);
     }
-    const std::vector<std::size_t>& stores = stores_of_[at(p)];
-    for (std::size_t k = 0; k < stores.size(); ++k) {
-      const Store& store = stores_[stores[k]];
-      if (const std::string four = fourFrom(stores, k, p); !four.empty()) {
-        out += "  *(dyn_four*)(" + store.array + " + " + std::to_string(store.index) + ") = " + four + ";\n";
-        k += most_abreast - 1;
-        continue;
-      }
-      const std::string x = value(store.node, p);
-      out += "  " + store.array + "[" + std::to_string(store.index) + "] = " + (isConstant(store.node) ? "DYN_ALL(" + x + ")" : x) + ";\n";
-    }
+    out += storesAfter(-1);
     return out + "}\n\n";
   }
 
@@ -317,7 +337,8 @@ class Writer {
   const SourceOptions& options_;
   const Schedule schedule_;
   std::string name_;
-  std::vector<std::pair<std::string, int>> inputs_;  ///< argument and index of each
+  // Arrays are called as their arguments, with "_" behind, which no name of the code's own has.
+  std::vector<std::pair<std::string, int>> inputs_;  ///< array and index of each
   struct Store {
     std::string array;
     int index;
@@ -329,10 +350,15 @@ class Writer {
   std::vector<std::uint32_t> angles_;                ///< these nodes
   std::vector<std::vector<std::size_t>> stores_of_;  ///< by piece
   int pieces_ = 1, slots_ = 0;
+  int middle_ = 0;  ///< the slot that w points to
   bool vectors_ = false;
 };
 
 bool isName(const std::string& text) {
+  static const std::string words =
+      " auto break case char const continue default do double else enum extern float for goto if inline int long register restrict return short "
+      "signed sizeof static struct switch typedef union unsigned void volatile while ";
+  if (words.find(" " + text + " ") != std::string::npos) return false;
   if (text.empty() || std::isdigit(static_cast<unsigned char>(text[0]))) return false;
   return std::all_of(text.begin(), text.end(), [](unsigned char c) { return c == '_' || (c < 128 && std::isalnum(c)); });
 }
@@ -342,10 +368,11 @@ void checkNames(const std::vector<TracedFunction>& functions, const SourceOption
   for (const TracedFunction& f : functions) {
     if (!isName(options.prefix + f.name)) throw Error(ErrorCode::argument, "'" + options.prefix + f.name + "' is no name in C");
     if (!known.insert(f.name).second) throw Error(ErrorCode::argument, "function '" + f.name + "' is asked for twice");
-    std::set<std::string> arguments{"w", "s", "c", "T"};
+    std::set<std::string> arguments{"w", "s", "c", "T", "V", "angle"};
     for (const auto* list : {&f.inputs, &f.outputs})
       for (const ArgumentShape& a : *list)
-        if (!isName(a.name) || !arguments.insert(a.name).second)
+        if (!isName(a.name) || a.name.starts_with("dyn_") || a.name.starts_with("DYN_") || a.name.starts_with(options.prefix + f.name + "_") ||
+            !arguments.insert(a.name).second || !arguments.insert(a.name + "_").second)
           throw Error(ErrorCode::argument, "function '" + f.name + "' cannot have an argument '" + a.name + "'");
   }
   if (options.lanes < 1 || options.lanes > 64 || (options.lanes & (options.lanes - 1)) != 0)

@@ -12,8 +12,9 @@ struct SourceOptions {
   bool single_precision = false;  ///< float for double
   /// States a call computes side by side: 1, or a power of two. With more than one, argument x of n numbers is x[n][lanes].
   int lanes = 1;
-  /// Operations a function at most; longer ones are cut into pieces, for the compiler's sake.
-  int piece = 2000;
+  /// Steps a function at most; longer ones are cut into pieces, for the compiler's sake. Short ones have short addresses, of which code is made that
+  /// fits the caches.
+  int piece = 1000;
   std::string prefix;  ///< of all names
 };
 
