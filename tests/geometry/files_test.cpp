@@ -201,6 +201,13 @@ TEST_CASE("broken files are an error that names them, soon and without eating me
       {"zero.bt", "# Octomap OcTree binary file\nid OcTree\nsize 1\nres 0\ndata\n\x01\x02"},
       {"text.ot", "no octree"},
       {"header.ot", "# Octomap OcTree file\nid OcTree\nsize 1000000000\nres 0.1\ndata\n"},
+      // Children of children without end, which octomap would follow until its stack ends.
+      {"deep.bt", "# Octomap OcTree binary file\nid OcTree\nsize 1000000000\nres 0.1\ndata\n" + std::string(4 << 20, '\xff')},
+      {"deep.ot", "# Octomap OcTree file\nid OcTree\nsize 1000000000\nres 0.1\ndata\n" + std::string(4 << 20, '\x01')},
+      {"more.bt", "# Octomap OcTree binary file\nid OcTree\nsize 20\nres 0.1\ndata\n" + std::string(4 << 20, '\xff')},
+      {"more.ot", "# Octomap OcTree file\nid OcTree\nsize 2\nres 0.1\ndata\n" + std::string("\0\0\0\0\x03\0\0\0\0\0\0\0\0\0\0", 15)},
+      {"type.ot", "# Octomap OcTree file\nid ColorOcTree\nsize 1\nres 0.1\ndata\n" + std::string(8, '\0')},
+      {"size.bt", "# Octomap OcTree binary file\nid OcTree\nres 0.1\ndata\n"},
   };
   for (const auto& [name, bytes] : files) {
     INFO(name);
@@ -230,4 +237,18 @@ TEST_CASE("cubes of an octree are solid, and one without leaves is nowhere", "[g
   CHECK(std::isinf(distanceFrom(g::OctreeFile{folder.write("none.bt", header + "0" + rest)}, {})));
   CHECK_THROWS_WITH(distanceFrom(g::OctreeFile{folder.write("short.bt", header + "9" + rest + std::string("\x00\x80", 2))}, {}),
                     containing("ends early"));
+  // The same cube in octomap's other format, whose nodes are log odds and bits of children.
+  const auto node = [](float log_odds, char children) {
+    std::string bytes(5, children);
+    std::memcpy(bytes.data(), &log_odds, sizeof log_odds);
+    return bytes;
+  };
+  const std::string odds = folder.write("odds.ot", "# Octomap OcTree file\n# a comment\nid OcTree\nsize 2" + rest + node(1, '\x80') + node(1, 0));
+  CHECK(distanceFrom(g::OctreeFile{odds}, {0.5, 0.5, 2}) == approx(0.9).epsilon(1e-12));
+  CHECK(distanceFrom(g::OctreeFile{odds}, {0.5, 0.5, 0.5}) == approx(-0.6).epsilon(1e-12));
+  // A branch down to the smallest cubes is not too deep.
+  std::string branch;
+  for (int depth = 0; depth < 15; ++depth) branch += std::string("\x03\0", 2);
+  const std::string deep = folder.write("smallest.bt", header + "17" + rest + branch + std::string("\x02\0", 2));
+  CHECK(distanceFrom(g::OctreeFile{deep}, {-1, -1, 0}) == approx(0.9).epsilon(1e-4));
 }

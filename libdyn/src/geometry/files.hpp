@@ -12,11 +12,14 @@ namespace dyn {
 /// AMENT_PREFIX_PATH, "file://", or a path, relative to the folder of `beside`. Empty if there is no such file.
 std::string resolveUri(const std::string& uri, const std::vector<std::string>& packages, const std::string& beside);
 
+/// Throws Error(file) for a file that cannot be read or is larger than 512 MB, of which `usual` says what it should be.
+void checkFileSize(const std::string& path, const std::string& usual);
+
 /// All triangles of an STL, OBJ, DAE or other file that assimp reads, equal vertices made one. Throws Error(file | syntax) for a file that
 /// is broken, larger than 512 MB, or has no triangle or a vertex that is not finite.
 geometry::TriangleMesh readMesh(const std::string& path);
 
-/// The occupied leaves of an octomap file. Throws Error(file | syntax).
+/// The occupied leaves of an octomap file, .bt or .ot. Throws Error(file | syntax) for a file that is broken or larger than 512 MB.
 geometry::Voxels readOctree(const std::string& path);
 
 /// The corners of the convex hull of points, by qhull; of points that lie in a plane, all of them.

@@ -6,15 +6,11 @@
 #include <assimp/scene.h>
 
 #include <cmath>
-#include <cstdint>
-#include <filesystem>
 #include <map>
 
 namespace dyn {
 
 namespace {
-
-constexpr std::uintmax_t largest_file = std::uintmax_t{512} << 20;
 
 /// Equal vertices, which STL has one of for each corner, become one.
 class Collector {
@@ -35,11 +31,7 @@ class Collector {
 
 geometry::TriangleMesh readMesh(const std::string& path) {
   const Where where{path, 0, ""};
-  std::error_code error;
-  const std::uintmax_t bytes = std::filesystem::file_size(path, error);
-  if (error) throw Error(ErrorCode::file, "cannot be read: " + error.message(), where);
-  if (bytes > largest_file) throw Error(ErrorCode::file, "is larger than 512 MB; a mesh for collision should have thousands of triangles", where);
-
+  checkFileSize(path, "a mesh for collision should have thousands of triangles");
   Assimp::Importer importer;
   importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS, aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS | aiComponent_COLORS |
                                                           aiComponent_TEXCOORDS | aiComponent_BONEWEIGHTS | aiComponent_ANIMATIONS |

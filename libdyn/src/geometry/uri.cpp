@@ -1,5 +1,6 @@
 #include "geometry/files.hpp"
 
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 
@@ -8,6 +9,8 @@ namespace dyn {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::uintmax_t largest_file = std::uintmax_t{512} << 20;
 
 std::string existing(const fs::path& path) {
   std::error_code error;
@@ -51,6 +54,13 @@ std::string resolveUri(const std::string& uri, const std::vector<std::string>& p
   if (uri.starts_with("file://")) return existing(uri.substr(7));
   const fs::path path(uri);
   return existing(path.is_absolute() ? path : fs::path(beside).parent_path() / path);
+}
+
+void checkFileSize(const std::string& path, const std::string& usual) {
+  std::error_code error;
+  const std::uintmax_t bytes = fs::file_size(path, error);
+  if (error) throw Error(ErrorCode::file, "cannot be read: " + error.message(), {path, 0, ""});
+  if (bytes > largest_file) throw Error(ErrorCode::file, "is larger than 512 MB; " + usual, {path, 0, ""});
 }
 
 }  // namespace dyn
