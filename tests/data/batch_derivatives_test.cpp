@@ -109,6 +109,7 @@ TEST_CASE("what is wrong with a batch of derivatives is said with the state", "[
   CHECK_THROWS_WITH(computeABADerivatives(model, batch, q, zero, zero), containing("state 6") && containing("'cam'"));
   q(0, 6) = 1;
   CHECK(Eigen::MatrixXd(computeMinverse(model, batch, q)) == good);
+  CHECK_THROWS_WITH(computeRNEADerivatives(model, batch, q, zero, Eigen::MatrixXd()), containing("a is 0 x 0"));
   BatchData without(model, 10);
   CHECK_THROWS_WITH(computeMinverse(model, without, q), containing("Need::derivatives"));
 }

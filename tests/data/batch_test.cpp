@@ -148,7 +148,9 @@ TEST_CASE("results are the same bits whatever the number of threads", "[batch]")
 }
 
 TEST_CASE("kinematics of a batch are those of single states", "[batch]") {
-  const CompactModel model = compile(randomTree(registry(), 20, 7), registry());
+  Model description = randomTree(registry(), 20, 7);
+  if (GENERATE(false, true)) addFollower(description);
+  const CompactModel model = compile(description, registry());
   const States s(model, 11, 6);
   BatchData batch(model, 11, Need::kinematics, 2);
   Data data(model);
@@ -165,6 +167,11 @@ TEST_CASE("kinematics of a batch are those of single states", "[batch]") {
     }
   }
   CHECK_THROWS_WITH(framePlacement(model, batch, 0, 11), containing("state 11"));
+  const CompactModel larger = compile(randomTree(registry(), 200, 7), registry());
+  const int last = static_cast<int>(larger.frames().size()) - 1;
+  CHECK_THROWS_WITH(framePlacement(larger, batch, last, 0), containing("framePlacement") && containing("another model"));
+  CHECK_THROWS_WITH(frameVelocity(larger, batch, last, 0, ReferenceFrame::LOCAL), containing("another model"));
+  CHECK_THROWS_WITH(frameAcceleration(larger, batch, last, 0, ReferenceFrame::LOCAL), containing("another model"));
   BatchData without(model, 11);
   CHECK_THROWS_WITH(forwardKinematics(model, without, s.q), containing("Need::kinematics"));
 }
@@ -175,6 +182,10 @@ TEST_CASE("what is wrong with a batch is said with the state", "[batch]") {
   BatchData batch(model, 19);
   CHECK_THROWS_WITH(rnea(model, batch, s.q.leftCols(5), s.v.leftCols(4), s.a.leftCols(5)), containing("v is") && containing("x 5"));
   CHECK_THROWS_WITH(rnea(model, batch, s.v, s.v, s.a), containing("q is"));
+  const Eigen::MatrixXd nothing;
+  CHECK_THROWS_WITH(rnea(model, batch, s.q, nothing, s.a), containing("v is 0 x 0"));
+  CHECK_THROWS_WITH(rnea(model, batch, s.q, s.v, nothing), containing("a is 0 x 0"));
+  CHECK_THROWS_WITH(aba(model, batch, s.q, s.v, nothing), containing("tau is 0 x 0"));
   CHECK_THROWS_WITH(crba(model, batch, s.q), containing("Need::mass_matrix"));
   CHECK_THROWS_AS(BatchData(model, 0), Error);
   CHECK_THROWS_AS(BatchData(model, 3, Need::state, 0), Error);
@@ -198,6 +209,23 @@ TEST_CASE("what is wrong with a batch is said with the state", "[batch]") {
   const Eigen::MatrixXd good = aba(cam, cams, q, zero, zero);
   q(0, 6) = 0;
   CHECK_THROWS_WITH(aba(cam, cams, q, zero, zero), containing("state 6") && containing("'cam'") && containing("singular"));
+}
+
+TEST_CASE("a batch of a model without motion has results without rows", "[batch]") {
+  Model still;
+  JointDescription fixed;
+  fixed.name = "joint";
+  fixed.type = "fixed";
+  still.addBody("body", 0, fixed, Random(1).inertia());
+  const CompactModel model = compile(still, registry());
+  REQUIRE(model.nv() == 0);
+  BatchData batch(model, 5, Need::kinematics);
+  const Eigen::MatrixXd none(0, 5);
+  CHECK(rnea(model, batch, none, none, none).cols() == 5);
+  CHECK(aba(model, batch, none, none, none).rows() == 0);
+  CHECK_THROWS_WITH(rnea(model, batch, none, none, Eigen::MatrixXd()), containing("a is 0 x 0"));
+  forwardKinematics(model, batch, none, none, none);
+  CHECK(toEigen(frameVelocity(model, batch, model.frameId("body"), 4, ReferenceFrame::LOCAL)).isZero(0));
 }
 
 TEST_CASE("no batch allocates after it is made", "[batch]") {

@@ -190,6 +190,11 @@ TEST_CASE("an empty scene has no collisions and no least distance", "[geometry]"
   CHECK_THROWS_AS(computeDistance(geometry, geometry_data, 1), Error);
   const GeometryModel other = compileGeometry(model, m);
   CHECK_THROWS_WITH(anyCollision(other, geometry_data), containing("another GeometryModel"));
+  if (with_pair) CHECK_THROWS_WITH(geometryPlacement(other, geometry_data, 0), containing("another GeometryModel"));
+  const CompactModel again = compile(m, registry());
+  Data its_data(again);
+  CHECK_THROWS_WITH(updateGeometryPlacements(again, its_data, geometry, geometry_data), containing("another model"));
+  if (with_pair) CHECK_THROWS_WITH(updateGeometryPlacements(model, its_data, geometry, geometry_data), containing("another model"));
 }
 
 TEST_CASE("whatever boxes and spheres rule out, no collision is missed that asking every pair finds", "[geometry]") {

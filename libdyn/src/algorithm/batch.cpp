@@ -7,11 +7,50 @@
 
 namespace dyn {
 
+namespace {
+
+/// N numbers of a body and state, `lanes` apart, in memory by block, body, number, state.
+template <int N, class T>
+T* numbersOf(const BatchImpl<T>& d, const PackMemory& memory, int body, int state) {
+  const int lanes = d.kernels->lanes;
+  return reinterpret_cast<T*>(memory.data()) + (static_cast<std::ptrdiff_t>(state / lanes) * d.model->bodies() + body) * N * lanes + state % lanes;
+}
+
+}  // namespace
+
 namespace detail {
 
 namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+template <int N, class T>
+void put(const BatchImpl<T>& d, const PackMemory& memory, int body, int state, const std::array<double, N>& x) {
+  T* to = numbersOf<N>(d, memory, body, state);
+  for (std::size_t k = 0; k < N; ++k) to[k * at(d.kernels->lanes)] = static_cast<T>(x[k]);
+}
+
+/// Poses and motions of one state's bodies; NaN if it could not be computed.
+template <class T>
+void putKinematics(const BatchImpl<T>& d, const DataImpl& single, int state, bool computed, bool with_v, bool with_a) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto motion = [&](const Motion<double>& x) {
+    return computed ? std::array<double, 6>{x.linear.x, x.linear.y, x.linear.z, x.angular.x, x.angular.y, x.angular.z}
+                    : std::array<double, 6>{nan, nan, nan, nan, nan, nan};
+  };
+  for (int body = 0; body < d.model->bodies(); ++body) {
+    std::array<double, 12> pose;
+    pose.fill(nan);
+    const SE3<double>& oMb = single.oM[body];
+    if (computed) {
+      std::copy(oMb.R.m, oMb.R.m + 9, pose.begin());
+      for (int k = 0; k < 3; ++k) pose[at(9 + k)] = oMb.p[k];
+    }
+    put<12>(d, d.poses, body, state, pose);
+    if (with_v) put<6>(d, d.velocities, body, state, motion(single.v[body]));
+    if (with_a) put<6>(d, d.accelerations, body, state, motion(single.a[body]));
+  }
+}
 
 template <class T>
 T* resultOf(BatchImpl<T>& d, BatchQuantity what) {
@@ -38,8 +77,8 @@ const T* computeBatch(const CompactModel& model, BasicBatchData<T>& data, BatchQ
   BatchImpl<T>& d = data.impl();
   const CompactImpl& m = model.impl();
   checkBatch(name, model, d, q, what == BatchQuantity::mass_matrix ? Need::mass_matrix : Need::state, "mass_matrix");
-  if (v.data) checkStates(name, "v", v, m.nv, q.cols);
-  if (a.data) checkStates(name, what == BatchQuantity::aba ? "tau" : "a", a, m.nv, q.cols);
+  if (v.given) checkStates(name, "v", v, m.nv, q.cols);
+  if (a.given) checkStates(name, what == BatchQuantity::aba ? "tau" : "a", a, m.nv, q.cols);
   const int states = static_cast<int>(q.cols);
   const std::ptrdiff_t rows = what == BatchQuantity::mass_matrix ? static_cast<std::ptrdiff_t>(m.nv) * m.nv : m.nv;
   const StatesOut<T> results[] = {{resultOf(d, what), rows}};
@@ -117,25 +156,32 @@ void batchKinematics(const CompactModel& model, BasicBatchData<T>& data, StatesV
   BatchImpl<T>& d = data.impl();
   const CompactImpl& m = model.impl();
   checkBatch("forwardKinematics", model, d, q, Need::kinematics, "kinematics");
-  if (v.data) checkStates("forwardKinematics", "v", v, m.nv, q.cols);
-  if (a.data) checkStates("forwardKinematics", "a", a, m.nv, q.cols);
-  if (!m.couplings.empty())
-    throw Error(ErrorCode::argument, "forwardKinematics of a batch: the model has joints that follow others; compute its states one by one");
-  const int lanes = d.kernels->lanes;
-  const std::ptrdiff_t block_numbers = static_cast<std::ptrdiff_t>(m.bodies()) * lanes;
-  const Failure failure = forBlocks(d, static_cast<int>(q.cols), lanes, [&](int t, int first, int count, Failure& f) {
-    const std::ptrdiff_t offset = first / lanes * block_numbers;
-    kernels::Block<T> block;
-    block.task = kernels::Task::kinematics;
-    block.q = columns(q, first, count);
-    block.v = columns(v, first, count);
-    block.a = columns(a, first, count);
-    block.poses = reinterpret_cast<T*>(d.poses.data()) + 12 * offset;
-    if (v.data) block.velocities = reinterpret_cast<T*>(d.velocities.data()) + 6 * offset;
-    if (a.data) block.accelerations = reinterpret_cast<T*>(d.accelerations.data()) + 6 * offset;
-    d.kernels->run(m, d.scratch[at(t)].data(), block);
-    if (block.not_finite) f.note(first, 0, count);
-  });
+  if (v.given) checkStates("forwardKinematics", "v", v, m.nv, q.cols);
+  if (a.given) checkStates("forwardKinematics", "a", a, m.nv, q.cols);
+  const int states = static_cast<int>(q.cols);
+  Failure failure;
+  if (!m.couplings.empty()) {
+    failure = forBlocks(d, states, 1, [&](int t, int state, int, Failure& f) {
+      const bool computed =
+          computeSingle<T>(model, d, t, state, {q, v, a}, f, [&](Data& single, const VectorView& qs, const VectorView& vs, const VectorView& as) {
+            forwardKinematics(model, single, qs, v.given ? &vs : nullptr, a.given ? &as : nullptr);
+          });
+      putKinematics(d, d.single[at(t)].impl(), state, computed, v.given, a.given);
+    });
+  } else {
+    failure = forBlocks(d, states, d.kernels->lanes, [&](int t, int first, int count, Failure& f) {
+      kernels::Block<T> block;
+      block.task = kernels::Task::kinematics;
+      block.q = columns(q, first, count);
+      block.v = columns(v, first, count);
+      block.a = columns(a, first, count);
+      block.poses = numbersOf<12>(d, d.poses, 0, first);
+      if (v.data) block.velocities = numbersOf<6>(d, d.velocities, 0, first);
+      if (a.data) block.accelerations = numbersOf<6>(d, d.accelerations, 0, first);
+      d.kernels->run(m, d.scratch[at(t)].data(), block);
+      if (block.not_finite) f.note(first, 0, count);
+    });
+  }
   fail("forwardKinematics", m, failure, q);
 }
 
@@ -150,15 +196,12 @@ template void batchKinematics(const CompactModel&, BatchDataFloat&, StatesView<f
 
 namespace {
 
-/// N numbers of a body and state out of memory by block, body, number, state.
 template <int N, class T>
 void pick(const BatchImpl<T>& d, const PackMemory& memory, int body, int state, T* out) {
   if (state < 0 || state >= d.capacity)
     throw Error(ErrorCode::argument, "state " + std::to_string(state) + " does not exist; the batch has " + std::to_string(d.capacity));
-  const int lanes = d.kernels->lanes;
-  const T* from =
-      reinterpret_cast<const T*>(memory.data()) + (static_cast<std::ptrdiff_t>(state / lanes) * d.model->bodies() + body) * N * lanes + state % lanes;
-  for (int k = 0; k < N; ++k) out[k] = from[k * lanes];
+  const T* from = numbersOf<N>(d, memory, body, state);
+  for (int k = 0; k < N; ++k) out[k] = from[k * d.kernels->lanes];
 }
 
 template <class T>
@@ -182,8 +225,8 @@ Motion<T> motionOfFrame(const CompactModel& model, const BatchImpl<T>& d, const 
 }
 
 template <class T>
-const BatchImpl<T>& withKinematics(const BasicBatchData<T>& data) {
-  if (!has(data.impl().needs, Need::kinematics)) throw Error(ErrorCode::argument, "the batch was made without Need::kinematics");
+const BatchImpl<T>& withKinematics(const char* function, const CompactModel& model, const BasicBatchData<T>& data) {
+  detail::checkBatchData(function, model, data.impl(), Need::kinematics, "kinematics");
   return data.impl();
 }
 
@@ -192,15 +235,15 @@ const BatchImpl<T>& withKinematics(const BasicBatchData<T>& data) {
 template <class T>
 SE3<T> framePlacement(const CompactModel& model, const BasicBatchData<T>& data, int frame, int state) {
   const PointOnBody point = frameOnBody(model, frame);
-  return poseOfBody(withKinematics(data), point.body, state) * cast<T>(point.placement);
+  return poseOfBody(withKinematics("framePlacement", model, data), point.body, state) * cast<T>(point.placement);
 }
 template <class T>
 Motion<T> frameVelocity(const CompactModel& model, const BasicBatchData<T>& data, int frame, int state, ReferenceFrame reference) {
-  return motionOfFrame(model, withKinematics(data), data.impl().velocities, frame, state, reference);
+  return motionOfFrame(model, withKinematics("frameVelocity", model, data), data.impl().velocities, frame, state, reference);
 }
 template <class T>
 Motion<T> frameAcceleration(const CompactModel& model, const BasicBatchData<T>& data, int frame, int state, ReferenceFrame reference) {
-  return motionOfFrame(model, withKinematics(data), data.impl().accelerations, frame, state, reference);
+  return motionOfFrame(model, withKinematics("frameAcceleration", model, data), data.impl().accelerations, frame, state, reference);
 }
 
 template SE3<double> framePlacement(const CompactModel&, const BatchData&, int, int);

@@ -70,8 +70,8 @@ BatchDerivativeViews<T> batchDerivatives(const CompactModel& model, BasicBatchDa
   BatchImpl<T>& d = data.impl();
   const CompactImpl& m = model.impl();
   checkBatch(name, model, d, q, Need::derivatives, "derivatives");
-  if (v.data) checkStates(name, "v", v, m.nv, q.cols);
-  if (a.data) checkStates(name, what == BatchDerivatives::aba ? "tau" : "a", a, m.nv, q.cols);
+  if (v.given) checkStates(name, "v", v, m.nv, q.cols);
+  if (a.given) checkStates(name, what == BatchDerivatives::aba ? "tau" : "a", a, m.nv, q.cols);
   if (what >= BatchDerivatives::centroidal_map && !(m.mass > 0)) throw Error(ErrorCode::singular, std::string(name) + ": the model has no mass");
   const std::ptrdiff_t n = m.nv, square = n * n, map = 6 * n;
   StatesOut<T> results[4];

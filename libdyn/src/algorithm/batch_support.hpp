@@ -23,11 +23,16 @@ void checkStates(const char* algorithm, const char* name, const StatesView<T>& x
 }
 
 template <class T>
-void checkBatch(const char* algorithm, const CompactModel& model, const BatchImpl<T>& d, const StatesView<T>& q, Need need, const char* need_name) {
+void checkBatchData(const char* algorithm, const CompactModel& model, const BatchImpl<T>& d, Need need, const char* need_name) {
   if (d.model != &model.impl())
     throw Error(ErrorCode::argument, std::string(algorithm) + ": the batch was made for another model; make a BatchData for this one");
   if (need != Need::state && !has(d.needs, need))
     throw Error(ErrorCode::argument, std::string(algorithm) + ": the batch was made without Need::" + need_name);
+}
+
+template <class T>
+void checkBatch(const char* algorithm, const CompactModel& model, const BatchImpl<T>& d, const StatesView<T>& q, Need need, const char* need_name) {
+  checkBatchData(algorithm, model, d, need, need_name);
   if (q.rows != model.nq() || q.cols < 1 || q.cols > d.capacity)
     throw Error(ErrorCode::size, std::string(algorithm) + ": q is " + std::to_string(q.rows) + " x " + std::to_string(q.cols) + ", it must be " +
                                      std::to_string(model.nq()) + " x 1 to " + std::to_string(d.capacity));
@@ -79,23 +84,33 @@ struct StatesOut {
   std::ptrdiff_t rows = 0;
 };
 
-/// One state of a model with couplings, by an algorithm for one state: compute(data, q, v, a) returns where the numbers of each result are.
-template <class T, std::size_t n, class Compute>
-void runSingle(const CompactModel& model, BatchImpl<T>& d, int thread, int state, const StatesIn<T>& in, const StatesOut<T> (&results)[n],
-               Failure& failure, const Compute& compute) {
+/// One state of a model with couplings, by an algorithm for one state: compute(data, q, v, a). Returns whether it could be computed.
+template <class T, class Compute>
+bool computeSingle(const CompactModel& model, BatchImpl<T>& d, int thread, int state, const StatesIn<T>& in, Failure& failure,
+                   const Compute& compute) {
   Eigen::VectorXd* columns = &d.columns[static_cast<std::size_t>(3 * thread)];
   const auto read = [&](const StatesView<T>& from, Eigen::VectorXd& to) {
     for (Eigen::Index i = 0; i < to.size(); ++i) to[i] = from.data ? static_cast<double>(from.data[state * from.stride + i]) : 0.0;
     return VectorView{to.data(), to.size()};
   };
   const VectorView qs = read(in.q, columns[0]), vs = read(in.v, columns[1]), as = read(in.a, columns[2]);
-  std::array<const double*, n> found{};
   try {
-    found = compute(d.single[static_cast<std::size_t>(thread)], qs, vs, as);
+    compute(d.single[static_cast<std::size_t>(thread)], qs, vs, as);
+    return true;
   } catch (const Error& e) {
     const int joint = model.jointId(e.where().joint);
     failure.note(state, e.code() == ErrorCode::singular && joint > 0 ? model.impl().body_of_joint[static_cast<std::size_t>(joint)] : 0);
+    return false;
   }
+}
+
+/// The same where compute(data, q, v, a) returns where the numbers of each result are.
+template <class T, std::size_t n, class Compute>
+void runSingle(const CompactModel& model, BatchImpl<T>& d, int thread, int state, const StatesIn<T>& in, const StatesOut<T> (&results)[n],
+               Failure& failure, const Compute& compute) {
+  std::array<const double*, n> found{};
+  computeSingle<T>(model, d, thread, state, in, failure,
+                   [&](Data& data, const VectorView& q, const VectorView& v, const VectorView& a) { found = compute(data, q, v, a); });
   for (std::size_t k = 0; k < n; ++k)
     for (std::ptrdiff_t i = 0; i < results[k].rows; ++i)
       results[k].first[state * results[k].rows + i] = found[k] ? static_cast<T>(found[k][i]) : std::numeric_limits<T>::quiet_NaN();

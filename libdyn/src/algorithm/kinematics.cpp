@@ -12,6 +12,12 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
+/// What the last forwardKinematics found.
+const DataImpl& found(const char* function, const CompactModel& model, const Data& data) {
+  checkData(function, model, data);
+  return data.impl();
+}
+
 int checked(const char* what, int id, int count) {
   if (id < 0 || id >= count)
     throw Error(ErrorCode::argument, std::string(what) + " " + std::to_string(id) + " does not exist; the model has " + std::to_string(count));
@@ -26,7 +32,9 @@ Motion<double> accelerationOf(const PointOnBody& x, const DataImpl& d, Reference
   return express(x.placement.actInv(d.a[x.body]), d.oM[x.body] * x.placement, reference);
 }
 
-Motion<double> classicalAccelerationOf(const char* function, const PointOnBody& x, const DataImpl& d, ReferenceFrame reference) {
+Motion<double> classicalAccelerationOf(const char* function, const CompactModel& model, const Data& data, const PointOnBody& x,
+                                       ReferenceFrame reference) {
+  const DataImpl& d = found(function, model, data);
   if (reference == ReferenceFrame::WORLD)
     throw Error(ErrorCode::argument, std::string(function) + ": an origin's acceleration has no WORLD form; use LOCAL or LOCAL_WORLD_ALIGNED");
   const Motion<double> v = x.placement.actInv(d.v[x.body]);
@@ -62,33 +70,35 @@ void forwardKinematics(const CompactModel& model, Data& data, VectorView q, cons
 }  // namespace detail
 
 SE3<double> jointPlacement(const CompactModel& model, const Data& data, int joint) {
+  const DataImpl& d = found("jointPlacement", model, data);
   const PointOnBody x = jointOnBody(model, joint);
-  return data.impl().oM[x.body] * x.placement;
+  return d.oM[x.body] * x.placement;
 }
 SE3<double> framePlacement(const CompactModel& model, const Data& data, int frame) {
+  const DataImpl& d = found("framePlacement", model, data);
   const PointOnBody x = frameOnBody(model, frame);
-  return data.impl().oM[x.body] * x.placement;
+  return d.oM[x.body] * x.placement;
 }
 
 Motion<double> jointVelocity(const CompactModel& model, const Data& data, int joint, ReferenceFrame reference) {
-  return velocityOf(jointOnBody(model, joint), data.impl(), reference);
+  return velocityOf(jointOnBody(model, joint), found("jointVelocity", model, data), reference);
 }
 Motion<double> frameVelocity(const CompactModel& model, const Data& data, int frame, ReferenceFrame reference) {
-  return velocityOf(frameOnBody(model, frame), data.impl(), reference);
+  return velocityOf(frameOnBody(model, frame), found("frameVelocity", model, data), reference);
 }
 
 Motion<double> jointAcceleration(const CompactModel& model, const Data& data, int joint, ReferenceFrame reference) {
-  return accelerationOf(jointOnBody(model, joint), data.impl(), reference);
+  return accelerationOf(jointOnBody(model, joint), found("jointAcceleration", model, data), reference);
 }
 Motion<double> frameAcceleration(const CompactModel& model, const Data& data, int frame, ReferenceFrame reference) {
-  return accelerationOf(frameOnBody(model, frame), data.impl(), reference);
+  return accelerationOf(frameOnBody(model, frame), found("frameAcceleration", model, data), reference);
 }
 
 Motion<double> jointClassicalAcceleration(const CompactModel& model, const Data& data, int joint, ReferenceFrame reference) {
-  return classicalAccelerationOf("jointClassicalAcceleration", jointOnBody(model, joint), data.impl(), reference);
+  return classicalAccelerationOf("jointClassicalAcceleration", model, data, jointOnBody(model, joint), reference);
 }
 Motion<double> frameClassicalAcceleration(const CompactModel& model, const Data& data, int frame, ReferenceFrame reference) {
-  return classicalAccelerationOf("frameClassicalAcceleration", frameOnBody(model, frame), data.impl(), reference);
+  return classicalAccelerationOf("frameClassicalAcceleration", model, data, frameOnBody(model, frame), reference);
 }
 
 }  // namespace dyn

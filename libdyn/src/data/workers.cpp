@@ -1,13 +1,27 @@
 #include "data/workers.hpp"
 
+#include <dyn/error.hpp>
+
+#include <string>
+#include <utility>
+
 namespace dyn {
 
 Workers::Workers(int count) {
-  threads_.reserve(static_cast<std::size_t>(count) - 1);
-  for (int i = 1; i < count; ++i) threads_.emplace_back([this, i] { serve(i); });
+  try {
+    threads_.reserve(static_cast<std::size_t>(count) - 1);
+    for (int i = 1; i < count; ++i) threads_.emplace_back([this, i] { serve(i); });
+  } catch (const std::exception& e) {
+    const int there_are = this->count();
+    end();
+    throw Error(ErrorCode::argument, std::to_string(count) + " threads are asked for, and the system gives " + std::to_string(there_are) +
+                                         " of them; ask for fewer (" + e.what() + ")");
+  }
 }
 
-Workers::~Workers() {
+Workers::~Workers() { end(); }
+
+void Workers::end() {
   stop_ = true;
   round_.fetch_add(1, std::memory_order_release);
   round_.notify_all();
@@ -15,15 +29,24 @@ Workers::~Workers() {
 }
 
 void Workers::start(Call call, const void* context) {
+  call_ = call;
+  context_ = context;
   if (!threads_.empty()) {
-    call_ = call;
-    context_ = context;
     busy_.store(static_cast<int>(threads_.size()), std::memory_order_relaxed);
     round_.fetch_add(1, std::memory_order_release);
     round_.notify_all();
   }
-  call(context, 0);
+  work(0);
   for (int busy = busy_.load(std::memory_order_acquire); busy != 0; busy = busy_.load(std::memory_order_acquire)) busy_.wait(busy);
+  if (failed_.exchange(false)) std::rethrow_exception(std::exchange(error_, nullptr));
+}
+
+void Workers::work(int i) noexcept {
+  try {
+    call_(context_, i);
+  } catch (...) {
+    if (!failed_.exchange(true)) error_ = std::current_exception();
+  }
 }
 
 void Workers::serve(int i) {
@@ -33,7 +56,7 @@ void Workers::serve(int i) {
     if (now == seen) continue;
     seen = now;
     if (stop_) return;
-    call_(context_, i);
+    work(i);
     if (busy_.fetch_sub(1, std::memory_order_acq_rel) == 1) busy_.notify_one();
   }
 }

@@ -43,7 +43,7 @@ class Compiler {
  private:
   void collect() {
     out_->report.described = static_cast<int>(description_.geometries.size());
-    out_->joints = model_.njoints();
+    out_->model = std::make_shared<const CompactModel>(model_);
     out_->nv = model_.nv();
     std::unordered_set<std::string> names;
     for (const GeometryDescription& g : description_.geometries) {

@@ -71,8 +71,9 @@ Distance computeMinimumDistance(const GeometryModel& geometry, GeometryData& dat
 void computeDistanceDerivative(const CompactModel& model, Data& data, const GeometryModel& geometry, GeometryData& geometry_data,
                                const Distance& distance, const VectorOut& derivative) {
   const GeometryImpl& m = geometry.impl();
+  checkModel("computeDistanceDerivative", model, geometry);
   checkPair(m, distance.pair);
-  if (model.nv() != m.nv || derivative.size() != m.nv)
+  if (derivative.size() != m.nv)
     throw Error(ErrorCode::size, "computeDistanceDerivative: the derivative has " + std::to_string(derivative.size()) +
                                      " numbers; it needs nv = " + std::to_string(m.nv));
   std::fill_n(derivative.data(), m.nv, 0.0);

@@ -44,9 +44,7 @@ GeometryData& GeometryData::operator=(GeometryData&&) noexcept = default;
 
 void updateGeometryPlacements(const CompactModel& model, const Data& data, const GeometryModel& geometry, GeometryData& geometry_data) {
   const GeometryImpl& m = geometry.impl();
-  if (model.njoints() != m.joints)
-    throw Error(ErrorCode::argument, "updateGeometryPlacements: the geometry was compiled for a model of " + std::to_string(m.joints) +
-                                         " joints, this one has " + std::to_string(model.njoints()));
+  checkModel("updateGeometryPlacements", model, geometry);
   GeometryDataImpl& d = dataOf("updateGeometryPlacements", geometry, geometry_data);
   // Geometries of one body follow one another.
   int joint = -1;
@@ -67,7 +65,7 @@ void updateGeometryPlacements(const CompactModel& model, Data& data, const Geome
 SE3<double> geometryPlacement(const GeometryModel& geometry, const GeometryData& geometry_data, int id) {
   const std::size_t n = geometry.impl().records.size();
   if (id < 0 || at(id) >= n) throw Error(ErrorCode::argument, "geometry " + std::to_string(id) + " does not exist; there are " + std::to_string(n));
-  return geometry_data.impl().placement[at(id)];
+  return dataOf("geometryPlacement", geometry, geometry_data).placement[at(id)];
 }
 
 }  // namespace dyn

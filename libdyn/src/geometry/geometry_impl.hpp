@@ -14,12 +14,13 @@
 namespace dyn {
 
 struct GeometryImpl {
+  std::shared_ptr<const CompactModel> model;  ///< whose joints the records name
   std::vector<GeometryRecord> records;
   std::vector<std::shared_ptr<const Volume>> volumes;  ///< by geometry; those of one file and scale are one
   std::unordered_map<std::string, int> index;          ///< by name
   std::vector<CollisionPair> pairs;                    ///< ascending
   std::vector<int> pairs_of;                           ///< pairs whose first is a: from pairs_of[a] up to pairs_of[a + 1]
-  int joints = 0, nv = 0;
+  int nv = 0;
 
   std::vector<int> moving;  ///< geometries of joints that are not the universe
   /// Boxes of what stands still and is bounded: side by side where they are few, in a tree where they are many; numbers are geometries.

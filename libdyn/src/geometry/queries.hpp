@@ -28,9 +28,16 @@ inline double sphereBound(const GeometryImpl& m, const GeometryDataImpl& d, int 
   return norm(d.center[i] - d.center[j]) - m.volumes[i]->radius() - m.volumes[j]->radius();
 }
 
+/// Joints are those of the model that the geometry was compiled for, and of its copies.
+inline void checkModel(const char* function, const CompactModel& model, const GeometryModel& geometry) {
+  if (&geometry.impl().model->impl() != &model.impl())
+    throw Error(ErrorCode::argument, std::string(function) + ": the geometry was compiled for another model; compile one for this");
+}
+
 /// Data is of the geometry that it was made for, and of its copies.
-inline GeometryDataImpl& dataOf(const char* function, const GeometryModel& geometry, GeometryData& data) {
-  GeometryDataImpl& d = data.impl();
+template <class AnyGeometryData>
+auto& dataOf(const char* function, const GeometryModel& geometry, AnyGeometryData& data) {
+  auto& d = data.impl();
   if (&d.model.impl() != &geometry.impl())
     throw Error(ErrorCode::argument, std::string(function) + ": this GeometryData was made for another GeometryModel");
   return d;

@@ -1,8 +1,8 @@
 // The algorithms over many states. Arguments are matrices whose columns are states, nq or nv rows, at most as many columns as the batch
 // has room for; so are results, which the batch owns until its next call.
 //
-// Joints that follow others are computed state by state. Throw Error(size) for matrices of wrong sizes, Error(argument) for a quaternion
-// that is zero, naming the state; the other states' results are there.
+// Models with joints that follow others are computed state by state, but for computeJointJacobians, which refuses them. Throw Error(size) for
+// matrices of wrong sizes, Error(argument) for a quaternion that is zero, naming the state; the other states' results are there.
 #pragma once
 
 #include <dyn/algorithm/jacobians.hpp>
@@ -18,6 +18,7 @@ template <class T>
 struct StatesView {
   const T* data = nullptr;
   std::ptrdiff_t rows = 0, cols = 0, stride = 0;
+  bool given = false;  ///< an argument, even one without numbers
 };
 
 /// Argument: a column-major matrix, a block of columns, a Map. Nothing is copied.
@@ -26,7 +27,7 @@ class StatesArg {
  public:
   template <class Derived>
   StatesArg(const Eigen::DenseBase<Derived>& x)  // NOLINT: meant to convert
-      : view_{x.derived().data(), x.rows(), x.cols(), x.derived().outerStride()} {
+      : view_{x.derived().data(), x.rows(), x.cols(), x.derived().outerStride(), true} {
     static_assert(std::is_same_v<typename Derived::Scalar, T>, "the batch computes in another number type");
     static_assert(!Derived::IsRowMajor || int(Derived::ColsAtCompileTime) == 1, "columns are states: a column-major matrix");
     static_assert(int(Derived::InnerStrideAtCompileTime) == 1, "the numbers of a state must follow one another");
@@ -38,7 +39,7 @@ class StatesArg {
 };
 
 enum class BatchQuantity { rnea, nle, gravity, mass_matrix, aba };
-/// Returns the result's first number; v and a may be empty views.
+/// Returns the result's first number; v and a that are not given are zero.
 template <class T>
 DYN_API const T* computeBatch(const CompactModel&, BasicBatchData<T>&, BatchQuantity, StatesView<T> q, StatesView<T> v, StatesView<T> a);
 template <class T>
@@ -124,7 +125,8 @@ void forwardKinematics(const CompactModel& model, BasicBatchData<T>& data, const
   detail::batchKinematics<T>(model, data, Q, V, A);
 }
 
-// What the last forwardKinematics of sufficient order found for one state. Throw Error(argument) for numbers out of range.
+// What the last forwardKinematics of sufficient order found for one state. Throw Error(argument) for numbers out of range, or a
+// batch of another model.
 template <class T>
 DYN_API SE3<T> framePlacement(const CompactModel& model, const BasicBatchData<T>& data, int frame, int state);
 template <class T>

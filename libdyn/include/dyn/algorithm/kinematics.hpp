@@ -24,7 +24,7 @@ inline void forwardKinematics(const CompactModel& model, Data& data, const Vecto
 }
 
 // What the last forwardKinematics of sufficient order found, O(1). Joint and frame numbers are those of the model.
-// Throw Error(argument) for a number out of range.
+// Throw Error(argument) for a number out of range, or data of another model.
 
 /// Pose in the world.
 DYN_API SE3<double> jointPlacement(const CompactModel& model, const Data& data, int joint);

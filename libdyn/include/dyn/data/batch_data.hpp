@@ -14,7 +14,7 @@ struct BatchImpl;
 template <class T>
 class DYN_API BasicBatchData {
  public:
-  /// Throws Error(argument) unless capacity and threads are positive.
+  /// Throws Error(argument) unless capacity and threads are positive, or if the system gives fewer threads.
   BasicBatchData(const CompactModel& model, int capacity, Need needs = Need::state, int threads = 1);
   ~BasicBatchData();
   BasicBatchData(BasicBatchData&&) noexcept;

@@ -19,7 +19,7 @@ namespace dyn {
 
 class DYN_API DataPool {
  public:
-  /// Throws Error(argument) unless threads is positive.
+  /// Throws Error(argument) unless threads is positive, or if the system gives fewer.
   explicit DataPool(const CompactModel& model, Need needs = Need::state, int threads = 1);
   ~DataPool();
   DataPool(DataPool&&) noexcept;

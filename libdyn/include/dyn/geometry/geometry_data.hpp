@@ -27,14 +27,14 @@ class DYN_API GeometryData {
 };
 
 /// Places all geometries by the joints' poses that the last forwardKinematics found. O(number of geometries that move).
-/// Throws Error(argument) if `model` has other joints, or the two geometries do not belong together. Volumes meet by their places in the world: a
-/// base 10^9 m away leaves them 1e-7 m.
+/// Throws Error(argument) if the geometry was compiled for another model, `data` is of another, or the two geometries do not belong together.
+/// Volumes meet by their places in the world: a base 10^9 m away leaves them 1e-7 m.
 DYN_API void updateGeometryPlacements(const CompactModel& model, const Data& data, const GeometryModel& geometry, GeometryData& geometry_data);
 /// The same at q, with its forwardKinematics.
 DYN_API void updateGeometryPlacements(const CompactModel& model, Data& data, const GeometryModel& geometry, GeometryData& geometry_data,
                                       const VectorArg& q);
 
-/// Pose of a geometry in the world. Throws Error(argument) for a number out of range.
+/// Pose of a geometry in the world. Throws Error(argument) for a number out of range, or data of another geometry.
 DYN_API SE3<double> geometryPlacement(const GeometryModel& geometry, const GeometryData& geometry_data, int id);
 
 }  // namespace dyn

@@ -73,8 +73,8 @@ class DYN_API GeometryModel {
 
 /// Collects the volumes of `description`, from which `model` was compiled, and the pairs of them to be checked; reads the files of those that
 /// a pair needs, each once. Bodies that joints of the model weld together are one. Throws Error(model) for volumes of no size, names used
-/// twice and bodies that the model does not have, Error(argument) for pairs of unknown names, Error(file | syntax) for files that are missing
-/// or broken, or for more than 2^24 pairs. O(n^2) in the number of geometries.
+/// twice, bodies that the model does not have and more than 2^24 pairs, Error(argument) for pairs of unknown names, Error(file | syntax) for
+/// files that are missing or broken. O(n^2) in the number of geometries.
 DYN_API GeometryModel compileGeometry(const CompactModel& model, const Model& description, const GeometryOptions& options = {});
 
 }  // namespace dyn

@@ -1,0 +1,59 @@
+// Threads that wait for work: what they do when the system has too few of them, or when their work throws.
+#include "data/workers.hpp"
+
+#include "support/catch.hpp"
+
+#include <dyn/error.hpp>
+
+#include <alloc_guard.hpp>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <array>
+#include <fstream>
+#include <stdexcept>
+
+using namespace dyn;
+using namespace dyn::test;
+
+TEST_CASE("more threads than the system gives are an error that says how many there are", "[data][error]") {
+  if (!tool::canCountAllocations()) {
+    WARN("skipped: a sanitizer ends the process when memory does");
+    return;
+  }
+  rlimit before{};
+  getrlimit(RLIMIT_AS, &before);
+  long pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  // Room for a few stacks.
+  const rlimit tight{static_cast<rlim_t>(pages) * static_cast<rlim_t>(sysconf(_SC_PAGESIZE)) + (rlim_t{100} << 20), before.rlim_max};
+  std::string message;
+  setrlimit(RLIMIT_AS, &tight);
+  try {
+    const Workers workers(2000);
+  } catch (const Error& e) {
+    message = e.what();
+  }
+  setrlimit(RLIMIT_AS, &before);
+  CHECK_THAT(message, containing("2000 threads are asked for") && containing("ask for fewer"));
+}
+
+TEST_CASE("what work throws is thrown again when all are done, and the threads go on", "[data][error]") {
+  for (const int count : {1, 4}) {
+    Workers workers(count);
+    for (int round = 0; round < 20; ++round) {
+      for (int failing = 0; failing < count; ++failing) {
+        std::array<int, 4> done{};
+        const auto work = [&](int i) {
+          if (i == failing) throw std::runtime_error("no memory");
+          done[static_cast<std::size_t>(i)] = 1;
+        };
+        CHECK_THROWS_WITH(workers.run(work), containing("no memory"));
+        for (int i = 0; i < count; ++i) CHECK(done[static_cast<std::size_t>(i)] == (i == failing ? 0 : 1));
+      }
+      std::array<int, 4> done{};
+      workers.run([&](int i) { done[static_cast<std::size_t>(i)] = 1; });
+      for (int i = 0; i < count; ++i) CHECK(done[static_cast<std::size_t>(i)] == 1);
+    }
+  }
+}
