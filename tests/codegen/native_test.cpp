@@ -10,6 +10,9 @@
 
 #include <sys/stat.h>
 
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 
@@ -241,6 +244,41 @@ TEST_CASE("a cache that is damaged or not this user's alone is made anew or refu
   CHECK_THROWS_WITH(cached(), containing("nobody else can write"));
 }
 
+TEST_CASE("what processes that were ended left in the cache is removed when it is old", "[codegen]") {
+  const CompilerCache cache;
+  const CompactModel model = compile(urdf::load(DYN_SOURCE_DIR "/models/four_bar.urdf"), registry());
+  cache.write("making-oldone/code.c", "int x;");
+  cache.write("making-newone/code.c", "int x;");
+  fs::last_write_time(cache.path / "making-oldone", fs::file_time_type::clock::now() - std::chrono::hours(48));
+  compileNative(model, {"gravity"}, cache.options());
+  CHECK_FALSE(fs::exists(cache.path / "making-oldone"));
+  CHECK(fs::exists(cache.path / "making-newone"));
+}
+
+TEST_CASE("a compiler is run where the program ignores its children's end, and CC may have several words", "[codegen]") {
+  const CompactModel model = compile(urdf::load(DYN_SOURCE_DIR "/models/four_bar.urdf"), registry());
+  const auto old = std::signal(SIGCHLD, SIG_IGN);
+  {
+    const CompilerCache cache;
+    NativeOptions options = cache.options();
+    CHECK_FALSE(compileNative(model, {"gravity"}, options).function("gravity").cached());
+    CHECK(compileNative(model, {"gravity"}, options).function("gravity").cached());
+    options.flags = {"-no-such-flag"};
+    CHECK_THROWS_WITH(compileNative(model, {"gravity"}, options), containing("was not compiled by"));
+    options.compiler = "no-such-compiler";
+    CHECK_THROWS_WITH(compileNative(model, {"gravity"}, options), containing("there is no compiler"));
+  }
+  std::signal(SIGCHLD, old);
+  const CompilerCache cache;
+  const char* given = std::getenv("CC");
+  const std::string before = given != nullptr ? given : "";
+  setenv("CC", "env  LIBDYN_TEST=1 cc", 1);
+  CHECK_FALSE(compileNative(model, {"gravity"}, cache.options()).function("gravity").cached());
+  setenv("CC", "env no-such-compiler", 1);
+  CHECK_THROWS_WITH(compileNative(model, {"gravity"}, cache.options()), containing("there is no compiler 'env no-such-compiler'"));
+  before.empty() ? unsetenv("CC") : setenv("CC", before.c_str(), 1);
+}
+
 TEST_CASE("processes that compile the same at once both get it, and leave one entry", "[codegen]") {
   if (!fs::exists(DYN_BINARY_DIR "/bin/dyn")) {
     WARN("skipped: the command dyn is not built");
@@ -291,4 +329,33 @@ TEST_CASE("what cannot be compiled says why, and the library goes on", "[codegen
   TracedFunction odd = trace(model, "rnea");
   odd.name = "rnea; system()";
   CHECK_THROWS_WITH(writeSource({odd}), containing("no name in C"));
+}
+
+TEST_CASE("arguments may be called as the code calls its own numbers, and cannot be called what C does not allow", "[codegen]") {
+  const CompilerCache cache;
+  const CompactModel model = compile(urdf::load(DYN_SOURCE_DIR "/models/arm.urdf"), registry());
+  const TracedFunction plain = trace(model, "rnea");
+  const auto [q, v, a] = randomState(model, 1);
+  const Eigen::VectorXd expected = byGraph(plain, q, v, a)[0];
+  const std::vector<std::array<const char*, 4>> names{{"t0", "v0", "g0_0", "t1"}, {"x", "y", "z", "t"}, {"R", "M", "sin", "sqrt"}};
+  for (const auto& [first, second, third, result] : names) {
+    TracedFunction f = plain;
+    f.inputs[0].name = first;
+    f.inputs[1].name = second;
+    f.inputs[2].name = third;
+    f.outputs[0].name = result;
+    for (const int piece : {50, 2000}) {
+      INFO(first << ", pieces of " << piece);
+      SourceOptions how;
+      how.piece = piece;
+      CHECK_NOTHROW(writeSource({f}, how));
+    }
+    CHECK(difference(byCode(compileNative({f}, cache.options()).functions()[0], q, v, a)[0], expected) < 1e-13);
+  }
+  for (const char* name : {"w", "s", "c", "T", "V", "angle", "v_", "dyn_real", "rnea_0", "double", "2q", "a b", "v", ""}) {
+    INFO(name);
+    TracedFunction f = plain;
+    f.inputs[0].name = name;
+    CHECK_THROWS_WITH(writeSource({f}), containing("cannot have an argument"));
+  }
 }

@@ -297,6 +297,39 @@ TEST_CASE("codegen writes source that compiles anywhere and passes its own test"
   CHECK_THAT(unknown.err, containing("'fly'") && containing("rnea"));
   CHECK(run("codegen '" + arm + "' --functions rnea --lanes 3").code == 1);
   CHECK(run("codegen '" + arm + "' --functions rnea --out /proc/none").code == 1);
+  const Answer vectors = run("codegen '" + arm + "' --functions rnea --plain --lanes 4");
+  CHECK(vectors.code == 1);
+  CHECK_THAT(vectors.err, containing("--plain"));
+}
+
+TEST_CASE("codegen of a robot that does not move compiles, too", "[command]") {
+  const Folder folder;
+  const std::string still = folder.write("still.urdf", R"(<robot name="still"><link name="a"/><link name="b"/>
+<joint name="j" type="fixed"><parent link="a"/><child link="b"/><origin xyz="0 0 1"/></joint></robot>)");
+  const std::string out = (folder.path / "generated").string();
+  for (const std::string how : {"", " --lanes 4"}) {
+    INFO(how);
+    const Answer a = run("codegen '" + still + "' --functions rnea,crba,frames --out '" + out + "'" + how);
+    INFO(a.err);
+    REQUIRE(a.code == 0);
+    CHECK(std::system(("cd '" + out + "' && cc -std=c99 -pedantic -Wall -Werror still.c still_test.c -lm -o t && ./t >/dev/null").c_str()) == 0);
+  }
+}
+
+TEST_CASE("where the output is lost the exit code says so", "[command]") {
+  if (!fs::exists("/dev/full")) {
+    WARN("skipped: there is no /dev/full");
+    return;
+  }
+  const Folder folder;
+  const fs::path err = folder.path / "err";
+  for (const std::string what : {"info '" + biped + "'", std::string("plugin list"), std::string("info --help")}) {
+    INFO(what);
+    const int status = std::system(("'" DYN_BINARY_DIR "/bin/dyn' " + what + " >/dev/full 2>'" + err.string() + "'").c_str());
+    CHECK(WEXITSTATUS(status) == 1);
+    CHECK_THAT(textOf(err), containing("output"));
+  }
+  CHECK(std::system(("'" DYN_BINARY_DIR "/bin/dyn' info '" + biped + "' >/dev/null").c_str()) == 0);
 }
 
 TEST_CASE("where the mass matrix is singular aba says so", "[command]") {

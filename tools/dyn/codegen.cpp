@@ -7,6 +7,7 @@
 #include <dyn/codegen/native.hpp>
 #include <dyn/file.hpp>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -33,6 +34,7 @@ std::string identifier(const std::string& name) {
   return out.empty() || std::isdigit(static_cast<unsigned char>(out[0])) ? "model_" + out : out;
 }
 
+/// One number where there are none: C has no arrays of no size.
 std::string array(const char* type, const std::string& name, std::span<const double> numbers, int repeat) {
   std::string out = std::string("static ") + type + " " + name + "[] = {";
   char text[40];
@@ -41,7 +43,7 @@ std::string array(const char* type, const std::string& name, std::span<const dou
       std::snprintf(text, sizeof text, "%.17g, ", x);
       out += text;
     }
-  return out + "};\n";
+  return out + (numbers.empty() ? "0};\n" : "};\n");
 }
 
 /// A C program that calls each function at a few states and compares with what the library found there. Lanes hold one state each, the same.
@@ -65,7 +67,8 @@ std::string testOf(const CodegenOptions& o, const CompactModel& model, const std
       for (const ArgumentShape& a : f.outputs) {
         const auto size = static_cast<std::size_t>(a.size());
         arrays += array("const dyn_real", id + "_" + a.name + "_expected", {out.data() + first, size}, o.lanes);
-        arrays += "static dyn_real " + id + "_" + a.name + "[" + std::to_string(size * static_cast<std::size_t>(o.lanes)) + "];\n";
+        arrays += "static dyn_real " + id + "_" + a.name + "[" + std::to_string(std::max<std::size_t>(size, 1) * static_cast<std::size_t>(o.lanes)) +
+                  "];\n";
         arguments += id + "_" + a.name + ", ";
         checks += "  compare(\"" + f.name + ", " + a.name + "\", " + id + "_" + a.name + ", " + id + "_" + a.name + "_expected, " +
                   std::to_string(size * static_cast<std::size_t>(o.lanes)) + ");\n";
@@ -105,6 +108,8 @@ std::string casadiListsOf(const std::string& name) {
 
 void run(const CodegenOptions& o) {
   using Clock = std::chrono::steady_clock;
+  if (o.plain && o.lanes > 1)
+    throw Error(ErrorCode::argument, "--plain is C99 without vectors, and --lanes makes vectors of states: leave out one of them");
   const CompactModel model = o.compile();
   const std::string name = identifier(model.name());
   std::vector<TracedFunction> functions;
@@ -168,7 +173,7 @@ void addCodegen(CLI::App& app) {
   sub->add_option("--out", o->out, "folder for source, header, CMakeLists and test");
   sub->add_flag("--compile", o->compile_now, "compile into the cache that compileNative() uses");
   sub->add_flag("--float", o->single_precision, "float for double");
-  sub->add_flag("--plain", o->plain, "C99 without vectors: fewer operations, more steps");
+  sub->add_flag("--plain", o->plain, "C99 without vectors: fewer operations, more steps; of one state a call");
   sub->add_flag("--casadi", o->casadi, "beside them a CasADi external with Jacobians, NAME_casadi.c");
   sub->add_option("--lanes", o->lanes, "states a call: 1, 2, 4, 8, ...")->capture_default_str();
   sub->callback([o] { run(*o); });

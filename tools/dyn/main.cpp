@@ -1,4 +1,4 @@
-// The command dyn. Exit codes: 0 done, 1 the model, the input or the answer is wrong, 2 the command line is wrong.
+// The command dyn. Exit codes: 0 done, 1 the model, the input or the answer is wrong, or the output is lost, 2 the command line is wrong.
 #include "commands.hpp"
 
 #include <dyn/error.hpp>
@@ -6,7 +6,9 @@
 #include <cstdio>
 #include <exception>
 
-int main(int argc, char** argv) {
+namespace {
+
+int run(int argc, char** argv) {
   CLI::App app{"Kinematics and dynamics of robots; joints come from plugins."};
   app.require_subcommand(1);
   dyn::tool::addInfo(app);
@@ -34,4 +36,14 @@ int main(int argc, char** argv) {
     return 1;
   }
   return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const int code = run(argc, argv);
+  // What was printed may have got no further than a buffer: whoever reads the exit code is to know that the disk was full.
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
+  std::fputs("dyn: the output could not be written, not all of it\n", stderr);
+  return code == 0 ? 1 : code;
 }

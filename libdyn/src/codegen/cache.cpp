@@ -1,11 +1,13 @@
 #include "codegen/cache.hpp"
 
 #include <dyn/error.hpp>
+#include <dyn/file.hpp>
 
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -32,6 +34,17 @@ fs::path folderOf(const std::string& given) {
   if (const char* xdg = std::getenv("XDG_CACHE_HOME"); xdg && *xdg) return fs::path(xdg) / "libdyn";
   if (const char* home = std::getenv("HOME"); home && *home) return fs::path(home) / ".cache" / "libdyn";
   throw Error(ErrorCode::file, "there is no place for compiled functions: set LIBDYN_CACHE or HOME, or name a folder");
+}
+
+/// Workshops of processes that were ended amid their work. No compiler takes a day.
+void removeLeftOver(const fs::path& folder) {
+  std::error_code error;
+  for (auto entry = fs::directory_iterator(folder, error); !error && entry != fs::directory_iterator(); entry.increment(error)) {
+    if (!entry->path().filename().string().starts_with("making-")) continue;
+    std::error_code gone;
+    const auto written = entry->last_write_time(gone);
+    if (!gone && fs::file_time_type::clock::now() - written > std::chrono::hours(24)) fs::remove_all(entry->path(), gone);
+  }
 }
 
 /// Whether it belongs to this user and nobody else can write it.
@@ -74,6 +87,7 @@ std::string ObjectCache::find(const std::string& key) const {
 }
 
 fs::path ObjectCache::workshop() const {
+  removeLeftOver(folder_);
   std::string pattern = (folder_ / "making-XXXXXX").string();
   if (mkdtemp(pattern.data()) == nullptr) fail(folder_, std::string("cannot be written: ") + std::strerror(errno));
   return pattern;
@@ -83,7 +97,7 @@ std::string ObjectCache::enter(const std::string& key, const fs::path& object) c
   std::string bytes;
   if (!read(object, bytes)) fail(object, "cannot be read");
   const fs::path sum = object.parent_path() / "sum", place = folder_ / (key + ".so");
-  std::ofstream(sum) << digest(bytes);
+  replaceFile(sum, digest(bytes));
   std::error_code error;
   // An object whose sum is not there yet, or is another's, counts as damaged and is made anew.
   fs::permissions(object, fs::perms::owner_all, error);

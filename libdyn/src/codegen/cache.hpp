@@ -16,7 +16,8 @@ class ObjectCache {
 
   /// Path of the entry if it is there, this user's, not writable by others, and whole; else empty.
   std::string find(const std::string& key) const;
-  /// A folder of the caller's own in the cache, for what becomes an entry; the caller removes it. Throws Error(file).
+  /// A folder of the caller's own in the cache, for what becomes an entry; the caller removes it. Those that others left a day ago are removed.
+  /// Throws Error(file).
   std::filesystem::path workshop() const;
   /// Moves a finished object in; of two that come at once one stays. Returns its path. Throws Error(file).
   std::string enter(const std::string& key, const std::filesystem::path& object) const;

@@ -7,8 +7,10 @@
 
 #include <cstdlib>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <mutex>
+#include <sstream>
 
 namespace dyn {
 
@@ -33,19 +35,30 @@ std::string uniformEntry(const TracedFunction& f) {
   return out + ");\n}\n";
 }
 
-std::string compilerOf(const NativeOptions& options) {
-  if (!options.compiler.empty()) return options.compiler;
+/// The words of a command. CC may have several, as in a makefile: "ccache gcc".
+std::vector<std::string> compilerOf(const NativeOptions& options) {
+  if (!options.compiler.empty()) return {options.compiler};
   const char* given = std::getenv("CC");
-  return given && *given ? given : "cc";
+  std::istringstream text(given != nullptr ? given : "");
+  std::vector<std::string> words{std::istream_iterator<std::string>(text), {}};
+  return words.empty() ? std::vector<std::string>{"cc"} : words;
+}
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string out;
+  for (const std::string& word : words) out += (out.empty() ? "" : " ") + word;
+  return out;
 }
 
 /// What the compiler says of itself, asked once for each.
-std::string versionOf(const std::string& compiler) {
+std::string versionOf(std::vector<std::string> command) {
+  const std::string compiler = joined(command);
   static std::mutex mutex;
   static std::map<std::string, std::string> known;
   const std::lock_guard lock(mutex);
   if (const auto found = known.find(compiler); found != known.end()) return found->second;
-  const ProcessResult r = runProcess({compiler, "--version"}, 10);
+  command.push_back("--version");
+  const ProcessResult r = runProcess(command, 10);
   if (!r.started || r.exit_code != 0)
     throw Error(ErrorCode::compiler,
                 "there is no compiler '" + compiler + "'; install one (apt install gcc), or name it in CC or NativeOptions::compiler");
@@ -87,7 +100,7 @@ std::string compileSource(const ObjectCache& cache, const std::string& key, cons
   if (r.timed_out)
     throw Error(ErrorCode::compiler, "'" + f.name + "' (" + std::to_string(f.graph.count().total()) + " operations) was not compiled within " +
                                          std::to_string(options.seconds) + " s; allow more (NativeOptions::seconds), or compile with -O1");
-  if (!r.started || r.exit_code != 0)
+  if (!r.started || r.exit_code != 0 || !fs::exists(object))
     throw Error(ErrorCode::compiler, "'" + f.name + "' was not compiled by " + command[0] + ": " + r.output.substr(0, 2000));
   return cache.enter(key, object);
 }
@@ -101,11 +114,11 @@ CompiledFunction make(const TracedFunction& f, const ObjectCache& cache, const N
   how.single_precision = options.single_precision;
   how.lanes = options.lanes;
   const std::string text = writeSource({f}, how).code() + uniformEntry(f);
-  std::vector<std::string> command{compilerOf(options),   "-std=gnu99",         "-shared",         "-fPIC",
-                                   "-fvisibility=hidden", "-ffp-contract=fast", "-fno-math-errno", "-fno-trapping-math",
-                                   "-fno-tree-vectorize"};
+  std::vector<std::string> command = compilerOf(options);
+  std::string identity = text + versionOf(command) + processor();
+  command.insert(command.end(), {"-std=gnu99", "-shared", "-fPIC", "-fvisibility=hidden", "-ffp-contract=fast", "-fno-math-errno",
+                                 "-fno-trapping-math", "-fno-tree-vectorize"});
   command.insert(command.end(), options.flags.begin(), options.flags.end());
-  std::string identity = text + versionOf(command[0]) + processor();
   for (const std::string& word : command) identity += '\0' + word;
   const std::string key = digest(identity);
 

@@ -125,7 +125,7 @@ DYN_EACH(dyn_sin, DYN_LIBM(sin))
 DYN_EACH(dyn_cos, DYN_LIBM(cos))
 static inline T dyn_select_less_(T a, T b, T c, T d) { T y; int i; for (i = 0; i < DYN_LANES; ++i) y[i] = a[i] < b[i] ? c[i] : d[i]; return y; }
 #define dyn_select_less(a, b, c, d) dyn_select_less_(DYN_ALL(a), DYN_ALL(b), DYN_ALL(c), DYN_ALL(d))
-static void dyn_sincos(const T* angle, T* sine, T* cosine, int n) {
+static inline void dyn_sincos(const T* angle, T* sine, T* cosine, int n) {
   int i;
   for (i = 0; i < n * DYN_LANES; i += DYN_WIDTH)
     dyn_sincos_vector(*(const V*)((const dyn_real*)angle + i), (dyn_real*)sine + i, (dyn_real*)cosine + i);

@@ -14,6 +14,19 @@ extern char** environ;
 
 namespace dyn {
 
+namespace {
+
+/// Whether it has ended, and how.
+bool reap(pid_t child, int options, ProcessResult& result) {
+  int status = 0;
+  const pid_t waited = waitpid(child, &status, options);
+  const bool reaped_by_others = waited < 0 && errno == ECHILD;
+  if (reaped_by_others || (waited == child && WIFEXITED(status))) result.exit_code = reaped_by_others ? 0 : WEXITSTATUS(status);
+  return waited == child || reaped_by_others;
+}
+
+}  // namespace
+
 ProcessResult runProcess(const std::vector<std::string>& command, double seconds) {
   ProcessResult result;
   int ends[2];
@@ -30,7 +43,12 @@ ProcessResult runProcess(const std::vector<std::string>& command, double seconds
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
   // A group of its own: compilers start others, and all of them are ended together.
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF);
+  // They wait for those, whatever this process does about its own.
+  sigset_t child_ends;
+  sigemptyset(&child_ends);
+  sigaddset(&child_ends, SIGCHLD);
+  posix_spawnattr_setsigdefault(&attributes, &child_ends);
   pid_t child = 0;
   result.started = posix_spawnp(&child, arguments[0], &actions, &attributes, arguments.data(), environ) == 0;
   posix_spawn_file_actions_destroy(&actions);
@@ -42,7 +60,6 @@ ProcessResult runProcess(const std::vector<std::string>& command, double seconds
   }
   using Clock = std::chrono::steady_clock;
   const auto end = Clock::now() + std::chrono::duration<double>(seconds);
-  int status = 0;
   bool open = true, ended = false;
   char chunk[4096];
   // Until its output has come to an end and it has too: it may close the one long before the other.
@@ -58,12 +75,10 @@ ProcessResult runProcess(const std::vector<std::string>& command, double seconds
       if (n > 0 && result.output.size() < 65536) result.output.append(chunk, static_cast<std::size_t>(n));
       open = n > 0 || (n < 0 && errno == EINTR);
     }
-    if (!open && !ended) ended = waitpid(child, &status, WNOHANG) == child;
+    if (!open && !ended) ended = reap(child, WNOHANG, result);
   }
   close(ends[0]);
-  while (!ended && waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  while (!ended) ended = reap(child, 0, result);
   return result;
 }
 
