@@ -1,8 +1,10 @@
 #include <dyn/error.hpp>
 #include <dyn/file.hpp>
 
+#include <fcntl.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -10,14 +12,43 @@
 
 namespace dyn {
 
+namespace {
+
+/// A new file beside `path`, with the rights of any new file: whatever lies there under its name, a link that someone planted too, is not touched.
+/// -1 if there can be none.
+int makeBeside(const std::string& path, std::string& name) {
+  static std::atomic<unsigned> count{0};
+  int file;
+  do {
+    name = path + ".part" + std::to_string(getpid()) + "-" + std::to_string(count++);
+    file = open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  } while (file < 0 && (errno == EEXIST || errno == EINTR));
+  return file;
+}
+
+bool writeAndClose(int file, const std::string& content) {
+  for (std::size_t done = 0; done < content.size();) {
+    const ssize_t n = write(file, content.data() + done, content.size() - done);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) {
+      const int why = errno;
+      close(file);
+      errno = why;
+      return false;
+    }
+    done += static_cast<std::size_t>(n);
+  }
+  return close(file) == 0;
+}
+
+}  // namespace
+
 void replaceFile(const std::string& path, const std::string& content) {
-  const std::string temporary = path + ".part" + std::to_string(getpid());
-  std::ofstream file(temporary, std::ios::binary);
-  file << content;
-  file.close();
-  if (file && std::rename(temporary.c_str(), path.c_str()) == 0) return;
+  std::string temporary;
+  const int file = makeBeside(path, temporary);
+  if (file >= 0 && writeAndClose(file, content) && std::rename(temporary.c_str(), path.c_str()) == 0) return;
   const std::string why = std::strerror(errno);
-  std::remove(temporary.c_str());
+  if (file >= 0) std::remove(temporary.c_str());
   throw Error(ErrorCode::file, "cannot be written: " + why, {path, 0, ""});
 }
 

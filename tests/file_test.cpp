@@ -1,0 +1,91 @@
+// Files that are read or replaced whole or not at all.
+#include "support/folder.hpp"
+
+#include <dyn/error.hpp>
+#include <dyn/file.hpp>
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <sstream>
+#include <thread>
+#include <vector>
+
+using namespace dyn;
+using namespace dyn::test;
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string textOf(const fs::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+}  // namespace
+
+TEST_CASE("a file that is replaced is an ordinary new file, and nothing is left beside it", "[file]") {
+  const Folder folder;
+  const fs::path path = folder.path / "out";
+  const mode_t before = umask(022);
+  replaceFile(path, "one");
+  replaceFile(path, std::string(1 << 20, 'x'));
+  umask(before);
+  struct stat s {};
+  REQUIRE(stat(path.c_str(), &s) == 0);
+  CHECK((s.st_mode & 0777) == 0644);
+  CHECK(fs::file_size(path) == 1 << 20);
+  CHECK(std::distance(fs::directory_iterator(folder.path), {}) == 1);
+  CHECK_THROWS_WITH(replaceFile(folder.path / "none" / "out", "x"), containing("none/out") && containing("cannot be written"));
+  fs::create_directory(folder.path / "full");
+  folder.write("full/file", "x");
+  CHECK_THROWS_AS(replaceFile(folder.path / "full", "x"), Error);
+  CHECK(std::distance(fs::directory_iterator(folder.path), {}) == 2);
+}
+
+TEST_CASE("a link planted where a temporary would be is not written through", "[file]") {
+  const Folder folder;
+  const std::string victim = folder.write("victim", "mine"), path = (folder.path / "out").string(), part = path + ".part" + std::to_string(getpid());
+  fs::create_symlink(victim, part);
+  for (int i = 0; i < 1000; ++i) fs::create_symlink(victim, part + "-" + std::to_string(i));
+  replaceFile(path, "new");
+  CHECK(textOf(victim) == "mine");
+  CHECK(textOf(path) == "new");
+  CHECK_FALSE(fs::is_symlink(path));
+}
+
+TEST_CASE("threads that replace one file at once each do, whole", "[file]") {
+  const Folder folder;
+  const std::string path = (folder.path / "out").string();
+  std::vector<std::string> why(4);
+  std::vector<std::thread> threads;
+  for (std::size_t t = 0; t < why.size(); ++t)
+    threads.emplace_back([&, t] {
+      try {
+        for (int k = 0; k < 100; ++k) replaceFile(path, std::string(10000, static_cast<char>('a' + t)));
+      } catch (const Error& e) {
+        why[t] = e.what();
+      }
+    });
+  for (std::thread& thread : threads) thread.join();
+  for (const std::string& error : why) CHECK(error.empty());
+  const std::string text = textOf(path);
+  REQUIRE(text.size() == 10000);
+  CHECK(text == std::string(10000, text[0]));
+  CHECK(std::distance(fs::directory_iterator(folder.path), {}) == 1);
+}
+
+TEST_CASE("a file is read as it is, bytes of every value, and no more of it than is wanted", "[file]") {
+  const Folder folder;
+  std::string bytes(200000, '\0');
+  for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<char>(i % 251);
+  const std::string path = folder.write("bytes", bytes);
+  CHECK(readFile(path) == bytes);
+  CHECK(readFile(path, bytes.size()) == bytes);
+  CHECK(readFile(folder.write("empty", "")).empty());
+  CHECK_THROWS_WITH(readFile(folder.write("large", std::string((1 << 20) + 1, 'x')), 1 << 20), containing("larger than 1 MB"));
+  CHECK_THROWS_WITH(readFile("/dev/zero", 1 << 20), containing("larger than 1 MB"));
+  CHECK_THROWS_WITH(readFile((folder.path / "none").string()), containing("none: does not exist"));
+  CHECK_THROWS_WITH(readFile(folder.path.string()), containing("folder"));
+}
