@@ -40,9 +40,9 @@ TEST_CASE("no algorithm allocates once Data exists", "[no_alloc]") {
   Data data(model, Need::derivatives);
   const Eigen::VectorXd q = integrate(model, neutral(model), Eigen::VectorXd::Constant(model.nv(), 0.7));
   const Eigen::VectorXd v = Eigen::VectorXd::Constant(model.nv(), 0.2), a = v, tau = v;
-  Eigen::MatrixXd J(6, model.nv());
+  Eigen::MatrixXd J(6, model.nv()), other(6, model.nv());
   const int tool = model.frameId("tool");
-  Eigen::MatrixXd stacked(12, model.nv()), square(model.nv(), model.nv());
+  Eigen::MatrixXd stacked(12, model.nv()), square = Eigen::MatrixXd::Identity(model.nv(), model.nv());
   Eigen::VectorXd next(model.nq()), dv(model.nv());
   const ExternalForces fext(model.joints().size());
 
@@ -64,7 +64,37 @@ TEST_CASE("no algorithm allocates once Data exists", "[no_alloc]") {
   if (!coupled) CHECK(allocationsOf([&] { computeJointJacobians(model, data, q); }) == 0);
   CHECK(allocationsOf([&] { computeRNEADerivatives(model, data, q, v, a); }) == 0);
   CHECK(allocationsOf([&] { computeABADerivatives(model, data, q, v, tau, fext); }) == 0);
+  CHECK(allocationsOf([&] { computeGeneralizedGravityDerivatives(model, data, q); }) == 0);
   CHECK(allocationsOf([&] { computeMinverse(model, data, q); }) == 0);
+  CHECK(allocationsOf([&] { computeCoriolisMatrix(model, data, q, v); }) == 0);
+  CHECK(allocationsOf([&] { ccrba(model, data, q, v); }) == 0);
+  CHECK(allocationsOf([&] { computeCentroidalMomentumTimeVariation(model, data, q, v, a); }) == 0);
+  CHECK(allocationsOf([&] { computeCentroidalDynamicsDerivatives(model, data, q, v, a); }) == 0);
+  CHECK(allocationsOf([&] { computeCenterOfMassDerivatives(model, data, q, v, a); }) == 0);
+  CHECK(allocationsOf([&] { computeJointTorqueRegressor(model, data, q, v, a); }) == 0);
+  CHECK(allocationsOf([&] { computeKineticEnergyRegressor(model, data, q, v); }) == 0);
+  CHECK(allocationsOf([&] { computePotentialEnergyRegressor(model, data, q); }) == 0);
+  CHECK(allocationsOf([&] { computeForwardKinematicsDerivatives(model, data, q, v, a); }) == 0);
+  CHECK(allocationsOf([&] { getFrameVelocityDerivatives(model, data, tool, ReferenceFrame::LOCAL, J, other); }) == 0);
+  CHECK(allocationsOf([&] {
+          getJointAccelerationDerivatives(model, data, 3, ReferenceFrame::LOCAL_WORLD_ALIGNED, J, other, stacked.topRows(6), stacked.bottomRows(6));
+        }) == 0);
+  const Quantity derived = Quantity::rnea | Quantity::nle | Quantity::gravity | Quantity::mass_matrix | Quantity::minverse | Quantity::coriolis |
+                           Quantity::centroidal_map | Quantity::centroidal_rate | Quantity::rnea_derivatives;
+  CHECK(allocationsOf([&] { compute(model, data, Quantity::accelerations | Quantity::center_of_mass | Quantity::energies, q, v, a); }) == 0);
+  CHECK(allocationsOf([&] { compute(model, data, derived, q, v, a); }) == 0);
+  if (!coupled) {
+    SecondDerivativeData second(model);
+    Eigen::VectorXd x = tau;
+    CHECK(allocationsOf([&] { compute(model, data, derived | Quantity::joint_jacobians, q, v, a); }) == 0);
+    CHECK(allocationsOf([&] { computeRNEASecondOrderDerivatives(model, data, second, q, v, a); }) == 0);
+    CHECK(allocationsOf([&] { forwardDynamics(model, data, q, v, tau); }) == 0);
+    CHECK(allocationsOf([&] { cholesky::decompose(model, data); }) == 0);
+    CHECK(allocationsOf([&] { cholesky::solve(model, data, square); }) == 0);
+    CHECK(allocationsOf([&] { cholesky::Mv(model, data, square); }) == 0);
+    CHECK(allocationsOf([&] { cholesky::Uv(model, data, x); }) == 0);
+    CHECK(allocationsOf([&] { cholesky::Utv(model, data, x); }) == 0);
+  }
   CHECK(allocationsOf([&] { integrate(model, q, v, next); }) == 0);
   CHECK(allocationsOf([&] { difference(model, q, next, dv); }) == 0);
   CHECK(allocationsOf([&] { normalize(model, next, next); }) == 0);
