@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 
 namespace dyn {
@@ -42,6 +43,25 @@ bool writeAndClose(int file, const std::string& content) {
 }
 
 }  // namespace
+
+std::string readFile(const std::string& path, std::uintmax_t largest) {
+  const Where where{path, 0, ""};
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (!std::filesystem::exists(status)) throw Error(ErrorCode::file, "does not exist", where);
+  if (std::filesystem::is_directory(status)) throw Error(ErrorCode::file, "is a folder; give the file", where);
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw Error(ErrorCode::file, std::string("cannot be opened: ") + std::strerror(errno), where);
+  std::string text;
+  char chunk[1 << 16];
+  while (file.read(chunk, sizeof chunk) || file.gcount() > 0) {
+    text.append(chunk, static_cast<std::size_t>(file.gcount()));
+    if (text.size() > largest)
+      throw Error(ErrorCode::file, "is larger than " + std::to_string(largest >> 20) + " MB, the most that is read of such a file", where);
+  }
+  if (file.bad()) throw Error(ErrorCode::file, "cannot be read", where);
+  return text;
+}
 
 void replaceFile(const std::string& path, const std::string& content) {
   std::string temporary;

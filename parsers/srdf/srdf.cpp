@@ -19,7 +19,7 @@ void parse(const std::string& text, const std::string& name, Model& model) {
   model.notes.insert(model.notes.end(), notes.begin(), notes.end());
 }
 
-void load(const std::string& path, Model& model) { parse(urdf::readFile(path), path, model); }
+void load(const std::string& path, Model& model) { parse(readFile(path, urdf::largest_file), path, model); }
 
 std::string text(const std::string& robot, const std::vector<DisabledCollision>& disabled) {
   tinyxml2::XMLPrinter printer;

@@ -1,19 +1,14 @@
 #include "document.hpp"
 
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <utility>
 
 namespace dyn::urdf {
 
 namespace {
-
-constexpr std::uintmax_t largest_file = 64u << 20;
 
 bool isSpace(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 
@@ -21,7 +16,7 @@ enum class Parsed { number, underflow, wrong };
 
 /// One word as a double. from_chars knows no locale, no hexadecimal prefix and no trailing units.
 Parsed parseNumber(const char* first, const char* last, double& out) {
-  if (first != last && *first == '+') ++first;
+  if (last - first > 1 && *first == '+' && first[1] != '-') ++first;
   const auto [end, error] = std::from_chars(first, last, out);
   if (end != last || error == std::errc::invalid_argument) return Parsed::wrong;
   if (error == std::errc::result_out_of_range) {
@@ -38,31 +33,34 @@ Parsed parseNumber(const char* first, const char* last, double& out) {
   return std::isfinite(out) ? Parsed::number : Parsed::wrong;
 }
 
-std::size_t lineOf(const std::string& text, std::size_t position) {
-  return 1 + static_cast<std::size_t>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(position), '\n'));
+int lineOf(const std::string& text, std::size_t position) {
+  return 1 + static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(position), '\n'));
+}
+
+/// Bytes of the character in UTF-8 that stands at `i`; 0 if none does (RFC 3629: the shortest form, no surrogates, up to 10FFFF).
+std::size_t characterAt(const std::string& text, std::size_t i) {
+  const auto byte = [&](std::size_t k) { return i + k < text.size() ? static_cast<unsigned char>(text[i + k]) : 0u; };
+  const unsigned lead = byte(0), second = byte(1);
+  if (lead < 0x80) return 1;
+  const std::size_t length = lead >= 0xc2 && lead < 0xe0 ? 2 : (lead >= 0xe0 && lead < 0xf0 ? 3 : (lead >= 0xf0 && lead < 0xf5 ? 4 : 0));
+  if ((lead == 0xe0 && second < 0xa0) || (lead == 0xed && second >= 0xa0) || (lead == 0xf0 && second < 0x90) || (lead == 0xf4 && second >= 0x90))
+    return 0;
+  for (std::size_t k = 1; k < length; ++k)
+    if ((byte(k) & 0xc0) != 0x80) return 0;
+  return length;
+}
+
+/// Whether the reference "&#...;" that begins at `i` names a number that no character has, which would be written as no UTF-8.
+bool standsForNothing(const std::string& text, std::size_t i) {
+  const bool hexadecimal = text.compare(i + 2, 1, "x") == 0;
+  unsigned long code = 0;
+  const char* first = text.data() + i + (hexadecimal ? 3 : 2);
+  const auto [end, error] = std::from_chars(first, text.data() + text.size(), code, hexadecimal ? 16 : 10);
+  if (end == first || end == text.data() + text.size() || *end != ';') return false;
+  return error != std::errc() || code == 0 || (code >= 0xd800 && code < 0xe000) || code > 0x10ffff;
 }
 
 }  // namespace
-
-std::string readFile(const std::string& path) {
-  const Where where{path, 0, ""};
-  std::error_code error;
-  const auto status = std::filesystem::status(path, error);
-  if (!std::filesystem::exists(status)) throw Error(ErrorCode::file, "does not exist", where);
-  if (std::filesystem::is_directory(status)) throw Error(ErrorCode::file, "is a folder; give the file", where);
-  if (std::filesystem::is_regular_file(status) && std::filesystem::file_size(path, error) > largest_file)
-    throw Error(ErrorCode::file, "is larger than 64 MB; no URDF is", where);
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw Error(ErrorCode::file, "cannot be opened: " + std::string(std::strerror(errno)), where);
-  std::string text;
-  char chunk[1 << 16];
-  while (file.read(chunk, sizeof chunk) || file.gcount() > 0) {
-    text.append(chunk, static_cast<std::size_t>(file.gcount()));
-    if (text.size() > largest_file) throw Error(ErrorCode::file, "is larger than 64 MB; no URDF is", where);
-  }
-  if (file.bad()) throw Error(ErrorCode::file, "cannot be read", where);
-  return text;
-}
 
 Document::Document(const std::string& text, std::string file) : file_(std::move(file)) {
   const auto refuse = [&](const std::string& why, int line) { throw Error(ErrorCode::syntax, why, {file_, line, ""}); };
@@ -70,9 +68,15 @@ Document::Document(const std::string& text, std::string file) : file_(std::move(
   if (text.size() >= 2 && ((text[0] == '\xff' && text[1] == '\xfe') || (text[0] == '\xfe' && text[1] == '\xff')))
     refuse("is UTF-16; save it as UTF-8", 0);
   if (const std::size_t zero = text.find('\0'); zero != std::string::npos)
-    refuse("is not a text (or not UTF-8): it has a zero byte", static_cast<int>(lineOf(text, zero)));
+    refuse("is not a text (or not UTF-8): it has a zero byte", lineOf(text, zero));
+  for (std::size_t i = 0, length = 1; i < text.size(); i += length) {
+    length = characterAt(text, i);
+    if (length == 0) refuse("is not UTF-8 (Latin-1, perhaps); save it as UTF-8", lineOf(text, i));
+  }
+  for (std::size_t i = text.find("&#"); i != std::string::npos; i = text.find("&#", i + 2))
+    if (standsForNothing(text, i)) refuse("is not XML: '" + text.substr(i, text.find(';', i) + 1 - i) + "' stands for no character", lineOf(text, i));
   if (const std::size_t type = text.find("<!DOCTYPE"); type != std::string::npos)
-    refuse("has a document type, which URDF does not use and this reader refuses", static_cast<int>(lineOf(text, type)));
+    refuse("has a document type, which URDF does not use and this reader refuses", lineOf(text, type));
   if (xml_.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
     const bool deep = xml_.ErrorID() == tinyxml2::XML_ELEMENT_DEPTH_EXCEEDED;
     refuse(deep ? "nests elements too deep; URDF lists links and joints side by side" : std::string("is not XML: ") + xml_.ErrorStr(),

@@ -6,13 +6,14 @@
 
 #include <tinyxml2.h>
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
 namespace dyn::urdf {
 
-/// The whole file, at most 64 MB. Throws Error(file).
-std::string readFile(const std::string& path);
+/// No URDF is larger than that.
+constexpr std::uintmax_t largest_file = 64u << 20;
 
 class Document {
  public:

@@ -1,6 +1,7 @@
 #include "extension.hpp"
 #include "geometry.hpp"
 
+#include <dyn/file.hpp>
 #include <dyn/parsers/urdf.hpp>
 
 #include <algorithm>
@@ -153,12 +154,12 @@ Model parse(const std::string& text, const std::string& name, const Options& opt
   return Reader(document, options, std::move(outline)).run();
 }
 
-Model load(const std::string& path, const Options& options) { return parse(readFile(path), path, options); }
+Model load(const std::string& path, const Options& options) { return parse(readFile(path, largest_file), path, options); }
 
 std::vector<Error> check(const std::string& path, const Options& options) {
   std::vector<Error> errors;
   try {
-    const Document document(readFile(path), path);
+    const Document document(readFile(path, largest_file), path);
     Outline outline = validate(document, options.inertias, errors);
     if (errors.empty()) Reader(document, options, std::move(outline)).run();
   } catch (const Error& e) {

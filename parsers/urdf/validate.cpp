@@ -170,17 +170,16 @@ class Validator {
     if (mimic == nullptr) return;
     const std::string name = joint.Attribute("name");
     for (const char* attribute : {"multiplier", "offset"}) d_.number(*mimic, attribute, 0);
-    std::vector<const XMLElement*> path;
-    for (const XMLElement* at = mimic; at && !ends_.count(at);) {
-      path.push_back(at);
+    std::unordered_set<const XMLElement*> path;
+    for (const XMLElement* at = mimic; at && followed_.insert(at).second;) {
+      path.insert(at);
       const std::string master = d_.text(*at, "joint");
       const auto found = out_.joint.find(master);
       if (found == out_.joint.end()) d_.fail(*at, "mimics joint '" + master + "', which does not exist");
       at = found->second->FirstChildElement("mimic");
       note(*mimic, at != nullptr && path.size() == 1, "joint '" + name + "' mimics '" + master + "', which mimics another joint itself");
-      if (path.size() > out_.joints.size()) d_.fail(*mimic, "joint '" + name + "' mimics itself through a circle of mimics");
+      if (path.count(at)) d_.fail(*at, "joint '" + master + "' mimics itself through a circle of mimics");
     }
-    ends_.insert(path.begin(), path.end());
   }
 
   /// Every tag that no pass reads is said once, with how often and where first.
@@ -214,7 +213,7 @@ class Validator {
   Inertias inertias_;
   std::vector<Error>& errors_;
   Outline out_;
-  std::unordered_set<const XMLElement*> ends_;  ///< mimics whose masters have been followed to one that moves on its own
+  std::unordered_set<const XMLElement*> followed_;  ///< mimics whose masters have been looked at, up to the last or to the first error
 };
 
 }  // namespace

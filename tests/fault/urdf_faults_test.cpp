@@ -1,5 +1,5 @@
 // Broken files: an Error that says what and where, within seconds and bounded memory; long chains do not use up the stack.
-#include "support/catch.hpp"
+#include "support/folder.hpp"
 
 #include <dyn/dyn.hpp>
 #include <dyn/parsers/urdf.hpp>
@@ -49,9 +49,23 @@ TEST_CASE("a broken file is refused with what is wrong and where", "[fault]") {
   CHECK_THROWS_WITH(read(robot(linkText("a", "-1"))), containing("negative"));
   CHECK_THROWS_WITH(read(robot(linkText("a") + linkText("b") + jointText("j", "a", "b", "revolute", "<mimic joint=\"j\"/>"))),
                     containing("mimics itself"));
+  CHECK_THROWS_WITH(read(robot(linkText("a", "+-0.5"))), containing("'+-0.5'") && containing(":3"));
+  CHECK(urdf::parse(robot(linkText("a", "+0.5")), "robot.urdf").bodies[1].inertia.mass == 0.5);
   urdf::Options options;
   options.root = "no_such_joint";
   CHECK_THROWS_WITH(read(robot(linkText("a")), options), containing("no_such_joint") && containing("searched") && containing("DYN_PLUGIN_PATH"));
+}
+
+TEST_CASE("text that is no UTF-8 is refused with its line", "[fault]") {
+  // Latin-1, a byte that begins nothing, cut short, longer than needed, a surrogate, beyond the last character.
+  for (const char* bytes : {"\xe9", "\x80", "\xff", "\xe2\x82", "\xc0\xaf", "\xe0\x80\xaf", "\xed\xa0\x80", "\xf4\x90\x80\x80", "\xf0\x9f\x98"}) {
+    CHECK_THROWS_WITH(read(robot(linkText("a") + "<!-- " + bytes + " -->\n")), containing("robot.urdf:4") && containing("UTF-8"));
+    CHECK_THROWS_WITH(read(robot(linkText("a") + "<!-- -->") + bytes), containing("robot.urdf:5") && containing("UTF-8"));
+  }
+  for (const char* reference : {"&#0;", "&#xD800;", "&#x110000;", "&#99999999999999999999;"})
+    CHECK_THROWS_WITH(read(robot(linkText(reference))), containing("robot.urdf:3") && containing(reference));
+  for (const char* name : {"\xc3\xa9", "\xe2\x82\xac", "\xed\x9f\xbf", "\xf0\x9f\x98\x80", "\xf4\x8f\xbf\xbf", "&#233;", "&#x1F600;"})
+    CHECK_NOTHROW(read(robot(linkText(name))));
 }
 
 TEST_CASE("noise of 100 MB and elements nested 10^5 deep are refused", "[fault]") {
@@ -100,6 +114,19 @@ TEST_CASE("a chain of 30000 mimics is followed once", "[fault]") {
     text += linkText("l" + k) + jointText("j" + k, "base", "l" + k, "continuous", mimic);
   }
   CHECK(read(robot(text)).nv() == 1);
+}
+
+TEST_CASE("a circle of 30000 mimics, and what hangs on it, is said once", "[fault]") {
+  constexpr int n = 30000;
+  std::string text = linkText("base");
+  for (int i = 0; i < n; ++i) {
+    const std::string k = std::to_string(i), master = std::to_string(i + 1 < n ? i + 1 : n / 2);
+    text += linkText("l" + k) + jointText("j" + k, "base", "l" + k, "continuous", "<mimic joint=\"j" + master + "\"/>");
+  }
+  const test::Folder folder;
+  const std::vector<Error> errors = urdf::check(folder.write("robot.urdf", robot(text)));
+  REQUIRE(errors.size() == 1);
+  CHECK_THAT(errors[0].what(), containing("joint 'j15000' mimics itself"));
 }
 
 TEST_CASE("numbers are read the same under a locale with decimal commas", "[fault]") {

@@ -464,7 +464,7 @@ TEST_CASE("simulate refuses what makes no sense, and keeps what there was of a m
   fails(biped + " --out trajectory.txt", ".csv or .json");
   fails(biped + " --every 1e-12", "keep fewer");
   fails(biped + " --ground nowhere", "no frame 'nowhere'");
-  fails(biped + " --resume " + (folder.path / "missing").string(), "cannot be read");
+  fails(biped + " --resume " + (folder.path / "missing").string(), "does not exist");
   fails(biped + " --restitution 2", "restitution");
   fails("missing.urdf", "missing.urdf");
   const fs::path broken = folder.path / "state.json", out = folder.path / "out.csv";

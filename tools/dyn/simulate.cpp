@@ -12,10 +12,8 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <memory>
 #include <optional>
-#include <sstream>
 
 namespace dyn::tool {
 
@@ -126,14 +124,6 @@ struct Momentum {
   Eigen::VectorXd value;
   Momentum(const CompactModel& model, Data& data, const Simulator& s) : value(ccrba(model, data, s.q(), s.v()).hg) {}
 };
-
-std::string readFile(const std::string& path) {
-  std::ifstream file(path);
-  std::ostringstream text;
-  text << file.rdbuf();
-  if (!file) throw Error(ErrorCode::file, "cannot be read", {path, 0, ""});
-  return text.str();
-}
 
 void start(const SimulateOptions& o, Simulator& simulator, const ConstraintSet& constraints) {
   const CompactModel& model = simulator.model();

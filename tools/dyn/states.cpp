@@ -2,10 +2,9 @@
 
 #include <dyn/algorithm/configuration.hpp>
 #include <dyn/error.hpp>
+#include <dyn/file.hpp>
 
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <random>
 #include <sstream>
@@ -36,15 +35,10 @@ Eigen::VectorXd readVector(const nlohmann::json& sample, const char* key, int si
   return x;
 }
 
-std::string readAll(const std::string& path, const Where& where) {
+std::string readAll(const std::string& path) {
+  if (path != "-") return readFile(path);
   std::ostringstream text;
-  if (path == "-") {
-    text << std::cin.rdbuf();
-  } else {
-    std::ifstream file(path);
-    if (!file || std::filesystem::is_directory(path)) throw Error(ErrorCode::file, "cannot be opened", where);
-    text << file.rdbuf();
-  }
+  text << std::cin.rdbuf();
   return text.str();
 }
 
@@ -89,7 +83,7 @@ nlohmann::json parseJson(const std::string& text, const Where& where) {
 
 std::vector<std::pair<State, nlohmann::json>> readSamples(const std::string& path, const CompactModel& model) {
   const Where where{path == "-" ? "standard input" : path, 0, ""};
-  nlohmann::json document = parseJson(readAll(path, where), where);
+  nlohmann::json document = parseJson(readAll(path), where);
   if (!document.is_object() || !document.contains("samples") || !document["samples"].is_array())
     throw Error(ErrorCode::syntax, "has no array \"samples\"", where);
   std::vector<std::pair<State, nlohmann::json>> samples;

@@ -1,11 +1,16 @@
-// Files that are there whole or not at all.
+// Files that are read or written whole or not at all.
 #pragma once
 
 #include <dyn/export.hpp>
 
+#include <cstdint>
+#include <limits>
 #include <string>
 
 namespace dyn {
+
+/// All bytes of a file, or of a pipe. Throws Error(file), for more than `largest` bytes, too, of which no more are read.
+DYN_API std::string readFile(const std::string& path, std::uintmax_t largest = std::numeric_limits<std::uintmax_t>::max());
 
 /// Writes a temporary beside `path` and renames it; what was there before stays if that fails. Throws Error(file).
 DYN_API void replaceFile(const std::string& path, const std::string& content);

@@ -12,8 +12,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
-#include <sstream>
 
 namespace dyn {
 
@@ -53,14 +51,6 @@ bool trusted(const fs::path& path, mode_t kind) {
   return lstat(path.c_str(), &s) == 0 && (s.st_mode & S_IFMT) == kind && s.st_uid == geteuid() && (s.st_mode & (S_IWGRP | S_IWOTH)) == 0;
 }
 
-bool read(const fs::path& path, std::string& bytes) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  bytes = text.str();
-  return file.good();
-}
-
 }  // namespace
 
 std::string digest(const std::string& text) {
@@ -81,9 +71,12 @@ ObjectCache::ObjectCache(const std::string& given) : folder_(folderOf(given)) {
 
 std::string ObjectCache::find(const std::string& key) const {
   const fs::path object = folder_ / (key + ".so"), sum = folder_ / (key + ".sum");
-  std::string bytes, expected;
-  if (!trusted(object, S_IFREG) || !trusted(sum, S_IFREG) || !read(sum, expected) || !read(object, bytes)) return "";
-  return digest(bytes) == expected ? object.string() : "";
+  if (!trusted(object, S_IFREG) || !trusted(sum, S_IFREG)) return "";
+  try {
+    return digest(readFile(object.string())) == readFile(sum.string()) ? object.string() : "";
+  } catch (const Error&) {
+    return "";  // taken away meanwhile
+  }
 }
 
 fs::path ObjectCache::workshop() const {
@@ -94,10 +87,8 @@ fs::path ObjectCache::workshop() const {
 }
 
 std::string ObjectCache::enter(const std::string& key, const fs::path& object) const {
-  std::string bytes;
-  if (!read(object, bytes)) fail(object, "cannot be read");
   const fs::path sum = object.parent_path() / "sum", place = folder_ / (key + ".so");
-  replaceFile(sum, digest(bytes));
+  replaceFile(sum, digest(readFile(object.string())));
   std::error_code error;
   // An object whose sum is not there yet, or is another's, counts as damaged and is made anew.
   fs::permissions(object, fs::perms::owner_all, error);
