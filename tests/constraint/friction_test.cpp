@@ -195,6 +195,33 @@ TEST_CASE("forces that explain a motion are found in their cones", "[friction]")
     CHECK(std::hypot(y.lambda[3 * k], y.lambda[3 * k + 1]) <= cones[static_cast<std::size_t>(k)].friction * y.lambda[3 * k + 2] + 1e-12);
 }
 
+TEST_CASE("a joint's own friction holds it both ways, as well as it can", "[friction]") {
+  Model description;
+  description.gravity = {};
+  JointDescription joint;
+  joint.name = "joint";
+  joint.type = "translation";
+  description.addBody("body", 0, joint, boxOf(2, 0.1));
+  const CompactModel model = compile(description, registry());
+  Data data(model);
+  ConstraintData lock(ConstraintSet(model, {lockJoint("joint")}));
+  std::vector<FrictionCone> cones;
+  for (int k = 0; k < 3; ++k) cones.push_back({.constraint = 0, .friction = 10, .both_ways = true, .coordinate = k});
+  const double dt = 1e-2;
+  const Vector tau = Eigen::Vector3d(8, 12, -15), v = Eigen::Vector3d(0, 0, 0.01);
+  const ContactStep x = contactStep(model, data, neutral(model), v, tau, dt, lock, cones);
+  CHECK(x.converged);
+  CHECK(std::abs(x.v_after[0]) < 1e-9);
+  CHECK(std::abs(x.v_after[1] - dt * 2 / 2) < 1e-9);
+  CHECK(std::abs(x.v_after[2] - (0.01 - dt * 5 / 2)) < 1e-9);
+  CHECK(std::abs(x.impulse[0] + 8 * dt) < 1e-8);
+  CHECK(x.impulse[1] == -10 * dt);
+  CHECK(x.impulse[2] == 10 * dt);
+  CHECK(x.residual.complementarity < 1e-9);
+  CHECK_THROWS_WITH(contactStep(model, data, neutral(model), v, tau, dt, lock, {{.constraint = 0, .both_ways = true, .coordinate = 3}}),
+                    containing("no degree of freedom 3"));
+}
+
 TEST_CASE("what is no cone is refused", "[friction]") {
   Box box({0, 0, -9.81}, 0.5);
   const auto refused = [&](const std::vector<FrictionCone>& cones) {

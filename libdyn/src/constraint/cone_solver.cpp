@@ -13,6 +13,10 @@ void ConeSolver::carve(int rows, Arena& arena) {
 
 void projectOntoCone(const PackedCone& cone, double* all) {
   double* x = all + cone.row;
+  if (cone.both_ways) {
+    x[0] = std::clamp(x[0], -cone.friction, cone.friction);
+    return;
+  }
   if (cone.rows == 1) {
     x[0] = cone.sign * std::max(0.0, cone.sign * x[0]);
     return;
@@ -57,7 +61,7 @@ ConeSolution ConeSolver::solve(kernels::ConstraintWorkspace& w, const ConeProble
     for (int i = 0; i < n; ++i) right_[i] = penalty * x[i] + proximal * force_[i] - problem.g[i] - dual_[i];
     if (problem.dissipative)
       for (std::size_t c = 0; c < problem.count; ++c) {
-        if (problem.cones[c].friction == 0) continue;
+        if (problem.cones[c].rows == 1 || problem.cones[c].friction == 0) continue;
         const double* y = dual_ + problem.cones[c].row;
         right_[problem.cones[c].normal()] -= problem.cones[c].friction * std::sqrt(y[0] * y[0] + y[1] * y[1]);
       }

@@ -13,7 +13,8 @@ struct PackedCone {
   double friction;
   double gap;
   int rows = 3;
-  double sign = 1;  ///< of the normal force and velocity
+  double sign = 1;         ///< of the normal force and velocity
+  bool both_ways = false;  ///< `friction` then is the largest force, or impulse
 
   int normal() const { return row + rows - 1; }
 };

@@ -53,7 +53,7 @@ struct ConstraintDataImpl {
   double* matrix = nullptr;        ///< rows x rows
   Force<double>* total = nullptr;  ///< one a body of the constraints
   double* shares = nullptr;        ///< one a degree of freedom of these
-  PackedCone* cones = nullptr;     ///< one a constraint
+  PackedCone* cones = nullptr;     ///< one a row at most
 
   // With Need::derivatives only.
   kernels::StoredColumn* columns[2] = {};           ///< of a constraint's point on its two bodies, one a slot

@@ -109,7 +109,7 @@ void carveAll(ConstraintDataImpl& d, Arena& arena) {
   arena.take(d.matrix, rows * rows);
   arena.take(d.total, c.bodies.size());
   arena.take(d.shares, c.dofs.size());
-  arena.take(d.cones, c.descriptions.size());
+  arena.take(d.cones, rows);
   d.cone_solver.carve(c.rows, arena);
   if (!has(d.needs, Need::derivatives)) return;
   std::size_t slots = 0;

@@ -43,7 +43,18 @@ void readCones(const char* algorithm, ConstraintDataImpl& c, const FrictionCone*
       refuse("cone " + std::to_string(i) + " is of constraint " + std::to_string(id) + ", and the set has " + std::to_string(c.set.count()));
     if (!(cones[i].friction >= 0) || !std::isfinite(cones[i].friction)) refuseContact(id, ": its friction is negative or no number");
     if (!std::isfinite(cones[i].gap)) refuseContact(id, ": its gap is no number");
-    const int row = packed.first_row[static_cast<std::size_t>(id)];
+    const int row = packed.first_row[static_cast<std::size_t>(id)] + cones[i].coordinate;
+    for (std::size_t k = 0; k < i; ++k)
+      if (c.cones[k].row == row) refuseContact(id, " has two cones");
+    if (cones[i].both_ways) {
+      if (!std::holds_alternative<JointLock>(c.set.description(id).relation))
+        refuseContact(id, " is no lock of a joint, whose own friction holds both ways");
+      if (cones[i].coordinate < 0 || cones[i].coordinate >= c.set.rows(id))
+        refuseContact(id, (" has no degree of freedom " + std::to_string(cones[i].coordinate)).c_str());
+      c.cones[i] = {row, cones[i].friction, 0, 1, 1, true};
+      continue;
+    }
+    if (cones[i].coordinate != 0) refuseContact(id, " has a cone of one coordinate, which is for a joint's own friction");
     const auto begins = [row](const auto& x) { return x.row == row; };
     const auto frame = std::find_if(packed.frames.begin(), packed.frames.end(), begins);
     const auto lock = std::find_if(packed.locks.begin(), packed.locks.end(), begins);
@@ -51,20 +62,20 @@ void readCones(const char* algorithm, ConstraintDataImpl& c, const FrictionCone*
     if (!limit && (frame == packed.frames.end() || frame->rows != 3 || !frame->turnsFreely()))
       refuseContact(id, " is no point contact, which friction is for, and no lock of a joint of one degree of freedom, which can be a limit");
     if (limit && cones[i].friction > 0) refuseContact(id, " is a limit, which has no friction");
-    for (std::size_t k = 0; k < i; ++k)
-      if (c.cones[k].row == row) refuseContact(id, " has two cones");
     c.cones[i] = {row, cones[i].friction, cones[i].gap, limit ? 1 : 3, limit && cones[i].downwards ? -1.0 : 1.0};
   }
 }
 
 /// By how much the normal velocity may be below zero after a step of dt, less what restitution asks for.
 double allowance(const PackedCone& cone, double before, double dt, double restitution) {
+  if (cone.both_ways) return 0;
   const double bounce = cone.gap <= 0 ? restitution * std::min(0.0, cone.sign * before) : 0.0;
   return cone.sign * (cone.gap / dt + bounce);
 }
 
 bool inCone(const PackedCone& cone, const double* all) {
   const double* x = all + cone.row;
+  if (cone.both_ways) return std::abs(x[0]) <= cone.friction;
   return cone.rows == 1 ? cone.sign * x[0] >= 0 : std::hypot(x[0], x[1]) <= cone.friction * x[2];
 }
 
@@ -100,6 +111,8 @@ ContactViews contactStep(const CompactModel& model, Data& data, VectorView q, Ve
   DataImpl& d = data.impl();
   ConstraintDataImpl& c = constraints.impl();
   readCones(algorithm, c, cones, count, settings);
+  for (std::size_t k = 0; k < count; ++k)
+    if (c.cones[k].both_ways) c.cones[k].friction *= dt;
   freeMotion(algorithm, model, data, q, v, tau, nullptr, 0, false, c);
   const int rows = c.set.rows();
   for (int r = 0; r < rows; ++r) c.wanted[r] = c.motion.velocity[r] - dt * c.wanted[r];
@@ -117,8 +130,10 @@ ContactViews contactStep(const CompactModel& model, Data& data, VectorView q, Ve
   for (std::size_t k = 0; k < count; ++k) {
     const PackedCone& cone = c.cones[k];
     const double *x = c.lambda + cone.row, *u = c.gamma + cone.row;
-    residual.penetration = std::max(residual.penetration, -cone.sign * c.gamma[cone.normal()]);
-    const double work = cone.rows == 1 ? x[0] * u[0] : x[0] * u[0] + x[1] * u[1] + x[2] * (u[2] + cone.friction * std::hypot(u[0], u[1]));
+    if (!cone.both_ways) residual.penetration = std::max(residual.penetration, -cone.sign * c.gamma[cone.normal()]);
+    const double work = cone.both_ways   ? x[0] * u[0] + cone.friction * std::abs(u[0])
+                        : cone.rows == 1 ? x[0] * u[0]
+                                         : x[0] * u[0] + x[1] * u[1] + x[2] * (u[2] + cone.friction * std::hypot(u[0], u[1]));
     residual.complementarity = std::max(residual.complementarity, std::abs(work));
     std::fill_n(c.left + cone.row, cone.rows, 0.0);
   }

@@ -101,7 +101,7 @@ class CollocationStepper : public CubicStepper {
       k_ -= change;
       const double size = std::max(turned, n_ > 0 ? h_ * change_.cwiseAbs().maxCoeff() : 0);
       if (!std::isfinite(size)) return false;
-      const double scale = n_ > 0 ? std::max(from.v.cwiseAbs().maxCoeff(), h_ * k_.cwiseAbs().maxCoeff()) : 0;
+      const double scale = n_ > 0 ? std::max({from.v.cwiseAbs().maxCoeff(), h_ * k_.cwiseAbs().maxCoeff(), h_ * law_.cancelled}) : 0;
       if (size <= 0x1p-52 * scale) return true;
       if (size > 0.5 * before) {
         // No better: rounding, if it is that small; otherwise the matrix is that of another state.

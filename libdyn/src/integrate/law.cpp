@@ -1,6 +1,6 @@
 #include "integrate/law.hpp"
 
-#include "compile/compact_impl.hpp"
+#include "algorithm/inputs.hpp"
 
 #include <dyn/algorithm/aba.hpp>
 #include <dyn/algorithm/center_of_mass.hpp>
@@ -38,6 +38,10 @@ Law::Law(const CompactModel& model, const ConstraintSet* constraints, Need needs
       zero_(tau_),
       fext_(model.joints().size()) {
   if (constraints) constraints_.emplace(*constraints, needs);
+  if (!model.impl().friction.empty()) {
+    joint_friction = friction_limits_ = zero_;
+    expanded_.resize(model.impl().friction.size());
+  }
   if (has(needs, Need::derivatives)) {
     tau_by_q_.resize(model.nv(), model.nv());
     tau_by_v_.resize(model.nv(), model.nv());
@@ -58,6 +62,7 @@ void Law::callForces(double t, const double* q, const double* v) {
 const double* Law::acceleration(double t, const double* q, const double* v) {
   ++statistics.evaluations;
   callController(t, q, v, tau_.data());
+  addFriction(q, v);
   const VectorView at_q{q, model_.nq()}, at_v{v, model_.nv()}, tau{tau_.data(), model_.nv()};
   const Force<double>* f = nullptr;
   if (forces) {
@@ -70,13 +75,42 @@ const double* Law::acceleration(double t, const double* q, const double* v) {
 }
 
 const double* Law::applied(double t, const double* q, const double* v) {
+  callBack(t, q, v);
+  addFriction(q, v);
+  return tau_.data();
+}
+
+const Eigen::VectorXd& Law::frictionLimits(const double* q) {
+  const CompactImpl& m = model_.impl();
+  readInputs("Simulator", model_, data_, {q, model_.nq()}, nullptr, nullptr);
+  expanded_ = m.friction;
+  const auto at = [&](int body) -> double& { return expanded_[static_cast<std::size_t>(m.index[static_cast<std::size_t>(body)].idx_v)]; };
+  // A follower turns as often as its ratio says, in whichever direction.
+  for (std::size_t k = m.couplings.size(); k-- > 0;) at(m.couplings[k].master) += std::abs(data_.impl().G[k]) * at(m.couplings[k].body);
+  for (int k = 0; k < model_.nv(); ++k)
+    friction_limits_[k] = expanded_[static_cast<std::size_t>(m.couplings.empty() ? k : m.v_of_user[static_cast<std::size_t>(k)])];
+  return friction_limits_;
+}
+
+void Law::undoFriction(const double* q, const double* v, double* tau) {
+  if (joint_friction.size() == 0) return;
+  frictionLimits(q);
+  for (int k = 0; k < model_.nv(); ++k) tau[k] += friction_limits_[k] * ((v[k] > 0) - (v[k] < 0));
+}
+
+void Law::addFriction(const double* q, const double* v) {
+  if (joint_friction.size() == 0) return;
+  undoFriction(q, v, tau_.data());
+  tau_ += joint_friction;
+}
+
+void Law::callBack(double t, const double* q, const double* v) {
   callController(t, q, v, tau_.data());
-  if (!forces) return tau_.data();
+  if (!forces) return;
   callForces(t, q, v);
   const VectorView at_q{q, model_.nq()}, at_v{v, model_.nv()}, zero{zero_.data(), model_.nv()};
   tau_ += VectorResult(detail::rnea(model_, data_, at_q, at_v, zero, nullptr, 0), model_.nv());
   tau_ -= VectorResult(detail::rnea(model_, data_, at_q, at_v, zero, fext_.data(), fext_.size()), model_.nv());
-  return tau_.data();
 }
 
 void Law::differentiateController(double t, const double* q, const double* v) {
@@ -97,12 +131,12 @@ void Law::differentiateController(double t, const double* q, const double* v) {
     direction_[k] = h;
     detail::integrate(model_, {q, model_.nq()}, {direction_.data(), n}, {moved_q_.data(), model_.nq()});
     direction_[k] = 0;
-    applied(t, moved_q_.data(), v);
+    callBack(t, moved_q_.data(), v);
     tau_by_q_.col(k) = (tau_ - here) / h;
     const double hv = h * std::max(1.0, std::abs(v[k]));
     moved_v_ = velocity(v);
     moved_v_[k] += hv;
-    applied(t, q, moved_v_.data());
+    callBack(t, q, moved_v_.data());
     tau_by_v_.col(k) = (tau_ - here) / hv;
   }
   tau_ = here;
@@ -111,8 +145,9 @@ void Law::differentiateController(double t, const double* q, const double* v) {
 void Law::derivatives(double t, const double* q, const double* v, MatrixMap by_q, MatrixMap by_v) {
   const int n = model_.nv();
   const bool driven = controller || forces;
-  applied(t, q, v);
+  callBack(t, q, v);
   if (driven) differentiateController(t, q, v);
+  addFriction(q, v);
   const VectorView at_q{q, model_.nq()}, at_v{v, n}, tau{tau_.data(), n};
   const double *dq, *dv, *dtau;
   if (constraints_) {

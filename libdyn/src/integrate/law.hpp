@@ -33,8 +33,14 @@ class Law {
   const double* acceleration(double t, const double* q, const double* v);
   /// d ddq / d q and d ddq / d v at a state, through the callbacks too: nv x nv each. Needs Need::derivatives.
   void derivatives(double t, const double* q, const double* v, MatrixMap by_q, MatrixMap by_v);
-  /// tau and forces of the callbacks, less J^T f: what stands on the right of M ddq + C v + g.
+  /// tau and forces of the callbacks, less J^T f, and joint_friction in place of the description's: what stands on the right of
+  /// M ddq + C v + g + losses.
   const double* applied(double t, const double* q, const double* v);
+
+  /// Largest forces of joints' Coulomb friction at q [N, N m], nv, followers' on their masters. Only of a model that has some.
+  const Eigen::VectorXd& frictionLimits(const double* q);
+  /// tau += what the model's own law of friction takes away at this velocity, so that it has none.
+  void undoFriction(const double* q, const double* v, double* tau);
 
   double energy(const double* q, const double* v);
   double constraintError(const double* q, const double* v);
@@ -52,11 +58,18 @@ class Law {
   ControllerDerivatives controller_derivatives;
   Forces forces;
   SimulatorStatistics statistics;
+  /// What joints' Coulomb friction is during a step [N, N m]: constant, so that steps are smooth. Empty: the model has none.
+  Eigen::VectorXd joint_friction;
+  /// [m/s^2, rad/s^2] Accelerations that it cancels where joints rest: of what is left of them rounding counts by this.
+  double cancelled = 0;
 
  private:
+  /// tau_: what callbacks apply.
+  void callBack(double t, const double* q, const double* v);
+  void addFriction(const double* q, const double* v);
   void callController(double t, const double* q, const double* v, double* tau);
   void callForces(double t, const double* q, const double* v);
-  /// Of the state that applied() was last called for: tau_ is what it is there, before and after.
+  /// Of the state that callBack() was last called for: tau_ is what it is there, before and after.
   void differentiateController(double t, const double* q, const double* v);
   VectorResult configuration(const double* q) const { return {q, model_.nq()}; }
   VectorResult velocity(const double* v) const { return {v, model_.nv()}; }
@@ -64,9 +77,10 @@ class Law {
   CompactModel model_;
   Data data_;
   std::optional<ConstraintData> constraints_;
-  Eigen::VectorXd tau_, kept_tau_, moved_q_, moved_v_, direction_, zero_;
+  Eigen::VectorXd tau_, kept_tau_, friction_limits_, moved_q_, moved_v_, direction_, zero_;
   Eigen::MatrixXd tau_by_q_, tau_by_v_;
   ExternalForces fext_;
+  std::vector<double> expanded_;  ///< nvx, of a model with friction
 };
 
 }  // namespace dyn

@@ -70,6 +70,8 @@ Simulator::Impl::Impl(const CompactModel& model, const ConstraintSet* set, const
   detail::neutral(model, now.q.data());
   now.v.setZero();
   if (o.limits) contacts().watchLimits();
+  if (!rubs()) return;
+  for (std::vector<char>* marks : {&resting, &halted, &stopped, &turned}) marks->resize(contacts().rubbing().size());
 }
 
 Unilateral& Simulator::Impl::contacts() {
@@ -110,7 +112,11 @@ StepOutcome Simulator::Impl::stepOrPass(double h) {
 bool Simulator::Impl::attempt(double h, double until, std::string& why) {
   next.time = until;
   try {
-    if (stepOrPass(h) == StepOutcome::taken) return true;
+    holdJoints(h);
+    if (stepOrPass(h) == StepOutcome::taken) {
+      settleJoints();
+      return true;
+    }
     why = "it has equations that iterations do not solve; take shorter ones";
   } catch (const Error& e) {
     // A callback's own failure is none of the step's.
@@ -158,14 +164,18 @@ void Simulator::Impl::project() {
   if (!law.project(next.q.data(), next.v.data()))
     throw Error(ErrorCode::simulation,
                 "after the step to t = " + number(next.time) + " s no configuration near keeps the constraints: take shorter ones");
+  // Those that rest do so to the last bit, whatever rounding has done.
+  for (std::size_t k = 0; k < stopped.size(); ++k)
+    if (stopped[k]) next.v[unilateral->rubbing()[k].dof] = 0;
   next.has_acceleration = false;
 }
 
 double Simulator::Impl::stepTowards(double until) {
   double h = 0;
   contact_step = has_impact = false;
+  std::fill(halted.begin(), halted.end(), 0);
   if (infoOf(options.integrator).adaptive) {
-    h = adaptiveStep(until - now.time);
+    h = adaptiveStep(longestStep(until - now.time));
     // The last step ends where it is asked to, however sums are rounded.
     next.time = h == until - now.time ? until : now.time + h;
   } else {
@@ -177,7 +187,7 @@ double Simulator::Impl::stepTowards(double until) {
     whole_step = fits;
   }
   project();
-  return unilateral && unilateral->watches() ? touch(h) : h;
+  return unilateral && unilateral->watches() ? touch(h) : comeToRest(h);
 }
 
 void Simulator::Impl::retake(double h) {
@@ -224,6 +234,8 @@ double Simulator::energy() { return impl_->law.energy(impl_->now.q.data(), impl_
 double Simulator::constraintError() { return impl_->law.constraintError(impl_->now.q.data(), impl_->now.v.data()); }
 VectorResult Simulator::acceleration() {
   Moment& x = impl_->now;
+  std::fill(impl_->halted.begin(), impl_->halted.end(), 0);
+  impl_->holdJoints(impl_->options.dt);
   return {impl_->law.acceleration(x.time, x.q.data(), x.v.data()), x.v.size()};
 }
 

@@ -32,6 +32,12 @@ struct Simulator::Impl {
   std::vector<Unilateral::Gap> gaps_before, gaps_halfway, gaps_after;
   std::vector<long> closing;
 
+  // By Unilateral::rubbing().
+  std::vector<char> resting;  ///< at the step's beginning, or so near to it that friction takes them for that
+  std::vector<char> halted;   ///< the latter
+  std::vector<char> stopped;  ///< at the step's end
+  std::vector<char> turned;   ///< on the way
+
   std::vector<Event> events;
   std::vector<int> signs;  ///< of the events' functions at `now`; 0: no side is known
 
@@ -52,6 +58,20 @@ struct Simulator::Impl {
   bool attempt(double h, double until, std::string& why);
   void stepBy(double h, double until);
   double adaptiveStep(double most);
+  bool rubs() const { return law.joint_friction.size() > 0; }
+  bool restsAt(std::size_t rubbing, const Eigen::VectorXd& v) const;
+  /// Of adaptive integrators: what rests is looked at every dt.
+  double longestStep(double left) const;
+  /// Before a smooth step of h: law.joint_friction.
+  void holdJoints(double h);
+  /// After it: joints that friction holds are at rest.
+  void settleJoints();
+  /// `next` with the marked joints at rest.
+  void stopJoints();
+  /// `turned`: joints that move the one way at `now` and the other by v. Whether there are any.
+  bool markTurned(const Eigen::VectorXd& v);
+  /// After a smooth step of h: `next` where first a joint comes to rest within it; returns by how much.
+  double comeToRest(double h);
   void project();
   /// Throws Error(simulation); h is the step that led there, 0 if none did.
   void checkFinite(const Moment& x, double h) const;

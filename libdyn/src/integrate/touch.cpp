@@ -42,7 +42,7 @@ double Simulator::Impl::lowestGap(double theta, double h) {
 double Simulator::Impl::touch(double h) {
   gaps_after = unilateral->look(next.time, next.q.data());
   // Most steps close nothing: the other two looks are for those that do.
-  if (std::none_of(gaps_after.begin(), gaps_after.end(), [](const Gap& gap) { return !(gap.value >= 0); })) return h;
+  if (std::none_of(gaps_after.begin(), gaps_after.end(), [](const Gap& gap) { return !(gap.value >= 0); })) return comeToRest(h);
   gaps_before = unilateral->look(now.time, now.q.data());
   between(0.5, shown_q.data(), shown_v.data());
   gaps_halfway = unilateral->look(now.time + 0.5 * h, shown_q.data());
@@ -77,6 +77,8 @@ double Simulator::Impl::collide(double h, double speed) {
   stepBy(part, now.time + part);
   project();
   whole_step = false;
+  const double rested = comeToRest(part);
+  if (rested < part) return rested;
   // All that are as near as makes no difference take part.
   const double near = 1e-6 * h * speed;
   unilateral->look(next.time, next.q.data());
@@ -96,7 +98,7 @@ double Simulator::Impl::rest(double h) {
   constexpr int most_rounds = 8;
   for (int round = 0; round < most_rounds; ++round) {
     unilateral->look(now.time, now.q.data());
-    unilateral->choose([&](const Gap& gap) { return std::find(closing.begin(), closing.end(), gap.key) != closing.end(); });
+    unilateral->choose([&](const Gap& gap) { return std::find(closing.begin(), closing.end(), gap.key) != closing.end(); }, resting);
     if (!unilateral->anyChosen()) break;  // the finder told of it only further on: the next step will see it
     next.v = VectorResult(unilateral->step(law, now.time, now.q.data(), now.v.data(), part), next.v.size());
     contact_u = unilateral->displacement();
@@ -107,8 +109,12 @@ double Simulator::Impl::rest(double h) {
     const std::size_t known = closing.size();
     for (const Gap& gap : unilateral->look(end, next.q.data()))
       if (gap.value < 0 && std::find(closing.begin(), closing.end(), gap.key) == closing.end()) closing.push_back(gap.key);
-    if (closing.size() == known) break;
+    // Nor does friction turn a joint's motion around.
+    const bool turns = markTurned(next.v);
+    for (std::size_t k = 0; turns && k < turned.size(); ++k) resting[k] = resting[k] || turned[k];
+    if (closing.size() == known && !turns) break;
   }
+  if (contact_step) unilateral->markHeld(stopped);
   checkFinite(next, part);
   project();
   ++law.statistics.contact_steps;

@@ -1,5 +1,7 @@
 #include "integrate/unilateral.hpp"
 
+#include "compile/compact_impl.hpp"
+
 #include <dyn/algorithm/aba.hpp>
 #include <dyn/algorithm/configuration.hpp>
 #include <dyn/algorithm/rnea.hpp>
@@ -14,6 +16,8 @@ namespace {
 
 constexpr std::size_t most_bound = 16;
 
+/// [s] So short that no force but impulses counts.
+constexpr double instant = 0x1p-60;
 /// Of a gap that is negative already: what is taken back of it in a step.
 constexpr double recovered = 0.2;
 /// [m/s] What this would make of it in a step is left.
@@ -34,8 +38,20 @@ Unilateral::Unilateral(const CompactModel& model, const ConstraintSet* base)
       displacement_(model.nv()),
       middle_v_(model.nv()),
       tau_(model.nv()),
+      undone_(model.nv()),
       zero_(Eigen::VectorXd::Zero(model.nv())),
-      end_q_(model.nq()) {}
+      end_q_(model.nq()) {
+  const CompactImpl& m = model.impl();
+  if (m.friction.empty()) return;
+  std::vector<double> friction = m.friction;
+  const auto at = [&](int body) -> double& { return friction[static_cast<std::size_t>(m.index[static_cast<std::size_t>(body)].idx_v)]; };
+  for (std::size_t k = m.couplings.size(); k-- > 0;) at(m.couplings[k].master) += at(m.couplings[k].body);
+  for (const JointRecord& joint : model.joints())
+    for (int k = 0; k < joint.nv; ++k) {
+      const auto dof = static_cast<std::size_t>(joint.idx_v + k);
+      if (friction[m.couplings.empty() ? dof : static_cast<std::size_t>(m.v_of_user[dof])] > 0) rubbing_.push_back({joint.name, joint.idx_v + k, k});
+    }
+}
 
 void Unilateral::watchLimits() {
   const ModelLimits& limits = model_.limits();
@@ -79,10 +95,17 @@ ConstraintDescription Unilateral::describe(std::size_t gap) const {
   return lock;
 }
 
+void Unilateral::rest(const std::vector<char>& resting) {
+  resting_.clear();
+  for (std::size_t k = 0; k < resting.size(); ++k)
+    if (resting[k]) resting_.push_back(k);
+  bind();
+}
+
 void Unilateral::bind() {
-  if (chosen_.empty()) return;
+  if (chosen_.empty() && resting_.empty()) return;
   const auto fits = [&](const Bound& b) {
-    if (b.keys.size() != chosen_.size()) return false;
+    if (b.keys.size() != chosen_.size() || b.resting != resting_) return false;
     for (std::size_t k = 0; k < chosen_.size(); ++k) {
       const ContactPoint* p = pointOf(chosen_[k]);
       if (b.keys[k] != gaps_[chosen_[k]].key || (p && !same(*p, b.points[k]))) return false;
@@ -109,26 +132,85 @@ void Unilateral::bind() {
     points.push_back(p ? *p : ContactPoint{});
     more.push_back(describe(gap));
   }
+  std::vector<FrictionCone> loose;
+  for (auto k = resting_.begin(); k != resting_.end();) {
+    const std::string& joint = rubbing_[*k].joint;
+    FrictionCone cone;
+    cone.constraint = base_.count() + static_cast<int>(more.size());
+    cone.both_ways = true;
+    const int coordinates = model_.joints()[static_cast<std::size_t>(model_.jointId(joint))].nv;
+    for (cone.coordinate = 0; cone.coordinate < coordinates; ++cone.coordinate) {
+      const bool rests = k != resting_.end() && rubbing_[*k].joint == joint && rubbing_[*k].coordinate == cone.coordinate;
+      (rests ? cones : loose).push_back(cone);
+      if (rests) ++k;
+    }
+    more.push_back(lockJoint(joint));
+    more.back().name = joint + " friction";
+  }
+  cones.insert(cones.end(), loose.begin(), loose.end());
   std::vector<FrictionCone> smooth = cones;
   for (FrictionCone& cone : smooth) cone.friction = 0;
   if (bound_.size() >= most_bound) bound_.pop_back();
-  bound_.insert(bound_.begin(),
-                Bound{std::move(keys), std::move(points), ConstraintData(ConstraintSet(base_, more)), std::move(cones), std::move(smooth)});
+  bound_.insert(bound_.begin(), Bound{std::move(keys), std::move(points), resting_, ConstraintData(ConstraintSet(base_, more)), std::move(cones),
+                                      std::move(smooth), std::move(loose)});
 }
 
-void Unilateral::centreForces(const double* q, const double* v, double dt) {
+void Unilateral::centreForces(Law& law, const double* q, const double* v, double dt) {
   const VectorResult configuration(q, model_.nq()), velocity(v, model_.nv());
-  middle_v_ = aba(model_, data_, configuration, velocity, zero_);
+  undone_.setZero();
+  law.undoFriction(q, v, undone_.data());
+  middle_v_ = aba(model_, data_, configuration, velocity, undone_);
   middle_v_ -= aba(model_, data_, configuration, zero_, zero_);
   middle_v_ = velocity + 0.5 * dt * middle_v_;
   tau_ += nonLinearEffects(model_, data_, configuration, velocity);
   tau_ -= nonLinearEffects(model_, data_, configuration, middle_v_);
+  tau_ -= undone_;
+  law.undoFriction(q, middle_v_.data(), tau_.data());
+}
+
+void Unilateral::limitFriction(Law& law, const double* q) {
+  if (resting_.empty()) return;
+  const Eigen::VectorXd& limits = law.frictionLimits(q);
+  for (std::size_t k = 0; k < resting_.size(); ++k) {
+    const int dof = rubbing_[resting_[k]].dof;
+    bound_.front().cones[chosen_.size() + k].friction = limits[dof];
+    law.joint_friction[dof] = 0;
+  }
+}
+
+void Unilateral::takeFriction(Law& law, const detail::ContactViews& x, double dt) {
+  const Bound& bound = bound_.front();
+  slides_.clear();
+  for (std::size_t k = 0; k < resting_.size(); ++k) {
+    const FrictionCone& cone = bound.cones[chosen_.size() + k];
+    const int dof = rubbing_[resting_[k]].dof;
+    const double impulse = x.force[bound.data.set().firstRow(cone.constraint) + cone.coordinate];
+    law.joint_friction[dof] = impulse / dt;
+    slides_.push_back(std::abs(impulse) >= cone.friction * dt && x.motion[dof] * impulse <= 0);
+  }
+}
+
+void Unilateral::markHeld(std::vector<char>& held) const {
+  std::fill(held.begin(), held.end(), 0);
+  for (std::size_t k = 0; k < resting_.size(); ++k) held[resting_[k]] = !slides_[k];
+}
+
+void Unilateral::hold(Law& law, double t, const double* q, const double* v, double dt) {
+  limitFriction(law, q);
+  const detail::ContactViews x = contactStep(q, v, law.applied(t, q, v), dt, bound_.front().cones, 0);
+  if (!x.converged) ++law.statistics.inexact_contacts;
+  takeFriction(law, x, dt);
+}
+
+const double* Unilateral::stop(Law& law, double t, const double* q, const double* v) {
+  return contactStep(q, v, law.applied(t, q, v), instant, bound_.front().loose, 0).motion;
 }
 
 const double* Unilateral::step(Law& law, double t, const double* q, const double* v, double dt) {
   const int n = model_.nv();
+  limitFriction(law, q);
   tau_ = VectorResult(law.applied(t, q, v), n);
-  centreForces(q, v, dt);
+  centreForces(law, q, v, dt);
   Bound& bound = bound_.front();
   start_gaps_.clear();
   bool points = false;
@@ -152,6 +234,9 @@ const double* Unilateral::step(Law& law, double t, const double* q, const double
   }
   if (!x.converged) ++law.statistics.inexact_contacts;
   velocity_ = VectorResult(x.motion, n);
+  takeFriction(law, x, dt);
+  for (std::size_t k = 0; k < resting_.size(); ++k)
+    if (!slides_[k]) velocity_[rubbing_[resting_[k]].dof] = 0;
   displacement_ = dt * velocity_;
   if (*std::min_element(start_gaps_.begin(), start_gaps_.end()) < -creep * dt) pushOut(q, dt);
   return velocity_.data();
@@ -159,7 +244,7 @@ const double* Unilateral::step(Law& law, double t, const double* q, const double
 
 void Unilateral::pushOut(const double* q, double dt) {
   Bound& bound = bound_.front();
-  for (std::size_t k = 0; k < bound.smooth.size(); ++k) bound.smooth[k].gap = recovered * std::min(start_gaps_[k], 0.0);
+  for (std::size_t k = 0; k < start_gaps_.size(); ++k) bound.smooth[k].gap = recovered * std::min(start_gaps_[k], 0.0);
   tau_ = nonLinearEffects(model_, data_, VectorResult(q, model_.nq()), zero_);
   displacement_ += dt * VectorResult(contactStep(q, zero_.data(), tau_.data(), dt, bound.smooth, 0).motion, model_.nv());
 }
@@ -167,8 +252,6 @@ void Unilateral::pushOut(const double* q, double dt) {
 const double* Unilateral::impact(Law& law, double t, const double* q, const double* v, double restitution) {
   std::vector<FrictionCone>& cones = bound_.front().cones;
   for (FrictionCone& cone : cones) cone.gap = 0;
-  // So short that no force but the impulses counts.
-  constexpr double instant = 0x1p-60;
   const detail::ContactViews x = contactStep(q, v, law.applied(t, q, v), instant, cones, restitution);
   if (!x.converged) ++law.statistics.inexact_contacts;
   return x.motion;

@@ -1,4 +1,4 @@
-// Contacts and limits of joints in a simulation: which are near, and steps and impacts under those that are taken part in.
+// Contacts, limits and friction of joints in a simulation: which are near, and steps and impacts under those that are taken part in.
 #pragma once
 
 #include "integrate/law.hpp"
@@ -16,6 +16,13 @@ class Unilateral {
   /// `base`: constraints that hold beside, or null.
   Unilateral(const CompactModel& model, const ConstraintSet* base);
 
+  /// A degree of freedom whose joint has friction.
+  struct Rubbing {
+    std::string joint;
+    int dof, coordinate;  ///< in the model, in the joint
+  };
+  const std::vector<Rubbing>& rubbing() const { return rubbing_; }
+
   void watchLimits();
   void setFinder(ContactFinder finder) { finder_ = std::move(finder); }
   bool watches() const { return !limits_.empty() || static_cast<bool>(finder_); }
@@ -30,13 +37,23 @@ class Unilateral {
   /// At q; a view of what the next call overwrites.
   const std::vector<Gap>& look(double t, const double* q);
 
-  /// Chooses, of what look() has seen last, those for which `takes` says so.
+  /// Chooses, of what look() has seen last, those for which `takes` says so, and no friction.
   template <class F>
   void choose(F&& takes) {
+    choose(takes, {});
+  }
+  /// And the friction of those of rubbing() that are marked.
+  template <class F>
+  void choose(F&& takes, const std::vector<char>& resting) {
     chosen_.clear();
     for (std::size_t k = 0; k < gaps_.size(); ++k)
       if (takes(gaps_[k])) chosen_.push_back(k);
-    bind();
+    rest(resting);
+  }
+  /// Nothing but this friction.
+  void chooseFriction(const std::vector<char>& resting) {
+    chosen_.clear();
+    rest(resting);
   }
   bool anyChosen() const { return !chosen_.empty(); }
 
@@ -44,6 +61,12 @@ class Unilateral {
   /// is they that turn the axes of a free body's velocity with it, and Euler's step would make it longer. Gaps at the end are looked at once:
   /// where bodies roll it is not the same point that touches.
   const double* step(Law& law, double t, const double* q, const double* v, double dt);
+  /// Writes into law.joint_friction what holds the chosen joints over dt, as well as it can.
+  void hold(Law& law, double t, const double* q, const double* v, double dt);
+  /// After hold() or step(): marks those of rubbing() that friction has held.
+  void markHeld(std::vector<char>& held) const;
+  /// The velocity with the chosen joints at rest, by an impulse.
+  const double* stop(Law& law, double t, const double* q, const double* v);
   /// Where that leads in dt: along the velocity, and out of what it is already in. That gives no speed: bodies are not thrown.
   const Eigen::VectorXd& displacement() const { return displacement_; }
   /// The velocity after an impact in all of the chosen ones, whose gaps are taken as closed.
@@ -60,8 +83,10 @@ class Unilateral {
   struct Bound {
     std::vector<long> keys;
     std::vector<ContactPoint> points;
+    std::vector<std::size_t> resting;
     ConstraintData data;
-    std::vector<FrictionCone> cones, smooth;  ///< the second without friction
+    std::vector<FrictionCone> cones, smooth;  ///< of keys, of resting, and the loose ones; the second without friction
+    std::vector<FrictionCone> loose;          ///< coordinates of joints of which only others rest
   };
 
   detail::ContactViews contactStep(const double* q, const double* v, const double* tau, double dt, const std::vector<FrictionCone>& cones,
@@ -69,7 +94,11 @@ class Unilateral {
   /// Moves displacement_ by a part of how deep the chosen ones are.
   void pushOut(const double* q, double dt);
   /// tau_, so that the forces of velocity become those of the middle.
-  void centreForces(const double* q, const double* v, double dt);
+  void centreForces(Law& law, const double* q, const double* v, double dt);
+  void rest(const std::vector<char>& resting);
+  /// What the chosen joints' friction can do at most.
+  void limitFriction(Law& law, const double* q);
+  void takeFriction(Law& law, const detail::ContactViews& x, double dt);
   void bind();
   ConstraintDescription describe(std::size_t gap) const;
   const ContactPoint* pointOf(std::size_t gap) const;
@@ -77,13 +106,15 @@ class Unilateral {
   CompactModel model_;
   ConstraintSet base_;
   std::vector<Limit> limits_;
+  std::vector<Rubbing> rubbing_;
   ContactFinder finder_;
   std::vector<ContactPoint> points_;
-  std::vector<Gap> gaps_;  ///< of limits, then of points
-  std::vector<std::size_t> chosen_;
-  std::vector<Bound> bound_;  ///< the last used first
+  std::vector<Gap> gaps_;                      ///< of limits, then of points
+  std::vector<std::size_t> chosen_, resting_;  ///< of gaps, of rubbing
+  std::vector<char> slides_;                   ///< of the latter in the last step
+  std::vector<Bound> bound_;                   ///< the last used first
   Data data_;
-  Eigen::VectorXd velocity_, displacement_, middle_v_, tau_, zero_, end_q_;
+  Eigen::VectorXd velocity_, displacement_, middle_v_, tau_, undone_, zero_, end_q_;
   std::vector<double> start_gaps_;  ///< of the chosen ones
 };
 

@@ -12,6 +12,7 @@
 #include <dyn/algorithm/crba.hpp>
 #include <dyn/constraint/dynamics.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -81,7 +82,8 @@ class VariationalStepper : public CubicStepper {
       cholesky::solve(law_.model(), law_.data(), residual_);
       if (law_.constrained()) constrain();
       xi_ -= residual_;
-      const double size = n_ > 0 ? residual_.cwiseAbs().maxCoeff() : 0, scale = n_ > 0 ? xi_.cwiseAbs().maxCoeff() : 0;
+      const double size = n_ > 0 ? residual_.cwiseAbs().maxCoeff() : 0;
+      const double scale = n_ > 0 ? std::max(xi_.cwiseAbs().maxCoeff(), h_ * law_.cancelled) : 0;
       if (!residual_.allFinite()) return false;
       if (size <= 0x1p-52 * scale) break;
       if (size > 0.5 * before && size <= floor * scale) break;

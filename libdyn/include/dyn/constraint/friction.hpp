@@ -7,13 +7,17 @@
 namespace dyn {
 
 /// Of a set's constraint, either a contact whose rows are the three translations (x, y, z in its axes), with z along the normal, away from the
-/// other body; or the lock of a joint of one degree of freedom, which is then a limit that pushes its coordinate one way.
-/// Constraints of the set that no cone names hold both ways.
+/// other body; or the lock of a joint of one degree of freedom, which is then a limit that pushes its coordinate one way; or one coordinate of a
+/// lock, which is then the joint's own friction: it holds both ways, as well as its largest force can.
+/// Rows of the set that no cone names hold both ways whatever it takes.
 struct FrictionCone {
   int constraint = 0;
-  double friction = 0;  ///< coefficient: tangential force at most friction * normal force; not negative, 0 for limits
-  double gap = 0;       ///< [m, rad] that contactStep may still close: the velocity after is at least -gap / dt; negative: where it is to be undone
+  /// Coefficient: tangential force at most friction * normal force; not negative, 0 for limits. Of a joint's own friction the largest force [N, N m].
+  double friction = 0;
+  double gap = 0;  ///< [m, rad] that contactStep may still close: the velocity after is at least -gap / dt; negative: where it is to be undone
   bool downwards = false;  ///< of a limit: it pushes the coordinate down, an upper one
+  bool both_ways = false;  ///< of a lock: a joint's own friction
+  int coordinate = 0;      ///< of that: which of the joint's degrees of freedom
 };
 
 struct ContactSettings {

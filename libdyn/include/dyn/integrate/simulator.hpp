@@ -64,6 +64,10 @@ struct SimulatorStatistics {
 };
 
 /// One simulation, for one thread; it keeps its model alive.
+///
+/// Coulomb friction of joints, if the model has it, acts against those that move, and holds those at rest as long as it can; what it cannot hold
+/// starts to move. Steps end where a joint comes to rest. Those in which one is held are of second order at most, of adaptive integrators no
+/// longer than dt. Memory is taken where joints come to rest.
 class DYN_API Simulator {
  public:
   /// Of a model with the constraints of its own description, closed loops and couplings. Starts at neutral, at rest, at time 0. Throws
@@ -94,7 +98,7 @@ class DYN_API Simulator {
   double time() const;
   VectorResult q() const;
   VectorResult v() const;
-  /// Accelerations at the present state.
+  /// Accelerations at the present state; of joints that friction holds, those over the next dt.
   VectorResult acceleration();
   /// Kinetic and potential [J].
   double energy();

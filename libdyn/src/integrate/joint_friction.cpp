@@ -1,0 +1,105 @@
+// Joints' own Coulomb friction. During a step it is a constant force, so that methods of any order have a smooth law: against the motion of a joint
+// that moves, and of one at rest what keeps it there, as far as friction can: found as forces of contacts are, at the level of velocities. A step
+// ends where a joint comes to rest; whether it stays there the next one finds.
+#include "integrate/simulator_impl.hpp"
+
+#include <algorithm>
+
+namespace dyn {
+
+namespace {
+
+/// Of a step: joints that come to rest that soon rest from its beginning, so that steps do not become ever shorter.
+constexpr double soon = 0x1p-20;
+
+bool any(const std::vector<char>& marks) {
+  return std::any_of(marks.begin(), marks.end(), [](char mark) { return mark != 0; });
+}
+
+}  // namespace
+
+bool Simulator::Impl::restsAt(std::size_t rubbing, const Eigen::VectorXd& v) const {
+  return v[unilateral->rubbing()[rubbing].dof] == 0 || halted[rubbing];
+}
+
+double Simulator::Impl::longestStep(double left) const {
+  for (std::size_t k = 0; k < resting.size(); ++k)
+    if (restsAt(k, now.v)) return std::min(left, options.dt);
+  return left;
+}
+
+void Simulator::Impl::holdJoints(double h) {
+  if (!rubs()) return;
+  now.has_acceleration = false;
+  const Eigen::VectorXd& limits = law.frictionLimits(now.q.data());
+  for (std::size_t k = 0; k < resting.size(); ++k) {
+    const int dof = unilateral->rubbing()[k].dof;
+    resting[k] = restsAt(k, now.v);
+    law.joint_friction[dof] = resting[k] ? 0 : now.v[dof] > 0 ? -limits[dof] : limits[dof];
+  }
+  law.cancelled = 0;
+  if (!any(resting)) return;
+  if (infoOf(options.integrator).implicit)
+    law.cancelled = VectorResult(law.acceleration(now.time, now.q.data(), now.v.data()), now.v.size()).cwiseAbs().maxCoeff();
+  unilateral->chooseFriction(resting);
+  unilateral->hold(law, now.time, now.q.data(), now.v.data(), h);
+}
+
+void Simulator::Impl::settleJoints() {
+  std::fill(stopped.begin(), stopped.end(), 0);
+  if (!any(resting)) return;
+  unilateral->markHeld(stopped);
+  // Where it was too weak over the step, but not at its end, it has stopped what it let go.
+  for (std::size_t k = 0; k < resting.size(); ++k) {
+    const int dof = unilateral->rubbing()[k].dof;
+    if (resting[k] && law.joint_friction[dof] * next.v[dof] > 0) stopped[k] = 1;
+  }
+  stopJoints();
+}
+
+void Simulator::Impl::stopJoints() {
+  if (!any(stopped) || !next.q.allFinite() || !next.v.allFinite()) return;
+  unilateral->chooseFriction(stopped);
+  next.v = VectorResult(unilateral->stop(law, next.time, next.q.data(), next.v.data()), next.v.size());
+  for (std::size_t k = 0; k < stopped.size(); ++k)
+    if (stopped[k]) next.v[unilateral->rubbing()[k].dof] = 0;
+  next.has_acceleration = false;
+}
+
+bool Simulator::Impl::markTurned(const Eigen::VectorXd& v) {
+  for (std::size_t k = 0; k < resting.size(); ++k) {
+    const int dof = unilateral->rubbing()[k].dof;
+    turned[k] = !resting[k] && now.v[dof] * v[dof] < 0;
+  }
+  return any(turned);
+}
+
+double Simulator::Impl::comeToRest(double h) {
+  while (markTurned(next.v)) {
+    const auto turnsBefore = [&](double theta) {
+      between(theta, shown_q.data(), shown_v.data());
+      return markTurned(shown_v);
+    };
+    double low = 0, high = 1;
+    while (high - low > 0x1p-40) {
+      const double middle = 0.5 * (low + high);
+      (turnsBefore(middle) ? high : low) = middle;
+    }
+    // Joints of one mechanism come to rest at once, but for rounding.
+    if (!turnsBefore(std::min(1.0, high + soon))) markTurned(next.v);
+    if (low > soon) {
+      stepBy(low * h, now.time + low * h);
+      for (std::size_t k = 0; k < turned.size(); ++k) stopped[k] = stopped[k] || turned[k];
+      stopJoints();
+      project();
+      whole_step = false;
+      return low * h;
+    }
+    for (std::size_t k = 0; k < turned.size(); ++k) halted[k] = halted[k] || turned[k];
+    stepBy(h, next.time);
+    project();
+  }
+  return h;
+}
+
+}  // namespace dyn
