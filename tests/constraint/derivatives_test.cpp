@@ -64,67 +64,77 @@ bool wellPosed(const ConstrainedMotion& x, const ConstraintSet& set) {
 }  // namespace
 
 TEST_CASE("derivatives of constrained dynamics are those of differences", "[constraint]") {
-  const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 40)));
-  Subject s = randomScene(seed, 9, 1 + static_cast<int>(seed % 2));
-  addTargets(s, seed);
-  if (seed % 5 == 0) {
-    ConstraintDescription lock = lockJoint(s.model.joints()[3].name);
-    lock.baumgarte = {seed % 10 == 0 ? 9.0 : 0.0, 2};
-    const JointRecord& j = s.model.joints()[3];
-    if (seed % 10 == 0) {
-      const Eigen::VectorXd at = integrate(s.model, s.q, Eigen::VectorXd::Constant(s.model.nv(), 0.1)).segment(j.idx_q, j.nq);
-      std::get<JointLock>(lock.relation).configuration.assign(at.data(), at.data() + at.size());
+  int judged = 0;
+  for (std::uint64_t seed = 1; seed < 40; ++seed) {
+    CAPTURE(seed);
+    Subject s = randomScene(seed, 9, 1 + static_cast<int>(seed % 2));
+    addTargets(s, seed);
+    if (seed % 5 == 0) {
+      ConstraintDescription lock = lockJoint(s.model.joints()[3].name);
+      lock.baumgarte = {seed % 10 == 0 ? 9.0 : 0.0, 2};
+      const JointRecord& j = s.model.joints()[3];
+      if (seed % 10 == 0) {
+        const Eigen::VectorXd at = integrate(s.model, s.q, Eigen::VectorXd::Constant(s.model.nv(), 0.1)).segment(j.idx_q, j.nq);
+        std::get<JointLock>(lock.relation).configuration.assign(at.data(), at.data() + at.size());
+      }
+      s.constraints.push_back(lock);
     }
-    s.constraints.push_back(lock);
+    Data data(s.model, Need::derivatives);
+    ConstraintData c(ConstraintSet(s.model, s.constraints), Need::derivatives);
+    if (!wellPosed(constraintDynamics(s.model, data, s.q, s.v, s.tau, c), c.set())) continue;
+    ++judged;
+    const ConstraintDynamicsDerivatives x = computeConstraintDynamicsDerivatives(s.model, data, s.q, s.v, s.tau, c);
+    const Eigen::MatrixXd ddq_dq = x.ddq_dq, ddq_dv = x.ddq_dv, ddq_dtau = x.ddq_dtau, lambda_dq = x.lambda_dq, lambda_dv = x.lambda_dv,
+                          lambda_dtau = x.lambda_dtau;
+    const Eigen::Index n = s.model.nv(), rows = c.set().rows();
+    const auto both = [&](const Eigen::VectorXd& q, const Eigen::VectorXd& v, const Eigen::VectorXd& tau) {
+      const ConstrainedMotion y = constraintDynamics(s.model, data, q, v, tau, c);
+      Eigen::VectorXd out(n + rows);
+      out << y.ddq, y.lambda;
+      return out;
+    };
+    const double h = 1e-3;
+    const auto [by_q, by_v] =
+        stateDifferences(s.model, s.q, s.v, [&](const Eigen::VectorXd& q, const Eigen::VectorXd& v) { return both(q, v, s.tau); });
+    const Eigen::MatrixXd by_tau = differences(
+        n, h, [&](const Eigen::VectorXd& e) { return Eigen::VectorXd(s.tau + e); }, [&](const Eigen::VectorXd& tau) { return both(s.q, s.v, tau); });
+    CHECK(distance(ddq_dq, by_q.topRows(n)) < 1e-6);
+    CHECK(distance(lambda_dq, by_q.bottomRows(rows)) < 1e-6);
+    CHECK(distance(ddq_dv, by_v.topRows(n)) < 1e-7);
+    CHECK(distance(lambda_dv, by_v.bottomRows(rows)) < 1e-7);
+    CHECK(distance(ddq_dtau, by_tau.topRows(n)) < 1e-8);
+    CHECK(distance(lambda_dtau, by_tau.bottomRows(rows)) < 1e-8);
   }
-  Data data(s.model, Need::derivatives);
-  ConstraintData c(ConstraintSet(s.model, s.constraints), Need::derivatives);
-  if (!wellPosed(constraintDynamics(s.model, data, s.q, s.v, s.tau, c), c.set())) return;
-  const ConstraintDynamicsDerivatives x = computeConstraintDynamicsDerivatives(s.model, data, s.q, s.v, s.tau, c);
-  const Eigen::MatrixXd ddq_dq = x.ddq_dq, ddq_dv = x.ddq_dv, ddq_dtau = x.ddq_dtau, lambda_dq = x.lambda_dq, lambda_dv = x.lambda_dv,
-                        lambda_dtau = x.lambda_dtau;
-  const Eigen::Index n = s.model.nv(), rows = c.set().rows();
-  const auto both = [&](const Eigen::VectorXd& q, const Eigen::VectorXd& v, const Eigen::VectorXd& tau) {
-    const ConstrainedMotion y = constraintDynamics(s.model, data, q, v, tau, c);
-    Eigen::VectorXd out(n + rows);
-    out << y.ddq, y.lambda;
-    return out;
-  };
-  const double h = 1e-3;
-  const auto [by_q, by_v] =
-      stateDifferences(s.model, s.q, s.v, [&](const Eigen::VectorXd& q, const Eigen::VectorXd& v) { return both(q, v, s.tau); });
-  const Eigen::MatrixXd by_tau = differences(
-      n, h, [&](const Eigen::VectorXd& e) { return Eigen::VectorXd(s.tau + e); }, [&](const Eigen::VectorXd& tau) { return both(s.q, s.v, tau); });
-  CHECK(distance(ddq_dq, by_q.topRows(n)) < 1e-6);
-  CHECK(distance(lambda_dq, by_q.bottomRows(rows)) < 1e-6);
-  CHECK(distance(ddq_dv, by_v.topRows(n)) < 1e-7);
-  CHECK(distance(lambda_dv, by_v.bottomRows(rows)) < 1e-7);
-  CHECK(distance(ddq_dtau, by_tau.topRows(n)) < 1e-8);
-  CHECK(distance(lambda_dtau, by_tau.bottomRows(rows)) < 1e-8);
+  CHECK(judged >= 12);
 }
 
 TEST_CASE("constraints that repeat each other do not change the derivatives of accelerations", "[constraint]") {
-  const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 20)));
-  Subject s = randomScene(seed, 9, 1);
-  Data data(s.model, Need::derivatives);
-  ConstraintData once(ConstraintSet(s.model, s.constraints), Need::derivatives);
-  if (!wellPosed(constraintDynamics(s.model, data, s.q, s.v, s.tau, once), once.set())) return;
-  const ConstraintDynamicsDerivatives x = computeConstraintDynamicsDerivatives(s.model, data, s.q, s.v, s.tau, once);
-  const Eigen::MatrixXd by_q = x.ddq_dq, by_v = x.ddq_dv, by_tau = x.ddq_dtau;
-  for (std::size_t k = s.constraints.size(); k-- > 0;) {
-    s.constraints.push_back(s.constraints[k]);
-    s.constraints.back().name += " again";
+  int judged = 0;
+  for (std::uint64_t seed = 1; seed < 20; ++seed) {
+    CAPTURE(seed);
+    Subject s = randomScene(seed, 9, 1);
+    Data data(s.model, Need::derivatives);
+    ConstraintData once(ConstraintSet(s.model, s.constraints), Need::derivatives);
+    if (!wellPosed(constraintDynamics(s.model, data, s.q, s.v, s.tau, once), once.set())) continue;
+    ++judged;
+    const ConstraintDynamicsDerivatives x = computeConstraintDynamicsDerivatives(s.model, data, s.q, s.v, s.tau, once);
+    const Eigen::MatrixXd by_q = x.ddq_dq, by_v = x.ddq_dv, by_tau = x.ddq_dtau;
+    for (std::size_t k = s.constraints.size(); k-- > 0;) {
+      s.constraints.push_back(s.constraints[k]);
+      s.constraints.back().name += " again";
+    }
+    ConstraintData twice(ConstraintSet(s.model, s.constraints), Need::derivatives);
+    for (const double mu : {0.0, 1e-6}) {
+      CAPTURE(mu);
+      twice.settings.mu = mu;
+      const ConstraintDynamicsDerivatives y = computeConstraintDynamicsDerivatives(s.model, data, s.q, s.v, s.tau, twice);
+      CHECK(distance(y.ddq_dq, by_q) < 1e-8);
+      CHECK(distance(y.ddq_dv, by_v) < 1e-8);
+      CHECK(distance(y.ddq_dtau, by_tau) < 1e-8);
+      CHECK(y.lambda_dq.allFinite());
+    }
   }
-  ConstraintData twice(ConstraintSet(s.model, s.constraints), Need::derivatives);
-  for (const double mu : {0.0, 1e-6}) {
-    CAPTURE(seed, mu);
-    twice.settings.mu = mu;
-    const ConstraintDynamicsDerivatives y = computeConstraintDynamicsDerivatives(s.model, data, s.q, s.v, s.tau, twice);
-    CHECK(distance(y.ddq_dq, by_q) < 1e-8);
-    CHECK(distance(y.ddq_dv, by_v) < 1e-8);
-    CHECK(distance(y.ddq_dtau, by_tau) < 1e-8);
-    CHECK(y.lambda_dq.allFinite());
-  }
+  CHECK(judged >= 9);
 }
 
 TEST_CASE("derivatives of couplings kept by forces are those of differences", "[constraint]") {
@@ -156,24 +166,29 @@ TEST_CASE("derivatives of couplings kept by forces are those of differences", "[
 }
 
 TEST_CASE("derivatives of impacts are those of differences", "[constraint]") {
-  const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 20)));
-  const Subject s = randomScene(seed, 9, 1 + static_cast<int>(seed % 2));
-  Data data(s.model, Need::derivatives);
-  ConstraintData c(ConstraintSet(s.model, s.constraints), Need::derivatives);
-  if (!wellPosed(constraintDynamics(s.model, data, s.q, s.v, s.tau, c), c.set())) return;
-  const double restitution = 0.3;
-  const ImpulseDynamicsDerivatives x = computeImpulseDynamicsDerivatives(s.model, data, s.q, s.v, restitution, c);
-  const Eigen::MatrixXd v_dq = x.v_after_dq, v_dv = x.v_after_dv, impulse_dq = x.impulse_dq, impulse_dv = x.impulse_dv;
-  const Eigen::Index n = s.model.nv(), rows = c.set().rows();
-  const auto both = [&](const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
-    const ConstrainedImpact y = impulseDynamics(s.model, data, q, v, restitution, c);
-    Eigen::VectorXd out(n + rows);
-    out << y.v_after, y.impulse;
-    return out;
-  };
-  const auto [by_q, by_v] = stateDifferences(s.model, s.q, s.v, both);
-  CHECK(distance(v_dq, by_q.topRows(n)) < 1e-6);
-  CHECK(distance(impulse_dq, by_q.bottomRows(rows)) < 1e-6);
-  CHECK(distance(v_dv, by_v.topRows(n)) < 1e-8);
-  CHECK(distance(impulse_dv, by_v.bottomRows(rows)) < 1e-8);
+  int judged = 0;
+  for (std::uint64_t seed = 1; seed < 20; ++seed) {
+    CAPTURE(seed);
+    const Subject s = randomScene(seed, 9, 1 + static_cast<int>(seed % 2));
+    Data data(s.model, Need::derivatives);
+    ConstraintData c(ConstraintSet(s.model, s.constraints), Need::derivatives);
+    if (!wellPosed(constraintDynamics(s.model, data, s.q, s.v, s.tau, c), c.set())) continue;
+    ++judged;
+    const double restitution = 0.3;
+    const ImpulseDynamicsDerivatives x = computeImpulseDynamicsDerivatives(s.model, data, s.q, s.v, restitution, c);
+    const Eigen::MatrixXd v_dq = x.v_after_dq, v_dv = x.v_after_dv, impulse_dq = x.impulse_dq, impulse_dv = x.impulse_dv;
+    const Eigen::Index n = s.model.nv(), rows = c.set().rows();
+    const auto both = [&](const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
+      const ConstrainedImpact y = impulseDynamics(s.model, data, q, v, restitution, c);
+      Eigen::VectorXd out(n + rows);
+      out << y.v_after, y.impulse;
+      return out;
+    };
+    const auto [by_q, by_v] = stateDifferences(s.model, s.q, s.v, both);
+    CHECK(distance(v_dq, by_q.topRows(n)) < 1e-6);
+    CHECK(distance(impulse_dq, by_q.bottomRows(rows)) < 1e-6);
+    CHECK(distance(v_dv, by_v.topRows(n)) < 1e-8);
+    CHECK(distance(impulse_dv, by_v.bottomRows(rows)) < 1e-8);
+  }
+  CHECK(judged >= 7);
 }

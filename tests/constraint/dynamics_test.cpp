@@ -42,33 +42,38 @@ TEST_CASE("biases are the derivatives of the rows' velocities", "[constraint]") 
 }
 
 TEST_CASE("accelerations and forces solve the dense equations", "[constraint]") {
-  const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 40)));
-  const Subject s = randomScene(seed, 12, 1 + static_cast<int>(seed % 3));
-  Data data(s.model, Need::derivatives);
-  const DenseRows rows = denseRows(s.model, data, s.constraints, s.q, s.v);
-  const Eigen::MatrixXd M = crba(s.model, data, s.q);
-  const Eigen::VectorXd h = nonLinearEffects(s.model, data, s.q, s.v);
-  const DenseSolution wanted = solveKkt(M, rows.J, s.tau.cast<long double>() - h.cast<long double>(), -rows.gamma.cast<long double>());
-  const LongMatrix D = rows.J.cast<long double>() * M.cast<long double>().ldlt().solve(LongMatrix(rows.J.transpose().cast<long double>()));
-  const Eigen::VectorXd spectrum = D.cast<double>().selfadjointView<Eigen::Lower>().eigenvalues();
-  const double largest = spectrum.maxCoeff();
-  double smallest = largest;
-  for (const double x : spectrum)
-    if (x > 1e-12 * largest) smallest = std::min(smallest, x);
-  // What is lost is the condition of that part of the Delassus matrix which is not zero.
-  const double tolerance = 1e-14 * (largest / smallest) + 1e-11;
-  if (tolerance > 1e-6) return;  // nearly dependent: neither side knows
-  ConstraintData c(ConstraintSet(s.model, s.constraints));
-  for (const ConstraintMethod method : {ConstraintMethod::articulated, ConstraintMethod::kkt}) {
-    const ConstrainedMotion x = constraintDynamics(s.model, data, s.q, s.v, s.tau, c, method);
-    INFO("condition " << largest / smallest << ", rank " << x.rank << " of " << rows.J.rows());
-    CHECK(relativeTo(x.ddq, wanted.x) <= tolerance);
-    CHECK(relativeTo(x.lambda, wanted.lambda) <= tolerance);
-    const Eigen::VectorXd left = rows.J * Eigen::VectorXd(x.ddq) + rows.gamma;
-    CHECK(std::abs(x.residual - left.cwiseAbs().maxCoeff()) <= tolerance * (1 + h.cwiseAbs().maxCoeff() + x.residual));
+  int judged = 0;
+  for (std::uint64_t seed = 1; seed < 40; ++seed) {
+    CAPTURE(seed);
+    const Subject s = randomScene(seed, 12, 1 + static_cast<int>(seed % 3));
+    Data data(s.model, Need::derivatives);
+    const DenseRows rows = denseRows(s.model, data, s.constraints, s.q, s.v);
+    const Eigen::MatrixXd M = crba(s.model, data, s.q);
+    const Eigen::VectorXd h = nonLinearEffects(s.model, data, s.q, s.v);
+    const DenseSolution wanted = solveKkt(M, rows.J, s.tau.cast<long double>() - h.cast<long double>(), -rows.gamma.cast<long double>());
+    const LongMatrix D = rows.J.cast<long double>() * M.cast<long double>().ldlt().solve(LongMatrix(rows.J.transpose().cast<long double>()));
+    const Eigen::VectorXd spectrum = D.cast<double>().selfadjointView<Eigen::Lower>().eigenvalues();
+    const double largest = spectrum.maxCoeff();
+    double smallest = largest;
+    for (const double x : spectrum)
+      if (x > 1e-12 * largest) smallest = std::min(smallest, x);
+    // What is lost is the condition of that part of the Delassus matrix which is not zero.
+    const double tolerance = 1e-14 * (largest / smallest) + 1e-11;
+    if (tolerance > 1e-6) continue;  // nearly dependent: neither side knows
+    ++judged;
+    ConstraintData c(ConstraintSet(s.model, s.constraints));
+    for (const ConstraintMethod method : {ConstraintMethod::articulated, ConstraintMethod::kkt}) {
+      const ConstrainedMotion x = constraintDynamics(s.model, data, s.q, s.v, s.tau, c, method);
+      INFO("condition " << largest / smallest << ", rank " << x.rank << " of " << rows.J.rows());
+      CHECK(relativeTo(x.ddq, wanted.x) <= tolerance);
+      CHECK(relativeTo(x.lambda, wanted.lambda) <= tolerance);
+      const Eigen::VectorXd left = rows.J * Eigen::VectorXd(x.ddq) + rows.gamma;
+      CHECK(std::abs(x.residual - left.cwiseAbs().maxCoeff()) <= tolerance * (1 + h.cwiseAbs().maxCoeff() + x.residual));
+    }
+    const ConstrainedImpact impact = impulseDynamics(s.model, data, s.q, s.v, 0.3, c);
+    const DenseSolution after = solveKkt(M, rows.J, LongVector::Zero(s.model.nv()), -1.3L * rows.velocity.cast<long double>());
+    CHECK(relativeTo(impact.v_after - s.v, after.x) <= tolerance);
+    CHECK(relativeTo(impact.impulse, after.lambda) <= tolerance);
   }
-  const ConstrainedImpact impact = impulseDynamics(s.model, data, s.q, s.v, 0.3, c);
-  const DenseSolution after = solveKkt(M, rows.J, LongVector::Zero(s.model.nv()), -1.3L * rows.velocity.cast<long double>());
-  CHECK(relativeTo(impact.v_after - s.v, after.x) <= tolerance);
-  CHECK(relativeTo(impact.impulse, after.lambda) <= tolerance);
+  CHECK(judged >= 35);
 }
