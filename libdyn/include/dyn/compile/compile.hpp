@@ -16,7 +16,7 @@ struct CompileOptions {
 };
 
 /// Turns a description into an immutable model. Deterministic: same model, same options, same bytes. O(n log n).
-/// Throws Error(model | joint_type | parameter), naming the joint.
+/// Throws Error(model | joint_type | parameter | size | plugin), naming the joint.
 DYN_API CompactModel compile(const Model& model, const JointRegistry& registry, const CompileOptions& options = {});
 
 }  // namespace dyn
