@@ -44,6 +44,6 @@ int main(int argc, char** argv) {
   const int code = run(argc, argv);
   // What was printed may have got no further than a buffer: whoever reads the exit code is to know that the disk was full.
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
-  std::fputs("dyn: the output could not be written, not all of it\n", stderr);
+  std::fputs("dyn: not all of the output could be written\n", stderr);
   return code == 0 ? 1 : code;
 }

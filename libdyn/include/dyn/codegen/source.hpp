@@ -32,7 +32,8 @@ struct DYN_API Source {
 };
 
 /// void PREFIXname(const double* q, const double* v, ..., double* tau, ...): inputs, then outputs, in the order of the function's arguments.
-/// Deterministic. Throws Error(argument) for names that C does not allow or that are there twice, and for lanes that are no power of two.
+/// Deterministic. Throws Error(argument) for names that C does not allow, that are there twice, or that the code has for itself, and for lanes that
+/// are no power of two.
 DYN_API Source writeSource(const std::vector<TracedFunction>& functions, const SourceOptions& options = {});
 
 }  // namespace dyn
