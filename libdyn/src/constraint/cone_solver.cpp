@@ -8,7 +8,7 @@
 namespace dyn {
 
 void ConeSolver::carve(int rows, Arena& arena) {
-  for (double** vector : {&force_, &dual_, &right_, &velocity_, &sum_}) arena.take(*vector, static_cast<std::size_t>(rows) + most_lanes);
+  for (double** vector : {&scale_, &force_, &dual_, &right_, &velocity_, &sum_}) arena.take(*vector, static_cast<std::size_t>(rows) + most_lanes);
 }
 
 void projectOntoCone(const PackedCone& cone, double* all) {
@@ -34,6 +34,26 @@ void projectOntoCone(const PackedCone& cone, double* all) {
   x[2] = along;
 }
 
+void ConeSolver::chooseScales(const kernels::ConstraintWorkspace& w, const ConeProblem& problem, double mean) {
+  const auto scaleOf = [&](int row, int rows) {
+    double diagonal = 0;
+    for (int i = row; i < row + rows; ++i) diagonal += w.delassus[i * w.stride + i] / rows;
+    const double scale = diagonal > 0 ? std::exp2(-std::round(0.5 * std::log2(diagonal / mean))) : 1;
+    std::fill_n(scale_ + row, rows, scale);
+  };
+  for (int i = 0; i < problem.rows; ++i) scaleOf(i, 1);
+  for (std::size_t c = 0; c < problem.count; ++c) scaleOf(problem.cones[c].row, problem.cones[c].rows);
+}
+
+void ConeSolver::project(const ConeProblem& problem, double* x) const {
+  for (std::size_t c = 0; c < problem.count; ++c) {
+    PackedCone cone = problem.cones[c];
+    if (cone.both_ways) cone.friction /= scale_[cone.row];
+    projectOntoCone(cone, x);
+  }
+}
+
+/// With x = S y of scales S: S G S y + S g, whose cones are the same but for bounds.
 /// Boyd et al. 2011, sec. 3; the penalty follows the ratio of the two residuals (sec. 3.4.1).
 ConeSolution ConeSolver::solve(kernels::ConstraintWorkspace& w, const ConeProblem& problem, const ContactSettings& settings, double* x) {
   const kernels::ConstraintKernels& k = kernels::constraintKernels();
@@ -51,6 +71,9 @@ ConeSolution ConeSolver::solve(kernels::ConstraintWorkspace& w, const ConeProble
   std::fill_n(force_, n, 0.0);
   std::copy_n(problem.g, n, velocity_);
   if (!(largest > 0)) return {largest == 0, 0};
+  chooseScales(w, problem, mean);
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) w.delassus[i * w.stride + j] *= scale_[i] * scale_[j];
   // Of the order of the matrix between its largest and its smallest entries; a trace of it keeps what is not determined from wandering.
   double penalty = 0.1 * mean;
   const double proximal = 1e-6 * mean;
@@ -58,7 +81,7 @@ ConeSolution ConeSolver::solve(kernels::ConstraintWorkspace& w, const ConeProble
   int since = 0, wait = 10;
   int iteration = 0;
   for (; iteration < settings.max_iterations; ++iteration) {
-    for (int i = 0; i < n; ++i) right_[i] = penalty * x[i] + proximal * force_[i] - problem.g[i] - dual_[i];
+    for (int i = 0; i < n; ++i) right_[i] = penalty * x[i] + proximal * force_[i] - scale_[i] * problem.g[i] - dual_[i];
     if (problem.dissipative)
       for (std::size_t c = 0; c < problem.count; ++c) {
         if (problem.cones[c].rows == 1 || problem.cones[c].friction == 0) continue;
@@ -66,26 +89,29 @@ ConeSolution ConeSolver::solve(kernels::ConstraintWorkspace& w, const ConeProble
         right_[problem.cones[c].normal()] -= problem.cones[c].friction * std::sqrt(y[0] * y[0] + y[1] * y[1]);
       }
     k.timesRows(n, w.stride, w.inverse, right_, force_);
-    double moved = 0;
+    // In velocities: forces that differ, and forces that still move, by what they do.
+    double primal = 0, change = 0, moved = 0;
     for (int i = 0; i < n; ++i) sum_[i] = force_[i] + dual_[i] / penalty;
-    for (std::size_t c = 0; c < problem.count; ++c) projectOntoCone(problem.cones[c], sum_);
+    project(problem, sum_);
     // Free rows have no cone: their dual stays zero.
     double apart = 0;
     for (int i = 0; i < n; ++i) {
-      moved = std::max(moved, std::abs(sum_[i] - x[i]));
+      const double step = std::abs(sum_[i] - x[i]);
+      moved = std::max(moved, step);
+      change = std::max(change, penalty * step / scale_[i]);
       x[i] = sum_[i];
-      apart = std::max(apart, std::abs(force_[i] - x[i]));
+      const double split = std::abs(force_[i] - x[i]);
+      apart = std::max(apart, split);
+      primal = std::max(primal, largest * split * scale_[i]);
       dual_[i] += penalty * (force_[i] - x[i]);
     }
-    // Both in velocities: forces that differ, and forces that still move, by what they do.
-    const double primal = largest * apart, change = penalty * moved;
     if (std::max(primal, change) <= settings.tolerance) {
       ++iteration;
       break;
     }
     if (!(primal < HUGE_VAL) || !(change < HUGE_VAL)) break;
     if (++since >= wait) {
-      const double ratio = mean * apart / std::max(change, 1e-300);
+      const double ratio = mean * apart / std::max(penalty * moved, 1e-300);
       if (ratio > 5 || ratio < 0.2) {
         penalty = std::clamp(penalty * std::clamp(std::sqrt(ratio), 0.01, 100.0), 1e-8 * largest, 1e4 * largest);
         k.invertDelassus(n, w, penalty + proximal, 0);
@@ -96,7 +122,10 @@ ConeSolution ConeSolver::solve(kernels::ConstraintWorkspace& w, const ConeProble
     }
   }
   k.timesRows(n, w.stride, w.delassus, x, velocity_);
-  for (int i = 0; i < n; ++i) velocity_[i] += problem.g[i];
+  for (int i = 0; i < n; ++i) {
+    velocity_[i] = velocity_[i] / scale_[i] + problem.g[i];
+    x[i] *= scale_[i];
+  }
   return {iteration < settings.max_iterations, iteration};
 }
 

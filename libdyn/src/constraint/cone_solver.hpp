@@ -36,13 +36,18 @@ struct ConeSolution {
 class ConeSolver {
  public:
   void carve(int rows, Arena& arena);
-  /// G is w.delassus; w.inverse is overwritten. x: forces in their cones; w's vectors have room for a pack.
+  /// G is w.delassus; that and w.inverse are overwritten. x: forces in their cones; w's vectors have room for a pack.
   ConeSolution solve(kernels::ConstraintWorkspace& w, const ConeProblem& problem, const ContactSettings& settings, double* x);
   /// G x + g of the last solution.
   const double* velocity() const { return velocity_; }
 
  private:
-  double *force_ = nullptr, *dual_ = nullptr, *right_ = nullptr, *velocity_ = nullptr, *sum_ = nullptr;
+  /// Into scale_: a power of two a row, the same for all of a cone, by which the matrix' diagonal comes near to its mean: forces and moments of
+  /// heavy and light bodies converge together.
+  void chooseScales(const kernels::ConstraintWorkspace& w, const ConeProblem& problem, double mean);
+  void project(const ConeProblem& problem, double* x) const;
+
+  double *scale_ = nullptr, *force_ = nullptr, *dual_ = nullptr, *right_ = nullptr, *velocity_ = nullptr, *sum_ = nullptr;
 };
 
 /// The cone's rows of x into it: nearest point.
