@@ -86,6 +86,25 @@ TEST_CASE("what friction takes is its force times the way", "[joint_friction]") 
   }
 }
 
+TEST_CASE("that a joint comes to rest is an event that happens once", "[joint_friction][event]") {
+  const CompactModel model = rubbingPendulum(1, 1);
+  for (const IntegratorInfo& info : integrators()) {
+    if (info.order == 1) continue;
+    Simulator s(model, {.integrator = info.integrator, .dt = 1e-2});
+    s.reset(Vector::Constant(1, 1), Vector::Zero(1));
+    s.setEvents({{"rests", [](double, const VectorResult&, const VectorResult& v) { return v[0]; }},
+                 {"hangs", [](double, const VectorResult& q, const VectorResult&) { return q[0]; }}});
+    std::vector<int> found;
+    do {
+      found.push_back(s.advance(6));
+      if (found.back() == 0) CHECK(s.v()[0] == 0);
+    } while (s.time() < 6);
+    INFO(info.name);
+    // After the last swing it does not come back to where it hangs.
+    CHECK(found == std::vector<int>{1, 0, 1, 0, 1, 0, 1, 0, 0, -1});
+  }
+}
+
 TEST_CASE("a joint that friction holds moves with its neighbours as if it were locked", "[joint_friction]") {
   const CompactModel held = rubbingPendulum(2, 1000), free = compile(tool::pendulum(2), registry());
   const Vector q = (Vector(2) << 1, 0.5).finished();

@@ -463,6 +463,8 @@ TEST_CASE("simulate refuses what makes no sense, and keeps what there was of a m
   fails(biped + " --integrator leapfrog", "leapfrog", 2);
   fails(biped + " --out trajectory.txt", ".csv or .json");
   fails(biped + " --every 1e-12", "keep fewer");
+  fails(biped + " --every=-0.1", "--every");
+  fails(biped + " --tolerance=-1", "tolerance");
   fails(biped + " --ground nowhere", "no frame 'nowhere'");
   fails(biped + " --resume " + (folder.path / "missing").string(), "does not exist");
   fails(biped + " --restitution 2", "restitution");

@@ -48,6 +48,8 @@ int Simulator::Impl::findEvent(double h) {
     }
   }
   if (found < 0) return -1;
+  // A speed that has come to zero is there, and not just past it.
+  if (h == cut && earliest > 1 - soon) return found;
   // The step once more, as far as that. Its end is nearer the truth than the polynomial, which may be past the zero where it is not yet.
   const auto k = static_cast<std::size_t>(found);
   for (double more = 0x1p-45; earliest < 1; more *= 4) {

@@ -9,9 +9,6 @@ namespace dyn {
 
 namespace {
 
-/// Of a step: joints that come to rest that soon rest from its beginning, so that steps do not become ever shorter.
-constexpr double soon = 0x1p-20;
-
 bool any(const std::vector<char>& marks) {
   return std::any_of(marks.begin(), marks.end(), [](char mark) { return mark != 0; });
 }
@@ -66,6 +63,11 @@ void Simulator::Impl::stopJoints() {
   next.has_acceleration = false;
 }
 
+void Simulator::Impl::stopTurned() {
+  for (std::size_t k = 0; k < turned.size(); ++k) stopped[k] = stopped[k] || turned[k];
+  stopJoints();
+}
+
 bool Simulator::Impl::markTurned(const Eigen::VectorXd& v) {
   for (std::size_t k = 0; k < resting.size(); ++k) {
     const int dof = unilateral->rubbing()[k].dof;
@@ -88,12 +90,12 @@ double Simulator::Impl::comeToRest(double h) {
     // Joints of one mechanism come to rest at once, but for rounding.
     if (!turnsBefore(std::min(1.0, high + soon))) markTurned(next.v);
     if (low > soon) {
-      stepBy(low * h, now.time + low * h);
-      for (std::size_t k = 0; k < turned.size(); ++k) stopped[k] = stopped[k] || turned[k];
-      stopJoints();
+      cut = low * h;
+      stepBy(cut, now.time + cut);
+      stopTurned();
       project();
       whole_step = false;
-      return low * h;
+      return cut;
     }
     for (std::size_t k = 0; k < turned.size(); ++k) halted[k] = halted[k] || turned[k];
     stepBy(h, next.time);

@@ -173,6 +173,7 @@ void Simulator::Impl::project() {
 double Simulator::Impl::stepTowards(double until) {
   double h = 0;
   contact_step = has_impact = false;
+  cut = 0;
   std::fill(halted.begin(), halted.end(), 0);
   if (infoOf(options.integrator).adaptive) {
     h = adaptiveStep(longestStep(until - now.time));
@@ -197,6 +198,7 @@ void Simulator::Impl::retake(double h) {
     next.time = now.time + h;
   } else {
     stepBy(h, now.time + h);
+    if (h == cut) stopTurned();
   }
   project();
   has_impact = false;

@@ -13,6 +13,8 @@ namespace dyn {
 struct Simulator::Impl {
   /// Of dt: whole steps that end this near to a time asked for end there.
   static constexpr double slack = 1e-9;
+  /// Of a step: joints that come to rest that soon rest from its beginning, so that steps do not become ever shorter.
+  static constexpr double soon = 0x1p-20;
 
   SimulatorOptions options;
   std::optional<ConstraintSet> constraints;
@@ -37,6 +39,7 @@ struct Simulator::Impl {
   std::vector<char> halted;   ///< the latter
   std::vector<char> stopped;  ///< at the step's end
   std::vector<char> turned;   ///< on the way
+  double cut = 0;             ///< [s] of the step that ends where a joint comes to rest; 0 of others
 
   std::vector<Event> events;
   std::vector<int> signs;  ///< of the events' functions at `now`; 0: no side is known
@@ -68,6 +71,8 @@ struct Simulator::Impl {
   void settleJoints();
   /// `next` with the marked joints at rest.
   void stopJoints();
+  /// And those that have turned.
+  void stopTurned();
   /// `turned`: joints that move the one way at `now` and the other by v. Whether there are any.
   bool markTurned(const Eigen::VectorXd& v);
   /// After a smooth step of h: `next` where first a joint comes to rest within it; returns by how much.
