@@ -38,8 +38,7 @@ class Packer {
   explicit Packer(const Graph& graph) : nodes_(graph.nodes), unit_(nodes_.size(), -1), lane_(nodes_.size(), 0), is_fused_(nodes_.size(), 0) {
     std::vector<int> uses(nodes_.size(), 0);
     for (const GraphNode& n : nodes_)
-      for (int k = 0; k < arity(n.operation); ++k)
-        uses[n.argument[k]] += n.operation == Operation::add || n.operation == Operation::subtract ? 1 : 2;
+      for (int k = 0; k < arity(n.operation); ++k) uses[n.argument[k]] += n.operation == Operation::add || n.operation == Operation::subtract ? 1 : 2;
     for (const std::uint32_t output : graph.outputs) uses[output] += 2;
     for (std::size_t node = 0; node < uses.size(); ++node) is_fused_[node] = uses[node] == 1;
     for (const NodesAbreast& tuple : graph.abreast) seat(tuple);
