@@ -10,6 +10,7 @@ namespace dyn::detail {
 const double* aba(const CompactModel& model, Data& data, VectorView q, VectorView v, VectorView tau, const Force<double>* fext, std::size_t count) {
   const CompactImpl& m = model.impl();
   DataImpl& d = data.impl();
+  keepArguments(data, {.q = &q, .v = &v, .tau = &tau});
   if (!m.couplings.empty()) {
     checkData("aba of a model with coupled joints", model, data, Need::mass_matrix);
     checkSize("aba", "tau", tau, m.nv);
@@ -36,7 +37,7 @@ const double* aba(const CompactModel& model, Data& data, VectorView q, VectorVie
     single.accelerate(m, d, m.gravity, d.ddq);
     body = d.failed[0];
   }
-  checkFactors("aba", m, body);
+  checkFactors("aba", m, body, in.q);
   return d.ddq;
 }
 

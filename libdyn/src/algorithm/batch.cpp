@@ -102,7 +102,7 @@ const T* computeBatch(const CompactModel& model, BasicBatchData<T>& data, BatchQ
       block.a = columns(a, first, count);
       block.results[0] = results[0].first + first * rows;
       d.kernels->run(m, d.scratch[at(t)].data(), block);
-      noteFailures(block, results, first, count, f);
+      noteFailures(q, block, results, first, count, f);
     });
   }
   fail(name, m, failure, q);

@@ -116,7 +116,7 @@ BatchDerivativeViews<T> batchDerivatives(const CompactModel& model, BasicBatchDa
       block.a = columns(a, first, count);
       for (int k = 0; k < 4; ++k) block.results[k] = results[k].first ? results[k].first + first * results[k].rows : nullptr;
       d.kernels->run(m, d.scratch[static_cast<std::size_t>(t)].data(), block);
-      noteFailures(block, results, first, count, f);
+      noteFailures(q, block, results, first, count, f);
     });
   }
   fail(name, m, failure, q);

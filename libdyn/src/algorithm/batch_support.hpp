@@ -116,9 +116,9 @@ void runSingle(const CompactModel& model, BatchImpl<T>& d, int thread, int state
       results[k].first[state * results[k].rows + i] = found[k] ? static_cast<T>(found[k][i]) : std::numeric_limits<T>::quiet_NaN();
 }
 
-/// Looks for what went wrong in a block: columns of states whose pivot vanished become NaN.
+/// Looks for what went wrong in a block: columns of states whose pivot vanished become NaN. NaN and infinity in q just spread.
 template <class T, std::size_t n>
-void noteFailures(const kernels::Block<T>& block, const StatesOut<T> (&results)[n], int first, int count, Failure& failure) {
+void noteFailures(const StatesView<T>& q, const kernels::Block<T>& block, const StatesOut<T> (&results)[n], int first, int count, Failure& failure) {
   if (!block.not_finite) return;
   for (int l = 0; l < count; ++l) {
     bool finite = true;
@@ -127,7 +127,7 @@ void noteFailures(const kernels::Block<T>& block, const StatesOut<T> (&results)[
       finite = finite && kernels::allFinite(column, result.rows);
       if (block.failed[l] != 0) std::fill(column, column + result.rows, std::numeric_limits<T>::quiet_NaN());
     }
-    if (!finite || block.failed[l] != 0) failure.note(first + l, block.failed[l]);
+    if ((!finite || block.failed[l] != 0) && kernels::allFinite(q.data + (first + l) * q.stride, q.rows)) failure.note(first + l, block.failed[l]);
   }
 }
 

@@ -1,4 +1,5 @@
 #include "algorithm/inputs.hpp"
+#include "kernels/evaluate.hpp"
 #include "kernels/table.hpp"
 
 #include <dyn/algorithm/cholesky.hpp>
@@ -45,7 +46,8 @@ void choleskyDecompose(const CompactModel& model, Data& data) {
   const CompactImpl& m = model.impl();
   DataImpl& d = data.impl();
   const int failed = kernels::active().single.choleskyDecompose(m, d.derivatives, d.M);
-  checkFactors("cholesky::decompose", m, failed == 0 ? 0 : m.dof_body[static_cast<std::size_t>(failed - 1)]);
+  if (failed == 0 || !kernels::allFinite(d.M, static_cast<std::ptrdiff_t>(m.nv) * m.nv)) return;  // NaN of a state spreads
+  checkFactors("cholesky::decompose", m, m.dof_body[static_cast<std::size_t>(failed - 1)]);
 }
 
 void choleskyTimes(const CompactModel& model, Data& data, Product product, const MatrixOut& X) {
@@ -58,6 +60,7 @@ const double* forwardDynamics(const CompactModel& model, Data& data, VectorView 
   check("forwardDynamics", model, data);
   checkSize("forwardDynamics", "tau", tau, model.nv());
   DataImpl& d = data.impl();
+  keepArguments(data, {.q = &q, .v = &v, .tau = &tau});
   const double* bias = nonLinearEffects(model, data, q, v);
   for (int k = 0; k < model.nv(); ++k) d.ddq[k] = tau.data[k] - bias[k];
   crba(model, data, q);

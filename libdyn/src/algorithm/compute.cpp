@@ -94,6 +94,7 @@ ComputedViews compute(const CompactModel& model, Data& data, Quantity what, Vect
     checkData("compute", model, data, Need::derivatives);
   const CompactImpl& m = model.impl();
   DataImpl& d = data.impl();
+  keepArguments(data, {.q = &q, .v = &v, .a = &a});
   const Inputs in = readInputs("compute", model, data, q, &v, &a);
   if (!m.couplings.empty()) return separately(model, data, what, q, v, a);
   if (has(what, Q::centroidal_map | Q::centroidal_rate) && !(m.mass > 0))
@@ -145,7 +146,7 @@ ComputedViews compute(const CompactModel& model, Data& data, Quantity what, Vect
     ++passes.inertias;
   }
   if (has(what, Q::minverse)) {
-    checkFactors("compute", m, k.treeFactors(m, d, d.derivatives));
+    checkFactors("compute", m, k.treeFactors(m, d, d.derivatives), in.q);
     k.inverseOfMassMatrix(m, d.derivatives, d.Minv);
     out.Minv = d.Minv;
     ++passes.inertias;

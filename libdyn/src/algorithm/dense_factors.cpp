@@ -12,7 +12,8 @@ void factorDense(const char* algorithm, const CompactImpl& m, double* M, double*
   for (std::ptrdiff_t k = 0; k < n; ++k) diagonal[k] = M[k * n + k];
   for (std::ptrdiff_t k = n - 1; k >= 0; --k) {
     const double pivot = M[k * n + k];
-    if (!(pivot > 8 * std::numeric_limits<double>::epsilon() * diagonal[k]) || !std::isfinite(pivot)) {
+    // NaN and infinity are those of q, and spread.
+    if (pivot <= 8 * std::numeric_limits<double>::epsilon() * diagonal[k] && std::isfinite(diagonal[k])) {
       std::size_t joint = m.joints.size() - 1;
       while (m.joints[joint].idx_v > k || m.joints[joint].nv == 0) --joint;
       refuseSingular(algorithm, m.joints[joint].name);

@@ -86,9 +86,10 @@ void forceDerivatives(const char* algorithm, const CompactModel& model, Data& da
   checkData(algorithm, model, data, Need::derivatives);
   const CompactImpl& m = model.impl();
   DataImpl& d = data.impl();
-  const VectorView zero{d.zero, m.nv};
-  if (!m.couplings.empty()) return coupledDerivatives(algorithm, model, data, q, v ? *v : zero, a ? *a : zero, fext, count);
-  const Prepared x = prepare(algorithm, model, data, q, v ? v : &zero, a ? a : &zero, fext, count);
+  VectorView velocity = v ? *v : VectorView{d.zero, m.nv}, acceleration = a ? *a : VectorView{d.zero, m.nv};
+  keepArguments(data, {.q = &q, .v = &velocity, .a = &acceleration});
+  if (!m.couplings.empty()) return coupledDerivatives(algorithm, model, data, q, velocity, acceleration, fext, count);
+  const Prepared x = prepare(algorithm, model, data, q, &velocity, &acceleration, fext, count);
   kernels::active().single.rneaDerivatives(m, d, d.derivatives, x.in.v, x.in.a, x.external, {d.dtau_dq, d.dtau_dv, with_M ? d.M : nullptr});
 }
 
@@ -100,7 +101,7 @@ void inverseInertia(const char* algorithm, const CompactModel& model, Data& data
     return invertDense(algorithm, m, d);
   }
   const kernels::SingleKernels& k = kernels::active().single;
-  checkFactors(algorithm, m, k.treeFactors(m, d, d.derivatives));
+  checkFactors(algorithm, m, k.treeFactors(m, d, d.derivatives), q.data);
   k.inverseOfMassMatrix(m, d.derivatives, d.Minv);
 }
 
@@ -121,6 +122,7 @@ DerivativeViews abaDerivatives(const CompactModel& model, Data& data, VectorView
   DataImpl& d = data.impl();
   const auto n = static_cast<Eigen::Index>(m.nv);
   using Matrix = Eigen::Map<Eigen::MatrixXd>;
+  keepArguments(data, {.q = &q, .v = &v, .tau = &tau});
   if (!m.couplings.empty()) {
     aba(model, data, q, v, tau, fext, count);
     const VectorView ddq{d.ddq, m.nv};
@@ -133,8 +135,9 @@ DerivativeViews abaDerivatives(const CompactModel& model, Data& data, VectorView
   checkSize(algorithm, "tau", tau, m.nv);
   const Prepared x = prepare(algorithm, model, data, q, &v, nullptr, fext, count);
   const double* effective = lessLosses(m, d, tau.data, x.in.v);
-  checkFactors(algorithm, m,
-               kernels::active().single.abaDerivatives(m, d, d.derivatives, x.in.v, effective, x.external, d.ddq, d.ddq_dq, d.ddq_dv, d.Minv));
+  const int failed =
+      kernels::active().single.abaDerivatives(m, d, d.derivatives, x.in.v, effective, x.external, d.ddq, d.ddq_dq, d.ddq_dv, d.Minv);
+  checkFactors(algorithm, m, failed, x.in.q);
   return {d.ddq, d.ddq_dq, d.ddq_dv, d.Minv};
 }
 

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <string>
 
 namespace dyn {
@@ -64,6 +65,23 @@ void checkData(const char* algorithm, const CompactModel& model, const Data& dat
                 std::string(algorithm) + ": data was made without " + nameOf(need) + "; make it as Data(model, " + nameOf(need) + ")");
 }
 
+void keepArguments(Data& data, const Arguments& arguments, const PackMemory* more) {
+  DataImpl& d = data.impl();
+  const auto isIn = [](const PackMemory& memory, const double* x) {
+    const std::less<const void*> before;
+    return !before(x, memory.data()) && before(x, memory.data() + memory.bytes());
+  };
+  const auto keep = [&](VectorView* x, int size, double* place) {
+    if (x == nullptr || x->size != size || !(isIn(d.block, x->data) || (more && isIn(*more, x->data)))) return;
+    std::copy_n(x->data, size, place);
+    x->data = place;
+  };
+  keep(arguments.q, d.model->nq, d.kept_q);
+  keep(arguments.v, d.model->nv, d.kept_v);
+  keep(arguments.a, d.model->nv, d.kept_a);
+  keep(arguments.tau, d.model->nv, d.kept_tau);
+}
+
 Inputs readInputs(const char* algorithm, const CompactModel& model, Data& data, VectorView q, const VectorView* v, const VectorView* a) {
   checkData(algorithm, model, data);
   const CompactImpl& m = model.impl();
@@ -71,7 +89,11 @@ Inputs readInputs(const char* algorithm, const CompactModel& model, Data& data, 
   checkSize(algorithm, "q", q, m.nq);
   if (v) checkSize(algorithm, "v", *v, m.nv);
   if (a) checkSize(algorithm, "a", *a, m.nv);
-  if (m.couplings.empty()) return {q.data, v ? v->data : d.zero, a ? a->data : d.zero};
+  if (m.couplings.empty()) {
+    VectorView velocity = v ? *v : VectorView{d.zero, m.nv}, acceleration = a ? *a : VectorView{d.zero, m.nv};
+    keepArguments(data, {.q = &q, .v = &velocity, .a = &acceleration});
+    return {q.data, velocity.data, acceleration.data};
+  }
   spread(m.q_of_user, q.data, d.qx);
   if (v) spread(m.v_of_user, v->data, d.vx);
   if (a) spread(m.v_of_user, a->data, d.ax);
@@ -103,8 +125,9 @@ void refuseZero(const char* argument, const CompactImpl& m, int i) {
               {"", 0, m.joints[at(m.index[at(i)].joint)].name});
 }
 
-void checkFactors(const char* algorithm, const CompactImpl& m, int failed_body) {
-  if (failed_body != 0) refuseSingular(algorithm, m.joints[static_cast<std::size_t>(m.index[static_cast<std::size_t>(failed_body)].joint)].name);
+void checkFactors(const char* algorithm, const CompactImpl& m, int failed_body, const double* q) {
+  if (failed_body == 0 || (q && !kernels::allFinite(q, m.nqx))) return;
+  refuseSingular(algorithm, m.joints[static_cast<std::size_t>(m.index[static_cast<std::size_t>(failed_body)].joint)].name);
 }
 
 void checkConfiguration(const char* argument, const CompactImpl& m, const double* q) {

@@ -18,7 +18,15 @@ void checkShape(const char* algorithm, const char* name, const MatrixOut& x, int
 /// Throws Error(argument) when data was made for another model, or without what the algorithm needs.
 void checkData(const char* algorithm, const CompactModel& model, const Data& data, Need need = Need::state);
 
-/// Checks and expands; v and a may be null views. Leaves G and gamma of couplings in data.
+/// Those that a call has.
+struct Arguments {
+  VectorView *q = nullptr, *v = nullptr, *a = nullptr, *tau = nullptr;
+};
+/// What is read after the first result has been written must not be one: arguments that lie in memory of results, data's or those in `more`, are
+/// copied, and the views turned to the copies, which calls within this one leave where they are. Others, and those of wrong size, stay.
+void keepArguments(Data& data, const Arguments& arguments, const PackMemory* more = nullptr);
+
+/// Checks, keeps and expands; v and a may be null views. Leaves G and gamma of couplings in data.
 Inputs readInputs(const char* algorithm, const CompactModel& model, Data& data, VectorView q, const VectorView* v, const VectorView* a);
 
 /// Throws Error(argument): the quaternion or (cos, sin) pair of body i's joint is zero.
@@ -34,8 +42,8 @@ void refuseFollowers(const char* algorithm, const CompactImpl& m);
 /// Throws Error(singular): the joint's pivot vanished.
 [[noreturn]] void refuseSingular(const char* algorithm, const std::string& joint);
 
-/// Throws Error(singular) unless `failed_body` is 0.
-void checkFactors(const char* algorithm, const CompactImpl& m, int failed_body);
+/// Throws Error(singular) unless `failed_body` is 0. Not where q, expanded, if it is given, has NaN or infinity, which just spread.
+void checkFactors(const char* algorithm, const CompactImpl& m, int failed_body, const double* q = nullptr);
 
 /// One virtual call a batch: poses, subspaces, and (with v) biases. Throws Error(argument) for a zero quaternion.
 void evaluateJoints(const CompactImpl& m, DataImpl& d, const double* q, const double* v);

@@ -67,6 +67,7 @@ ConstrainedDerivativeViews constraintDynamicsDerivatives(const CompactModel& mod
   DataImpl& d = data.impl();
   ConstraintDataImpl& c = constraints.impl();
   const std::ptrdiff_t n = model.nv(), rows = c.set.rows();
+  keepArguments(data, {.q = &q, .v = &v, .tau = &tau}, &c.block);
   constraintDynamics(model, data, q, v, tau, constraints, ConstraintMethod::articulated, nullptr, 0);
   std::copy_n(d.ddq, n, c.v_after);
   const VectorView ddq{c.v_after, n};
@@ -96,6 +97,7 @@ ConstrainedDerivativeViews impulseDynamicsDerivatives(const CompactModel& model,
   DataImpl& d = data.impl();
   ConstraintDataImpl& c = constraints.impl();
   const Eigen::Index n = model.nv(), rows = c.set.rows();
+  keepArguments(data, {.q = &q, .v = &v}, &c.block);
   impulseDynamics(model, data, q, v, restitution, constraints);
   const VectorView zero{d.zero, n};
   // M (v_after - v) - J^T impulse by q: inverse dynamics at rest with the change for an acceleration, less gravity.

@@ -53,6 +53,7 @@ ConstrainedViews constraintDynamics(const CompactModel& model, Data& data, Vecto
   const CompactImpl& m = model.impl();
   DataImpl& d = data.impl();
   ConstraintDataImpl& c = constraints.impl();
+  keepArguments(data, {.q = &q, .v = &v, .tau = &tau}, &c.block);
   freeMotion(algorithm, model, data, q, v, tau, fext, count, method == ConstraintMethod::kkt, c);
   factorDelassus(constraints);
   if (c.by_inertia) {
@@ -71,6 +72,7 @@ ConstrainedViews impulseDynamics(const CompactModel& model, Data& data, VectorVi
   const CompactImpl& m = model.impl();
   DataImpl& d = data.impl();
   ConstraintDataImpl& c = constraints.impl();
+  keepArguments(data, {.q = &q, .v = &v}, &c.block);
   double* change = d.ddq;
   ConstrainedViews out;
   const auto stillWanted = [&](const double* change_of_rows) {
@@ -100,6 +102,7 @@ ConstraintMotionViews constraintMotion(const CompactModel& model, Data& data, Ve
   const char* algorithm = "computeConstraintMotion";
   checkConstraints(algorithm, model, data, constraints);
   ConstraintDataImpl& c = constraints.impl();
+  keepArguments(data, {.q = &q, .v = &v}, &c.block);
   placeRows(algorithm, model, data, q, &v, c);
   for (int r = 0; r < c.set.rows(); ++r) c.gamma[r] += c.motion.bias[r];
   return {c.motion.velocity, c.gamma, c.motion.error};

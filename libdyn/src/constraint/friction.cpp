@@ -110,6 +110,7 @@ ContactViews contactStep(const CompactModel& model, Data& data, VectorView q, Ve
   if (!(dt > 0) || !std::isfinite(dt)) throw Error(ErrorCode::argument, "contactStep: the step of time must be positive");
   DataImpl& d = data.impl();
   ConstraintDataImpl& c = constraints.impl();
+  keepArguments(data, {.q = &q, .v = &v, .tau = &tau}, &c.block);
   readCones(algorithm, c, cones, count, settings);
   for (std::size_t k = 0; k < count; ++k)
     if (c.cones[k].both_ways) c.cones[k].friction *= dt;
@@ -156,6 +157,7 @@ ContactViews contactForces(const CompactModel& model, Data& data, VectorView q, 
   checkSize(algorithm, "a", a, model.nv());
   const CompactImpl& m = model.impl();
   ConstraintDataImpl& c = constraints.impl();
+  keepArguments(data, {.q = &q, .v = &v, .a = &a, .tau = &tau}, &c.block);
   readCones(algorithm, c, cones, count, settings);
   const int rows = c.set.rows();
   const double* wanted = rnea(model, data, q, v, a, nullptr, 0);

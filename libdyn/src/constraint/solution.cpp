@@ -34,11 +34,11 @@ void articulateBodies(const char* algorithm, const CompactImpl& m, DataImpl& d, 
     const kernels::PackedKernels& k = kernels::active().strips;
     int failed = 0;
     if (!k.articulate(m, d.packed.data(), q, v, tau, failed)) checkConfiguration("q", m, q);
-    checkFactors(algorithm, m, failed);
+    checkFactors(algorithm, m, failed, q);
   } else {
     evaluateJoints(m, d, q, v);
     kernels::active().single.articulate(m, d, v, tau, external);
-    checkFactors(algorithm, m, d.failed[0]);
+    checkFactors(algorithm, m, d.failed[0], q);
   }
 }
 

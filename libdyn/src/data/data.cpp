@@ -35,7 +35,6 @@ void carveAll(DataImpl& d, const CompactImpl& m, Arena& arena) {
   arena.take(d.nle, nv);
   arena.take(d.g, nv);
   arena.take(d.ddq, nvx);
-  arena.take(d.zero, std::max<std::size_t>(nvx, 1));
   arena.take(d.Jcom, 3 * nvx);
   arena.take(d.J, 6 * nvx);
   arena.take(d.columns, 12 * nvx);
@@ -61,6 +60,23 @@ void carveAll(DataImpl& d, const CompactImpl& m, Arena& arena) {
   }
 }
 
+void carveKept(DataImpl& d, const CompactImpl& m, Arena& arena) {
+  arena.take(d.zero, static_cast<std::size_t>(std::max(m.nvx, 1)));
+  arena.take(d.kept_q, static_cast<std::size_t>(m.nq));
+  for (double** place : {&d.kept_v, &d.kept_a, &d.kept_tau}) arena.take(*place, static_cast<std::size_t>(m.nv));
+}
+
+/// Memory of zeros for what carve(arena) asks for.
+template <class Carve>
+PackMemory memoryFor(const Carve& carve) {
+  Arena count(nullptr);
+  carve(count);
+  PackMemory memory(count.used());
+  Arena arena(memory.data());
+  carve(arena);
+  return memory;
+}
+
 }  // namespace
 
 Data::Data(const CompactModel& model, Need needs) : impl_(std::make_unique<DataImpl>()) {
@@ -70,11 +86,8 @@ Data::Data(const CompactModel& model, Need needs) : impl_(std::make_unique<DataI
   impl_->keep = std::make_shared<CompactModel>(model);
   impl_->needs = has(needs, Need::derivatives) ? needs | Need::mass_matrix : needs;
   impl_->dual.resize(m.batches.size());
-  Arena count(nullptr);
-  carveAll(*impl_, m, count);
-  impl_->block = PackMemory(count.used());  // zeroed
-  Arena arena(impl_->block.data());
-  carveAll(*impl_, m, arena);
+  impl_->block = memoryFor([&](Arena& arena) { carveAll(*impl_, m, arena); });
+  impl_->kept = memoryFor([&](Arena& arena) { carveKept(*impl_, m, arena); });
   atRest<double>(*impl_);
   const auto prepare = [&](const kernels::PackedKernels* packed, PackMemory& memory) {
     if (packed == nullptr) return;
@@ -96,7 +109,7 @@ Data::Data(Data&&) noexcept = default;
 Data& Data::operator=(Data&&) noexcept = default;
 
 std::size_t Data::bytes() const {
-  return impl_->block.bytes() + impl_->packed.bytes() + impl_->packed_mass_matrix.bytes() + impl_->strip_derivatives.bytes() +
+  return impl_->block.bytes() + impl_->kept.bytes() + impl_->packed.bytes() + impl_->packed_mass_matrix.bytes() + impl_->strip_derivatives.bytes() +
          impl_->dual.size() * sizeof(DualMemory) + sizeof(DataImpl);
 }
 

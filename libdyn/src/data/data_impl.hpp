@@ -22,6 +22,7 @@ struct DataImpl : Workspace<double> {
   std::shared_ptr<const void> keep;  ///< the model lives as long as its data
   Need needs = Need::state;
   PackMemory block;
+  PackMemory kept;                ///< what no result is written to: zeros, and arguments that are results
   PackMemory packed;              ///< scratch of the kernels that kernels::packed() names
   PackMemory strip_derivatives;   ///< where derivatives' recursions are over strips
   PackMemory packed_mass_matrix;  ///< of those that kernels::packedMassMatrix() names, if they are others
@@ -40,6 +41,7 @@ struct DataImpl : Workspace<double> {
   double *M = nullptr, *Mx = nullptr, *Jcom = nullptr, *J = nullptr;
   double* columns = nullptr;  ///< 6 x nvx, twice: Jacobians before couplings are folded
   double* zero = nullptr;     ///< max(nvx, 1) zeros
+  double *kept_q = nullptr, *kept_v = nullptr, *kept_a = nullptr, *kept_tau = nullptr;  ///< see keepArguments
   kernels::DerivativeWorkspace<double> derivatives;
   double *dtau_dq = nullptr, *dtau_dv = nullptr, *ddq_dq = nullptr, *ddq_dv = nullptr, *Minv = nullptr, *C = nullptr;
   double* column = nullptr;                                                                          ///< nvx, with room for a pack

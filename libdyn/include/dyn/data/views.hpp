@@ -87,7 +87,8 @@ class MatrixOut {
   std::ptrdiff_t rows_, cols_, stride_;
 };
 
-/// Results: views of memory that the Data owns, valid until it is destroyed, overwritten by the next call.
+/// Results: views of memory that the Data owns, valid until it is destroyed, overwritten by the next call. q, v, a and tau of that call may be
+/// such views (`aba(model, data, q, v, rnea(model, data, q, v, a))`): they are read before anything is written.
 using VectorResult = Eigen::Map<const Eigen::VectorXd>;
 using MatrixResult = Eigen::Map<const Eigen::MatrixXd>;
 
