@@ -67,3 +67,24 @@ TEST_CASE("every layout leads back to the state it came from", "[layout]") {
     CHECK((back.v - v).cwiseAbs().maxCoeff() < 1e-14);
   }
 }
+
+TEST_CASE("a rotation of zeros is refused in every layout, and the joint named", "[layout]") {
+  const CompactModel model = robot();
+  const Eigen::VectorXd v = Eigen::VectorXd::Zero(model.nv());
+  for (const auto layout : {Layout::pinocchio, Layout::rbdl, Layout::mujoco, Layout::drake})
+    for (const int j : {1, 3}) {
+      const JointRecord& joint = model.joints()[static_cast<std::size_t>(j)];
+      Eigen::VectorXd q = neutral(model);
+      const Eigen::VectorXd there = toLayout(model, layout, q, v).q;
+      q.segment(joint.idx_q + joint.nq - 4, 4).setZero();
+      CHECK_THROWS_WITH(toLayout(model, layout, q, v), containing(joint.name) && containing("zero"));
+      // The neutral quaternion is a one and zeros: without ones there is none.
+      const Eigen::VectorXd zeros = (there.array() == 1).select(0, there);
+      CHECK_THROWS_WITH(fromLayout(model, layout, zeros, v), containing("zero"));
+      q.segment(joint.idx_q + joint.nq - 4, 4).setConstant(std::numeric_limits<double>::quiet_NaN());
+      CHECK(!fromLayout(model, layout, toLayout(model, layout, q, v).q, v).q.allFinite());
+    }
+  Eigen::VectorXd q = neutral(model);
+  q.tail(2).setZero();
+  CHECK_THROWS_WITH(toLayout(model, Layout::mujoco, q, v), containing("continuous") && containing("zero"));
+}

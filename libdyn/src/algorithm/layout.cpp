@@ -49,7 +49,7 @@ int mainSize(const CompactImpl& m, Layout layout) {
   return size;
 }
 
-/// Calls f(kind, body, index into the other q, index of its w) joint by joint.
+/// Calls f(kind, body, its indices, index into the other q, index of its w) joint by joint.
 template <class F>
 void eachJoint(const CompactImpl& m, Layout layout, F&& f) {
   int iq = 0, iw = mainSize(m, layout);
@@ -57,7 +57,7 @@ void eachJoint(const CompactImpl& m, Layout layout, F&& f) {
     const BodyIndex& x = m.index[at(i)];
     if (x.user_v < 0) continue;
     const Kind kind = kindOf(m.batches[at(x.batch)]);
-    f(kind, x, iq, iw);
+    f(kind, i, x, iq, iw);
     iq += widthOf(kind, x.nq, layout);
     if (kind == Kind::free || kind == Kind::spherical) ++iw;
   }
@@ -85,20 +85,28 @@ void put(const Vec3<double>& x, double* out) {
 }
 Vec3<double> get(const double* x) { return {x[0], x[1], x[2]}; }
 
+/// Throws Error(argument) for four zeros, which stand for no rotation, where NaN and infinity just spread.
+Quaternion<double> rotationOf(const CompactImpl& m, int body, const double* q, const QuaternionPlace& p) {
+  const Quaternion<double> r = Quaternion<double>{q[p.x], q[p.y], q[p.z], q[p.w]}.normalized();
+  if (std::isnan(r.w) && std::isfinite(q[p.x] + q[p.y] + q[p.z] + q[p.w])) refuseZero("q", m, body);
+  return r;
+}
+
 }  // namespace
 
 int layoutSize(const CompactModel& model, Layout layout) {
   const CompactImpl& m = model.impl();
   int quaternions = 0;
   if (layout == Layout::rbdl)
-    eachJoint(m, layout, [&](Kind kind, const BodyIndex&, int, int) { quaternions += kind == Kind::free || kind == Kind::spherical; });
+    eachJoint(m, layout, [&](Kind kind, int, const BodyIndex&, int, int) { quaternions += kind == Kind::free || kind == Kind::spherical; });
   return mainSize(m, layout) + quaternions;
 }
 
 void toLayout(const CompactModel& model, Layout layout, VectorView q, VectorView v, double* q_out, double* v_out) {
   checkSize("toLayout", "q", q, model.nq());
   checkSize("toLayout", "v", v, model.nv());
-  eachJoint(model.impl(), layout, [&](Kind kind, const BodyIndex& x, int iq, int iw) {
+  checkConfiguration("q", model.impl(), q.data);
+  eachJoint(model.impl(), layout, [&](Kind kind, int, const BodyIndex& x, int iq, int iw) {
     const double* qi = q.data + x.user_q;
     const double* vi = v.data + x.user_v;
     double* vo = v_out + x.user_v;
@@ -139,7 +147,9 @@ void toLayout(const CompactModel& model, Layout layout, VectorView q, VectorView
 void fromLayout(const CompactModel& model, Layout layout, VectorView q_other, VectorView v_other, double* q, double* v) {
   checkSize("fromLayout", "q", q_other, layoutSize(model, layout));
   checkSize("fromLayout", "v", v_other, model.nv());
-  eachJoint(model.impl(), layout, [&](Kind kind, const BodyIndex& x, int iq, int iw) {
+  const CompactImpl& m = model.impl();
+  if (layout == Layout::pinocchio) checkConfiguration("q", m, q_other.data);
+  eachJoint(m, layout, [&](Kind kind, int body, const BodyIndex& x, int iq, int iw) {
     double* qi = q + x.user_q;
     double* vi = v + x.user_v;
     const double* vo = v_other.data + x.user_v;
@@ -162,7 +172,7 @@ void fromLayout(const CompactModel& model, Layout layout, VectorView q_other, Ve
       const bool position_last = layout == Layout::drake;
       const int first = kind == Kind::free && !position_last ? iq + 3 : iq;
       const QuaternionPlace p = quaternionPlace(layout, first, iw);
-      const Quaternion<double> r = Quaternion<double>{qo[p.x], qo[p.y], qo[p.z], qo[p.w]}.normalized();
+      const Quaternion<double> r = rotationOf(m, body, qo, p);
       double* quaternion = kind == Kind::free ? qi + 3 : qi;
       quaternion[0] = r.x;
       quaternion[1] = r.y;

@@ -31,7 +31,8 @@ struct StateVectors {
 /// Number of entries of q in another layout.
 inline int layoutNq(const CompactModel& model, Layout layout) { return detail::layoutSize(model, layout); }
 
-/// libdyn's (q, v) in the layout of another library. Quaternions are normalised. O(n). Throws Error(size).
+/// libdyn's (q, v) in the layout of another library. Quaternions are normalised. O(n). Throws Error(size), and
+/// Error(argument) for a quaternion or (cos, sin) pair that is zero.
 inline StateVectors toLayout(const CompactModel& model, Layout layout, const VectorArg& q, const VectorArg& v) {
   StateVectors out{Eigen::VectorXd(detail::layoutSize(model, layout)), Eigen::VectorXd(model.nv())};
   detail::toLayout(model, layout, q, v, out.q.data(), out.v.data());
