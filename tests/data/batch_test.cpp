@@ -211,6 +211,19 @@ TEST_CASE("what is wrong with a batch is said with the state", "[batch]") {
   CHECK_THROWS_WITH(aba(cam, cams, q, zero, zero), containing("state 6") && containing("'cam'") && containing("singular"));
 }
 
+TEST_CASE("a batch with room for derivatives has room for mass matrices, as a Data has", "[batch]") {
+  const bool coupled = GENERATE(true, false);
+  Model description = randomTree(registry(), 22, 4);
+  if (coupled) addFollower(description);
+  const CompactModel model = compile(description, registry());
+  BatchData batch(model, 3, Need::derivatives);
+  Data data(model, Need::derivatives);
+  const Eigen::MatrixXd q = neutral(model).replicate(1, 3);
+  const Eigen::MatrixXd M = crba(model, batch, q), expected = crba(model, data, q.col(0));
+  for (Eigen::Index k = 0; k < 3; ++k) CHECK(off(M.col(k), expected.reshaped()) <= 1e-12);
+  CHECK_THROWS_WITH(crba(model, batch, q.leftCols(0)), containing("x 1 to 3"));
+}
+
 TEST_CASE("a batch of a model without motion has results without rows", "[batch]") {
   Model still;
   JointDescription fixed;

@@ -8,6 +8,7 @@ namespace dyn {
 
 template <class T>
 BasicBatchData<T>::BasicBatchData(const CompactModel& model, int capacity, Need needs, int threads) : impl_(std::make_unique<BatchImpl<T>>()) {
+  if (has(needs, Need::derivatives)) needs = needs | Need::mass_matrix;
   if (capacity < 1 || threads < 1)
     throw Error(ErrorCode::argument,
                 "BatchData: capacity is " + std::to_string(capacity) + " and threads " + std::to_string(threads) + "; both must be at least 1");

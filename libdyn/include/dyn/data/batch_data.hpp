@@ -8,9 +8,9 @@ namespace dyn {
 template <class T>
 struct BatchImpl;
 
-/// Scratch and results for up to `capacity` states of one model, in double or float. All memory is taken when it is made; it grows as the
-/// number of states. One batch is for one caller at a time; the threads it starts are its own. Results are the same bits whatever their
-/// number.
+/// Scratch and results for 1 to `capacity` states of one model, in double or float; a call with none throws Error(size). All memory is taken
+/// when it is made; it grows as the number of states. One batch is for one caller at a time; the threads it starts are its own. Results are the
+/// same bits whatever their number.
 template <class T>
 class DYN_API BasicBatchData {
  public:
