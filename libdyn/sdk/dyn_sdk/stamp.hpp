@@ -1,4 +1,5 @@
-// The stamp both sides compute from their own headers; a plugin whose stamp differs is refused before any of its code is called.
+// The stamp both sides compute from their own headers; a plugin whose stamp differs is refused before any of its types is used. What runs when it
+// is opened has run by then, in a child process first.
 #pragma once
 
 #include <dyn/joint/joint_type.hpp>

@@ -7,12 +7,12 @@
 namespace dyn::kernels {
 
 /// Angular velocity w, angular acceleration and classical acceleration of each body's origin, in its own axes.
-/// w.a[i] = (classical linear, angular) acceleration, less gravity.
+/// w.acc[i] = (classical linear, angular) acceleration, less gravity.
 template <class S, class Order>
 void rneaOutward(const Order& order, Workspace<S>& w, const S* v, const S* a) {
   w.w[0] = {};
-  w.a[0] = {-order.gravity(), {}};
-  order.forward(passing(w.w, w.a), [&]<class Joint>(const Joint& joint, int i, int iv, auto&& turning, auto&& acceleration) {
+  w.acc[0] = {-order.gravity(), {}};
+  order.forward(passing(w.w, w.acc), [&]<class Joint>(const Joint& joint, int i, int iv, auto&& turning, auto&& acceleration) {
     const SE3<S> rel = placedInParent<S>(joint, order.constants(i).placement);
     w.rel[i] = rel;
 
@@ -56,7 +56,7 @@ template <class S, class Order>
 void rneaInward(const Order& order, Workspace<S>& w, S* tau, const Force<S>* fext = nullptr) {
   order.backward(passing(w.f), [&]<class Joint>(const Joint& joint, int i, int iv, auto&& force) {
     const auto& c = order.constants(i);
-    const auto& [origin, domega] = w.a[i];
+    const auto& [origin, domega] = w.acc[i];
     const Spin<S> spin(w.w[i], domega);
     const Vec3<S> linear = c.mass * spin.at(origin, c.com);
     Force<S> own{linear, spin.torque(c.rotational) + cross(c.com, linear)};

@@ -46,7 +46,7 @@ struct Workspace {
   SE3<S>* rel = nullptr;                ///< pose in the parent body's frame [placements]
   SE3<S>* oM = nullptr;                 ///< pose in the world [world placements]
   Motion<S>* v = nullptr;               ///< spatial velocity, body axes at its origin [velocities]
-  Motion<S>* a = nullptr;               ///< spatial acceleration, same [accelerations]; in rnea: classical acceleration, body axes
+  Motion<S>* a = nullptr;               ///< spatial acceleration, same [accelerations]
   Vec3<S>* w = nullptr;                 ///< angular velocity: body axes in rnea, aligned axes in aba
   Force<S>* f = nullptr;                ///< what the children hand over [rnea]; force through the joint [aba's derivatives]
   Mat3<S>* R = nullptr;                 ///< body axes in aligned axes [aligned]
@@ -55,7 +55,7 @@ struct Workspace {
   Motion<S>* beta = nullptr;            ///< velocity-dependent acceleration, aligned [aba]
   ArticulatedInertia<S>* IA = nullptr;  ///< what the children hand over, not of leaves [aba]
   Force<S>* pA = nullptr;               ///< the same of bias forces [aba]
-  Motion<S>* acc = nullptr;             ///< classical acceleration, aligned [aba]
+  Motion<S>* acc = nullptr;             ///< classical acceleration: body axes in rnea, aligned axes in aba
   S* mass = nullptr;                    ///< what the children hand over, as the next two [crba]; of the subtree [com]
   Vec3<S>* h = nullptr;                 ///< first moment about the joint's origin, aligned [crba]; of the subtree [com]
   Sym3<S>* Io = nullptr;                ///< rotational inertia about the same [crba]
@@ -121,7 +121,6 @@ void carveJoints(Workspace<S>& w, const CompactImpl& m, Arena& arena) {
 template <class S>
 void carveDynamics(Workspace<S>& w, std::size_t n, std::size_t dofs, Arena& arena) {
   arena.take(w.rel, n);
-  arena.take(w.a, n);
   arena.take(w.w, n);
   arena.take(w.f, n);
   arena.take(w.R, n);
@@ -142,6 +141,7 @@ void carve(Workspace<S>& w, const CompactImpl& m, Arena& arena) {
   carveDynamics(w, n, static_cast<std::size_t>(m.nvx), arena);
   arena.take(w.oM, n);
   arena.take(w.v, n);
+  arena.take(w.a, n);
 }
 
 /// What every pass takes for granted of the universe.

@@ -18,7 +18,6 @@ enum class Shape : std::int32_t {
   dense,           ///< pose: R (9), p (3); subspace: S (6 x nv, column after column); bias: (dS/dt) v
 };
 
-constexpr int shape_count = 8;
 constexpr int max_joint_nv = 6;
 constexpr int max_joint_nq = 7;
 
