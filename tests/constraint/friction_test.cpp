@@ -164,6 +164,26 @@ TEST_CASE("balls roll on a box that slides: closed form of the rolling benchmark
   }
 }
 
+TEST_CASE("the ground carries a ball that rolls as one that lies", "[friction]") {
+  const double radius = 0.1, dt = 1e-2, I = 0.4 * radius * radius, spin = 10;
+  Model description;
+  addFreeBody(description, "ball", {1, {}, {I, 0, 0, I, 0, I}});
+  const CompactModel model = compile(description, registry());
+  Data data(model);
+  ConstraintData contact(ConstraintSet(model, {frictionContact("ground", "ball", {0, 0, -radius}, {0, 0, 1})}));
+  Vector q = neutral(model), v = Vector::Zero(6);
+  q[2] = radius;
+  v[0] = spin * radius;
+  v[4] = spin;
+  const ContactStep x = contactStep(model, data, q, v, Vector::Zero(6), dt, contact, {{0, 0.5}});
+  CHECK(x.converged);
+  CHECK(std::abs(x.impulse[2] - 9.81 * dt) <= 1e-8);
+  CHECK(std::hypot(x.impulse[0], x.impulse[1]) <= 1e-8);
+  CHECK(std::abs(x.velocity[2]) <= 1e-8);
+  // In axes that turn with it: w x v.
+  CHECK(std::abs(x.v_after[2] - dt * spin * spin * radius) <= 1e-8);
+}
+
 TEST_CASE("forces that explain a motion are found in their cones", "[friction]") {
   const CompactModel model = compile(randomTree(registry(), 10, 3), registry());
   Data data(model, Need::derivatives);

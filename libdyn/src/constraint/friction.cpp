@@ -1,3 +1,4 @@
+#include "algorithm/turning.hpp"
 #include "constraint/kkt.hpp"
 #include "constraint/solution.hpp"
 
@@ -90,6 +91,18 @@ bool holdAll(ConstraintDataImpl& c, const ConstraintSettings& constraints, std::
   return std::all_of(c.cones, c.cones + count, [&](const PackedCone& cone) { return inCone(cone, c.lambda); });
 }
 
+/// What is to be added to the rows' accelerations for those of the same bodies seen from axes held as they are, at points of space that are held too,
+/// into c.step. It is not the point that touches now that must not go into the other body, but whichever does after the step: where bodies roll,
+/// the one that does now is pulled away to their centre.
+void holdPlaces(const char* algorithm, const CompactModel& model, Data& data, VectorView q, VectorView v, ConstraintDataImpl& c) {
+  placeRows(algorithm, model, data, q, &v, c);
+  wantedAccelerations(c, c.gamma, false);
+  std::copy_n(c.wanted, c.set.rows(), c.step);
+  std::fill_n(c.v_after, model.nv(), 0.0);
+  addTurning(model.impl(), v.data, c.v_after);
+  addRowsOf(model.impl(), c, c.v_after, c.step);
+}
+
 /// d.ddq with forces of the rows.
 void accelerate(const CompactModel& model, DataImpl& d, ConstraintDataImpl& c, const double* forces) {
   const CompactImpl& m = model.impl();
@@ -114,11 +127,13 @@ ContactViews contactStep(const CompactModel& model, Data& data, VectorView q, Ve
   readCones(algorithm, c, cones, count, settings);
   for (std::size_t k = 0; k < count; ++k)
     if (c.cones[k].both_ways) c.cones[k].friction *= dt;
-  freeMotion(algorithm, model, data, q, v, tau, nullptr, 0, false, c);
   const int rows = c.set.rows();
+  holdPlaces(algorithm, model, data, q, v, c);
+  freeMotion(algorithm, model, data, q, v, tau, nullptr, 0, false, c);
   for (int r = 0; r < rows; ++r) c.wanted[r] = c.motion.velocity[r] - dt * c.wanted[r];
   for (std::size_t k = 0; k < count; ++k) {
     const int normal = c.cones[k].normal();
+    for (int r = c.cones[k].row; r <= normal && !c.cones[k].both_ways; ++r) c.wanted[r] += dt * c.step[r];
     c.wanted[normal] += allowance(c.cones[k], c.motion.velocity[normal], dt, settings.restitution);
   }
   ConeSolution found{true, 0};

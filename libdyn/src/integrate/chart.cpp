@@ -1,6 +1,7 @@
 #include "integrate/chart.hpp"
 
 #include "algorithm/inputs.hpp"
+#include "algorithm/turning.hpp"
 
 #include <algorithm>
 
@@ -31,7 +32,7 @@ Chart::Chart(const CompactModel& model) : model_(model) {
     for (int k = 0; k < batch.count; ++k) {
       const BodyIndex& x = m.index[static_cast<std::size_t>(batch.bodies[static_cast<std::size_t>(k)])];
       if (x.user_v < 0) continue;
-      const Joint joint{batch.type, batch.constants.data() + k, batch.count, x.user_q, x.user_v, x.nv};
+      const Joint joint{batch.type, batch.constants.data() + k, batch.count, x.user_q, x.user_v, x.nv, slidingAndTurning(batch.shape)};
       if (!(batch.type->info().closed_forms & closed_configuration)) {
         added_.push_back({x.user_q, x.user_v, x.nv});
         continue;
@@ -39,6 +40,7 @@ Chart::Chart(const CompactModel& model) : model_(model) {
       turned_.push_back(joint);
       // One coordinate's exponential along itself has derivative one, however it is written.
       if (x.nv > 1) curved_.push_back(joint);
+      if (joint.linear > 0) flying_.push_back(joint);
     }
   std::sort(added_.begin(), added_.end(), [](const Run& a, const Run& b) { return a.q < b.q; });
   std::vector<Run> joined;
@@ -69,16 +71,24 @@ ConfigurationBatch<double> Chart::callOf(const Joint& joint, Blocks& blocks) {
   return call;
 }
 
+void Chart::neutralOf(const Joint& joint, double* q) {
+  ConfigurationBatch<double> call = callOf(joint);
+  call.q_out = q;
+  joint.type->neutral(call);
+}
+
+void Chart::pointOf(const Joint& joint, const double* q0, const double* u, double* q) {
+  ConfigurationBatch<double> call = callOf(joint);
+  call.q0 = q0;
+  call.v = u;
+  call.q_out = q;
+  joint.type->integrate(call);
+}
+
 void Chart::point(const double* q0, const double* u, double* q) const {
   for (const Run& run : added_)
     for (int k = 0; k < run.count; ++k) q[run.q + k] = q0[run.q + k] + u[run.v + k];
-  for (const Joint& joint : turned_) {
-    ConfigurationBatch<double> call = callOf(joint);
-    call.q0 = q0 + joint.q;
-    call.v = u + joint.v;
-    call.q_out = q + joint.q;
-    joint.type->integrate(call);
-  }
+  for (const Joint& joint : turned_) pointOf(joint, q0 + joint.q, u + joint.v, q + joint.q);
 }
 
 void Chart::rate(const double* q0, const double* q, const double* v, double* du) const {
@@ -93,20 +103,47 @@ void Chart::rate(const double* q0, const double* q, const double* v, double* du)
   }
 }
 
-void Chart::midpointMaps(const double* q0, const double* u, const double* q1, double* momentum, const double* force, double* at_start,
-                         double* at_end) const {
+void Chart::turnAxes(double* u, double* v) const {
+  for (const Joint& joint : flying_) {
+    double straight[max_joint_nv] = {}, turn[max_joint_nv] = {}, start[max_joint_nq], middle[max_joint_nq], end[max_joint_nq];
+    double *way = u + joint.v, *velocity = v + joint.v, turned[max_joint_nv];
+    std::copy_n(way, joint.linear, straight);
+    std::copy(way + joint.linear, way + joint.nv, turn + joint.linear);
+    // About neutral, so that it does not count how far off the body is.
+    neutralOf(joint, start);
+    pointOf(joint, start, straight, middle);
+    Blocks blocks;
+    ConfigurationBatch<double> turning = callOf(joint, blocks);
+    turning.q0 = middle;
+    turning.v = turn;
+    turning.q_out = end;
+    joint.type->integrate(turning);
+    ConfigurationBatch<double> log = callOf(joint);
+    log.q0 = start;
+    log.q1 = end;
+    log.v_out = way;
+    joint.type->difference(log);
+    multiply(blocks.by_q, joint.nv, false, velocity, turned);
+    std::copy_n(turned, joint.linear, velocity);
+  }
+}
+
+void Chart::midpointMaps(const double* u, double* momentum, const double* force, double* at_start, double* at_end) const {
   std::copy_n(force, model_.nv(), at_start);
   std::copy_n(force, model_.nv(), at_end);
   for (const Joint& joint : curved_) {
     Blocks end, middle;
+    double start_q[max_joint_nq], end_q[max_joint_nq], half[max_joint_nv];
+    // About neutral: between positions far off the step would be lost in their rounding.
+    neutralOf(joint, start_q);
+    pointOf(joint, start_q, u + joint.v, end_q);
     ConfigurationBatch<double> log = callOf(joint, end);
-    log.q0 = q0 + joint.q;
-    log.q1 = q1 + joint.q;
+    log.q0 = start_q;
+    log.q1 = end_q;
     joint.type->difference(log);
-    double half[max_joint_nv];
     for (int k = 0; k < joint.nv; ++k) half[k] = 0.5 * u[joint.v + k];
     ConfigurationBatch<double> exp = callOf(joint, middle);
-    exp.q0 = q0 + joint.q;
+    exp.q0 = start_q;
     exp.v = half;
     joint.type->integrate(exp);
     double *p = momentum + joint.v, *start = at_start + joint.v, *stop = at_end + joint.v;

@@ -19,18 +19,22 @@ class Chart {
   /// du/dt of a motion that passes q = q0 (+) u with velocity v.
   void rate(const double* q0, const double* q, const double* v, double* du) const;
 
-  /// What the discrete Lagrangian of the midpoint does to momenta and forces there, q0 (+) u being the end of the step and A = exp(-ad(u/2)):
+  /// Of joints that fly, or slide and turn, a way u [m, rad] and a velocity v in axes held as they are at the start: u becomes the chart's, to the
+  /// end of a way straight on, and v is then in the axes at that end. Steps of velocities as components in turning axes lead off their way and
+  /// make them longer.
+  void turnAxes(double* u, double* v) const;
+
+  /// What the discrete Lagrangian of the midpoint does to momenta and forces there, u being the step and A = exp(-ad(u/2)):
   /// X = A T and Y1 = J T, Y0 = A Y1, with T the inverse of exp's derivative at u and J that derivative at u/2. All commute.
   /// momentum <- X^T momentum, at_start <- Y0^T force, at_end <- Y1^T force.
-  void midpointMaps(const double* q0, const double* u, const double* q1, double* momentum, const double* force, double* at_start,
-                    double* at_end) const;
+  void midpointMaps(const double* u, double* momentum, const double* force, double* at_start, double* at_end) const;
 
  private:
   struct Joint {
     const JointType* type;
     const double* constants;
     std::ptrdiff_t constants_stride;
-    int q, v, nv;
+    int q, v, nv, linear;
   };
   struct Run {
     int q, v, count;
@@ -38,11 +42,15 @@ class Chart {
   struct Blocks;
   static ConfigurationBatch<double> callOf(const Joint& joint);
   static ConfigurationBatch<double> callOf(const Joint& joint, Blocks& blocks);
+  /// Of one joint's coordinates.
+  static void neutralOf(const Joint& joint, double* q);
+  static void pointOf(const Joint& joint, const double* q0, const double* u, double* q);
 
   CompactModel model_;
   std::vector<Run> added_;
   std::vector<Joint> turned_;  ///< all others
   std::vector<Joint> curved_;  ///< those of them whose velocity is not the rate of their chart
+  std::vector<Joint> flying_;  ///< and of these: the first `linear` of their velocities are in axes that the others turn
 };
 
 }  // namespace dyn

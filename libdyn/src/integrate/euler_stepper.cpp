@@ -1,3 +1,4 @@
+#include "algorithm/turning.hpp"
 #include "integrate/stepper.hpp"
 
 namespace dyn {
@@ -11,8 +12,11 @@ class EulerStepper : public CubicStepper {
   StepOutcome step(double h, Moment& from, Moment& to) override {
     h_ = h;
     accelerationAt(from);
-    to.v = from.v + h * from.a;
+    u_ = from.a;
+    addTurning(law_.model().impl(), from.v.data(), u_.data());
+    to.v = from.v + h * u_;
     u_ = h * (semi_implicit_ ? to.v : from.v);
+    chart_.turnAxes(u_.data(), to.v.data());
     chart_.point(from.q.data(), u_.data(), to.q.data());
     to.has_acceleration = false;
     return StepOutcome::taken;

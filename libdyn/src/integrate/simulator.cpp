@@ -66,6 +66,7 @@ Simulator::Impl::Impl(const CompactModel& model, const ConstraintSet* set, const
       trial(o.dt),
       after_impact(model.nv()),
       contact_u(model.nv()),
+      contact_v(model.nv()),
       shown_u(model.nv()) {
   detail::neutral(model, now.q.data());
   now.v.setZero();
@@ -194,7 +195,7 @@ double Simulator::Impl::stepTowards(double until) {
 void Simulator::Impl::retake(double h) {
   if (contact_step) {
     contact_u *= h / (next.time - now.time);
-    glide(1, next.q.data());
+    glide(1, next.q.data(), next.v.data());
     next.time = now.time + h;
   } else {
     stepBy(h, now.time + h);

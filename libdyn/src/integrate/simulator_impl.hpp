@@ -30,7 +30,7 @@ struct Simulator::Impl {
   std::optional<Unilateral> unilateral;
   bool contact_step = false, has_impact = false;  ///< what the last step was, and whether an impulse follows it
   Eigen::VectorXd after_impact;
-  Eigen::VectorXd contact_u, shown_u;  ///< a contact step's way, and a part of it
+  Eigen::VectorXd contact_u, contact_v, shown_u;  ///< a contact step's way and velocity, in axes held at its start, and a part of the way
   std::vector<Unilateral::Gap> gaps_before, gaps_halfway, gaps_after;
   std::vector<long> closing;
 
@@ -85,8 +85,8 @@ struct Simulator::Impl {
   void between(double theta, double* q, double* v);
   /// After a smooth step of h to `next`: `next` as contacts and limits let it be; returns by how much.
   double touch(double h);
-  /// This share of the contact step's way from now.q.
-  void glide(double share, double* q);
+  /// This share of the contact step's way from now.q, and the velocity there.
+  void glide(double share, double* q, double* v);
   double collide(double h, double speed);
   double rest(double h);
   /// Of the closing ones.

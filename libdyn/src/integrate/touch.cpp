@@ -20,15 +20,18 @@ double gapOf(const std::vector<Gap>& gaps, const Gap& like) {
 
 }  // namespace
 
-void Simulator::Impl::glide(double share, double* q) {
+void Simulator::Impl::glide(double share, double* q, double* v) {
   shown_u = share * contact_u;
+  VectorMap(v, contact_v.size()) = contact_v;
+  unilateral->chart().turnAxes(shown_u.data(), v);
+  for (std::size_t k = 0; k < stopped.size(); ++k)
+    if (stopped[k]) v[unilateral->rubbing()[k].dof] = 0;
   integrateSound(law.model().impl(), now.q.data(), shown_u.data(), q);
 }
 
 void Simulator::Impl::between(double theta, double* q, double* v) {
   if (!contact_step) return stepper->between(theta, now, next, q, v);
-  glide(theta, q);
-  VectorMap(v, next.v.size()) = next.v;
+  glide(theta, q, v);
 }
 
 double Simulator::Impl::lowestGap(double theta, double h) {
@@ -100,9 +103,10 @@ double Simulator::Impl::rest(double h) {
     unilateral->look(now.time, now.q.data());
     unilateral->choose([&](const Gap& gap) { return std::find(closing.begin(), closing.end(), gap.key) != closing.end(); }, resting);
     if (!unilateral->anyChosen()) break;  // the finder told of it only further on: the next step will see it
-    next.v = VectorResult(unilateral->step(law, now.time, now.q.data(), now.v.data(), part), next.v.size());
+    contact_v = VectorResult(unilateral->step(law, now.time, now.q.data(), now.v.data(), part), next.v.size());
     contact_u = unilateral->displacement();
-    glide(1, next.q.data());
+    unilateral->markHeld(stopped);
+    glide(1, next.q.data(), next.v.data());
     next.time = end;
     next.has_acceleration = false;
     contact_step = true;
@@ -114,7 +118,6 @@ double Simulator::Impl::rest(double h) {
     for (std::size_t k = 0; turns && k < turned.size(); ++k) resting[k] = resting[k] || turned[k];
     if (closing.size() == known && !turns) break;
   }
-  if (contact_step) unilateral->markHeld(stopped);
   checkFinite(next, part);
   project();
   ++law.statistics.contact_steps;

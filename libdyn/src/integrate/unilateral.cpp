@@ -1,6 +1,6 @@
 #include "integrate/unilateral.hpp"
 
-#include "compile/compact_impl.hpp"
+#include "algorithm/turning.hpp"
 
 #include <dyn/algorithm/aba.hpp>
 #include <dyn/algorithm/configuration.hpp>
@@ -32,11 +32,13 @@ bool same(const ContactPoint& a, const ContactPoint& b) {
 
 Unilateral::Unilateral(const CompactModel& model, const ConstraintSet* base)
     : model_(model),
+      chart_(model),
       base_(base ? *base : ConstraintSet(model, {})),
       data_(model, Need::derivatives),
       velocity_(model.nv()),
       displacement_(model.nv()),
       middle_v_(model.nv()),
+      turning_(model.nv()),
       tau_(model.nv()),
       undone_(model.nv()),
       zero_(Eigen::VectorXd::Zero(model.nv())),
@@ -161,9 +163,16 @@ void Unilateral::centreForces(Law& law, const double* q, const double* v, double
   law.undoFriction(q, v, undone_.data());
   middle_v_ = aba(model_, data_, configuration, velocity, undone_);
   middle_v_ -= aba(model_, data_, configuration, zero_, zero_);
+  addTurning(model_.impl(), v, middle_v_.data());
   middle_v_ = velocity + 0.5 * dt * middle_v_;
-  tau_ += nonLinearEffects(model_, data_, configuration, velocity);
-  tau_ -= nonLinearEffects(model_, data_, configuration, middle_v_);
+  const auto effects = [&](const double* at) {
+    turning_.setZero();
+    addTurning(model_.impl(), at, turning_.data());
+    turning_ = -turning_;
+    return rnea(model_, data_, configuration, VectorResult(at, model_.nv()), turning_);
+  };
+  tau_ += effects(v);
+  tau_ -= effects(middle_v_.data());
   tau_ -= undone_;
   law.undoFriction(q, middle_v_.data(), tau_.data());
 }
@@ -206,6 +215,12 @@ const double* Unilateral::stop(Law& law, double t, const double* q, const double
   return contactStep(q, v, law.applied(t, q, v), instant, bound_.front().loose, 0).motion;
 }
 
+void Unilateral::holdAxes(const double* v, const double* v_after, double dt) {
+  turning_.setZero();
+  addTurning(model_.impl(), v, turning_.data());
+  velocity_ = VectorResult(v_after, model_.nv()) + dt * turning_;
+}
+
 const double* Unilateral::step(Law& law, double t, const double* q, const double* v, double dt) {
   const int n = model_.nv();
   limitFriction(law, q);
@@ -221,7 +236,9 @@ const double* Unilateral::step(Law& law, double t, const double* q, const double
   }
   detail::ContactViews x = contactStep(q, v, tau_.data(), dt, bound.cones, 0);
   if (points) {
-    displacement_ = dt * VectorResult(x.motion, n);
+    holdAxes(v, x.motion, dt);
+    displacement_ = dt * velocity_;
+    chart_.turnAxes(displacement_.data(), velocity_.data());
     detail::integrate(model_, {q, model_.nq()}, {displacement_.data(), n}, {end_q_.data(), model_.nq()});
     look(t + dt, end_q_.data());
     for (std::size_t k = 0; k < bound.keys.size(); ++k) {
@@ -233,8 +250,8 @@ const double* Unilateral::step(Law& law, double t, const double* q, const double
     x = contactStep(q, v, tau_.data(), dt, bound.cones, 0);
   }
   if (!x.converged) ++law.statistics.inexact_contacts;
-  velocity_ = VectorResult(x.motion, n);
   takeFriction(law, x, dt);
+  holdAxes(v, x.motion, dt);
   for (std::size_t k = 0; k < resting_.size(); ++k)
     if (!slides_[k]) velocity_[rubbing_[resting_[k]].dof] = 0;
   displacement_ = dt * velocity_;

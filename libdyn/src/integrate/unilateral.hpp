@@ -1,6 +1,7 @@
 // Contacts, limits and friction of joints in a simulation: which are near, and steps and impacts under those that are taken part in.
 #pragma once
 
+#include "integrate/chart.hpp"
 #include "integrate/law.hpp"
 
 #include <dyn/constraint/friction.hpp>
@@ -57,9 +58,9 @@ class Unilateral {
   }
   bool anyChosen() const { return !chosen_.empty(); }
 
-  /// The velocity after dt under the chosen ones: see contactStep. Forces that depend on velocity are those halfway to where they alone lead: it
-  /// is they that turn the axes of a free body's velocity with it, and Euler's step would make it longer. Gaps at the end are looked at once:
-  /// where bodies roll it is not the same point that touches.
+  /// The velocity after dt under the chosen ones: see contactStep. It is in axes held at the start (see
+  /// Chart::turnAxes), and forces that depend on velocity are those halfway to where they alone lead: Euler's step would make it longer. Gaps at
+  /// the end are looked at once: where bodies roll it is not the same point that touches.
   const double* step(Law& law, double t, const double* q, const double* v, double dt);
   /// Writes into law.joint_friction what holds the chosen joints over dt, as well as it can.
   void hold(Law& law, double t, const double* q, const double* v, double dt);
@@ -67,8 +68,9 @@ class Unilateral {
   void markHeld(std::vector<char>& held) const;
   /// The velocity with the chosen joints at rest, by an impulse.
   const double* stop(Law& law, double t, const double* q, const double* v);
-  /// Where that leads in dt: along the velocity, and out of what it is already in. That gives no speed: bodies are not thrown.
+  /// Where step() leads in dt, in the same axes: along the velocity, and out of what it is already in. That gives no speed: bodies are not thrown.
   const Eigen::VectorXd& displacement() const { return displacement_; }
+  const Chart& chart() const { return chart_; }
   /// The velocity after an impact in all of the chosen ones, whose gaps are taken as closed.
   const double* impact(Law& law, double t, const double* q, const double* v, double restitution);
 
@@ -102,8 +104,11 @@ class Unilateral {
   void bind();
   ConstraintDescription describe(std::size_t gap) const;
   const ContactPoint* pointOf(std::size_t gap) const;
+  /// velocity_, in axes held at the start, after contactStep has made v this.
+  void holdAxes(const double* v, const double* v_after, double dt);
 
   CompactModel model_;
+  Chart chart_;
   ConstraintSet base_;
   std::vector<Limit> limits_;
   std::vector<Rubbing> rubbing_;
@@ -114,7 +119,7 @@ class Unilateral {
   std::vector<char> slides_;                   ///< of the latter in the last step
   std::vector<Bound> bound_;                   ///< the last used first
   Data data_;
-  Eigen::VectorXd velocity_, displacement_, middle_v_, tau_, undone_, zero_, end_q_;
+  Eigen::VectorXd velocity_, displacement_, middle_v_, turning_, tau_, undone_, zero_, end_q_;
   std::vector<double> start_gaps_;  ///< of the chosen ones
 };
 

@@ -20,6 +20,32 @@ namespace dyn {
 
 namespace {
 
+/// Broyden's method (1965; Kelley 1995, sec. 7): how corrections have changed along the steps so far tells what the matrix that they were found with
+/// lacks. For bodies that fly further in a step than their radius of gyration that is more than it has.
+class Broyden {
+ public:
+  explicit Broyden(int n) : steps_(n, most) {}
+  void start() { count_ = 0; }
+  /// A correction, to be subtracted from the unknowns, becomes the step that is.
+  void improve(Eigen::VectorXd& x) {
+    for (int k = 1; k < count_; ++k) x += steps_.col(k) * (steps_.col(k - 1).dot(x) / steps_.col(k - 1).squaredNorm());
+    if (count_ > 0) {
+      const double left = 1 - steps_.col(count_ - 1).dot(x) / steps_.col(count_ - 1).squaredNorm();
+      if (count_ < most && std::abs(left) > 0x1p-6) {
+        x /= left;
+      } else {
+        count_ = 0;
+      }
+    }
+    steps_.col(count_++) = x;
+  }
+
+ private:
+  static constexpr int most = 24;
+  Eigen::MatrixXd steps_;
+  int count_ = 0;
+};
+
 class VariationalStepper : public CubicStepper {
  public:
   explicit VariationalStepper(Law& law)
@@ -33,7 +59,8 @@ class VariationalStepper : public CubicStepper {
         at_start_(n_),
         at_end_(n_),
         residual_(n_),
-        q_(law.model().nq()) {
+        q_(law.model().nq()),
+        broyden_(n_) {
     if (!law.constrained()) return;
     const ConstraintSet& set = law.constraints().set();
     start_jacobian_.resize(set.rows(), n_);
@@ -66,11 +93,13 @@ class VariationalStepper : public CubicStepper {
  private:
   MatrixResult massMatrix(const Eigen::VectorXd& q) { return crba(law_.model(), law_.data(), q); }
 
-  /// M at the midpoint is the matrix: what it lacks is of the order of h, the ratio by which changes shrink.
+  /// M at the midpoint is the matrix: what it lacks is of the order of h.
   bool solve(const Moment& from, Moment& to) {
     constexpr int most_iterations = 200;
-    // Rounding: that of positions counts by the step's length.
+    // Rounding: that of positions, which constraints look at, counts by the step's length.
     const double floor = law_.constrained() ? 0x1p-30 : 0x1p-40;
+    const double far_off = law_.constrained() && n_ > 0 ? 0x1p-50 * from.q.cwiseAbs().maxCoeff() / h_ : 0;
+    broyden_.start();
     start_momentum_.noalias() = massMatrix(from.q) * from.v;
     xi_ = from.v + 0.5 * h_ * from.a;
     double before = std::numeric_limits<double>::infinity();
@@ -81,12 +110,14 @@ class VariationalStepper : public CubicStepper {
       residual_ = momentum_ - 0.5 * h_ * at_start_ - start_momentum_;
       cholesky::solve(law_.model(), law_.data(), residual_);
       if (law_.constrained()) constrain();
-      xi_ -= residual_;
       const double size = n_ > 0 ? residual_.cwiseAbs().maxCoeff() : 0;
       const double scale = n_ > 0 ? std::max(xi_.cwiseAbs().maxCoeff(), h_ * law_.cancelled) : 0;
       if (!residual_.allFinite()) return false;
-      if (size <= 0x1p-52 * scale) break;
-      if (size > 0.5 * before && size <= floor * scale) break;
+      const bool solved = size <= 0x1p-52 * scale || (size > 0.5 * before && size <= floor * scale + far_off);
+      // Constraints' forces are unknowns beside.
+      if (!solved && !law_.constrained()) broyden_.improve(residual_);
+      xi_ -= residual_;
+      if (solved) break;
       no_better = size > before ? no_better + 1 : 0;
       if (no_better == 5 || i + 1 == most_iterations) return false;
       before = size;
@@ -135,7 +166,7 @@ class VariationalStepper : public CubicStepper {
       momentum_.noalias() = massMatrix(q_) * xi_;
       cholesky::decompose(model, data);
     }
-    chart_.midpointMaps(from.q.data(), u_.data(), to.q.data(), momentum_.data(), rate_.data(), at_start_.data(), at_end_.data());
+    chart_.midpointMaps(u_.data(), momentum_.data(), rate_.data(), at_start_.data(), at_end_.data());
   }
 
   /// By which q1 does not keep the constraints, as velocities over the step. Those without a place to keep ask for no velocity halfway.
@@ -149,6 +180,7 @@ class VariationalStepper : public CubicStepper {
   Eigen::VectorXd violation_;
   std::vector<bool> placed_;  ///< by row: whether its constraint has a target
   Eigen::VectorXd xi_, u_, momentum_, start_momentum_, rate_, at_start_, at_end_, residual_, q_;
+  Broyden broyden_;
 };
 
 }  // namespace

@@ -35,7 +35,7 @@ struct ContactResidual {
 struct ContactStep {
   VectorResult v_after;   ///< nv
   VectorResult impulse;   ///< rows [N s]
-  VectorResult velocity;  ///< rows, after [m/s]
+  VectorResult velocity;  ///< rows, after, as contactStep constrains them [m/s]
   ContactResidual residual;
   bool converged;
   int iterations;
@@ -67,7 +67,9 @@ DYN_API ContactViews contactForces(const CompactModel&, Data&, VectorView q, Vec
 
 /// One step of time at the level of velocities, q held: M (v_after - v) = dt (tau - C v - g) + J^T impulse with 0 <= normal impulse, normal
 /// velocity >= -gap / dt - restitution * before, one of the two zero, and friction that opposes slip at the edge of its cone (Signorini, Coulomb; the
-/// cone itself, not a pyramid). Where all contacts hold, by the Delassus matrix' factors, without iterations; else by the alternating direction
+/// cone itself, not a pyramid). Velocities of contacts and limits are J(q) (v_after + dt w x v), the axes of joints that fly held with q: those of
+/// the places where bodies touch, not of the material points, which turn away as bodies roll. Rows that no cone names keep J v = 0 along the motion,
+/// dJ/dt v included. Where all contacts hold, by the Delassus matrix' factors, without iterations; else by the alternating direction
 /// method with de Saxce's correction (Carpentier, Le Lidec, Montaut 2024). Sets whose forces are not determined are as good as others. Nothing is
 /// thrown where it does not converge: see `converged` and the residual. O(n + rows^3 + iterations rows^2). Throws Error(argument | size | singular).
 inline ContactStep contactStep(const CompactModel& model, Data& data, const VectorArg& q, const VectorArg& v, const VectorArg& tau, double dt,

@@ -89,8 +89,9 @@ class DYN_API Simulator {
   void setController(Controller controller, ControllerDerivatives derivatives = nullptr);
   void setForces(Forces forces);
   /// What may touch, beside limits of joints: pointsOnPlane(), or geometryContacts() for bodies' volumes. Impacts are found in time; steps in
-  /// which something stays in touch are of first order whatever the integrator, v + h (a + contacts' impulses) and then q (+) h v, and no
-  /// longer than dt. What is inside of something is moved out over some steps, which gives it no speed. Contacts allocate where they come and go.
+  /// which something stays in touch are of first order whatever the integrator, v + h (a + contacts' impulses) and then q (+) h v, of bodies that
+  /// fly in axes that do not turn with them, and no longer than dt. What is inside of something is moved out over some steps, which gives it no
+  /// speed. Contacts allocate where they come and go.
   void setContacts(ContactFinder finder);
   /// Functions whose zeros end advance(). They are looked for between the ends of each step.
   void setEvents(std::vector<Event> events);

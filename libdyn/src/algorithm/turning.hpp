@@ -1,0 +1,31 @@
+// Velocities that are written in axes that turn with the body.
+#pragma once
+
+#include "compile/compact_impl.hpp"
+
+namespace dyn {
+
+/// How many of such a joint's first degrees of freedom are a linear velocity in axes that the others turn; 0 for other shapes.
+constexpr int slidingAndTurning(Shape shape) { return shape == Shape::free ? 3 : shape == Shape::planar ? 2 : 0; }
+
+/// a += w x v of the joints that fly, or slide and turn: what the axes' turning takes from the rate of their linear velocity's components. User's
+/// vectors.
+inline void addTurning(const CompactImpl& m, const double* v, double* a) {
+  for (const TypeBatch& batch : m.batches) {
+    const int linear = slidingAndTurning(batch.shape);
+    if (linear == 0) continue;
+    for (const int body : batch.bodies) {
+      const int first = m.index[static_cast<std::size_t>(body)].user_v;
+      if (first < 0) continue;
+      const double* x = v + first;
+      const bool planar = linear == 2;
+      const Vec3<double> w = planar ? Vec3<double>{0, 0, x[2]} : Vec3<double>{x[3], x[4], x[5]};
+      const Vec3<double> turned = cross(w, {x[0], x[1], planar ? 0 : x[2]});
+      a[first] += turned.x;
+      a[first + 1] += turned.y;
+      if (!planar) a[first + 2] += turned.z;
+    }
+  }
+}
+
+}  // namespace dyn
