@@ -56,7 +56,18 @@ TEST_CASE("help is there for every subcommand, and a wrong command line exits wi
     CHECK_THAT(a.out, containing("--help"));
   }
   const std::vector<std::string> wrong = {
-      "", "fly", "info", "info " + biped + " --order backwards", "compute x.urdf", "plugin", "plugin check", "bench x.urdf --unknown-option"};
+      "",
+      "fly",
+      "info",
+      "info " + biped + " --order backwards",
+      "compute x.urdf",
+      "compute x.urdf --states x.json --only rnea,fly",
+      "codegen x.urdf --functions fly",
+      "codegen x.urdf --functions rnea --lanes 3",
+      "plugin",
+      "plugin check",
+      "bench x.urdf --unknown-option",
+      "accuracy --instruction-sets mmx"};
   for (const std::string& line : wrong) {
     const Answer a = run(line);
     INFO(line);
@@ -64,6 +75,15 @@ TEST_CASE("help is there for every subcommand, and a wrong command line exits wi
     CHECK(!a.err.empty());
     CHECK(a.out.empty());
   }
+}
+
+TEST_CASE("a word that is no subcommand is named, with those that there are", "[command]") {
+  const Answer a = run("fly robot.urdf"), b = run("plugin fly");
+  CHECK(a.code == 2);
+  CHECK_THAT(a.err, containing("'fly'") && containing("info, ") && containing("simulate"));
+  CHECK(b.code == 2);
+  CHECK_THAT(b.err, containing("'fly'") && containing("list, ") && !containing("simulate"));
+  CHECK(run("fly --help").code == 0);
 }
 
 TEST_CASE("a robot that cannot be read exits with 1 and says file and reason, in every subcommand", "[command]") {
@@ -87,8 +107,34 @@ TEST_CASE("a robot that cannot be read exits with 1 and says file and reason, in
 TEST_CASE("info tells plugins, types, passes and the tree", "[command]") {
   const Answer a = run("info " + biped + " --root free_flyer");
   CHECK(a.code == 0);
-  for (const char* part : {"dyn_standard.so", "revolute", "closed form", "weld:", "canonicalise:", "data:", "root_joint", "|- "})
+  for (const char* part :
+       {"dyn_standard.so", "revolute", "closed form", "weld:", "canonicalise:", "data:", "root_joint", "|- ", "frames", "left_foot"})
     CHECK_THAT(a.out, containing(part));
+}
+
+TEST_CASE("a robot of one link has a demo", "[command]") {
+  const Folder folder;
+  const Answer a = run("demo '" + folder.write("still.urdf", R"(<robot name="still"><link name="a"/></robot>)") + "'");
+  CHECK(a.code == 0);
+  CHECK_THAT(a.out, containing("kinetic energy 0 J"));
+}
+
+TEST_CASE("what has no mass has all results but those of its centre of mass", "[command]") {
+  const Folder folder;
+  const std::string robot = folder.write("light.urdf", R"(<robot name="light"><link name="a"/><link name="b"/>
+<joint name="j" type="continuous"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/></joint></robot>)");
+  const std::string states = folder.write("states.json", R"({"samples":[{"q":[1,0]}]})");
+  const Answer a = run("compute '" + robot + "' --states '" + states + "'");
+  INFO(a.err);
+  REQUIRE(a.code == 0);
+  const nlohmann::json sample = nlohmann::json::parse(a.out)["samples"][0];
+  CHECK(sample["rnea"] == nlohmann::json{0.0});
+  for (const std::string key : {"com", "vcom", "acom", "Jcom", "hg", "aba"}) {
+    INFO(key);
+    CHECK(sample[key].is_null());
+    CHECK_THAT(sample[key + "_error"].get<std::string>(), containing("mass"));
+  }
+  CHECK(run("compute '" + robot + "' --states '" + states + "' --only com").code == 1);
 }
 
 TEST_CASE("check reports all errors of a file and exits with 1; a sound robot exits with 0", "[command]") {
@@ -293,13 +339,34 @@ TEST_CASE("codegen writes source that compiles anywhere and passes its own test"
   CHECK_THAT(textOf(fs::path(out) / "arm.h"), containing("void rnea(const dyn_real* q, const dyn_real* v, const dyn_real* a, dyn_real* tau)"));
   CHECK_THAT(textOf(fs::path(out) / "CMakeLists.txt"), containing("add_test"));
   const Answer unknown = run("codegen '" + arm + "' --functions fly");
-  CHECK(unknown.code == 1);
-  CHECK_THAT(unknown.err, containing("'fly'") && containing("rnea"));
-  CHECK(run("codegen '" + arm + "' --functions rnea --lanes 3").code == 1);
+  CHECK(unknown.code == 2);
+  CHECK_THAT(unknown.err, containing("fly") && containing("rnea"));
   CHECK(run("codegen '" + arm + "' --functions rnea --out /proc/none").code == 1);
   const Answer vectors = run("codegen '" + arm + "' --functions rnea --plain --lanes 4");
   CHECK(vectors.code == 1);
   CHECK_THAT(vectors.err, containing("--plain"));
+}
+
+TEST_CASE("codegen of a robot called as libraries and targets are, and where M is singular, builds and passes its test", "[command]") {
+  const Folder folder;
+  for (const std::string name : {"m", "test", "all"}) {
+    INFO(name);
+    const std::string robot = folder.write(name + ".urdf", "<robot name='" + name + R"('><link name="a"/><link name="b"/><link name="c"/>
+<joint name="j" type="continuous"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/></joint>
+<joint name="k" type="revolute"><parent link="b"/><child link="c"/><axis xyz="0 1 0"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+</robot>)");
+    const std::string out = (folder.path / ("of_" + name)).string();
+    const Answer a = run("codegen '" + robot + "' --functions rnea,aba,minverse --prefix robot_ --out '" + out + "'");
+    INFO(a.err);
+    REQUIRE(a.code == 0);
+    CHECK_THAT(textOf(fs::path(out) / (name + ".h")), containing("void robot_aba(") && !containing("void aba("));
+    const std::string build = "cd '" + out + "' && { cmake -S . -B build && cmake --build build && cd build && ctest -V; } >log 2>&1";
+    const int built = std::system(build.c_str());
+    const std::string log = textOf(fs::path(out) / "log");
+    INFO(log);
+    CHECK(built == 0);
+    CHECK_THAT(log, containing("not compared") && !containing("warning"));
+  }
 }
 
 TEST_CASE("codegen of a robot that does not move compiles, too", "[command]") {
@@ -309,7 +376,7 @@ TEST_CASE("codegen of a robot that does not move compiles, too", "[command]") {
   const std::string out = (folder.path / "generated").string();
   for (const std::string how : {"", " --lanes 4"}) {
     INFO(how);
-    const Answer a = run("codegen '" + still + "' --functions rnea,crba,frames --out '" + out + "'" + how);
+    const Answer a = run("codegen '" + still + "' --functions rnea,crba,frames,centroidal_map --out '" + out + "'" + how);
     INFO(a.err);
     REQUIRE(a.code == 0);
     CHECK(std::system(("cd '" + out + "' && cc -std=c99 -pedantic -Wall -Werror still.c still_test.c -lm -o t && ./t >/dev/null").c_str()) == 0);

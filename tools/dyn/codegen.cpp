@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -22,7 +23,7 @@ namespace fs = std::filesystem;
 
 struct CodegenOptions : ModelOptions {
   std::vector<std::string> functions;
-  std::string out;
+  std::string out, prefix;
   bool compile_now = false, single_precision = false, casadi = false, plain = false;
   int lanes = 1;
 };
@@ -34,19 +35,20 @@ std::string identifier(const std::string& name) {
   return out.empty() || std::isdigit(static_cast<unsigned char>(out[0])) ? "model_" + out : out;
 }
 
-/// One number where there are none: C has no arrays of no size.
+/// One number where there are none: C has no arrays of no size. Infinity too is NAN, which the test takes for no number.
 std::string array(const char* type, const std::string& name, std::span<const double> numbers, int repeat) {
   std::string out = std::string("static ") + type + " " + name + "[] = {";
   char text[40];
   for (const double x : numbers)
     for (int l = 0; l < repeat; ++l) {
-      std::snprintf(text, sizeof text, "%.17g, ", x);
+      std::snprintf(text, sizeof text, std::isfinite(x) ? "%.17g, " : "NAN, ", x);
       out += text;
     }
   return out + (numbers.empty() ? "0};\n" : "};\n");
 }
 
-/// A C program that calls each function at a few states and compares with what the library found there. Lanes hold one state each, the same.
+/// A C program that calls each function at a few states and compares with what the library found there, where that is a number: an inverse of a
+/// mass matrix that is singular has none. Lanes hold one state each, the same.
 std::string testOf(const CodegenOptions& o, const CompactModel& model, const std::vector<TracedFunction>& functions, const std::string& header) {
   std::string arrays, calls;
   const std::vector<State> states = randomStates(model, 3, 7);
@@ -75,28 +77,32 @@ std::string testOf(const CodegenOptions& o, const CompactModel& model, const std
         first += size;
       }
       arguments.resize(arguments.size() - 2);
-      calls += "  " + f.name + "(" + arguments + ");\n" + checks;
+      calls += "  " + o.prefix + f.name + "(" + arguments + ");\n" + checks;
     }
   }
   return "/* Written by dyn codegen: results of the library at random states. */\n#include \"" + header +
          "\"\n\n#include <math.h>\n#include <stdio.h>\n\n" + arrays +
          "\nstatic int failed = 0;\nstatic void compare(const char* what, const dyn_real* found, const dyn_real* expected, int n) {\n"
-         "  double worst = 0, largest = 0;\n  int i;\n  for (i = 0; i < n; ++i) {\n    const double off = fabs((double)found[i] - "
+         "  double worst = 0, largest = 0;\n  int i, none = 0;\n  for (i = 0; i < n; ++i) {\n    const double off = fabs((double)found[i] - "
          "(double)expected[i]);\n"
+         "    if (expected[i] != expected[i]) {\n      ++none;\n      continue;\n    }\n"
          "    if (!(off <= worst)) worst = off;\n    if (fabs((double)expected[i]) > largest) largest = fabs((double)expected[i]);\n  }\n"
-         "  printf(\"%-40s %.1e\\n\", what, largest > 0 ? worst / largest : worst);\n  if (!(worst <= " +
+         "  printf(\"%-40s %.1e\", what, largest > 0 ? worst / largest : worst);\n"
+         "  if (none > 0) printf(\", %d of %d not compared: the mass matrix is singular there\", none, n);\n  printf(\"\\n\");\n  if (!(worst <= " +
          std::string(o.single_precision ? "1e-3" : "1e-12") + " * largest)) failed = 1;\n}\n\nint main(void) {\n" + calls + "  return failed;\n}\n";
 }
 
+/// No target may be called as a model may: `test` and `all` are CMake's, `m` is a library.
 std::string listsOf(const std::string& name) {
   return "cmake_minimum_required(VERSION 3.16)\nproject(" + name +
          " C)\n\nif(NOT CMAKE_BUILD_TYPE)\n  set(CMAKE_BUILD_TYPE Release CACHE STRING \"\" FORCE)\nendif()\n"
          "include(CheckCCompilerFlag)\ncheck_c_compiler_flag(-march=native has_native)\nadd_library(" +
-         name + " " + name + ".c)\ntarget_include_directories(" + name + " PUBLIC ${CMAKE_CURRENT_SOURCE_DIR})\ntarget_compile_options(" + name +
-         " PRIVATE -O2 -ffp-contract=fast -fno-math-errno -fno-trapping-math -fno-tree-vectorize "
+         name + "_model " + name + ".c)\ntarget_include_directories(" + name +
+         "_model PUBLIC ${CMAKE_CURRENT_SOURCE_DIR})\ntarget_compile_options(" + name +
+         "_model PRIVATE -O2 -ffp-contract=fast -fno-math-errno -fno-trapping-math -fno-tree-vectorize "
          "$<$<BOOL:${has_native}>:-march=native> $<$<BOOL:${has_native}>:-mtune=generic>)\ntarget_link_libraries(" +
-         name + " PUBLIC m)\n\nenable_testing()\nadd_executable(" + name + "_test " + name + "_test.c)\ntarget_link_libraries(" + name +
-         "_test PRIVATE " + name + ")\nadd_test(NAME " + name + " COMMAND " + name + "_test)\n";
+         name + "_model PUBLIC m)\n\nenable_testing()\nadd_executable(" + name + "_test " + name + "_test.c)\ntarget_link_libraries(" + name +
+         "_test PRIVATE " + name + "_model)\nadd_test(NAME " + name + " COMMAND " + name + "_test)\n";
 }
 
 std::string casadiListsOf(const std::string& name) {
@@ -121,6 +127,7 @@ void run(const CodegenOptions& o) {
   SourceOptions how;
   how.single_precision = o.single_precision;
   how.lanes = o.lanes;
+  how.prefix = o.prefix;
   const Source source = writeSource(functions, how);
   if (!o.out.empty()) {
     std::error_code error;
@@ -167,15 +174,17 @@ void addCodegen(CLI::App& app) {
   CLI::App* sub = app.add_subcommand("codegen", "algorithms of one model as C source, with a test of itself; --compile for use at run time");
   auto o = std::make_shared<CodegenOptions>();
   o->add(*sub);
-  std::string known;
-  for (const std::string& f : traceableFunctions()) known += (known.empty() ? "" : ", ") + f;
-  sub->add_option("--functions", o->functions, "separated by commas: " + known)->delimiter(',')->required();
+  sub->add_option("--functions", o->functions, "separated by commas")
+      ->delimiter(',')
+      ->required()
+      ->check(CLI::IsMember(traceableFunctions()));
   sub->add_option("--out", o->out, "folder for source, header, CMakeLists and test");
   sub->add_flag("--compile", o->compile_now, "compile into the cache that compileNative() uses");
   sub->add_flag("--float", o->single_precision, "float for double");
   sub->add_flag("--plain", o->plain, "C99 without vectors: fewer operations, more steps; of one state a call");
   sub->add_flag("--casadi", o->casadi, "beside them a CasADi external with Jacobians, NAME_casadi.c");
-  sub->add_option("--lanes", o->lanes, "states a call: 1, 2, 4, 8, ...")->capture_default_str();
+  sub->add_option("--prefix", o->prefix, "what the functions' names in the source begin with");
+  sub->add_option("--lanes", o->lanes, "states a call")->capture_default_str()->check(CLI::IsMember({1, 2, 4, 8, 16, 32, 64}));
   sub->callback([o] { run(*o); });
 }
 

@@ -20,7 +20,7 @@ struct Quantity {
   Need need = Need::mass_matrix;  ///< derivatives take much more memory, of size nv^2
 };
 
-/// A result that a singular mass matrix does not have is null, and KEY_error says why.
+/// A result that a singular mass matrix, or a model without mass, does not have is null, and KEY_error says why.
 template <class Compute>
 void writeRegular(const char* key, Json& out, Compute&& compute) {
   try {
@@ -40,6 +40,15 @@ Quantity plain(const char* key, Compute compute, Need need = Need::mass_matrix) 
 template <class Compute>
 Quantity regular(const char* key, Compute compute, Need need = Need::mass_matrix) {
   return {key, [key, compute](auto& m, auto& d, auto& s, Json& out) { writeRegular(key, out, [&] { return compute(m, d, s); }); }, need};
+}
+
+/// One of the centre of mass, which a model without mass has not.
+template <class Compute>
+Quantity ofMass(const char* key, Compute compute) {
+  return regular(key, [compute](auto& m, auto& d, auto& s) {
+    if (!(m.mass() > 0)) throw Error(ErrorCode::singular, "the model has no mass, so no centre of mass; give its bodies inertias");
+    return compute(m, d, s);
+  });
 }
 
 const std::vector<Quantity>& quantities() {
@@ -78,10 +87,10 @@ const std::vector<Quantity>& quantities() {
           "dhgdot_dv", [](auto& m, auto& d, auto& s) { return computeCentroidalDynamicsDerivatives(m, d, s.q, s.v, s.a).dhgdot_dv; }, derivatives),
       regular(
           "dhgdot_da", [](auto& m, auto& d, auto& s) { return computeCentroidalDynamicsDerivatives(m, d, s.q, s.v, s.a).dhgdot_da; }, derivatives),
-      plain("com", [](auto& m, auto& d, auto& s) { return centerOfMass(m, d, s.q).position; }),
-      plain("vcom", [](auto& m, auto& d, auto& s) { return centerOfMass(m, d, s.q, s.v).velocity; }),
-      plain("acom", [](auto& m, auto& d, auto& s) { return centerOfMass(m, d, s.q, s.v, s.a).acceleration; }),
-      plain("Jcom", [](auto& m, auto& d, auto& s) { return jacobianCenterOfMass(m, d, s.q); }),
+      ofMass("com", [](auto& m, auto& d, auto& s) { return centerOfMass(m, d, s.q).position; }),
+      ofMass("vcom", [](auto& m, auto& d, auto& s) { return centerOfMass(m, d, s.q, s.v).velocity; }),
+      ofMass("acom", [](auto& m, auto& d, auto& s) { return centerOfMass(m, d, s.q, s.v, s.a).acceleration; }),
+      ofMass("Jcom", [](auto& m, auto& d, auto& s) { return jacobianCenterOfMass(m, d, s.q); }),
       {"kinetic_energy", [](auto& m, auto& d, auto& s, Json& out) { out["kinetic_energy"] = computeKineticEnergy(m, d, s.q, s.v); }},
       {"potential_energy", [](auto& m, auto& d, auto& s, Json& out) { out["potential_energy"] = computePotentialEnergy(m, d, s.q); }},
       {"oMf",
@@ -225,8 +234,6 @@ void run(const Options& o) {
   for (const std::string& key : only) {
     if (o.contacts.empty() && isKeyOf(contactQuantities(), key))
       throw Error(ErrorCode::argument, "--only " + key + ": name the contacts, as in --contacts left_sole_link:6d,right_sole_link:6d");
-    if (!isKeyOf(quantities(), key) && !isKeyOf(contactQuantities(), key))
-      throw Error(ErrorCode::argument, "--only " + key + ": there is no such quantity; `dyn compute --help` lists them");
   }
   std::vector<int> frames;
   for (const std::string& name : o.frames) {
@@ -273,10 +280,10 @@ void addCompute(CLI::App& app) {
   o->model.add(*sub);
   sub->add_option("--states", o->states, "JSON file {\"samples\":[{\"q\":[],\"v\":[],\"a\":[],\"tau\":[]}, ...]}, or - for standard input")
       ->required();
-  std::string keys;
-  for (const Quantity& q : quantities()) keys += std::string(keys.empty() ? "" : ", ") + q.key;
-  for (const ContactQuantity& q : contactQuantities()) keys += std::string(", ") + q.key;
-  sub->add_option("--only", o->only, "quantities to compute: " + keys)->delimiter(',');
+  std::vector<std::string> keys;
+  for (const Quantity& q : quantities()) keys.emplace_back(q.key);
+  for (const ContactQuantity& q : contactQuantities()) keys.emplace_back(q.key);
+  sub->add_option("--only", o->only, "quantities to compute")->delimiter(',')->check(CLI::IsMember(keys));
   sub->add_option("--frames", o->frames, "frames whose Jacobians are wanted")->delimiter(',');
   sub->add_option("--contacts", o->contacts, "frames that rest on the world, FRAME:6d or FRAME:3d (a point): adds the keys contact_ and impulse_")
       ->delimiter(',');

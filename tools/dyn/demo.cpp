@@ -23,7 +23,7 @@ void run(const ModelOptions& o) {
       std::printf("%-24s %12.6g %12.6g %12.6g %14.6g %12.6g\n", k == r.idx_v ? r.name.c_str() : "", s.v[k], s.a[k], M(k, k), tau[k], ddq[k]);
   }
   std::printf("\nkinetic energy %.9g J, v'Mv/2 = %.9g J; max |aba(rnea(a)) - a| = %.2g\n", computeKineticEnergy(model, data, s.q, s.v),
-              0.5 * s.v.dot(M * s.v), (ddq - s.a).cwiseAbs().maxCoeff());
+              0.5 * s.v.dot(M * s.v), (ddq - s.a).lpNorm<Eigen::Infinity>());
 }
 
 }  // namespace

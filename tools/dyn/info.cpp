@@ -44,6 +44,14 @@ void printTypes(const CompactModel& model, const JointRegistry& registry) {
   }
 }
 
+/// Those of links and fixed joints too, which need not be frames of joints.
+void printFrames(const CompactModel& model) {
+  for (std::size_t f = 1; f < model.frames().size(); ++f) {
+    const auto& frame = model.frames()[f];
+    std::printf("  %s  (joint %s)\n", frame.name.c_str(), model.joints()[static_cast<std::size_t>(frame.joint)].name.c_str());
+  }
+}
+
 void run(const ModelOptions& o) {
   const JointRegistry registry = o.registry();
   const Model description = o.description();
@@ -69,6 +77,8 @@ void run(const ModelOptions& o) {
   for (const std::string& line : description.notes) std::printf("  %s\n", line.c_str());
   std::printf("\ntree\n");
   printTree(model);
+  std::printf("\nframes, each with the joint that moves it\n");
+  printFrames(model);
 }
 
 }  // namespace

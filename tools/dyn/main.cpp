@@ -8,6 +8,19 @@
 
 namespace {
 
+/// Says which word is no subcommand, and which there are. False if that is not what is wrong.
+bool explainUnknown(const CLI::App& app) {
+  const CLI::App* inner = &app;
+  while (!inner->get_subcommands().empty()) inner = inner->get_subcommands().front();
+  const std::vector<const CLI::App*> known = inner->get_subcommands([](const CLI::App*) { return true; });
+  const std::vector<std::string> rest = inner->remaining();
+  if (known.empty() || rest.empty() || rest.front().starts_with('-')) return false;
+  std::string names;
+  for (const CLI::App* sub : known) names += (names.empty() ? "" : ", ") + sub->get_name();
+  std::fprintf(stderr, "dyn: there is no subcommand '%s'; there are %s\n", rest.front().c_str(), names.c_str());
+  return true;
+}
+
 int run(int argc, char** argv) {
   CLI::App app{"Kinematics and dynamics of robots; joints come from plugins."};
   app.require_subcommand(1);
@@ -26,6 +39,9 @@ int run(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const dyn::tool::ExitCode& exit) {
     return exit.code;
+  } catch (const CLI::RequiredError& e) {
+    if (!explainUnknown(app)) app.exit(e);
+    return 2;
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? 0 : 2;
   } catch (const dyn::Error& e) {

@@ -319,6 +319,7 @@ const std::vector<Recipe>& recipes() {
        },
        [](const CompactImpl& m, Tracer& t, const std::vector<T*>& in, Numbers& out) {
          out.resize(6 * at(m.nvx));
+         if (m.bodies() == 1) return;  // nothing moves, and no tree has a root
          const Numbers zero(at(m.nvx));
          t.evaluate(in[0], nullptr);
          kernels::CentroidalMaps<T> maps;

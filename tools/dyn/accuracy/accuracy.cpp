@@ -66,7 +66,9 @@ void addAccuracy(CLI::App& app) {
   sub->add_option("--models", o->models, "URDF files, each with :ROOT if it does not stand fixed, as in talos.urdf:free_flyer; without, a chain")
       ->delimiter(',');
   sub->add_option("--out", o->out, "folder of the page and its numbers")->capture_default_str();
-  sub->add_option("--instruction-sets", o->instruction_sets, "measure the models' algorithms once more with these, as scalar,avx2")->delimiter(',');
+  sub->add_option("--instruction-sets", o->instruction_sets, "measure the models' algorithms once more with these, as scalar,avx2")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"scalar", "baseline", "sse2", "avx2", "avx512"}));
   sub->add_option("--peers", o->peers, "what tools/bench-peers wrote, to be shown beside");
   sub->add_flag("--codegen", o->codegen, "generated code, too (minutes of compiling for large models)");
   sub->add_flag("--quick", o->quick, "fewer states and shorter runs");

@@ -155,11 +155,11 @@ std::vector<Line> linesOfOther(const Specimen& x, const std::string& isa, const 
   };
   const std::string command =
       "DYN_SIMD=" + quoted(isa) + ' ' + quoted(self) + " bench " + quoted(x.path) + " --root " + quoted(x.root) + " --json --truth " + quoted(truth);
-  const auto close = [](FILE* pipe) { pclose(pipe); };
-  const std::unique_ptr<FILE, decltype(close)> pipe(popen(command.c_str(), "r"), close);
+  FILE* pipe = popen(command.c_str(), "r");
   std::string text;
   std::array<char, 4096> part{};
-  while (pipe && std::fgets(part.data(), part.size(), pipe.get())) text += part.data();
+  while (pipe && std::fgets(part.data(), part.size(), pipe)) text += part.data();
+  if (pipe == nullptr || pclose(pipe) != 0) throw Error(ErrorCode::argument, "--instruction-sets " + isa + ": nothing could be measured with it");
   std::vector<Line> out;
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t end = std::min(text.find('\n', at), text.size());
