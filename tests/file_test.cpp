@@ -41,6 +41,10 @@ TEST_CASE("a file that is replaced is an ordinary new file, and nothing is left 
   fs::create_directory(folder.path / "full");
   folder.write("full/file", "x");
   CHECK_THROWS_AS(replaceFile(folder.path / "full", "x"), Error);
+  CHECK_THROWS_WITH(checkReplaceable(folder.path / "none" / "out"), containing("none/out") && containing("cannot be written"));
+  CHECK_THROWS_WITH(checkReplaceable(folder.path / "full"), containing("full") && containing("a folder"));
+  checkReplaceable(path);
+  CHECK(fs::file_size(path) == 1 << 20);
   CHECK(std::distance(fs::directory_iterator(folder.path), {}) == 2);
 }
 

@@ -63,6 +63,16 @@ std::string readFile(const std::string& path, std::uintmax_t largest) {
   return text;
 }
 
+void checkReplaceable(const std::string& path) {
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error)) throw Error(ErrorCode::file, "cannot be written: it is a folder", {path, 0, ""});
+  std::string temporary;
+  const int file = makeBeside(path, temporary);
+  if (file < 0) throw Error(ErrorCode::file, std::string("cannot be written: ") + std::strerror(errno), {path, 0, ""});
+  close(file);
+  std::remove(temporary.c_str());
+}
+
 void replaceFile(const std::string& path, const std::string& content) {
   std::string temporary;
   const int file = makeBeside(path, temporary);

@@ -498,6 +498,9 @@ TEST_CASE("simulate writes what it passed through, and says what was kept", "[co
 
   const Answer loop = run("simulate " DYN_SOURCE_DIR "/models/four_bar.urdf --time 0.1");
   CHECK_THAT(loop.out, containing("constraints: 5 rows"));
+  const Answer stands = run("simulate " + biped + " --root free_flyer --time 0.01 --contacts left_foot:6d,right_foot:6d");
+  INFO(stands.err);
+  CHECK_THAT(stands.out, containing("constraints: 12 rows"));
   const Answer falls = run("simulate " DYN_SOURCE_DIR "/models/arm.urdf --time 0.3 --limits --restitution 0.2");
   CHECK(falls.code == 0);
 }
@@ -536,6 +539,14 @@ TEST_CASE("simulate refuses what makes no sense, and keeps what there was of a m
   fails(biped + " --resume " + (folder.path / "missing").string(), "does not exist");
   fails(biped + " --restitution 2", "restitution");
   fails("missing.urdf", "missing.urdf");
+  for (const char* option : {"--out none/x.csv", "--plot none/x.svg", "--save none/x"}) {
+    // Before the run, not after it.
+    const Answer a = run("simulate " + biped + " --time 0.01 " + option);
+    CHECK(a.code == 1);
+    CHECK_THAT(a.err, containing("none/x") && containing("cannot be written"));
+    CHECK_THAT(a.out, !containing("steps/s"));
+  }
+  fails(biped + " --resume there --state here", "--state", 2);
   const fs::path broken = folder.path / "state.json", out = folder.path / "out.csv";
   std::ofstream(broken) << R"({"samples":[{"q":[NaN]}]})";
   fails(biped + " --state " + broken.string(), "not finite");

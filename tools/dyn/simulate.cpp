@@ -37,7 +37,7 @@ struct SimulateOptions : ModelOptions {
     app.add_option("--integrator", integrator, "method")->check(CLI::IsMember(names))->capture_default_str();
     app.add_option("--tolerance", tolerance, "of the adaptive integrator: error of a step [m, rad]")->capture_default_str();
     app.add_option("--state", state, "JSON file whose first sample is where to start; otherwise at neutral and at rest");
-    app.add_option("--contacts", contacts, "hold FRAME:3d (a point) or FRAME:6d where it is (repeatable)");
+    app.add_option("--contacts", contacts, "hold FRAME:3d (a point) or FRAME:6d where it is (repeatable)")->delimiter(',');
     app.add_option("--ground", ground, "frames whose origins touch the ground, a plane with z up (repeatable)")->delimiter(',');
     app.add_option("--ground-height", height, "z of the ground [m]")->capture_default_str();
     app.add_flag("--touching", touching, "bodies touch each other, and what --scene puts around them, by their collision volumes");
@@ -50,7 +50,7 @@ struct SimulateOptions : ModelOptions {
     app.add_option("--out", out, "trajectory, .csv or .json");
     app.add_option("--plot", plot, "picture of the configuration over time, SVG");
     app.add_option("--save", save, "write where the simulation ended, without loss");
-    app.add_option("--resume", resume, "go on from there");
+    app.add_option("--resume", resume, "go on from there")->excludes("--state");
   }
 
   ConstraintSet constraints(const CompactModel& model) const { return {ConstraintSet(model), readContacts(contacts)}; }
@@ -148,6 +148,8 @@ void run(const SimulateOptions& o) {
   if (!(o.time >= 0) || !std::isfinite(o.time)) throw Error(ErrorCode::argument, "--time: seconds to simulate are not negative");
   if (!(o.every >= 0) || !std::isfinite(o.every)) throw Error(ErrorCode::argument, "--every: seconds between states are not negative");
   if (!o.out.empty()) checkTrajectoryFile(o.out);
+  for (const std::string& path : {o.out, o.plot, o.save})
+    if (!path.empty()) checkReplaceable(path);
   const Model description = o.volumes.description(o);
   const CompactModel model = o.compile(description);
   const ConstraintSet constraints = o.constraints(model);
@@ -204,9 +206,9 @@ void run(const SimulateOptions& o) {
   if (s.impacts + s.contact_steps > 0) std::printf("contact: %ld impacts, %ld steps in touch\n", s.impacts, s.contact_steps);
   if (s.inexact_contacts > 0) std::printf("of these %ld with forces that are not right to 1e-9 m/s\n", s.inexact_contacts);
   if (constraints.rows() > 0) std::printf("constraints: %d rows, error %.3g\n", constraints.rows(), simulator.constraintError());
+  if (!o.save.empty()) replaceFile(o.save, simulator.save());
   if (!o.out.empty()) trajectory.write(o.out);
   if (!o.plot.empty()) trajectory.plot(o.plot);
-  if (!o.save.empty()) replaceFile(o.save, simulator.save());
   if (failure) throw *failure;
 }
 

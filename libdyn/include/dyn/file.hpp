@@ -15,4 +15,7 @@ DYN_API std::string readFile(const std::string& path, std::uintmax_t largest = s
 /// Writes a temporary beside `path` and renames it; what was there before stays if that fails. Throws Error(file).
 DYN_API void replaceFile(const std::string& path, const std::string& content);
 
+/// Throws Error(file) where replaceFile could make no file, and leaves everything as it was: for programs that work long before they write.
+DYN_API void checkReplaceable(const std::string& path);
+
 }  // namespace dyn
