@@ -131,6 +131,8 @@ const std::vector<Call>& calls() {
          const ConstraintMotion m = computeConstraintMotion(s.model, s.data, arg(x.q), arg(x.v), s.constraints);
          return joined({m.velocity, m.bias, m.error});
        }},
+      {"computeConstraintJacobian", "q",
+       [](Subject& s, const Arguments& x) { return joined({computeConstraintJacobian(s.model, s.data, arg(x.q), s.constraints)}); }},
       {"computeDelassusMatrix", "q",
        [](Subject& s, const Arguments& x) { return joined({computeDelassusMatrix(s.model, s.data, arg(x.q), s.constraints)}); }},
       {"computeConstraintDynamicsDerivatives", "qvt",

@@ -50,7 +50,7 @@ SecondDerivativeViews rneaSecondDerivatives(const CompactModel& model, Data& dat
   SecondDerivativeImpl& s = second.impl();
   refuseFollowers(algorithm, m);
   if (&s.model.impl() != &m) throw Error(ErrorCode::argument, std::string(algorithm) + ": the memory was made for another model");
-  keepArguments(data, {.q = &q, .v = &v, .a = &a});
+  keepArguments(data, {.q = &q, .v = &v, .a = &a}, &s.block);
   const std::ptrdiff_t n = m.nv, square = n * n;
   // tau is quadratic in v, so that the derivative by v is linear in it: that at each unit velocity, less damping, which is constant.
   const VectorView unit{s.unit, n}, zero{d.zero, n};

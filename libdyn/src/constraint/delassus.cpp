@@ -15,7 +15,7 @@ void prepare(const char* algorithm, const CompactModel& model, Data& data, Vecto
   const CompactImpl& m = model.impl();
   DataImpl& d = data.impl();
   ConstraintDataImpl& c = constraints.impl();
-  keepArguments(data, {.q = &q});
+  keepArguments(data, {.q = &q}, &c.block);
   if (!m.couplings.empty()) return projectInertia(algorithm, model, data, q, nullptr, c);
   const Inputs in = readInputs(algorithm, model, data, q, nullptr, nullptr);
   articulateBodies(algorithm, m, d, c, in.q, d.zero, d.zero, nullptr);

@@ -112,6 +112,7 @@ const double* constraintJacobian(const CompactModel& model, Data& data, VectorVi
   const char* algorithm = "computeConstraintJacobian";
   checkConstraints(algorithm, model, data, constraints);
   ConstraintDataImpl& c = constraints.impl();
+  keepArguments(data, {.q = &q}, &c.block);
   placeRows(algorithm, model, data, q, nullptr, c);
   return c.J;
 }
