@@ -55,19 +55,18 @@ TEST_CASE("help is there for every subcommand, and a wrong command line exits wi
     CHECK(a.code == 0);
     CHECK_THAT(a.out, containing("--help"));
   }
-  const std::vector<std::string> wrong = {
-      "",
-      "fly",
-      "info",
-      "info " + biped + " --order backwards",
-      "compute x.urdf",
-      "compute x.urdf --states x.json --only rnea,fly",
-      "codegen x.urdf --functions fly",
-      "codegen x.urdf --functions rnea --lanes 3",
-      "plugin",
-      "plugin check",
-      "bench x.urdf --unknown-option",
-      "accuracy --instruction-sets mmx"};
+  const std::vector<std::string> wrong = {"",
+                                          "fly",
+                                          "info",
+                                          "info " + biped + " --order backwards",
+                                          "compute x.urdf",
+                                          "compute x.urdf --states x.json --only rnea,fly",
+                                          "codegen x.urdf --functions fly",
+                                          "codegen x.urdf --functions rnea --lanes 3",
+                                          "plugin",
+                                          "plugin check",
+                                          "bench x.urdf --unknown-option",
+                                          "accuracy --instruction-sets mmx"};
   for (const std::string& line : wrong) {
     const Answer a = run(line);
     INFO(line);

@@ -97,8 +97,8 @@ std::string listsOf(const std::string& name) {
   return "cmake_minimum_required(VERSION 3.16)\nproject(" + name +
          " C)\n\nif(NOT CMAKE_BUILD_TYPE)\n  set(CMAKE_BUILD_TYPE Release CACHE STRING \"\" FORCE)\nendif()\n"
          "include(CheckCCompilerFlag)\ncheck_c_compiler_flag(-march=native has_native)\nadd_library(" +
-         name + "_model " + name + ".c)\ntarget_include_directories(" + name +
-         "_model PUBLIC ${CMAKE_CURRENT_SOURCE_DIR})\ntarget_compile_options(" + name +
+         name + "_model " + name + ".c)\ntarget_include_directories(" + name + "_model PUBLIC ${CMAKE_CURRENT_SOURCE_DIR})\ntarget_compile_options(" +
+         name +
          "_model PRIVATE -O2 -ffp-contract=fast -fno-math-errno -fno-trapping-math -fno-tree-vectorize "
          "$<$<BOOL:${has_native}>:-march=native> $<$<BOOL:${has_native}>:-mtune=generic>)\ntarget_link_libraries(" +
          name + "_model PUBLIC m)\n\nenable_testing()\nadd_executable(" + name + "_test " + name + "_test.c)\ntarget_link_libraries(" + name +
@@ -174,10 +174,7 @@ void addCodegen(CLI::App& app) {
   CLI::App* sub = app.add_subcommand("codegen", "algorithms of one model as C source, with a test of itself; --compile for use at run time");
   auto o = std::make_shared<CodegenOptions>();
   o->add(*sub);
-  sub->add_option("--functions", o->functions, "separated by commas")
-      ->delimiter(',')
-      ->required()
-      ->check(CLI::IsMember(traceableFunctions()));
+  sub->add_option("--functions", o->functions, "separated by commas")->delimiter(',')->required()->check(CLI::IsMember(traceableFunctions()));
   sub->add_option("--out", o->out, "folder for source, header, CMakeLists and test");
   sub->add_flag("--compile", o->compile_now, "compile into the cache that compileNative() uses");
   sub->add_flag("--float", o->single_precision, "float for double");

@@ -135,8 +135,7 @@ DerivativeViews abaDerivatives(const CompactModel& model, Data& data, VectorView
   checkSize(algorithm, "tau", tau, m.nv);
   const Prepared x = prepare(algorithm, model, data, q, &v, nullptr, fext, count);
   const double* effective = lessLosses(m, d, tau.data, x.in.v);
-  const int failed =
-      kernels::active().single.abaDerivatives(m, d, d.derivatives, x.in.v, effective, x.external, d.ddq, d.ddq_dq, d.ddq_dv, d.Minv);
+  const int failed = kernels::active().single.abaDerivatives(m, d, d.derivatives, x.in.v, effective, x.external, d.ddq, d.ddq_dq, d.ddq_dv, d.Minv);
   checkFactors(algorithm, m, failed, x.in.q);
   return {d.ddq, d.ddq_dq, d.ddq_dv, d.Minv};
 }

@@ -39,8 +39,8 @@ struct DataImpl : Workspace<double> {
   // Results in the user's numbering.
   double *tau = nullptr, *nle = nullptr, *g = nullptr, *ddq = nullptr;
   double *M = nullptr, *Mx = nullptr, *Jcom = nullptr, *J = nullptr;
-  double* columns = nullptr;  ///< 6 x nvx, twice: Jacobians before couplings are folded
-  double* zero = nullptr;     ///< max(nvx, 1) zeros
+  double* columns = nullptr;                                                            ///< 6 x nvx, twice: Jacobians before couplings are folded
+  double* zero = nullptr;                                                               ///< max(nvx, 1) zeros
   double *kept_q = nullptr, *kept_v = nullptr, *kept_a = nullptr, *kept_tau = nullptr;  ///< see keepArguments
   kernels::DerivativeWorkspace<double> derivatives;
   double *dtau_dq = nullptr, *dtau_dv = nullptr, *ddq_dq = nullptr, *ddq_dv = nullptr, *Minv = nullptr, *C = nullptr;
