@@ -64,6 +64,9 @@ class Reader {
   JointDescription rootJoint() const {
     JointDescription joint;
     joint.name = "root_joint";
+    while (outline_.joint.count(joint.name)) joint.name += '_';
+    if (joint.name != "root_joint")
+      d_.notes().push_back("joint '" + joint.name + "' carries the root link, as the file has a 'root_joint' of its own");
     joint.type = options_.root;
     joint.where = {d_.file(), 0, joint.name};
     return joint;

@@ -44,6 +44,7 @@ class Validator {
     if (!is_link && std::strcmp(e.Name(), "joint") != 0) return;
     const std::string name = d_.text(e, "name");
     if (name.empty()) d_.fail(e, std::string("<") + e.Name() + "> has an empty name");
+    if (name == "universe") d_.fail(e, std::string("a ") + e.Name() + " is called 'universe', which is reserved for the world; rename it");
     auto& known = is_link ? out_.link : out_.joint;
     if (const auto [first, is_new] = known.emplace(name, &e); !is_new)
       d_.fail(e, std::string("two ") + e.Name() + "s are called '" + name + "'; the other is at line " + std::to_string(first->second->GetLineNum()));

@@ -84,9 +84,23 @@ TEST_CASE("resolve: names are unique, parents come first, values are finite", "[
     model.bodies[1].joint.damping = {1, 2};
     refused("damping has 2 entries");
   }
-  SECTION("armature") {
-    model.bodies[1].joint.armature = {-1};
-    refused("armature");
+  SECTION("losses and armature") {
+    JointDescription& joint = model.bodies[1].joint;
+    for (const double x : {-1.0, std::numeric_limits<double>::infinity(), std::nan("")}) {
+      joint.damping = {x};
+      refused("damping has an entry that is negative or not finite");
+      joint.damping.clear();
+      joint.friction = {x};
+      refused("friction has an entry that is negative or not finite");
+      joint.friction.clear();
+      joint.armature = {x};
+      refused("armature has an entry that is negative or not finite");
+      joint.armature.clear();
+    }
+  }
+  SECTION("the world's name") {
+    model.bodies[1].name = "universe";
+    refused("the world's own name");
   }
   SECTION("limits the wrong way round") {
     model.bodies[1].joint.limits.lower = {2};

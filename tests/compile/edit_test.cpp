@@ -35,6 +35,31 @@ Model arm(std::uint64_t seed) {
   return model;
 }
 
+/// A hand whose joint is made of a thumb and a finger that follows it at half its angle: on a link of its own.
+Model hand() {
+  JointDescription thumb, finger, joint;
+  thumb.name = "thumb";
+  thumb.type = finger.type = "revolute";
+  thumb.parameters["axis"] = finger.parameters["axis"] = std::vector<double>{0, 0, 1};
+  finger.name = "finger";
+  finger.placement.p = {1, 0, 0};
+  finger.coupling = {"mimic", "hand/thumb", {{"coefficients", std::vector<double>{0, 0.5}}}};
+  joint.name = "hand";
+  joint.type = "composite";
+  joint.parameters["parts"] = std::vector<JointDescription>{thumb, finger};
+  Model model;
+  model.addBody("palm", 0, joint, {1, {0.1, 0, 0}, {1, 0, 0, 1, 0, 1}});
+  return model;
+}
+
+/// The angle about z that a body is turned by at q.
+double angleOf(const CompactModel& model, const std::string& body, const Eigen::VectorXd& q) {
+  Data data(model);
+  forwardKinematics(model, data, q);
+  const Mat3<double> R = framePlacement(model, data, model.frameId(body)).R;
+  return std::atan2(R(1, 0), R(0, 0));
+}
+
 double off(const SE3<double>& a, const SE3<double>& b) { return (toEigen(a) - toEigen(b)).cwiseAbs().maxCoeff(); }
 
 /// M, rnea and every frame of `part` are those of `whole`, joint by joint, when joints of `whole` that `part` lacks stand still.
@@ -185,4 +210,82 @@ TEST_CASE("couplings of an appended model follow its own joints", "[edit]") {
 TEST_CASE("append refuses carriers that do not exist and names that would be there twice", "[edit]") {
   CHECK_THROWS_WITH(append(arm(1), arm(2), "nobody", {}, "x_"), containing("'nobody'"));
   CHECK_THROWS_WITH(append(arm(1), arm(2), "tool"), containing("twice"));
+}
+
+TEST_CASE("couplings of an appended joint's parts follow its own parts", "[edit]") {
+  for (const std::string prefix : {"left_", "right_"}) {
+    const Model one = append(Model(), hand(), "universe", {}, prefix);
+    CHECK(angleOf(compile(one, registry()), prefix + "palm", Eigen::VectorXd::Ones(1)) == approx(1.5));
+  }
+  const CompactModel both = compile(append(hand(), hand(), "universe", {}, "second_"), registry());
+  REQUIRE(both.nv() == 2);
+  Eigen::VectorXd q = Eigen::VectorXd::Zero(2);
+  q[both.joints()[static_cast<std::size_t>(both.jointId("hand"))].idx_q] = 1;
+  CHECK(angleOf(both, "palm", q) == approx(1.5));
+  CHECK(angleOf(both, "second_palm", q) == approx(0).margin(1e-15));
+}
+
+TEST_CASE("parts that follow a held joint are held where it puts them, and the other parts keep all they had", "[edit]") {
+  // The hand hangs on an arm whose j0 its finger follows; the thumb is free.
+  Model model = append(arm(3), hand(), "link3");
+  JointDescription& joint = model.bodies.back().joint;
+  auto& parts = std::get<std::vector<JointDescription>>(joint.parameters.at("parts"));
+  parts[1].coupling.master = "j0";
+  joint.limits.lower = {-1, -2};
+  joint.limits.upper = {1, 2};
+  joint.damping = {0.1, 0.2};
+  const CompactModel held = compile(reduce(model, registry(), {{"j0", {0.4}}}), registry());
+  CHECK(held.nv() == 3);
+  parts[1].coupling = {};
+  const CompactModel whole = compile(model, registry());
+  Eigen::VectorXd at = Eigen::VectorXd::Zero(whole.nq()), rest = Eigen::VectorXd::Zero(held.nq());
+  const auto first = [](const CompactModel& m, const char* name) { return m.joints()[static_cast<std::size_t>(m.jointId(name))].idx_q; };
+  at[first(whole, "j0")] = 0.4;
+  at[first(whole, "hand")] = rest[first(held, "hand")] = 0.7;
+  at[first(whole, "hand") + 1] = 0.2;
+  Data wd(whole), hd(held);
+  forwardKinematics(whole, wd, at);
+  forwardKinematics(held, hd, rest);
+  CHECK(off(framePlacement(whole, wd, whole.frameId("palm")), framePlacement(held, hd, held.frameId("palm"))) < 1e-14);
+  CHECK(held.limits().lower[static_cast<std::size_t>(first(held, "hand"))] == -1);
+}
+
+TEST_CASE("a joint with parts that follow others is held by itself", "[edit]") {
+  const CompactModel held = compile(reduce(hand(), registry(), {{"hand", {1}}}), registry());
+  CHECK(held.nv() == 0);
+  CHECK(angleOf(held, "palm", Eigen::VectorXd(0)) == approx(1.5));
+  CHECK_THROWS_WITH(reduce(hand(), registry(), {{"hand", {1, 2}}}), containing("1 coordinates"));
+}
+
+TEST_CASE("keepOnly keeps what parts of a kept joint follow, and holds joints with such parts", "[edit]") {
+  Model model = append(arm(3), hand(), "link3");
+  std::get<std::vector<JointDescription>>(model.bodies.back().joint.parameters.at("parts"))[1].coupling.master = "j0";
+  const CompactModel kept = compile(keepOnly(model, registry(), {"hand"}), registry());
+  CHECK(kept.nv() == 2);
+  CHECK(compile(keepOnly(model, registry(), {"j3"}), registry()).nv() == 1);
+  // A joint that follows a part.
+  Model other = append(hand(), arm(3), "universe", {}, "a_");
+  other.bodies.back().joint.coupling = {"mimic", "hand/thumb", {{"coefficients", std::vector<double>{0, 1}}}};
+  CHECK(compile(keepOnly(other, registry(), {"a_j3"}), registry()).nv() == 1);
+  CHECK(compile(reduce(other, registry(), {{"hand", {0.5}}}), registry()).nv() == 2);
+}
+
+TEST_CASE("collisions that an appended model disables with its world are disabled with what carries it", "[edit]") {
+  Model tool = arm(6);
+  tool.disabled_collisions = {{"universe", "link0", "Adjacent"}, {"link1", "link2", "Never"}};
+  const Model both = append(arm(5), tool, "tool", {}, "x_");
+  REQUIRE(both.disabled_collisions.size() == 2);
+  CHECK(both.disabled_collisions[0].body == "link3");
+  CHECK(both.disabled_collisions[0].other == "x_link0");
+  CHECK(both.disabled_collisions[1].body == "x_link1");
+  CHECK(compile(both, registry()).report().warnings.empty());
+}
+
+TEST_CASE("a disabled collision of a body that is not there is reported", "[edit]") {
+  Model model = arm(5);
+  model.disabled_collisions = {{"link0", "nobody", ""}};
+  const CompactModel compact = compile(model, registry());
+  const auto& warnings = compact.report().warnings;
+  REQUIRE(warnings.size() == 1);
+  CHECK_THAT(warnings[0], containing("no body 'nobody'"));
 }

@@ -138,3 +138,47 @@ TEST_CASE("a scene that speaks of what is not there is refused", "[scene]") {
   options.scene.outputs = {"elbow"};
   CHECK_THROWS_WITH(compile(pair(), registry(), options), containing("'elbow'"));
 }
+
+TEST_CASE("what touches is tied together, whatever of it is fixed to the world", "[scene]") {
+  Model model;
+  for (const char* name : {"a", "b", "c"}) {
+    JointDescription joint;
+    joint.name = std::string("joint_") + name;
+    joint.type = "free_flyer";
+    model.addBody(name, 0, joint, {1, {}, {1, 0, 0, 1, 0, 1}});
+  }
+  model.addFrame("ground", 0, {});
+  const std::vector<std::vector<std::string>> orders = {{"a", "ground", "b"}, {"a", "b", "ground"}, {"ground", "a", "universe", "b"}};
+  for (const std::vector<std::string>& touching : orders) {
+    CHECK(islandsOf(model, touching) == std::vector<std::string>{"a", "c"});
+    CompileOptions options;
+    options.scene.outputs = {"a"};
+    options.scene.touching = touching;
+    CHECK(compile(model, registry(), options).nv() == 12);
+  }
+}
+
+TEST_CASE("what a part of a joint follows belongs to its island", "[scene]") {
+  JointDescription leader, part, follower;
+  leader.name = "leader";
+  leader.type = part.type = "revolute";
+  leader.parameters["axis"] = part.parameters["axis"] = std::vector<double>{0, 0, 1};
+  part.coupling = {"mimic", "leader", {{"coefficients", std::vector<double>{0, 1}}}};
+  follower.name = "follower";
+  follower.type = "composite";
+  follower.parameters["parts"] = std::vector<JointDescription>{part};
+  Model model;
+  model.addBody("a", 0, leader, {1, {}, {1, 0, 0, 1, 0, 1}});
+  model.addBody("b", 0, follower, {1, {}, {1, 0, 0, 1, 0, 1}});
+  CHECK(islandsOf(model) == std::vector<std::string>{"a"});
+  for (const bool dynamics : {true, false}) {
+    CompileOptions options;
+    options.scene.outputs = {"b"};
+    options.scene.dynamics = dynamics;
+    CHECK(compile(model, registry(), options).nv() == 1);
+  }
+  leader.coupling = {"mimic", "follower/0", part.coupling.parameters};
+  std::get<std::vector<JointDescription>>(model.bodies[2].joint.parameters.at("parts"))[0].coupling = {};
+  model.bodies[1].joint = leader;
+  CHECK(islandsOf(model) == std::vector<std::string>{"a"});
+}

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <atomic>
 #include <limits>
+#include <stdexcept>
 
 namespace {
 
@@ -157,6 +158,70 @@ struct WrongConstantSubspace : dyn::sdk::Joint<WrongConstantSubspace, 1> {
   }
 };
 
+/// Twice as far on one side as on the other: a pose with a kink at neutral.
+struct Kinked : Rising<Kinked> {
+  static constexpr const char* name = "kinked";
+  template <class S>
+  static dyn::SE3<S> pose(const S* q, const dyn::sdk::Constants&) {
+    return {dyn::Mat3<S>::identity(), {q[0] < S(0) ? -q[0] : q[0], S(0), S(0)}};
+  }
+};
+
+struct Clamped : Rising<Clamped> {
+  static constexpr const char* name = "clamped";
+  template <class S>
+  static dyn::SE3<S> pose(const S* q, const dyn::sdk::Constants&) {
+    return {dyn::Mat3<S>::identity(), {q[0] < S(-1) ? S(-1) : S(1) < q[0] ? S(1) : q[0], S(0), S(0)}};
+  }
+};
+
+struct Throwing : Rising<Throwing> {
+  static constexpr const char* name = "throwing";
+  static bool check(const dyn::ParameterArgument*, dyn::JointInstance&, const dyn::sdk::Refusal&) { throw std::runtime_error("no table found"); }
+};
+
+struct ThrowingConstants : Rising<ThrowingConstants> {
+  static constexpr const char* name = "throwing_constants";
+  static int constantCount(const dyn::ParameterArgument*) { return 1; }
+  static void constants(const dyn::ParameterArgument*, double*) { throw 1; }
+};
+
+/// The default constants are one more than it says.
+struct FewConstants : Rising<FewConstants> {
+  static constexpr const char* name = "few_constants";
+  static constexpr std::array parameters{dyn::ParameterSpec{"h", dyn::ParameterKind::number, true, "m", "of the rise"}};
+  static int constantCount(const dyn::ParameterArgument*) { return 0; }
+};
+
+/// Shifted by its constants.
+struct Placed : dyn::sdk::Joint<Placed, 1> {
+  static constexpr const char* name = "placed";
+  static constexpr const char* summary = "for tests";
+  static constexpr std::array parameters{
+      dyn::ParameterSpec{"h", dyn::ParameterKind::number, true, "m", ""}, dyn::ParameterSpec{"d", dyn::ParameterKind::vector3, false, "m", ""},
+      dyn::ParameterSpec{"word", dyn::ParameterKind::text, false, "", ""}, dyn::ParameterSpec{"e", dyn::ParameterKind::number, false, "m", ""},
+      dyn::ParameterSpec{"rest", dyn::ParameterKind::numbers, false, "m", ""}};
+  template <class S>
+  static dyn::SE3<S> pose(const S* q, const dyn::sdk::Constants& c) {
+    return {dyn::Mat3<S>::identity(), {S(c[0]) + q[0], S(c[2]), S(c[4])}};
+  }
+};
+
+struct Unnamed : Rising<Unnamed> {
+  static constexpr const char* name = nullptr;
+};
+struct EmptyName : Rising<EmptyName> {
+  static constexpr const char* name = "";
+};
+struct MarkupName : Rising<MarkupName> {
+  static constexpr const char* name = "a <b>";
+};
+struct TwoOfOneName : Rising<TwoOfOneName> {
+  static constexpr const char* name = "two_of_one_name";
+  static constexpr std::array parameters{dyn::ParameterSpec{"h", dyn::ParameterKind::number, true, "m", ""},
+                                         dyn::ParameterSpec{"h", dyn::ParameterKind::number, true, "m", ""}};
+};
+
 struct WrongCoupling {
   static constexpr const char* name = "wrong_coupling";
   static constexpr const char* summary = "for tests";
@@ -217,6 +282,69 @@ TEST_CASE("broken joints are caught by the check that looks there") {
   CHECK(caughtBy(check<Stateful>(seed), "two threads"));
   CHECK(caughtBy(check<TooManyConstants>(seed), "constants"));
   CHECK(caughtBy(check<Refusing>(seed), "parameters"));
+  CHECK(caughtBy(check<Kinked>(seed), "subspace: S at neutral"));
+  CHECK(caughtBy(check<Clamped>(seed), "subspace: S does not break off"));
+  CHECK(caughtBy(check<Throwing>(seed), "parameters"));
+  CHECK(caughtBy(check<ThrowingConstants>(seed), "parameters"));
+  CHECK(caughtBy(check<FewConstants>(seed), "parameters"));
+}
+
+TEST_CASE("what an author's check or constants throw refuses the joint, and compile() says so") {
+  static const dyn::sdk::JointTypeOf<Throwing> throwing;
+  static const dyn::sdk::JointTypeOf<FewConstants> few;
+  dyn::JointRegistry mine;
+  mine.add(throwing);
+  mine.add(few);
+  const auto compiled = [&](const char* type, const dyn::Parameters& parameters) {
+    dyn::Model model;
+    dyn::JointDescription joint;
+    joint.name = "j";
+    joint.type = type;
+    joint.parameters = parameters;
+    model.addBody("b", 0, joint, {1, {}, {1, 0, 0, 1, 0, 1}});
+    return dyn::compile(model, mine);
+  };
+  CHECK_THROWS_WITH(compiled("throwing", {}), dyn::test::containing("'throwing'") && dyn::test::containing("no table found"));
+  CHECK_THROWS_WITH(compiled("few_constants", {{"h", std::vector<double>{1}}}),
+                    dyn::test::containing("'few_constants'") && dyn::test::containing("constantCount"));
+}
+
+TEST_CASE("each number of a schema has its place among the constants, whatever is not given") {
+  static const dyn::sdk::JointTypeOf<Placed> type;
+  dyn::JointRegistry mine;
+  mine.add(type);
+  const auto place = [&](const dyn::Parameters& parameters) {
+    dyn::Model model;
+    dyn::JointDescription joint;
+    joint.name = "j";
+    joint.type = "placed";
+    joint.parameters = parameters;
+    model.addBody("b", 0, joint, {1, {}, {1, 0, 0, 1, 0, 1}});
+    const dyn::CompactModel compact = dyn::compile(model, mine);
+    dyn::Data data(compact);
+    dyn::forwardKinematics(compact, data, Eigen::VectorXd::Zero(1));
+    return dyn::framePlacement(compact, data, compact.frameId("b")).p;
+  };
+  const auto numbers = [](std::initializer_list<double> x) { return std::vector<double>(x); };
+  const dyn::Vec3<double> all = place({{"h", numbers({1})}, {"d", numbers({2, 3, 4})}, {"e", numbers({5})}, {"rest", numbers({6, 7})}});
+  CHECK((all.x == 1 && all.y == 3 && all.z == 5));
+  const dyn::Vec3<double> some = place({{"h", numbers({1})}, {"e", numbers({5})}});
+  CHECK((some.x == 1 && some.y == 0 && some.z == 5));
+  static_assert(dyn::sdk::hasPlaces(Placed::parameters));
+  static_assert(!dyn::sdk::hasPlaces(std::array{Placed::parameters[4], Placed::parameters[0]}));
+}
+
+TEST_CASE("types and parameters that no file could name are refused when they are registered") {
+  static const dyn::sdk::JointTypeOf<Unnamed> unnamed;
+  static const dyn::sdk::JointTypeOf<EmptyName> empty;
+  static const dyn::sdk::JointTypeOf<MarkupName> markup;
+  static const dyn::sdk::JointTypeOf<TwoOfOneName> twice;
+  dyn::JointRegistry mine;
+  CHECK_THROWS_WITH(mine.add(unnamed), dyn::test::containing("has no name"));
+  CHECK_THROWS_WITH(mine.add(empty), dyn::test::containing("empty name"));
+  CHECK_THROWS_WITH(mine.add(markup), dyn::test::containing("'a <b>'"));
+  CHECK_THROWS_WITH(mine.add(twice), dyn::test::containing("two parameters are called 'h'"));
+  CHECK(mine.jointTypes().empty());
 }
 
 TEST_CASE("a coupling whose derivatives are wrong is caught") {

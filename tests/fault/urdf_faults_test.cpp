@@ -56,6 +56,20 @@ TEST_CASE("a broken file is refused with what is wrong and where", "[fault]") {
   CHECK_THROWS_WITH(read(robot(linkText("a")), options), containing("no_such_joint") && containing("searched") && containing("DYN_PLUGIN_PATH"));
 }
 
+TEST_CASE("names that libdyn gives are reserved, or given up to the file", "[fault]") {
+  CHECK_THROWS_WITH(read(robot(linkText("a") + linkText("universe") + jointText("j", "a", "universe"))),
+                    containing("link is called 'universe'") && containing("reserved") && containing("robot.urdf:4"));
+  CHECK_THROWS_WITH(read(robot(linkText("a") + linkText("b") + jointText("universe", "a", "b"))),
+                    containing("joint is called 'universe'") && containing("robot.urdf:5"));
+  const std::string own = robot(linkText("a") + linkText("b") + jointText("root_joint", "a", "b"));
+  const Model model = urdf::parse(own, "robot.urdf");
+  CHECK(model.bodies[1].joint.name == "root_joint_");
+  CHECK(model.bodies[2].joint.name == "root_joint");
+  REQUIRE(model.notes.size() == 1);
+  CHECK_THAT(model.notes[0], containing("root_joint_"));
+  CHECK(read(own).nv() == 1);
+}
+
 TEST_CASE("text that is no UTF-8 is refused with its line", "[fault]") {
   // Latin-1, a byte that begins nothing, cut short, longer than needed, a surrogate, beyond the last character.
   for (const char* bytes : {"\xe9", "\x80", "\xff", "\xe2\x82", "\xc0\xaf", "\xe0\x80\xaf", "\xed\xa0\x80", "\xf4\x90\x80\x80", "\xf0\x9f\x98"}) {

@@ -437,6 +437,17 @@ TEST_CASE("plugins are listed, checked, and begun", "[command]") {
   for (const char* file : {"CMakeLists.txt", "my_joint.cpp", "my_joint.urdf", "README.md"}) CHECK(fs::exists(folder.path / "my_joint" / file));
   CHECK(run("plugin new my_joint" + there).code == 1);  // is there already
   CHECK(run("plugin new 7up" + there).code == 1);
+  const Answer taken = run("plugin new revolute" + there);
+  CHECK(taken.code == 1);
+  CHECK_THAT(taken.err, containing("'revolute'") && containing("dyn_standard.so"));
+}
+
+TEST_CASE("a type that crashes or never ends is named with the checks that it was in, and the next ones are checked", "[command]") {
+  const Answer a = run("plugin check '" DYN_BINARY_DIR "/bad_plugins/never_ends_or_crashes.so' --any-plugin --time-limit 2");
+  CHECK(a.code == 1);
+  CHECK_THAT(a.out, containing("never_ends, seed 1") && containing("FAILED  motion") && containing("no end within 2 s"));
+  CHECK_THAT(a.out, containing("crashes, seed 1") && containing("crashed: Aborted"));
+  CHECK_THAT(a.out, containing("sound_after_them, seed 3") && containing("2 checks failed"));
 }
 
 TEST_CASE("profile names the four ways of dispatch, and draws them", "[command]") {

@@ -4,11 +4,20 @@
 
 #include <dyn/conformance/conformance.hpp>
 
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
+#include <functional>
 #include <memory>
 
 namespace dyn::tool {
@@ -20,6 +29,7 @@ struct CheckOptions {
   std::vector<std::string> parameters;
   std::uint64_t seed = 1;
   int rounds = 3;
+  double time_limit = 60;
   bool any_plugin = false;
 };
 
@@ -89,7 +99,78 @@ const PluginRecord& recordOf(const JointRegistry& registry, const std::string& f
   throw Error(ErrorCode::plugin, "was loaded but is not among the plugins", {file, 0, ""});
 }
 
-/// Each round has another seed: other parameters (unless given), other configurations. Returns how many checks failed.
+using Progress = std::function<void(const char*)>;
+
+/// What a child process reported: a line for each group of checks that it began, and at last "=" and how many failed.
+struct Report {
+  std::string group;
+  int failures = -1;  ///< -1: it did not get that far
+  bool late = false;  ///< a group took longer than it may
+};
+
+Report readReport(int pipe, double time_limit) {
+  Report report;
+  std::string text;
+  while (true) {
+    pollfd ready{pipe, POLLIN, 0};
+    const int n = poll(&ready, 1, static_cast<int>(time_limit * 1000));
+    if (n < 0 && errno == EINTR) continue;
+    char buffer[512];
+    const ssize_t size = n > 0 ? read(pipe, buffer, sizeof buffer) : 0;
+    if (size < 0 && errno == EINTR) continue;
+    report.late = n == 0;
+    if (size <= 0) return report;
+    text.append(buffer, static_cast<std::size_t>(size));
+    for (std::size_t end; (end = text.find('\n')) != std::string::npos; text.erase(0, end + 1)) {
+      if (text[0] == '=') {
+        report.failures = std::atoi(text.c_str() + 1);
+      } else {
+        report.group = text.substr(0, end);
+      }
+    }
+  }
+}
+
+/// Runs checks in a process of their own, which a type may crash or never leave. Returns how many failed; -1 if they did not end, which is said.
+template <class Check>
+int checkInChild(const CheckOptions& o, const Check& check) {
+  int ends[2];
+  std::fflush(stdout);
+  if (pipe2(ends, O_CLOEXEC) != 0) throw Error(ErrorCode::file, std::string("no pipe for the checks: ") + std::strerror(errno));
+  const pid_t child = fork();
+  if (child < 0) throw Error(ErrorCode::file, std::string("no process for the checks: ") + std::strerror(errno));
+  if (child == 0) {
+    const auto say = [&](const std::string& line) {
+      if (write(ends[1], (line + "\n").c_str(), line.size() + 1) < 0) _exit(1);
+    };
+    const int failures = printFindings(check([&](const char* group) { say(group); }));
+    std::fflush(stdout);
+    say("=" + std::to_string(failures));
+    _exit(0);
+  }
+  close(ends[1]);
+  const Report report = readReport(ends[0], o.time_limit);
+  close(ends[0]);
+  if (report.late) kill(child, SIGKILL);
+  int status = 0;
+  pid_t waited;
+  do waited = waitpid(child, &status, 0);
+  while (waited < 0 && errno == EINTR);
+  if (report.failures >= 0) return report.failures;
+  std::string how = "the process ended";
+  if (report.late) {
+    char seconds[32];
+    std::snprintf(seconds, sizeof seconds, "%g", o.time_limit);
+    how = std::string("no end within ") + seconds + " s (--time-limit)";
+  } else if (waited == child && WIFSIGNALED(status)) {
+    how = std::string("crashed: ") + strsignal(WTERMSIG(status));
+  }
+  std::printf("  FAILED  %s\n          %s\n", report.group.c_str(), how.c_str());
+  return -1;
+}
+
+/// Each round has another seed: other parameters (unless given), other configurations. Returns how many checks failed. The first that does not
+/// end is the last.
 template <class Type, class Check>
 int checkType(const Type& type, const CheckOptions& o, const Check& check) {
   int failures = 0;
@@ -98,7 +179,9 @@ int checkType(const Type& type, const CheckOptions& o, const Check& check) {
     Parameters parameters = exampleParameters(type.info(), seed);
     for (const std::string& text : o.parameters) readParameter(text, parameters);
     std::printf("%s, seed %llu%s\n", type.info().name, static_cast<unsigned long long>(seed), showParameters(parameters).c_str());
-    failures += printFindings(check(type, parameters, seed));
+    const int failed = checkInChild(o, [&](const Progress& progress) { return check(type, parameters, seed, progress); });
+    if (failed < 0) return failures + 1;
+    failures += failed;
   }
   return failures;
 }
@@ -119,12 +202,15 @@ void run(const CheckOptions& o) {
     ++types;
     for (const JointType* type : registry.jointTypes())
       if (name == type->info().name)
-        failures += checkType(
-            *type, o, [&](const JointType& t, const Parameters& p, std::uint64_t seed) { return checkJointType(t, p, registry, seed, allocations); });
+        failures += checkType(*type, o, [&](const JointType& t, const Parameters& p, std::uint64_t seed, const Progress& progress) {
+          return checkJointType(t, p, registry, seed, allocations, progress);
+        });
     for (const CouplingType* type : registry.couplingTypes())
       if (name == type->info().name)
-        failures += checkType(
-            *type, o, [&](const CouplingType& t, const Parameters& p, std::uint64_t seed) { return checkCouplingType(t, p, seed, allocations); });
+        failures += checkType(*type, o, [&](const CouplingType& t, const Parameters& p, std::uint64_t seed, const Progress& progress) {
+          progress("coupling");
+          return checkCouplingType(t, p, seed, allocations);
+        });
   }
   if (types == 0) {
     std::string known;
@@ -145,6 +231,9 @@ void addPluginCheck(CLI::App& plugin) {
   sub->add_option("--parameters", o->parameters, "name=1,2,3: instead of the parameters made up from the schema (repeatable)");
   sub->add_option("--seed", o->seed, "of the first round")->capture_default_str();
   sub->add_option("--rounds", o->rounds, "rounds per type, each with another seed")->check(CLI::Range(1, 1000))->capture_default_str();
+  sub->add_option("--time-limit", o->time_limit, "of a group of checks [s]; each type is checked in a process of its own")
+      ->check(CLI::Range(0.001, 1e6))
+      ->capture_default_str();
   sub->add_flag("--any-plugin", o->any_plugin, "load plugins that others can write, too");
   sub->callback([o] { run(*o); });
 }

@@ -3,6 +3,7 @@
 
 #include <dyn/error.hpp>
 #include <dyn/file.hpp>
+#include <dyn/joint/registry.hpp>
 
 #include <algorithm>
 #include <array>
@@ -81,7 +82,8 @@ const char* const urdf_text = R"(<?xml version="1.0"?>
     <limit lower="-3.2" upper="3.2" effort="100" velocity="10"/>
   </joint>
   <libdyn>
-    <joint name="lift" type="@NAME@" h="0.1"/>
+    <!-- The cam itself turns: its inertia about its axis is the armature. Without one nothing resists q = 0, where the follower stands still. -->
+    <joint name="lift" type="@NAME@" h="0.1" armature="0.001"/>
   </libdyn>
 </robot>
 )";
@@ -136,6 +138,11 @@ void writeFile(const fs::path& path, std::string text, const std::string& name) 
 void create(const std::string& name, const std::string& directory) {
   if (!isIdentifier(name))
     throw Error(ErrorCode::argument, "'" + name + "' cannot name a joint type: use letters, digits and _, no digit first, no keyword of C++");
+  const JointRegistry registry = JointRegistry::standard();
+  for (const PluginRecord& plugin : registry.plugins())
+    if (std::find(plugin.types.begin(), plugin.types.end(), name) != plugin.types.end())
+      throw Error(ErrorCode::argument,
+                  "'" + name + "' is a type of '" + plugin.path + "' already, beside which it would not be loaded; choose another name");
   const fs::path folder = fs::path(directory) / name;
   std::error_code error;
   if (fs::exists(fs::symlink_status(folder, error)))

@@ -15,13 +15,15 @@ class CouplingTypeOf final : public CouplingType {
     return description;
   }
   bool prepare(const ParameterArgument* args, int& count, char* message, int size) const noexcept override {
-    count = 0;
-    for (int i = 0; i < static_cast<int>(Author::parameters.size()); ++i) count += args[i].count;
-    return Author::check(args, Refusal{message, size});
+    const Refusal refuse{message, size};
+    return guarded(refuse, [&] {
+      count = placeNumbers(Author::parameters, args, nullptr);
+      return Author::check(args, refuse);
+    });
   }
   void constants(const ParameterArgument* args, double* out) const noexcept override {
-    for (int i = 0; i < static_cast<int>(Author::parameters.size()); ++i)
-      for (int k = 0; k < args[i].count; ++k) *out++ = args[i].numbers[k];
+    static_assert(hasPlaces(Author::parameters), "a list of numbers before other numbers moves them: make it the last parameter that has numbers");
+    placeNumbers(Author::parameters, args, out);
   }
   void evaluate(const double* constants, int count, double x, double* f) const noexcept override {
     using D = Dual<double>;

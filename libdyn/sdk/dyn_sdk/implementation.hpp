@@ -4,6 +4,8 @@
 #include <dyn_sdk/joint_plugin.hpp>
 #include <dyn_sdk/pack.hpp>
 
+#include <limits>
+
 // All that an author's functions call is inlined into the loop over packs; but sanitized code grows too much.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define DYN_INLINE_ALL
@@ -45,13 +47,22 @@ class JointTypeOf final : public JointType {
   }
 
   bool prepare(const ParameterArgument* args, JointInstance& out, char* message, int size) const noexcept override {
-    out.shape = Author::shape;
-    out.nq = nq;
-    out.nv = nv;
-    out.constant_count = Author::constantCount(args);
-    return Author::check(args, out, Refusal{message, size});
+    const Refusal refuse{message, size};
+    return guarded(refuse, [&] {
+      out.shape = Author::shape;
+      out.nq = nq;
+      out.nv = nv;
+      out.constant_count = Author::constantCount(args);
+      return Author::check(args, out, refuse) && tryConstants(out.constant_count, placeNumbers(Author::parameters, args, nullptr), refuse,
+                                                              [&](double* trial) { Author::constants(args, trial); });
+    });
   }
-  void constants(const ParameterArgument* args, double* out) const noexcept override { Author::constants(args, out); }
+  void constants(const ParameterArgument* args, double* out) const noexcept override {
+    // What throws for these parameters has been refused, so this is memory that ran out; numbers that are none show it.
+    char reason[64];
+    if (!guarded(Refusal{reason, sizeof reason}, [&] { return Author::constants(args, out), true; }))
+      for (int k = 0; k < Author::constantCount(args); ++k) out[k] = std::numeric_limits<double>::quiet_NaN();
+  }
 
   void kinematics(const JointBatch<double>& batch) const noexcept override { evaluate(batch); }
   void kinematics(const JointBatch<float>& batch) const noexcept override { evaluate(batch); }

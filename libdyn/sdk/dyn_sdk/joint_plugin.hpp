@@ -26,6 +26,8 @@
 
 #include <array>
 #include <cstdio>
+#include <exception>
+#include <vector>
 
 namespace dyn::sdk {
 
@@ -56,6 +58,33 @@ class PackConstants {
   std::ptrdiff_t stride_;
   int count_;
 };
+
+/// Numbers that a parameter of this kind is; a list is as long as a model makes it.
+constexpr int numberCount(ParameterKind kind) { return kind == ParameterKind::number ? 1 : kind == ParameterKind::vector3 ? 3 : 0; }
+
+/// Whether each number of the schema has one place among the constants whatever a model leaves out: a list must be the last that has numbers.
+template <class Specs>
+constexpr bool hasPlaces(const Specs& parameters) {
+  bool list = false;
+  for (const ParameterSpec& spec : parameters) {
+    if (list && (spec.kind == ParameterKind::numbers || numberCount(spec.kind) > 0)) return false;
+    list = list || spec.kind == ParameterKind::numbers;
+  }
+  return true;
+}
+
+/// The numbers of all parameters in the order of the schema, each at its place: those of an optional parameter that is not given are 0. Returns
+/// how many; without `out` it only counts.
+template <class Specs>
+int placeNumbers(const Specs& parameters, const ParameterArgument* a, double* out) {
+  int n = 0;
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    const int size = a[i].count > 0 ? a[i].count : numberCount(parameters[i].kind);
+    for (int k = 0; out && k < size; ++k) out[n + k] = k < a[i].count ? a[i].numbers[k] : 0;
+    n += size;
+  }
+  return n;
+}
 
 /// Reasons for refusing parameters are written here.
 struct Refusal {
@@ -90,6 +119,30 @@ inline Mat3<double> frameWithZ(const Vec3<long double>& n) {
   return {{d(x.x), d(y.x), d(n.x), d(x.y), d(y.y), d(n.y), d(x.z), d(y.z), d(n.z)}};
 }
 
+/// What `judge` says, which may be an author's function that throws: then it is a refusal with the exception's text.
+template <class Judge>
+bool guarded(const Refusal& refuse, const Judge& judge) noexcept {
+  try {
+    return judge();
+  } catch (const std::exception& e) {
+    return refuse(e.what());
+  } catch (...) {
+    return refuse("it threw something that is no std::exception");
+  }
+}
+
+/// Has an author's `write` fill `count` constants once where it does no harm: refuses if that throws or writes more of them.
+template <class Write>
+bool tryConstants(int count, int numbers, const Refusal& refuse, const Write& write) {
+  if (count < 0) return refuse("its number of constants is negative");
+  constexpr double untouched = -0x1.5a5a5a5a5a5a5p-700;
+  std::vector<double> trial(static_cast<std::size_t>(count) + static_cast<std::size_t>(numbers) + 64, untouched);
+  write(trial.data());
+  for (std::size_t k = static_cast<std::size_t>(count); k < trial.size(); ++k)
+    if (trial[k] != untouched) return refuse("constants writes more numbers than constantCount says");
+  return true;
+}
+
 /// Base of a joint type: Author is the class itself, NV its degrees of freedom, NQ its coordinates.
 template <class Author, int NV, int NQ = NV>
 struct Joint {
@@ -97,15 +150,13 @@ struct Joint {
   static constexpr Shape shape = Shape::dense;
   static constexpr Structure structure = Structure::joint;
   static constexpr bool branch_free = false;
-  /// By default the numbers of all parameters, in the order of the schema, are the constants.
-  static int constantCount(const ParameterArgument* a) {
-    int n = 0;
-    for (int i = 0; i < static_cast<int>(Author::parameters.size()); ++i) n += a[i].count;
-    return n;
-  }
+  /// By default the numbers of all parameters are the constants, as placeNumbers places them.
+  static int constantCount(const ParameterArgument* a) { return placeNumbers(Author::parameters, a, nullptr); }
   static void constants(const ParameterArgument* a, double* out) {
-    for (int i = 0; i < static_cast<int>(Author::parameters.size()); ++i)
-      for (int k = 0; k < a[i].count; ++k) *out++ = a[i].numbers[k];
+    static_assert(
+        hasPlaces(Author::parameters),
+        "a list of numbers before other numbers moves them: make it the last parameter that has numbers, or write constantCount and constants");
+    placeNumbers(Author::parameters, a, out);
   }
   static bool check(const ParameterArgument*, JointInstance&, const Refusal&) { return true; }
   static constexpr std::array<ParameterSpec, 0> parameters{};

@@ -1,4 +1,5 @@
 #include "compile/draft.hpp"
+#include "compile/parts.hpp"
 #include "joint/coordinate.hpp"
 #include "joint/pose_components.hpp"
 
@@ -29,50 +30,94 @@ SE3<double> poseOf(const DraftBody& body, const double* q) {
   return body.instance.before * poseFromComponents(body.instance.shape, pose) * body.instance.after;
 }
 
-/// Makes joints rigid, and with them those that follow them, but for those that are named to be held themselves.
+JointDescription rigidAt(const JointDescription& joint, const SE3<double>& pose) {
+  JointDescription rigid;
+  rigid.name = joint.name;
+  rigid.where = joint.where;
+  rigid.placement = joint.placement * pose;
+  return rigid;
+}
+
+/// Joints of a model by the names that couplings use: body and full name.
+std::unordered_map<std::string, int> carriersOf(const Model& model) {
+  std::unordered_map<std::string, int> out;
+  for (std::size_t i = 1; i < model.bodies.size(); ++i)
+    visitParts(model.bodies[i].joint, model.bodies[i].joint.name,
+               [&](const auto&, const std::string& name) { out.emplace(name, static_cast<int>(i)); });
+  return out;
+}
+
+/// Makes joints rigid, and with them the joints and parts that follow them, but for those that are named to be held themselves.
 class Holder {
  public:
-  Holder(const Model& model, const JointRegistry& registry, const std::unordered_set<std::string>& named) : model_(model), registry_(registry) {
+  Holder(const Model& model, const JointRegistry& registry, const std::unordered_set<std::string>& named) : registry_(registry) {
     for (std::size_t i = 1; i < model.bodies.size(); ++i) {
-      const JointDescription& joint = model.bodies[i].joint;
-      if (!joint.coupling.type.empty() && !named.count(joint.name)) followers_[joint.coupling.master].push_back(static_cast<int>(i));
+      if (named.count(model.bodies[i].joint.name)) continue;
+      visitParts(model.bodies[i].joint, model.bodies[i].joint.name, [&](const JointDescription& joint, const std::string& name) {
+        if (!joint.coupling.type.empty()) followers_[joint.coupling.master].push_back({static_cast<int>(i), name});
+      });
     }
   }
 
-  /// Makes body `index` and its followers rigid in `out`.
+  /// Makes body `index` and what follows it rigid in `out`.
   void hold(int index, const std::vector<double>& q, Model& out) const {
-    std::vector<int> held{index};
-    for (std::size_t k = 0; k < held.size(); ++k) {
-      const auto found = followers_.find(model_.bodies[at(held[k])].joint.name);
-      if (found != followers_.end()) held.insert(held.end(), found->second.begin(), found->second.end());
-      if (held.size() > model_.bodies.size())
-        throw Error(ErrorCode::model, "follows itself through a circle of couplings", {"", 0, model_.bodies[at(index)].joint.name});
+    std::unordered_set<std::string> held;
+    std::vector<int> bodies{index};
+    std::vector<std::string> open;
+    const JointDescription& named = out.bodies[at(index)].joint;
+    visitParts(named, named.name, [&](const auto&, const std::string& name) { open.push_back(name); });
+    held.insert(open.begin(), open.end());
+    while (!open.empty()) {
+      const auto found = followers_.find(open.back());
+      open.pop_back();
+      if (found == followers_.end()) continue;
+      for (const Follower& follower : found->second) {
+        if (!held.insert(follower.name).second) continue;
+        open.push_back(follower.name);
+        if (std::find(bodies.begin(), bodies.end(), follower.body) == bodies.end()) bodies.push_back(follower.body);
+      }
     }
-    Model alone;  // the held joints, each on the world, masters before followers
-    for (const int i : held) {
-      JointDescription joint = model_.bodies[at(i)].joint;
+    Model alone;  // the joints with something to hold, each on the world, without what they follow beside
+    for (const int i : bodies) {
+      JointDescription joint = out.bodies[at(i)].joint;
       joint.placement = {};
-      if (i == index) joint.coupling = {};
-      alone.addBody(model_.bodies[at(i)].name, 0, joint);
+      visitParts(joint, joint.name, [&](JointDescription& part, const std::string& name) {
+        if (!held.count(name) || !held.count(part.coupling.master)) part.coupling = {};
+      });
+      alone.addBody(out.bodies[at(i)].name, 0, joint);
     }
-    const std::vector<SE3<double>> poses = heldPoses(resolve(alone, registry_), held.size(), q);
-    for (std::size_t k = 0; k < held.size(); ++k) {
-      const JointDescription& joint = model_.bodies[at(held[k])].joint;
-      JointDescription rigid;
-      rigid.name = joint.name;
-      rigid.where = joint.where;
-      rigid.placement = joint.placement * poses[k];
-      out.bodies[at(held[k])].joint = std::move(rigid);
+    const Draft draft = resolve(alone, registry_);
+    const std::vector<SE3<double>> poses = posesOf(draft, q);
+    std::size_t next = 1;  // in the draft, which has a body for each joint that is not made of others
+    for (const int i : bodies) {
+      JointDescription& joint = out.bodies[at(i)].joint;
+      if (i != index) {
+        holdParts(joint, joint.name, held, draft, poses, next);
+        continue;
+      }
+      SE3<double> pose;
+      for (; next < draft.bodies.size() && draft.bodies[next].user_joint == 1; ++next)
+        pose = pose * cast<double>(draft.bodies[next].placement) * poses[next];
+      joint = rigidAt(joint, pose);
     }
   }
 
  private:
-  /// Poses of the described joints of a draft: the first at q (or neutral), the others where the couplings put them.
-  static std::vector<SE3<double>> heldPoses(const Draft& draft, std::size_t joints, const std::vector<double>& q) {
-    std::vector<SE3<double>> poses(joints);
+  struct Follower {
+    int body;
+    std::string name;
+  };
+
+  /// Poses of a draft's joints, each by itself: those of the first described joint at q (or neutral), followers where the couplings put them.
+  static std::vector<SE3<double>> posesOf(const Draft& draft, const std::vector<double>& q) {
+    std::vector<SE3<double>> poses(draft.bodies.size());
     std::vector<std::vector<double>> q_of(draft.bodies.size());
+    std::vector<std::size_t> order;  // masters before followers
+    for (std::size_t i = 1; i < draft.bodies.size(); ++i) order.push_back(i);
+    const auto rank = [&](std::size_t i) { return draft.bodies[i].coupling ? draft.bodies[i].coupling->rank : 0; };
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return rank(a) < rank(b); });
     std::size_t used = 0;
-    for (std::size_t i = 1; i < draft.bodies.size(); ++i) {
+    for (const std::size_t i : order) {
       const DraftBody& body = draft.bodies[i];
       const auto nq = static_cast<std::size_t>(body.instance.nq);
       q_of[i].assign(nq + 1, 0.0);
@@ -88,8 +133,7 @@ class Holder {
       } else {
         neutralOf(*body.type, body.constants.data(), 1, q_of[i].data());
       }
-      SE3<double>& pose = poses[at(body.user_joint) - 1];
-      pose = pose * cast<double>(body.placement) * poseOf(body, q_of[i].data());
+      poses[i] = poseOf(body, q_of[i].data());
     }
     if (used != q.size())
       throw Error(ErrorCode::size, "to be held it needs " + std::to_string(used) + " coordinates, it was given " + std::to_string(q.size()),
@@ -97,9 +141,35 @@ class Holder {
     return poses;
   }
 
-  const Model& model_;
+  /// Makes those of a joint's parts (or itself) rigid that are held; the joint's limits and losses lose their entries. `next` counts along the draft.
+  static void holdParts(JointDescription& joint, const std::string& name, const std::unordered_set<std::string>& held, const Draft& draft,
+                        const std::vector<SE3<double>>& poses, std::size_t& next) {
+    const std::size_t first = next;
+    auto* parts = partsOf(joint);
+    if (parts == nullptr) {
+      if (held.count(name)) joint = rigidAt(joint, poses[next]);
+      ++next;
+      return;
+    }
+    for (std::size_t k = 0; k < parts->size(); ++k) holdParts((*parts)[k], partName(name, (*parts)[k], k), held, draft, poses, next);
+    const auto keep = [&](std::vector<double>& values, int JointInstance::*size) {
+      std::vector<double> kept;
+      std::size_t from = 0;
+      for (std::size_t i = first; i < next; ++i) {
+        const auto n = static_cast<std::size_t>(draft.bodies[i].instance.*size);
+        for (std::size_t k = from; k < from + n && k < values.size(); ++k)
+          if (!held.count(draft.bodies[i].joint.name)) kept.push_back(values[k]);
+        from += n;
+      }
+      values = std::move(kept);
+    };
+    for (std::vector<double>* values : {&joint.limits.lower, &joint.limits.upper}) keep(*values, &JointInstance::nq);
+    for (std::vector<double>* values : {&joint.limits.velocity, &joint.limits.effort, &joint.damping, &joint.friction, &joint.armature})
+      keep(*values, &JointInstance::nv);
+  }
+
   const JointRegistry& registry_;
-  std::unordered_map<std::string, std::vector<int>> followers_;
+  std::unordered_map<std::string, std::vector<Follower>> followers_;
 };
 
 /// Names of an appended model get its prefix; its universe is where it hangs.
@@ -143,27 +213,33 @@ Model reduce(const Model& model, const JointRegistry& registry, const std::vecto
 }
 
 Model keepOnly(const Model& model, const JointRegistry& registry, const std::vector<std::string>& keep) {
+  const std::unordered_map<std::string, int> carriers = carriersOf(model);
   std::unordered_set<std::string> kept(keep.begin(), keep.end());
   std::vector<std::string> open = keep;
   while (!open.empty()) {
     const int i = model.findJoint(open.back());
     if (i < 0) throw Error(ErrorCode::model, "is to be kept, but the model has no such joint", {"", 0, open.back()});
     open.pop_back();
-    const std::string& master = model.bodies[at(i)].joint.coupling.master;
-    if (!master.empty() && kept.insert(master).second) open.push_back(master);
+    visitParts(model.bodies[at(i)].joint, "", [&](const JointDescription& joint, const auto&) {
+      const std::string& master = joint.coupling.master;
+      if (master.empty()) return;
+      const auto found = carriers.find(master);
+      const std::string& leader = found == carriers.end() ? master : model.bodies[at(found->second)].joint.name;
+      if (kept.insert(leader).second) open.push_back(leader);
+    });
   }
+  const auto follows = [&](const JointDescription& joint) {
+    const auto found = carriers.find(joint.coupling.master);
+    return found != carriers.end() && kept.count(model.bodies[at(found->second)].joint.name);
+  };
   std::vector<LockedJoint> lock;
-  for (std::size_t i = 1; i < model.bodies.size(); ++i) {
-    const JointDescription& joint = model.bodies[i].joint;
-    // Followers of held joints are held with them.
-    if (!kept.count(joint.name) && joint.coupling.type.empty()) lock.push_back({joint.name, {}});
-  }
-  // Followers of a kept joint that are not kept themselves stand still at their neutral.
+  // Followers of held joints are held with them; those of a kept joint stand still at their neutral.
   Model uncoupled = model;
-  for (BodyDescription& body : uncoupled.bodies) {
-    if (kept.count(body.joint.name) || body.joint.coupling.type.empty() || !kept.count(body.joint.coupling.master)) continue;
-    body.joint.coupling = {};
-    lock.push_back({body.joint.name, {}});
+  for (std::size_t i = 1; i < uncoupled.bodies.size(); ++i) {
+    JointDescription& joint = uncoupled.bodies[i].joint;
+    if (kept.count(joint.name) || (!joint.coupling.type.empty() && !follows(joint))) continue;
+    joint.coupling = {};
+    lock.push_back({joint.name, {}});
   }
   return reduce(uncoupled, registry, lock);
 }
@@ -201,7 +277,9 @@ Model append(const Model& model, const Model& other, const std::string& at, cons
     BodyDescription body = other.bodies[i];
     body.name = prefix + body.name;
     body.joint.name = prefix + body.joint.name;
-    if (!body.joint.coupling.type.empty()) body.joint.coupling.master = prefix + body.joint.coupling.master;
+    visitParts(body.joint, body.joint.name, [&](JointDescription& joint, const auto&) {
+      if (!joint.coupling.type.empty()) joint.coupling.master = prefix + joint.coupling.master;
+    });
     unique(bodies, body.name);
     unique(joints, body.joint.name);
     rehang(body.parent, body.joint.placement);
@@ -229,7 +307,9 @@ Model append(const Model& model, const Model& other, const std::string& at, cons
     rehang(g.body, g.placement);
     out.geometries.push_back(std::move(g));
   }
-  for (const DisabledCollision& d : other.disabled_collisions) out.disabled_collisions.push_back({prefix + d.body, prefix + d.other, d.reason});
+  const std::string& carrier_name = out.bodies[static_cast<std::size_t>(carrier)].name;
+  const auto renamed = [&](const std::string& body) { return body == other.bodies[0].name ? carrier_name : prefix + body; };
+  for (const DisabledCollision& d : other.disabled_collisions) out.disabled_collisions.push_back({renamed(d.body), renamed(d.other), d.reason});
   for (const std::string& note : other.notes) out.notes.push_back(note);
   return out;
 }

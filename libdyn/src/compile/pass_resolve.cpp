@@ -1,4 +1,5 @@
 #include "compile/parameters.hpp"
+#include "compile/parts.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +10,8 @@
 namespace dyn {
 
 namespace {
+
+constexpr const char* universe = "universe";
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -46,8 +49,8 @@ class Resolver {
     for (const double g : {model_.gravity.x, model_.gravity.y, model_.gravity.z})
       if (!std::isfinite(g)) throw Error(ErrorCode::model, "gravity has an entry that is not finite");
     draft_.bodies.resize(1);
-    draft_.bodies[0].name = "universe";
-    draft_.bodies[0].joint.name = "universe";
+    draft_.bodies[0].name = universe;
+    draft_.bodies[0].joint.name = universe;
     draft_.bodies[0].user_joint = 0;
     last_body_.assign(model_.bodies.size(), 0);
     checkNames();
@@ -69,12 +72,19 @@ class Resolver {
     std::unordered_map<std::string, int> bodies, joints;
     for (std::size_t i = 0; i < model_.bodies.size(); ++i) {
       const BodyDescription& b = model_.bodies[i];
+      if (i > 0 && (b.name == universe || b.joint.name == universe))
+        throw Error(ErrorCode::model, "a body or joint is called 'universe', which is the world's own name; rename it", b.where);
       if (!bodies.emplace(b.name, 1).second) throw Error(ErrorCode::model, "two bodies are called '" + b.name + "'; rename one", b.where);
       if (i > 0 && !joints.emplace(b.joint.name, 1).second)
         throw Error(ErrorCode::model, "two joints are called '" + b.joint.name + "'; rename one", b.where);
       if (i > 0 && (b.parent < 0 || b.parent >= static_cast<int>(i)))
         throw Error(ErrorCode::model, "body '" + b.name + "': its parent must come before it in Model::bodies", b.where);
     }
+    for (const DisabledCollision& d : model_.disabled_collisions)
+      for (const std::string& body : {d.body, d.other})
+        if (!bodies.count(body))
+          draft_.report.warnings.push_back("collisions of '" + d.body + "' and '" + d.other + "' are disabled, but there is no body '" + body +
+                                           "': that has no effect");
     for (const FrameDescription& f : model_.frames)
       if (!bodies.emplace(f.name, 1).second) throw Error(ErrorCode::model, "two frames are called '" + f.name + "'; rename one");
   }
@@ -147,7 +157,7 @@ class Resolver {
     for (std::size_t k = 0; k < parts.size(); ++k) {
       JointDescription part = parts[k];
       part.where = joint.where;
-      addJoint(part, name + "/" + (part.name.empty() ? std::to_string(k) : part.name), k == 0 ? parent : static_cast<int>(draft_.bodies.size()) - 1,
+      addJoint(part, partName(name, part, k), k == 0 ? parent : static_cast<int>(draft_.bodies.size()) - 1,
                k == 0 ? placement * part.placement : part.placement, user, depth + 1);
       if (depth == 0) ++parts_;
     }
@@ -168,22 +178,29 @@ class Resolver {
       nq += static_cast<std::size_t>(made.instance.nq);
       nv += static_cast<std::size_t>(made.instance.nv);
     }
-    const auto wants = [&](const char* name, const std::vector<double>& values, std::size_t size, bool signs) {
+    const auto wants = [&](const char* name, const std::vector<double>& values, std::size_t size, const auto& fits, const char* otherwise) {
       if (!values.empty() && values.size() != size)
         throw Error(ErrorCode::size,
                     std::string(name) + " has " + std::to_string(values.size()) + " entries, the joint wants " + std::to_string(size) + " or none",
                     where);
-      for (const double x : values)
-        if (std::isnan(x) || (!signs && x < 0))
-          throw Error(ErrorCode::model, std::string(name) + " has an entry that is negative or no number", where);
+      if (!std::all_of(values.begin(), values.end(), fits))
+        throw Error(ErrorCode::model, std::string(name) + " has an entry that " + otherwise, where);
     };
-    wants("lower", joint.limits.lower, nq, true);
-    wants("upper", joint.limits.upper, nq, true);
-    wants("velocity", joint.limits.velocity, nv, true);
-    wants("effort", joint.limits.effort, nv, true);
-    wants("damping", joint.damping, nv, true);
-    wants("friction", joint.friction, nv, true);
-    wants("armature", joint.armature, nv, false);
+    const auto limit = [&](const char* name, const std::vector<double>& values, std::size_t size) {
+      wants(
+          name, values, size, [](double x) { return !std::isnan(x); }, "is no number");
+    };
+    const auto loss = [&](const char* name, const std::vector<double>& values) {
+      wants(
+          name, values, nv, [](double x) { return std::isfinite(x) && x >= 0; }, "is negative or not finite");
+    };
+    limit("lower", joint.limits.lower, nq);
+    limit("upper", joint.limits.upper, nq);
+    limit("velocity", joint.limits.velocity, nv);
+    limit("effort", joint.limits.effort, nv);
+    loss("damping", joint.damping);
+    loss("friction", joint.friction);
+    loss("armature", joint.armature);
     for (std::size_t i = first; i < draft_.bodies.size(); ++i) {
       const JointLimits& limits = draft_.bodies[i].joint.limits;
       for (std::size_t k = 0; k < std::min(limits.lower.size(), limits.upper.size()); ++k)

@@ -1,3 +1,5 @@
+#include "compile/parts.hpp"
+
 #include <dyn/compile/scene.hpp>
 #include <dyn/error.hpp>
 
@@ -17,6 +19,9 @@ class Names {
       place_.emplace(model.bodies[i].name, static_cast<int>(i));
       if (i > 0) joint_.emplace(model.bodies[i].joint.name, static_cast<int>(i));
     }
+    for (std::size_t i = 1; i < model.bodies.size(); ++i)
+      visitParts(model.bodies[i].joint, model.bodies[i].joint.name,
+                 [&](const auto&, const std::string& name) { joint_.emplace(name, static_cast<int>(i)); });
     for (const FrameDescription& frame : model.frames) place_.emplace(frame.name, frame.body);
   }
   /// Of a body, a frame or, where no such has that name, a joint.
@@ -27,8 +32,15 @@ class Names {
   }
   /// Of a body or frame; -1 for a name that is not there: compile() will say so.
   int place(const std::string& name) const { return find(place_, name); }
-  /// That the joint carries; -1 likewise.
+  /// That the joint, or part of a joint, carries; -1 likewise.
   int joint(const std::string& name) const { return find(joint_, name); }
+  /// Calls visit(body) for what carries each joint that this one or a part of it follows.
+  template <class Visit>
+  void masters(const JointDescription& joint, const Visit& visit) const {
+    visitParts(joint, joint.name, [&](const JointDescription& part, const auto&) {
+      if (!part.coupling.type.empty()) visit(this->joint(part.coupling.master));
+    });
+  }
 
  private:
   using Bodies = std::unordered_map<std::string, int>;
@@ -64,14 +76,19 @@ Islands tied(const Model& model, const Names& names, const std::vector<std::stri
   Islands islands(model.bodies.size());
   for (std::size_t i = 1; i < model.bodies.size(); ++i) {
     islands.tie(static_cast<int>(i), model.bodies[i].parent);
-    if (!model.bodies[i].joint.coupling.type.empty()) islands.tie(static_cast<int>(i), names.joint(model.bodies[i].joint.coupling.master));
+    names.masters(model.bodies[i].joint, [&](int master) { islands.tie(static_cast<int>(i), master); });
   }
   for (const ConstraintDescription& constraint : model.constraints) {
     if (const auto* frames = std::get_if<FrameConstraint>(&constraint.relation)) islands.tie(names.place(frames->frame), names.place(frames->other));
     if (const auto* coupling = std::get_if<JointCoupling>(&constraint.relation))
       islands.tie(names.joint(coupling->joint), names.joint(coupling->coupling.master));
   }
-  for (std::size_t k = 1; k < touching.size(); ++k) islands.tie(names.bodyOf(touching[k - 1]), names.bodyOf(touching[k]));
+  int last = 0;  // that moves: the world ties nothing together
+  for (const std::string& name : touching) {
+    const int body = names.bodyOf(name);
+    islands.tie(last, body);
+    if (body > 0) last = body;
+  }
   return islands;
 }
 
@@ -107,7 +124,7 @@ Model keepForScene(const Model& model, const Scene& scene, std::vector<std::stri
       if (kept[body]) continue;
       kept[body] = true;
       needed.push_back(model.bodies[body].parent);
-      if (!model.bodies[body].joint.coupling.type.empty()) needed.push_back(names.joint(model.bodies[body].joint.coupling.master));
+      names.masters(model.bodies[body].joint, [&](int master) { needed.push_back(master); });
       needed.erase(std::remove(needed.begin(), needed.end(), -1), needed.end());
     }
   }
@@ -116,7 +133,6 @@ Model keepForScene(const Model& model, const Scene& scene, std::vector<std::stri
   out.name = model.name;
   out.gravity = model.gravity;
   out.notes = model.notes;
-  out.disabled_collisions = model.disabled_collisions;
   std::vector<int> number(count, 0);
   for (std::size_t i = 1; i < count; ++i) {
     if (!kept[i]) continue;
@@ -125,6 +141,10 @@ Model keepForScene(const Model& model, const Scene& scene, std::vector<std::stri
     number[i] = static_cast<int>(out.bodies.size());
     out.bodies.push_back(std::move(body));
   }
+  // A body that is not there stays, too: compile() will say so.
+  const auto present = [&](const std::string& body) { return names.place(body) < 0 || kept[static_cast<std::size_t>(names.place(body))]; };
+  for (const DisabledCollision& d : model.disabled_collisions)
+    if (present(d.body) && present(d.other)) out.disabled_collisions.push_back(d);
   for (const ConstraintDescription& constraint : model.constraints)
     if (scene.dynamics && speaksOf(constraint, kept, names)) out.constraints.push_back(constraint);
   const auto spoken = [&](const std::string& name) {

@@ -62,21 +62,25 @@ std::string shapeProblem(const JointInstance& joint) {
 }  // namespace conformance
 
 std::vector<ConformanceFinding> checkJointType(const JointType& type, const Parameters& example, const JointRegistry& registry, std::uint64_t seed,
-                                               const AllocationCount& allocations) {
+                                               const AllocationCount& allocations, const std::function<void(const char*)>& progress) {
   using namespace conformance;
   Findings findings;
-  guarded("parameters", findings, [&] {
+  const auto group = [&](const char* name, const auto& checks) {
+    if (progress) progress(name);
+    guarded(name, findings, checks);
+  };
+  group("parameters", [&] {
     const JointProbe joint(type, example);
     const std::string problem = shapeProblem(joint.instance());
     if (!problem.empty()) throw Error(ErrorCode::parameter, problem);
     findings.push_back({"parameters are accepted", true, 0, 0, "nq = " + std::to_string(joint.nq()) + ", nv = " + std::to_string(joint.nv())});
     // A joint made of others has no motion of its own.
     if (type.info().structure == Structure::joint) {
-      guarded("motion", findings, [&] { checkMotion(joint, seed, findings); });
-      guarded("configuration", findings, [&] { checkConfiguration(joint, seed + 1, findings); });
-      guarded("calls", findings, [&] { checkCalls(joint, seed + 2, allocations, findings); });
+      group("motion", [&] { checkMotion(joint, seed, findings); });
+      group("configuration", [&] { checkConfiguration(joint, seed + 1, findings); });
+      group("calls", [&] { checkCalls(joint, seed + 2, allocations, findings); });
     }
-    guarded("dynamics", findings, [&] { checkDynamics(type, example, registry, seed + 3, findings); });
+    group("dynamics", [&] { checkDynamics(type, example, registry, seed + 3, findings); });
   });
   return findings;
 }

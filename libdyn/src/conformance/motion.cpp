@@ -47,7 +47,6 @@ Column velocityAlong(const JointProbe& joint, const Curve& curve) {
 void checkPose(const JointProbe& joint, const std::vector<Eigen::VectorXd>& samples, Findings& findings) {
   Worst pose("pose is in SE(3)", 1e-13), frames("constant parts of the motion are in SE(3)", 1e-14);
   for (const Eigen::VectorXd& q : samples) pose.add(distanceFromPose(joint.pose(q)), show("q", q));
-  pose.add(distanceFromPose(joint.pose(joint.neutral())), "neutral");
   frames.add(distanceFromPose(joint.instance().before), "before");
   frames.add(distanceFromPose(joint.instance().after), "after");
   pose.into(findings);
@@ -136,6 +135,51 @@ void checkRange(const JointProbe& joint, Random& random, Findings& findings) {
   nan.into(findings);
 }
 
+constexpr double jump = 1e-6;  // in S between configurations next to each other; what varies smoothly there changes by less
+
+/// At a kink S is another one on either side, and may be a third between.
+void checkNeutral(const JointProbe& joint, Findings& findings) {
+  Worst check("subspace: S at neutral is S on either side of it", jump);
+  const Eigen::MatrixXd S = subspaceOf(joint.motion(joint.neutral()), joint.nv());
+  for (int k = 0; k < joint.nv(); ++k)
+    for (const double h : {-1e-9, 1e-9}) {
+      const Eigen::VectorXd q = joint.integrate(joint.neutral(), Eigen::VectorXd(h * Eigen::VectorXd::Unit(joint.nv(), k)));
+      check.compare(subspaceOf(joint.motion(q), joint.nv()), S, show("q", q));
+    }
+  check.into(findings);
+}
+
+/// Samples beside a jump of S do not show it, so it is closed in on along lines through neutral. Jumps are information, as a rail of lines and
+/// arcs has them; but where a column becomes zero at once the pose is clamped.
+void checkClamps(const JointProbe& joint, Random& random, Findings& findings) {
+  constexpr int lines = 4, steps = 48, halvings = 32;
+  constexpr double reach = 3;
+  Worst clamps("subspace: S does not break off to zero", 0);
+  std::string jumps;
+  for (int line = 0; line < lines; ++line) {
+    const Eigen::VectorXd direction = random.vector(joint.nv(), 1);
+    const auto at = [&](double t) { return joint.integrate(joint.neutral(), Eigen::VectorXd(t * direction)); };
+    const auto subspace = [&](double t) { return subspaceOf(joint.motion(at(t)), joint.nv()); };
+    for (int step = 0; step < steps; ++step) {
+      double low = -reach + 2 * reach * step / steps, high = -reach + 2 * reach * (step + 1) / steps;
+      Eigen::MatrixXd below = subspace(low), above = subspace(high);
+      for (int i = 0; i < halvings; ++i) {
+        const double middle = 0.5 * (low + high);
+        const Eigen::MatrixXd S = subspace(middle);
+        const bool first = (S - below).cwiseAbs().maxCoeff() > (above - S).cwiseAbs().maxCoeff();
+        (first ? high : low) = middle;
+        (first ? above : below) = S;
+      }
+      if ((above - below).cwiseAbs().maxCoeff() <= jump * std::max(1.0, below.cwiseAbs().maxCoeff())) continue;
+      jumps = "at " + show("q", at(high));
+      for (int k = 0; k < joint.nv(); ++k)
+        if (below.col(k).isZero(0) != above.col(k).isZero(0)) clamps.add(1, "column " + std::to_string(k) + " at " + show("q", at(high)));
+    }
+  }
+  clamps.into(findings);
+  if (!jumps.empty()) findings.push_back({"information: S jumps", true, 0, 0, jumps});
+}
+
 /// Reported, never a failure: many joints have singular configurations and must be able to say so.
 void reportRank(const JointProbe& joint, const Eigen::VectorXd& q, Findings& findings) {
   const auto rank = [&](const Eigen::VectorXd& at) {
@@ -154,13 +198,16 @@ void reportRank(const JointProbe& joint, const Eigen::VectorXd& q, Findings& fin
 void checkMotion(const JointProbe& joint, std::uint64_t seed, Findings& findings) {
   Random random(seed);
   std::vector<Eigen::VectorXd> samples;
-  samples.reserve(sample_count);
+  samples.reserve(sample_count + 1);
   for (int i = 0; i < sample_count; ++i) samples.push_back(randomConfiguration(joint, random));
+  samples.push_back(joint.neutral());  // where kinks and limits of series are
   checkPose(joint, samples, findings);
   if (joint.nv() == 0) return;
   checkSubspace(joint, samples, findings);
   if (joint.flat()) checkDual(joint, samples, findings);
   if (joint.instance().shape == Shape::dense) checkBias(joint, samples, random, findings);
+  checkNeutral(joint, findings);
+  checkClamps(joint, random, findings);
   checkRange(joint, random, findings);
   reportRank(joint, samples.front(), findings);
 }

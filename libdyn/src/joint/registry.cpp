@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <map>
 #include <sstream>
@@ -51,6 +52,32 @@ bool same(const JointTypeInfo& a, const JointTypeInfo& b) {
          std::equal(a.parameters, a.parameters + a.parameter_count, b.parameters, b.parameters + b.parameter_count, alike);
 }
 
+/// What keeps files from naming it; empty if nothing does.
+std::string nameProblem(const char* name) {
+  if (name == nullptr) return "has no name";
+  if (*name == '\0') return "has an empty name";
+  for (const char* c = name; *c != '\0'; ++c)
+    if (static_cast<unsigned char>(*c) <= ' ' || *c == '\x7f' || std::strchr("<>&\"'", *c))
+      return std::string("is called '") + name + "', with a character that names must not have: no blanks, no control characters, none of <>&\"'";
+  return "";
+}
+
+/// Refuses what a type says of itself if models cannot name it or its parameters, or texts that are printed are not there.
+void checkInfo(const JointTypeInfo& info, const std::string& path) {
+  const auto refuse = [&](const std::string& what) { throw Error(ErrorCode::plugin, what, {path, 0, ""}); };
+  if (const std::string problem = nameProblem(info.name); !problem.empty()) refuse("a type of it " + problem);
+  const std::string type = std::string("type '") + info.name + "': ";
+  if (info.summary == nullptr) refuse(type + "it has no summary");
+  for (int i = 0; i < info.parameter_count; ++i) {
+    const ParameterSpec& spec = info.parameters[i];
+    const std::string which = type + "parameter " + std::to_string(i) + " ";
+    if (const std::string problem = nameProblem(spec.name); !problem.empty()) refuse(which + problem);
+    if (spec.unit == nullptr || spec.help == nullptr) refuse(which + "has no unit or no help; write \"\" where there is none");
+    for (int k = 0; k < i; ++k)
+      if (same(spec.name, info.parameters[k].name)) refuse(type + "two parameters are called '" + spec.name + "'");
+  }
+}
+
 /// What lies in the folder of this process's instruction set beside a plugin, type by type.
 std::map<const JointType*, const JointType*> builtForProcessor(const std::string& path, Trust trust, const std::vector<const JointType*>& joints) {
   std::error_code ignored;
@@ -59,6 +86,7 @@ std::map<const JointType*, const JointType*> builtForProcessor(const std::string
   if (!std::filesystem::exists(other, ignored)) return {};
   const dyn_plugin_descriptor& d = openPlugin(other.string(), trust);
   const auto fast_joints = typesOf<JointType>(d.joint_types, d.joint_type_count);
+  for (const JointType* type : fast_joints) checkInfo(type->info(), other.string());
   std::map<const JointType*, const JointType*> result;
   for (const JointType* type : joints) {
     const JointType* fast = find(fast_joints, type->info().name);
@@ -79,6 +107,8 @@ void JointRegistry::Impl::add(const std::string& path, Trust trust) {
   const dyn_plugin_descriptor& d = openPlugin(path, trust);
   const auto new_joints = typesOf<JointType>(d.joint_types, d.joint_type_count);
   const auto new_couplings = typesOf<CouplingType>(d.coupling_types, d.coupling_type_count);
+  for (const JointType* type : new_joints) checkInfo(type->info(), path);
+  for (const CouplingType* type : new_couplings) checkInfo(type->info(), path);
   PluginRecord record{path, {}, {}};
   for (const JointType* type : new_joints) record.types.emplace_back(type->info().name);
   for (const CouplingType* type : new_couplings) record.types.emplace_back(type->info().name);
@@ -125,6 +155,7 @@ JointRegistry JointRegistry::standard(Trust trust) {
 void JointRegistry::load(const std::string& path, Trust trust) { impl_->add(path, trust); }
 
 void JointRegistry::add(const JointType& type) {
+  checkInfo(type.info(), "");
   const std::string name = type.info().name;
   const auto [known, fresh] = impl_->origin.emplace(name, "");
   if (!fresh)

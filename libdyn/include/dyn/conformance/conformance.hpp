@@ -30,9 +30,11 @@ DYN_API Parameters exampleParameters(const JointTypeInfo& info, std::uint64_t se
 
 /// Runs every check on the joint of these parameters. `registry` provides the joints around it in the model of the dynamics checks (and
 /// the parts of a joint made of joints); the type itself need not be in it. Without `allocations` allocation is not checked.
+/// `progress` is called with the name of each group of checks before it is run, so that a program can say where a type crashed or hangs.
 /// Throws nothing: what goes wrong is a finding.
 DYN_API std::vector<ConformanceFinding> checkJointType(const JointType& type, const Parameters& example, const JointRegistry& registry,
-                                                       std::uint64_t seed, const AllocationCount& allocations = {});
+                                                       std::uint64_t seed, const AllocationCount& allocations = {},
+                                                       const std::function<void(const char*)>& progress = {});
 /// The same for a coupling: both derivatives against differences.
 DYN_API std::vector<ConformanceFinding> checkCouplingType(const CouplingType& type, const Parameters& example, std::uint64_t seed,
                                                           const AllocationCount& allocations = {});

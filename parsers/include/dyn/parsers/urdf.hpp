@@ -21,7 +21,8 @@ struct Options {
   Inertias inertias = Inertias::physical;           ///< refuse inertias that are not positive semi-definite, or note them
 };
 
-/// Reads a robot. Root link's joint is called "root_joint"; every link is a body; fixed joints stay joints of type "fixed".
+/// Reads a robot. Root link's joint is called "root_joint", with _ behind it while the file has a joint of that name; every link is a body; fixed
+/// joints stay joints of type "fixed".
 /// Throws Error(file | syntax | model).
 DYN_API Model load(const std::string& path, const Options& options = {});
 /// The same from text; `name` stands for the file in messages.
