@@ -138,9 +138,9 @@ double Simulator::Impl::adaptiveStep(double most) {
   bool rejected = false, taken = true, finite = true;
   std::string why;
   for (;;) {
-    const bool cut = trial + slack * options.dt >= most;
-    const double h = cut ? most : trial;
-    if (!cut && (h < 0x1p-40 * options.dt || now.time + h == now.time))
+    const bool shortened = trial + slack * options.dt >= most;
+    const double h = shortened ? most : trial;
+    if (!shortened && (h < 0x1p-40 * options.dt || now.time + h == now.time))
       throw Error(ErrorCode::simulation, "at t = " + number(now.time) + " s steps have collapsed to " + number(h) + " s: " +
                                              (!taken    ? why
                                               : !finite ? "what they lead to is not finite"
@@ -151,7 +151,7 @@ double Simulator::Impl::adaptiveStep(double most) {
     const double factor = finite ? std::clamp(0.9 * std::pow(error, -0.2), 0.2, rejected ? 1.0 : 5.0) : 0.2;
     if (finite && error <= 1) {
       // A step that only the end of the simulation cut short says little of the next.
-      if (!cut || h * factor < trial) trial = h * factor;
+      if (!shortened || h * factor < trial) trial = h * factor;
       return h;
     }
     trial = h * factor;
