@@ -34,6 +34,8 @@ inline std::vector<State> pendulumReference(bool chaotic) {
   return out;
 }
 
+inline double largest(const Vector& x) { return x.cwiseAbs().maxCoeff(); }
+
 /// The end of `problem` by steps of dt: largest difference of configuration to where it should be.
 inline double errorAt(const CompactModel& model, const SimulatorOptions& options, const State& start, const State& end) {
   Simulator simulator(model, options);
