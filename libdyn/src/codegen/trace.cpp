@@ -189,27 +189,40 @@ void forwardDynamics(const CompactImpl& m, Tracer& t, const std::vector<T*>& in,
   kernels::abaSolve(t.bodies, t.w, t.bodies.gravity(), ddq.data());
 }
 
-void inverseOfMassMatrix(const CompactImpl& m, Tracer& t, const Rows<T>& L, Numbers& out) {
+/// kernels::downTheTree column by column, from zeros or the other sign of `below`; of a symmetric product each number once.
+Numbers downTheTree(const CompactImpl& m, const Tracer& t, const Rows<T>& right, const Rows<T>* below) {
   const auto n = at(m.nvx);
-  kernels::TreeFactors<T> factors = t.d.factors;
-  factors.L = L;
-  Numbers inverse(n * n);
-  kernels::inverseOfMassMatrixColumns(t.bodies, factors, Rows<T>{inverse.data(), m.nvx});
-  out.insert(out.end(), inverse.begin(), inverse.end());
+  const kernels::TreeFactors<T>& factors = t.d.factors;
+  Numbers out(n * n);
+  t.bodies.eachDof(0, m.nvx, [&](int j) {
+    Numbers shares(n);
+    kernels::alongPath(m, j, [&](int k) {
+      t.bodies.goesUp(k);
+      shares[at(k)] = factors.inverse[k] * right[k][j];
+    });
+    const int own = m.index[at(m.dof_body[at(j)])].idx_v;
+    for (int i = below ? 0 : j; i < m.nvx; ++i) {
+      t.bodies.goesDown(i);
+      T sum = below && i >= own ? -(*below)[j][i] : T(0);
+      kernels::alongPath(m, i, [&](int k) {
+        if (k <= j && j < m.dof_end[at(k)]) sum += factors.U[k][i] * shares[at(k)];
+      });
+      out[n * at(j) + at(i)] = sum;
+      if (!below) out[n * at(i) + at(j)] = sum;
+    }
+  });
+  return out;
 }
 
 void abaDerivatives(const CompactImpl& m, Tracer& t, const std::vector<T*>& in, Numbers& out) {
-  const auto n = at(m.nvx);
-  Numbers tau(in[2], in[2] + m.nvx), ddq(n), by_q(n * n), by_v(n * n), inverse;
+  Numbers tau(in[2], in[2] + m.nvx), ddq(at(m.nvx));
   kernels::addLosses(m, -1.0, static_cast<const T*>(in[1]), tau.data());
   t.evaluate(in[0], in[1]);
   t.evaluateSubspaceDerivatives(in[0], in[1]);
-  kernels::abaDerivativesSweep(m, t.w, t.d, static_cast<const T*>(in[1]), static_cast<const T*>(tau.data()), ddq.data());
-  kernels::abaDerivativeColumns(t.bodies, t.d, t.d.by_q, Rows<T>{by_q.data(), m.nvx});
-  kernels::abaDerivativeColumns(t.bodies, t.d, t.d.by_v, Rows<T>{by_v.data(), m.nvx});
-  inverseOfMassMatrix(m, t, t.d.by_a.below, inverse);
-  for (std::size_t k = 0; k < m.damping.size(); ++k)
-    for (std::size_t i = 0; i < n; ++i) by_v[k * n + i] -= T(m.damping[k]) * inverse[k * n + i];
+  kernels::abaDerivativesSweep<T>(kernels::recursion(m, static_cast<Workspace<T>&>(t.w), t.d), t.w, t.d, static_cast<const T*>(in[1]),
+                                  static_cast<const T*>(tau.data()), ddq.data());
+  const Numbers inverse = downTheTree(m, t, t.d.factors.U, nullptr), by_q = downTheTree(m, t, t.d.by_q.right, &t.d.by_q.below),
+                by_v = downTheTree(m, t, t.d.by_v.right, &t.d.by_v.below);
   for (const Numbers* part : {&by_q, &by_v, &inverse}) out.insert(out.end(), part->begin(), part->end());
 }
 
@@ -258,7 +271,7 @@ const std::vector<Recipe>& recipes() {
        [](const CompactImpl& m, Tracer& t, const std::vector<T*>& in, Numbers& out) {
          t.evaluate(in[0], nullptr);
          kernels::treeFactors<T>(m, t.w, t.d);
-         inverseOfMassMatrix(m, t, t.d.factors.L, out);
+         out = downTheTree(m, t, t.d.factors.U, nullptr);
        }},
       {"forwardKinematics",
        {"q"},

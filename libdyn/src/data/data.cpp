@@ -42,8 +42,8 @@ void carveAll(DataImpl& d, const CompactImpl& m, Arena& arena) {
     carve(d.derivatives, m, arena);
     arena.take(d.dtau_dq, nvx * nvx);
     arena.take(d.dtau_dv, nvx * nvx);
-    arena.take(d.ddq_dq, nvx * nvx);
-    arena.take(d.ddq_dv, nvx * nvx);
+    arena.take(d.ddq_dq, nvx * nvx + most_lanes);
+    arena.take(d.ddq_dv, nvx * nvx + most_lanes);
     arena.take(d.Minv, nvx * nvx + most_lanes);
     arena.take(d.C, nvx * nvx);
     arena.take(d.regressor, std::max<std::size_t>(nv, 1) * 10 * m.joints.size());

@@ -5,8 +5,8 @@
 // at joint m, and each body of the subtree bears the Coriolis force that x brings. That force is linear in x, so it is eliminated joint by
 // joint as inertias are: an articulated 6 x 3 map. A joint i of the subtree then accelerates by
 //   -(IA s_i / pivot . b + lever_i . x)
-// less what its path's accelerations make of it, and a joint k on the way to the root gets the force that the subtree hands over: rows of
-// L^T D L, whose factors are those of M. Nothing is divided by M, whose condition would cost digits.
+// of which the joints from there up to m have taken their shares on the way; and a joint k on the way to the root gets its share of the
+// force that the subtree hands over, which moves all joints as torques do: the rest of the way down is the same as that of M^-1.
 #pragma once
 
 #include "kernels/minverse.hpp"
@@ -123,108 +123,84 @@ void variationsInward(const Order& order, DerivativeWorkspace<S>& d) {
   });
 }
 
-/// After pathSweep: what the torques s . f of subspaces that vary with q add to by_q. They are eliminated within the joint, and what is left
-/// of them on its path.
-template <bool open, class R, class S>
-void eliminateSubspaceTorques(const R& recursion, DerivativeWorkspace<S>& d, const PathMatrix<S>& by_q) {
+// What joints themselves answer motion with, along their own degrees of freedom, is torque, of which joints on the way to the root get what U says.
+
+/// To by_q: the torques s . f of subspaces that vary.
+template <class R, class S>
+void addSubspaceTorques(const R& recursion, const DerivativeWorkspace<S>& d) {
   const auto& order = recursion.order;
-  const Rows<S>& L = d.by_a.below;
+  const Rows<S> U = d.factors.U;
   order.backward(passing(), [&]<class Joint>(const Joint&, int i, int iv) {
     if constexpr (Joint::has_bias)
-      for (int m = iv; m < iv + Joint::nv; ++m) {
+      for (int j = iv; j < iv + Joint::nv; ++j) {
         S torque[Joint::nv];
-        for (int k = Joint::nv - 1; k >= 0; --k) {
-          torque[k] = numberOf(subspaceTorque<Joint>(order, recursion.d, order.w.f[i], i, m - iv, k));
-          for (int l = k + 1; l < Joint::nv; ++l) torque[k] -= L[iv + k][iv + l] * torque[l];
-        }
-        alongPath(order.m, order.m.dof_parent[static_cast<std::size_t>(iv)], [&](int j) {
-          for (int k = 0; k < Joint::nv; ++k) by_q.rightOf(j, m) -= L[j][iv + k] * torque[k];
+        for (int l = 0; l < Joint::nv; ++l) torque[l] = numberOf(subspaceTorque<Joint>(order, recursion.d, order.w.f[i], i, j - iv, l));
+        alongPath(order.m, iv + Joint::nv - 1, [&](int k) {
+          S share(0);
+          for (int l = std::max(k - iv, 0); l < Joint::nv; ++l) share += torque[l] * U[k][iv + l];
+          if (k <= j) {
+            d.by_q.right[k][j] -= share;
+          } else {
+            // The joint's own after j, which products of factors take from their beginnings.
+            share *= d.factors.inverse[k];
+            for (int other = k; other < order.dofEnd(i); ++other) d.by_q.below[j][other] += share * U[k][other];
+          }
         });
-        for (int k = 0; k < Joint::nv; ++k) by_q.template addOwn<open>(iv + k, m, d.factors.inverse[iv + k] * torque[k]);
       }
   });
 }
+/// To by_v.
+template <class Wide, class S>
+void addDamping(const CompactImpl& m, const DerivativeWorkspace<S>& d) {
+  constexpr int width = Part<Wide, S>::width;
+  const Rows<S> U = d.factors.U, by_v = d.by_v.right;
+  const int damped = static_cast<int>(m.damping.size());
+  const auto damping = [&](int j) { return S(static_cast<Real<S>>(m.damping[static_cast<std::size_t>(j)])); };
+  for (int k = 0; k < damped; ++k) {
+    // Packs reach beyond the subtree, where U has zeros, but not beyond the last degree of freedom.
+    const int end = m.dof_end[static_cast<std::size_t>(k)];
+    int j = k;
+    if constexpr (width > 1) {
+      for (j = k / width * width; j < end && j + width <= damped; j += width)
+        storePack(loadPack<Wide>(by_v[k] + j) - Wide::load(m.damping.data() + j) * loadPack<Wide>(U[k] + j), by_v[k] + j);
+    }
+    for (j = std::max(j, k); j < end; ++j) by_v[k][j] -= damping(j) * U[k][j];
+  }
+}
 
-// Rows of by_q and by_v have forces right of a joint's own columns; the joint's own, and those of its path, have accelerations already. All have the
-// other sign.
-
-/// Accelerations ddq under the forces tau, the beginnings of their derivatives by_q and by_v, and the factors of M, d.by_a and d.factors. Joints have
-/// been asked into w, how subspaces vary into d. w.failed tells lane by lane whether a pivot vanished. Where joints are left open (PathMatrix), by_v
-/// has damping.
-template <class Wide, bool open, class S>
-void abaDerivativesSweep(const CompactImpl& m, Workspace<S>& w, DerivativeWorkspace<S>& d, const S* v, const S* tau, S* ddq, const Force<S>* fext,
-                         const PathMatrix<S>& by_q, const PathMatrix<S>& by_v) {
-  const auto r = recursion(m, w, d);
+/// Accelerations ddq under the forces tau, and what their derivatives are made of, losses included: d.by_q, d.by_v and d.factors. Joints have been
+/// asked into w, how subspaces vary into d. w.failed tells lane by lane whether a pivot vanished.
+template <class Wide, class R, class S>
+void abaDerivativesSweep(const R& r, Workspace<S>& w, DerivativeWorkspace<S>& d, const S* v, const S* tau, S* ddq, const Force<S>* fext = nullptr) {
   movingOutward(r.order, r.d, r.in(v));
   articulatedInward(r.order, r.d, r.in(tau), fext);
   acceleratingOutward(r.order, r.d, r.in(v), r.out(ddq));
   variationsInward(r.order, r.d);
-  pathSweep<Wide>(r, d, by_q, by_v);
-  if constexpr (open) {
-    by_q.leaveJointsOpen(m, nullptr);
-    by_v.leaveJointsOpen(m, m.damping.empty() ? nullptr : m.damping.data());
-  } else {
-    closeJoints(m, d);
-  }
-  eliminateSubspaceTorques<open>(r, d, by_q);
+  articulatedSweep<Wide>(r, d);
+  addSubspaceTorques(r, d);
+  addDamping<Wide>(r.order.m, d);
   r.failures(w.failed);
 }
-/// Into d.by_q and d.by_v, for abaDerivative and abaDerivativeColumns.
-template <class S>
-void abaDerivativesSweep(const CompactImpl& m, Workspace<S>& w, DerivativeWorkspace<S>& d, const S* v, const S* tau, S* ddq) {
-  abaDerivativesSweep<S, false>(m, w, d, v, tau, ddq, static_cast<const Force<S>*>(nullptr), d.by_q, d.by_v);
+
+/// After the sweep: the derivative that one of d.by_q and d.by_v is made into.
+template <class Wide, class S, class Out>
+void accelerationBy(const CompactImpl& m, const TreeFactors<S>& factors, const PathMatrix<S>& by, const Out& out) {
+  downTheTree<Wide, false>(m, factors, by.right, FromMinus<S>{m, by.below}, out);
 }
 
 /// Where a state's derivatives of accelerations are wanted, n x n each. That by tau is M^-1.
 struct AccelerationDerivatives {
   double *by_q, *by_v, *by_tau;
 };
-/// ddq and its derivatives of one state: all solved for together, side by side in d.sides. tau is without losses, the derivatives are with
-/// them.
+/// ddq and its derivatives of one state. tau is without losses, the derivatives are with them. Measured: over strips it takes no
+/// less.
 template <class Wide>
 void abaDerivatives(const CompactImpl& m, Workspace<double>& w, DerivativeWorkspace<double>& d, const double* v, const double* tau,
                     const Force<double>* fext, double* ddq, const AccelerationDerivatives& out) {
-  const int n = m.nvx;
-  const SideBySide<double> X = d.sides;
-  const PathMatrix<double> by_q{d.by_q.below, X[1]}, by_v{d.by_v.below, X[2]};
-  for (int i = 0; i < n; ++i)
-    for (std::ptrdiff_t k = 0; k < X.matrices * X.apart; k += lanes_of<Wide>) storePack(Wide(0), X.rows[i] + k);
-  abaDerivativesSweep<Wide, true>(m, w, d, v, tau, ddq, fext, by_q, by_v);
-  for (int i = 0; i < n; ++i) X[0][i][i] = 1;
-  const TreeSystem<double> system{m, d.by_a.below, d.factors.inverse};
-  solveUpper<Wide, X.matrices>(system, X.rows, X.apart, wholeBlocks);
-  by_q.addBelowTo<Wide>(m, X[1]);
-  by_v.addBelowTo<Wide>(m, X[2]);
-  // Half of the first one is solved for: it is symmetric to the last bit.
-  solveLower<Wide>(system, X.rows, X.rows, static_cast<int>(2 * X.apart) + n, true);
-  mirrorUpper<Wide>(X[0], n, Rows<double>{out.by_tau, n});
-  writeMinusTransposed<Wide>(X[1], n, Rows<double>{out.by_q, n});
-  writeMinusTransposed<Wide>(X[2], n, Rows<double>{out.by_v, n});
-}
-
-/// Derivative of aba in lanes, losses not in it, from its beginnings, which are n x n and change.
-template <class S>
-void abaDerivative(const CompactImpl& m, const DerivativeWorkspace<S>& d, S* beginnings, S* out) {
-  const int n = m.nvx;
-  const TreeSystem<S> system{m, d.by_a.below, d.factors.inverse};
-  const ByColumns<S> B{beginnings, n}, X{out, n};
-  solveUpper<S>(system, B, 0, [&](int column) { return system.jointBegin(column); });
-  solveLower<S, true>(system, B, X, n, false);
-}
-/// The same column by column, into columns of zeros: with nothing done twice, and nothing for zeros.
-template <class S, class Order>
-void abaDerivativeColumns(const Order& order, const DerivativeWorkspace<S>& d, const PathMatrix<S>& by, const Rows<S>& out) {
-  const CompactImpl& m = order.m;
-  const TreeSystem<S> system{m, d.by_a.below, d.factors.inverse};
-  const auto begin = [&](int i) { return system.jointEnd(i); };
-  by.template assemble<S>(m.dof_end, out);
-  order.eachDof(0, m.nvx, [&](int k) {
-    solveColumn(system, order, begin, k, m.nvx, out[k]);
-    for (int i = 0; i < m.nvx; ++i) {
-      order.goesDown(i);
-      out[k][i] = -out[k][i];
-    }
-  });
+  abaDerivativesSweep<Wide>(recursion(m, w, d), w, d, v, tau, ddq, fext);
+  inverseOfMassMatrix<Wide>(m, d.factors, Rows<double>{out.by_tau, m.nvx});
+  accelerationBy<Wide>(m, d.factors, d.by_q, Whole<double>{{out.by_q, m.nvx}});
+  accelerationBy<Wide>(m, d.factors, d.by_v, Whole<double>{{out.by_v, m.nvx}});
 }
 
 }  // namespace dyn::kernels

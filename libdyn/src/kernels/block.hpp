@@ -3,6 +3,7 @@
 
 #include "kernels/derivatives.hpp"
 #include "kernels/table.hpp"
+#include "kernels/tile.hpp"
 
 namespace dyn::kernels {
 
@@ -12,8 +13,9 @@ struct BlockScratch {
   Workspace<S> w;
   S *q, *v, *a, *result, *M, *J;
   DerivativeWorkspace<S> d;
-  S *matrix, *solved;  ///< nvx * nvx
-  S* maps[5];          ///< 6 nvx each
+  S* matrix;   ///< nvx * nvx
+  S* columns;  ///< a product's in turn: nvx each
+  S* maps[5];  ///< 6 nvx each
 
   static std::size_t carve(BlockScratch& s, const CompactImpl& m, Room room, char* base) {
     Arena arena(base);
@@ -28,7 +30,7 @@ struct BlockScratch {
     if (room.derivatives) {
       dyn::kernels::carve(s.d, m, arena);
       arena.take(s.matrix, nv * nv);
-      arena.take(s.solved, nv * nv);
+      arena.take(s.columns, std::min<std::size_t>(most_rows, nv) * nv);
       for (S*& map : s.maps) arena.take(map, 6 * nv + CentroidalMaps<S>::room);
     }
     return arena.used();

@@ -21,10 +21,6 @@ struct Square {
 
   void read(int i, const T* from) { rows[i] = *reinterpret_cast<const Unaligned*>(from); }
   void write(int i, T* to) const { *reinterpret_cast<Unaligned*>(to) = rows[i]; }
-  void negate() {
-#pragma GCC unroll 16
-    for (int i = 0; i < lanes; ++i) rows[i] = -rows[i];
-  }
   /// Rows `stride` apart.
   void read(const T* from, std::ptrdiff_t stride) {
 #pragma GCC unroll 16
@@ -41,10 +37,6 @@ struct Square {
       if (i < n) write(i, to + i * lanes);
   }
   void transpose() { exchangeFrom<1>(); }
-  void add(const Square& other) {
-#pragma GCC unroll 16
-    for (int i = 0; i < lanes; ++i) rows[i] += other.rows[i];
-  }
   /// Takes another's numbers k of each row beyond k.
   void replaceAbove(const Square& other) {
     [&]<int... row>(std::integer_sequence<int, row...>) {
@@ -148,9 +140,9 @@ void loadColumns(const ColumnsIn<T>& in, int n, S* to) {
     for (int i = 0; i < n; ++i) out[i * lanes + l] = columns[l][i];
 }
 
-/// The way back: n numbers of each of the first `states` lanes into columns that follow one another, n apart. Whether all are finite.
+/// The way back: n numbers of each of the first `states` lanes into columns that follow one another, `stride` apart. Whether all are finite.
 template <class S, class T>
-[[nodiscard]] bool storeColumns(const S* packs, std::ptrdiff_t n, int states, T* column) {
+[[nodiscard]] bool storeColumns(const S* packs, std::ptrdiff_t n, int states, T* column, std::ptrdiff_t stride) {
   constexpr int lanes = lanes_of<S>;
   const auto* numbers = reinterpret_cast<const T*>(packs);
   // x - x is zero for finite numbers, and NaN for all others.
@@ -174,11 +166,11 @@ template <class S, class T>
       for (std::ptrdiff_t row = 0; row < n; row += lanes) {
         const std::ptrdiff_t top = std::min<std::ptrdiff_t>(row, n - lanes);
         read(top, lanes);
-        for (int l = 0; l < states; ++l) square.write(l, column + l * n + top);
+        for (int l = 0; l < states; ++l) square.write(l, column + l * stride + top);
       }
       return finite();
     }
-    if (4 * n >= lanes) {
+    if (stride == n && 4 * n >= lanes) {
       // Columns are written past their ends, where the next ones will be; the last, where these are too few, are copied.
       read(0, static_cast<int>(n));
       for (int l = 0; l < states; ++l) {
@@ -197,7 +189,7 @@ template <class S, class T>
   T differences(0);
   for (std::ptrdiff_t i = 0; i < n; ++i, numbers += lanes) {
     for (int l = 0; l < states; ++l) {
-      column[l * n + i] = numbers[l];
+      column[l * stride + i] = numbers[l];
       differences += numbers[l] - numbers[l];
     }
   }

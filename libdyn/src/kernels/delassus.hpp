@@ -25,7 +25,7 @@ void delassusMatrix(const PackedConstraints& c, ConstraintWorkspace& x) {
         }
         for (int r = 0; r < std::min(tile, chain.row_end - row); ++r) storePack(loadPack<P>(D[row + r] + column) + sums[r], D[row + r] + column);
       });
-  mirrorUpper<Wide>(D, c.rows, D);
+  mirrorUpper<Wide>(D, c.rows);
 }
 
 /// Entry k of a vector is 1, in packs. Windows of a row of zeros around a one: what is written number by number and read as a pack stalls

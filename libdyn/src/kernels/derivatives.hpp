@@ -87,6 +87,27 @@ struct DofForces {
   Force<S> by_q, by_v;
 };
 
+/// The force among a degree of freedom's, which joints give way to as rows of the factors say.
+template <class S>
+const Force<S>& rowOf(const Force<S>& f) {
+  return f;
+}
+template <class S>
+const Force<S>& rowOf(const DofForces<S>& f) {
+  return f.by_a;
+}
+/// What a joint that moves by u along the degree of freedom of this row leaves of a force.
+template <class Wide, class T>
+void yield(Force<Wide>& F, const Force<T>& row, const Wide& u) {
+  F.linear -= u * cast<Wide>(row.linear);
+  F.angular -= u * cast<Wide>(row.angular);
+}
+/// What variations make of forces, by q and by v.
+template <class S>
+struct Below {
+  S q, v;
+};
+
 /// Force that each turning rate brings to a subtree whose joints are free to move.
 template <class S>
 struct CoriolisMap {
@@ -119,18 +140,6 @@ struct CentroidalState {
   S mass;
 };
 
-/// Matrices that are solved for together, side by side in the same rows, which have room for whole tiles.
-template <class S>
-struct SideBySide {
-  static constexpr int matrices = 3;
-  Rows<S> rows;
-  std::ptrdiff_t apart = 0;
-
-  Rows<S> operator[](int matrix) const { return {rows.first + matrix * apart, rows.stride}; }
-  /// Where there is one only, with its rows closer to one another.
-  Rows<S> alone() const { return {rows.first, rows.stride - (matrices - 1) * apart}; }
-};
-
 /// Numbers of strips' arrays: of each struct in them the first.
 struct StripArrays {
   const double *levers = nullptr, *lever_rates = nullptr, *turnings = nullptr, *accelerations = nullptr;  ///< by strip
@@ -157,7 +166,7 @@ struct DerivativeWorkspace {
   PathMatrix<S> by_q, by_v, by_a;
   TreeFactors<S> factors;
   PathFactors<S> cholesky;
-  SideBySide<S> sides;  ///< of nvx rows, of single states
+  S* zeros = nullptr;  ///< nvx
 };
 
 /// What recursions over bodies write.
@@ -206,14 +215,13 @@ void carve(DerivativeWorkspace<S>& w, const CompactImpl& m, Arena& arena) {
   const int rows = (m.nvx + abreast<S> - 1) / abreast<S> * abreast<S>;  // for whole tiles
   for (PathMatrix<S>* matrix : {&w.by_q, &w.by_v, &w.by_a}) {
     arena.take(matrix->below, rows, m.nvx);
-    if (matrix != &w.by_a && !PathMatrix<S>::in_place) arena.take(matrix->right, rows, m.nvx);
+    if (matrix != &w.by_a) arena.take(matrix->right, rows, m.nvx);
   }
   w.by_a.right = w.by_a.below;  // symmetric
   carve(w.factors, m.nvx, arena);
   if (w.vectored) w.vectored->factors.inverse = reinterpret_cast<Vectored*>(w.factors.inverse);
   if constexpr (lanes_of<S> == 1) carve(w.cholesky, m, arena);
-  w.sides.apart = rows;
-  if constexpr (lanes_of<S> == 1) arena.take(w.sides.rows, rows, SideBySide<S>::matrices * rows);
+  arena.take(w.zeros, nv);
 }
 
 /// One differentiated call a batch and degree of freedom of its type. q and v in expanded coordinates.

@@ -83,7 +83,7 @@ void runBlock(const CompactImpl& m, char* scratch, Block<T>& b) {
         kernels::forwardKinematics(bodies, w, static_cast<const S*>(nullptr), static_cast<const S*>(nullptr));
         frameJacobian(bodies, w, {b.frame.body, cast<S>(b.frame.placement)}, b.reference, s.J, 6);
       }
-      b.not_finite = !storeColumns(s.J, n, b.q.states, b.results[0]);
+      b.not_finite = !storeColumns(s.J, n, b.q.states, b.results[0], n);
       return;
     }
     case Task::rnea:
@@ -94,7 +94,7 @@ void runBlock(const CompactImpl& m, char* scratch, Block<T>& b) {
     case Task::mass_matrix: {
       const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(m.nvx) * m.nvx;
       kernels::massMatrix(bodies, w, s.M);
-      b.not_finite = !storeColumns(s.M, n, b.q.states, b.results[0]);
+      b.not_finite = !storeColumns(s.M, n, b.q.states, b.results[0], n);
       return;
     }
     case Task::rnea_derivatives:
@@ -113,7 +113,7 @@ void runBlock(const CompactImpl& m, char* scratch, Block<T>& b) {
       for (int l = 0; l < b.q.states; ++l) b.failed[l] = w.failed[l];
       break;
   }
-  b.not_finite = !storeColumns(s.result, m.nvx, b.q.states, b.results[0]);
+  b.not_finite = !storeColumns(s.result, m.nvx, b.q.states, b.results[0], m.nvx);
 }
 
 template <class S>

@@ -40,11 +40,7 @@ void addDerivatives(SingleKernels& k) {
   k.centroidal = [](const CompactImpl& m, W& w, D& d, const double* v, const double* a, const CentroidalMaps<double>& out) {
     return kernels::centroidal<Wide>(m, w, d, v, a, out);
   };
-  k.coriolis = [](const CompactImpl& m, W& w, D& d, const double* v) {
-    double* zeros = d.sides.rows.first;
-    std::fill(zeros, zeros + m.nvx, 0.0);
-    coriolisMatrix<Panel>(m, w, d, v, static_cast<const double*>(zeros));
-  };
+  k.coriolis = [](const CompactImpl& m, W& w, D& d, const double* v) { coriolisMatrix<Panel>(m, w, d, v); };
   k.factorTimes = [](const CompactImpl& m, D& d, FactorProduct product, double* x) { kernels::factorTimes<Wide>(m, d.cholesky, product, x); };
   k.assemble = [](const CompactImpl& m, const PathMatrix<double>& from, double* out) { from.assemble<Panel>(m.dof_end, Rows<double>{out, m.nvx}); };
   k.choleskyDecompose = [](const CompactImpl& m, D& d, const double* M) {
@@ -57,20 +53,23 @@ void addDerivatives(SingleKernels& k) {
     return w.failed[0];
   };
   k.inverseOfMassMatrix = [](const CompactImpl& m, D& d, double* out) {
-    kernels::inverseOfMassMatrix<Panel>(m, d.factors, d.sides.alone(), Rows<double>{out, m.nvx});
+    kernels::inverseOfMassMatrix<Panel>(m, d.factors, Rows<double>{out, m.nvx});
   };
 }
 
 /// The tasks of derivatives, joints asked.
 template <class S>
 void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b) {
-  using T = Real<S>;
   Workspace<S>& w = s.w;
   DerivativeWorkspace<S>& d = s.d;
   const std::ptrdiff_t n = m.nvx;
   b.not_finite = false;
+  // Of `size` numbers a state those from `begin` on.
+  const auto putPart = [&](int result, const S* numbers, std::ptrdiff_t count, std::ptrdiff_t begin, std::ptrdiff_t size) {
+    if (!storeColumns(numbers, count, b.q.states, b.results[result] + begin, size)) b.not_finite = true;
+  };
   const auto put = [&](int result, const S* numbers, std::ptrdiff_t count) {
-    if (b.results[result] != nullptr && !storeColumns(numbers, count, b.q.states, b.results[result])) b.not_finite = true;
+    if (b.results[result] != nullptr) putPart(result, numbers, count, 0, count);
   };
   const auto whole = [&](const PathMatrix<S>& from) {
     if constexpr (PathMatrix<S>::in_place) {
@@ -81,12 +80,14 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b)
       return s.matrix;
     }
   };
-  const auto inverse = [&](int result, const Rows<S>& L, S* out) {
-    TreeFactors<S> factors = d.factors;
-    factors.L = L;
-    inverseOfMassMatrix(m, factors, out);
-    put(result, out, n * n);
+  const auto putInverse = [&](int result) {
+    inverseOfMassMatrix<S>(m, d.factors, Rows<S>{s.matrix, n});
+    put(result, s.matrix, n * n);
     for (int l = 0; l < b.q.states; ++l) b.failed[l] = w.failed[l];
+  };
+  const auto putAcceleration = [&](int result, const PathMatrix<S>& by) {
+    const auto putColumns = [&](int begin, int count) { putPart(result, s.columns, count * n, begin * n, n * n); };
+    accelerationBy<S>(m, d.factors, by, InTurn<S, decltype(putColumns)>{{s.columns, n}, putColumns});
   };
   switch (b.task) {
     case Task::rnea_derivatives:
@@ -96,27 +97,20 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b)
       put(1, whole(d.by_v), n * n);
       put(2, whole(d.by_a), n * n);
       return;
-    case Task::aba_derivatives: {
+    case Task::aba_derivatives:
       addLosses(m, -1.0, s.v, s.a);
       evaluateSubspaceDerivatives(m, d, s.q, s.v);
-      abaDerivativesSweep(m, w, d, s.v, s.a, s.result);
+      abaDerivativesSweep<S>(recursion(m, w, d), w, d, s.v, s.a, s.result);
       put(3, s.result, n);
-      abaDerivative(m, d, whole(d.by_q), s.solved);
-      put(0, s.solved, n * n);
-      abaDerivative(m, d, whole(d.by_v), s.solved);
-      inverse(2, d.by_a.below, s.matrix);
-      if (!m.damping.empty())
-        for (int k = 0; k < n; ++k)
-          for (int i = 0; i < n; ++i) s.solved[n * k + i] -= S(static_cast<T>(m.damping[static_cast<std::size_t>(k)])) * s.matrix[n * k + i];
-      return put(1, s.solved, n * n);
-    }
+      putInverse(2);
+      putAcceleration(0, d.by_q);
+      return putAcceleration(1, d.by_v);
     case Task::minverse:
       treeFactors<S>(m, w, d);
-      return inverse(0, d.factors.L, s.matrix);
+      return putInverse(0);
     case Task::coriolis:
       evaluateSubspaceDerivatives(m, d, s.q, s.v);
-      std::fill(s.a, s.a + n, S(0));
-      coriolisMatrix<S>(m, w, d, s.v, s.a);
+      coriolisMatrix<S>(m, w, d, s.v);
       return put(0, whole(d.by_v), n * n);
     default: {
       CentroidalMaps<S> maps;

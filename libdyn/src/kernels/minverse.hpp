@@ -1,15 +1,15 @@
-// The factors of M from articulated inertias, and its inverse.
+// The factors of M^-1 from articulated inertias, and their product.
 //
-// Eliminating the degrees of freedom of a subtree leaves, of row i of M, the articulated force column IA s_i moved rigidly to each joint on
-// its path, times the motion there. Pivots and rows that are read off articulated inertias have not gone through M, whose cancellation
-// costs as many digits as its condition number has.
+// A unit force along a degree of freedom leaves its joint as the articulated force column IA s / pivot. On its way to the root each joint gives way
+// to it, as in aba, and the shares that the joints get are a column of U. Pivots and shares that are read off articulated inertias have not
+// gone through M, whose cancellation costs as many digits as its condition number has.
 #pragma once
 
 #include "kernels/aba.hpp"
 #include "kernels/crba.hpp"
 #include "kernels/path_sweep.hpp"
-#include "kernels/solve.hpp"
-#include "kernels/strip_paths.hpp"
+#include "kernels/strip_factors.hpp"
+#include "kernels/tree_products.hpp"
 
 namespace dyn::kernels {
 
@@ -20,6 +20,7 @@ void eliminateJoint(const Order& order, Workspace<S>& w, ArticulatedInertia<S>& 
   if constexpr (Joint::is_free) {
     if (isBareRoot<Joint>(order, i)) {
       const AxesElimination<true, S> axes(order, IA, i, iv, w.failed);
+#pragma GCC unroll 6
       for (int p = 0; p < 6; ++p) {
         const Force<S> W = axes.column(p);
         use(axes.axis(p), UnitColumn<S>{axes.axis(p)}, W, axes.inverse(p), axes.inverse(p) * W);
@@ -53,21 +54,21 @@ void articulatedFactors(const Order& order, Workspace<S>& w, Enter&& enter) {
   });
 }
 
-/// The factors of M, with joints in w. Quad: in whose lanes strips may be.
+/// The factors of M^-1, with joints in w. Quad: in whose lanes strips may be.
 template <class Wide, class Quad = Wide, class S>
 void treeFactors(const CompactImpl& m, Workspace<S>& w, DerivativeWorkspace<S>& d) {
   // Entries are written one by one, which as in the mass matrix wants lanes that are nearly full.
   withRecursion<Quad>(m, w, d, m.strips.used_for_mass_matrix, [&](const auto& r) {
-    using T = typename std::remove_cvref_t<decltype(r)>::Scalar;
+    using Recursion = std::remove_cvref_t<decltype(r)>;
+    using T = typename Recursion::Scalar;
     columnsOutward(r.order, r.order.w);
-    T* inverses = r.out(d.factors.inverse);
     articulatedFactors(r.order, r.order.w, [&](int dof, const T& inverse, const Force<T>& row) {
-      inverses[dof] = inverse;
+      r.d.factors.inverse[dof] = inverse;
       r.d.dof_force[dof].by_a = row;
     });
-    if constexpr (std::remove_cvref_t<decltype(r)>::over_strips) {
-      r.put(inverses, d.factors.inverse);
-      stripFactorsSweep(r, d.factors.L);
+    if constexpr (Recursion::over_strips) {
+      r.put(r.d.factors.inverse, d.factors.inverse);
+      stripFactorsSweep(r, d.factors.U);
     } else {
       factorsSweep<Wide>(r, d);
     }
@@ -75,42 +76,11 @@ void treeFactors(const CompactImpl& m, Workspace<S>& w, DerivativeWorkspace<S>& 
   });
 }
 
-/// M^-1 from its factors, n x n, by way of the n rows X. Half of it is solved for: the result is symmetric to the last bit.
+/// M^-1 from its factors, n x n with room for a pack behind it; symmetric to the last bit.
 template <class Wide, class S>
-void inverseOfMassMatrix(const CompactImpl& m, const TreeFactors<S>& factors, const Rows<S>& X, const Rows<S>& out) {
-  const int n = m.nvx;
-  const TreeSystem<S> system{m, factors.L, factors.inverse};
-  std::fill(X[0], X[n], S(0));
-  for (int i = 0; i < n; ++i) X[i][i] = S(1);
-  solveUpper<Wide>(system, X, 0, wholeBlocks);
-  solveLower<Wide>(system, X, X, n, true);
-  mirrorUpper<Wide>(X, n, out);
-}
-/// The same in lanes, in place.
-template <class S>
-void inverseOfMassMatrix(const CompactImpl& m, const TreeFactors<S>& factors, S* out) {
-  const int n = m.nvx;
-  const TreeSystem<S> system{m, factors.L, factors.inverse};
-  const ByColumns<S> X{out, n};
-  for (int k = 0; k < n; ++k) {
-    std::fill(place(X, 0, k), place(X, k, k), S(0));
-    *place(X, k, k) = S(1);
-  }
-  solveUpper<S>(system, X, 0, [](int column) { return column + 1; });
-  solveLower<S>(system, X, X, n, true);
-  for (int i = 0; i < n; ++i)
-    for (int k = i + 1; k < n; ++k) *place(X, k, i) = *place(X, i, k);
-}
-/// The same column by column, into zeros.
-template <class S, class Order>
-void inverseOfMassMatrixColumns(const Order& order, const TreeFactors<S>& factors, const Rows<S>& out) {
-  const TreeSystem<S> system{order.m, factors.L, factors.inverse};
-  order.eachDof(0, order.m.nvx, [&](int k) {
-    out[k][k] = S(1);
-    solveColumn(
-        system, order, [](int i) { return i; }, k, k + 1, out[k]);
-    for (int i = 0; i < k; ++i) out[i][k] = out[k][i];
-  });
+void inverseOfMassMatrix(const CompactImpl& m, const TreeFactors<S>& factors, const Rows<S>& out) {
+  downTheTree<Wide, true>(m, factors, factors.U, FromZeros(), Whole<S>{out});
+  mirrorUpper<Wide>(out, m.nvx);
 }
 
 }  // namespace dyn::kernels

@@ -6,6 +6,9 @@
 
 namespace dyn::kernels {
 
+/// Joints on the way to the root hold, or they yield to the forces and hand over what is left.
+enum class Climbing { holding, yielding };
+
 /// Forces of neighbouring degrees of freedom, as many as Wide has lanes from `first` on, those past the n-th being the last one's. Vectors begin four
 /// packs apart, as they do in registers.
 template <class Wide, template <class> class Forces>
@@ -23,13 +26,18 @@ class ForcesAbreast {
       return {force(0), vector(2), force(3), force(5)};
     }
   }
-  /// What climbing changes: linear parts are the same wherever forces are.
-  void leave(const Force<Wide>& f, int i = 0) { put(i + 1, f.angular); }
+  /// What climbing changes: but for what joints give way to, linear parts are the same wherever forces are.
+  template <Climbing climbing>
+  void leave(const Force<Wide>& f, int i = 0) {
+    if constexpr (climbing == Climbing::yielding) put(i, f.linear);
+    put(i + 1, f.angular);
+  }
+  template <Climbing climbing>
   void leave(const DofForces<Wide>& f) {
-    leave(f.by_a);
+    leave<climbing>(f.by_a);
     put(2, f.lever);
-    leave(f.by_q, 3);
-    leave(f.by_v, 5);
+    leave<climbing>(f.by_q, 3);
+    leave<climbing>(f.by_v, 5);
   }
 
  private:
@@ -42,22 +50,23 @@ class ForcesAbreast {
   Wide x_[numbers];
 };
 /// The same of those that are in lanes where they are.
-template <class S>
+template <Climbing climbing, class S>
 void leave(const Force<S>& f, Force<S>& at) {
+  if constexpr (climbing == Climbing::yielding) at.linear = f.linear;
   at.angular = f.angular;
 }
-template <class S>
+template <Climbing climbing, class S>
 void leave(const DofForces<S>& f, DofForces<S>& at) {
-  leave(f.by_a, at.by_a);
+  leave<climbing>(f.by_a, at.by_a);
   at.lever = f.lever;
-  leave(f.by_q, at.by_q);
-  leave(f.by_v, at.by_v);
+  leave<climbing>(f.by_q, at.by_q);
+  leave<climbing>(f.by_v, at.by_v);
 }
 
 /// Neighbouring degrees of freedom, as many as Wide has lanes, on their paths to the root: calls along.operator()<Joint>(each) for joints of one
-/// shape, and each(visit) calls visit(F, i, idx_v, part) for these joints' bodies, children first: F, the neighbours' forces, are to be moved to the
-/// parent's origin, and `part` is what of the neighbours is in the subtree of body i.
-template <template <class> class Forces, class Wide, class S, class R, class Along>
+/// shape, and each(visit) calls visit(F, i, idx_v, part, own) for these joints' bodies, children first: F, the neighbours' forces, are to be moved to
+/// the parent's origin, `part` is what of the neighbours is in the subtree of body i, and `own` has what the joint's own forces began with.
+template <template <class> class Forces, Climbing climbing, class Wide, class S, class R, class Along>
 void forcesToRoot(const R& recursion, Along&& along) {
   constexpr int width = Part<Wide, S>::width;
   const auto& order = recursion.order;
@@ -68,11 +77,14 @@ void forcesToRoot(const R& recursion, Along&& along) {
       along.template operator()<Joint>([&](auto&& visit) {
         const int end = order.dofEnd(i);
         auto* const forces = recursion.d.dof_force;
+        Forces<Wide> own[Joint::nv];
+        if constexpr (climbing == Climbing::yielding)
+          for (int k = 0; k < Joint::nv; ++k) own[k] = reinterpret_cast<const Forces<Wide>&>(forces[iv + k]);
         order.eachDof(iv, end, [&](int dof) {
           auto& place = reinterpret_cast<Forces<Wide>&>(forces[dof]);
           Forces<Wide> F = place;
-          visit(F, i, iv, Part<Wide, S>(dof, iv, end));
-          leave(F, place);
+          visit(F, i, iv, Part<Wide, S>(dof, iv, end), own);
+          leave<climbing>(F, place);
         });
       });
     });
@@ -82,79 +94,173 @@ void forcesToRoot(const R& recursion, Along&& along) {
       order.climb(first, std::min(first + width, n), [&]<class Joint>(auto&& each) {
         along.template operator()<Joint>([&](auto&& visit) {
           Forces<Wide> F = forces.get();
-          if (each([&](int i, int iv) { visit(F, i, iv, Part<Wide, S>(first, iv, order.dofEnd(i))); })) forces.leave(F);
+          const auto at = [&](int i, int iv) { visit(F, i, iv, Part<Wide, S>(first, iv, order.dofEnd(i)), recursion.d.dof_force + iv); };
+          if (each(at)) forces.template leave<climbing>(F);
         });
       });
     }
   }
 }
 
+template <class S>
+S& axisOf(Force<S>& F, int axis) {
+  return axis < 3 ? F.linear[axis] : F.angular[axis - 3];
+}
+/// Of what a flying root leaves, what its axes before the k-th are to give way to.
+template <class Wide, class T>
+void yieldBefore(int k, Force<Wide>& F, const Force<T>& row, const Wide& u) {
+#pragma GCC unroll 6
+  for (int axis = 0; axis < k; ++axis) axisOf(F, axis) -= u * cast<Wide>(axis < 3 ? row.linear : row.angular)[axis % 3];
+}
+
+/// Of the variation of a degree of freedom on their way.
+template <class Joint, class T, class Wide>
+Below<Wide> below(const DofVariation<T>& change, const Motion<T>& column, const DofForces<Wide>& F) {
+  const Force<Wide>& U = F.by_a;
+  Below<Wide> x{dot(cast<Wide>(change.acceleration.linear), U.linear) + dot(cast<Wide>(change.acceleration.angular), U.angular),
+                dot(cast<Wide>(change.rate.angular), U.angular)};
+  if constexpr (Joint::has_linear) x.v += dot(cast<Wide>(change.rate.linear), U.linear);
+  if constexpr (Joint::has_angular) {
+    x.q += dot(cast<Wide>(change.velocity.angular), F.lever);
+    x.v += dot(cast<Wide>(column.angular), F.lever);
+  }
+  return x;
+}
+/// The same of a flying root's k-th, whose variations are from `changes` on. Nothing moves before it.
+template <class T, class Wide>
+Below<Wide> belowFlyingRoot(int k, const DofVariation<T>* changes, const DofForces<Wide>& F) {
+  const Force<Wide>& U = F.by_a;
+  const DofVariation<T>& change = changes[k];
+  if (k < 3) return {Wide(0), dot(cast<Wide>(change.rate.linear), U.linear)};
+  return {dot(cast<Wide>(change.acceleration.linear), U.linear),
+          dot(cast<Wide>(change.rate.linear), U.linear) + dot(cast<Wide>(change.rate.angular), U.angular) + F.lever[k - 3]};
+}
+
+/// To the parent's origin, from body i's.
+template <class Wide, class T, class S>
+void climb(DofForces<Wide>& F, const Part<Wide, S>& part, const Vec3<T>& lever, const Vec3<T>& lever_rate) {
+  const Vec3<Wide> r = part.inside() * cast<Wide>(lever), rate = part.inside() * cast<Wide>(T(2) * lever_rate);
+  F.lever += cross(rate, F.by_a.linear);
+  for (Force<Wide>* force : {&F.by_a, &F.by_q, &F.by_v}) force->angular += cross(r, force->linear);
+}
+
 /// The columns of all subtrees on their way to the root, of U, lever and forces: s . U into d.by_a; what U and lever say of the variations of the
 /// joints that they reach below the diagonals of by_q and by_v; s . forces right of these, but not within joints.
 template <class Wide, class R, class S>
-void pathSweep(const R& recursion, DerivativeWorkspace<S>& d, const PathMatrix<S>& by_q, const PathMatrix<S>& by_v) {
+void pathSweep(const R& recursion, DerivativeWorkspace<S>& d) {
   const auto& order = recursion.order;
   using T = typename R::Scalar;
-  forcesToRoot<DofForces, Wide, S>(recursion, [&]<class Joint>(auto&& each) {
+  forcesToRoot<DofForces, Climbing::holding, Wide, S>(recursion, [&]<class Joint>(auto&& each) {
     // Copies: what packs are stored into might be anything, even the struct that says where.
-    const PathMatrix<S> a = d.by_a, q = by_q, v = by_v;
+    const PathMatrix<S> a = d.by_a, q = d.by_q, v = d.by_v;
     const DofFactor<T>* const dofs = order.w.dof;
     const DofVariation<T>* const variations = recursion.d.dof;
     const Vec3<T>*const levers = order.w.r, *const lever_rates = recursion.d.shift_rate;
-    each([&](DofForces<Wide>& F, int i, int iv, const Part<Wide, S>& part) {
-      const Force<Wide>& U = F.by_a;
-      const auto enter = [&](int k, const auto& column, const Wide& below_q, const Wide& below_v) {
-        a.enterSymmetric(part, iv + k, column.along(U));
-        q.enterBelow(part, iv + k, below_q);
-        v.enterBelow(part, iv + k, below_v);
+    each([&](DofForces<Wide>& F, int i, int iv, const Part<Wide, S>& part, const auto*) {
+      const auto enter = [&](int k, const auto& column, const Below<Wide>& x) {
+        a.enterSymmetric(part, iv + k, column.along(F.by_a));
+        q.enterBelow(part, iv + k, x.q);
+        v.enterBelow(part, iv + k, x.v);
         q.enterRight(part, iv + k, iv + Joint::nv, column.along(F.by_q));
         v.enterRight(part, iv + k, iv + Joint::nv, column.along(F.by_v));
       };
       if constexpr (Joint::is_free) {
-        // Nothing moves before a flying root: what it makes of its own columns has no more than these.
         if (order.isRoot(i)) {
-          for (int k = 0; k < 3; ++k) {
-            const DofVariation<T>&slide = variations[iv + k], &turn = variations[iv + 3 + k];
-            const Vec3<Wide> by_turn = cast<Wide>(turn.rate.linear), turn_rate = cast<Wide>(turn.rate.angular);
-            enter(k, UnitColumn<T>{k}, Wide(0), dot(cast<Wide>(slide.rate.linear), U.linear));
-            enter(3 + k, UnitColumn<T>{3 + k}, dot(cast<Wide>(turn.acceleration.linear), U.linear),
-                  dot(by_turn, U.linear) + dot(turn_rate, U.angular) + F.lever[k]);
-          }
+          for (int k = 0; k < 6; ++k) enter(k, UnitColumn<T>{k}, belowFlyingRoot(k, variations + iv, F));
           return;
         }
       }
       for (int k = 0; k < Joint::nv; ++k) {
         const Column<Joint, T> column{dofs[iv + k].S_};
-        const DofVariation<T>& change = variations[iv + k];
-        Wide below_q = dot(cast<Wide>(change.acceleration.linear), U.linear) + dot(cast<Wide>(change.acceleration.angular), U.angular),
-             below_v = dot(cast<Wide>(change.rate.angular), U.angular);
-        if constexpr (Joint::has_linear) below_v += dot(cast<Wide>(change.rate.linear), U.linear);
-        if constexpr (Joint::has_angular) {
-          below_q += dot(cast<Wide>(change.velocity.angular), F.lever);
-          below_v += dot(cast<Wide>(column.s.angular), F.lever);
-        }
-        enter(k, column, below_q, below_v);
+        enter(k, column, below<Joint>(variations[iv + k], column.s, F));
       }
-      if (order.isRoot(i)) return;
-      const Vec3<Wide> r = part.inside() * cast<Wide>(levers[i]), rate = part.inside() * cast<Wide>(T(2) * lever_rates[i]);
-      F.lever += cross(rate, U.linear);
-      for (Force<Wide>* force : {&F.by_a, &F.by_q, &F.by_v}) force->angular += cross(r, force->linear);
+      if (!order.isRoot(i)) climb(F, part, levers[i], lever_rates[i]);
     });
   });
 }
 
-/// L: the force columns by_a on their way to the root.
+/// U: the force columns by_a on their way to the root.
 template <class Wide, class R, class S>
 void factorsSweep(const R& recursion, DerivativeWorkspace<S>& d) {
   const auto& order = recursion.order;
-  forcesToRoot<Force, Wide, S>(recursion, [&]<class Joint>(auto&& each) {
-    const Rows<S> L = d.factors.L;
-    const auto* const levers = order.w.r;
-    each([&](Force<Wide>& F, int i, int iv, const Part<Wide, S>& part) {
-      withColumns<Joint>(order, order.w, i, iv, [&](const auto& column) {
-        for (int k = 0; k < Joint::nv; ++k) part.store(column(k).along(F), L[iv + k]);
-      });
+  using T = typename R::Scalar;
+  forcesToRoot<Force, Climbing::yielding, Wide, S>(recursion, [&]<class Joint>(auto&& each) {
+    const Rows<S> U = d.factors.U;
+    const DofFactor<T>* const dofs = order.w.dof;
+    const Vec3<T>* const levers = order.w.r;
+    each([&](Force<Wide>& F, int i, int iv, const Part<Wide, S>& part, const auto* own) {
+      const auto share = [&](int k, const auto& column) {
+        const Wide u = part.since(iv + k + 1) * column.along(F);
+        part.store(u - part.at(iv + k), U[iv + k]);
+        return u;
+      };
+      if constexpr (Joint::is_free) {
+        if (order.isRoot(i)) {
+#pragma GCC unroll 6
+          for (int k = 5; k >= 0; --k) yieldBefore(k, F, rowOf(own[k]), share(k, UnitColumn<T>{k}));
+          return;
+        }
+      }
+      for (int k = Joint::nv - 1; k >= 0; --k) yield(F, rowOf(own[k]), share(k, Column<Joint, T>{dofs[iv + k].S_}));
       if (!order.isRoot(i)) F.angular += cross(part.inside() * cast<Wide>(levers[i]), F.linear);
+    });
+  });
+}
+/// The same, and of the columns' other forces: what they leave along each degree of freedom on their way, right of joints' own in by_q and
+/// by_v; and what variations of the joints that by_a and lever reach make of these, when all up to there have given way, below the diagonals.
+template <class Wide, class R, class S>
+void articulatedSweep(const R& recursion, DerivativeWorkspace<S>& d) {
+  const auto& order = recursion.order;
+  using T = typename R::Scalar;
+  forcesToRoot<DofForces, Climbing::yielding, Wide, S>(recursion, [&]<class Joint>(auto&& each) {
+    // Copies, as above.
+    const Rows<S> U = d.factors.U;
+    const PathMatrix<S> by_q = d.by_q, by_v = d.by_v;
+    const DofFactor<T>* const dofs = order.w.dof;
+    const DofVariation<T>* const variations = recursion.d.dof;
+    const Vec3<T>*const levers = order.w.r, *const lever_rates = recursion.d.shift_rate;
+    each([&](DofForces<Wide>& F, int i, int iv, const Part<Wide, S>& part, const auto* own) {
+      const Wide under = part.since(iv + Joint::nv);
+      const auto giveWay = [&](int k, const auto& column, auto&& leaves) {
+        const Wide u = part.since(iv + k + 1) * column.along(F.by_a), q = under * column.along(F.by_q), v = under * column.along(F.by_v);
+        part.store(u - part.at(iv + k), U[iv + k]);
+        part.store(q, by_q.right[iv + k]);
+        part.store(v, by_v.right[iv + k]);
+        F.lever -= u * cast<Wide>(own[k].lever);
+        leaves(rowOf(own[k]), u, q, v);
+      };
+      const auto enter = [&](int k, const Below<Wide>& x) {
+        by_q.enterBelow(part, iv + k, x.q);
+        by_v.enterBelow(part, iv + k, x.v);
+      };
+      if constexpr (Joint::is_free) {
+        if (order.isRoot(i)) {
+          const bool bare = isBareRoot<Joint>(order, i);
+#pragma GCC unroll 6
+          for (int k = 5; k >= 0; --k)
+            giveWay(k, UnitColumn<T>{k}, [&](const auto& row, const Wide& u, const Wide& q, const Wide& v) {
+              yieldBefore(k, F.by_q, row, q);
+              yieldBefore(k, F.by_v, row, v);
+              if (!bare) return yield(F.by_a, row, u);
+              yieldBefore(k, F.by_a, row, u);
+              axisOf(F.by_a, k) -= u;
+            });
+          // Of all forces but its own axes', which leave their units, a bare root leaves nothing.
+          const bool nothing = bare && part.first() >= iv + 6;
+#pragma GCC unroll 6
+          for (int k = 0; k < 6; ++k)
+            enter(k, nothing ? Below<Wide>{Wide(0), k < 3 ? Wide(0) : F.lever[k - 3]} : belowFlyingRoot(k, variations + iv, F));
+          return;
+        }
+      }
+      for (int k = Joint::nv - 1; k >= 0; --k)
+        giveWay(k, Column<Joint, T>{dofs[iv + k].S_}, [&](const auto& row, const Wide& u, const Wide& q, const Wide& v) {
+          yield(F.by_a, row, u);
+          yield(F.by_q, row, q);
+          yield(F.by_v, row, v);
+        });
+      for (int k = 0; k < Joint::nv; ++k) enter(k, below<Joint>(variations[iv + k], dofs[iv + k].S_, F));
+      if (!order.isRoot(i)) climb(F, part, levers[i], lever_rates[i]);
     });
   });
 }

@@ -105,7 +105,9 @@ struct StripDerivatives : StripScratch<S> {
     Arena arena(base);
     StripScratch<S>::carve(s, m, arena);
     s.d = {};
-    carveRecursions(s.d, m.strips.strips.size(), static_cast<std::size_t>(m.strips.dofs), arena);
+    const auto dofs = static_cast<std::size_t>(m.strips.dofs);
+    carveRecursions(s.d, m.strips.strips.size(), dofs, arena);
+    arena.take(s.d.factors.inverse, dofs);
     arena.take(s.fext, m.strips.strips.size());
     return arena.used();
   }

@@ -152,15 +152,14 @@ void addLossDerivatives(const CompactImpl& m, Add&& add) {
 /// After derivativesInward: d.by_q, d.by_v and d.by_a, which are the derivatives of rnea, losses included.
 template <class Wide, class R, class S>
 void derivativesSweep(const R& recursion, DerivativeWorkspace<S>& d) {
-  pathSweep<Wide>(recursion, d, d.by_q, d.by_v);
+  pathSweep<Wide>(recursion, d);
   const CompactImpl& m = recursion.order.m;
   closeJoints(m, d);
   recursion.order.backward(passing(), [&]<class Joint>(const Joint&, int i, int iv) {
     if constexpr (Joint::has_bias)
       for (int along = 0; along < Joint::nv; ++along)
         for (int k = 0; k < Joint::nv; ++k)
-          d.by_q.template addOwn<false>(iv + k, iv + along,
-                                        numberOf(subspaceTorque<Joint>(recursion.order, recursion.d, recursion.d.subtree[i].f, i, along, k)));
+          d.by_q.addOwn(iv + k, iv + along, numberOf(subspaceTorque<Joint>(recursion.order, recursion.d, recursion.d.subtree[i].f, i, along, k)));
   });
   addLossDerivatives(m, [&](int matrix, int k, double x) { (matrix == 0 ? d.by_a : d.by_v).below[k][k] += S(static_cast<Real<S>>(x)); });
 }

@@ -19,29 +19,36 @@ template <class Wide, class S>
 class Part {
  public:
   static constexpr int width = lanes_of<Wide> / lanes_of<S>;
-  Part(int first, int begin, int end) : first_(first) {
-    if constexpr (width == 1) {
-      inside_ = Wide(1);
-    } else {
-      // Windows of a row of ones: those before `end` less those before `begin`.
-      alignas(64) static constexpr auto ones = [] {
-        std::array<S, 2 * width> x{};
-        for (int l = 0; l < width; ++l) x[static_cast<std::size_t>(l)] = S(1);
-        return x;
-      }();
-      const auto before = [&](int dof) { return Wide::load(ones.data() + width - std::clamp(dof - first, 0, width)); };
-      inside_ = before(end) - before(begin);
-    }
-  }
+  Part(int first, int begin, int end) : first_(first), end_(end), inside_(width == 1 ? Wide(1) : since(begin)) {}
 
   /// Into an array of which all lanes may be written: outside the subtree, `value` must be what was there.
   void store(const Wide& value, S* row) const { storePack(value, row + first_); }
   /// 1 in the subtree, 0 outside.
   const Wide& inside() const { return inside_; }
+  /// 1 in the subtree from `dof` on.
+  Wide since(int dof) const {
+    if constexpr (width == 1) {
+      return Wide(first_ >= dof ? 1 : 0);
+    } else {
+      return before(end_) - before(dof);
+    }
+  }
+  /// 1 for `dof` itself.
+  Wide at(int dof) const { return since(dof) - since(dof + 1); }
   int first() const { return first_; }
 
  private:
-  int first_;
+  /// Windows of a row of ones.
+  Wide before(int dof) const {
+    alignas(64) static constexpr auto ones = [] {
+      std::array<S, 2 * width> x{};
+      for (int l = 0; l < width; ++l) x[static_cast<std::size_t>(l)] = S(1);
+      return x;
+    }();
+    return Wide::load(ones.data() + width - std::clamp(dof - first_, 0, width));
+  }
+
+  int first_, end_;
   Wide inside_;
 };
 
@@ -83,7 +90,7 @@ void writeSmall(const Square<S, width>& tile, int n, const Rows<S>& out) {
 
 /// An n x n matrix with entries for two degrees of freedom on one path to the root. It is written as the sweep finds it, joint by joint
 /// with all of the joint's subtree: column k downwards into `below`, row k rightwards into `right`, from where assemble() brings them into
-/// place. Where S is a pack of states, numbers have their place at once: `below` is the whole matrix, and there is no `right`.
+/// place. Where S is a pack of states, numbers have their place at once: `below` is the whole matrix.
 template <class S>
 struct PathMatrix {
   static constexpr bool in_place = lanes_of<S> > 1;
@@ -111,24 +118,11 @@ struct PathMatrix {
   void closeJoints(const CompactImpl& m) const {
     if constexpr (!in_place) inJoints(m, [&](int row, int column) { right[row][column] = below[column][row]; });
   }
-  /// The same where `right` is to be solved for before it has these: it has a diagonal, or zeros.
-  void leaveJointsOpen(const CompactImpl& m, const double* diagonal) const {
-    inJoints(m, [&](int row, int column) { right[row][column] = right[column][row] = S(0); });
-    for (int k = 0; k < m.nvx; ++k) right[k][k] = diagonal ? S(diagonal[k]) : S(0);
-  }
-  /// After either: to entry (row, column) of two of that joint's.
-  template <bool open>
+  /// After that: to entry (row, column) of two of one joint's.
   void addOwn(int row, int column, const S& x) const {
     below[column][row] += x;
-    if constexpr (!in_place && !open) {
+    if constexpr (!in_place) {
       if (row < column) right[row][column] += x;
-    }
-  }
-  S& rightOf(int row, int column) const {
-    if constexpr (in_place) {
-      return below[column][row];
-    } else {
-      return right[row][column];
     }
   }
   /// Writes the entries into the columns of an n x n matrix whose other entries are zero and stay so.
@@ -148,22 +142,6 @@ struct PathMatrix {
         }
     }
   }
-  /// Adds what `below` has to the rows of such a matrix, which have room for whole tiles.
-  template <class Wide>
-  void addBelowTo(const CompactImpl& m, const Rows<S>& rows) const {
-    const int n = m.nvx;
-    if constexpr (Part<Wide, S>::width > 1) {
-      PathMatrix{rows, below}.template inTiles<Wide, true>(m.dof_end, n, rows);
-    } else {
-      for (int k = 0; k < n; ++k)
-        for (int i = k; i < m.dof_end[static_cast<std::size_t>(k)]; ++i) rows[i][k] += below[k][i];
-    }
-    // What joints have above the diagonal, but for what is in tiles on it.
-    constexpr int width = Part<Wide, S>::width;
-    inJoints(m, [&](int row, int column) {
-      if (row / width != column / width) rows[row][column] += below[column][row];
-    });
-  }
 
  private:
   /// Calls use(row, column) for two degrees of freedom of one joint, row the first one.
@@ -177,9 +155,8 @@ struct PathMatrix {
           for (int column = row + 1; column < joint + run.nv; ++column) use(row, column);
     }
   }
-  /// Square tiles on the diagonal, those below them that have entries, and their mirror images; none begins beyond `last_begin`. Or only what
-  /// `right` has, which is added on the diagonal's.
-  template <class Wide, bool only_right = false>
+  /// Square tiles on the diagonal, those below them that have entries, and their mirror images; none begins beyond `last_begin`.
+  template <class Wide>
   __attribute__((flatten)) void inTiles(const std::vector<int>& dof_end, int last_begin, Rows<S> out) const {
     const Rows<S> across = right;
     constexpr int width = Part<Wide, S>::width;
@@ -190,23 +167,13 @@ struct PathMatrix {
       const int last = column + width < n ? *std::max_element(dof_end.begin() + left, dof_end.begin() + std::min(left + width, n)) : 0;
       for (int row = column + width; row < last; row += width) {
         const int top = std::min(row, last_begin);
-        if constexpr (!only_right) {
-          lower.read(below[left] + top, below.stride);
-          lower.write(out[left] + top, out.stride);
-        }
+        lower.read(below[left] + top, below.stride);
+        lower.write(out[left] + top, out.stride);
         upper.read(across[left] + top, across.stride);
         upper.transpose();
         upper.write(out[top] + left, out.stride);
       }
-      if constexpr (only_right) {
-        lower.read(out[left] + left, out.stride);
-        upper.read(right[left] + left, right.stride);
-        upper.transpose();
-        lower.add(upper);
-        lower.write(out[left] + left, out.stride);
-      } else {
-        diagonalTile<width>(left).write(out[left] + left, out.stride);
-      }
+      diagonalTile<width>(left).write(out[left] + left, out.stride);
     }
   }
   template <int width>
@@ -227,52 +194,32 @@ void inSquares(int n, Use&& use) {
     for (int column = 0; column < n; column += width) use(std::min(row, n - width), std::min(column, n - width));
 }
 
-/// Writes into the columns of an n x n matrix, with the other sign, what stands in the rows of another, which have room for whole tiles.
+/// Completes a symmetric n x n matrix, whose rows have room for whole tiles, from its upper triangle.
 template <class Wide, class S>
-__attribute__((flatten)) void writeMinusTransposed(Rows<S> rows, int n, Rows<S> columns) {
-  constexpr int width = Part<Wide, S>::width;
-  if constexpr (width > 1) {
-    const auto tile = [&](int row, int column) {
-      Square<S, width> square;
-      square.read(rows[row] + column, rows.stride);
-      square.negate();
-      square.transpose();
-      return square;
-    };
-    if (n < width) return writeSmall(tile(0, 0), n, columns);
-    return inSquares<width>(n, [&](int row, int column) { tile(row, column).write(columns[column] + row, columns.stride); });
-  }
-  for (int column = 0; column < n; ++column)
-    for (int row = 0; row < n; ++row) columns[column][row] = -rows[row][column];
-}
-
-/// Writes the upper triangle of a symmetric n x n matrix, whose rows have room for whole tiles, into both of another.
-template <class Wide, class S>
-__attribute__((flatten)) void mirrorUpper(Rows<S> from, int n, Rows<S> out) {
+__attribute__((flatten)) void mirrorUpper(Rows<S> M, int n) {
   constexpr int width = Part<Wide, S>::width;
   if constexpr (width > 1) {
     const auto onDiagonal = [&](int first) {
       Square<S, width> tile, below;
-      tile.read(from[first] + first, from.stride);
+      tile.read(M[first] + first, M.stride);
       below = tile;
       below.transpose();
       tile.replaceAbove(below);
       return tile;
     };
-    if (n < width) return writeSmall(onDiagonal(0), n, out);
+    if (n < width) return writeSmall(onDiagonal(0), n, M);
     inSquares<width>(n, [&](int row, int column) {
       if (column < row) return;
       // The last one on the diagonal puts right where squares overlap.
-      if (column == row) return onDiagonal(row).write(out[row] + row, out.stride);
+      if (column == row) return onDiagonal(row).write(M[row] + row, M.stride);
       Square<S, width> square;
-      square.read(from[row] + column, from.stride);
-      square.write(out[row] + column, out.stride);
+      square.read(M[row] + column, M.stride);
       square.transpose();
-      square.write(out[column] + row, out.stride);
+      square.write(M[column] + row, M.stride);
     });
   } else {
     for (int i = 0; i < n; ++i)
-      for (int j = i; j < n; ++j) out[i][j] = out[j][i] = from[i][j];
+      for (int j = i + 1; j < n; ++j) M[j][i] = M[i][j];
   }
 }
 

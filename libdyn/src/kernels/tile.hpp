@@ -7,9 +7,10 @@
 
 namespace dyn::kernels {
 
-/// `rows` rows of `packs` packs, from which other rows are subtracted. All rows are `stride` apart, and packs of one row `beside`.
-template <class Wide, class S, int rows, int packs>
+/// `rows` rows of `packs` packs, to which other rows are added. All rows are `stride` apart.
+template <class Wide, class S, int rows_, int packs_>
 struct Tile {
+  static constexpr int rows = rows_, packs = packs_;
   static constexpr int width = Part<Wide, S>::width;
   Wide sum[rows][packs];
 
@@ -18,10 +19,10 @@ struct Tile {
     for (int r = 0; r < rows; ++r)
       for (int p = 0; p < packs; ++p) sum[r][p] = Wide(0);
   }
-  Tile(const S* from, std::ptrdiff_t stride, std::ptrdiff_t beside = width) {
+  Tile(const S* from, std::ptrdiff_t stride) {
 #pragma GCC unroll 8
     for (int r = 0; r < rows; ++r)
-      for (int p = 0; p < packs; ++p) sum[r][p] = loadPack<Wide>(from + r * stride + p * beside);
+      for (int p = 0; p < packs; ++p) sum[r][p] = loadPack<Wide>(from + r * stride + p * width);
   }
   /// `terms` other rows times their factors: of row r and term k at factors[r * by_row + k * by_term].
   void subtract(const S* from, std::ptrdiff_t stride, int terms, const S* factors, std::ptrdiff_t by_row, std::ptrdiff_t by_term) {
@@ -36,47 +37,32 @@ struct Tile {
     for (int r = 0; r < rows; ++r)
       for (int p = 0; p < packs; ++p) sum[r][p] = -sum[r][p];
   }
-  /// Of each row another one times its factor.
-  void subtractOf(const S* from, const S* factors, std::ptrdiff_t beside) {
-    subtractOnce(from, beside, [&](int r) -> const S& { return factors[r]; });
-  }
-  /// Of another row, in memory, each of these times its factor.
-  void subtractFrom(S* row, const S* factors, std::ptrdiff_t beside) const {
+  /// To the rows from the `begin`-th on another one times `scale` and each one's factor.
+  template <int begin>
+  void addFrom(const S* from, const S& scale, const S* factors) {
     Wide other[packs];
-    for (int p = 0; p < packs; ++p) other[p] = loadPack<Wide>(row + p * beside);
+    for (int p = 0; p < packs; ++p) other[p] = Wide(scale) * loadPack<Wide>(from + p * width);
+#pragma GCC unroll 8
+    for (int r = begin; r < rows; ++r)
+      for (int p = 0; p < packs; ++p) sum[r][p] += Wide(factors[r]) * other[p];
+  }
+  void store(S* to, std::ptrdiff_t stride) const {
 #pragma GCC unroll 8
     for (int r = 0; r < rows; ++r)
-      for (int p = 0; p < packs; ++p) other[p] -= Wide(factors[r]) * sum[r][p];
-    for (int p = 0; p < packs; ++p) storePack(other[p], row + p * beside);
-  }
-  /// Of row `to` row `from` times a factor.
-  void subtractRow(int to, int from, const S& factor) {
-    for (int p = 0; p < packs; ++p) sum[to][p] -= Wide(factor) * sum[from][p];
-  }
-  void scale(const S* factors) {
-#pragma GCC unroll 8
-    for (int r = 0; r < rows; ++r)
-      for (int p = 0; p < packs; ++p) sum[r][p] = Wide(factors[r]) * sum[r][p];
-  }
-  void store(S* to, std::ptrdiff_t stride, std::ptrdiff_t beside = width) const {
-#pragma GCC unroll 8
-    for (int r = 0; r < rows; ++r)
-      for (int p = 0; p < packs; ++p) storePack(sum[r][p], to + r * stride + p * beside);
+      for (int p = 0; p < packs; ++p) storePack(sum[r][p], to + r * stride + p * width);
   }
 
  private:
   template <class Factor>
   void subtractBy(const S* from, std::ptrdiff_t stride, int terms, Factor&& factorOf) {
-    for (int k = 0; k < terms; ++k, from += stride) subtractOnce(from, width, [&](int r) -> const S& { return factorOf(r, k); });
-  }
-  template <class Factor>
-  void subtractOnce(const S* from, std::ptrdiff_t beside, Factor&& factorOf) {
-    Wide other[packs];
-    for (int p = 0; p < packs; ++p) other[p] = loadPack<Wide>(from + p * beside);
+    for (int k = 0; k < terms; ++k, from += stride) {
+      Wide other[packs];
+      for (int p = 0; p < packs; ++p) other[p] = loadPack<Wide>(from + p * width);
 #pragma GCC unroll 8
-    for (int r = 0; r < rows; ++r) {
-      const Wide factor(factorOf(r));
-      for (int p = 0; p < packs; ++p) sum[r][p] -= factor * other[p];
+      for (int r = 0; r < rows; ++r) {
+        const Wide factor(factorOf(r, k));
+        for (int p = 0; p < packs; ++p) sum[r][p] -= factor * other[p];
+      }
     }
   }
 };
@@ -98,22 +84,6 @@ void inPanels(int first, int end, Use&& use) {
     const int now = packs >= 2 * most ? most : packs > most ? (packs + 1) / 2 : packs;
     packs -= now;
     withConstant<most>(now, [&](auto count) { use(count, first + packs * width); });
-  }
-}
-
-/// The same columns of matrices whose rows stand side by side, `apart` numbers from one to the next: calls use(count, first, beside), packs of one
-/// panel are `beside` numbers apart.
-template <class Wide, class S, int most, int matrices, class Use>
-void inPanelsOf(int first, int end, std::ptrdiff_t apart, Use&& use) {
-  constexpr std::ptrdiff_t width = Part<Wide, S>::width;
-  if constexpr (matrices == 1) {
-    inPanels<Wide, S, most>(first, end, [&](auto packs, int at) { use(packs, at, std::integral_constant<std::ptrdiff_t, width>()); });
-  } else {
-    constexpr int together = std::min(most, matrices), left = matrices % together;
-    for (std::ptrdiff_t at = first + (end - first - 1) / width * width; at >= first; at -= width) {
-      for (int k = 0; k + together <= matrices; k += together) use(std::integral_constant<int, together>(), at + k * apart, apart);
-      if constexpr (left > 0) use(std::integral_constant<int, left>(), at + (matrices - left) * apart, apart);
-    }
   }
 }
 

@@ -1,4 +1,4 @@
-// The factors of M = L^T D L by columns, as sweeps over subtrees write them, and the paths from degrees of freedom to the root.
+// The factors of M^-1 = U^T D^-1 U as sweeps over subtrees write them, and the paths from degrees of freedom to the root.
 #pragma once
 
 #include "kernels/subtree.hpp"
@@ -15,24 +15,17 @@ void alongPath(const CompactImpl& m, int dof, Use&& use) {
   }
 }
 
-/// The same but `dof` itself; its parent, which is often the last to be known, comes last.
-template <class Use>
-void alongPathParentLast(const CompactImpl& m, int dof, Use&& use) {
-  const int parent = m.dof_parent[static_cast<std::size_t>(dof)];
-  if (parent < 0) return;
-  alongPath(m, m.dof_parent[static_cast<std::size_t>(parent)], use);
-  use(parent);
-}
-
+/// M = L^T D L with a unit triangular L, whose entries stand where a path to the root leads, and U = -L^-T, whose do so too: entry (k, i) is the
+/// force along degree of freedom k that a unit force along i of its subtree leaves, when all below k have given way.
 template <class S>
 struct TreeFactors {
-  Rows<S> L;             ///< row j: column j of L, below the diagonal; kept as PathMatrix::below is
+  Rows<S> U;             ///< row k from its diagonal, which is -1, to the end of its subtree; other entries stay zero
   S* inverse = nullptr;  ///< 1 / D
 };
 
 template <class S>
 void carve(TreeFactors<S>& c, int n, Arena& arena) {
-  arena.take(c.L, n, n);
+  arena.take(c.U, n, n);
   arena.take(c.inverse, static_cast<std::size_t>(n));
 }
 
