@@ -152,7 +152,7 @@ ComputedViews compute(const CompactModel& model, Data& data, Quantity what, Vect
     ++passes.inertias;
   }
   if (has(what, Q::coriolis)) {
-    k.coriolis(m, d, d.derivatives, in.v);
+    k.coriolis(m, d, d.derivatives, in.v, d.zero);
     k.assemble(m, d.derivatives.by_v, d.C);
     out.C = d.C;
     ++passes.derivatives;

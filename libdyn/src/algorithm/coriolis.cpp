@@ -34,13 +34,13 @@ const double* coriolisMatrix(const CompactModel& model, Data& data, VectorView q
   const kernels::SingleKernels& k = kernels::active().single;
   k.evaluateSubspaces(m, d.derivatives, in.q, in.v);
   if (m.couplings.empty()) {
-    k.coriolis(m, d, d.derivatives, in.v);
+    k.coriolis(m, d, d.derivatives, in.v, d.zero);
     k.assemble(m, d.derivatives.by_v, d.C);
     return d.C;
   }
   double *C = d.expanded[0], *M = d.expanded[2];
   k.massMatrix(m, d, M);
-  k.coriolis(m, d, d.derivatives, in.v);
+  k.coriolis(m, d, d.derivatives, in.v, d.zero);
   k.assemble(m, d.derivatives.by_v, C);
   fold(m, d, C, M);
   keepUsersEntries(m, C, d.C);

@@ -155,7 +155,6 @@ void addDamping(const CompactImpl& m, const DerivativeWorkspace<S>& d) {
   constexpr int width = Part<Wide, S>::width;
   const Rows<S> U = d.factors.U, by_v = d.by_v.right;
   const int damped = static_cast<int>(m.damping.size());
-  const auto damping = [&](int j) { return S(static_cast<Real<S>>(m.damping[static_cast<std::size_t>(j)])); };
   for (int k = 0; k < damped; ++k) {
     // Packs reach beyond the subtree, where U has zeros, but not beyond the last degree of freedom.
     const int end = m.dof_end[static_cast<std::size_t>(k)];
@@ -164,7 +163,7 @@ void addDamping(const CompactImpl& m, const DerivativeWorkspace<S>& d) {
       for (j = k / width * width; j < end && j + width <= damped; j += width)
         storePack(loadPack<Wide>(by_v[k] + j) - Wide::load(m.damping.data() + j) * loadPack<Wide>(U[k] + j), by_v[k] + j);
     }
-    for (j = std::max(j, k); j < end; ++j) by_v[k][j] -= damping(j) * U[k][j];
+    for (j = std::max(j, k); j < end; ++j) by_v[k][j] -= S(static_cast<Real<S>>(m.damping[static_cast<std::size_t>(j)])) * U[k][j];
   }
 }
 
@@ -192,8 +191,7 @@ void accelerationBy(const CompactImpl& m, const TreeFactors<S>& factors, const P
 struct AccelerationDerivatives {
   double *by_q, *by_v, *by_tau;
 };
-/// ddq and its derivatives of one state. tau is without losses, the derivatives are with them. Measured: over strips it takes no
-/// less.
+/// ddq and its derivatives of one state, over bodies: measured, it takes no less over strips. tau is without losses, the derivatives are with them.
 template <class Wide>
 void abaDerivatives(const CompactImpl& m, Workspace<double>& w, DerivativeWorkspace<double>& d, const double* v, const double* tau,
                     const Force<double>* fext, double* ddq, const AccelerationDerivatives& out) {

@@ -9,11 +9,11 @@ namespace dyn::kernels {
 ///   C_ij = s_i . (I ds_j/dt + B s_j) where j is on i's path, s_i . (I ds_j/dt + B s_j) of j's subtree where i is on j's,
 /// with 2 B what coriolis() is: half of what the sweep makes of a rate of 2 ds/dt.
 template <class Wide, class S>
-void coriolisMatrix(const CompactImpl& m, Workspace<S>& w, DerivativeWorkspace<S>& d, const S* v) {
+void coriolisMatrix(const CompactImpl& m, Workspace<S>& w, DerivativeWorkspace<S>& d, const S* v, const S* zeros) {
   const auto r = recursion(m, w, d);
   using T = typename decltype(r)::Scalar;
   const int n = m.nvx;
-  derivativesOutward(r.order, r.d, Vec3<T>{}, r.velocities(v), r.accelerations(d.zeros));
+  derivativesOutward(r.order, r.d, Vec3<T>{}, r.velocities(v), r.accelerations(zeros));
   for (int k = 0; k < n; ++k) {
     DofVariation<T>& x = r.d.dof[k];
     x.rate = T(2) * (x.rate - x.velocity);

@@ -166,7 +166,6 @@ struct DerivativeWorkspace {
   PathMatrix<S> by_q, by_v, by_a;
   TreeFactors<S> factors;
   PathFactors<S> cholesky;
-  S* zeros = nullptr;  ///< nvx
 };
 
 /// What recursions over bodies write.
@@ -221,7 +220,6 @@ void carve(DerivativeWorkspace<S>& w, const CompactImpl& m, Arena& arena) {
   carve(w.factors, m.nvx, arena);
   if (w.vectored) w.vectored->factors.inverse = reinterpret_cast<Vectored*>(w.factors.inverse);
   if constexpr (lanes_of<S> == 1) carve(w.cholesky, m, arena);
-  arena.take(w.zeros, nv);
 }
 
 /// One differentiated call a batch and degree of freedom of its type. q and v in expanded coordinates.

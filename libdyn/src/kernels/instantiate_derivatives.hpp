@@ -40,7 +40,7 @@ void addDerivatives(SingleKernels& k) {
   k.centroidal = [](const CompactImpl& m, W& w, D& d, const double* v, const double* a, const CentroidalMaps<double>& out) {
     return kernels::centroidal<Wide>(m, w, d, v, a, out);
   };
-  k.coriolis = [](const CompactImpl& m, W& w, D& d, const double* v) { coriolisMatrix<Panel>(m, w, d, v); };
+  k.coriolis = [](const CompactImpl& m, W& w, D& d, const double* v, const double* zeros) { coriolisMatrix<Panel>(m, w, d, v, zeros); };
   k.factorTimes = [](const CompactImpl& m, D& d, FactorProduct product, double* x) { kernels::factorTimes<Wide>(m, d.cholesky, product, x); };
   k.assemble = [](const CompactImpl& m, const PathMatrix<double>& from, double* out) { from.assemble<Panel>(m.dof_end, Rows<double>{out, m.nvx}); };
   k.choleskyDecompose = [](const CompactImpl& m, D& d, const double* M) {
@@ -110,7 +110,8 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b)
       return putInverse(0);
     case Task::coriolis:
       evaluateSubspaceDerivatives(m, d, s.q, s.v);
-      coriolisMatrix<S>(m, w, d, s.v);
+      std::fill(s.a, s.a + n, S(0));
+      coriolisMatrix<S>(m, w, d, s.v, s.a);
       return put(0, whole(d.by_v), n * n);
     default: {
       CentroidalMaps<S> maps;

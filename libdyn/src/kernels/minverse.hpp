@@ -62,12 +62,13 @@ void treeFactors(const CompactImpl& m, Workspace<S>& w, DerivativeWorkspace<S>& 
     using Recursion = std::remove_cvref_t<decltype(r)>;
     using T = typename Recursion::Scalar;
     columnsOutward(r.order, r.order.w);
+    T* inverses = r.out(d.factors.inverse);
     articulatedFactors(r.order, r.order.w, [&](int dof, const T& inverse, const Force<T>& row) {
-      r.d.factors.inverse[dof] = inverse;
+      inverses[dof] = inverse;
       r.d.dof_force[dof].by_a = row;
     });
     if constexpr (Recursion::over_strips) {
-      r.put(r.d.factors.inverse, d.factors.inverse);
+      r.put(inverses, d.factors.inverse);
       stripFactorsSweep(r, d.factors.U);
     } else {
       factorsSweep<Wide>(r, d);

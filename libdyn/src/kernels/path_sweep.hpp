@@ -179,6 +179,13 @@ void pathSweep(const R& recursion, DerivativeWorkspace<S>& d) {
   });
 }
 
+/// What degree of freedom k takes of the forces along it, which is row k of U but for the diagonal.
+template <class Wide, class S>
+Wide enterShare(const Part<Wide, S>& part, int k, const Wide& along, S* row) {
+  const Wide u = part.since(k + 1) * along;
+  part.store(u - part.at(k), row);
+  return u;
+}
 /// U: the force columns by_a on their way to the root.
 template <class Wide, class R, class S>
 void factorsSweep(const R& recursion, DerivativeWorkspace<S>& d) {
@@ -189,11 +196,7 @@ void factorsSweep(const R& recursion, DerivativeWorkspace<S>& d) {
     const DofFactor<T>* const dofs = order.w.dof;
     const Vec3<T>* const levers = order.w.r;
     each([&](Force<Wide>& F, int i, int iv, const Part<Wide, S>& part, const auto* own) {
-      const auto share = [&](int k, const auto& column) {
-        const Wide u = part.since(iv + k + 1) * column.along(F);
-        part.store(u - part.at(iv + k), U[iv + k]);
-        return u;
-      };
+      const auto share = [&](int k, const auto& column) { return enterShare(part, iv + k, column.along(F), U[iv + k]); };
       if constexpr (Joint::is_free) {
         if (order.isRoot(i)) {
 #pragma GCC unroll 6
@@ -222,8 +225,7 @@ void articulatedSweep(const R& recursion, DerivativeWorkspace<S>& d) {
     each([&](DofForces<Wide>& F, int i, int iv, const Part<Wide, S>& part, const auto* own) {
       const Wide under = part.since(iv + Joint::nv);
       const auto giveWay = [&](int k, const auto& column, auto&& leaves) {
-        const Wide u = part.since(iv + k + 1) * column.along(F.by_a), q = under * column.along(F.by_q), v = under * column.along(F.by_v);
-        part.store(u - part.at(iv + k), U[iv + k]);
+        const Wide u = enterShare(part, iv + k, column.along(F.by_a), U[iv + k]), q = under * column.along(F.by_q), v = under * column.along(F.by_v);
         part.store(q, by_q.right[iv + k]);
         part.store(v, by_v.right[iv + k]);
         F.lever -= u * cast<Wide>(own[k].lever);

@@ -105,9 +105,7 @@ struct StripDerivatives : StripScratch<S> {
     Arena arena(base);
     StripScratch<S>::carve(s, m, arena);
     s.d = {};
-    const auto dofs = static_cast<std::size_t>(m.strips.dofs);
-    carveRecursions(s.d, m.strips.strips.size(), dofs, arena);
-    arena.take(s.d.factors.inverse, dofs);
+    carveRecursions(s.d, m.strips.strips.size(), static_cast<std::size_t>(m.strips.dofs), arena);
     arena.take(s.fext, m.strips.strips.size());
     return arena.used();
   }

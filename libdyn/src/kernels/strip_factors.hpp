@@ -29,7 +29,7 @@ void stripFactorsSweep(const StripRecursion<S>& r, const Rows<double> U) {
           }
         };
         if (step.flyingRoot()) {
-          oneByOne([&](int l) { return l < 3 ? f.linear[l] : f.angular[l - 3]; });
+          oneByOne([&](int l) { return UnitColumn<S>{l}.along(f); });
         } else if (step.turnsOnly()) {
           oneByOne([&](int l) { return along<true>(dofs.column(step, l), f); });
         } else {

@@ -129,7 +129,7 @@ class StripPaths {
       for (int l = 3; l < 6; ++l) out_.by_q[place + l * n_] = laneOf<lane>(x[l].q);
       for (int l = 0; l < 6; ++l) out_.by_v[place + l * n_] = laneOf<lane>(x[l].v);
       if constexpr (with_M)
-        for (int l = 0; l < 6; ++l) out_.by_a[place + l * n_] = laneOf<lane>(l < 3 ? f.by_a.linear[l] : f.by_a.angular[l - 3]);
+        for (int l = 0; l < 6; ++l) out_.by_a[place + l * n_] = laneOf<lane>(UnitColumn<S>{l}.along(f.by_a));
     });
   }
 

@@ -90,7 +90,8 @@ void writeSmall(const Square<S, width>& tile, int n, const Rows<S>& out) {
 
 /// An n x n matrix with entries for two degrees of freedom on one path to the root. It is written as the sweep finds it, joint by joint
 /// with all of the joint's subtree: column k downwards into `below`, row k rightwards into `right`, from where assemble() brings them into
-/// place. Where S is a pack of states, numbers have their place at once: `below` is the whole matrix.
+/// place. Where S is a pack of states, numbers have their place at once: `below` is the whole matrix, and
+/// `right` is for aba's sweep, which has no matrix to write.
 template <class S>
 struct PathMatrix {
   static constexpr bool in_place = lanes_of<S> > 1;

@@ -40,8 +40,8 @@ struct SingleKernels {
   /// aba without losses, its derivatives, and M^-1; n x n each. Returns the body whose pivot vanished, or 0.
   int (*abaDerivatives)(const CompactImpl&, Workspace<double>&, Derivatives&, const double* v, const double* tau, const Force<double>* fext,
                         double* ddq, double* by_q, double* by_v, double* inverse);
-  /// C into by_v.
-  void (*coriolis)(const CompactImpl&, Workspace<double>&, Derivatives&, const double* v);
+  /// C into by_v. zeros: accelerations.
+  void (*coriolis)(const CompactImpl&, Workspace<double>&, Derivatives&, const double* v, const double* zeros);
   /// One of these, n x n.
   void (*assemble)(const CompactImpl&, const PathMatrix<double>&, double* out);
   /// Joints asked first. Without out.rates, a is not read.
