@@ -189,7 +189,13 @@ TEST_CASE("a robot whose joints have friction lies on the ground until nothing m
   s.advance(6);
   // Forces of 40 kg and friction of 0.05 N m side by side: they are found to the tolerance all the same.
   CHECK(s.statistics().inexact_contacts < 10);
-  CHECK(s.v().tail(model.nv() - 6).cwiseAbs().maxCoeff() == 0);
+  // No joint slips by as much as the forces' tolerance every now and then.
+  double fastest = 0;
+  for (int k = 0; k < 1000; ++k) {
+    s.step();
+    fastest = std::max(fastest, s.v().tail(model.nv() - 6).cwiseAbs().maxCoeff());
+  }
+  CHECK(fastest == 0);
   CHECK(s.v().head(6).cwiseAbs().maxCoeff() < 1e-8);
 }
 

@@ -57,15 +57,6 @@ void blockDiagonal(const char* algorithm, const CompactImpl& m, ArgumentPosition
 
 }  // namespace
 
-void integrateSound(const CompactImpl& m, const double* q, const double* v, double* out) {
-  eachJoint(m, [&](const TypeBatch& batch, ConfigurationBatch<double>& call, int iq, int iv) {
-    call.q0 = q + iq;
-    call.v = v + iv;
-    call.q_out = out + iq;
-    batch.type->integrate(call);
-  });
-}
-
 namespace detail {
 
 void neutral(const CompactModel& model, double* q) {
@@ -80,7 +71,12 @@ void integrate(const CompactModel& model, VectorView q, VectorView v, const Vect
   checkSize("integrate", "v", v, model.nv());
   checkSize("integrate", "the result", {out.data(), out.size()}, model.nq());
   checkConfiguration("q", model.impl(), q.data);
-  integrateSound(model.impl(), q.data, v.data, out.data());
+  eachJoint(model.impl(), [&](const TypeBatch& batch, ConfigurationBatch<double>& call, int iq, int iv) {
+    call.q0 = q.data + iq;
+    call.v = v.data + iv;
+    call.q_out = out.data() + iq;
+    batch.type->integrate(call);
+  });
 }
 
 void difference(const CompactModel& model, VectorView q0, VectorView q1, const VectorOut& v) {

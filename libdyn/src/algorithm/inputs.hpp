@@ -34,8 +34,6 @@ Inputs readInputs(const char* algorithm, const CompactModel& model, Data& data, 
 
 /// A quaternion or (cos, sin) pair of q that is zero stands for no rotation: throws, where NaN and infinity just spread.
 void checkConfiguration(const char* argument, const CompactImpl& m, const double* q);
-/// q (+) v of configurations that are known to be sound; q and out may be the same.
-void integrateSound(const CompactImpl& m, const double* q, const double* v, double* out);
 /// Throws Error(argument) for a model with joints that follow others: the algorithm has columns for all joints at once, and theirs differ
 /// from frame to frame.
 void refuseFollowers(const char* algorithm, const CompactImpl& m);

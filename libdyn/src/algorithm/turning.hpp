@@ -3,10 +3,20 @@
 
 #include "compile/compact_impl.hpp"
 
+#include <dyn/lie/so3.hpp>
+
 namespace dyn {
 
 /// How many of such a joint's first degrees of freedom are a linear velocity in axes that the others turn; 0 for other shapes.
 constexpr int slidingAndTurning(Shape shape) { return shape == Shape::free ? 3 : shape == Shape::planar ? 2 : 0; }
+
+/// The linear velocity of such a joint that is at v, from the axes before it turned by turn [rad], of its last degrees of freedom, to those after.
+inline void turnAxes(int linear, const double* turn, double* v) {
+  const bool planar = linear == 2;
+  const Vec3<double> w = planar ? Vec3<double>{0, 0, turn[2]} : Vec3<double>{turn[3], turn[4], turn[5]};
+  const Vec3<double> turned = transposeTimes(exp3(w), Vec3<double>{v[0], v[1], planar ? 0 : v[2]});
+  for (int k = 0; k < linear; ++k) v[k] = turned[k];
+}
 
 /// a += w x v of the joints that fly, or slide and turn: what the axes' turning takes from the rate of their linear velocity's components. User's
 /// vectors.

@@ -1,6 +1,5 @@
 #include "integrate/chart.hpp"
 
-#include "algorithm/inputs.hpp"
 #include "algorithm/turning.hpp"
 
 #include <algorithm>
@@ -40,7 +39,6 @@ Chart::Chart(const CompactModel& model) : model_(model) {
       turned_.push_back(joint);
       // One coordinate's exponential along itself has derivative one, however it is written.
       if (x.nv > 1) curved_.push_back(joint);
-      if (joint.linear > 0) flying_.push_back(joint);
     }
   std::sort(added_.begin(), added_.end(), [](const Run& a, const Run& b) { return a.q < b.q; });
   std::vector<Run> joined;
@@ -85,9 +83,13 @@ void Chart::pointOf(const Joint& joint, const double* q0, const double* u, doubl
   joint.type->integrate(call);
 }
 
-void Chart::point(const double* q0, const double* u, double* q) const {
+void Chart::add(const double* q0, const double* u, double* q) const {
   for (const Run& run : added_)
     for (int k = 0; k < run.count; ++k) q[run.q + k] = q0[run.q + k] + u[run.v + k];
+}
+
+void Chart::point(const double* q0, const double* u, double* q) const {
+  add(q0, u, q);
   for (const Joint& joint : turned_) pointOf(joint, q0 + joint.q, u + joint.v, q + joint.q);
 }
 
@@ -103,28 +105,21 @@ void Chart::rate(const double* q0, const double* q, const double* v, double* du)
   }
 }
 
-void Chart::turnAxes(double* u, double* v) const {
-  for (const Joint& joint : flying_) {
-    double straight[max_joint_nv] = {}, turn[max_joint_nv] = {}, start[max_joint_nq], middle[max_joint_nq], end[max_joint_nq];
-    double *way = u + joint.v, *velocity = v + joint.v, turned[max_joint_nv];
+void Chart::pointInHeldAxes(const double* q0, const double* u, double* v, double* q) const {
+  add(q0, u, q);
+  for (const Joint& joint : turned_) {
+    const double *way = u + joint.v, *start = q0 + joint.q;
+    double* end = q + joint.q;
+    if (joint.linear == 0) {
+      pointOf(joint, start, way, end);
+      continue;
+    }
+    double straight[max_joint_nv] = {}, turn[max_joint_nv] = {}, middle[max_joint_nq];
     std::copy_n(way, joint.linear, straight);
     std::copy(way + joint.linear, way + joint.nv, turn + joint.linear);
-    // About neutral, so that it does not count how far off the body is.
-    neutralOf(joint, start);
     pointOf(joint, start, straight, middle);
-    Blocks blocks;
-    ConfigurationBatch<double> turning = callOf(joint, blocks);
-    turning.q0 = middle;
-    turning.v = turn;
-    turning.q_out = end;
-    joint.type->integrate(turning);
-    ConfigurationBatch<double> log = callOf(joint);
-    log.q0 = start;
-    log.q1 = end;
-    log.v_out = way;
-    joint.type->difference(log);
-    multiply(blocks.by_q, joint.nv, false, velocity, turned);
-    std::copy_n(turned, joint.linear, velocity);
+    pointOf(joint, middle, turn, end);
+    turnAxes(joint.linear, turn, v + joint.v);
   }
 }
 

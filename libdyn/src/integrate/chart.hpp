@@ -19,10 +19,9 @@ class Chart {
   /// du/dt of a motion that passes q = q0 (+) u with velocity v.
   void rate(const double* q0, const double* q, const double* v, double* du) const;
 
-  /// Of joints that fly, or slide and turn, a way u [m, rad] and a velocity v in axes held as they are at the start: u becomes the chart's, to the
-  /// end of a way straight on, and v is then in the axes at that end. Steps of velocities as components in turning axes lead off their way and
-  /// make them longer.
-  void turnAxes(double* u, double* v) const;
+  /// q0 moved by u, which of joints that fly, or slide and turn, is a way straight on and a turn [m, rad] in axes held as they are at q0: steps of
+  /// velocities as components in turning axes lead off their way and make them longer. Such joints' v, in the same axes, is then in those at q.
+  void pointInHeldAxes(const double* q0, const double* u, double* v, double* q) const;
 
   /// What the discrete Lagrangian of the midpoint does to momenta and forces there, u being the step and A = exp(-ad(u/2)):
   /// X = A T and Y1 = J T, Y0 = A Y1, with T the inverse of exp's derivative at u and J that derivative at u/2. All commute.
@@ -34,7 +33,7 @@ class Chart {
     const JointType* type;
     const double* constants;
     std::ptrdiff_t constants_stride;
-    int q, v, nv, linear;
+    int q, v, nv, linear;  ///< the first `linear` velocities are in axes that the others turn
   };
   struct Run {
     int q, v, count;
@@ -45,12 +44,12 @@ class Chart {
   /// Of one joint's coordinates.
   static void neutralOf(const Joint& joint, double* q);
   static void pointOf(const Joint& joint, const double* q0, const double* u, double* q);
+  void add(const double* q0, const double* u, double* q) const;
 
   CompactModel model_;
   std::vector<Run> added_;
   std::vector<Joint> turned_;  ///< all others
   std::vector<Joint> curved_;  ///< those of them whose velocity is not the rate of their chart
-  std::vector<Joint> flying_;  ///< and of these: the first `linear` of their velocities are in axes that the others turn
 };
 
 }  // namespace dyn

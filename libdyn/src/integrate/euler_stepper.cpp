@@ -16,8 +16,7 @@ class EulerStepper : public CubicStepper {
     addTurning(law_.model().impl(), from.v.data(), u_.data());
     to.v = from.v + h * u_;
     u_ = h * (semi_implicit_ ? to.v : from.v);
-    chart_.turnAxes(u_.data(), to.v.data());
-    chart_.point(from.q.data(), u_.data(), to.q.data());
+    chart_.pointInHeldAxes(from.q.data(), u_.data(), to.v.data(), to.q.data());
     to.has_acceleration = false;
     return StepOutcome::taken;
   }

@@ -1,6 +1,5 @@
 // Steps in which something touches: impacts are found in time and answered with an impulse; what stays in touch moves by steps at the level of
 // velocities (Moreau 1988; Stewart and Trinkle 1996), of first order.
-#include "algorithm/inputs.hpp"
 #include "integrate/simulator_impl.hpp"
 
 #include <algorithm>
@@ -23,10 +22,9 @@ double gapOf(const std::vector<Gap>& gaps, const Gap& like) {
 void Simulator::Impl::glide(double share, double* q, double* v) {
   shown_u = share * contact_u;
   VectorMap(v, contact_v.size()) = contact_v;
-  unilateral->chart().turnAxes(shown_u.data(), v);
+  unilateral->chart().pointInHeldAxes(now.q.data(), shown_u.data(), v, q);
   for (std::size_t k = 0; k < stopped.size(); ++k)
     if (stopped[k]) v[unilateral->rubbing()[k].dof] = 0;
-  integrateSound(law.model().impl(), now.q.data(), shown_u.data(), q);
 }
 
 void Simulator::Impl::between(double theta, double* q, double* v) {

@@ -22,6 +22,8 @@ constexpr double instant = 0x1p-60;
 constexpr double recovered = 0.2;
 /// [m/s] What this would make of it in a step is left.
 constexpr double creep = 1e-6;
+/// [m/s, rad/s] What the solver cannot tell from rest: its forces are off by its tolerance twice, beside their cones and beside the last ones.
+constexpr double still = 2 * ContactSettings{}.tolerance;
 
 bool same(const ContactPoint& a, const ContactPoint& b) {
   const auto equal = [](const Vec3<double>& x, const Vec3<double>& y) { return x.x == y.x && x.y == y.y && x.z == y.z; };
@@ -195,7 +197,8 @@ void Unilateral::takeFriction(Law& law, const detail::ContactViews& x, double dt
     const int dof = rubbing_[resting_[k]].dof;
     const double impulse = x.force[bound.data.set().firstRow(cone.constraint) + cone.coordinate];
     law.joint_friction[dof] = impulse / dt;
-    slides_.push_back(std::abs(impulse) >= cone.friction * dt && x.motion[dof] * impulse <= 0);
+    const bool along = x.motion[dof] * impulse <= 0 && std::abs(x.motion[dof]) > still;
+    slides_.push_back(std::abs(impulse) >= cone.friction * dt && along);
   }
 }
 
@@ -238,8 +241,7 @@ const double* Unilateral::step(Law& law, double t, const double* q, const double
   if (points) {
     holdAxes(v, x.motion, dt);
     displacement_ = dt * velocity_;
-    chart_.turnAxes(displacement_.data(), velocity_.data());
-    detail::integrate(model_, {q, model_.nq()}, {displacement_.data(), n}, {end_q_.data(), model_.nq()});
+    chart_.pointInHeldAxes(q, displacement_.data(), velocity_.data(), end_q_.data());
     look(t + dt, end_q_.data());
     for (std::size_t k = 0; k < bound.keys.size(); ++k) {
       if (bound.keys[k] < 0) continue;

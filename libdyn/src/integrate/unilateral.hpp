@@ -59,8 +59,8 @@ class Unilateral {
   bool anyChosen() const { return !chosen_.empty(); }
 
   /// The velocity after dt under the chosen ones: see contactStep. It is in axes held at the start (see
-  /// Chart::turnAxes), and forces that depend on velocity are those halfway to where they alone lead: Euler's step would make it longer. Gaps at
-  /// the end are looked at once: where bodies roll it is not the same point that touches.
+  /// Chart::pointInHeldAxes), and forces that depend on velocity are those halfway to where they alone lead: Euler's step would make it longer. Gaps
+  /// at the end are looked at once: where bodies roll it is not the same point that touches.
   const double* step(Law& law, double t, const double* q, const double* v, double dt);
   /// Writes into law.joint_friction what holds the chosen joints over dt, as well as it can.
   void hold(Law& law, double t, const double* q, const double* v, double dt);
