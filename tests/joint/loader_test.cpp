@@ -180,16 +180,24 @@ TEST_CASE("a build for a processor that is not of the plugin beside it is refuse
     for (const fs::path set : {"avx512", "avx2", "baseline", "scalar"}) folder.copy(build, set / "sound.so");
     return folder.copy("sound.so").string();
   };
-  const Folder one, another;
+  const Folder one;
   requireRefused(lay(one, "stale_description.so"), {"sound_slider", "differently", "rebuild"});
-  dyn::JointRegistry registry;
-  registry.load(lay(another, "stale_sizes.so"));
   dyn::JointDescription joint;
   joint.name = "j";
   joint.type = "sound_slider";
   dyn::Model model;
   model.addBody("b", 0, joint);
-  CHECK_THROWS_WITH(dyn::compile(model, registry), dyn::test::containing("'j'") && dyn::test::containing("rebuild the plugin"));
+  for (const char* stale : {"stale_sizes.so", "stale_motion.so"}) {
+    INFO(stale);
+    const Folder folder;
+    dyn::JointRegistry registry;
+    registry.load(lay(folder, stale));
+    CHECK_THROWS_WITH(dyn::compile(model, registry), dyn::test::containing("'j'") && dyn::test::containing("rebuild the plugin"));
+  }
+  const Folder good;
+  dyn::JointRegistry registry;
+  registry.load(lay(good, "sound.so"));
+  CHECK_NOTHROW(dyn::compile(model, registry));
 }
 
 TEST_CASE("folders: empty ones, missing ones, and bad files among good ones") {

@@ -76,10 +76,14 @@ TEST_CASE("compute knows contacts by frames", "[command]") {
   CHECK(one.contains("contact_ddq"));
   CHECK_FALSE(one.contains("contact_lambda"));
   CHECK_FALSE(one.contains("rnea"));
-  CHECK_THAT(run(line + " --contacts left_foot").err, containing("FRAME:6d or FRAME:3d"));
+  const Answer half = run(line + " --contacts left_foot");
+  CHECK(half.code == 2);
+  CHECK_THAT(half.err, containing("FRAME:6d or FRAME:3d"));
   CHECK_THAT(run(line + " --contacts nose:6d").err, containing("no body or frame 'nose'"));
   CHECK_THAT(run(line + " --contacts left_foot:6d,left_foot:3d").err, containing("two constraints of that name"));
-  CHECK_THAT(run(line + " --only contact_ddq").err, containing("name the contacts"));
+  const Answer none = run(line + " --only contact_ddq");
+  CHECK(none.code == 2);
+  CHECK_THAT(none.err, containing("name the contacts"));
 }
 
 TEST_CASE("compute takes a golden file as it is and answers with its keys", "[command]") {

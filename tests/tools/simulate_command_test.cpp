@@ -104,17 +104,19 @@ TEST_CASE("simulate refuses what makes no sense, and keeps what there was of a m
     CHECK(a.code == code);
     CHECK_THAT(a.err, containing(why));
   };
-  fails(biped + " --dt 0", "must be positive");
-  fails(biped + " --dt -1", "must be positive");
-  fails(biped + " --time -1", "not negative");
+  fails(biped + " --dt 0", "must be positive", 2);
+  fails(biped + " --dt=-1", "must be positive", 2);
+  fails(biped + " --dt nan", "must be positive", 2);
+  fails(biped + " --time=-1", "not negative", 2);
+  fails(biped + " --time inf", "not negative", 2);
   fails(biped + " --integrator leapfrog", "leapfrog", 2);
-  fails(biped + " --out trajectory.txt", ".csv or .json");
+  fails(biped + " --out trajectory.txt", ".csv or .json", 2);
   fails(biped + " --every 1e-12", "keep fewer");
-  fails(biped + " --every=-0.1", "--every");
-  fails(biped + " --tolerance=-1", "tolerance");
+  fails(biped + " --every=-0.1", "--every", 2);
+  fails(biped + " --tolerance=-1", "tolerance", 2);
   fails(biped + " --ground nowhere", "no frame 'nowhere'");
   fails(biped + " --resume " + (folder.path / "missing").string(), "does not exist");
-  fails(biped + " --restitution 2", "restitution");
+  fails(biped + " --restitution 2", "restitution", 2);
   fails("missing.urdf", "missing.urdf");
   for (const char* option : {"--out none/x.csv", "--plot none/x.svg", "--save none/x"}) {
     // Before the run, not after it.

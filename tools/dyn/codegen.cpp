@@ -115,7 +115,7 @@ std::string casadiListsOf(const std::string& name) {
 void run(const CodegenOptions& o) {
   using Clock = std::chrono::steady_clock;
   if (o.plain && o.lanes > 1)
-    throw Error(ErrorCode::argument, "--plain is C99 without vectors, and --lanes makes vectors of states: leave out one of them");
+    throw CLI::ValidationError("--plain", "it is C99 without vectors, and --lanes makes vectors of states: leave out one of them");
   const CompactModel model = o.compile();
   const std::string name = identifier(model.name());
   std::vector<TracedFunction> functions;

@@ -233,7 +233,7 @@ void run(const Options& o) {
   std::set<std::string> only(o.only.begin(), o.only.end());
   for (const std::string& key : only) {
     if (o.contacts.empty() && isKeyOf(contactQuantities(), key))
-      throw Error(ErrorCode::argument, "--only " + key + ": name the contacts, as in --contacts left_sole_link:6d,right_sole_link:6d");
+      throw CLI::ValidationError("--only " + key, "name the contacts, as in --contacts left_sole_link:6d,right_sole_link:6d");
   }
   std::vector<int> frames;
   for (const std::string& name : o.frames) {

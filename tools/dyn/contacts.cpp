@@ -1,5 +1,7 @@
 #include "contacts.hpp"
 
+#include <CLI/CLI.hpp>
+
 #include <algorithm>
 
 namespace dyn::tool {
@@ -9,8 +11,7 @@ std::vector<ConstraintDescription> readContacts(const std::vector<std::string>& 
   for (const std::string& word : words) {
     const std::size_t colon = word.rfind(':');
     const std::string frame = word.substr(0, colon), kind = colon == std::string::npos ? "" : word.substr(colon + 1);
-    if (kind != "6d" && kind != "3d")
-      throw Error(ErrorCode::argument, "--contacts " + word + ": a contact is FRAME:6d or FRAME:3d, as in left_sole_link:6d");
+    if (kind != "6d" && kind != "3d") throw CLI::ValidationError("--contacts " + word, "a contact is FRAME:6d or FRAME:3d, as in left_sole_link:6d");
     contacts.push_back(kind == "6d" ? frameContact(frame) : pointContact(frame));
   }
   return contacts;

@@ -8,7 +8,7 @@
 
 namespace dyn::tool {
 
-/// FRAME:6d (all of a frame is held) or FRAME:3d (a point of it). Throws Error(argument) for anything else.
+/// FRAME:6d (all of a frame is held) or FRAME:3d (a point of it). Throws CLI::ValidationError for anything else.
 std::vector<ConstraintDescription> readContacts(const std::vector<std::string>& words);
 
 /// Where a robot stands, for measurements of models that say nothing of contacts: the leaves of the tree that are lowest at the neutral

@@ -37,7 +37,7 @@ struct CheckOptions {
 void readParameter(const std::string& text, Parameters& parameters) {
   const std::size_t equals = text.find('=');
   if (equals == 0 || equals == std::string::npos)
-    throw Error(ErrorCode::argument, "--parameters '" + text + "': write name=number[,number...] or name=text");
+    throw CLI::ValidationError("--parameters '" + text + "'", "write name=number[,number...] or name=text");
   const std::string name = text.substr(0, equals);
   std::vector<double> numbers;
   const char* p = text.data() + equals + 1;

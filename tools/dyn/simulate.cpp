@@ -21,6 +21,15 @@ namespace {
 
 constexpr std::size_t most_numbers = 1u << 28;  ///< of a trajectory that is kept in memory: 2 GiB
 
+/// An option's number must be finite and hold to the rule, which its error tells.
+CLI::Validator finite(bool (*holds)(double), const char* rule) {
+  const auto why = [holds, rule](const std::string& text) {
+    double x = 0;
+    return CLI::detail::lexical_cast(text, x) && std::isfinite(x) && holds(x) ? std::string() : text + " " + rule;
+  };
+  return {why, ""};
+}
+
 struct SimulateOptions : ModelOptions {
   std::string integrator = "rk4", state, out, plot, save, resume;
   std::vector<std::string> contacts, ground;
@@ -29,13 +38,15 @@ struct SimulateOptions : ModelOptions {
   bool limits = false, touching = false;
 
   void add(CLI::App& app) {
+    const CLI::Validator positive = finite([](double x) { return x > 0; }, "must be positive");
+    const CLI::Validator not_negative = finite([](double x) { return x >= 0; }, "must be not negative");
     ModelOptions::add(app);
-    app.add_option("--time", time, "seconds to simulate")->capture_default_str();
-    app.add_option("--dt", dt, "seconds of a step; of the adaptive integrator the first one tried")->capture_default_str();
+    app.add_option("--time", time, "seconds to simulate")->check(not_negative)->capture_default_str();
+    app.add_option("--dt", dt, "seconds of a step; of the adaptive integrator the first one tried")->check(positive)->capture_default_str();
     std::vector<std::string> names;
     for (const IntegratorInfo& info : integrators()) names.emplace_back(info.name);
     app.add_option("--integrator", integrator, "method")->check(CLI::IsMember(names))->capture_default_str();
-    app.add_option("--tolerance", tolerance, "of the adaptive integrator: error of a step [m, rad]")->capture_default_str();
+    app.add_option("--tolerance", tolerance, "of the adaptive integrator: error of a step [m, rad]")->check(positive)->capture_default_str();
     app.add_option("--state", state, "JSON file whose first sample is where to start; otherwise at neutral and at rest");
     app.add_option("--contacts", contacts, "hold FRAME:3d (a point) or FRAME:6d where it is (repeatable)")->delimiter(',');
     app.add_option("--ground", ground, "frames whose origins touch the ground, a plane with z up (repeatable)")->delimiter(',');
@@ -45,8 +56,11 @@ struct SimulateOptions : ModelOptions {
     for (const char* option : {"--scene", "--srdf", "--package", "--skip-missing"}) app.get_option(option)->needs("--touching");
     app.add_option("--friction", friction, "of contacts")->capture_default_str();
     app.add_flag("--limits", limits, "joints stop at their limits of position");
-    app.add_option("--restitution", restitution, "of impacts of contacts and with limits, 0 to 1")->capture_default_str();
-    app.add_option("--every", every, "seconds between the states of --out and --plot; without it a thousand of them, but no more than steps");
+    app.add_option("--restitution", restitution, "of impacts of contacts and with limits, 0 to 1")
+        ->check(CLI::Range(0.0, 1.0))
+        ->capture_default_str();
+    app.add_option("--every", every, "seconds between the states of --out and --plot; without it a thousand of them, but no more than steps")
+        ->check(not_negative);
     app.add_option("--out", out, "trajectory, .csv or .json");
     app.add_option("--plot", plot, "picture of the configuration over time, SVG");
     app.add_option("--save", save, "write where the simulation ended, without loss");
@@ -145,8 +159,6 @@ void start(const SimulateOptions& o, Simulator& simulator, const ConstraintSet& 
 }
 
 void run(const SimulateOptions& o) {
-  if (!(o.time >= 0) || !std::isfinite(o.time)) throw Error(ErrorCode::argument, "--time: seconds to simulate are not negative");
-  if (!(o.every >= 0) || !std::isfinite(o.every)) throw Error(ErrorCode::argument, "--every: seconds between states are not negative");
   if (!o.out.empty()) checkTrajectoryFile(o.out);
   for (const std::string& path : {o.out, o.plot, o.save})
     if (!path.empty()) checkReplaceable(path);

@@ -3,6 +3,8 @@
 #include <dyn/error.hpp>
 #include <dyn/file.hpp>
 
+#include <CLI/CLI.hpp>
+
 #include <report/line_chart.hpp>
 
 #include <algorithm>
@@ -45,7 +47,7 @@ std::string field(const std::string& text) {
 
 void checkTrajectoryFile(const std::string& path) {
   if (!endsWith(path, ".csv") && !endsWith(path, ".json"))
-    throw Error(ErrorCode::argument, "--out " + path + ": trajectories are written to a file that ends in .csv or .json");
+    throw CLI::ValidationError("--out " + path, "trajectories are written to a file that ends in .csv or .json");
 }
 
 void Trajectory::add(double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v, double energy) {

@@ -1,5 +1,6 @@
 #include "compile/parameters.hpp"
 #include "compile/parts.hpp"
+#include "joint/single.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -142,7 +143,8 @@ class Resolver {
       throw Error(ErrorCode::parameter, "type '" + joint.type + "': " + message, where);
     JointInstance fast;
     if (!body.fast->prepare(arguments.data(), fast, message, sizeof message) || fast.shape != body.instance.shape || fast.nq != body.instance.nq ||
-        fast.nv != body.instance.nv || fast.constant_count != body.instance.constant_count)
+        fast.nv != body.instance.nv || fast.constant_count != body.instance.constant_count ||
+        (body.fast != &type && !moveAlike(type, *body.fast, arguments.data(), body.instance)))
       throw Error(ErrorCode::plugin,
                   "type '" + joint.type + "': the plugin's build for this processor makes another joint of these parameters; rebuild the plugin",
                   where);

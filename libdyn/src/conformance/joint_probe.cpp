@@ -1,5 +1,7 @@
 #include "conformance/joint_probe.hpp"
 
+#include "joint/single.hpp"
+
 namespace dyn::conformance {
 
 namespace {
@@ -32,29 +34,14 @@ bool JointProbe::flat() const { return nq() == nv() && (instance_.shape == Shape
 template <class S>
 JointMotion<S> JointProbe::motion(const S* q, const S* v) const {
   S pose[12], subspace[6 * max_joint_nv], bias[6];
-  const bool dense = instance_.shape == Shape::dense;
-  JointBatch<S> b;
-  b.count = 1;
-  b.constants = constants_.data();
-  b.constant_count = instance_.constant_count;
-  b.constants_stride = 1;
-  b.q = q;
-  b.q_stride = 1;
-  b.v = v;
-  b.v_stride = 1;
-  b.stride = 1;
-  b.pose = pose;
-  b.subspace = dense ? subspace : nullptr;
-  b.bias = dense && v ? bias : nullptr;
-  type_.kinematics(b);
-
+  evaluateJoint(type_, instance_, constants_.data(), q, v, pose, subspace, bias);
   JointMotion<S> result;
   result.pose = poseFromComponents<S>(instance_.shape, pose);
   const kernels::Slot<S> slot{pose, subspace, 1, instance_.subspace, bias, 1};
   kernels::withShape<S>(instance_.shape, nv(), [&]<class Kernel>() {
     const Kernel kernel(slot);
     for (int k = 0; k < nv(); ++k) result.columns[k] = kernel.column(k);
-    if (b.bias) result.bias = kernel.bias();
+    if (v && instance_.shape == Shape::dense) result.bias = kernel.bias();
   });
   return result;
 }

@@ -151,8 +151,7 @@ template <class S, class T>
     typename Square<T, lanes>::Row differences{};
     const auto read = [&](std::ptrdiff_t first, int count) {
       for (int i = 0; i < lanes; ++i) {
-        if (i < count) square.read(i, numbers + (first + i) * lanes);
-        if (i >= count) square.rows[i] = square.rows[count - 1];
+        square.read(i, numbers + (first + std::min(i, count - 1)) * lanes);
         differences += square.rows[i] - square.rows[i];
       }
       square.transpose();

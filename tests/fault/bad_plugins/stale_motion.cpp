@@ -1,0 +1,13 @@
+// Laid beside sound.so as its build for a processor: the type as it is described there, from when it slid the other way.
+#include <dyn_sdk/joint_plugin.hpp>
+
+struct SoundBefore : dyn::sdk::Joint<SoundBefore, 1> {
+  static constexpr const char* name = "sound_slider";
+  static constexpr const char* summary = "for tests";
+  template <class S>
+  static dyn::SE3<S> pose(const S* q, const dyn::sdk::Constants&) {
+    return {dyn::Mat3<S>::identity(), {-q[0], S(0), S(0)}};
+  }
+};
+
+DYN_EXPORT_JOINTS(SoundBefore)

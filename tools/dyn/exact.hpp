@@ -1,0 +1,75 @@
+// Numbers of fifty digits: vectors, rotations, and poses as power series of time.
+#pragma once
+
+#include <dyn/spatial/vector3.hpp>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <boost/multiprecision/cpp_bin_float.hpp>
+#include <boost/multiprecision/eigen.hpp>
+
+#include <array>
+#include <vector>
+
+namespace dyn::tool {
+
+using Real = boost::multiprecision::number<boost::multiprecision::cpp_bin_float<50>, boost::multiprecision::et_off>;
+using Vec = Eigen::Matrix<Real, 3, 1>;
+using Mat = Eigen::Matrix<Real, 3, 3>;
+using VectorR = Eigen::Matrix<Real, Eigen::Dynamic, 1>;
+using MatrixR = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>;
+
+inline Vec vec(const Vec3<double>& x) { return {Real(x.x), Real(x.y), Real(x.z)}; }
+inline Mat cross(const Vec& w) {
+  Mat out;
+  out << Real(0), -w.z(), w.y(), w.z(), Real(0), -w.x(), -w.y(), w.x(), Real(0);
+  return out;
+}
+inline Vec uncross(const Mat& W) { return Vec(W(2, 1) - W(1, 2), W(0, 2) - W(2, 0), W(1, 0) - W(0, 1)) / Real(2); }
+
+/// By Rodrigues' formula.
+inline Mat rotation(const Vec& axis, const Real& cosine, const Real& sine) {
+  const Mat K = cross(axis);
+  return Mat::Identity() + sine * K + (Real(1) - cosine) * (K * K);
+}
+inline Mat rotation(const VectorR& quaternion) {
+  Vec im = quaternion.head<3>();
+  const Real n2 = quaternion.squaredNorm();
+  const Real& w = quaternion[3];
+  const Mat K = cross(im);
+  return Mat::Identity() + (Real(2) / n2) * (w * K + K * K);
+}
+
+/// A pose as a power series in t: value, and first and second derivatives.
+struct Series {
+  std::array<Mat, 3> R;
+  std::array<Vec, 3> p;
+
+  static Series constant(const Mat& R, const Vec& p) { return {{R, Mat::Zero(), Mat::Zero()}, {p, Vec::Zero(), Vec::Zero()}}; }
+  friend Series operator*(const Series& a, const Series& b) {
+    Series out;
+    out.R = {a.R[0] * b.R[0], a.R[1] * b.R[0] + a.R[0] * b.R[1], a.R[2] * b.R[0] + Real(2) * (a.R[1] * b.R[1]) + a.R[0] * b.R[2]};
+    out.p = {a.p[0] + a.R[0] * b.p[0], a.p[1] + a.R[1] * b.p[0] + a.R[0] * b.p[1],
+             a.p[2] + a.R[2] * b.p[0] + Real(2) * (a.R[1] * b.p[1]) + a.R[0] * b.p[2]};
+    return out;
+  }
+  Vec omega() const { return uncross(R[1] * R[0].transpose()); }
+  Vec alpha() const { return uncross(R[2] * R[0].transpose() + R[1] * R[1].transpose()); }
+};
+
+inline std::vector<long double> rounded(const MatrixR& x) {
+  std::vector<long double> out;
+  for (Eigen::Index i = 0; i < x.rows(); ++i)
+    for (Eigen::Index j = 0; j < x.cols(); ++j) out.push_back(x(i, j).template convert_to<long double>());
+  return out;
+}
+
+inline VectorR exact(const Eigen::VectorXd& x) {
+  VectorR out(x.size());
+  for (Eigen::Index k = 0; k < x.size(); ++k) out[k] = Real(x[k]);
+  return out;
+}
+
+inline double length(const Vec& x) { return x.norm().convert_to<double>(); }
+
+}  // namespace dyn::tool
