@@ -32,6 +32,12 @@ for i in "${!variants[@]}"; do
   wait
 done
 
+read -r -a headers <<<"$(pkg-config --cflags libdyn-geometry libdyn-parsers)"
+for compiler in "${variants[@]%% *}"; do echo "$compiler"; done | sort -u | while read -r compiler; do
+  $compiler -std=c++20 -fsyntax-only -Wall -Wextra -Werror "$source/tests/install/user/main.cpp" "${headers[@]}" ||
+    { echo "a user who asks $compiler for warnings gets some" >&2; exit 1; }
+done
+
 expected=
 runs=0
 for i in "${!variants[@]}"; do

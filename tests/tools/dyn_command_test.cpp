@@ -120,7 +120,7 @@ TEST_CASE("where the output is lost the exit code says so", "[command]") {
   }
   const Folder folder;
   const fs::path err = folder.path / "err";
-  for (const std::string what : {"info '" + biped + "'", std::string("plugin list"), std::string("info --help")}) {
+  for (const std::string& what : {"info '" + biped + "'", std::string("plugin list"), std::string("info --help")}) {
     INFO(what);
     const int status = std::system(("'" DYN_BINARY_DIR "/bin/dyn' " + what + " >/dev/full 2>'" + err.string() + "'").c_str());
     CHECK(WEXITSTATUS(status) == 1);
@@ -140,6 +140,18 @@ TEST_CASE("bench prints one JSON object a line", "[command]") {
     CHECK(row["ns"].get<double>() > 0);
   }
   CHECK(count >= 9);
+}
+
+TEST_CASE("bench measures what is asked for", "[command]") {
+  const Answer a = run("bench " + biped + " --only rnea,step_rk4 --json");
+  REQUIRE(a.code == 0);
+  std::istringstream lines(a.out);
+  std::string names;
+  for (std::string line; std::getline(lines, line);) names += nlohmann::json::parse(line)["algorithm"].get<std::string>() + " ";
+  CHECK(names == "rnea step_rk4 rnea rnea ");  // single, batches of doubles and floats
+  const Answer unknown = run("bench " + biped + " --only speed");
+  CHECK(unknown.code == 2);
+  CHECK_THAT(unknown.err, containing("speed") && containing("joint_jacobians"));
 }
 
 TEST_CASE("plugins are listed, checked, and begun", "[command]") {

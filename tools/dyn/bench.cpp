@@ -17,7 +17,7 @@ struct Options {
   bool json = false;
   int threads = 1;
   std::string truth;
-  std::vector<std::string> contacts, codegen;
+  std::vector<std::string> contacts, codegen, only;
 };
 
 /// Those that the command line names; else the model's own; else where the robot stands.
@@ -33,6 +33,19 @@ std::string namesOf(const ConstraintSet& set) {
   return names;
 }
 
+/// Leaves out what --only does not name.
+void choose(const std::vector<std::string>& only, std::vector<Entry>& entries) {
+  const auto isAmong = [](const std::vector<std::string>& names, const std::string& name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
+  std::vector<std::string> known;
+  for (const Entry& entry : entries)
+    if (!isAmong(known, entry.algorithm)) known.push_back(entry.algorithm);
+  for (const std::string& name : only)
+    if (!isAmong(known, name)) throw CLI::ValidationError("--only " + name, "there are " + CLI::detail::join(known, ", "));
+  if (!only.empty()) std::erase_if(entries, [&](const Entry& entry) { return !isAmong(only, entry.algorithm); });
+}
+
 void run(const Options& o) {
   const CompactModel model = o.model.compile();
   Subjects subjects(model, constraintsOf(o, model));
@@ -42,6 +55,7 @@ void run(const Options& o) {
   addBatch<double>(subjects, "double", o.threads, entries);
   addBatch<float>(subjects, "float", o.threads, entries);
   addGenerated(subjects, o.codegen, entries);
+  choose(o.only, entries);
   if (!o.json) std::printf("constraints (rows): %s\n", namesOf(subjects.constraints.set()).c_str());
   if (!o.json)
     std::printf("%s, %d degrees of freedom, %d random states, median of 11%s\n%-32s %-8s %-8s %12s %20s %10s\n", model.name().c_str(), model.nv(),
@@ -86,6 +100,7 @@ void addBench(CLI::App& app) {
                   "FRAME:6d or FRAME:3d, ... for constraint_dynamics and impulse; without: the model's own constraints, or where it stands")
       ->delimiter(',');
   sub->add_option("--codegen", o->codegen, "code generated for this model too: names of functions as dyn codegen knows them, or all")->delimiter(',');
+  sub->add_option("--only", o->only, "algorithms to measure, as its lines name them")->delimiter(',');
   sub->add_option("--threads", o->threads, "of batches")->capture_default_str()->check(CLI::Range(1, 256));
   sub->callback([o] { run(*o); });
 }

@@ -26,9 +26,21 @@ static double leastDistance(dyn::Model description, const Eigen::VectorXd& q) {
   return any == (distance <= 0) && any == dyn::anyCollision(geometry, placed) ? distance : -1e9;
 }
 
+/// A robot in words that say no more than they want to be otherwise.
+static dyn::Model slider() {
+  dyn::Model model;
+  model.addBody(
+      "carriage", 0,
+      {.name = "rail", .type = "prismatic", .parameters = {{"axis", std::vector<double>{1, 0, 0}}}, .limits = {.lower = {-1}, .upper = {1}}});
+  model.frames.push_back({.name = "tip", .body = 1});
+  model.constraints.push_back({.name = "locked", .relation = dyn::JointLock{.joint = "rail"}});
+  return model;
+}
+
 int main(int argc, char** argv) {
   if (argc != 2) return 2;
   try {
+    if (dyn::compile(slider(), dyn::JointRegistry::standard(), {.armature = false}).nv() != 1) return 1;
     const dyn::Model description = dyn::urdf::load(argv[1]);
     const dyn::CompactModel model = dyn::compile(description, dyn::JointRegistry::standard());
     dyn::Data data(model, dyn::Need::mass_matrix);

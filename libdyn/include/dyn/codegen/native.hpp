@@ -16,8 +16,8 @@ struct NativeOptions {
   bool single_precision = false;
   int lanes = 1;  ///< states a call, as SourceOptions::lanes
   /// Folder of compiled functions; empty: $LIBDYN_CACHE, else $XDG_CACHE_HOME/libdyn, else ~/.cache/libdyn.
-  std::string cache;
-  std::string compiler;  ///< a program; empty: the words of $CC, else cc
+  std::string cache{};
+  std::string compiler{};  ///< a program; empty: the words of $CC, else cc
   /// Beside those that the source needs. Tuned for some processors, gcc 12 keeps numbers in registers of integers, which takes longer.
   std::vector<std::string> flags = {"-O2", "-march=native", "-mtune=generic"};
   double seconds = 300;                              ///< after so long a compiler that is still running is ended

@@ -15,7 +15,7 @@ struct SourceOptions {
   /// Steps a function at most; longer ones are cut into pieces, for the compiler's sake. Short ones have short addresses, of which code is made that
   /// fits the caches.
   int piece = 1000;
-  std::string prefix;  ///< of all names
+  std::string prefix{};  ///< of all names
 };
 
 struct DYN_API Source {

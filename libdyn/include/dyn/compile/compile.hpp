@@ -8,11 +8,11 @@
 namespace dyn {
 
 struct CompileOptions {
-  std::vector<LockedJoint> lock;  ///< joints to hold, as reduce() does
-  bool dissipation = true;        ///< joint damping and friction of the description act in the dynamics
-  bool armature = true;           ///< so does rotor inertia
-  bool strips = true;             ///< single states advance joints of several limbs side by side where that is faster; false: one after the other
-  Scene scene;                    ///< what is wanted: the rest is left out, and the report says so
+  std::vector<LockedJoint> lock{};  ///< joints to hold, as reduce() does
+  bool dissipation = true;          ///< joint damping and friction of the description act in the dynamics
+  bool armature = true;             ///< so does rotor inertia
+  bool strips = true;               ///< single states advance joints of several limbs side by side where that is faster; false: one after the other
+  Scene scene{};                    ///< what is wanted: the rest is left out, and the report says so
 };
 
 /// Turns a description into an immutable model. Deterministic: same model, same options, same bytes. O(n log n).

@@ -11,9 +11,9 @@ namespace dyn {
 struct Scene {
   /// Joints, bodies or frames whose motion is wanted; empty: all of them, and nothing is left out. A name that a body or frame and a joint
   /// share is the body's or frame's.
-  std::vector<std::string> outputs;
+  std::vector<std::string> outputs{};
   /// Bodies or frames that may touch each other while the scene moves: where one is wanted all are needed.
-  std::vector<std::string> touching;
+  std::vector<std::string> touching{};
   /// Whether motion follows from forces; otherwise positions and velocities are given, and only what carries an output matters.
   bool dynamics = true;
 };

@@ -25,9 +25,9 @@ struct GeometryOptions {
   enum class Missing { refuse, skip };
 
   Pairs pairs = Pairs::all;
-  std::vector<PairName> add, remove;  ///< after `pairs`, in this order; a pair that is asked for by name is checked whatever its bodies
+  std::vector<PairName> add{}, remove{};  ///< after `pairs`, in this order; a pair that is asked for by name is checked whatever its bodies
   /// Folders of packages, or packages themselves, for "package://"; after them come ROS_PACKAGE_PATH and AMENT_PREFIX_PATH.
-  std::vector<std::string> packages;
+  std::vector<std::string> packages{};
   Missing missing = Missing::refuse;  ///< files that are not there: an error that names all of them, or a line in the report
 };
 

@@ -12,13 +12,13 @@ namespace dyn {
 
 /// A point of one body near the surface of another.
 struct ContactPoint {
-  int id = 0;           ///< the same for the same pair from call to call
-  int frame = 0;        ///< whose point it is, by number of CompactModel::frames()
-  Vec3<double> point;   ///< in its axes [m]
-  int other = 0;        ///< whose surface it is; 0: the world
-  Vec3<double> normal;  ///< of the surface, away from it, in the other's axes; of any length but zero
-  double gap = 0;       ///< [m] between point and surface; negative inside
-  double friction = 0;  ///< coefficient
+  int id = 0;             ///< the same for the same pair from call to call
+  int frame = 0;          ///< whose point it is, by number of CompactModel::frames()
+  Vec3<double> point{};   ///< in its axes [m]
+  int other = 0;          ///< whose surface it is; 0: the world
+  Vec3<double> normal{};  ///< of the surface, away from it, in the other's axes; of any length but zero
+  double gap = 0;         ///< [m] between point and surface; negative inside
+  double friction = 0;    ///< coefficient
 };
 
 /// Appends the points that are near enough to matter. Called several times a step; a function of q alone. The library's own keep scratch, which

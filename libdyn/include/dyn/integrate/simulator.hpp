@@ -48,8 +48,8 @@ struct SimulatorOptions {
 /// Something that happens where a function of the state passes zero.
 struct Event {
   enum class Direction { both, rising, falling };
-  std::string name;
-  std::function<double(double t, VectorResult q, VectorResult v)> value;
+  std::string name{};
+  std::function<double(double t, VectorResult q, VectorResult v)> value{};
   Direction direction = Direction::both;
 };
 

@@ -26,9 +26,9 @@ struct Baumgarte {
 /// Between two frames: the origin and the axes of `frame` may not move as seen from the body of `other`, but in the directions that are
 /// free. The velocity is that of the origin of `frame` relative to the point of the other body that is there.
 struct FrameConstraint {
-  std::string frame, other = "universe";   ///< bodies or frames
-  SE3<double> placement, other_placement;  ///< of the constraint's frames in these
-  std::array<bool, 6> free{};              ///< translations along x, y, z, rotations about x, y, z
+  std::string frame{}, other = "universe";     ///< bodies or frames
+  SE3<double> placement{}, other_placement{};  ///< of the constraint's frames in these
+  std::array<bool, 6> free{};                  ///< translations along x, y, z, rotations about x, y, z
   ConstraintAxes axes = ConstraintAxes::LOCAL;
   /// Whether the two frames are meant to coincide (in the directions that are not free). A contact that holds its point wherever it has
   /// touched has no such place, and so no error of position.
@@ -37,21 +37,21 @@ struct FrameConstraint {
 
 /// The coordinate of `joint` is a function of another's, kept by a force in place of taking the coordinate out of the model.
 struct JointCoupling {
-  std::string joint;
-  Coupling coupling;
+  std::string joint{};
+  Coupling coupling{};
 };
 
 /// A joint that is held.
 struct JointLock {
-  std::string joint;
-  std::vector<double> configuration;  ///< where; empty: wherever it is
+  std::string joint{};
+  std::vector<double> configuration{};  ///< where; empty: wherever it is
 };
 
 struct ConstraintDescription {
-  std::string name;  ///< for messages; unique within a set
-  std::variant<FrameConstraint, JointCoupling, JointLock> relation;
-  Baumgarte baumgarte;
-  Where where;
+  std::string name{};  ///< for messages; unique within a set
+  std::variant<FrameConstraint, JointCoupling, JointLock> relation{};
+  Baumgarte baumgarte{};
+  Where where{};
 };
 
 /// A point of a robot that rests on the world or on another body: three forces. Named as the frame.

@@ -74,18 +74,18 @@ DYN_API geometry::TriangleMesh heightField(int rows, int columns, const std::vec
 /// A volume fixed to a body.
 struct GeometryDescription {
   enum class Role { collision, visual };
-  std::string name;
-  int body = 0;           ///< 0: the world
-  SE3<double> placement;  ///< pose in the body's frame
-  GeometryShape shape;
+  std::string name{};
+  int body = 0;             ///< 0: the world
+  SE3<double> placement{};  ///< pose in the body's frame
+  GeometryShape shape{};
   Role role = Role::collision;
-  Where where;
+  Where where{};
 };
 
 /// Two bodies whose geometry is not to be checked against each other, and why.
 struct DisabledCollision {
-  std::string body, other;
-  std::string reason;
+  std::string body{}, other{};
+  std::string reason{};
 };
 
 }  // namespace dyn

@@ -17,32 +17,34 @@ struct JointDescription;
 using ParameterValue = std::variant<std::vector<double>, std::string, std::vector<JointDescription>>;
 using Parameters = std::map<std::string, ParameterValue>;
 
+// Members of descriptions and options have initializers, all of them: those that a designated one leaves out cause no warning.
+
 /// A relation that makes a joint's coordinate a function of another joint's: a coupling type of a plugin with its parameters.
 struct Coupling {
-  std::string type;    ///< e.g. "mimic"; empty: the joint is independent
-  std::string master;  ///< name of the joint that leads
-  Parameters parameters;
+  std::string type{};    ///< e.g. "mimic"; empty: the joint is independent
+  std::string master{};  ///< name of the joint that leads
+  Parameters parameters{};
 };
 
 /// Limits of one joint, one entry a coordinate (position) or degree of freedom (the rest). Empty means unlimited.
 struct JointLimits {
-  std::vector<double> lower, upper;  ///< [rad or m]
-  std::vector<double> velocity;      ///< [rad/s or m/s]
-  std::vector<double> effort;        ///< [N m or N]
+  std::vector<double> lower{}, upper{};  ///< [rad or m]
+  std::vector<double> velocity{};        ///< [rad/s or m/s]
+  std::vector<double> effort{};          ///< [N m or N]
 };
 
 /// A joint by type name and parameters; what the names mean is known to the plugin alone.
 struct JointDescription {
-  std::string name;
+  std::string name{};
   std::string type = "fixed";
-  Parameters parameters;
-  SE3<double> placement;  ///< pose of the joint at its zero in the parent body's frame
-  JointLimits limits;
-  std::vector<double> damping;   ///< viscous [N m s/rad or N s/m], a value a degree of freedom; empty: none
-  std::vector<double> friction;  ///< Coulomb [N m or N]
-  std::vector<double> armature;  ///< rotor inertia seen by the joint [kg m^2 or kg]
-  Coupling coupling;
-  Where where;  ///< where it was read, for messages
+  Parameters parameters{};
+  SE3<double> placement{};  ///< pose of the joint at its zero in the parent body's frame
+  JointLimits limits{};
+  std::vector<double> damping{};   ///< viscous [N m s/rad or N s/m], a value a degree of freedom; empty: none
+  std::vector<double> friction{};  ///< Coulomb [N m or N]
+  std::vector<double> armature{};  ///< rotor inertia seen by the joint [kg m^2 or kg]
+  Coupling coupling{};
+  Where where{};  ///< where it was read, for messages
 };
 
 }  // namespace dyn

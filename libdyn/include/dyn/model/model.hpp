@@ -12,18 +12,18 @@ namespace dyn {
 
 /// A body and the joint that carries it. The body's frame is the joint's frame after its motion.
 struct BodyDescription {
-  std::string name;
+  std::string name{};
   int parent = 0;  ///< index of the parent body, smaller than the body's own; 0 is the universe
-  JointDescription joint;
-  Inertia<double> inertia;
-  Where where;
+  JointDescription joint{};
+  Inertia<double> inertia{};
+  Where where{};
 };
 
 /// A named frame fixed to a body.
 struct FrameDescription {
-  std::string name;
+  std::string name{};
   int body = 0;
-  SE3<double> placement;  ///< pose in the body's frame
+  SE3<double> placement{};  ///< pose in the body's frame
 };
 
 /// Bodies in an order in which parents come first. bodies[0] is the universe.
