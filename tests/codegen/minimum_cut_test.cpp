@@ -23,10 +23,16 @@ TEST_CASE("a minimum cut is the cheapest of all answers", "[codegen]") {
     MinimumCut cut;
     for (int i = 0; i < n; ++i) {
       CHECK(cut.add() == i);
-      if_yes.push_back(random.below(9));
-      if_no.push_back(random.below(9));
-      cut.costsIfYes(i, if_yes.back());
-      cut.costsIfNo(i, if_no.back());
+      if_yes.push_back(0);
+      if_no.push_back(0);
+      // In several parts.
+      for (int part = random.below(4); part >= 0; --part) {
+        const int yes = random.below(4), no = random.below(4);
+        if_yes.back() += yes;
+        if_no.back() += no;
+        cut.costsIfYes(i, yes);
+        cut.costsIfNo(i, no);
+      }
     }
     for (int k = random.below(3 * n); k > 0; --k) {
       const Pair pair{random.below(n), random.below(n), random.below(6)};

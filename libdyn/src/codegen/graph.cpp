@@ -1,3 +1,5 @@
+#include "codegen/align.hpp"
+
 #include <dyn/codegen/graph.hpp>
 #include <dyn/error.hpp>
 
@@ -189,7 +191,7 @@ struct GraphBuilder::Impl {
     }
   }
 
-  /// Nodes, or no_node: those of the first one's operation go abreast if none of them waits for another, and then their arguments.
+  /// Nodes, or no_node: those of the operation that most have go abreast if none of them waits for another, and then their arguments.
   void join(NodesAbreast tuple) {
     is_abreast.resize(nodes.size(), 0);
     int count = 0;
@@ -203,7 +205,12 @@ struct GraphBuilder::Impl {
       ++count;
     }
     if (count < 2) return;
-    const GraphNode& first = nodes[*std::find_if(tuple.begin(), tuple.end(), [](std::uint32_t node) { return node != no_node; })];
+    const auto alikeTo = [&](std::uint32_t one) {
+      return std::count_if(tuple.begin(), tuple.end(),
+                           [&](std::uint32_t node) { return one != no_node && node != no_node && nodes[node].operation == nodes[one].operation; });
+    };
+    const GraphNode& first =
+        nodes[*std::max_element(tuple.begin(), tuple.end(), [&](std::uint32_t a, std::uint32_t b) { return alikeTo(a) < alikeTo(b); })];
     for (std::uint32_t& node : tuple)
       if (node != no_node && nodes[node].operation != first.operation) node = no_node, --count;
     if (count < 2 || !tried.insert(tuple).second) return;
@@ -253,16 +260,15 @@ struct GraphBuilder::Impl {
     for (const Steps& steps : runs)
       for (const auto& [number, nodes_of] : steps) numbers.insert(number);
     for (const int number : numbers) {
-      const std::vector<std::uint32_t>* of[most_abreast];
-      std::size_t longest = 0;
-      for (std::size_t l = 0; l < most_abreast; ++l) {
-        const auto found = runs[l].find(number);
-        of[l] = found == runs[l].end() ? nullptr : &found->second;
-        if (of[l]) longest = std::max(longest, of[l]->size());
-      }
-      for (std::size_t i = 0; i < longest; ++i) {
+      std::array<std::vector<std::uint32_t>, most_abreast> of;
+      for (std::size_t l = 0; l < of.size(); ++l)
+        if (const auto found = runs[l].find(number); found != runs[l].end()) of[l] = found->second;
+      const auto longest = *std::max_element(of.begin(), of.end(), [](const auto& a, const auto& b) { return a.size() < b.size(); });
+      for (auto& nodes_of : of)
+        if (!nodes_of.empty()) nodes_of = aligned(nodes, nodes_of, longest);
+      for (std::size_t i = 0; i < longest.size(); ++i) {
         NodesAbreast tuple;
-        for (std::size_t l = 0; l < most_abreast; ++l) tuple[l] = of[l] && i < of[l]->size() ? (*of[l])[i] : no_node;
+        for (std::size_t l = 0; l < of.size(); ++l) tuple[l] = of[l].empty() ? no_node : of[l][i];
         join(tuple);
       }
     }

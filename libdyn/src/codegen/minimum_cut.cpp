@@ -6,6 +6,9 @@
 #include <boost/graph/adjacency_list.hpp>
 #include <boost/graph/boykov_kolmogorov_max_flow.hpp>
 
+#include <algorithm>
+#include <map>
+#include <utility>
 #include <vector>
 
 namespace dyn {
@@ -27,16 +30,29 @@ using Network = boost::adjacency_list<boost::vecS, boost::vecS, boost::directedS
 constexpr std::size_t yes = 0, no = 1, first = 2;
 constexpr long forbidden = 1L << 40;
 std::size_t vertexOf(int question) { return first + static_cast<std::size_t>(question); }
+
+/// Costs to and fro between two questions.
+struct Pair {
+  long there = 0, back = 0;
+};
 }  // namespace
 
+/// Sums, until all are known: the search for the flow takes one edge between two vertices for all that there are.
 struct MinimumCut::Impl {
-  Network network{first};
-  int questions = 0;
+  std::vector<long> if_yes, if_no;
+  std::map<std::pair<int, int>, Pair> pairs;  ///< of (a, b) with a < b: a yes and b no, and the other way round
+  Network network;
 
-  void connect(std::size_t a, std::size_t b, long cost) {
-    if (cost == 0) return;
+  void add(int question, int other, long cost) {
+    if (question == other) return;
+    Pair& pair = pairs[std::minmax(question, other)];
+    (question < other ? pair.there : pair.back) += cost;
+  }
+  void connect(std::size_t a, std::size_t b, const Pair& costs) {
+    if (costs.there == 0 && costs.back == 0) return;
     const auto there = boost::add_edge(a, b, network).first, back = boost::add_edge(b, a, network).first;
-    network[there].capacity = cost;
+    network[there].capacity = costs.there;
+    network[back].capacity = costs.back;
     network[there].reverse = back;
     network[back].reverse = there;
   }
@@ -46,16 +62,23 @@ MinimumCut::MinimumCut() : impl_(std::make_unique<Impl>()) {}
 MinimumCut::~MinimumCut() = default;
 
 int MinimumCut::add() {
-  boost::add_vertex(impl_->network);
-  return impl_->questions++;
+  impl_->if_yes.push_back(0);
+  impl_->if_no.push_back(0);
+  return static_cast<int>(impl_->if_yes.size()) - 1;
 }
-void MinimumCut::costsIfNo(int question, int cost) { impl_->connect(yes, vertexOf(question), cost); }
-void MinimumCut::costsIfYes(int question, int cost) { impl_->connect(vertexOf(question), no, cost); }
-void MinimumCut::costsIf(int question, int other, int cost) { impl_->connect(vertexOf(question), vertexOf(other), cost); }
-void MinimumCut::follows(int question, int other) { impl_->connect(vertexOf(question), vertexOf(other), forbidden); }
+void MinimumCut::costsIfNo(int question, int cost) { impl_->if_no[static_cast<std::size_t>(question)] += cost; }
+void MinimumCut::costsIfYes(int question, int cost) { impl_->if_yes[static_cast<std::size_t>(question)] += cost; }
+void MinimumCut::costsIf(int question, int other, int cost) { impl_->add(question, other, cost); }
+void MinimumCut::follows(int question, int other) { impl_->add(question, other, forbidden); }
 
 void MinimumCut::solve() {
-  Network& n = impl_->network;
+  Impl& x = *impl_;
+  Network& n = x.network = Network(first + x.if_yes.size());
+  for (std::size_t k = 0; k < x.if_yes.size(); ++k) {
+    x.connect(yes, first + k, {x.if_no[k], 0});
+    x.connect(first + k, no, {x.if_yes[k], 0});
+  }
+  for (const auto& [questions, costs] : x.pairs) x.connect(vertexOf(questions.first), vertexOf(questions.second), costs);
   boost::boykov_kolmogorov_max_flow(n, boost::get(&Edge::capacity, n), boost::get(&Edge::left, n), boost::get(&Edge::reverse, n),
                                     boost::get(&Vertex::from, n), boost::get(&Vertex::color, n), boost::get(&Vertex::distance, n),
                                     boost::get(boost::vertex_index, n), yes, no);

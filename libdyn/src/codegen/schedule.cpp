@@ -100,6 +100,8 @@ class Packer {
 
   // Costs, in quarters of an operation.
   static constexpr int operation_cost = 4, division_cost = 16, lane_cost = 4, first_lane_cost = 1;
+  /// Of a lane that is stored by itself; of the upper two twice that.
+  static constexpr int stored_cost = 1;
   /// Of a product that nothing but one sum takes: the two are one instruction.
   static constexpr int fused_cost = 1;
   int costOf(std::uint32_t node) const {
@@ -113,6 +115,15 @@ class Packer {
     }
   }
 
+  /// Whether this output is stored together with its neighbours, by the vector that it may be in.
+  bool isStoredAbreast(const std::vector<std::uint32_t>& outputs, std::size_t o) const {
+    const std::uint32_t node = outputs[o];
+    if (!mayBeInVector(node)) return false;
+    const NodesAbreast& of = units_[at(unit_[node])].nodes;
+    const std::size_t lane = at(lane_[node]);
+    return o >= lane && o - lane + of.size() <= outputs.size() &&
+           std::equal(of.begin(), of.end(), outputs.begin() + static_cast<std::ptrdiff_t>(o - lane));
+  }
   /// Asks of each unit whether its operations are done at once. Only those that are need their arguments in lanes, which are there if what
   /// computes them is such a unit, too; what is read by itself must be brought out of lanes.
   void choose(const Graph& graph) {
@@ -128,7 +139,9 @@ class Packer {
     }
     std::vector<char> read_alone(nodes_.size(), 0);
     std::vector<std::vector<int>> readers(nodes_.size());  // units that take it in its lane
-    for (const std::uint32_t output : graph.outputs) read_alone[output] = 1;
+    std::vector<char> stored_alone(nodes_.size(), 0);
+    for (std::size_t o = 0; o < graph.outputs.size(); ++o)
+      if (!isStoredAbreast(graph.outputs, o)) stored_alone[graph.outputs[o]] = 1;
     for (std::uint32_t node = 0; node < nodes_.size(); ++node)
       for (int k = 0; !mayBeInVector(node) && k < arity(nodes_[node].operation); ++k) read_alone[nodes_[node].argument[k]] = 1;
     std::map<NodesAbreast, int> known;
@@ -152,7 +165,10 @@ class Packer {
       const int cost = lane_[node] == 0 ? first_lane_cost : lane_cost;
       if (read_alone[node]) {
         cut.costsIfYes(unit_[node], cost);
-      } else if (!readers[node].empty()) {
+        continue;
+      }
+      if (stored_alone[node]) cut.costsIfYes(unit_[node], lane_[node] < 2 ? stored_cost : 2 * stored_cost);
+      if (!readers[node].empty()) {
         const int stays = cut.add();
         cut.costsIf(unit_[node], stays, cost);
         for (const int reader : readers[node]) cut.follows(stays, reader);

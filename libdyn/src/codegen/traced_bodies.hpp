@@ -42,6 +42,29 @@ struct TracedWorkspace : Workspace<Traced> {
 
 namespace kernels {
 
+struct TracedBodies;
+
+/// Notes what bodies have by themselves.
+template <class T>
+struct NotedFromChildren : FromChildren<TracedBodies, T> {
+  std::vector<Traced>& noted;
+
+  T with(const T& own) const {
+    note(own);
+    return FromChildren<TracedBodies, T>::with(own);
+  }
+  const T& gather(const T& own) const {
+    note(own);
+    return FromChildren<TracedBodies, T>::gather(own);
+  }
+
+ private:
+  void note(const T& own) const {
+    const auto* numbers = reinterpret_cast<const Traced*>(&own);
+    noted.insert(noted.end(), numbers, numbers + sizeof(T) / sizeof(Traced));
+  }
+};
+
 struct TracedBodies : Bodies<Traced> {
   TracedBodies(const CompactImpl& model, Workspace<Traced>& workspace, Limbs& alike) : Bodies{model, workspace}, limbs(alike) {}
   Limbs& limbs;
@@ -75,16 +98,7 @@ struct TracedBodies : Bodies<Traced> {
   /// Tells that all degrees of freedom's numbers in the array are found by the same code.
   template <class Value>
   void neighboursAlike(const Value* array) const {
-    if (!limbs.abreast) return;
-    constexpr int numbers = sizeof(Value) / sizeof(Traced);
-    const int n = m.nvx;
-    for (int first = n % most_abreast - most_abreast; first < n; first += most_abreast)
-      for (int k = 0; k < numbers; ++k) {
-        std::array<Traced, most_abreast> alike;
-        for (int l = std::max(-first, 0); l < most_abreast; ++l)
-          alike[static_cast<std::size_t>(l)] = reinterpret_cast<const Traced*>(array + first + l)[k];
-        limbs.builder->alike(alike);
-      }
+    neighboursAlike(m.nvx, sizeof(Value) / sizeof(Traced), [&](int dof, std::size_t k) { return reinterpret_cast<const Traced*>(array + dof)[k]; });
   }
 
   /// In lanes those of limbs that are alike, else neighbours; columns of matrices as the limbs say.
@@ -114,12 +128,24 @@ struct TracedBodies : Bodies<Traced> {
         std::apply([&](T*... x) { body(joint, i, index(i).idx_v, FromParent<TracedBodies, T>(*this, x, i)...); }, arrays);
       });
   }
+  /// What bodies have by themselves, neighbours have found by the same code.
   template <class Body, class... T>
   void backward(std::tuple<T*...> arrays, Body&& body) const {
+    std::vector<std::vector<Traced>> own(static_cast<std::size_t>(m.bodies()));
     for (std::size_t s = limbs.plan.strips.size(); s-- > 1;)
       overStrip(static_cast<int>(s), [&]<class Joint>(const Joint& joint, int i) {
-        std::apply([&](T*... x) { body(joint, i, index(i).idx_v, FromChildren<TracedBodies, T>(*this, x, i)...); }, arrays);
+        std::apply(
+            [&](T*... x) {
+              body(joint, i, index(i).idx_v, NotedFromChildren<T>{{*this, x, i}, own[static_cast<std::size_t>(i)]}...);
+            },
+            arrays);
       });
+    std::size_t most = 0;
+    for (const std::vector<Traced>& numbers : own) most = std::max(most, numbers.size());
+    neighboursAlike(m.bodies(), most, [&](int i, std::size_t k) {
+      const std::vector<Traced>& numbers = own[static_cast<std::size_t>(i)];
+      return k < numbers.size() ? numbers[k] : Traced();
+    });
   }
 
  private:
@@ -127,6 +153,17 @@ struct TracedBodies : Bodies<Traced> {
 
   static constexpr std::array<int, strip_lanes> nobody{-1, -1, -1, -1};
 
+  /// Of `count` items, which have `numbers` each.
+  template <class NumberOf>
+  void neighboursAlike(int count, std::size_t numbers, NumberOf&& numberOf) const {
+    if (!limbs.abreast) return;
+    for (int first = count % most_abreast - most_abreast; first < count; first += most_abreast)
+      for (std::size_t k = 0; k < numbers; ++k) {
+        std::array<Traced, most_abreast> alike;
+        for (int l = std::max(-first, 0); l < most_abreast; ++l) alike[static_cast<std::size_t>(l)] = numberOf(first + l, k);
+        limbs.builder->alike(alike);
+      }
+  }
   /// choose(dof, isOpen): which go along with dof, by lane, of those that are open yet.
   template <class Use, class Choose>
   void eachTogether(int first, int end, Use&& use, Choose&& choose) const {

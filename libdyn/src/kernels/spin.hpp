@@ -7,7 +7,7 @@
 namespace dyn::kernels {
 
 /// A body's angular velocity w and acceleration a.
-template <class S, bool packs = (lanes_of<S> > 1)>
+template <class S, bool by_matrix = (lanes_of<S> > 1) || is_symbolic<S>>
 class Spin {
  public:
   Spin(const Vec3<S>& w, const Vec3<S>& a) : w_(w), a_(a) {}
@@ -20,8 +20,8 @@ class Spin {
   Vec3<S> w_, a_;
 };
 
-/// The same with the matrix [a]x + [w]x [w]x, whose entries are also the torque's: fewer multiplications, more sums, which packs are computed with at
-/// the same time. Generated code would have to keep its nine entries.
+/// The same with the matrix [a]x + [w]x [w]x, whose entries are also the torque's: fewer multiplications. Of numbers by themselves it has too many
+/// that wait; packs are computed with at the same time, and generated code is in an order that leaves few.
 template <class S>
 class Spin<S, true> {
  public:
