@@ -17,7 +17,7 @@ namespace dyn::kernels {
 /// Of a rigid body: what coriolis() is as a matrix.
 template <class S>
 CoriolisMap<S> coriolisMap(const Vec3<S>& momentum, const Mat3<S>& K) {
-  return {skew(S(-2) * momentum), S(2) * (trace(K) * Mat3<S>::identity() - K)};
+  return {skew(S(-2) * momentum), S(2) * turningTorque(K)};
 }
 
 /// About the parent's origin, with velocities relative to it: r from the parent's to the joint's, rate the joint origin's velocity.

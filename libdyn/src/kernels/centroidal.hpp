@@ -136,7 +136,7 @@ void centroidalColumns(const CentroidalMaps<N>& out, const TreeAxes<S>& tree, co
   if (out.dAg) {
     // d(I s)/dt = I ds/dt + (v x* I - I v x) s, of which coriolis() is the second part plus s x* (momentum).
     const Motion<S> ds = change.rate - change.velocity;
-    const Force<S> rate = inertiaTimes(ds) + coriolis(c.m, c.K, s.angular) - turned(s, c.m.momentum);
+    const Force<S> rate = inertiaTimes(ds) + coriolis(c.m, turningTorque(c.K), s.angular) - turned(s, c.m.momentum);
     put(out.dAg, {rate.linear, rate.angular - cross(dy, U.linear)});
   }
   if (out.dh_dq) {

@@ -36,16 +36,25 @@ Mat3<S> crossColumns(const Vec3<S>& w, const Mat3<S>& M) {
   return out;
 }
 
-/// Force [N, N m] about the joint's origin that a turning rate x brings to a subtree: Coriolis.
+/// The matrix of sum m r x (x x r') for a turning rate x, K = sum m r' r^T: tr K - K.
 template <class S>
-Force<S> coriolis(const SubtreeMomentum<S>& m, const Mat3<S>& K, const Vec3<S>& x) {
-  return S(2) * Force<S>{cross(x, m.momentum.linear), trace(K) * x - K * x};
+Mat3<S> turningTorque(const Mat3<S>& K) {
+  return {{K(1, 1) + K(2, 2), -K(0, 1), -K(0, 2),  //
+           -K(1, 0), K(2, 2) + K(0, 0), -K(1, 2),  //
+           -K(2, 0), -K(2, 1), K(0, 0) + K(1, 1)}};
+}
+inline Mat3<Vectored> turningTorque(const Mat3<Vectored>& K) { return trace(K) * Mat3<Vectored>::identity() - K; }
+
+/// Force [N, N m] about the joint's origin that a turning rate x brings to a subtree: Coriolis. `torque` is its turningTorque.
+template <class S>
+Force<S> coriolis(const SubtreeMomentum<S>& m, const Mat3<S>& torque, const Vec3<S>& x) {
+  return S(2) * Force<S>{cross(x, m.momentum.linear), torque * x};
 }
 /// The turning rates' lever on a motion s: coriolis(x) . s = lever . x.
 template <class Joint, class S>
-Vec3<S> coriolisLever(const SubtreeMomentum<S>& m, const Mat3<S>& K, const Motion<S>& s) {
+Vec3<S> coriolisLever(const SubtreeMomentum<S>& m, const Mat3<S>& torque, const Motion<S>& s) {
   Vec3<S> lever{};
-  if constexpr (Joint::has_angular) lever = trace(K) * s.angular - transposeTimes(K, s.angular);
+  if constexpr (Joint::has_angular) lever = transposeTimes(torque, s.angular);
   if constexpr (Joint::has_linear) lever += cross(m.momentum.linear, s.linear);
   return S(2) * lever;
 }
@@ -107,7 +116,9 @@ DofVariation<S> variationOf(const DofMotion<S>& x, const SubspaceTerms<S>& more)
   const Vec3<S>&sl = x.column.linear, &sw = x.column.angular, &wp = x.w_parent;
   Vec3<S> al = x.acceleration.linear;
   if constexpr (Joint::has_linear) al += cross(wp, x.slide);
-  Motion<S> velocity{{}, cross(wp, sw)}, acceleration{cross(al, sw), cross(x.acceleration.angular, sw)}, rate{{}, cross(x.w, sw)};
+  Motion<S> velocity{{}, cross(wp, sw)}, acceleration{cross(al, sw), cross(x.acceleration.angular, sw)}, rate = velocity;
+  // What turns about one axis leaves that where it is.
+  if constexpr (!Joint::about_z) rate.angular = cross(x.w, sw);
   if constexpr (Joint::has_linear) {
     velocity.linear = cross(wp, sl) - cross(x.slide, sw);
     acceleration.linear += cross(x.acceleration.angular, sl);
@@ -139,10 +150,10 @@ void flyingVariations(const Vec3<S>& acceleration, const Vec3<S>& slide, const V
 template <class Joint, class S>
 DofForces<S> forcesOf(const Motion<S>& s, const DofVariation<S>& x, const Subtree<S>& c) {
   const SubtreeMomentum<S>& m = c.m;
-  const Mat3<S>& K = c.K;
-  return {rigidForceOf<Joint>(m, s), coriolisLever<Joint>(m, K, s),
-          rigidForce(m, x.acceleration) + coriolis(m, K, x.velocity.angular) + turnedOf<Joint>(s, c.f),
-          rigidForceOf<Joint>(m, x.rate) + coriolis(m, K, s.angular)};
+  const Mat3<S> torque = turningTorque(c.K);
+  return {rigidForceOf<Joint>(m, s), coriolisLever<Joint>(m, torque, s),
+          rigidForce(m, x.acceleration) + coriolis(m, torque, x.velocity.angular) + turnedOf<Joint>(s, c.f),
+          rigidForceOf<Joint>(m, x.rate) + coriolis(m, torque, s.angular)};
 }
 
 /// use(k, I s_k) for all six of a flying root.
@@ -159,7 +170,7 @@ template <class S, class Use>
 void flyingForces(const DofVariation<S>* x, const Subtree<S>& c, Use&& use) {
   const SubtreeMomentum<S>& m = c.m;
   const S two(2);
-  const Mat3<S> second = trace(c.K) * Mat3<S>::identity() - c.K, lever = transpose(second), inertia = m.I.matrix();
+  const Mat3<S> second = turningTorque(c.K), lever = transpose(second), inertia = m.I.matrix();
   const Mat3<S> h = skew(m.h), momentum = skew(m.momentum.linear), linear = skew(c.f.linear), angular = skew(c.f.angular);
   const Mat3<S> mass = m.mass * Mat3<S>::identity();
   for (int k = 0; k < 3; ++k) {
