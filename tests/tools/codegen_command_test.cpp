@@ -27,6 +27,9 @@ TEST_CASE("codegen writes source that compiles anywhere and passes its own test"
   const Answer vectors = run("codegen '" + arm + "' --functions rnea --plain --lanes 4");
   CHECK(vectors.code == 2);
   CHECK_THAT(vectors.err, containing("--plain"));
+  const Answer digit = run("codegen '" + arm + "' --functions rnea --prefix 1x");
+  CHECK(digit.code == 2);
+  CHECK_THAT(digit.err, containing("--prefix") && containing("1x"));
 }
 
 TEST_CASE("codegen of a robot called as libraries and targets are, and where M is singular, builds and passes its test", "[command]") {

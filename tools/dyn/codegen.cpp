@@ -180,7 +180,10 @@ void addCodegen(CLI::App& app) {
   sub->add_flag("--float", o->single_precision, "float for double");
   sub->add_flag("--plain", o->plain, "C99 without vectors: fewer operations, more steps; of one state a call");
   sub->add_flag("--casadi", o->casadi, "beside them a CasADi external with Jacobians, NAME_casadi.c");
-  sub->add_option("--prefix", o->prefix, "what the functions' names in the source begin with");
+  const auto begins_name = [](const std::string& text) {
+    return text.empty() || identifier(text) == text ? std::string() : "'" + text + "' begins no name in C: letters, digits and _, no digit first";
+  };
+  sub->add_option("--prefix", o->prefix, "what the functions' names in the source begin with")->check(begins_name);
   sub->add_option("--lanes", o->lanes, "states a call")->capture_default_str()->check(CLI::IsMember({1, 2, 4, 8, 16, 32, 64}));
   sub->callback([o] { run(*o); });
 }
