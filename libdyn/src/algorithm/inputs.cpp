@@ -43,12 +43,21 @@ void follow(const CompactImpl& m, DataImpl& d, bool with_v, bool with_a) {
 
 std::string nameOf(Need need) { return need == Need::derivatives ? "Need::derivatives" : "Need::mass_matrix"; }
 
+// What is thrown stands apart: calls are short enough to be part of what they check for.
+[[noreturn, gnu::cold]] void refuseSize(const char* algorithm, const char* name, std::ptrdiff_t size, int wanted) {
+  throw Error(ErrorCode::size,
+              std::string(algorithm) + ": " + name + " has " + std::to_string(size) + " entries, the model wants " + std::to_string(wanted));
+}
+[[noreturn, gnu::cold]] void refuseData(const char* algorithm, const DataImpl& d, const CompactModel& model, Need need) {
+  if (d.model != &model.impl())
+    throw Error(ErrorCode::argument, std::string(algorithm) + ": data was made for another model; make a Data for this one");
+  throw Error(ErrorCode::argument,
+              std::string(algorithm) + ": data was made without " + nameOf(need) + "; make it as Data(model, " + nameOf(need) + ")");
+}
 }  // namespace
 
 void checkSize(const char* algorithm, const char* name, VectorView x, int wanted) {
-  if (x.size != wanted)
-    throw Error(ErrorCode::size,
-                std::string(algorithm) + ": " + name + " has " + std::to_string(x.size) + " entries, the model wants " + std::to_string(wanted));
+  if (x.size != wanted) refuseSize(algorithm, name, x.size, wanted);
 }
 
 void checkShape(const char* algorithm, const char* name, const MatrixOut& x, int rows, int cols) {
@@ -58,11 +67,8 @@ void checkShape(const char* algorithm, const char* name, const MatrixOut& x, int
 }
 
 void checkData(const char* algorithm, const CompactModel& model, const Data& data, Need need) {
-  if (data.impl().model != &model.impl())
-    throw Error(ErrorCode::argument, std::string(algorithm) + ": data was made for another model; make a Data for this one");
-  if (need != Need::state && !has(data.impl().needs, need))
-    throw Error(ErrorCode::argument,
-                std::string(algorithm) + ": data was made without " + nameOf(need) + "; make it as Data(model, " + nameOf(need) + ")");
+  const DataImpl& d = data.impl();
+  if (d.model != &model.impl() || (need != Need::state && !has(d.needs, need))) refuseData(algorithm, d, model, need);
 }
 
 void keepArguments(Data& data, const Arguments& arguments, const PackMemory* more) {

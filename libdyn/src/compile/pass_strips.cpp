@@ -312,6 +312,11 @@ class Planner {
           plan_.armature.push_back(strip.shown[l] < 0 ? 1.0 : (m_.armature.empty() ? 0.0 : m_.armature[at(v)]));
         }
     }
+    const auto isShared = [&](int dof) {
+      const auto first = plan_.dof_index.begin() + strip_lanes * dof;
+      return std::all_of(first, first + strip_lanes, [&](std::int64_t v) { return v == *first; });
+    };
+    while (plan_.shared_dofs < plan_.dofs && isShared(plan_.shared_dofs)) ++plan_.shared_dofs;
   }
 
   const CompactImpl& m_;

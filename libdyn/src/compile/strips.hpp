@@ -90,6 +90,7 @@ struct StripPlan {
   std::vector<Seat> seats;    ///< by body
   std::vector<StripBatch> batches;
   int dofs = 0;
+  int shared_dofs = 0;                  ///< the first ones, which all lanes have: the root's
   std::vector<std::int64_t> dof_index;  ///< four a degree of freedom: where its lanes are in v and tau
   std::vector<std::int64_t> dof_place;  ///< the other way: where v and tau are among the lanes of all degrees of freedom
   PackMemory constants;                 ///< BodyConstants of packs, a strip each

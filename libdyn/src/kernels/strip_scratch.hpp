@@ -35,7 +35,9 @@ struct StripScratch {
 template <class S>
 const S* gatherDofs(const StripPlan& plan, const double* from, S* to) {
   const std::int64_t* index = plan.dof_index.data();
-  for (int k = 0; k < plan.dofs; ++k, index += strip_lanes) to[k] = gathered<S>(from, index);
+  int k = 0;
+  for (; k < plan.shared_dofs; ++k, index += strip_lanes) to[k] = S(from[*index]);
+  for (; k < plan.dofs; ++k, index += strip_lanes) to[k] = gathered<S>(from, index);
   return to;
 }
 
