@@ -37,7 +37,7 @@ struct Pair {
 };
 }  // namespace
 
-/// Sums, until all are known: the search for the flow takes one edge between two vertices for all that there are.
+/// Sums, until all are known: Boost's search (1.74) finds too little flow where several edges go from one vertex to another.
 struct MinimumCut::Impl {
   std::vector<long> if_yes, if_no;
   std::map<std::pair<int, int>, Pair> pairs;  ///< of (a, b) with a < b: a yes and b no, and the other way round
