@@ -48,12 +48,14 @@ std::string nameOf(Need need) { return need == Need::derivatives ? "Need::deriva
   throw Error(ErrorCode::size,
               std::string(algorithm) + ": " + name + " has " + std::to_string(size) + " entries, the model wants " + std::to_string(wanted));
 }
-[[noreturn, gnu::cold]] void refuseData(const char* algorithm, const DataImpl& d, const CompactModel& model, Need need) {
-  if (d.model != &model.impl())
-    throw Error(ErrorCode::argument, std::string(algorithm) + ": data was made for another model; make a Data for this one");
+[[noreturn, gnu::cold]] void refuseOtherModel(const char* algorithm) {
+  throw Error(ErrorCode::argument, std::string(algorithm) + ": data was made for another model; make a Data for this one");
+}
+[[noreturn, gnu::cold]] void refuseWithout(const char* algorithm, Need need) {
   throw Error(ErrorCode::argument,
               std::string(algorithm) + ": data was made without " + nameOf(need) + "; make it as Data(model, " + nameOf(need) + ")");
 }
+
 }  // namespace
 
 void checkSize(const char* algorithm, const char* name, VectorView x, int wanted) {
@@ -68,7 +70,8 @@ void checkShape(const char* algorithm, const char* name, const MatrixOut& x, int
 
 void checkData(const char* algorithm, const CompactModel& model, const Data& data, Need need) {
   const DataImpl& d = data.impl();
-  if (d.model != &model.impl() || (need != Need::state && !has(d.needs, need))) refuseData(algorithm, d, model, need);
+  if (d.model != &model.impl()) refuseOtherModel(algorithm);
+  if (need != Need::state && !has(d.needs, need)) refuseWithout(algorithm, need);
 }
 
 void keepArguments(Data& data, const Arguments& arguments, const PackMemory* more) {

@@ -262,7 +262,7 @@ struct GraphBuilder::Impl {
     for (const int number : numbers) {
       std::array<std::vector<std::uint32_t>, most_abreast> of;
       for (std::size_t l = 0; l < of.size(); ++l)
-        if (const auto found = runs[l].find(number); found != runs[l].end()) of[l] = found->second;
+        if (const auto found = runs[l].find(number); found != runs[l].end()) of[l] = std::move(found->second);
       const auto longest = *std::max_element(of.begin(), of.end(), [](const auto& a, const auto& b) { return a.size() < b.size(); });
       for (auto& nodes_of : of)
         if (!nodes_of.empty()) nodes_of = aligned(nodes, nodes_of, longest);

@@ -64,6 +64,7 @@ class DYN_API GraphBuilder final : public Recorder {
 
   /// Runs of the same code on other values, one after the other: as many as most_abreast, each of which begins with run(k). Operations that come in
   /// the same place of a step are taken for the same; a step is what is recorded from step(number) on, in whichever order, and none before the first.
+  /// Of numbers that a run knows nothing is recorded: what it has recorded less than another is where operations differ.
   void abreast(const std::function<void()>& runs);
   void run(int k);
   void step(int number);
