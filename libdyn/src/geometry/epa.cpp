@@ -19,9 +19,9 @@ constexpr int most_refinements = 8;
 
 struct Face {
   int corner[3];
-  int neighbour[3];     ///< across the side from corner i to corner i + 1
-  Vec3<double> normal;  ///< unit, outwards
-  double distance = 0;  ///< of its plane from the origin, signed
+  int neighbour[3] = {-1, -1, -1};  ///< across the side from corner i to corner i + 1
+  Vec3<double> normal;              ///< unit, outwards
+  double distance = 0;              ///< of its plane from the origin, signed
   bool alive = false, visible = false;
 };
 
@@ -140,6 +140,9 @@ class Polytope {
       for (int i = 0; i < 3; ++i)
         if (outer.corner[i] == f.corner[1] && outer.corner[(i + 1) % 3] == f.corner[0]) outer.neighbour[i] = new_face_[k];
     }
+    // A rim that meets itself at a corner has sides with nothing before them.
+    for (int k = 0; k < made_; ++k)
+      if (face(new_face_[k]).neighbour[2] < 0) return false;
     for (int k = 0; k < made_; ++k) starts_at_[at(face(new_face_[k]).corner[0])] = -1;
     for (int k = 0; k < visible_; ++k) {
       Face& f = face_[at(seen_[k])];
