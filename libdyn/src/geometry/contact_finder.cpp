@@ -15,7 +15,6 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-constexpr int ids = 64;          ///< a pair has, of 2^24 at most
 constexpr std::size_t most = 8;  ///< contacts of a pair of many pieces
 
 [[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::argument, "geometryContacts: " + what); }
@@ -38,6 +37,17 @@ class Finder {
     }
     checkFriction(options.friction);
     friction_.assign(geometry.pairs().size(), options.friction);
+    std::vector<int> corners;
+    for (const auto& volume : geometry.impl().volumes) {
+      corners.push_back(0);
+      for (int k = 0; k < volume->pieces(); ++k) corners.back() = std::max(corners.back(), cornerIds(volume->piece(k)));
+    }
+    std::int64_t next = 0;
+    for (const auto& [a, b] : geometry.impl().pairs) {
+      ids_.push_back({next, std::max(corners[at(a)], corners[at(b)])});
+      const auto piecesOf = [&](int of) { return static_cast<std::int64_t>(geometry.impl().volumes[at(of)]->pieces()); };
+      next += touchingIds(ids_.back().corners) * piecesOf(a) * piecesOf(b);
+    }
     for (const PairFriction& p : options.pairs) setFriction(p);
   }
 
@@ -54,10 +64,12 @@ class Finder {
         Separation s = x.s;
         s.on_a -= x.center;
         s.on_b -= x.center;
-        const Manifold touching = manifold(x.a, x.b, x.aMb, s);
+        const PairIds& ids = ids_[at(pair)];
+        const Manifold touching = manifold(x.a, x.b, x.aMb, s, ids.corners);
+        const std::int64_t first = ids.first + touchingIds(ids.corners) * (static_cast<std::int64_t>(p.b.pieces()) * x.number[0] + x.number[1]);
         for (int k = 0; k < touching.count; ++k) {
           const TouchingPoint& t = touching.points[k];
-          if (t.gap <= margin_) points_.push_back({x.center + t.on_a, s.normal, t.gap, t.id});
+          if (t.gap <= margin_) points_.push_back({x.center + t.on_a, s.normal, t.gap, first + t.id});
         }
         return true;
       });
@@ -67,11 +79,16 @@ class Finder {
   }
 
  private:
+  /// Those of each two pieces follow those of the two before.
+  struct PairIds {
+    std::int64_t first;
+    int corners;  ///< names, of the piece that has most
+  };
   /// In a's axes.
   struct Found {
     Vec3<double> on_a, normal;
     double gap;
-    int id;
+    std::int64_t id;
   };
 
   void setFriction(const PairFriction& p) {
@@ -114,7 +131,6 @@ class Finder {
     }
     points_.resize(chosen);
     if (lower(lowest, *std::min_element(points_.begin(), points_.end(), lower))) points_.back() = lowest;
-    for (std::size_t k = 0; k < chosen; ++k) points_[k].id = static_cast<int>(k);
   }
 
   /// The point belongs to a body that moves, the surface to the other.
@@ -124,7 +140,7 @@ class Finder {
     const bool of_a = frames_[at(a)] != 0;
     const auto mine = at(of_a ? a : b), other = at(of_a ? b : a);
     ContactPoint point;
-    point.id = ids * pair + x.id;
+    point.id = x.id;
     point.frame = frames_[mine];
     point.point = in_frame_[mine].act(of_a ? x.on_a : on_b);
     point.other = frames_[other];
@@ -142,6 +158,7 @@ class Finder {
   std::vector<int> frames_;            ///< by geometry
   std::vector<SE3<double>> in_frame_;  ///< its pose there
   std::vector<double> friction_;       ///< by pair
+  std::vector<PairIds> ids_;           ///< by pair
   std::vector<Found> points_;
 };
 

@@ -7,7 +7,6 @@ namespace dyn {
 namespace {
 
 constexpr int round_corners = 8;  ///< of the polygon that stands for a round face
-constexpr int nearest_id = 63, crossing_id = 16;
 
 /// Any two axes across a unit vector, the same for the same vector.
 struct Across {
@@ -35,31 +34,38 @@ struct Polygon {
   }
 };
 
-/// Calls add(point) for the corners of what a solid turns along the unit vector n, in order around, eight at most. Only points and segments have
-/// margins.
+/// Calls add(point, name) for the corners of what a solid turns along the unit vector n, in order around, eight at most. Only points and segments
+/// have margins. Names stay with the place on the solid, or on a tilted rim with the lowest point.
 template <class Add>
 void face(const Convex& c, const Vec3<double>& n, const Add& add) {
   const auto rim = [&](double z) {
     const double radial = std::hypot(n.x, n.y);
-    // From the lowest of them on: a tilted disc rests on that.
-    const double first = radial > 0 ? std::atan2(n.y, n.x) : 0;
+    // From the lowest of them on: a tilted disc rests on that, which of a flat one may be anywhere from one moment to the next.
+    const bool tilted = radial > 0.01;
+    const double first = tilted ? std::atan2(n.y, n.x) : 0;
     for (int k = 0; k < round_corners; ++k) {
       const double angle = first + k * (2 * M_PI / round_corners);
-      add(Vec3<double>{c.half.x * std::cos(angle), c.half.x * std::sin(angle), z});
+      add(Vec3<double>{c.half.x * std::cos(angle), c.half.x * std::sin(angle), z}, tilted ? round_corners + k : k);
     }
   };
-  constexpr double flat = 1e-3;  ///< of a hull: slope up to which corners belong to one face
+  constexpr int upper = 2 * round_corners, lower = upper + 1;  // after those of rims
+  constexpr double flat = 1e-3;                                ///< of a hull: slope up to which corners belong to one face
   switch (c.core) {
     case Core::point:
     case Core::half_space:
-      add(c.margin * n);
+      add(c.margin * n, 0);
       return;
     case Core::segment: {
       // Of a capsule that lies askew the end that is lower by its cap, the other by the line along its side.
-      const Vec3<double> end{0, 0, std::copysign(c.half.z, n.z)};
       const double radial = std::hypot(n.x, n.y), out = radial > 0 ? c.margin / radial : 0;
-      add(end + c.margin * n);
-      if (radial > M_SQRT1_2) add(Vec3<double>{out * n.x, out * n.y, -end.z});
+      for (const int end : {upper, lower}) {
+        const Vec3<double> at{0, 0, end == upper ? c.half.z : -c.half.z};
+        if ((end == lower) == std::signbit(n.z)) {
+          add(at + c.margin * n, end);
+        } else if (radial > M_SQRT1_2) {
+          add(Vec3<double>{out * n.x, out * n.y, at.z}, end);
+        }
+      }
       return;
     }
     case Core::box: {
@@ -71,7 +77,7 @@ void face(const Convex& c, const Vec3<double>& n, const Add& add) {
         corner[axis] = std::copysign(c.half[axis], n[axis]);
         corner[p] = sign[0] * c.half[p];
         corner[q] = sign[1] * c.half[q];
-        add(corner);
+        add(corner, (corner.x > 0 ? 1 : 0) + (corner.y > 0 ? 2 : 0) + (corner.z > 0 ? 4 : 0));
       }
       return;
     }
@@ -79,36 +85,39 @@ void face(const Convex& c, const Vec3<double>& n, const Add& add) {
       if (std::abs(n.z) > M_SQRT1_2) return rim(std::copysign(c.half.z, n.z));
       Vec3<double> side = c.support(n);
       side.z = c.half.z;
-      add(side);
+      add(side, upper);
       side.z = -c.half.z;
-      add(side);
+      add(side, lower);
       return;
     }
     case Core::cone: {
       if (n.z < -M_SQRT1_2) return rim(-c.half.z);
-      add(Vec3<double>{0, 0, c.half.z});
+      add(Vec3<double>{0, 0, c.half.z}, upper);
       const double radial = std::hypot(n.x, n.y);
-      if (radial > 0 && n.z < M_SQRT1_2) add(Vec3<double>{c.half.x * n.x / radial, c.half.x * n.y / radial, -c.half.z});
+      if (radial > 0 && n.z < M_SQRT1_2) add(Vec3<double>{c.half.x * n.x / radial, c.half.x * n.y / radial, -c.half.z}, lower);
       return;
     }
     case Core::hull: {
       const Vec3<double> lowest = c.support(n);
       const Across axes(n);
-      Vec3<double> before, first;
+      int before = -1, first = -1;
       for (int k = 0; k < round_corners; ++k) {
         const double angle = k * (2 * M_PI / round_corners);
         const Vec3<double> outward = std::cos(angle) * axes.u + std::sin(angle) * axes.v;
-        Vec3<double> best = lowest;
+        int best = -1;
+        double farthest = -HUGE_VAL;
         for (int i = 0; i < c.count; ++i) {
           const Vec3<double> from = c.points[i] - lowest;
-          const double below = -dot(from, n);
-          if (below <= flat * norm(from) && dot(c.points[i] - best, outward) > 0) best = c.points[i];
+          const double below = -dot(from, n), out = dot(from, outward);
+          if (below <= flat * norm(from) && out > farthest) {
+            best = i;
+            farthest = out;
+          }
         }
-        const auto same = [](const Vec3<double>& a, const Vec3<double>& b) { return a.x == b.x && a.y == b.y && a.z == b.z; };
-        if (k > 0 && (same(best, before) || same(best, first))) continue;
+        if (best == before || best == first) continue;
         if (k == 0) first = best;
         before = best;
-        add(best);
+        add(c.points[best], best);
       }
       return;
     }
@@ -117,20 +126,20 @@ void face(const Convex& c, const Vec3<double>& n, const Add& add) {
 
 class Facing {
  public:
-  Facing(const Convex& a, const Convex& b, const SE3<double>& aMb, const Separation& s)
-      : a_(a), b_(b), aMb_(aMb), s_(s), n_(s.normal), axes_(s.normal), origin_(s.on_a) {}
+  Facing(const Convex& a, const Convex& b, const SE3<double>& aMb, const Separation& s, int corner_ids)
+      : a_(a), b_(b), aMb_(aMb), s_(s), n_(s.normal), corner_ids_(corner_ids), axes_(s.normal), origin_(s.on_a) {}
 
   Manifold run() {
     // A half-space shares all of the other's face; its surface is at height 0, where on_a is, or where on_b is.
     if (a_.core == Core::half_space) {
       const Polygon b = towardsA();
-      for (int k = 0; k < b.count; ++k) out_.add({point(b.corners[k].u, b.corners[k].v, 0), b.corners[k].h, k});
+      for (int k = 0; k < b.count; ++k) out_.add({point(b.corners[k].u, b.corners[k].v, 0), b.corners[k].h, b.corners[k].id});
     } else if (b_.core == Core::half_space) {
       const Polygon a = towardsB();
       const double height = dot(s_.on_b - origin_, n_);
       for (int k = 0; k < a.count; ++k) {
         const Corner& c = a.corners[k];
-        out_.add({point(c.u, c.v, c.h), height - c.h, k});
+        out_.add({point(c.u, c.v, c.h), height - c.h, c.id});
       }
     } else {
       share(towardsB(), towardsA());
@@ -140,6 +149,12 @@ class Facing {
   }
 
  private:
+  // Ids: corners of A, of B, where sides of B cut A, sides of A cut B, a shared piece of two sides, the nearest points by what
+  // is foremost of either.
+  int cutting() const { return 2 * corner_ids_; }
+  int shared() const { return 6 * corner_ids_; }
+  int nearest() const { return shared() + 2; }
+
   Corner flatten(const Vec3<double>& x, int id) const {
     const Vec3<double> d = x - origin_;
     return {dot(d, axes_.u), dot(d, axes_.v), dot(d, n_), id};
@@ -148,12 +163,12 @@ class Facing {
 
   Polygon towardsB() const {
     Polygon p;
-    face(a_, n_, [&](const Vec3<double>& x) { p.add(flatten(x, p.count)); });
+    face(a_, n_, [&](const Vec3<double>& x, int name) { p.add(flatten(x, name)); });
     return p;
   }
   Polygon towardsA() const {
     Polygon p;
-    face(b_, -transposeTimes(aMb_.R, n_), [&](const Vec3<double>& x) { p.add(flatten(aMb_.act(x), p.count)); });
+    face(b_, -transposeTimes(aMb_.R, n_), [&](const Vec3<double>& x, int name) { p.add(flatten(aMb_.act(x), corner_ids_ + name)); });
     return p;
   }
 
@@ -198,8 +213,8 @@ class Facing {
   }
 
   /// Sutherland and Hodgman 1974: `p` becomes what of it is inside of the convex polygon `by`. Where a side of `by` cuts it, the new corners
-  /// are called by that side, and by whether the way around p enters or leaves there.
-  static void clip(Polygon& p, const Polygon& by) {
+  /// are called by that side's first corner, and by whether the way around p enters or leaves there.
+  void clip(Polygon& p, const Polygon& by) const {
     double area = 0;
     for (int k = 0; k < by.count; ++k) {
       const Corner &c = by.corners[k], &d = by.corners[(k + 1) % by.count];
@@ -215,7 +230,7 @@ class Facing {
         if (ix >= 0) kept.add(x);
         if ((ix < 0) == (iy < 0) || (p.count == 2 && i == 1)) continue;
         const double s = ix / (ix - iy);
-        kept.add({x.u + s * (y.u - x.u), x.v + s * (y.v - x.v), x.h + s * (y.h - x.h), crossing_id + 2 * k + (iy >= 0 ? 1 : 0)});
+        kept.add({x.u + s * (y.u - x.u), x.v + s * (y.v - x.v), x.h + s * (y.h - x.h), cutting() + 2 * c.id + (iy >= 0 ? 1 : 0)});
       }
       p = kept;
     }
@@ -232,7 +247,7 @@ class Facing {
     const double first = (r.u - p.u) * du + (r.v - p.v) * dv, last = (t.u - p.u) * du + (t.v - p.v) * dv;
     const double low = std::max(0.0, std::min(first, last)), high = std::min(along, std::max(first, last));
     if (!(high > low) || first == last) return;
-    int id = 0;
+    int id = shared();
     for (const double s : {low, high}) {
       const double share = s / along, on_a = p.h + share * (q.h - p.h), on_b = r.h + (s - first) / (last - first) * (t.h - r.h);
       out_.add({point(p.u + share * (q.u - p.u), p.v + share * (q.v - p.v), on_a), on_b - on_a, id++});
@@ -243,13 +258,25 @@ class Facing {
   void addNearest() {
     double lowest = HUGE_VAL, size = norm(s_.on_a) + norm(aMb_.p);
     for (int k = 0; k < out_.count; ++k) lowest = std::min(lowest, out_.points[k].gap);
-    if (lowest > s_.distance + 1e-12 * size) out_.add({s_.on_a, s_.distance, nearest_id});
+    if (!(lowest > s_.distance + 1e-12 * size)) return;
+    const Polygon a = towardsB(), b = towardsA();
+    const std::int64_t of_a = foremost(a, b, s_.on_a, 0), of_b = foremost(b, a, s_.on_b, corner_ids_);
+    out_.add({s_.on_a, s_.distance, nearest() + (corner_ids_ + 1) * of_a + of_b});
+  }
+  /// Of the corners that p turns to another solid the one next to x; of a face that less than a face is next to none, corner_ids_: it may be
+  /// anywhere in it.
+  int foremost(const Polygon& p, const Polygon& other, const Vec3<double>& x, int first_id) const {
+    if (p.count > 2 && other.count <= 2) return corner_ids_;
+    const Corner at = flatten(x, 0);
+    const auto away = [&](const Corner& c) { return std::hypot(c.u - at.u, c.v - at.v, c.h - at.h); };
+    return std::min_element(p.corners, p.corners + p.count, [&](const Corner& c, const Corner& d) { return away(c) < away(d); })->id - first_id;
   }
 
   const Convex &a_, &b_;
   const SE3<double>& aMb_;
   const Separation& s_;
   const Vec3<double>& n_;
+  const int corner_ids_;
   Across axes_;
   Vec3<double> origin_;
   Manifold out_;
@@ -257,6 +284,8 @@ class Facing {
 
 }  // namespace
 
-Manifold manifold(const Convex& a, const Convex& b, const SE3<double>& aMb, const Separation& s) { return Facing(a, b, aMb, s).run(); }
+Manifold manifold(const Convex& a, const Convex& b, const SE3<double>& aMb, const Separation& s, int corner_ids) {
+  return Facing(a, b, aMb, s, corner_ids).run();
+}
 
 }  // namespace dyn

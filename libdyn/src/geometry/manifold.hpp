@@ -3,13 +3,21 @@
 
 #include "geometry/convex.hpp"
 
+#include <algorithm>
+#include <cstdint>
+
 namespace dyn {
+
+/// Names of corners that a solid can turn towards another.
+inline int cornerIds(const Convex& c) { return c.core == Core::hull ? std::max(c.count, 1) : 18; }
+/// Ids of points where solids touch of which none has more names for corners.
+constexpr std::int64_t touchingIds(std::int64_t corner_ids) { return 6 * corner_ids + 2 + (corner_ids + 1) * (corner_ids + 1); }
 
 /// In the axes of A, of a separation's normal n.
 struct TouchingPoint {
   Vec3<double> on_a;
-  double gap = 0;  ///< from there along n to B
-  int id = 0;      ///< below 64, the same as long as the same corners and sides meet
+  double gap = 0;       ///< from there along n to B
+  std::int64_t id = 0;  ///< the same as long as the same corners and sides meet
 };
 
 struct Manifold {
@@ -22,7 +30,8 @@ struct Manifold {
   }
 };
 
-/// For s = separation(a, b, aMb). No gap is less than s.distance, and one is that. Not of two half-spaces.
-Manifold manifold(const Convex& a, const Convex& b, const SE3<double>& aMb, const Separation& s);
+/// For s = separation(a, b, aMb); ids are below touchingIds(corner_ids), which is no less than either solid's. No gap is less than s.distance, and
+/// one is that. Not of two half-spaces.
+Manifold manifold(const Convex& a, const Convex& b, const SE3<double>& aMb, const Separation& s, int corner_ids);
 
 }  // namespace dyn

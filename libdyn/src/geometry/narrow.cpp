@@ -149,7 +149,7 @@ void askContacts(const Volume& a, const Volume& b, const SE3<double>& aMb, doubl
   const Search search(a, b, aMb);
   search.run(within, [&](int i, int j) {
     const Separation s = search.pieces(i, j, within, false);
-    return s.distance > within || found(context, {a.piece(i), b.piece(j), a.center(i), search.between(i, j), s}) ? within : -infinity;
+    return s.distance > within || found(context, {a.piece(i), b.piece(j), {i, j}, a.center(i), search.between(i, j), s}) ? within : -infinity;
   });
 }
 

@@ -15,6 +15,7 @@ Separation nearest(const Volume& a, const Volume& b, const SE3<double>& aMb, dou
 /// Two pieces, in a's frame but for their own: pose of the one that is a's, of b's in a's piece, and their separation as nearest() gives it.
 struct NearPieces {
   const Convex &a, &b;
+  int number[2];        ///< among their volumes' pieces
   Vec3<double> center;  ///< of a's piece
   SE3<double> aMb;      ///< from b's piece to a's
   Separation s;         ///< in a's volume

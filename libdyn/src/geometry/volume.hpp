@@ -92,6 +92,7 @@ class Volume {
   bool single() const { return nodes_.empty() && !pieces_.empty(); }
   /// A half-space has no bounds; its box is infinite.
   bool bounded() const { return pieces_.empty() || pieces_.front().core != Core::half_space; }
+  int pieces() const { return static_cast<int>(pieces_.size()); }
   const Convex& piece(int i) const { return pieces_[static_cast<std::size_t>(i)]; }
   const Vec3<double>& center(int i) const { return centers_[static_cast<std::size_t>(i)]; }  ///< of a piece, in the volume's frame
   const Node& node(int i) const { return nodes_[static_cast<std::size_t>(i)]; }              ///< 0 is the root

@@ -17,7 +17,7 @@ ContactFinder pointsOnPlane(const CompactModel& model, const std::vector<std::st
   std::vector<ContactPoint> points;
   for (const std::string& name : frames) {
     ContactPoint point;
-    point.id = static_cast<int>(points.size());
+    point.id = static_cast<std::int64_t>(points.size());
     point.frame = model.frameId(name);
     if (point.frame < 0) throw Error(ErrorCode::argument, "pointsOnPlane: the model has no frame '" + name + "'");
     point.normal = (1 / length) * normal;

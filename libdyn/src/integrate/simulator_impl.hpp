@@ -32,7 +32,7 @@ struct Simulator::Impl {
   Eigen::VectorXd after_impact;
   Eigen::VectorXd contact_u, contact_v, shown_u;  ///< a contact step's way and velocity, in axes held at its start, and a part of the way
   std::vector<Unilateral::Gap> gaps_before, gaps_halfway, gaps_after;
-  std::vector<long> closing;
+  std::vector<std::int64_t> closing;
 
   // By Unilateral::rubbing().
   std::vector<char> resting;  ///< at the step's beginning, or so near to it that friction takes them for that

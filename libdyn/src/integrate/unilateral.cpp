@@ -67,7 +67,7 @@ void Unilateral::watchLimits() {
   }
 }
 
-const Unilateral::Gap* Unilateral::find(const std::vector<Gap>& gaps, long key) {
+const Unilateral::Gap* Unilateral::find(const std::vector<Gap>& gaps, std::int64_t key) {
   const auto found = std::find_if(gaps.begin(), gaps.end(), [key](const Gap& gap) { return gap.key == key; });
   return found == gaps.end() ? nullptr : &*found;
 }
@@ -76,7 +76,7 @@ const std::vector<Unilateral::Gap>& Unilateral::look(double t, const double* q) 
   gaps_.clear();
   points_.clear();
   for (std::size_t k = 0; k < limits_.size(); ++k)
-    gaps_.push_back({-static_cast<long>(k) - 1, limits_[k].upper ? limits_[k].bound - q[limits_[k].q] : q[limits_[k].q] - limits_[k].bound});
+    gaps_.push_back({-static_cast<std::int64_t>(k) - 1, limits_[k].upper ? limits_[k].bound - q[limits_[k].q] : q[limits_[k].q] - limits_[k].bound});
   if (finder_) guardCallback("the finder of contacts", t, [&] { finder_({q, model_.nq()}, points_); });
   for (const ContactPoint& point : points_) gaps_.push_back({point.id, point.gap});
   return gaps_;
@@ -123,7 +123,7 @@ void Unilateral::bind() {
   }
   std::vector<ConstraintDescription> more;
   std::vector<FrictionCone> cones;
-  std::vector<long> keys;
+  std::vector<std::int64_t> keys;
   std::vector<ContactPoint> points;
   for (const std::size_t gap : chosen_) {
     const ContactPoint* p = pointOf(gap);

@@ -30,11 +30,11 @@ class Unilateral {
 
   /// Contacts and limits by number: those of `gaps` in the same order as long as the finder tells of the same.
   struct Gap {
-    long key;      ///< the same from call to call
-    double value;  ///< [m, rad]
+    std::int64_t key;  ///< the same from call to call
+    double value;      ///< [m, rad]
   };
   /// That of the same contact; null if there is none.
-  static const Gap* find(const std::vector<Gap>& gaps, long key);
+  static const Gap* find(const std::vector<Gap>& gaps, std::int64_t key);
   /// At q; a view of what the next call overwrites.
   const std::vector<Gap>& look(double t, const double* q);
 
@@ -83,7 +83,7 @@ class Unilateral {
   };
   /// The constraint set of the chosen ones. Those of the last few choices are kept: joints come to the same limits, feet to the same ground.
   struct Bound {
-    std::vector<long> keys;
+    std::vector<std::int64_t> keys;
     std::vector<ContactPoint> points;
     std::vector<std::size_t> resting;
     ConstraintData data;

@@ -4,6 +4,7 @@
 #include <dyn/compile/compact_model.hpp>
 #include <dyn/data/views.hpp>
 
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
@@ -12,7 +13,7 @@ namespace dyn {
 
 /// A point of one body near the surface of another.
 struct ContactPoint {
-  int id = 0;             ///< the same for the same pair from call to call
+  std::int64_t id = 0;    ///< not negative; from call to call the same for the same place of the two bodies' surfaces, and of no other
   int frame = 0;          ///< whose point it is, by number of CompactModel::frames()
   Vec3<double> point{};   ///< in its axes [m]
   int other = 0;          ///< whose surface it is; 0: the world
