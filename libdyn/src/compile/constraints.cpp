@@ -93,10 +93,22 @@ class Packer {
     p.row = takeRows(p.rows);
     p.free = c.free;
     p.axes = c.axes;
+    listDirections(p);
     p.has_target = c.has_target;
     p.baumgarte = current_->baumgarte;
     if (p.baumgarte.position > 0 && !p.has_target) refuse("it has a gain on an error of position, but no place to be at (has_target)");
     out_.frames.push_back(std::move(p));
+  }
+
+  static void listDirections(PackedFrameConstraint& p) {
+    p.own_axes = Mat3<double>::identity();
+    if (p.axes == ConstraintAxes::LOCAL) p.own_axes = p.placement[0].R;
+    if (p.axes == ConstraintAxes::OTHER) p.own_axes = p.placement[1].R;
+    p.linear_rows = static_cast<int>(std::count(p.free.begin(), p.free.begin() + 3, false));
+    eachDirection(p, [&](int row, int direction) {
+      const int k = row - p.row;
+      for (int a = 0; a < 3; ++a) (direction < 3 ? p.linear[a][k] : p.angular[a][k - p.linear_rows]) = p.own_axes(a, direction % 3);
+    });
   }
 
   void listSlots(PackedFrameConstraint& p) const {

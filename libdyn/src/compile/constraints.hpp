@@ -10,8 +10,12 @@
 
 namespace dyn {
 
+/// Component a of the k-th of at most three directions: [a][k]; 0 where there are fewer.
+using Directions = double[3][4];
+
 struct PackedFrameConstraint {
   int row = 0, rows = 0;
+  int linear_rows = 0;  ///< the first of them
   int body[2] = {0, 0};
   int common = 0;            ///< the last body that moves both, or 0
   SE3<double> placement[2];  ///< of the constraint's frames, in the bodies' core frames
@@ -23,6 +27,8 @@ struct PackedFrameConstraint {
   std::vector<Slot> slots;   ///< by dof
   std::vector<int> path[2];  ///< slots from each body to the world, joint by joint the first degree of freedom first
   ConstraintAxes axes = ConstraintAxes::LOCAL;
+  Mat3<double> own_axes;                 ///< these, in the axes of the body that they turn with; of the world where they do not
+  Directions linear = {}, angular = {};  ///< of the rows, likewise
   bool has_target = false;
   Baumgarte baumgarte;
   bool turnsFreely() const { return free[3] && free[4] && free[5]; }

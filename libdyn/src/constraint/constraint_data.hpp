@@ -5,6 +5,7 @@
 #include "constraint/delassus_solver.hpp"
 #include "constraint/rows.hpp"
 #include "kernels/constrained_inverse.hpp"
+#include "kernels/row_derivatives.hpp"
 
 #include <dyn/constraint/constraint_set.hpp>
 
@@ -33,13 +34,13 @@ struct ConstraintDataImpl {
   ConstraintSet set;
   Need needs;
   PackMemory block;
-  FrameRows* frames = nullptr;
+  kernels::FrameRows* frames = nullptr;
   kernels::ConstraintWorkspace workspace;
   DelassusSolver solver;
   ConeSolver cone_solver;
   bool in_strips = false;   ///< the last recursion, whose rest is to follow
   bool by_inertia = false;  ///< the last free motion was found by M
-  RowMotion motion{};
+  kernels::RowMotion motion{};
   double* lambda = nullptr;
   double* wanted = nullptr;  ///< right-hand side of the equation for lambda
   double* step = nullptr;    ///< a correction of lambda

@@ -2,6 +2,7 @@
 
 #include "joint/coordinate.hpp"
 #include "kernels/constraint_table.hpp"
+#include "kernels/frame_rows.hpp"
 
 #include <dyn/lie/so3.hpp>
 
@@ -30,7 +31,7 @@ Quotient quotient(double cosine) {
 
 /// How the angular part of a constraint's error, in axes that turn with its first frame, changes as the first body turns against the second: all
 /// in the aligned axes of the first one's tree.
-Mat3<double> errorByTurning(const PackedFrameConstraint& f, const Mat3<double>& own, const Mat3<double>& other, const FrameRows& x) {
+Mat3<double> errorByTurning(const PackedFrameConstraint& f, const Mat3<double>& own, const Mat3<double>& other, const kernels::FrameRows& x) {
   const Mat3<double> first = own * f.placement[0].R, second = transpose(x.turn) * (other * f.placement[1].R);
   if (f.turnsFreely()) return {};
   for (int k = 0; k < 3; ++k)
@@ -47,7 +48,7 @@ Mat3<double> errorByTurning(const PackedFrameConstraint& f, const Mat3<double>& 
       }
       return out;
     }
-  return first * Jlog3(transposeTimes(first, x.axes * x.error.angular)) * transpose(first);
+  return first * Jlog3(transposeTimes(first, x.error.angular)) * transpose(first);
 }
 
 /// A follower's columns added to its master's.
@@ -73,7 +74,7 @@ void foldColumns(const CompactImpl& m, const DataImpl& d, const PackedFrameConst
 }
 
 /// The motions of a constraint's point on its two bodies, and their columns to c.columns.
-void pointMotions(const CompactImpl& m, const DataImpl& d, const ConstraintDataImpl& c, const PackedFrameConstraint& f, const FrameRows& x,
+void pointMotions(const CompactImpl& m, const DataImpl& d, const ConstraintDataImpl& c, const PackedFrameConstraint& f, const kernels::FrameRows& x,
                   kernels::PointMotion* points) {
   for (int e = 0; e < 2; ++e) {
     // As if gravity were an acceleration of the world.
@@ -85,13 +86,6 @@ void pointMotions(const CompactImpl& m, const DataImpl& d, const ConstraintDataI
     }
   }
   for (Motion<double>* motion : {&points[1].velocity, &points[1].acceleration}) *motion = kernels::turnedBack(x.turn, *motion);
-}
-
-/// The wrench of the rows' forces in axes of 1, at its origin.
-Force<double> wrenchOf(const PackedFrameConstraint& f, const Mat3<double>& axes, const double* lambda) {
-  Force<double> out;
-  eachDirection(f, [&](int row, int direction) { (direction < 3 ? out.linear : out.angular) += lambda[row] * axes.col(direction % 3); });
-  return out;
 }
 
 const TypeBatch& batchOf(const CompactImpl& m, int body) { return m.batches[at(m.index[at(body)].batch)]; }
@@ -152,7 +146,7 @@ void linearizeRows(const CompactModel& model, DataImpl& d, ConstraintDataImpl& c
   const PackedConstraints& packed = c.set.impl();
   for (std::size_t i = 0; i < packed.frames.size(); ++i) {
     const PackedFrameConstraint& f = packed.frames[i];
-    kernels::RowState x{c.frames[i], {}, {}, {}, wrenchOf(f, c.frames[i].axes, c.lambda)};
+    kernels::RowState x{c.frames[i], {}, {}, {}, kernels::wrenchOf(f, c.frames[i], c.lambda)};
     pointMotions(m, d, c, f, c.frames[i], x.points);
     if (feedback) x.gains = f.baumgarte;
     if (x.gains.position > 0)
@@ -167,17 +161,14 @@ void rowForcesOnBodies(const CompactModel& model, const ConstraintDataImpl& c, F
   std::fill_n(fext, m.joints.size(), Force<double>{});
   for (std::size_t k = 0; k < c.set.impl().frames.size(); ++k) {
     const PackedFrameConstraint& f = c.set.impl().frames[k];
-    const FrameRows& x = c.frames[k];
-    const Force<double> wrench = wrenchOf(f, x.axes, c.lambda);
-    const auto add = [&](int e, const Force<double>& at_point) {
-      if (f.body[e] == 0) return;
+    const kernels::FrameRows& x = c.frames[k];
+    for (int e = 0; e < 2; ++e) {
+      if (f.body[e] == 0) continue;
       const Mat3<double>& R = c.workspace.stateOf(c.set.impl(), f.body[e]).R;
-      const Vec moment = at_point.angular + cross(x.lever[e], at_point.linear);
+      const Force<double> force = kernels::forceOnBody(f, x, c.lambda, e);
       const std::size_t joint = at(m.index[at(f.body[e])].joint);
-      fext[joint] += m.user_frame[joint].actInv(Force<double>{transposeTimes(R, at_point.linear), transposeTimes(R, moment)});
-    };
-    add(0, wrench);
-    add(1, {-(x.turn * wrench.linear), -(x.turn * wrench.angular)});
+      fext[joint] += m.user_frame[joint].actInv(Force<double>{transposeTimes(R, force.linear), transposeTimes(R, force.angular)});
+    }
   }
 }
 

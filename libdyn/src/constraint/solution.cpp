@@ -57,8 +57,7 @@ void prepareRows(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c, const
   const PackedConstraints& packed = c.set.impl();
   const PlacedBodies bodies = placedBodies(d, c);
   bodies.run.locate(m, bodies.memory, packed, v, c.workspace);
-  locateRows(m, packed, c.workspace, q, v, c.frames, c.motion);
-  writeRowForces(m, packed, c.frames, q, c.workspace);
+  locateRows(m, packed, q, v, c.frames, c.motion, c.workspace);
 }
 
 void articulateRows(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c) {

@@ -2,9 +2,8 @@
 #pragma once
 
 #include "compile/constraints.hpp"
+#include "kernels/lanes.hpp"
 #include "kernels/workspace.hpp"
-
-#include <bit>
 
 namespace dyn::kernels {
 
@@ -40,8 +39,13 @@ struct ConstrainedDof {
   Force<double> W() const { return inLane(dof.W, seat.lane); }
   double inverse() const { return inLane(dof.inverse, seat.lane); }
   double y() const { return inLane(dof.y, seat.lane); }
+  /// All lanes at once: what is written number by number and read as a pack stalls the core.
   void setY(double y) const {
-    for (unsigned left = seat.lanes; left != 0; left &= left - 1) reinterpret_cast<double*>(&dof.y)[std::countr_zero(left)] = y;
+    if constexpr (lanes_of<S> == 1) {
+      dof.y = y;
+    } else {
+      dof.y = select(lanes<S>(seat.lanes), S(y), dof.y);
+    }
   }
 };
 

@@ -37,72 +37,96 @@ void locateChains(const ConstrainedBodies<S>& bodies, const PackedConstraints& c
   }
 }
 
-/// A pack of rows, from `first` on, climbs a chain.
-template <class Wide, class S>
+/// A pack of rows on its way to the world.
+template <class P>
+struct ClimbingRows {
+  Force<P> F;
+  P reach, free, bound;
+};
+
+/// As many packs of rows side by side, from `first` on, climb a chain: each waits for its own numbers at every degree of freedom.
+template <class P, int packs, class S>
 void climbChain(const ConstrainedBodies<S>& bodies, const PackedConstraints& c, int number, int first, bool eliminated, ConstraintWorkspace& x) {
-  const auto load = [](const double* from) { return loadPack<Wide>(from); };
-  const auto store = [](const Wide& value, double* to) { storePack(value, to); };
-  const auto along = [](const auto& s, const Force<Wide>& f) {
-    const Wide linear = Wide(s.linear.x) * f.linear.x + Wide(s.linear.y) * f.linear.y + Wide(s.linear.z) * f.linear.z;
-    const Wide angular = Wide(s.angular.x) * f.angular.x + Wide(s.angular.y) * f.angular.y + Wide(s.angular.z) * f.angular.z;
+  constexpr int lanes = lanes_of<P>;
+  const auto along = [](const auto& s, const Force<P>& f) {
+    const P linear = P(s.linear.x) * f.linear.x + P(s.linear.y) * f.linear.y + P(s.linear.z) * f.linear.z;
+    const P angular = P(s.angular.x) * f.angular.x + P(s.angular.y) * f.angular.y + P(s.angular.z) * f.angular.z;
     return linear + angular;
   };
   const ConstrainedChain& chain = c.chains[static_cast<std::size_t>(number)];
-  const double* from = x.forceOf(number) + (first - chain.row_begin);
   const std::ptrdiff_t step = x.wholePacks(chain.row_end - chain.row_begin);
   const bool on_joints = c.actsOnJoints();
-  Force<Wide> F{{load(from), load(from + step), load(from + 2 * step)}, {load(from + 3 * step), load(from + 4 * step), load(from + 5 * step)}};
-  Wide reach = load(from + ConstraintWorkspace::reach * step), free = load(x.free + first), bound = load(x.bound + first);
+  ClimbingRows<P> rows[packs];
+  for (int p = 0; p < packs; ++p) {
+    const int row = first + p * lanes;
+    const auto force = [&](int component) { return loadPack<P>(x.forceOf(number) + component * step + (row - chain.row_begin)); };
+    rows[p] = {{{force(0), force(1), force(2)}, {force(3), force(4), force(5)}},
+               force(ConstraintWorkspace::reach),
+               loadPack<P>(x.free + row),
+               loadPack<P>(x.bound + row)};
+  }
   for (int place = chain.begin; place < chain.end; ++place) {
     const ConstrainedBody& body = c.bodies[static_cast<std::size_t>(place)];
     const auto here = bodies[body];
     const Vec3<double> r = here.r();
+    const P far(dot(r, r));
     for (int k = 0; k < here.nv(); ++k) {
       const auto dof = here.dof(k);
-      const Motion<double> s = dof.S_();
-      double* share = x.shareOf(body.dof + k) + first;
-      const Wide inverse(dof.inverse());
-      Wide y = along(s, F), uncancelled = Wide(dot(s.linear, s.linear)) * dot(F.linear, F.linear) + Wide(dot(s.angular, s.angular)) * reach;
-      if (on_joints) {
-        const Wide own = load(share);
-        y += own;
-        uncancelled += own * own;
-      }
-      const Wide scaled = inverse * y;
-      store(y, share);
-      store(scaled, x.scaledOf(body.dof + k) + first);
-      bound += inverse * uncancelled;
-      const bool last = k == here.nv() - 1;
-      if (last) {
-        free += along(here.beta(), F);
-        reach += Wide(dot(r, r)) * dot(F.linear, F.linear);
-      }
-      if (!eliminated) continue;
-      free += y * Wide(dof.y());
-      const Wide less = last ? y : scaled;
+      const Motion<double> s = dof.S_(), beta = here.beta();
       const Force<double> W = dof.W();
-      if (last) F.angular += cross(cast<Wide>(r), F.linear);  // abaInward has moved this W to the parent
-      F.linear -= Vec3<Wide>{less * Wide(W.linear.x), less * Wide(W.linear.y), less * Wide(W.linear.z)};
-      F.angular -= Vec3<Wide>{less * Wide(W.angular.x), less * Wide(W.angular.y), less * Wide(W.angular.z)};
+      const P inverse(dof.inverse()), y_free(dof.y()), reach_of_linear(dot(s.linear, s.linear)), reach_of_angular(dot(s.angular, s.angular));
+      const bool last = k == here.nv() - 1;
+      double *const shares = x.shareOf(body.dof + k) + first, *const scaled_shares = x.scaledOf(body.dof + k) + first;
+      for (int p = 0; p < packs; ++p) {
+        ClimbingRows<P>& row = rows[p];
+        Force<P>& F = row.F;
+        const P far_off = dot(F.linear, F.linear);
+        P y = along(s, F), uncancelled = reach_of_linear * far_off + reach_of_angular * row.reach;
+        if (on_joints) {
+          const P own = loadPack<P>(shares + p * lanes);
+          y += own;
+          uncancelled += own * own;
+        }
+        const P scaled = inverse * y;
+        storePack(y, shares + p * lanes);
+        storePack(scaled, scaled_shares + p * lanes);
+        row.bound += inverse * uncancelled;
+        if (last) {
+          row.free += along(beta, F);
+          row.reach += far * far_off;
+        }
+        if (!eliminated) continue;
+        row.free += y * y_free;
+        const P less = last ? y : scaled;
+        if (last) F.angular += cross(cast<P>(r), F.linear);  // abaInward has moved this W to the parent
+        F.linear -= Vec3<P>{less * P(W.linear.x), less * P(W.linear.y), less * P(W.linear.z)};
+        F.angular -= Vec3<P>{less * P(W.angular.x), less * P(W.angular.y), less * P(W.angular.z)};
+      }
     }
-    if (!eliminated) F.angular += cross(cast<Wide>(r), F.linear);
+    if (!eliminated)
+      for (ClimbingRows<P>& row : rows) row.F.angular += cross(cast<P>(r), row.F.linear);
   }
-  if (chain.parent < 0 && eliminated) {
-    const Vec3<double> fall = transposeTimes(x.chains[number].tree.R, -bodies.m.gravity);
-    free += Wide(fall.x) * F.linear.x + Wide(fall.y) * F.linear.y + Wide(fall.z) * F.linear.z;
+  Vec3<double> fall;
+  if (chain.parent < 0 && eliminated) fall = transposeTimes(x.chains[number].tree.R, -bodies.m.gravity);
+  for (int p = 0; p < packs; ++p) {
+    const ClimbingRows<P>& row = rows[p];
+    const int at = first + p * lanes;
+    storePack(row.free + (P(fall.x) * row.F.linear.x + P(fall.y) * row.F.linear.y + P(fall.z) * row.F.linear.z), x.free + at);
+    storePack(row.bound, x.bound + at);
+    if (chain.parent < 0) continue;
+    const ConstrainedChain& parent = c.chains[static_cast<std::size_t>(chain.parent)];
+    const std::ptrdiff_t parent_step = x.wholePacks(parent.row_end - parent.row_begin);
+    double* to = x.forceOf(chain.parent) + (at - parent.row_begin);
+    const auto add = [&](int component, const P& value) {
+      double* sum = to + component * parent_step;
+      storePack(loadPack<P>(sum) + value, sum);
+    };
+    for (int a = 0; a < 3; ++a) {
+      add(a, row.F.linear[a]);
+      add(3 + a, row.F.angular[a]);
+    }
+    add(ConstraintWorkspace::reach, row.reach);
   }
-  store(free, x.free + first);
-  store(bound, x.bound + first);
-  if (chain.parent < 0) return;
-  const ConstrainedChain& parent = c.chains[static_cast<std::size_t>(chain.parent)];
-  const std::ptrdiff_t parent_step = x.wholePacks(parent.row_end - parent.row_begin);
-  double* to = x.forceOf(chain.parent) + (first - parent.row_begin);
-  const auto add = [&](int component, const Wide& value) { store(load(to + component * parent_step) + value, to + component * parent_step); };
-  for (int a = 0; a < 3; ++a) {
-    add(a, F.linear[a]);
-    add(3 + a, F.angular[a]);
-  }
-  add(ConstraintWorkspace::reach, reach);
 }
 
 /// From x.force, where constraints have put their columns (zero elsewhere), and x.share, where those on joints have put theirs.
@@ -115,8 +139,10 @@ void constraintSweep(const ConstrainedBodies<S>& bodies, const PackedConstraints
   std::fill_n(x.bound, x.room, 0.0);
   int number = 0;
   for (const ConstrainedChain& chain : c.chains) {
-    inPacks<Wide, Half>(chain.row_begin, chain.row_end,
-                        [&]<class P>(int first, std::type_identity<P>) { climbChain<P>(bodies, c, number, first, eliminated, x); });
+    inGroups<Wide, Half>(chain.row_begin, chain.row_end,
+                         [&]<class P, int packs>(int first, std::type_identity<P>, std::integral_constant<int, packs>) {
+                           climbChain<P, packs>(bodies, c, number, first, eliminated, x);
+                         });
     ++number;
   }
 }
@@ -172,19 +198,17 @@ void accelerateConstrained(const ConstrainedBodies<S>& bodies, const PackedConst
 }
 
 /// Adds to what abaSolve starts from what forces of the constraints, one a row, give to each degree of freedom. O(dofs x rows).
-template <class Wide, class Half, class S>
+template <class P, class S>
 void addConstraintForces(const ConstrainedBodies<S>& bodies, const PackedConstraints& c, const ConstraintWorkspace& x, const double* lambda) {
   for (const ConstrainedBody& body : c.bodies) {
     const auto here = bodies[body];
     const ConstrainedChain& chain = c.chains[static_cast<std::size_t>(body.chain)];
     for (int k = 0; k < here.nv(); ++k) {
       const double* scaled = x.scaledOf(body.dof + k);
-      double sum = 0;
-      inPacks<Wide, Half>(chain.row_begin, chain.row_end, [&]<class P>(int first, std::type_identity<P>) {
-        sum += total<double>(loadPack<P>(scaled + first) * loadPack<P>(lambda + first));
-      });
+      P sum(0);
+      for (int r = chain.row_begin; r < chain.row_end; r += lanes_of<P>) sum += loadPack<P>(scaled + r) * loadPack<P>(lambda + r);
       const auto dof = here.dof(k);
-      dof.setY(dof.y() + sum);
+      dof.setY(dof.y() + total<double>(sum));
     }
   }
 }

@@ -12,7 +12,7 @@ constexpr std::size_t constraintLayoutStamp() {
   return (((sizeof(PackedConstraints) + sizeof(PackedFrameConstraint)) * 1000003 + sizeof(ConstrainedBody) + sizeof(ConstrainedChain)) * 1000003 +
           sizeof(ConstraintWorkspace) + sizeof(ChainState)) *
              1000003 +
-         sizeof(ConstrainedInverse) + sizeof(RowState);
+         sizeof(ConstrainedInverse) + sizeof(RowState) + sizeof(RowMotion);
 }
 
 /// The recursions on bodies in the memory where `articulate` or `placeOutward` left them: a Workspace<double>, or the scratch of strips.
@@ -29,6 +29,8 @@ struct ConstraintRecursions {
 struct ConstraintKernels {
   std::size_t layout;  ///< constraintLayoutStamp(), as Kernels::layout
   ConstraintRecursions single, strips;
+  void (*placeFrames)(const CompactImpl&, const PackedConstraints&, bool moves, FrameRows*, const RowMotion&, ConstraintWorkspace&);
+  void (*frameAccelerations)(const PackedConstraints&, const FrameRows*, const ConstraintWorkspace&, double* out);
   void (*delassusMatrix)(const PackedConstraints&, ConstraintWorkspace&);
   /// The inverse of the Delassus matrix with mu on its diagonal; false where a pivot is not above tolerance times its bound.
   bool (*invertDelassus)(int rows, ConstraintWorkspace&, double mu, double tolerance);

@@ -19,6 +19,32 @@ struct ChainState {
   Motion<double> acceleration;                ///< classical, of its origin
 };
 
+template <class S>
+Motion<S> turnedBack(const Mat3<S>& R, const Motion<S>& x) {
+  return {transposeTimes(R, x.linear), transposeTimes(R, x.angular)};
+}
+
+/// Of one constraint between frames, in the aligned axes of the first one's tree unless it says otherwise. Relative: as seen from the second
+/// body, of the point of the first that is the constraint's origin.
+struct FrameRows {
+  Mat3<double> base;           ///< the axes that those of the constraint turn with
+  Directions linear, angular;  ///< of its rows: the linear ones come first
+  Vec3<double> lever[2];       ///< from each body's origin to the constraint's; of the second body in the axes of its own tree
+  Mat3<double> turn;           ///< axes of the second body's tree from those of the first's; for the world, its axes
+  Motion<double> relative;     ///< velocity
+  Vec3<double> w[2];           ///< angular velocities
+  Motion<double> error;        ///< zero for constraints without a target
+};
+
+/// Of each row, with room for a pack. Accelerations are beside what the sweep finds.
+struct RowMotion {
+  double* bias;   ///< acceleration that velocities make
+  double* drift;  ///< the same with what is fed back of the velocity and of the error
+  double* fall;   ///< acceleration that gravity makes where the sweep had the world fall up
+  double* velocity;
+  double* error;  ///< of position
+};
+
 /// Arrays of one number a row of the constraints. Packs begin at any row: after the last one there is room for the widest, with zeros in it.
 struct ConstraintWorkspace {
   std::ptrdiff_t stride = 0;  ///< of matrices: a multiple of the widest pack's
@@ -75,6 +101,19 @@ void inPacks(int begin, int end, Use&& use) {
     begin += lanes_of<Wide>;
   }
   if (begin < end) use(begin, std::type_identity<Half>());
+}
+
+/// The same by groups: use(first, P, packs), a constant, of which one core has several on the way at once.
+template <class Wide, class Half, class Use>
+void inGroups(int begin, int end, Use&& use) {
+  constexpr int most = 3, narrow = lanes_of<Half>;
+  while (end - begin > most * narrow) {
+    use(begin, std::type_identity<Wide>(), std::integral_constant<int, 2>());
+    begin += 2 * lanes_of<Wide>;
+  }
+  if (end - begin > 2 * narrow) return use(begin, std::type_identity<Half>(), std::integral_constant<int, 3>());
+  if (end - begin > narrow) return use(begin, std::type_identity<Half>(), std::integral_constant<int, 2>());
+  if (end > begin) use(begin, std::type_identity<Half>(), std::integral_constant<int, 1>());
 }
 
 }  // namespace dyn::kernels

@@ -5,6 +5,7 @@
 #include "kernels/constraint_recursions.hpp"
 #include "kernels/constraint_table.hpp"
 #include "kernels/delassus.hpp"
+#include "kernels/frame_rows.hpp"
 #include "kernels/strip_scratch.hpp"
 
 namespace dyn::kernels {
@@ -32,7 +33,7 @@ constexpr ConstraintRecursions constraintRecursions() {
     yieldToForces(bodiesIn<S>(m, memory), c, F, shares);
   };
   k.addForces = [](const CompactImpl& m, void* memory, const PackedConstraints& c, const ConstraintWorkspace& x, const double* lambda) {
-    addConstraintForces<Panel, Half>(bodiesIn<S>(m, memory), c, x, lambda);
+    addConstraintForces<Half>(bodiesIn<S>(m, memory), c, x, lambda);
   };
   k.accelerate = [](const CompactImpl& m, void* memory, const PackedConstraints& c, const Vec3<double>& gravity, ConstraintWorkspace& x) {
     accelerateConstrained(bodiesIn<S>(m, memory), c, gravity, x);
@@ -46,6 +47,8 @@ ConstraintKernels singleConstraintKernels() {
   ConstraintKernels k{};
   k.layout = constraintLayoutStamp();
   k.single = constraintRecursions<Panel, Half, double>();
+  k.placeFrames = kernels::placeFrames<Half>;
+  k.frameAccelerations = kernels::frameAccelerations<Half>;
   k.delassusMatrix = kernels::delassusMatrix<Panel, Half>;
   k.invertDelassus = kernels::invertDelassus<Panel, Half>;
   k.timesRows = kernels::timesRows<Panel, Half>;

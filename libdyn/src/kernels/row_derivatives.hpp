@@ -8,24 +8,9 @@
 // where a2 is that of the point of body 2 that is at P. Its variation, less the axes' own turning, is what this file writes.
 #pragma once
 
-#include "compile/constraints.hpp"
 #include "kernels/columns.hpp"
+#include "kernels/constraint_workspace.hpp"
 #include "kernels/recursion.hpp"
-
-namespace dyn {
-
-/// Of one constraint between frames, in the aligned axes of the first one's tree unless it says otherwise. Relative: as seen from the second
-/// body, of the point of the first that is the constraint's origin.
-struct FrameRows {
-  Mat3<double> axes;        ///< the constraint's
-  Vec3<double> lever[2];    ///< from each body's origin to the constraint's; of the second body in the axes of its own tree
-  Mat3<double> turn;        ///< axes of the second body's tree from those of the first's; for the world, its axes
-  Motion<double> relative;  ///< velocity
-  Vec3<double> w[2];        ///< angular velocities
-  Motion<double> error;     ///< in the constraint's axes; zero for constraints without a target
-};
-
-}  // namespace dyn
 
 namespace dyn::kernels {
 
@@ -104,10 +89,6 @@ struct RowState {
 };
 
 template <class Wide>
-Motion<Wide> turnedBack(const Mat3<Wide>& R, const Motion<Wide>& x) {
-  return {transposeTimes(R, x.linear), transposeTimes(R, x.angular)};
-}
-template <class Wide>
 Motion<Wide> crossBoth(const Vec3<Wide>& w, const Motion<Wide>& x) {
   return {cross(w, x.linear), cross(w, x.angular)};
 }
@@ -140,7 +121,7 @@ class RowVariation {
     V_ = wide(V);
     rate_ = wide(rate);
     omega_ = cast<Wide>(omega);
-    error_ = wide({x.frame.axes * x.frame.error.linear, x.frame.axes * x.frame.error.angular});
+    error_ = wide(x.frame.error);
     turn_ = cast<Wide>(x.frame.turn);
     error_by_turning_ = cast<Wide>(x.error_by_turning);
   }
@@ -253,7 +234,7 @@ void rowDerivatives(const PackedFrameConstraint& c, const RowState& x, const Sto
   constexpr int lanes = lanes_of<Wide>;
   const auto count = static_cast<int>(c.slots.size());
   const RowVariation<Wide> variation(c, x);
-  const Mat3<Wide> axes = cast<Wide>(x.frame.axes);
+  const Mat3<Wide> axes = cast<Wide>(x.frame.base * c.own_axes);
   const Force<Wide> force{cast<Wide>(x.force.linear), cast<Wide>(x.force.angular)};
   alignas(64) double numbers[3][6][lanes];
   for (int first = 0; first < count; first += lanes) {

@@ -1,0 +1,227 @@
+// Rows of constraints between frames: where they are, how fast they are violated, and which forces they are.
+//
+// A constraint's rows lie side by side, its linear ones first: numbers of up to three rows are one pack over directions. Packs are longer than
+// that, and what they write behind a constraint's rows is zero: it is added to, or written before the rows that follow.
+#pragma once
+
+#include "kernels/constraint_workspace.hpp"
+
+#include <dyn/lie/so3.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace dyn::kernels {
+
+/// The origin of `body`, from that of `stop`, which is above it; for 0, of the world or of a flying root.
+inline Vec3<double> originFrom(const PackedConstraints& c, const ConstraintWorkspace& x, int body, int stop) {
+  Vec3<double> sum;
+  for (int k = c.chainOf(body), end = c.chainOf(stop); k != end; k = c.chains[static_cast<std::size_t>(k)].parent) sum += x.chains[k].lever;
+  return sum;
+}
+
+/// The velocity relative to `stop` of the point of `body` at `lever` from its origin.
+inline Motion<double> velocityFrom(const PackedConstraints& c, const ConstraintWorkspace& x, int body, int stop, Vec3<double> lever) {
+  Motion<double> sum;
+  for (int k = c.chainOf(body), end = c.chainOf(stop); k != end; k = c.chains[static_cast<std::size_t>(k)].parent) {
+    const Motion<double>& v = x.chains[k].velocity;
+    sum.linear += v.linear + cross(v.angular, lever);
+    sum.angular += v.angular;
+    lever += x.chains[k].lever;
+  }
+  return sum;
+}
+
+/// The rotation that brings b to a, two unit vectors, the shortest way.
+inline Vec3<double> tilt(const Vec3<double>& a, const Vec3<double>& b) {
+  const Vec3<double> n = cross(b, a);
+  const double sine = std::sqrt(dot(n, n)), cosine = dot(a, b);
+  if (sine > 0) return (std::atan2(sine, cosine) / sine) * n;
+  if (cosine > 0) return {};
+  // Opposite: any axis across leads there.
+  const Vec3<double> across = cross(b, std::abs(b.x) < 0.5 ? Vec3<double>{1, 0, 0} : Vec3<double>{0, 1, 0});
+  return (M_PI / std::sqrt(dot(across, across))) * across;
+}
+
+/// How far the first frame is turned against the second, in directions that are not free: a vector in the axes of both rotations.
+inline Vec3<double> turnedBy(const PackedFrameConstraint& c, const Mat3<double>& first, const Mat3<double>& second) {
+  if (c.turnsFreely()) return {};
+  for (int k = 0; k < 3; ++k)
+    if (c.free[static_cast<std::size_t>(3 + k)]) return tilt(first.col(k), second.col(k));
+  return second * log3(transpose(second) * first);
+}
+
+template <class P>
+void turnDirections(const Mat3<double>& R, const Directions& own, Directions& out) {
+  for (int k = 0; k < 3; k += lanes_of<P>) {
+    const auto read = [&](int a) { return loadPack<P>(own[a] + k); };
+    const Vec3<P> turned = cast<P>(R) * Vec3<P>{read(0), read(1), read(2)};
+    for (int a = 0; a < 3; ++a) storePack(turned[a], out[a] + k);
+  }
+}
+
+template <class P>
+void locateFrame(const PackedConstraints& all, const ConstraintWorkspace& x, const PackedFrameConstraint& c, bool moves, FrameRows& out) {
+  const bool on_world = c.body[1] == 0;
+  const ChainState &own = x.stateOf(all, c.body[0]), &other = x.stateOf(all, c.body[1]);
+  out.lever[0] = own.R * c.placement[0].p;
+  out.lever[1] = {};
+  out.error = {};
+  out.turn = c.common > 0 ? Mat3<double>::identity() : (on_world ? own.tree.R : transpose(other.tree.R) * own.tree.R);
+  // The world's own lever is asked for by targets only.
+  if (c.common > 0) {
+    out.lever[1] = originFrom(all, x, c.body[0], c.common) + out.lever[0] - originFrom(all, x, c.body[1], c.common);
+  } else if (!on_world || c.has_target) {
+    out.lever[1] = transposeTimes(other.tree.R,
+                                  own.tree.act(originFrom(all, x, c.body[0], 0) + out.lever[0]) - other.tree.act(originFrom(all, x, c.body[1], 0)));
+  }
+  out.relative = {};
+  out.w[0] = out.w[1] = {};
+  if (moves) {
+    out.relative = velocityFrom(all, x, c.body[0], c.common, out.lever[0]);
+    out.w[0] = own.w;
+    if (!on_world) {
+      out.relative -= turnedBack(out.turn, velocityFrom(all, x, c.body[1], c.common, out.lever[1]));
+      out.w[1] = transposeTimes(out.turn, other.w);
+    }
+  }
+  if (c.axes == ConstraintAxes::LOCAL) out.base = own.R;
+  if (c.axes == ConstraintAxes::OTHER) out.base = transpose(out.turn) * other.R;
+  if (c.axes == ConstraintAxes::LOCAL_WORLD_ALIGNED) out.base = transpose(own.tree.R);
+  turnDirections<P>(out.base, c.linear, out.linear);
+  if (c.rows > c.linear_rows) turnDirections<P>(out.base, c.angular, out.angular);
+  if (!c.has_target) return;
+  const Mat3<double> first = own.R * c.placement[0].R, second = transpose(out.turn) * (other.R * c.placement[1].R);
+  const Vec3<double> target = other.R * c.placement[1].p;  // from the second body's origin
+  out.error = {transposeTimes(out.turn, out.lever[1] - target), turnedBy(c, first, second)};
+}
+
+/// d/dt of the relative velocity in the constraint's axes, less what the accelerations of the bodies' origins give.
+inline Motion<double> biasOf(const PackedFrameConstraint& c, const FrameRows& x) {
+  const Vec3<double>&w1 = x.w[0], &w2 = x.w[1], &V = x.relative.linear;
+  Motion<double> bias{cross(w1, cross(w1, x.lever[0])), {}};
+  if (c.body[1] > 0) bias.linear = bias.linear - cross(w2, cross(w2, transposeTimes(x.turn, x.lever[1]))) - cross(w2, V);
+  // A point that cannot move at all is held by its own acceleration, whatever its axes do.
+  const bool point = c.turnsFreely() && c.rows == 3;
+  if (c.axes == ConstraintAxes::OTHER || (c.axes == ConstraintAxes::LOCAL && !point)) {
+    const Vec3<double>& turning = c.axes == ConstraintAxes::LOCAL ? w1 : w2;
+    bias.linear -= cross(turning, V);
+    bias.angular -= cross(turning, x.relative.angular);
+  }
+  return bias;
+}
+
+/// use(row, directions, part) for every pack P of a constraint's rows, from `row` on: which way they point, and which part of motions and of forces
+/// they have to do with.
+template <class P, class Use>
+void eachPackOfRows(const PackedFrameConstraint& c, const FrameRows& x, Use&& use) {
+  for (int k = 0; k < c.linear_rows; k += lanes_of<P>)
+    use(c.row + k, Vec3<P>{loadPack<P>(x.linear[0] + k), loadPack<P>(x.linear[1] + k), loadPack<P>(x.linear[2] + k)}, &Motion<double>::linear);
+  for (int k = 0; k < c.rows - c.linear_rows; k += lanes_of<P>)
+    use(c.row + c.linear_rows + k, Vec3<P>{loadPack<P>(x.angular[0] + k), loadPack<P>(x.angular[1] + k), loadPack<P>(x.angular[2] + k)},
+        &Motion<double>::angular);
+}
+template <class P>
+P along(const Vec3<P>& directions, const Vec3<double>& v) {
+  return directions.x * P(v.x) + directions.y * P(v.y) + directions.z * P(v.z);
+}
+
+/// Adds the rows' unit forces to those of body e's chain.
+template <class P>
+void addUnitForces(const PackedConstraints& all, const PackedFrameConstraint& c, const FrameRows& frame, int e, ConstraintWorkspace& x) {
+  if (c.body[e] == 0) return;
+  const int number = all.chainOf(c.body[e]);
+  const ConstrainedChain& chain = all.chains[static_cast<std::size_t>(number)];
+  const std::ptrdiff_t step = ConstraintWorkspace::wholePacks(chain.row_end - chain.row_begin);
+  double* const forces = x.forceOf(number) - chain.row_begin;
+  const Vec3<double>& lever = frame.lever[e];
+  const Vec3<P> arm = cast<P>(lever);
+  const Mat3<P> turn = cast<P>(frame.turn);
+  eachPackOfRows<P>(c, frame, [&](int row, const Vec3<P>& directions, Vec3<double> Motion<double>::*part) {
+    const auto add = [&](int component, const P& value) {
+      double* to = forces + component * step + row;
+      storePack(loadPack<P>(to) + value, to);
+    };
+    const Vec3<P> force = e == 0 ? directions : -(turn * directions);
+    if (part == &Motion<double>::angular) {
+      for (int a = 0; a < 3; ++a) add(3 + a, force[a]);
+      add(ConstraintWorkspace::reach, dot(force, force));
+      return;
+    }
+    const Vec3<P> moment = cross(arm, force);
+    for (int a = 0; a < 3; ++a) {
+      add(a, force[a]);
+      add(3 + a, moment[a]);
+    }
+    add(ConstraintWorkspace::reach, P(dot(lever, lever)) * dot(force, force));
+  });
+}
+
+/// Once chains have been located: frames, the rows' motion, and their unit forces for the sweep. O(constraints x chains above them).
+template <class P>
+void placeFrames(const CompactImpl& m, const PackedConstraints& all, bool moves, FrameRows* frames, const RowMotion& rows, ConstraintWorkspace& x) {
+  // What lies behind the last row is read, too.
+  for (int k = 0; const ConstrainedChain& chain : all.chains)
+    std::fill_n(x.forceOf(k++), x.components * x.wholePacks(chain.row_end - chain.row_begin) + x.widest, 0.0);
+  for (std::size_t i = 0; i < all.frames.size(); ++i) {
+    const PackedFrameConstraint& c = all.frames[i];
+    FrameRows& frame = frames[i];
+    locateFrame<P>(all, x, c, moves, frame);
+    const Motion<double> bias = moves ? biasOf(c, frame) : Motion<double>{};
+    // Where both bodies move, both fall.
+    Motion<double> fall;
+    if (c.body[0] == 0 || c.body[1] == 0) fall.linear = (c.body[0] > 0 ? 1.0 : -1.0) * transposeTimes(x.stateOf(all, c.body[0]).tree.R, m.gravity);
+    const P by_velocity(c.baumgarte.velocity), by_error(c.baumgarte.position);
+    eachPackOfRows<P>(c, frame, [&](int row, const Vec3<P>& directions, Vec3<double> Motion<double>::*part) {
+      const P velocity = along(directions, frame.relative.*part), error = along(directions, frame.error.*part), rate = along(directions, bias.*part);
+      storePack(velocity, rows.velocity + row);
+      storePack(error, rows.error + row);
+      storePack(rate, rows.bias + row);
+      storePack(rate + by_velocity * velocity + by_error * error, rows.drift + row);
+      storePack(along(directions, fall.*part), rows.fall + row);
+    });
+    for (int e = 0; e < 2; ++e) addUnitForces<P>(all, c, frame, e, x);
+  }
+}
+
+/// Accelerations of the rows by those of chains, without their bias; `out` has room for a pack.
+template <class P>
+void frameAccelerations(const PackedConstraints& all, const FrameRows* frames, const ConstraintWorkspace& x, double* out) {
+  for (std::size_t i = 0; i < all.frames.size(); ++i) {
+    const PackedFrameConstraint& c = all.frames[i];
+    const FrameRows& frame = frames[i];
+    const auto seen = [&](int e) {
+      const Motion<double>& a = x.stateOf(all, c.body[e]).acceleration;
+      return Motion<double>{a.linear + cross(a.angular, frame.lever[e]), a.angular};
+    };
+    Motion<double> relative = seen(0);
+    if (c.body[1] > 0) relative -= turnedBack(frame.turn, seen(1));
+    eachPackOfRows<P>(c, frame, [&](int row, const Vec3<P>& directions, Vec3<double> Motion<double>::*part) {
+      storePack(along(directions, relative.*part), out + row);
+    });
+  }
+}
+
+/// The wrench of the rows' forces, one number each, at the constraint's origin.
+inline Force<double> wrenchOf(const PackedFrameConstraint& c, const FrameRows& x, const double* lambda) {
+  Force<double> out;
+  const auto sum = [](const Directions& of, const double* forces, int count) {
+    Vec3<double> total;
+    for (int k = 0; k < count; ++k)
+      for (int a = 0; a < 3; ++a) total[a] += forces[k] * of[a][k];
+    return total;
+  };
+  out.linear = sum(x.linear, lambda + c.row, c.linear_rows);
+  out.angular = sum(x.angular, lambda + c.row + c.linear_rows, c.rows - c.linear_rows);
+  return out;
+}
+
+/// The same as it acts on body e, at the body's origin, in the axes of its own tree.
+inline Force<double> forceOnBody(const PackedFrameConstraint& c, const FrameRows& x, const double* lambda, int e) {
+  Force<double> f = wrenchOf(c, x, lambda);
+  if (e == 1) f = {-(x.turn * f.linear), -(x.turn * f.angular)};
+  f.angular += cross(x.lever[e], f.linear);
+  return f;
+}
+
+}  // namespace dyn::kernels
