@@ -77,7 +77,8 @@ void applyDelassus(const CompactModel& model, Data& data, ConstraintData& constr
   const PlacedBodies bodies = placedBodies(d, c);
   sumRowForces(m, packed, c.frames, c.q, x.data, c.total, c.shares);
   bodies.run.yieldTo(m, bodies.memory, packed, c.total, c.shares);
-  bodies.run.accelerate(m, bodies.memory, packed, {}, c.workspace);
+  accelerateBodies(m, d, c, nullptr, {}, c.expanded);
+  bodies.run.takeMotions(m, bodies.memory, packed, c.expanded, c.workspace);
   rowAccelerations(m, packed, c.frames, c.q, c.workspace, c.gamma);
   std::copy_n(c.gamma, packed.rows, out.data());
   bodies.run.forgetForces(m, bodies.memory, packed);

@@ -26,8 +26,8 @@ ConstrainedViews refined(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& 
   const PackedConstraints& packed = c.set.impl();
   ConstrainedViews out{motion, c.lambda, 0, c.solver.rank(), c.solver.solve(c.wanted, c.lambda)};
   const PlacedBodies bodies = placedBodies(d, c);
-  bodies.run.addForces(m, bodies.memory, packed, c.workspace, c.lambda);
-  bodies.run.accelerate(m, bodies.memory, packed, gravity, c.workspace);
+  accelerateBodies(m, d, c, c.lambda, gravity, ddq);
+  bodies.run.takeMotions(m, bodies.memory, packed, ddq, c.workspace);
   rowAccelerations(m, packed, c.frames, q, c.workspace, c.gamma);
   wanted(c.gamma);
   for (int r = 0; r < packed.rows; ++r)

@@ -45,7 +45,7 @@ void articulateBodies(const char* algorithm, const CompactImpl& m, DataImpl& d, 
 void accelerateBodies(const CompactImpl& m, DataImpl& d, const ConstraintDataImpl& c, const double* forces, const Vec3<double>& gravity,
                       double* ddq) {
   const PlacedBodies bodies = placedBodies(d, c);
-  bodies.run.addForces(m, bodies.memory, c.set.impl(), c.workspace, forces);
+  if (forces) bodies.run.addForces(m, bodies.memory, c.set.impl(), c.workspace, forces);
   if (c.in_strips) {
     kernels::active().strips.accelerate(m, d.packed.data(), gravity, ddq);
   } else {

@@ -20,7 +20,7 @@ PlacedBodies placedBodies(DataImpl& d, const ConstraintDataImpl& c);
 /// The articulated-body recursion up to the accelerations, in strips where the model has them. Throws Error(singular).
 void articulateBodies(const char* algorithm, const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c, const double* q, const double* v,
                       const double* tau, const Force<double>* external);
-/// Adds what the rows' forces give to those bodies' degrees of freedom, and the rest of the recursion.
+/// Adds what the rows' forces give to those bodies' degrees of freedom, if there are any, and the rest of the recursion.
 void accelerateBodies(const CompactImpl& m, DataImpl& d, const ConstraintDataImpl& c, const double* forces, const Vec3<double>& gravity, double* ddq);
 
 /// After the outward pass: rows located, their forces written. v may be null.

@@ -64,6 +64,7 @@ struct ConstrainedBodies {
     Mat3<double> R() const { return inLane(all.w.R[seat.strip], seat.lane); }
     Vec3<double> r() const { return inLane(all.w.r[seat.strip], seat.lane); }
     Vec3<double> w() const { return inLane(all.w.w[seat.strip], seat.lane); }
+    Motion<double> acceleration() const { return inLane(all.w.acc[seat.strip], seat.lane); }
     Motion<double> beta() const { return inLane(all.w.beta[seat.strip], seat.lane); }
     /// Of a root: the aligned axes of its tree in the world, and where they are.
     SE3<double> tree() const {

@@ -166,51 +166,35 @@ void yieldToForces(const ConstrainedBodies<S>& bodies, const PackedConstraints& 
   }
 }
 
-/// abaSolve for the bodies between constraints and the world only: their chains' accelerations and x.motion. O(bodies).
+/// What abaSolve has left, to rowAccelerations: of the chains' first bodies, and of their degrees of freedom. O(chains).
 template <class S>
-void accelerateConstrained(const ConstrainedBodies<S>& bodies, const PackedConstraints& c, const Vec3<double>& gravity, ConstraintWorkspace& x) {
-  for (std::size_t number = c.chains.size(); number-- > 0;) {
-    const ConstrainedChain& chain = c.chains[number];
-    Motion<double> a;
-    if (chain.parent < 0) {
-      a.linear = transposeTimes(x.chains[number].tree.R, -gravity);
-    } else {
-      a = x.chains[chain.parent].acceleration;
-    }
-    for (int place = chain.end; place-- > chain.begin;) {
-      const ConstrainedBody& body = c.bodies[static_cast<std::size_t>(place)];
-      const auto here = bodies[body];
-      const int last = here.nv() - 1;
-      const auto first = here.dof(last);
-      double qdd = first.y() - dot(a, first.W());
-      if (!here.isRoot()) a.linear += cross(a.angular, here.r());
-      a += here.beta() + qdd * first.S_();
-      x.motion[body.dof + last] = qdd;
-      for (int k = last - 1; k >= 0; --k) {
-        const auto f = here.dof(k);
-        qdd = f.y() - dot(a, f.W()) * f.inverse();
-        a += qdd * f.S_();
-        x.motion[body.dof + k] = qdd;
-      }
-    }
-    x.chains[number].acceleration = a;
-  }
+void takeMotions(const ConstrainedBodies<S>& bodies, const PackedConstraints& c, const double* ddq, ConstraintWorkspace& x) {
+  for (std::size_t number = 0; number < c.chains.size(); ++number)
+    x.chains[number].acceleration = bodies[c.bodies[static_cast<std::size_t>(c.chains[number].begin)]].acceleration();
+  if (!c.actsOnJoints()) return;
+  for (std::size_t k = 0; k < c.dofs.size(); ++k) x.motion[k] = ddq[c.dofs[k]];
 }
 
 /// Adds to what abaSolve starts from what forces of the constraints, one a row, give to each degree of freedom. O(dofs x rows).
-template <class P, class S>
+template <class Wide, class Half, class S>
 void addConstraintForces(const ConstrainedBodies<S>& bodies, const PackedConstraints& c, const ConstraintWorkspace& x, const double* lambda) {
-  for (const ConstrainedBody& body : c.bodies) {
-    const auto here = bodies[body];
-    const ConstrainedChain& chain = c.chains[static_cast<std::size_t>(body.chain)];
-    for (int k = 0; k < here.nv(); ++k) {
-      const double* scaled = x.scaledOf(body.dof + k);
-      P sum(0);
-      for (int r = chain.row_begin; r < chain.row_end; r += lanes_of<P>) sum += loadPack<P>(scaled + r) * loadPack<P>(lambda + r);
-      const auto dof = here.dof(k);
-      dof.setY(dof.y() + total<double>(sum));
-    }
-  }
+  for (const ConstrainedChain& chain : c.chains)
+    inGroups<Wide, Half>(chain.row_begin, chain.row_end,
+                         [&]<class P, int packs>(int first, std::type_identity<P>, std::integral_constant<int, packs>) {
+                           P forces[packs];
+                           for (int p = 0; p < packs; ++p) forces[p] = loadPack<P>(lambda + first + p * lanes_of<P>);
+                           for (int place = chain.begin; place < chain.end; ++place) {
+                             const ConstrainedBody& body = c.bodies[static_cast<std::size_t>(place)];
+                             const auto here = bodies[body];
+                             for (int k = 0; k < here.nv(); ++k) {
+                               const double* scaled = x.scaledOf(body.dof + k) + first;
+                               P sum = loadPack<P>(scaled) * forces[0];
+                               for (int p = 1; p < packs; ++p) sum += loadPack<P>(scaled + p * lanes_of<P>) * forces[p];
+                               const auto dof = here.dof(k);
+                               dof.setY(dof.y() + total<double>(sum));
+                             }
+                           }
+                         });
 }
 
 /// y of these bodies' degrees of freedom. O(dofs).

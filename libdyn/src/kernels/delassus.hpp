@@ -51,25 +51,34 @@ void exchangeRows(int rows, ConstraintWorkspace& x, int k, const double (&P)[siz
   double* factors = x.column;
   for (int i = 0; i < rows; ++i)
     for (int j = 0; j < size; ++j) factors[size * i + j] = B[i][k + j];
-  inPacks<Wide, Half>(0, rows, [&]<class Pk>(int first, std::type_identity<Pk>) {
-    Pk e[size], from[size], exchanged[size], taken[size];
-    Pk outside(1);
-    for (int j = 0; j < size; ++j) {
-      e[j] = unitPack<Pk>(k + j, first);
-      outside -= e[j];
-    }
-    for (int j = 0; j < size; ++j) from[j] = e[j] - outside * loadPack<Pk>(B[k + j] + first);
-    for (int i = 0; i < size; ++i) {
-      exchanged[i] = Pk(P[i][0]) * from[0];
-      for (int j = 1; j < size; ++j) exchanged[i] += Pk(P[i][j]) * from[j];
-      taken[i] = exchanged[i] + e[i];
+  inGroups<Wide, Half>(0, rows, [&]<class Pk, int packs>(int first, std::type_identity<Pk>, std::integral_constant<int, packs>) {
+    constexpr int lanes = lanes_of<Pk>;
+    Pk exchanged[size][packs], taken[size][packs];
+    for (int p = 0; p < packs; ++p) {
+      const int column = first + p * lanes;
+      Pk e[size], from[size], outside(1);
+      for (int j = 0; j < size; ++j) {
+        e[j] = unitPack<Pk>(k + j, column);
+        outside -= e[j];
+      }
+      for (int j = 0; j < size; ++j) from[j] = e[j] - outside * loadPack<Pk>(B[k + j] + column);
+      for (int i = 0; i < size; ++i) {
+        exchanged[i][p] = Pk(P[i][0]) * from[0];
+        for (int j = 1; j < size; ++j) exchanged[i][p] += Pk(P[i][j]) * from[j];
+        taken[i][p] = exchanged[i][p] + e[i];
+      }
     }
     for (int i = 0; i < rows; ++i) {
-      Pk sum = loadPack<Pk>(B[i] + first);
-      for (int j = 0; j < size; ++j) sum -= Pk(factors[size * i + j]) * taken[j];
-      storePack(sum, B[i] + first);
+      Pk sum[packs];
+      for (int p = 0; p < packs; ++p) sum[p] = loadPack<Pk>(B[i] + first + p * lanes);
+      for (int j = 0; j < size; ++j) {
+        const Pk factor(factors[size * i + j]);
+        for (int p = 0; p < packs; ++p) sum[p] -= factor * taken[j][p];
+      }
+      for (int p = 0; p < packs; ++p) storePack(sum[p], B[i] + first + p * lanes);
     }
-    for (int i = 0; i < size; ++i) storePack(exchanged[i], B[k + i] + first);
+    for (int i = 0; i < size; ++i)
+      for (int p = 0; p < packs; ++p) storePack(exchanged[i][p], B[k + i] + first + p * lanes);
   });
 }
 

@@ -33,10 +33,10 @@ constexpr ConstraintRecursions constraintRecursions() {
     yieldToForces(bodiesIn<S>(m, memory), c, F, shares);
   };
   k.addForces = [](const CompactImpl& m, void* memory, const PackedConstraints& c, const ConstraintWorkspace& x, const double* lambda) {
-    addConstraintForces<Half>(bodiesIn<S>(m, memory), c, x, lambda);
+    addConstraintForces<Panel, Half>(bodiesIn<S>(m, memory), c, x, lambda);
   };
-  k.accelerate = [](const CompactImpl& m, void* memory, const PackedConstraints& c, const Vec3<double>& gravity, ConstraintWorkspace& x) {
-    accelerateConstrained(bodiesIn<S>(m, memory), c, gravity, x);
+  k.takeMotions = [](const CompactImpl& m, void* memory, const PackedConstraints& c, const double* ddq, ConstraintWorkspace& x) {
+    takeMotions(bodiesIn<S>(m, memory), c, ddq, x);
   };
   k.forgetForces = [](const CompactImpl& m, void* memory, const PackedConstraints& c) { forgetForces(bodiesIn<S>(m, memory), c); };
   return k;
