@@ -27,7 +27,7 @@ inline MatrixResult computeOperationalSpaceInertia(const CompactModel& model, Da
   return {detail::operationalSpaceInertia(model, data, q, constraints), rows, rows};
 }
 
-/// The same matrix as an operator, at one q, without forming it: O(bodies between constraints and the world) a product.
+/// The same matrix as an operator, at one q, without forming it: O(n) a product.
 /// No other algorithm may use this Data or ConstraintData between construction and the last product.
 class DelassusOperator {
  public:
