@@ -54,7 +54,7 @@ class Dart : public Peer {
     skeleton_->setGravity({g.x, g.y, g.z});
     q_ = v_ = a_ = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(skeleton_->getNumDofs()));
   }
-  bool can(Task) const override { return true; }
+  bool can(Task task) const override { return isBasic(task); }
   void run(Task task, const State& s) override {
     const Eigen::Index first = floating_ ? 6 : 0;
     if (floating_) {

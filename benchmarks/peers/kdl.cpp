@@ -44,7 +44,7 @@ class Kdl : public Peer {
     forward_.emplace(chain_, vector(robot.gravity));
     chain_forces_.resize(chain_.getNrOfSegments(), KDL::Wrench::Zero());
   }
-  bool can(Task task) const override { return task == Task::rnea || mass_.has_value(); }
+  bool can(Task task) const override { return task == Task::rnea || (isBasic(task) && mass_.has_value()); }
   void run(Task task, const State& s) override {
     const auto fill = [](const std::vector<double>& from, KDL::JntArray& to) { std::copy(from.begin(), from.end(), to.data.data()); };
     fill(s.q, q_);

@@ -10,7 +10,7 @@ class Libdyn : public Peer {
  public:
   explicit Libdyn(const Robot& robot)
       : model_(*static_cast<const CompactModel*>(robot.compact.get())),
-        data_(model_, Need::mass_matrix),
+        data_(model_, Need::mass_matrix | Need::derivatives),
         offset_(robot.floating ? 6 : 0),
         q_(model_.nq()),
         v_(model_.nv()),
@@ -22,17 +22,21 @@ class Libdyn : public Peer {
       std::copy(joints.begin(), joints.end(), to.data() + (offset_ > 0 ? n : 0));
     };
     fill(s.base_q, 7, s.q, q_);
-    if (task != Task::crba) {
+    if (task != Task::crba && task != Task::minverse) {
       fill(s.base_v, 6, s.v, v_);
       fill(s.base_a, 6, s.a, a_);
     }
     if (task == Task::rnea) result_ = rnea(model_, data_, q_, v_, a_).data();
     if (task == Task::crba) result_ = crba(model_, data_, q_).data();
     if (task == Task::aba) result_ = aba(model_, data_, q_, v_, a_).data();
+    if (task == Task::minverse) result_ = computeMinverse(model_, data_, q_).data();
+    if (task == Task::rnea_derivatives) result_ = computeRNEADerivatives(model_, data_, q_, v_, a_).dtau_dq.data();
+    if (task == Task::aba_derivatives) result_ = computeABADerivatives(model_, data_, q_, v_, a_).ddq_dq.data();
   }
   std::vector<double> result(Task task) const override {
-    const Eigen::Index n = model_.nv() - offset_, columns = task == Task::crba ? model_.nv() : 1;
-    const Eigen::MatrixXd x = Eigen::Map<const Eigen::MatrixXd>(result_, model_.nv(), columns).bottomRightCorner(n, task == Task::crba ? n : 1);
+    const Eigen::Index n = model_.nv() - offset_, columns = isMatrix(task) ? model_.nv() : 1;
+    Eigen::MatrixXd x = Eigen::Map<const Eigen::MatrixXd>(result_, model_.nv(), columns).bottomRightCorner(n, isMatrix(task) ? n : 1);
+    if (isMatrix(task)) x.transposeInPlace();
     return {x.data(), x.data() + x.size()};
   }
 

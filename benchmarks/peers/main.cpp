@@ -22,8 +22,14 @@ const char* nameOf(Task task) {
       return "rnea";
     case Task::crba:
       return "crba";
-    default:
+    case Task::aba:
       return "aba";
+    case Task::minverse:
+      return "minverse";
+    case Task::rnea_derivatives:
+      return "rnea_derivatives";
+    default:
+      return "aba_derivatives";
   }
 }
 
@@ -115,9 +121,25 @@ std::vector<std::pair<State, tool::TruthSample>> truthsOf(const Robot& robot) {
     s.q = joined(still.base_q, 7, still.q);
     s.v = joined(still.base_v, 6, still.v);
     s.a = s.tau = joined(still.base_a, 6, still.a);
-    out.emplace_back(still, oracle.evaluate(s, false));
+    out.emplace_back(still, oracle.evaluate(s, true));
   }
   return out;
+}
+
+/// Of the result in a truth.
+const char* keyOf(Task task) {
+  switch (task) {
+    case Task::crba:
+      return "M";
+    case Task::minverse:
+      return "Minv";
+    case Task::rnea_derivatives:
+      return "dtau_dq";
+    case Task::aba_derivatives:
+      return "ddq_dq";
+    default:
+      return nameOf(task);
+  }
 }
 
 /// Largest error of the one-axis joints' numbers, relative to the largest of them, in units of roundoff.
@@ -126,11 +148,11 @@ double errorOf(Peer& peer, Task task, const Robot& robot, const std::vector<std:
   for (const auto& [state, truth] : truths) {
     peer.run(task, state);
     const std::vector<double> x = peer.result(task);
-    const std::vector<long double>& all = truth.truth.at(task == Task::crba ? "M" : nameOf(task));
+    const std::vector<long double>& all = truth.truth.at(keyOf(task));
     const auto joints = static_cast<std::size_t>(robot.joints), n = truth.truth.at("rnea").size(), skipped = n - joints;
     long double off = 0, most = 0;
     for (std::size_t i = 0; i < x.size(); ++i) {
-      const long double right = task == Task::crba ? all[(skipped + i / joints) * n + skipped + i % joints] : all[skipped + i];
+      const long double right = isMatrix(task) ? all[(skipped + i / joints) * n + skipped + i % joints] : all[skipped + i];
       off = std::max(off, std::abs(static_cast<long double>(x[i]) - right));
       most = std::max(most, std::abs(right));
     }
@@ -166,7 +188,7 @@ void compare(const Robot& robot, const std::vector<Library>& all, std::vector<Ba
       const Quartiles ns = quartiles(times[k]);
       const Library& library = *contenders[k].library;
       const double error = errorOf(*contenders[k].peer, tasks[t], robot, truths);
-      std::printf("%-14s %-5s %-10s %10.0f %9.0f .. %-9.0f %8.1f %10.1f\n", robot.name.c_str(), nameOf(tasks[t]), library.name.c_str(), ns.median,
+      std::printf("%-14s %-16s %-10s %10.0f %9.0f .. %-9.0f %8.1f %10.1f\n", robot.name.c_str(), nameOf(tasks[t]), library.name.c_str(), ns.median,
                   ns.low, ns.high, ns.median / quartiles(times[0]).median, error);
       rows.push_back({{"robot", robot.name},
                       {"task", nameOf(tasks[t])},
@@ -221,7 +243,7 @@ int run(int argc, char** argv) {
   }
   const std::vector<Library> all = libraries();
   for (const Library& library : all) std::printf("%s %s\n", library.name.c_str(), library.version.c_str());
-  std::printf("\n%-14s %-5s %-10s %10s %22s %8s %10s\n", "robot", "task", "library", "ns", "quartiles", "x libdyn", "error [u]");
+  std::printf("\n%-14s %-16s %-10s %10s %22s %8s %10s\n", "robot", "task", "library", "ns", "quartiles", "x libdyn", "error [u]");
   tool::Json rows{{"algorithms", tool::Json::array()}, {"motions", tool::Json::array()}};
   std::vector<BarChart> charts;
   for (const Task task : tasks) charts.emplace_back(std::string(nameOf(task)) + ": ns a call, logarithmic", Scale::logarithmic);

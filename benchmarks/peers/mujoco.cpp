@@ -73,7 +73,7 @@ class Mujoco : public Peer {
   Mujoco(const Mujoco&) = delete;
   Mujoco& operator=(const Mujoco&) = delete;
 
-  bool can(Task) const override { return true; }
+  bool can(Task task) const override { return isBasic(task); }
   void run(Task task, const State& s) override {
     const int nq = floating_ ? 7 : 0, nv = floating_ ? 6 : 0;
     if (floating_) {

@@ -10,9 +10,12 @@
 
 namespace dyn::benchmark::peers {
 
-enum class Task { rnea, crba, aba };
-constexpr Task tasks[] = {Task::rnea, Task::crba, Task::aba};
+enum class Task { rnea, crba, aba, minverse, rnea_derivatives, aba_derivatives };
+constexpr Task tasks[] = {Task::rnea, Task::crba, Task::aba, Task::minverse, Task::rnea_derivatives, Task::aba_derivatives};
 const char* nameOf(Task task);
+/// What every library has.
+constexpr bool isBasic(Task task) { return task <= Task::aba; }
+constexpr bool isMatrix(Task task) { return task != Task::rnea && task != Task::aba; }
 
 /// One robot in one library. All work of a task is done by run(), from q to the result, as its users write it.
 class Peer {
@@ -20,8 +23,8 @@ class Peer {
   virtual ~Peer() = default;
   virtual bool can(Task task) const = 0;
   virtual void run(Task task, const State& state) = 0;
-  /// Of the last run, for the joints without the floating base, in the order of Robot: forces (rnea), accelerations (aba), the mass matrix
-  /// row by row (crba).
+  /// Of the last run, for the joints without the floating base, in the order of Robot: forces (rnea), accelerations (aba), matrices row by row: the
+  /// mass matrix (crba), its inverse, and derivatives by q of all that derivatives give.
   virtual std::vector<double> result(Task task) const = 0;
 
   /// Its own methods of moving through time in equal steps; of robots that do not float, and none where it has none.

@@ -1,8 +1,10 @@
 // Pinocchio: the tree built by its own calls.
 #include "peers/peers.hpp"
 
+#include <pinocchio/algorithm/aba-derivatives.hpp>
 #include <pinocchio/algorithm/aba.hpp>
 #include <pinocchio/algorithm/crba.hpp>
+#include <pinocchio/algorithm/rnea-derivatives.hpp>
 #include <pinocchio/algorithm/rnea.hpp>
 #include <pinocchio/multibody/data.hpp>
 #include <pinocchio/multibody/model.hpp>
@@ -52,20 +54,27 @@ class Pinocchio : public Peer {
       pin::crba(model_, data_, q_, pin::Convention::WORLD);
       return;
     }
+    if (task == Task::minverse) {
+      pin::computeMinverse(model_, data_, q_);
+      return;
+    }
     std::copy(s.v.begin(), s.v.end(), v_.data() + (floating_ ? 6 : 0));
     std::copy(s.a.begin(), s.a.end(), a_.data() + (floating_ ? 6 : 0));
-    if (task == Task::rnea) {
-      pin::rnea(model_, data_, q_, v_, a_);
-    } else {
-      pin::aba(model_, data_, q_, v_, a_, pin::Convention::WORLD);
-    }
+    if (task == Task::rnea) pin::rnea(model_, data_, q_, v_, a_);
+    if (task == Task::aba) pin::aba(model_, data_, q_, v_, a_, pin::Convention::WORLD);
+    if (task == Task::rnea_derivatives) pin::computeRNEADerivatives(model_, data_, q_, v_, a_);
+    if (task == Task::aba_derivatives) pin::computeABADerivatives(model_, data_, q_, v_, a_);
   }
   std::vector<double> result(Task task) const override {
     const Eigen::Index n = model_.nv - (floating_ ? 6 : 0);
     Eigen::MatrixXd x;
     if (task == Task::rnea) x = data_.tau.tail(n);
     if (task == Task::aba) x = data_.ddq.tail(n);
+    // Column by column as the result is read, and symmetric or turned.
     if (task == Task::crba) x = Eigen::MatrixXd(data_.M.selfadjointView<Eigen::Upper>()).bottomRightCorner(n, n);
+    if (task == Task::minverse) x = Eigen::MatrixXd(data_.Minv.selfadjointView<Eigen::Upper>()).bottomRightCorner(n, n);
+    if (task == Task::rnea_derivatives) x = data_.dtau_dq.bottomRightCorner(n, n).transpose();
+    if (task == Task::aba_derivatives) x = data_.ddq_dq.bottomRightCorner(n, n).transpose();
     return {x.data(), x.data() + x.size()};
   }
 

@@ -34,7 +34,7 @@ class Rbdl : public Peer {
     v_ = a_ = tau_ = VectorNd::Zero(model_.qdot_size);
     M_ = MatrixNd::Zero(model_.qdot_size, model_.qdot_size);
   }
-  bool can(Task) const override { return true; }
+  bool can(Task task) const override { return isBasic(task); }
   void run(Task task, const State& s) override {
     const Eigen::Index first = floating_ ? 6 : 0;
     if (floating_) {  // position, (x, y, z) of the quaternion, and w after all other coordinates

@@ -38,7 +38,7 @@ class Simbody : public Peer {
     tau_.resize(n_);
     torque_.resize(n_);
   }
-  bool can(Task) const override { return true; }
+  bool can(Task task) const override { return isBasic(task); }
   void run(Task task, const State& s) override {
     const int nq = floating_ ? 7 : 0, nu = floating_ ? 6 : 0;
     SimTK::Vector &q = state_.updQ(), &u = state_.updU();
