@@ -126,29 +126,13 @@ std::vector<std::pair<State, tool::TruthSample>> truthsOf(const Robot& robot) {
   return out;
 }
 
-/// Of the result in a truth.
-const char* keyOf(Task task) {
-  switch (task) {
-    case Task::crba:
-      return "M";
-    case Task::minverse:
-      return "Minv";
-    case Task::rnea_derivatives:
-      return "dtau_dq";
-    case Task::aba_derivatives:
-      return "ddq_dq";
-    default:
-      return nameOf(task);
-  }
-}
-
 /// Largest error of the one-axis joints' numbers, relative to the largest of them, in units of roundoff.
 double errorOf(Peer& peer, Task task, const Robot& robot, const std::vector<std::pair<State, tool::TruthSample>>& truths) {
   double worst = 0;
   for (const auto& [state, truth] : truths) {
     peer.run(task, state);
     const std::vector<double> x = peer.result(task);
-    const std::vector<long double>& all = truth.truth.at(keyOf(task));
+    const std::vector<long double>& all = truth.truth.at(tool::truthKey(nameOf(task)));
     const auto joints = static_cast<std::size_t>(robot.joints), n = truth.truth.at("rnea").size(), skipped = n - joints;
     long double off = 0, most = 0;
     for (std::size_t i = 0; i < x.size(); ++i) {

@@ -55,6 +55,11 @@ Eigen::Index placeOf(Eigen::Index k, Eigen::Index count, Eigen::Index n) { retur
 
 }  // namespace
 
+const char* truthKey(const std::string& algorithm) {
+  const Quantity* quantity = find(algorithm);
+  return quantity ? quantity->keys.front() : nullptr;
+}
+
 std::vector<TruthSample> readTruth(const std::string& path, const CompactModel& model) {
   std::vector<TruthSample> out;
   for (const auto& [state, entry] : readSamples(path, model)) {

@@ -36,6 +36,9 @@ class ErrorSummary {
   long count_ = 0;
 };
 
+/// The key of an algorithm's first matrix, by its name in dyn bench; null where truths have none of it.
+const char* truthKey(const std::string& algorithm);
+
 /// Adds how far the numbers that `algorithm` (by its name in dyn bench) gave are from the truth, in units of u: by the scales that the
 /// file gives for rnea, nle, gravity and aba, by the largest entry of each matrix for the others. Matrices are column after column; one after the
 /// other where the algorithm gives several. Nothing where the file has no such truth.

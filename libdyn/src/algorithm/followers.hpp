@@ -1,11 +1,21 @@
-// Derivatives in expanded coordinates to the user's.
+// Couplings at a state, and derivatives in expanded coordinates to the user's.
 #pragma once
 
 #include "data/data_impl.hpp"
+#include "joint/coordinate.hpp"
 
 #include <algorithm>
 
 namespace dyn {
+
+/// f and its three derivatives at the master's coordinate, of a PackedCoupling or a PackedJointCoupling.
+template <class Coupling>
+void evaluateCoupling(const CompactImpl& m, const Coupling& c, const double* q, double* f) {
+  const BodyIndex& master = m.index[static_cast<std::size_t>(c.master)];
+  const TypeBatch& batch = m.batches[static_cast<std::size_t>(master.batch)];
+  const double x = coordinateOf(*batch.type, batch.constants.data() + master.slot, batch.count, q + master.idx_q);
+  c.type->evaluate(c.constants.data(), static_cast<int>(c.constants.size()), x, f);
+}
 
 /// Columns, `rows` numbers each, of derivatives by q, v and a of something that depends on these: those of follower k are added to its
 /// master's, whose q_t, v_t and a_t it follows with v = G v_t and a = G a_t + G' v_t^2. Followers are folded the last first.

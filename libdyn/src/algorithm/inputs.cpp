@@ -1,6 +1,6 @@
 #include "algorithm/inputs.hpp"
 
-#include "joint/coordinate.hpp"
+#include "algorithm/followers.hpp"
 #include "kernels/evaluate.hpp"
 #include "kernels/losses.hpp"
 #include "kernels/table.hpp"
@@ -26,10 +26,9 @@ void follow(const CompactImpl& m, DataImpl& d, bool with_v, bool with_a) {
   for (std::size_t k = 0; k < m.couplings.size(); ++k) {
     const PackedCoupling& c = m.couplings[k];
     const BodyIndex &slave = m.index[at(c.body)], &master = m.index[at(c.master)];
-    const TypeBatch &mine = m.batches[at(slave.batch)], &masters = m.batches[at(master.batch)];
+    const TypeBatch& mine = m.batches[at(slave.batch)];
     double f[4];
-    const double x = coordinateOf(*masters.type, masters.constants.data() + master.slot, masters.count, d.qx + master.idx_q);
-    c.type->evaluate(c.constants.data(), static_cast<int>(c.constants.size()), x, f);
+    evaluateCoupling(m, c, d.qx, f);
     setCoordinate(*mine.type, mine.constants.data() + slave.slot, mine.count, f[0], d.qx + slave.idx_q);
     d.G[k] = f[1];
     d.dG[k] = f[2];

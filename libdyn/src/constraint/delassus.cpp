@@ -77,9 +77,7 @@ void applyDelassus(const CompactModel& model, Data& data, ConstraintData& constr
   const PlacedBodies bodies = placedBodies(d, c);
   sumRowForces(m, packed, c.frames, c.q, x.data, c.total, c.shares);
   bodies.run.yieldTo(m, bodies.memory, packed, c.total, c.shares);
-  accelerateBodies(m, d, c, nullptr, {}, c.expanded);
-  bodies.run.takeMotions(m, bodies.memory, packed, c.expanded, c.workspace);
-  rowAccelerations(m, packed, c.frames, c.q, c.workspace, c.gamma);
+  accelerateRows(m, d, c, c.q, nullptr, {}, c.expanded);
   std::copy_n(c.gamma, packed.rows, out.data());
   bodies.run.forgetForces(m, bodies.memory, packed);
 }

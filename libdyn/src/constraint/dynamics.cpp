@@ -25,10 +25,7 @@ ConstrainedViews refined(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& 
                          const double* motion, Wanted&& wanted) {
   const PackedConstraints& packed = c.set.impl();
   ConstrainedViews out{motion, c.lambda, 0, c.solver.rank(), c.solver.solve(c.wanted, c.lambda)};
-  const PlacedBodies bodies = placedBodies(d, c);
-  accelerateBodies(m, d, c, c.lambda, gravity, ddq);
-  bodies.run.takeMotions(m, bodies.memory, packed, ddq, c.workspace);
-  rowAccelerations(m, packed, c.frames, q, c.workspace, c.gamma);
+  accelerateRows(m, d, c, q, c.lambda, gravity, ddq);
   wanted(c.gamma);
   for (int r = 0; r < packed.rows; ++r)
     if (!(std::abs(c.wanted[r]) <= out.residual)) out.residual = std::abs(c.wanted[r]);

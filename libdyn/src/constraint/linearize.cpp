@@ -1,6 +1,6 @@
 #include "constraint/linearize.hpp"
 
-#include "joint/coordinate.hpp"
+#include "algorithm/followers.hpp"
 #include "kernels/constraint_table.hpp"
 #include "kernels/frame_rows.hpp"
 
@@ -88,17 +88,13 @@ void pointMotions(const CompactImpl& m, const DataImpl& d, const ConstraintDataI
   for (Motion<double>* motion : {&points[1].velocity, &points[1].acceleration}) *motion = kernels::turnedBack(x.turn, *motion);
 }
 
-const TypeBatch& batchOf(const CompactImpl& m, int body) { return m.batches[at(m.index[at(body)].batch)]; }
-
 /// Constraints of joints; results by the user's degrees of freedom.
 void linearizeJointRows(const CompactImpl& m, const ConstraintDataImpl& c, const Inputs& state, bool feedback, const kernels::RowDerivatives& out) {
   const PackedConstraints& packed = c.set.impl();
   for (const PackedJointCoupling& k : packed.couplings) {
     const BodyIndex &follower = m.index[at(k.body)], &master = m.index[at(k.master)];
-    const TypeBatch& batch = batchOf(m, k.master);
     double f[4];
-    const double x = coordinateOf(*batch.type, batch.constants.data() + master.slot, batch.count, state.q + master.idx_q);
-    k.type->evaluate(k.constants.data(), static_cast<int>(k.constants.size()), x, f);
+    evaluateCoupling(m, k, state.q, f);
     const std::ptrdiff_t s = out.rows * follower.user_v + k.row, t = out.rows * master.user_v + k.row;
     const double vm = state.v[master.idx_v], am = state.a[master.idx_v];
     const Baumgarte b = feedback ? k.baumgarte : Baumgarte{};
@@ -114,20 +110,7 @@ void linearizeJointRows(const CompactImpl& m, const ConstraintDataImpl& c, const
     const BodyIndex& x = m.index[at(k.body)];
     const Baumgarte b = feedback ? k.baumgarte : Baumgarte{};
     double J_q[36], J_v[36] = {}, difference[6];
-    if (!k.configuration.empty() && b.position > 0) {
-      const TypeBatch& batch = batchOf(m, k.body);
-      ConfigurationBatch<double> call;
-      call.count = 1;
-      call.constants = batch.constants.data() + x.slot;
-      call.constants_stride = batch.count;
-      call.q_stride = call.v_stride = call.j_stride = 1;
-      call.q0 = k.configuration.data();
-      call.q1 = state.q + x.idx_q;
-      call.v_out = difference;
-      call.J_q = J_q;
-      call.J_v = J_v;
-      batch.type->difference(call);
-    }
+    if (!k.configuration.empty() && b.position > 0) differenceOf(m, k.body, k.configuration.data(), state.q + x.idx_q, difference, J_q, J_v);
     for (int r = 0; r < k.rows; ++r)
       for (int l = 0; l < k.rows; ++l) {
         const std::ptrdiff_t entry = out.rows * (x.user_v + l) + k.row + r;

@@ -1,6 +1,6 @@
 #include "constraint/rows.hpp"
 
-#include "joint/coordinate.hpp"
+#include "algorithm/followers.hpp"
 #include "kernels/constraint_table.hpp"
 #include "kernels/frame_rows.hpp"
 
@@ -14,26 +14,6 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 const TypeBatch& batchOf(const CompactImpl& m, int body) { return m.batches[at(m.index[at(body)].batch)]; }
 const double* constantsOf(const CompactImpl& m, int body) { return batchOf(m, body).constants.data() + m.index[at(body)].slot; }
-
-/// f and its derivatives at the master's coordinate.
-void evaluateCoupling(const CompactImpl& m, const PackedJointCoupling& c, const double* q, double* f) {
-  const TypeBatch& batch = batchOf(m, c.master);
-  const double x = coordinateOf(*batch.type, constantsOf(m, c.master), batch.count, q + m.index[at(c.master)].idx_q);
-  c.type->evaluate(c.constants.data(), static_cast<int>(c.constants.size()), x, f);
-}
-
-void differenceOf(const CompactImpl& m, int body, const double* from, const double* to, double* v) {
-  const TypeBatch& batch = batchOf(m, body);
-  ConfigurationBatch<double> b;
-  b.count = 1;
-  b.constants = constantsOf(m, body);
-  b.constants_stride = batch.count;
-  b.q_stride = b.v_stride = 1;
-  b.q0 = from;
-  b.q1 = to;
-  b.v_out = v;
-  batch.type->difference(b);
-}
 
 /// The unit forces of rows on joints: use(row, place of a degree of freedom among those of the constraints' bodies, its share).
 template <class Use>
@@ -50,6 +30,21 @@ void eachShare(const CompactImpl& m, const PackedConstraints& c, const double* q
 }
 
 }  // namespace
+
+void differenceOf(const CompactImpl& m, int body, const double* from, const double* to, double* v, double* J_from, double* J_to) {
+  const TypeBatch& batch = batchOf(m, body);
+  ConfigurationBatch<double> b;
+  b.count = 1;
+  b.constants = constantsOf(m, body);
+  b.constants_stride = batch.count;
+  b.q_stride = b.v_stride = b.j_stride = 1;
+  b.q0 = from;
+  b.q1 = to;
+  b.v_out = v;
+  b.J_q = J_from;
+  b.J_v = J_to;
+  batch.type->difference(b);
+}
 
 void locateRows(const CompactImpl& m, const PackedConstraints& c, const double* q, const double* v, kernels::FrameRows* frames,
                 const kernels::RowMotion& rows, kernels::ConstraintWorkspace& x) {
@@ -92,13 +87,13 @@ void sumRowForces(const CompactImpl& m, const PackedConstraints& c, const kernel
 }
 
 void rowAccelerations(const CompactImpl& m, const PackedConstraints& c, const kernels::FrameRows* frames, const double* q,
-                      const kernels::ConstraintWorkspace& x, double* out) {
+                      const kernels::ConstraintWorkspace& x, const double* ddq, double* out) {
   kernels::constraintKernels().frameAccelerations(c, frames, x, out);
   if (!c.actsOnJoints()) return;
   for (const PackedJointCoupling& k : c.couplings) out[k.row] = 0;
   for (const PackedJointLock& k : c.locks) std::fill_n(out + k.row, k.rows, 0.0);
   // What forces share among degrees of freedom is what the rows' motion is made of.
-  eachShare(m, c, q, [&](int row, int dof, double share) { out[row] += share * x.motion[dof]; });
+  eachShare(m, c, q, [&](int row, int dof, double share) { out[row] += share * ddq[c.dofs[at(dof)]]; });
 }
 
 }  // namespace dyn

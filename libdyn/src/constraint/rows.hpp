@@ -17,8 +17,11 @@ void locateRows(const CompactImpl& m, const PackedConstraints& c, const double* 
 void sumRowForces(const CompactImpl& m, const PackedConstraints& c, const kernels::FrameRows* frames, const double* q, const double* lambda,
                   Force<double>* bodies, double* shares);
 
-/// Accelerations of the rows by those of chains and joints, without their bias; `out` has room for a pack.
+/// Accelerations of the rows by those of chains and of degrees of freedom, without their bias; `out` has room for a pack.
 void rowAccelerations(const CompactImpl& m, const PackedConstraints& c, const kernels::FrameRows* frames, const double* q,
-                      const kernels::ConstraintWorkspace& x, double* out);
+                      const kernels::ConstraintWorkspace& x, const double* ddq, double* out);
+
+/// Of a body's joint: v that leads from one configuration to the other, and its derivatives by these, nv x nv row by row, where they are asked for.
+void differenceOf(const CompactImpl& m, int body, const double* from, const double* to, double* v, double* J_from = nullptr, double* J_to = nullptr);
 
 }  // namespace dyn

@@ -53,6 +53,15 @@ void accelerateBodies(const CompactImpl& m, DataImpl& d, const ConstraintDataImp
   }
 }
 
+void accelerateRows(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c, const double* q, const double* forces, const Vec3<double>& gravity,
+                    double* ddq) {
+  const PackedConstraints& packed = c.set.impl();
+  const PlacedBodies bodies = placedBodies(d, c);
+  accelerateBodies(m, d, c, forces, gravity, ddq);
+  bodies.run.takeAccelerations(m, bodies.memory, packed, c.workspace);
+  rowAccelerations(m, packed, c.frames, q, c.workspace, ddq, c.gamma);
+}
+
 void prepareRows(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c, const double* q, const double* v) {
   const PackedConstraints& packed = c.set.impl();
   const PlacedBodies bodies = placedBodies(d, c);

@@ -23,6 +23,10 @@ void articulateBodies(const char* algorithm, const CompactImpl& m, DataImpl& d, 
 /// Adds what the rows' forces give to those bodies' degrees of freedom, if there are any, and the rest of the recursion.
 void accelerateBodies(const CompactImpl& m, DataImpl& d, const ConstraintDataImpl& c, const double* forces, const Vec3<double>& gravity, double* ddq);
 
+/// The same, and what it makes of the rows, without their bias, into c.gamma.
+void accelerateRows(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c, const double* q, const double* forces, const Vec3<double>& gravity,
+                    double* ddq);
+
 /// After the outward pass: rows located, their forces written. v may be null.
 void prepareRows(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c, const double* q, const double* v);
 

@@ -44,9 +44,8 @@ class Finder {
     }
     std::int64_t next = 0;
     for (const auto& [a, b] : geometry.impl().pairs) {
-      ids_.push_back({next, std::max(corners[at(a)], corners[at(b)])});
-      const auto piecesOf = [&](int of) { return static_cast<std::int64_t>(geometry.impl().volumes[at(of)]->pieces()); };
-      next += touchingIds(ids_.back().corners) * piecesOf(a) * piecesOf(b);
+      ids_.push_back({next, {std::max(corners[at(a)], corners[at(b)])}});
+      next += ids_.back().ids.count() * geometry.impl().volumes[at(a)]->pieces() * geometry.impl().volumes[at(b)]->pieces();
     }
     for (const PairFriction& p : options.pairs) setFriction(p);
   }
@@ -64,9 +63,9 @@ class Finder {
         Separation s = x.s;
         s.on_a -= x.center;
         s.on_b -= x.center;
-        const PairIds& ids = ids_[at(pair)];
-        const Manifold touching = manifold(x.a, x.b, x.aMb, s, ids.corners);
-        const std::int64_t first = ids.first + touchingIds(ids.corners) * (static_cast<std::int64_t>(p.b.pieces()) * x.number[0] + x.number[1]);
+        const auto& [first_of_pair, ids] = ids_[at(pair)];
+        const Manifold touching = manifold(x.a, x.b, x.aMb, s, ids);
+        const std::int64_t first = first_of_pair + ids.count() * p.b.pieces() * x.number[0] + ids.count() * x.number[1];
         for (int k = 0; k < touching.count; ++k) {
           const TouchingPoint& t = touching.points[k];
           if (t.gap <= margin_) points_.push_back({x.center + t.on_a, s.normal, t.gap, first + t.id});
@@ -82,7 +81,7 @@ class Finder {
   /// Those of each two pieces follow those of the two before.
   struct PairIds {
     std::int64_t first;
-    int corners;  ///< names, of the piece that has most
+    TouchingIds ids;  ///< by the piece that has most names for corners
   };
   /// In a's axes.
   struct Found {

@@ -6,7 +6,8 @@ namespace dyn {
 
 namespace {
 
-constexpr int round_corners = 8;  ///< of the polygon that stands for a round face
+constexpr int round_corners = 8;                             ///< of the polygon that stands for a round face
+constexpr int upper = 2 * round_corners, lower = upper + 1;  ///< names of ends, after those of rims
 
 /// Any two axes across a unit vector, the same for the same vector.
 struct Across {
@@ -48,8 +49,7 @@ void face(const Convex& c, const Vec3<double>& n, const Add& add) {
       add(Vec3<double>{c.half.x * std::cos(angle), c.half.x * std::sin(angle), z}, tilted ? round_corners + k : k);
     }
   };
-  constexpr int upper = 2 * round_corners, lower = upper + 1;  // after those of rims
-  constexpr double flat = 1e-3;                                ///< of a hull: slope up to which corners belong to one face
+  constexpr double flat = 1e-3;  ///< of a hull: slope up to which corners belong to one face
   switch (c.core) {
     case Core::point:
     case Core::half_space:
@@ -126,35 +126,28 @@ void face(const Convex& c, const Vec3<double>& n, const Add& add) {
 
 class Facing {
  public:
-  Facing(const Convex& a, const Convex& b, const SE3<double>& aMb, const Separation& s, int corner_ids)
-      : a_(a), b_(b), aMb_(aMb), s_(s), n_(s.normal), corner_ids_(corner_ids), axes_(s.normal), origin_(s.on_a) {}
+  Facing(const Convex& a, const Convex& b, const SE3<double>& aMb, const Separation& s, const TouchingIds& ids)
+      : a_(a), b_(b), aMb_(aMb), s_(s), n_(s.normal), ids_(ids), axes_(s.normal), origin_(s.on_a) {}
 
   Manifold run() {
+    const Polygon a = towardsB(), b = towardsA();
     // A half-space shares all of the other's face; its surface is at height 0, where on_a is, or where on_b is.
     if (a_.core == Core::half_space) {
-      const Polygon b = towardsA();
       for (int k = 0; k < b.count; ++k) out_.add({point(b.corners[k].u, b.corners[k].v, 0), b.corners[k].h, b.corners[k].id});
     } else if (b_.core == Core::half_space) {
-      const Polygon a = towardsB();
       const double height = dot(s_.on_b - origin_, n_);
       for (int k = 0; k < a.count; ++k) {
         const Corner& c = a.corners[k];
         out_.add({point(c.u, c.v, c.h), height - c.h, c.id});
       }
     } else {
-      share(towardsB(), towardsA());
+      share(a, b);
     }
-    addNearest();
+    addNearest(a, b);
     return out_;
   }
 
  private:
-  // Ids: corners of A, of B, where sides of B cut A, sides of A cut B, a shared piece of two sides, the nearest points by what
-  // is foremost of either.
-  int cutting() const { return 2 * corner_ids_; }
-  int shared() const { return 6 * corner_ids_; }
-  int nearest() const { return shared() + 2; }
-
   Corner flatten(const Vec3<double>& x, int id) const {
     const Vec3<double> d = x - origin_;
     return {dot(d, axes_.u), dot(d, axes_.v), dot(d, n_), id};
@@ -168,15 +161,15 @@ class Facing {
   }
   Polygon towardsA() const {
     Polygon p;
-    face(b_, -transposeTimes(aMb_.R, n_), [&](const Vec3<double>& x, int name) { p.add(flatten(aMb_.act(x), corner_ids_ + name)); });
+    face(b_, -transposeTimes(aMb_.R, n_), [&](const Vec3<double>& x, int name) { p.add(flatten(aMb_.act(x), ids_.corners + name)); });
     return p;
   }
 
-  void share(Polygon a, Polygon b) {
+  void share(const Polygon& a, const Polygon& b) {
     if (a.count < 2 || b.count < 2) return;
     if (b.count == 2 && a.count == 2) return alongside(a, b);
     const bool cut_a = b.count > 2;
-    Polygon& cut = cut_a ? a : b;
+    Polygon cut = cut_a ? a : b;
     const Polygon& by = cut_a ? b : a;
     Slope slope;
     if (!slopeOf(by, slope)) return;
@@ -230,7 +223,7 @@ class Facing {
         if (ix >= 0) kept.add(x);
         if ((ix < 0) == (iy < 0) || (p.count == 2 && i == 1)) continue;
         const double s = ix / (ix - iy);
-        kept.add({x.u + s * (y.u - x.u), x.v + s * (y.v - x.v), x.h + s * (y.h - x.h), cutting() + 2 * c.id + (iy >= 0 ? 1 : 0)});
+        kept.add({x.u + s * (y.u - x.u), x.v + s * (y.v - x.v), x.h + s * (y.h - x.h), ids_.cutting() + 2 * c.id + (iy >= 0 ? 1 : 0)});
       }
       p = kept;
     }
@@ -247,7 +240,7 @@ class Facing {
     const double first = (r.u - p.u) * du + (r.v - p.v) * dv, last = (t.u - p.u) * du + (t.v - p.v) * dv;
     const double low = std::max(0.0, std::min(first, last)), high = std::min(along, std::max(first, last));
     if (!(high > low) || first == last) return;
-    int id = shared();
+    int id = ids_.shared();
     for (const double s : {low, high}) {
       const double share = s / along, on_a = p.h + share * (q.h - p.h), on_b = r.h + (s - first) / (last - first) * (t.h - r.h);
       out_.add({point(p.u + share * (q.u - p.u), p.v + share * (q.v - p.v), on_a), on_b - on_a, id++});
@@ -255,18 +248,16 @@ class Facing {
   }
 
   /// Faces that meet at a corner or along a side may share nothing lower than it.
-  void addNearest() {
+  void addNearest(const Polygon& a, const Polygon& b) {
     double lowest = HUGE_VAL, size = norm(s_.on_a) + norm(aMb_.p);
     for (int k = 0; k < out_.count; ++k) lowest = std::min(lowest, out_.points[k].gap);
     if (!(lowest > s_.distance + 1e-12 * size)) return;
-    const Polygon a = towardsB(), b = towardsA();
-    const std::int64_t of_a = foremost(a, b, s_.on_a, 0), of_b = foremost(b, a, s_.on_b, corner_ids_);
-    out_.add({s_.on_a, s_.distance, nearest() + (corner_ids_ + 1) * of_a + of_b});
+    out_.add({s_.on_a, s_.distance, ids_.nearest(foremost(a, b, s_.on_a, 0), foremost(b, a, s_.on_b, ids_.corners))});
   }
-  /// Of the corners that p turns to another solid the one next to x; of a face that less than a face is next to none, corner_ids_: it may be
-  /// anywhere in it.
+  /// Of the corners that p turns to another solid the one next to x; of a face that less than a face is next to none, the number of names: it may
+  /// be anywhere in it.
   int foremost(const Polygon& p, const Polygon& other, const Vec3<double>& x, int first_id) const {
-    if (p.count > 2 && other.count <= 2) return corner_ids_;
+    if (p.count > 2 && other.count <= 2) return ids_.corners;
     const Corner at = flatten(x, 0);
     const auto away = [&](const Corner& c) { return std::hypot(c.u - at.u, c.v - at.v, c.h - at.h); };
     return std::min_element(p.corners, p.corners + p.count, [&](const Corner& c, const Corner& d) { return away(c) < away(d); })->id - first_id;
@@ -276,7 +267,7 @@ class Facing {
   const SE3<double>& aMb_;
   const Separation& s_;
   const Vec3<double>& n_;
-  const int corner_ids_;
+  const TouchingIds ids_;
   Across axes_;
   Vec3<double> origin_;
   Manifold out_;
@@ -284,8 +275,10 @@ class Facing {
 
 }  // namespace
 
-Manifold manifold(const Convex& a, const Convex& b, const SE3<double>& aMb, const Separation& s, int corner_ids) {
-  return Facing(a, b, aMb, s, corner_ids).run();
+int cornerIds(const Convex& c) { return c.core == Core::hull ? c.count : lower + 1; }
+
+Manifold manifold(const Convex& a, const Convex& b, const SE3<double>& aMb, const Separation& s, const TouchingIds& ids) {
+  return Facing(a, b, aMb, s, ids).run();
 }
 
 }  // namespace dyn

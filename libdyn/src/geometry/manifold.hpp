@@ -3,15 +3,22 @@
 
 #include "geometry/convex.hpp"
 
-#include <algorithm>
 #include <cstdint>
 
 namespace dyn {
 
 /// Names of corners that a solid can turn towards another.
-inline int cornerIds(const Convex& c) { return c.core == Core::hull ? std::max(c.count, 1) : 18; }
-/// Ids of points where solids touch of which none has more names for corners.
-constexpr std::int64_t touchingIds(std::int64_t corner_ids) { return 6 * corner_ids + 2 + (corner_ids + 1) * (corner_ids + 1); }
+int cornerIds(const Convex& c);
+
+/// Ids of points where solids touch of which none has more names for corners: corners of A, of B, where sides of B cut A, sides of A cut B, a shared
+/// piece of two sides, the nearest points by what is foremost of either.
+struct TouchingIds {
+  int corners = 0;
+  int cutting() const { return 2 * corners; }
+  int shared() const { return 6 * corners; }
+  std::int64_t nearest(int of_a, int of_b) const { return shared() + 2 + (corners + std::int64_t{1}) * of_a + of_b; }
+  std::int64_t count() const { return nearest(corners, corners) + 1; }
+};
 
 /// In the axes of A, of a separation's normal n.
 struct TouchingPoint {
@@ -30,8 +37,8 @@ struct Manifold {
   }
 };
 
-/// For s = separation(a, b, aMb); ids are below touchingIds(corner_ids), which is no less than either solid's. No gap is less than s.distance, and
+/// For s = separation(a, b, aMb); `ids` has names enough for either solid. No gap is less than s.distance, and
 /// one is that. Not of two half-spaces.
-Manifold manifold(const Convex& a, const Convex& b, const SE3<double>& aMb, const Separation& s, int corner_ids);
+Manifold manifold(const Convex& a, const Convex& b, const SE3<double>& aMb, const Separation& s, const TouchingIds& ids);
 
 }  // namespace dyn

@@ -8,6 +8,7 @@
 
 #include "kernels/constrained_bodies.hpp"
 #include "kernels/constraint_workspace.hpp"
+#include "kernels/row_packs.hpp"
 #include "kernels/subtree.hpp"
 
 namespace dyn::kernels {
@@ -48,11 +49,7 @@ struct ClimbingRows {
 template <class P, int packs, class S>
 void climbChain(const ConstrainedBodies<S>& bodies, const PackedConstraints& c, int number, int first, bool eliminated, ConstraintWorkspace& x) {
   constexpr int lanes = lanes_of<P>;
-  const auto along = [](const auto& s, const Force<P>& f) {
-    const P linear = P(s.linear.x) * f.linear.x + P(s.linear.y) * f.linear.y + P(s.linear.z) * f.linear.z;
-    const P angular = P(s.angular.x) * f.angular.x + P(s.angular.y) * f.angular.y + P(s.angular.z) * f.angular.z;
-    return linear + angular;
-  };
+  const auto along = [](const Motion<double>& s, const Force<P>& f) { return dot(cast<P>(s.linear), f.linear) + dot(cast<P>(s.angular), f.angular); };
   const ConstrainedChain& chain = c.chains[static_cast<std::size_t>(number)];
   const std::ptrdiff_t step = x.wholePacks(chain.row_end - chain.row_begin);
   const bool on_joints = c.actsOnJoints();
@@ -99,8 +96,8 @@ void climbChain(const ConstrainedBodies<S>& bodies, const PackedConstraints& c, 
         row.free += y * y_free;
         const P less = last ? y : scaled;
         if (last) F.angular += cross(cast<P>(r), F.linear);  // abaInward has moved this W to the parent
-        F.linear -= Vec3<P>{less * P(W.linear.x), less * P(W.linear.y), less * P(W.linear.z)};
-        F.angular -= Vec3<P>{less * P(W.angular.x), less * P(W.angular.y), less * P(W.angular.z)};
+        F.linear -= less * cast<P>(W.linear);
+        F.angular -= less * cast<P>(W.angular);
       }
     }
     if (!eliminated)
@@ -111,7 +108,7 @@ void climbChain(const ConstrainedBodies<S>& bodies, const PackedConstraints& c, 
   for (int p = 0; p < packs; ++p) {
     const ClimbingRows<P>& row = rows[p];
     const int at = first + p * lanes;
-    storePack(row.free + (P(fall.x) * row.F.linear.x + P(fall.y) * row.F.linear.y + P(fall.z) * row.F.linear.z), x.free + at);
+    storePack(row.free + dot(cast<P>(fall), row.F.linear), x.free + at);
     storePack(row.bound, x.bound + at);
     if (chain.parent < 0) continue;
     const ConstrainedChain& parent = c.chains[static_cast<std::size_t>(chain.parent)];
@@ -166,13 +163,11 @@ void yieldToForces(const ConstrainedBodies<S>& bodies, const PackedConstraints& 
   }
 }
 
-/// What abaSolve has left, to rowAccelerations: of the chains' first bodies, and of their degrees of freedom. O(chains).
+/// What abaSolve has left of the chains' first bodies, to x.chains. O(chains).
 template <class S>
-void takeMotions(const ConstrainedBodies<S>& bodies, const PackedConstraints& c, const double* ddq, ConstraintWorkspace& x) {
+void takeAccelerations(const ConstrainedBodies<S>& bodies, const PackedConstraints& c, ConstraintWorkspace& x) {
   for (std::size_t number = 0; number < c.chains.size(); ++number)
     x.chains[number].acceleration = bodies[c.bodies[static_cast<std::size_t>(c.chains[number].begin)]].acceleration();
-  if (!c.actsOnJoints()) return;
-  for (std::size_t k = 0; k < c.dofs.size(); ++k) x.motion[k] = ddq[c.dofs[k]];
 }
 
 /// Adds to what abaSolve starts from what forces of the constraints, one a row, give to each degree of freedom. O(dofs x rows).

@@ -21,7 +21,7 @@ struct ConstraintRecursions {
   void (*sweep)(const CompactImpl&, void* memory, const PackedConstraints&, bool eliminated, ConstraintWorkspace&);
   void (*yieldTo)(const CompactImpl&, void* memory, const PackedConstraints&, Force<double>* F, const double* shares);
   void (*addForces)(const CompactImpl&, void* memory, const PackedConstraints&, const ConstraintWorkspace&, const double* lambda);
-  void (*takeMotions)(const CompactImpl&, void* memory, const PackedConstraints&, const double* ddq, ConstraintWorkspace&);
+  void (*takeAccelerations)(const CompactImpl&, void* memory, const PackedConstraints&, ConstraintWorkspace&);
   void (*forgetForces)(const CompactImpl&, void* memory, const PackedConstraints&);
 };
 

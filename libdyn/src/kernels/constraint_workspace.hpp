@@ -5,7 +5,6 @@
 #include "kernels/workspace.hpp"
 
 #include <algorithm>
-#include <type_traits>
 
 namespace dyn::kernels {
 
@@ -59,7 +58,6 @@ struct ConstraintWorkspace {
   double* scaled = nullptr;    ///< the shares over the degrees of freedom's pivots
   double* inverse = nullptr;   ///< rows of its inverse
   double* column = nullptr;    ///< scratch of two rows
-  double* motion = nullptr;    ///< one number a degree of freedom of these bodies: acceleration
 
   static constexpr int widest = 8;
   static constexpr std::ptrdiff_t wholePacks(int rows) { return (rows + widest - 1) / widest * widest; }
@@ -90,30 +88,6 @@ inline void carve(ConstraintWorkspace& x, const PackedConstraints& c, Arena& are
   arena.take(x.scaled, room * c.dofs.size());
   arena.take(x.inverse, stride * rows);
   arena.take(x.column, 2 * stride);
-  arena.take(x.motion, c.dofs.size());
-}
-
-/// Calls use(first, P) for rows from `begin` on and before `end`, in packs P: Wide, or Half for as many as this one holds.
-template <class Wide, class Half, class Use>
-void inPacks(int begin, int end, Use&& use) {
-  while (end - begin > lanes_of<Half>) {
-    use(begin, std::type_identity<Wide>());
-    begin += lanes_of<Wide>;
-  }
-  if (begin < end) use(begin, std::type_identity<Half>());
-}
-
-/// The same by groups: use(first, P, packs), a constant, of which one core has several on the way at once.
-template <class Wide, class Half, class Use>
-void inGroups(int begin, int end, Use&& use) {
-  constexpr int most = 3, narrow = lanes_of<Half>;
-  while (end - begin > most * narrow) {
-    use(begin, std::type_identity<Wide>(), std::integral_constant<int, 2>());
-    begin += 2 * lanes_of<Wide>;
-  }
-  if (end - begin > 2 * narrow) return use(begin, std::type_identity<Half>(), std::integral_constant<int, 3>());
-  if (end - begin > narrow) return use(begin, std::type_identity<Half>(), std::integral_constant<int, 2>());
-  if (end > begin) use(begin, std::type_identity<Half>(), std::integral_constant<int, 1>());
 }
 
 }  // namespace dyn::kernels

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "kernels/constraint_workspace.hpp"
+#include "kernels/row_packs.hpp"
 #include "kernels/subtree.hpp"
 
 namespace dyn::kernels {

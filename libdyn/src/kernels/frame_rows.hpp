@@ -121,10 +121,6 @@ void eachPackOfRows(const PackedFrameConstraint& c, const FrameRows& x, Use&& us
     use(c.row + c.linear_rows + k, Vec3<P>{loadPack<P>(x.angular[0] + k), loadPack<P>(x.angular[1] + k), loadPack<P>(x.angular[2] + k)},
         &Motion<double>::angular);
 }
-template <class P>
-P along(const Vec3<P>& directions, const Vec3<double>& v) {
-  return directions.x * P(v.x) + directions.y * P(v.y) + directions.z * P(v.z);
-}
 
 /// Adds the rows' unit forces to those of body e's chain.
 template <class P>
@@ -173,12 +169,13 @@ void placeFrames(const CompactImpl& m, const PackedConstraints& all, bool moves,
     if (c.body[0] == 0 || c.body[1] == 0) fall.linear = (c.body[0] > 0 ? 1.0 : -1.0) * transposeTimes(x.stateOf(all, c.body[0]).tree.R, m.gravity);
     const P by_velocity(c.baumgarte.velocity), by_error(c.baumgarte.position);
     eachPackOfRows<P>(c, frame, [&](int row, const Vec3<P>& directions, Vec3<double> Motion<double>::*part) {
-      const P velocity = along(directions, frame.relative.*part), error = along(directions, frame.error.*part), rate = along(directions, bias.*part);
+      const P velocity = dot(directions, cast<P>(frame.relative.*part)), error = dot(directions, cast<P>(frame.error.*part)),
+              rate = dot(directions, cast<P>(bias.*part));
       storePack(velocity, rows.velocity + row);
       storePack(error, rows.error + row);
       storePack(rate, rows.bias + row);
       storePack(rate + by_velocity * velocity + by_error * error, rows.drift + row);
-      storePack(along(directions, fall.*part), rows.fall + row);
+      storePack(dot(directions, cast<P>(fall.*part)), rows.fall + row);
     });
     for (int e = 0; e < 2; ++e) addUnitForces<P>(all, c, frame, e, x);
   }
@@ -197,7 +194,7 @@ void frameAccelerations(const PackedConstraints& all, const FrameRows* frames, c
     Motion<double> relative = seen(0);
     if (c.body[1] > 0) relative -= turnedBack(frame.turn, seen(1));
     eachPackOfRows<P>(c, frame, [&](int row, const Vec3<P>& directions, Vec3<double> Motion<double>::*part) {
-      storePack(along(directions, relative.*part), out + row);
+      storePack(dot(directions, cast<P>(relative.*part)), out + row);
     });
   }
 }

@@ -35,8 +35,8 @@ constexpr ConstraintRecursions constraintRecursions() {
   k.addForces = [](const CompactImpl& m, void* memory, const PackedConstraints& c, const ConstraintWorkspace& x, const double* lambda) {
     addConstraintForces<Panel, Half>(bodiesIn<S>(m, memory), c, x, lambda);
   };
-  k.takeMotions = [](const CompactImpl& m, void* memory, const PackedConstraints& c, const double* ddq, ConstraintWorkspace& x) {
-    takeMotions(bodiesIn<S>(m, memory), c, ddq, x);
+  k.takeAccelerations = [](const CompactImpl& m, void* memory, const PackedConstraints& c, ConstraintWorkspace& x) {
+    takeAccelerations(bodiesIn<S>(m, memory), c, x);
   };
   k.forgetForces = [](const CompactImpl& m, void* memory, const PackedConstraints& c) { forgetForces(bodiesIn<S>(m, memory), c); };
   return k;
