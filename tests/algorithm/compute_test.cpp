@@ -76,7 +76,7 @@ TEST_CASE("each quantity alone runs its own passes, and leaves the memory of oth
     DataImpl& d = data.impl();
     const int bodies = model.impl().bodies();
     d.oM[1].p.x = d.v[1].linear.x = d.derivatives.vectored->shift_rate[1].a[0] = poison;
-    for (int i = 1; i < bodies; ++i) d.f[i].linear.x = d.mass[i] = poison;
+    for (int i = 1; i < bodies; ++i) d.f[i].linear.x = d.mass[i] = d.derivatives.bodies.mass[i].x = poison;
     // What children hand over: leaves leave it alone.
     const auto handed = [&](auto&& number) {
       int count = 0;
@@ -87,7 +87,7 @@ TEST_CASE("each quantity alone runs its own passes, and leaves the memory of oth
     CHECK((d.oM[1].p.x != poison) == poses);
     CHECK((d.v[1].linear.x != poison) == velocities);
     CHECK(handed([&](int i) { return d.f[i].linear.x; }) == forces);
-    CHECK(handed([&](int i) { return d.mass[i]; }) == inertias);
+    CHECK((handed([&](int i) { return d.mass[i]; }) || handed([&](int i) { return d.derivatives.bodies.mass[i].x; })) == inertias);
     CHECK((d.derivatives.vectored->shift_rate[1].a[0] != poison) == derivatives);
     return passes;
   };
@@ -102,7 +102,7 @@ TEST_CASE("each quantity alone runs its own passes, and leaves the memory of oth
   CHECK(sum(run(Q::rnea | Q::nle, false, false, true, false, false), 1, 0, 0, 2, 0, 0));
   CHECK(sum(run(Q::mass_matrix, false, false, false, true, false), 1, 0, 0, 0, 1, 0));
   CHECK(sum(run(Q::minverse, false, false, false, false, false), 1, 0, 0, 0, 1, 0));
-  CHECK(sum(run(Q::centroidal_map, false, false, false, false, true), 1, 0, 0, 0, 1, 0));
+  CHECK(sum(run(Q::centroidal_map, false, false, false, true, false), 1, 0, 0, 0, 1, 0));
   CHECK(sum(run(Q::rnea_derivatives | Q::mass_matrix, false, false, false, false, true), 1, 1, 0, 0, 0, 1));
 }
 

@@ -33,6 +33,14 @@ void fold(const CompactImpl& m, DataImpl& d, CentroidalTask task) {
   for (double* columns : {d.Ag, d.dAg, d.dh_dq, d.dhdot_dq, d.dhdot_dv}) keepUsersColumns(m, 6, columns);
 }
 
+CentroidalViews views(const CompactImpl& m, DataImpl& d, CentroidalTask task, const kernels::CentroidalState<double>& state) {
+  flatten(state.momentum, d.hg);
+  flatten(state.rate, d.dhg);
+  d.locked_inertia = state.inertia.matrix();
+  if (!m.couplings.empty()) fold(m, d, task);
+  return {d.hg, d.dhg, d.Ag, d.dAg, d.dh_dq, d.dhdot_dq, d.dhdot_dv, &d.locked_inertia};
+}
+
 }  // namespace
 
 CentroidalViews centroidal(const CompactModel& model, Data& data, CentroidalTask task, VectorView q, VectorView v, const VectorView* a) {
@@ -45,6 +53,11 @@ CentroidalViews centroidal(const CompactModel& model, Data& data, CentroidalTask
   if (!(m.mass > 0))
     throw Error(ErrorCode::singular, std::string(algorithm) + ": the model has no mass, so no centre of mass; give its bodies inertias");
   const Inputs in = readInputs(algorithm, model, data, q, &v, a);
+  if (const kernels::PackedKernels* k = kernels::packed(m); k && task == CentroidalTask::map) {
+    kernels::CentroidalState<double> state;
+    if (!k->centroidalMap(m, d.packed.data(), in.q, in.v, d.Ag, state)) checkConfiguration("q", m, in.q);
+    return views(m, d, task, state);
+  }
   evaluateJoints(m, d, in.q, in.v);
   if (task != CentroidalTask::map) kernels::active().single.evaluateSubspaces(m, d.derivatives, in.q, in.v);
   return centroidalOfEvaluated(m, d, task, in.v, in.a);
@@ -72,12 +85,7 @@ CentroidalViews centroidalOfEvaluated(const CompactImpl& m, DataImpl& d, Centroi
     maps.dhdot_dq = d.dhdot_dq;
     maps.dhdot_dv = d.dhdot_dv;
   }
-  const auto state = kernels::active().single.centroidal(m, d, d.derivatives, v, a, maps);
-  flatten(state.momentum, d.hg);
-  flatten(state.rate, d.dhg);
-  d.locked_inertia = state.inertia.matrix();
-  if (!m.couplings.empty()) fold(m, d, task);
-  return {d.hg, d.dhg, d.Ag, d.dAg, d.dh_dq, d.dhdot_dq, d.dhdot_dv, &d.locked_inertia};
+  return views(m, d, task, kernels::active().single.centroidal(m, d, d.derivatives, v, a, maps));
 }
 
 }  // namespace dyn::detail

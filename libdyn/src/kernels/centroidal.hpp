@@ -1,54 +1,13 @@
-// Momentum about the centre of mass, its map and its derivatives, from what the derivatives of inverse dynamics have of each subtree.
+// Momentum about the centre of mass, its rate, and their derivatives, from what the derivatives of inverse dynamics have of each subtree.
 //
 // Everything is summed in aligned frames about the joints' own origins, in inertial frames that move with them, and moved to the centre of
 // mass last: by y, from the joint's origin to the centre, and its rate. No position in the world enters.
 #pragma once
 
+#include "kernels/centroidal_map.hpp"
 #include "kernels/rnea_derivatives.hpp"
 
 namespace dyn::kernels {
-
-/// What momentum and its map take, and no more: placements and composite inertias; of a tree's root, momentum relative to its joint's origin, to
-/// which each joint gives its column of the map.
-template <class S, class Order>
-void momenta(const Order& bodies, DerivativeWorkspace<S>& d, const S* v) {
-  Workspace<S>& w = bodies.w;
-  bodies.forward(passing(w.R, w.product), [&]<class Joint>(const Joint& joint, int i, int iv, auto&&... axes) {
-    const Mat3<S> R = placeAligned<S>(joint, bodies, bodies.constants(i).placement, i, w, axes...);
-    writeColumns(joint, R, w.dof + iv);
-    // Where a root's origin goes all of the tree goes, which gives its centre no angular momentum.
-    if (bodies.isRoot(i)) d.shift_rate[i] = joint.timesIn(R, v + iv).linear;
-  });
-  bodies.backward(passing(d.momentum), [&]<class Joint>(const Joint&, int i, int iv, auto&& handed) {
-    const auto [mass, h, I] = alignedInertia<Joint>(bodies, w, i);
-    SubtreeMomentum<S> m = handed.with({mass, h, I, {}});
-    Force<S> momentum = m.momentum;
-    if (isFlyingRoot<Joint>(bodies, i)) {
-      flyingColumns(m, [&](int k, const Force<S>& U) { d.dof_force[iv + k].by_a = U; });
-      if constexpr (Joint::is_free) {
-        const Vec3<S> omega{v[iv + 3], v[iv + 4], v[iv + 5]};
-        momentum += {cross(omega, m.h), m.I * omega};
-      }
-    } else {
-      for (int k = iv; k < iv + Joint::nv; ++k) {
-        const Motion<S>& s = w.dof[k].S_;
-        const Force<S> U = rigidForceOf<Joint>(m, s);
-        d.dof_force[k].by_a = U;
-        if (!bodies.isRoot(i)) {
-          momentum += v[k] * U;
-        } else if constexpr (Joint::has_angular) {
-          momentum += v[k] * Force<S>{cross(s.angular, m.h), m.I * s.angular};
-        }
-      }
-    }
-    m.momentum = momentum;
-    d.subtree[i].m = m;
-    if (bodies.isRoot(i)) return;
-    SubtreeMomentum<S> given = movedInertia(m, w.r[i]);
-    given.momentum = {momentum.linear, momentum.angular + cross(w.r[i], momentum.linear)};
-    handed.give(given);
-  });
-}
 
 /// Three numbers to where there is room for a fourth: what follows them may be overwritten.
 template <class S>
@@ -57,13 +16,13 @@ void putVector(const Vec3<S>& x, S* to) {
 }
 inline void putVector(const Vec3<Vectored>& x, Vectored* to) { *reinterpret_cast<Square<double, 4>::Unaligned*>(to) = x.a; }
 
-/// The root of a tree, after momenta: its axes in the world, where its joint's origin is and how fast, what hangs on it in its own axes.
+/// The root of a tree: its axes in the world, where its joint's origin is and how fast, what hangs on it in its own axes.
 template <class S>
 struct TreeRoot {
   Mat3<S> R;
   Vec3<S> origin, speed;
   const SubtreeMomentum<S>& m;
-  const Force<S>& f;  ///< with derivativesInward
+  const Force<S>& f;
 };
 template <class S>
 TreeRoot<S> treeRoot(const BodyIndex& root, const SE3<S>& rel, const Vec3<S>& r, const Vec3<S>& shift_rate, const Subtree<S>& subtree) {
@@ -75,7 +34,7 @@ TreeRoot<S> treeRoot(const BodyIndex& root, const SE3<S>& rel, const Vec3<S>& r,
 /// and how fast it leaves that, in its own axes. The trees that stand on the world are one system: where there are several, their places in the world
 /// are compared.
 template <class S, class RootOf>
-CentroidalState<S> centroidalState(const CompactImpl& m, bool rates, RootOf&& rootOf, Motion<S>* places) {
+CentroidalState<S> centroidalState(const CompactImpl& m, RootOf&& rootOf, Motion<S>* places) {
   const auto next = [&](int root) { return m.tree_end[static_cast<std::size_t>(root)]; };
   // The first root is where the others are seen from.
   const int first = 1, count = m.bodies();
@@ -106,7 +65,7 @@ CentroidalState<S> centroidalState(const CompactImpl& m, bool rates, RootOf&& ro
     // Relative to the centre's own speed the whole has no linear momentum: that of the world is added at the end.
     const Vec3<S> linear = c.momentum.linear - c.mass * place.angular;
     sum.momentum += about({linear, c.momentum.angular - cross(c.h, place.angular)});
-    if (rates) sum.rate += about(root.f);
+    sum.rate += about(root.f);
     sum.inertia += congruence(R, shiftedInertia(c.I, c.mass, c.h, -place.linear));
   }
   sum.momentum.linear = mass * (reference.speed + drift);
@@ -120,8 +79,8 @@ struct TreeAxes {
   Vec3<S> force;
 };
 template <class S>
-TreeAxes<S> treeAxes(const Mat3<S>& R, const CentroidalState<S>& sum, bool rates) {
-  return {R, rates ? (S(1) / sum.mass) * transposeTimes(R, sum.rate.linear) : Vec3<S>{}};
+TreeAxes<S> treeAxes(const Mat3<S>& R, const CentroidalState<S>& sum) {
+  return {R, (S(1) / sum.mass) * transposeTimes(R, sum.rate.linear)};
 }
 
 /// What one degree of freedom's column of each map is: write(map, force) for those that are wanted, the force in world axes about the centre of mass.
@@ -150,7 +109,7 @@ void centroidalColumns(const CentroidalMaps<N>& out, const TreeAxes<S>& tree, co
   if (out.dhdot_dv) put(out.dhdot_dv, forces.by_v);
 }
 
-/// After momenta; or, for more than Ag and momentum, after derivativesOutward without gravity and derivativesInward.
+/// After derivativesOutward without gravity and derivativesInward.
 template <class S, class Order>
 CentroidalState<S> centroidalOf(const Order& bodies, DerivativeWorkspace<S>& d, const CentroidalMaps<S> out) {
   const Workspace<S>& w = bodies.w;
@@ -165,17 +124,17 @@ CentroidalState<S> centroidalOf(const Order& bodies, DerivativeWorkspace<S>& d, 
   const DofVariation<S>* const variations = d.dof;
   const DofForces<S>* const dof_forces = d.dof_force;
   const auto rootOf = [&](int i) { return treeRoot(index[i], w.rel[i], rs[i], rates[i], subtrees[i]); };
-  CentroidalState<S> sum = centroidalState<S>(bodies.m, out.rates, rootOf, places);
+  CentroidalState<S> sum = centroidalState<S>(bodies.m, rootOf, places);
   // From each root to its leaves.
   TreeAxes<S> tree;
   for (int i = 1; i < count; ++i) {
     const BodyIndex& x = index[i];
     Motion<S>& place = places[i];
     if (x.parent == 0) {
-      tree = treeAxes(x.flying_root ? w.rel[i].R : Mat3<S>::identity(), sum, out.rates);
+      tree = treeAxes(x.flying_root ? w.rel[i].R : Mat3<S>::identity(), sum);
     } else {
       place.linear = places[x.parent].linear - rs[i];
-      if (out.rates) place.angular = places[x.parent].angular - rates[i];
+      place.angular = places[x.parent].angular - rates[i];
     }
     for (int k = x.idx_v; k < x.idx_v + x.nv; ++k)
       centroidalColumns(out, tree, place, subtrees[i], dofs[k].S_, variations[k], dof_forces[k], [&](S* to, const Force<S>& f) {
@@ -197,8 +156,8 @@ CentroidalState<double> centroidalOf(const StripRecursion<S>& r, const Centroida
   const TreeRoot<double> root = treeRoot(order.m.index[1], ofRoot(w.rel), ofRoot(w.r), ofRoot(d.shift_rate), whole);
   Motion<double> places[2];
   CentroidalState<double> sum = centroidalState<double>(
-      order.m, out.rates, [&](int) { return root; }, places);
-  const TreeAxes<double> axes = treeAxes(root.R, sum, out.rates);
+      order.m, [&](int) { return root; }, places);
+  const TreeAxes<double> axes = treeAxes(root.R, sum);
   const TreeAxes<S> tree{cast<S>(axes.R), cast<S>(axes.force)};
   const Motion<S> first{cast<S>(places[1].linear), cast<S>(places[1].angular)};
   order.forward(passing(d.place), [&]<class Joint>(const Joint&, int i, int iv, auto&& at) {
@@ -221,26 +180,22 @@ CentroidalState<double> centroidalOf(const StripRecursion<S>& r, const Centroida
 template <class Quad, class S>
 CentroidalState<S> centroidal(const CompactImpl& m, Workspace<S>& w, DerivativeWorkspace<S>& d, const S* v, const S* a,
                               const CentroidalMaps<S>& out) {
-  const auto over = [&](const auto& r) -> CentroidalState<S> {
-    using T = typename std::remove_cvref_t<decltype(r)>::Scalar;
-    if (out.rates) {
-      derivativesOutward(r.order, r.d, Vec3<T>{}, r.velocities(v), r.accelerations(a));
-      derivativesInward(r.order, r.d);
-    } else {
-      momenta(r.order, r.d, r.velocities(v));
-    }
-    if constexpr (std::remove_cvref_t<decltype(r)>::over_strips) {
+  if (!out.rates) {
+    const auto r = recursion(m, w, d);
+    return inNumbers<S>(centroidalMap(r.order, r.velocities(v), BodyMap<typename decltype(r)::Scalar>{r.out(out.Ag)}));
+  }
+  const auto over = [&]<class Recursion>(const Recursion& r) -> CentroidalState<S> {
+    derivativesOutward(r.order, r.d, Vec3<typename Recursion::Scalar>{}, r.velocities(v), r.accelerations(a));
+    derivativesInward(r.order, r.d);
+    if constexpr (Recursion::over_strips) {
       return centroidalOf(r, out);
     } else {
-      const auto to = [](S* numbers) { return reinterpret_cast<T*>(numbers); };
-      const CentroidalState<T> sum =
-          centroidalOf(r.order, r.d, {to(out.Ag), to(out.dAg), to(out.dh_dq), to(out.dhdot_dq), to(out.dhdot_dv), out.rates});
-      const auto numbers = [](const Force<T>& f) { return Force<S>{cast<S>(f.linear), cast<S>(f.angular)}; };
-      return {numbers(sum.momentum), numbers(sum.rate), cast<S>(sum.inertia), numberOf(sum.mass)};
+      return inNumbers<S>(
+          centroidalOf(r.order, r.d, {r.out(out.Ag), r.out(out.dAg), r.out(out.dh_dq), r.out(out.dhdot_dq), r.out(out.dhdot_dv), true}));
     }
   };
-  // Lanes of one strip have one tree's axes. Measured: the map alone takes no less over strips.
-  return withRecursion<Quad>(m, w, d, out.rates && m.bodies() > 1 && m.tree_end[1] == m.bodies(), over);
+  // Lanes of one strip have one tree's axes.
+  return withRecursion<Quad>(m, w, d, m.bodies() > 1 && m.tree_end[1] == m.bodies(), over);
 }
 
 }  // namespace dyn::kernels

@@ -7,6 +7,7 @@
 #include "kernels/losses.hpp"
 #include "kernels/rnea.hpp"
 #include "kernels/scratch.hpp"
+#include "kernels/strip_map.hpp"
 #include "kernels/strip_scratch.hpp"
 #include "kernels/strips.hpp"
 
@@ -141,6 +142,14 @@ PackedKernels stripKernels() {
     auto& s = *reinterpret_cast<StripScratch<S>*>(scratch);
     abaSolve(Strips<S>{m, s.w}, s.w, cast<S>(gravity), s.result);
     scatterDofs(m.strips, s.result, ddq);
+  };
+  k.centroidalMap = [](const CompactImpl& m, char* scratch, const double* q, const double* v, double* Ag, CentroidalState<double>& out) {
+    auto& s = *reinterpret_cast<StripScratch<S>*>(scratch);
+    gatherCoordinates(m, s.w, q, nullptr);
+    gatherDofs(m.strips, v, s.v);
+    const bool finite = evaluateStrips(m, s.w, q, nullptr);
+    out = fromLane<CentroidalState<double>, S>(kernels::centroidalMap(Strips<S>{m, s.w}, s.v, StripMap<S>{m, Ag}), 0);
+    return finite;
   };
   return k;
 }

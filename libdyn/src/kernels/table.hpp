@@ -66,6 +66,8 @@ struct PackedKernels {
   /// As SingleKernels'. failed: the body whose pivot vanished, or 0.
   bool (*articulate)(const CompactImpl&, char* scratch, const double* q, const double* v, const double* tau, int& failed) = nullptr;
   void (*accelerate)(const CompactImpl&, char* scratch, const Vec3<double>& gravity, double* ddq) = nullptr;
+  /// Ag, 6 numbers a degree of freedom, and of `out` all but the rate.
+  bool (*centroidalMap)(const CompactImpl&, char* scratch, const double* q, const double* v, double* Ag, CentroidalState<double>& out) = nullptr;
 };
 
 enum class Task {

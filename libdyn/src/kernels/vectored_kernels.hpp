@@ -4,6 +4,7 @@
 #include "kernels/vectored_crba.hpp"
 // Specialisations come before what is made of them.
 #include "kernels/aba.hpp"
+#include "kernels/centroidal_map.hpp"
 #include "kernels/evaluate.hpp"
 #include "kernels/losses.hpp"
 #include "kernels/rnea.hpp"
@@ -80,6 +81,12 @@ inline PackedKernels vectoredKernels() {
   k.accelerate = [](const CompactImpl& m, char* memory, const Vec3<double>& gravity, double* ddq) {
     VectoredScratch& s = scratchOf(memory);
     abaSolve(bodies(m, s), s.w, cast<S>(gravity), out(ddq));
+  };
+  k.centroidalMap = [](const CompactImpl& m, char* memory, const double* q, const double* v, double* Ag, CentroidalState<double>& state) {
+    VectoredScratch& s = scratchOf(memory);
+    const bool finite = evaluate(m, s, q, nullptr);
+    state = inNumbers<double>(kernels::centroidalMap(bodies(m, s), in(v), BodyMap<S>{out(Ag)}));
+    return finite;
   };
   return k;
 }
