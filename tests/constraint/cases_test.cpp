@@ -226,6 +226,33 @@ TEST_CASE("a joint locked by a force moves as one that is compiled away", "[cons
   CHECK(x.ddq.segment(record.idx_v, record.nv).cwiseAbs().maxCoeff() <= 1e-10);
 }
 
+TEST_CASE("a flying root that is held falls against what holds it, with and without contacts", "[constraint]") {
+  Model description;
+  Random random(3);
+  int parent = 0;
+  for (const char* type : {"free_flyer", "spherical", "spherical", "spherical"}) {
+    JointDescription joint;
+    joint.name = "joint" + std::to_string(parent);
+    joint.type = type;
+    joint.placement = random.pose();
+    parent = description.addBody("body" + std::to_string(parent), parent, joint, random.inertia());
+  }
+  const CompactModel model = compile(description, registry());
+  Data data(model, Need::derivatives);
+  const State s = stateOf(model, 5);
+  for (const bool stands : {false, true}) {
+    std::vector<ConstraintDescription> set = {lockJoint("joint0")};
+    if (stands) set.push_back(pointContact("body3"));
+    ConstraintData c(ConstraintSet(model, set));
+    const ConstrainedMotion x = constraintDynamics(model, data, s.q, s.v, s.tau, c);
+    const Eigen::VectorXd ddq = x.ddq, lambda = x.lambda;
+    const ConstrainedMotion by_inertia = constraintDynamics(model, data, s.q, s.v, s.tau, c, ConstraintMethod::kkt);
+    CHECK(ddq.head<6>().cwiseAbs().maxCoeff() <= 1e-12 * lambda.cwiseAbs().maxCoeff());
+    CHECK(distance(ddq, by_inertia.ddq) <= 1e-11);
+    CHECK(distance(lambda, by_inertia.lambda) <= 1e-11);
+  }
+}
+
 TEST_CASE("two free trees tied together keep their common momentum", "[constraint]") {
   Model description;
   description.gravity = {};

@@ -212,6 +212,15 @@ class Packer {
       const int parent = out_.body_at[at(m_.index[at(out_.bodies[at(chain.end - 1)].body)].parent)];
       if (parent >= 0) chain.parent = out_.bodies[at(parent)].chain;
     }
+    for (const PackedFrameConstraint& c : out_.frames) out_.drift_with_velocity |= c.driftsWithVelocity();
+    for (ConstrainedChain& chain : out_.chains) {
+      const auto meets = [&](int row, int end) { return row < chain.row_end && end > chain.row_begin; };
+      for (const ConstrainedChain& other : out_.chains)
+        if (&other != &chain && other.parent == chain.parent && meets(other.row_begin, other.row_end)) chain.alone = false;
+      for (const auto& c : out_.frames)
+        for (const int body : c.body)
+          if (body > 0 && out_.chainOf(body) == chain.parent && meets(c.row, c.row + c.rows)) chain.alone = false;
+    }
   }
 
   const CompactModel& model_;

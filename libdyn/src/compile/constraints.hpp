@@ -32,6 +32,12 @@ struct PackedFrameConstraint {
   bool has_target = false;
   Baumgarte baumgarte;
   bool turnsFreely() const { return free[3] && free[4] && free[5]; }
+  /// A point that cannot move at all is held by its own acceleration, whatever its axes do.
+  bool holdsPoint() const { return turnsFreely() && rows == 3; }
+  /// Whether the acceleration that is wanted of the rows depends on their velocities, and not only on how fast the bodies turn.
+  bool driftsWithVelocity() const {
+    return baumgarte.velocity != 0 || body[1] != 0 || axes == ConstraintAxes::OTHER || (axes == ConstraintAxes::LOCAL && !holdsPoint());
+  }
   /// Against the first body, or against a second one that moves: not as external forces do, which derivatives of inverse dynamics carry.
   bool forceTurns() const { return axes != ConstraintAxes::LOCAL || body[1] != 0; }
 };
@@ -74,6 +80,7 @@ struct ConstrainedChain {
   int dof_begin = 0, dof_end = 0;  ///< in that of their degrees of freedom
   int row_begin = 0, row_end = 0;  ///< rows that act on them are among these
   int parent = -1;                 ///< the chain that the last one's parent begins; -1: the world
+  bool alone = true;               ///< in these rows: no other chain that hangs on the same parent has any of them, nor has the parent's first body
 };
 
 struct PackedConstraints {
@@ -90,6 +97,7 @@ struct PackedConstraints {
   /// -1: the world.
   int chainOf(int body) const { return body > 0 ? bodies[static_cast<std::size_t>(body_at[static_cast<std::size_t>(body)])].chain : -1; }
   bool actsOnJoints() const { return !couplings.empty() || !locks.empty(); }
+  bool drift_with_velocity = false;  ///< some of the frames
 };
 
 /// After those of `base`, which are of the same model and as they were looked up, if there are any. `registry` is needed for couplings only.

@@ -36,7 +36,8 @@ double prepareStep(const CompactModel& model, Data& data, VectorView q, Constrai
 /// M^-1 J^T lambda into d.ddq.
 void motionOfForces(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c) {
   if (m.couplings.empty()) {
-    accelerateBodies(m, d, c, c.lambda, {}, d.ddq);
+    actOnBodies(m, d, c, c.lambda);
+    accelerateBodies(m, d, c, {}, d.ddq);
   } else {
     std::fill_n(d.ddq, m.nv, 0.0);
     addMotionOf(m, c, c.lambda, d.ddq);

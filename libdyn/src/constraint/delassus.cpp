@@ -77,7 +77,9 @@ void applyDelassus(const CompactModel& model, Data& data, ConstraintData& constr
   const PlacedBodies bodies = placedBodies(d, c);
   sumRowForces(m, packed, c.frames, c.q, x.data, c.total, c.shares);
   bodies.run.yieldTo(m, bodies.memory, packed, c.total, c.shares);
-  accelerateRows(m, d, c, c.q, nullptr, {}, c.expanded);
+  accelerateBodies(m, d, c, {}, c.expanded);
+  bodies.run.takeAccelerations(m, bodies.memory, packed, c.workspace);
+  rowAccelerations(m, packed, c.frames, c.q, c.workspace, c.expanded, c.gamma);
   std::copy_n(c.gamma, packed.rows, out.data());
   bodies.run.forgetForces(m, bodies.memory, packed);
 }

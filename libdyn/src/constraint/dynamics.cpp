@@ -17,21 +17,27 @@ ConstrainedViews solved(ConstraintDataImpl& c, const double* motion) {
   return {motion, c.lambda, c.solver.residual(c.lambda, c.wanted, c.left), c.solver.rank(), iterations};
 }
 
-/// The forces in c.lambda, the accelerations that they make of the last articulateBodies, and between the two one correction: products with
-/// small entries of the Delassus matrix have lost digits that the motions of the rows still have. `wanted(motions)` leaves in c.wanted what
-/// these lack.
+/// The forces in c.lambda, the accelerations that they make of the last articulateBodies, and between the two one correction: entries of the
+/// Delassus matrix have lost digits that the shares which they are made of still have. wantedOf(row): beside what degrees of freedom yield.
 template <class Wanted>
-ConstrainedViews refined(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c, const double* q, const Vec3<double>& gravity, double* ddq,
-                         const double* motion, Wanted&& wanted) {
+ConstrainedViews refined(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c, const Vec3<double>& gravity, double* ddq, const double* motion,
+                         Wanted&& wantedOf) {
   const PackedConstraints& packed = c.set.impl();
+  const PlacedBodies bodies = placedBodies(d, c);
+  const kernels::ConstraintKernels& k = kernels::constraintKernels();
+  kernels::ConstraintWorkspace& x = c.workspace;
   ConstrainedViews out{motion, c.lambda, 0, c.solver.rank(), c.solver.solve(c.wanted, c.lambda)};
-  accelerateRows(m, d, c, q, c.lambda, gravity, ddq);
-  wanted(c.gamma);
-  for (int r = 0; r < packed.rows; ++r)
-    if (!(std::abs(c.wanted[r]) <= out.residual)) out.residual = std::abs(c.wanted[r]);
-  c.solver.solve(c.wanted, c.step);
-  accelerateBodies(m, d, c, c.step, gravity, ddq);
+  k.yieldToRows(packed, c.lambda, x);
+  k.rowsOfYielded(packed, x, c.gamma);
+  for (int r = 0; r < packed.rows; ++r) {
+    c.left[r] = wantedOf(r) - c.gamma[r];
+    if (!(std::abs(c.left[r]) <= out.residual)) out.residual = std::abs(c.left[r]);
+  }
+  c.solver.solve(c.left, c.step);
+  k.yieldToRows(packed, c.step, x);
   for (int r = 0; r < packed.rows; ++r) c.lambda[r] += c.step[r];
+  bodies.run.takeYielded(m, bodies.memory, packed, x);
+  accelerateBodies(m, d, c, gravity, ddq);
   return out;
 }
 
@@ -51,14 +57,14 @@ ConstrainedViews constraintDynamics(const CompactModel& model, Data& data, Vecto
   DataImpl& d = data.impl();
   ConstraintDataImpl& c = constraints.impl();
   keepArguments(data, {.q = &q, .v = &v, .tau = &tau}, &c.block);
-  freeMotion(algorithm, model, data, q, v, tau, fext, count, method == ConstraintMethod::kkt, c);
+  freeMotion(algorithm, model, data, q, v, tau, fext, count, method == ConstraintMethod::kkt, c, false);
   factorDelassus(constraints);
   if (c.by_inertia) {
     const ConstrainedViews out = solved(c, d.ddq);
     addMotionOf(m, c, c.lambda, d.ddq);
     return out;
   }
-  return refined(m, d, c, q.data, m.gravity, d.ddq, d.ddq, [&](double* rows) { wantedAccelerations(c, rows, true); });
+  return refined(m, d, c, m.gravity, d.ddq, d.ddq, [&](int row) { return wantedOfYielded(c, row); });
 }
 
 ConstrainedViews impulseDynamics(const CompactModel& model, Data& data, VectorView q, VectorView v, double restitution, ConstraintData& constraints) {
@@ -72,13 +78,13 @@ ConstrainedViews impulseDynamics(const CompactModel& model, Data& data, VectorVi
   keepArguments(data, {.q = &q, .v = &v}, &c.block);
   double* change = d.ddq;
   ConstrainedViews out;
-  const auto stillWanted = [&](const double* change_of_rows) {
-    for (int r = 0; r < c.set.rows(); ++r) c.wanted[r] = -(1 + restitution) * c.motion.velocity[r] - (change_of_rows ? change_of_rows[r] : 0.0);
+  const auto wanted = [&] {
+    for (int r = 0; r < c.set.rows(); ++r) c.wanted[r] = -(1 + restitution) * c.motion.velocity[r];
   };
   if (!m.couplings.empty()) {
     projectInertia(algorithm, model, data, q, &v, c);
     factorDelassus(constraints);
-    stillWanted(nullptr);
+    wanted();
     out = solved(c, c.v_after);
     std::fill_n(change, m.nv, 0.0);
     addMotionOf(m, c, c.lambda, change);
@@ -88,8 +94,8 @@ ConstrainedViews impulseDynamics(const CompactModel& model, Data& data, VectorVi
     prepareRows(m, d, c, in.q, in.v);
     articulateRows(m, d, c);
     factorDelassus(constraints);
-    stillWanted(nullptr);
-    out = refined(m, d, c, in.q, {}, change, c.v_after, stillWanted);
+    wanted();
+    out = refined(m, d, c, {}, change, c.v_after, [&](int row) { return c.wanted[row]; });
   }
   for (int i = 0; i < m.nv; ++i) c.v_after[i] = v.data[i] + change[i];
   return out;

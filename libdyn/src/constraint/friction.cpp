@@ -96,7 +96,7 @@ bool holdAll(ConstraintDataImpl& c, const ConstraintSettings& constraints, std::
 /// the one that does now is pulled away to their centre.
 void holdPlaces(const char* algorithm, const CompactModel& model, Data& data, VectorView q, VectorView v, ConstraintDataImpl& c) {
   placeRows(algorithm, model, data, q, &v, c);
-  wantedAccelerations(c, c.gamma, false);
+  wantedAccelerations(c, c.gamma);
   std::copy_n(c.wanted, c.set.rows(), c.step);
   std::fill_n(c.v_after, model.nv(), 0.0);
   addTurning(model.impl(), v.data, c.v_after);
@@ -109,7 +109,8 @@ void accelerate(const CompactModel& model, DataImpl& d, ConstraintDataImpl& c, c
   if (c.by_inertia) {
     addMotionOf(m, c, forces, d.ddq);
   } else {
-    accelerateBodies(m, d, c, forces, m.gravity, d.ddq);
+    if (forces) actOnBodies(m, d, c, forces);
+    accelerateBodies(m, d, c, m.gravity, d.ddq);
   }
 }
 
@@ -180,7 +181,7 @@ ContactViews contactForces(const CompactModel& model, Data& data, VectorView q, 
   // Rows' accelerations at a, from the bodies' own; then what is missing from those without forces.
   placeRows(algorithm, model, data, q, &v, c);
   addRowsOf(m, c, a.data, c.gamma);
-  wantedAccelerations(c, c.gamma, false);
+  wantedAccelerations(c, c.gamma);
   for (int r = 0; r < rows; ++r) c.step[r] = c.wanted[r];
   freeMotion(algorithm, model, data, q, v, tau, nullptr, 0, false, c);
   for (int r = 0; r < rows; ++r) c.wanted[r] = c.step[r] - c.wanted[r];

@@ -46,9 +46,9 @@ void differenceOf(const CompactImpl& m, int body, const double* from, const doub
   batch.type->difference(b);
 }
 
-void locateRows(const CompactImpl& m, const PackedConstraints& c, const double* q, const double* v, kernels::FrameRows* frames,
-                const kernels::RowMotion& rows, kernels::ConstraintWorkspace& x) {
-  kernels::constraintKernels().placeFrames(m, c, v != nullptr, frames, rows, x);
+void locateRows(const CompactImpl& m, const PackedConstraints& c, const double* q, const double* v, kernels::RowRates rates,
+                kernels::FrameRows* frames, const kernels::RowMotion& rows, kernels::ConstraintWorkspace& x) {
+  kernels::constraintKernels().placeFrames(m, c, rates, frames, rows, x);
   if (!c.actsOnJoints()) return;
   const auto put = [&](int row, double velocity, double bias, double error, const Baumgarte& b) {
     rows.velocity[row] = velocity;

@@ -10,8 +10,8 @@ namespace dyn {
 
 /// Once the kernel has located chains: frames, the rows' motion, and their unit forces for the kernel's sweep. q and v in expanded coordinates; v
 /// may be null (at rest).
-void locateRows(const CompactImpl& m, const PackedConstraints& c, const double* q, const double* v, kernels::FrameRows* frames,
-                const kernels::RowMotion& rows, kernels::ConstraintWorkspace& x);
+void locateRows(const CompactImpl& m, const PackedConstraints& c, const double* q, const double* v, kernels::RowRates rates,
+                kernels::FrameRows* frames, const kernels::RowMotion& rows, kernels::ConstraintWorkspace& x);
 
 /// Forces of the rows, one number each: one force a body of the constraints, and shares of their degrees of freedom.
 void sumRowForces(const CompactImpl& m, const PackedConstraints& c, const kernels::FrameRows* frames, const double* q, const double* lambda,

@@ -42,10 +42,14 @@ void articulateBodies(const char* algorithm, const CompactImpl& m, DataImpl& d, 
   }
 }
 
-void accelerateBodies(const CompactImpl& m, DataImpl& d, const ConstraintDataImpl& c, const double* forces, const Vec3<double>& gravity,
-                      double* ddq) {
+void actOnBodies(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c, const double* forces) {
+  const PackedConstraints& packed = c.set.impl();
   const PlacedBodies bodies = placedBodies(d, c);
-  if (forces) bodies.run.addForces(m, bodies.memory, c.set.impl(), c.workspace, forces);
+  kernels::constraintKernels().yieldToRows(packed, forces, c.workspace);
+  bodies.run.takeYielded(m, bodies.memory, packed, c.workspace);
+}
+
+void accelerateBodies(const CompactImpl& m, DataImpl& d, const ConstraintDataImpl& c, const Vec3<double>& gravity, double* ddq) {
   if (c.in_strips) {
     kernels::active().strips.accelerate(m, d.packed.data(), gravity, ddq);
   } else {
@@ -53,20 +57,13 @@ void accelerateBodies(const CompactImpl& m, DataImpl& d, const ConstraintDataImp
   }
 }
 
-void accelerateRows(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c, const double* q, const double* forces, const Vec3<double>& gravity,
-                    double* ddq) {
+void prepareRows(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c, const double* q, const double* v, bool velocity) {
+  using enum kernels::RowRates;
   const PackedConstraints& packed = c.set.impl();
   const PlacedBodies bodies = placedBodies(d, c);
-  accelerateBodies(m, d, c, forces, gravity, ddq);
-  bodies.run.takeAccelerations(m, bodies.memory, packed, c.workspace);
-  rowAccelerations(m, packed, c.frames, q, c.workspace, ddq, c.gamma);
-}
-
-void prepareRows(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c, const double* q, const double* v) {
-  const PackedConstraints& packed = c.set.impl();
-  const PlacedBodies bodies = placedBodies(d, c);
-  bodies.run.locate(m, bodies.memory, packed, v, c.workspace);
-  locateRows(m, packed, q, v, c.frames, c.motion, c.workspace);
+  const kernels::RowRates rates = v == nullptr ? none : velocity || packed.drift_with_velocity ? velocities : drift;
+  bodies.run.locate(m, bodies.memory, packed, v, rates, c.workspace);
+  locateRows(m, packed, q, v, rates, c.frames, c.motion, c.workspace);
 }
 
 void articulateRows(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c) {
@@ -85,7 +82,7 @@ void rigidRows(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c) {
   const std::ptrdiff_t rows = packed.rows;
   std::fill_n(c.J, rows * m.nvx, 0.0);
   for (std::size_t k = 0; k < packed.dofs.size(); ++k) std::copy_n(c.workspace.shareOf(static_cast<int>(k)), rows, c.J + rows * packed.dofs[k]);
-  std::copy_n(c.workspace.free, rows, c.gamma);
+  std::copy_n(c.workspace.carried, rows, c.gamma);
   if (m.couplings.empty()) return;
   // Followers accelerate by themselves where their masters do not.
   for (std::size_t k = 0; k < m.couplings.size(); ++k) {
@@ -112,7 +109,7 @@ void placeRows(const char* algorithm, const CompactModel& model, Data& data, Vec
 }
 
 void freeMotion(const char* algorithm, const CompactModel& model, Data& data, VectorView q, VectorView v, VectorView tau, const Force<double>* fext,
-                std::size_t count, bool by_inertia, ConstraintDataImpl& c) {
+                std::size_t count, bool by_inertia, ConstraintDataImpl& c, bool velocity) {
   const CompactImpl& m = model.impl();
   DataImpl& d = data.impl();
   c.by_inertia = by_inertia || !m.couplings.empty();
@@ -122,25 +119,19 @@ void freeMotion(const char* algorithm, const CompactModel& model, Data& data, Ve
     projectInertia(algorithm, model, data, q, &v, c);
     solveInertia(model, data, d.ddq);
     addRowsOf(m, c, d.ddq, c.gamma);
-    wantedAccelerations(c, c.gamma, false);
+    wantedAccelerations(c, c.gamma);
   } else {
     const Inputs in = readInputs(algorithm, model, data, q, &v, nullptr);
     articulateBodies(algorithm, m, d, c, in.q, in.v, lessLosses(m, d, tau.data, in.v), readExternalForces(algorithm, m, d, fext, count));
-    prepareRows(m, d, c, in.q, in.v);
+    prepareRows(m, d, c, in.q, in.v, velocity);
     articulateRows(m, d, c);
-    wantedAccelerations(c, c.workspace.free, true);
+    kernels::constraintKernels().rowsOfYielded(c.set.impl(), c.workspace, c.gamma);
+    for (int r = 0; r < c.set.rows(); ++r) c.wanted[r] = wantedOfYielded(c, r) - c.gamma[r];
   }
 }
 
-void wantedAccelerations(ConstraintDataImpl& c, const double* free, bool world_falls_up) {
-  const int rows = c.set.rows();
-  const double *drift = c.motion.drift, *fall = c.motion.fall;
-  double* wanted = c.wanted;
-  if (world_falls_up) {
-    for (int r = 0; r < rows; ++r) wanted[r] = -(free[r] + fall[r] + drift[r]);
-  } else {
-    for (int r = 0; r < rows; ++r) wanted[r] = -(free[r] + drift[r]);
-  }
+void wantedAccelerations(ConstraintDataImpl& c, const double* free) {
+  for (int r = 0; r < c.set.rows(); ++r) c.wanted[r] = -(free[r] + c.motion.drift[r]);
 }
 
 }  // namespace dyn

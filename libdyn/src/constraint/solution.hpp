@@ -20,15 +20,13 @@ PlacedBodies placedBodies(DataImpl& d, const ConstraintDataImpl& c);
 /// The articulated-body recursion up to the accelerations, in strips where the model has them. Throws Error(singular).
 void articulateBodies(const char* algorithm, const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c, const double* q, const double* v,
                       const double* tau, const Force<double>* external);
-/// Adds what the rows' forces give to those bodies' degrees of freedom, if there are any, and the rest of the recursion.
-void accelerateBodies(const CompactImpl& m, DataImpl& d, const ConstraintDataImpl& c, const double* forces, const Vec3<double>& gravity, double* ddq);
+/// What the rows' forces give to those bodies' degrees of freedom, by the shares of articulateRows, for accelerateBodies.
+void actOnBodies(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c, const double* forces);
+/// The rest of the recursion.
+void accelerateBodies(const CompactImpl& m, DataImpl& d, const ConstraintDataImpl& c, const Vec3<double>& gravity, double* ddq);
 
-/// The same, and what it makes of the rows, without their bias, into c.gamma.
-void accelerateRows(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c, const double* q, const double* forces, const Vec3<double>& gravity,
-                    double* ddq);
-
-/// After the outward pass: rows located, their forces written. v may be null.
-void prepareRows(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c, const double* q, const double* v);
+/// After the outward pass: rows located, their forces written. v may be null. c.motion.velocity only if it is wanted.
+void prepareRows(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c, const double* q, const double* v, bool velocity = true);
 
 /// After `articulate`: shares, free accelerations as if the world fell up, and the Delassus matrix.
 void articulateRows(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c);
@@ -38,11 +36,13 @@ void articulateRows(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c);
 void placeRows(const char* algorithm, const CompactModel& model, Data& data, VectorView q, const VectorView* v, ConstraintDataImpl& c);
 
 /// The motion without constraint forces, by M or by the articulated recursion (c.by_inertia; models with followers always by M): the Delassus
-/// matrix, and what the rows' accelerations lack, into c.wanted. By M, d.ddq has the accelerations.
+/// matrix, and what the rows' accelerations lack, into c.wanted. By M, d.ddq has the accelerations. c.motion.velocity as prepareRows.
 void freeMotion(const char* algorithm, const CompactModel& model, Data& data, VectorView q, VectorView v, VectorView tau, const Force<double>* fext,
-                std::size_t count, bool by_inertia, ConstraintDataImpl& c);
+                std::size_t count, bool by_inertia, ConstraintDataImpl& c, bool velocity = true);
 
 /// What the rows' accelerations are to be beside `free` ones, bias and feedback included, into c.wanted.
-void wantedAccelerations(ConstraintDataImpl& c, const double* free, bool world_falls_up);
+void wantedAccelerations(ConstraintDataImpl& c, const double* free);
+/// The same of one row beside what degrees of freedom yield, after articulateRows.
+inline double wantedOfYielded(const ConstraintDataImpl& c, int row) { return -(c.workspace.carried[row] + c.motion.fall[row] + c.motion.drift[row]); }
 
 }  // namespace dyn

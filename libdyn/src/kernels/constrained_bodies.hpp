@@ -60,6 +60,8 @@ struct ConstrainedBodies {
     Seat seat;
     int nv() const { return index.nv; }
     bool isRoot() const { return index.parent == 0; }
+    /// As the articulated-body recursion names it.
+    bool isBareRoot() const { return index.flying_root && !all.m.roots_have_armature; }
     ConstrainedDof<S> dof(int k) const { return {all.w.dof[seat.strip_dof + k], seat}; }
     Mat3<double> R() const { return inLane(all.w.R[seat.strip], seat.lane); }
     Vec3<double> r() const { return inLane(all.w.r[seat.strip], seat.lane); }

@@ -13,9 +13,9 @@
 
 namespace dyn::kernels {
 
-/// Places and velocities in x.chains. After abaOutward; v may be null (at rest). O(bodies).
+/// Places and velocities in x.chains. After abaOutward; v is read for velocities. O(bodies).
 template <class S>
-void locateChains(const ConstrainedBodies<S>& bodies, const PackedConstraints& c, const double* v, ConstraintWorkspace& x) {
+void locateChains(const ConstrainedBodies<S>& bodies, const PackedConstraints& c, const double* v, RowRates rates, ConstraintWorkspace& x) {
   for (std::size_t number = c.chains.size(); number-- > 0;) {
     const ConstrainedChain& chain = c.chains[number];
     ChainState& state = x.chains[number];
@@ -25,13 +25,18 @@ void locateChains(const ConstrainedBodies<S>& bodies, const PackedConstraints& c
       const auto here = bodies[c.bodies[static_cast<std::size_t>(place)]];
       const Vec3<double> r = here.r();
       lever += r;
-      if (v == nullptr) continue;
+      if (rates != RowRates::velocities) continue;
       velocity.linear += cross(velocity.angular, r);
-      for (int k = 0; k < here.nv(); ++k) velocity += v[here.index.idx_v + k] * here.dof(k).S_();
+      for (int k = 0; k < here.nv(); ++k) {
+        const double rate = v[here.index.idx_v + k];
+        const Motion<double> s = here.dof(k).S_();
+        velocity.angular += rate * s.angular;
+        if (!here.index.turns_only) velocity.linear += rate * s.linear;
+      }
     }
     const auto first = bodies[c.bodies[static_cast<std::size_t>(chain.begin)]];
     state.R = first.R();
-    state.w = v ? first.w() : Vec3<double>{};
+    state.w = rates != RowRates::none ? first.w() : Vec3<double>{};
     state.lever = lever;
     state.velocity = velocity;
     state.tree = chain.parent < 0 ? bodies[c.bodies[static_cast<std::size_t>(chain.end - 1)]].tree() : x.chains[chain.parent].tree;
@@ -42,16 +47,42 @@ void locateChains(const ConstrainedBodies<S>& bodies, const PackedConstraints& c
 template <class P>
 struct ClimbingRows {
   Force<P> F;
-  P reach, free, bound;
+  P reach, carried, bound;
 };
+
+/// A bare root's directions are its axes, which forces yield along one after the other until nothing is left of them. Of rows on bodies, none on
+/// joints.
+template <class P, int packs, class S>
+[[gnu::always_inline]] inline void yieldBareRoot(const typename ConstrainedBodies<S>::Body& root, double* shares, double* scaled, std::ptrdiff_t room,
+                                                 double* yielded, ClimbingRows<P> (&rows)[packs]) {
+  constexpr int lanes = lanes_of<P>;
+  const auto of = [](Force<P>& F, int axis) -> P& { return axis < 3 ? F.linear[axis] : F.angular[axis - 3]; };
+#pragma GCC unroll 6
+  for (int k = 0; k < 6; ++k, shares += room, scaled += room) {
+    const auto dof = root.dof(k);
+    const Force<double> W = dof.W();
+    const P inverse(dof.inverse());
+    yielded[k] = dof.y();
+    for (int p = 0; p < packs; ++p) {
+      ClimbingRows<P>& row = rows[p];
+      const P y = of(row.F, k), uncancelled = k < 3 ? dot(row.F.linear, row.F.linear) : row.reach;
+      const P given = inverse * y;
+      storePack(y, shares + p * lanes);
+      storePack(given, scaled + p * lanes);
+      row.bound += inverse * uncancelled;
+      of(row.F, k) = P(0);
+#pragma GCC unroll 6
+      for (int axis = k + 1; axis < 6; ++axis) of(row.F, axis) -= given * P(axis < 3 ? W.linear[axis] : W.angular[axis - 3]);
+    }
+  }
+}
 
 /// As many packs of rows side by side, from `first` on, climb a chain: each waits for its own numbers at every degree of freedom.
 template <class P, int packs, class S>
 void climbChain(const ConstrainedBodies<S>& bodies, const PackedConstraints& c, int number, int first, bool eliminated, ConstraintWorkspace& x) {
   constexpr int lanes = lanes_of<P>;
-  const auto along = [](const Motion<double>& s, const Force<P>& f) { return dot(cast<P>(s.linear), f.linear) + dot(cast<P>(s.angular), f.angular); };
   const ConstrainedChain& chain = c.chains[static_cast<std::size_t>(number)];
-  const std::ptrdiff_t step = x.wholePacks(chain.row_end - chain.row_begin);
+  const std::ptrdiff_t step = x.forceStep(chain);
   const bool on_joints = c.actsOnJoints();
   ClimbingRows<P> rows[packs];
   for (int p = 0; p < packs; ++p) {
@@ -59,26 +90,35 @@ void climbChain(const ConstrainedBodies<S>& bodies, const PackedConstraints& c, 
     const auto force = [&](int component) { return loadPack<P>(x.forceOf(number) + component * step + (row - chain.row_begin)); };
     rows[p] = {{{force(0), force(1), force(2)}, {force(3), force(4), force(5)}},
                force(ConstraintWorkspace::reach),
-               loadPack<P>(x.free + row),
-               loadPack<P>(x.bound + row)};
+               force(ConstraintWorkspace::carried_below),
+               force(ConstraintWorkspace::bound_below)};
   }
   for (int place = chain.begin; place < chain.end; ++place) {
     const ConstrainedBody& body = c.bodies[static_cast<std::size_t>(place)];
     const auto here = bodies[body];
+    if (eliminated && !on_joints && here.isBareRoot()) {
+      yieldBareRoot<P, packs, S>(here, x.shareOf(body.dof) + first, x.scaledOf(body.dof) + first, x.room, x.yielded + body.dof, rows);
+      break;
+    }
     const Vec3<double> r = here.r();
     const P far(dot(r, r));
     for (int k = 0; k < here.nv(); ++k) {
       const auto dof = here.dof(k);
       const Motion<double> s = dof.S_(), beta = here.beta();
       const Force<double> W = dof.W();
-      const P inverse(dof.inverse()), y_free(dof.y()), reach_of_linear(dot(s.linear, s.linear)), reach_of_angular(dot(s.angular, s.angular));
+      const P inverse(dof.inverse()), reach_of_angular(dot(s.angular, s.angular));
       const bool last = k == here.nv() - 1;
+      x.yielded[body.dof + k] = dof.y();
       double *const shares = x.shareOf(body.dof + k) + first, *const scaled_shares = x.scaledOf(body.dof + k) + first;
       for (int p = 0; p < packs; ++p) {
         ClimbingRows<P>& row = rows[p];
         Force<P>& F = row.F;
         const P far_off = dot(F.linear, F.linear);
-        P y = along(s, F), uncancelled = reach_of_linear * far_off + reach_of_angular * row.reach;
+        P y = dot(cast<P>(s.angular), F.angular), uncancelled = reach_of_angular * row.reach;
+        if (!here.index.turns_only) {
+          y += dot(cast<P>(s.linear), F.linear);
+          uncancelled += P(dot(s.linear, s.linear)) * far_off;
+        }
         if (on_joints) {
           const P own = loadPack<P>(shares + p * lanes);
           y += own;
@@ -89,11 +129,10 @@ void climbChain(const ConstrainedBodies<S>& bodies, const PackedConstraints& c, 
         storePack(scaled, scaled_shares + p * lanes);
         row.bound += inverse * uncancelled;
         if (last) {
-          row.free += along(beta, F);
+          row.carried += dot(cast<P>(beta.linear), F.linear) + dot(cast<P>(beta.angular), F.angular);
           row.reach += far * far_off;
         }
         if (!eliminated) continue;
-        row.free += y * y_free;
         const P less = last ? y : scaled;
         if (last) F.angular += cross(cast<P>(r), F.linear);  // abaInward has moved this W to the parent
         F.linear -= less * cast<P>(W.linear);
@@ -107,32 +146,41 @@ void climbChain(const ConstrainedBodies<S>& bodies, const PackedConstraints& c, 
   if (chain.parent < 0 && eliminated) fall = transposeTimes(x.chains[number].tree.R, -bodies.m.gravity);
   for (int p = 0; p < packs; ++p) {
     const ClimbingRows<P>& row = rows[p];
-    const int at = first + p * lanes;
-    storePack(row.free + dot(cast<P>(fall), row.F.linear), x.free + at);
-    storePack(row.bound, x.bound + at);
-    if (chain.parent < 0) continue;
-    const ConstrainedChain& parent = c.chains[static_cast<std::size_t>(chain.parent)];
-    const std::ptrdiff_t parent_step = x.wholePacks(parent.row_end - parent.row_begin);
-    double* to = x.forceOf(chain.parent) + (at - parent.row_begin);
-    const auto add = [&](int component, const P& value) {
-      double* sum = to + component * parent_step;
-      storePack(loadPack<P>(sum) + value, sum);
+    const int at = first + p * lanes, count = chain.row_end - at;
+    // Sums would wait for what neighbours have just written, all one for another.
+    const auto hand = [&](const P& value, double* to) {
+      if (chain.alone) {
+        storeFirst(value, count, to);
+      } else {
+        storePack(loadPack<P>(to) + value, to);
+      }
     };
-    for (int a = 0; a < 3; ++a) {
-      add(a, row.F.linear[a]);
-      add(3 + a, row.F.angular[a]);
+    const P carried = row.carried + dot(cast<P>(fall), row.F.linear);
+    if (chain.parent < 0) {
+      hand(carried, x.carried + at);
+      hand(row.bound, x.bound + at);
+      continue;
     }
-    add(ConstraintWorkspace::reach, row.reach);
+    const ConstrainedChain& parent = c.chains[static_cast<std::size_t>(chain.parent)];
+    const std::ptrdiff_t parent_step = x.forceStep(parent);
+    double* to = x.forceOf(chain.parent) + (at - parent.row_begin);
+    for (int a = 0; a < 3; ++a) {
+      hand(row.F.linear[a], to + a * parent_step);
+      hand(row.F.angular[a], to + (3 + a) * parent_step);
+    }
+    hand(row.reach, to + ConstraintWorkspace::reach * parent_step);
+    hand(carried, to + ConstraintWorkspace::carried_below * parent_step);
+    hand(row.bound, to + ConstraintWorkspace::bound_below * parent_step);
   }
 }
 
 /// From x.force, where constraints have put their columns (zero elsewhere), and x.share, where those on joints have put theirs.
-/// Eliminated: after abaInward; `free` is the acceleration of the rows that abaSolve would find, with the world falling up.
-/// Otherwise after abaOutward: shares are J, and `free` is what velocities alone give. Either way the bound is by the degrees of freedom's
-/// inverse, which is there once joints have been eliminated, or as the caller has put it. Either way chains have been located.
+/// Eliminated: after abaInward; x.yielded is what abaSolve starts from, and `carried` what it would find beside that, with the world falling up.
+/// Otherwise after abaOutward: shares are J, and `carried` is what velocities give. Either way the bound is by the degrees of freedom's inverse,
+/// which is there once joints have been eliminated, or as the caller has put it; and chains have been located.
 template <class Wide, class Half, class S>
 void constraintSweep(const ConstrainedBodies<S>& bodies, const PackedConstraints& c, bool eliminated, ConstraintWorkspace& x) {
-  std::fill_n(x.free, x.room, 0.0);
+  std::fill_n(x.carried, x.room, 0.0);
   std::fill_n(x.bound, x.room, 0.0);
   int number = 0;
   for (const ConstrainedChain& chain : c.chains) {
@@ -170,26 +218,13 @@ void takeAccelerations(const ConstrainedBodies<S>& bodies, const PackedConstrain
     x.chains[number].acceleration = bodies[c.bodies[static_cast<std::size_t>(c.chains[number].begin)]].acceleration();
 }
 
-/// Adds to what abaSolve starts from what forces of the constraints, one a row, give to each degree of freedom. O(dofs x rows).
-template <class Wide, class Half, class S>
-void addConstraintForces(const ConstrainedBodies<S>& bodies, const PackedConstraints& c, const ConstraintWorkspace& x, const double* lambda) {
-  for (const ConstrainedChain& chain : c.chains)
-    inGroups<Wide, Half>(chain.row_begin, chain.row_end,
-                         [&]<class P, int packs>(int first, std::type_identity<P>, std::integral_constant<int, packs>) {
-                           P forces[packs];
-                           for (int p = 0; p < packs; ++p) forces[p] = loadPack<P>(lambda + first + p * lanes_of<P>);
-                           for (int place = chain.begin; place < chain.end; ++place) {
-                             const ConstrainedBody& body = c.bodies[static_cast<std::size_t>(place)];
-                             const auto here = bodies[body];
-                             for (int k = 0; k < here.nv(); ++k) {
-                               const double* scaled = x.scaledOf(body.dof + k) + first;
-                               P sum = loadPack<P>(scaled) * forces[0];
-                               for (int p = 1; p < packs; ++p) sum += loadPack<P>(scaled + p * lanes_of<P>) * forces[p];
-                               const auto dof = here.dof(k);
-                               dof.setY(dof.y() + total<double>(sum));
-                             }
-                           }
-                         });
+/// x.yielded is what abaSolve starts from. O(dofs).
+template <class S>
+void takeYielded(const ConstrainedBodies<S>& bodies, const PackedConstraints& c, const ConstraintWorkspace& x) {
+  for (const ConstrainedBody& body : c.bodies) {
+    const auto here = bodies[body];
+    for (int k = 0; k < here.nv(); ++k) here.dof(k).setY(x.yielded[body.dof + k]);
+  }
 }
 
 /// y of these bodies' degrees of freedom. O(dofs).

@@ -17,10 +17,10 @@ constexpr std::size_t constraintLayoutStamp() {
 
 /// The recursions on bodies in the memory where `articulate` or `placeOutward` left them: a Workspace<double>, or the scratch of strips.
 struct ConstraintRecursions {
-  void (*locate)(const CompactImpl&, void* memory, const PackedConstraints&, const double* v, ConstraintWorkspace&);
+  void (*locate)(const CompactImpl&, void* memory, const PackedConstraints&, const double* v, RowRates, ConstraintWorkspace&);
   void (*sweep)(const CompactImpl&, void* memory, const PackedConstraints&, bool eliminated, ConstraintWorkspace&);
   void (*yieldTo)(const CompactImpl&, void* memory, const PackedConstraints&, Force<double>* F, const double* shares);
-  void (*addForces)(const CompactImpl&, void* memory, const PackedConstraints&, const ConstraintWorkspace&, const double* lambda);
+  void (*takeYielded)(const CompactImpl&, void* memory, const PackedConstraints&, const ConstraintWorkspace&);
   void (*takeAccelerations)(const CompactImpl&, void* memory, const PackedConstraints&, ConstraintWorkspace&);
   void (*forgetForces)(const CompactImpl&, void* memory, const PackedConstraints&);
 };
@@ -29,9 +29,11 @@ struct ConstraintRecursions {
 struct ConstraintKernels {
   std::size_t layout;  ///< constraintLayoutStamp(), as Kernels::layout
   ConstraintRecursions single, strips;
-  void (*placeFrames)(const CompactImpl&, const PackedConstraints&, bool moves, FrameRows*, const RowMotion&, ConstraintWorkspace&);
+  void (*placeFrames)(const CompactImpl&, const PackedConstraints&, RowRates, FrameRows*, const RowMotion&, ConstraintWorkspace&);
   void (*frameAccelerations)(const PackedConstraints&, const FrameRows*, const ConstraintWorkspace&, double* out);
   void (*delassusMatrix)(const PackedConstraints&, ConstraintWorkspace&);
+  void (*yieldToRows)(const PackedConstraints&, const double* lambda, ConstraintWorkspace&);
+  void (*rowsOfYielded)(const PackedConstraints&, const ConstraintWorkspace&, double* out);
   /// The inverse of the Delassus matrix with mu on its diagonal; false where a pivot is not above tolerance times its bound.
   bool (*invertDelassus)(int rows, ConstraintWorkspace&, double mu, double tolerance);
   void (*timesRows)(int rows, std::ptrdiff_t stride, const double* A, const double* x, double* out);

@@ -23,6 +23,9 @@ Motion<S> turnedBack(const Mat3<S>& R, const Motion<S>& x) {
   return {transposeTimes(R, x.linear), transposeTimes(R, x.angular)};
 }
 
+/// What of bodies' motion is wanted of rows: nothing, at rest; what their acceleration is made of, where they drift without velocities; all.
+enum class RowRates { none, drift, velocities };
+
 /// Of one constraint between frames, in the aligned axes of the first one's tree unless it says otherwise. Relative: as seen from the second
 /// body, of the point of the first that is the constraint's origin.
 struct FrameRows {
@@ -52,10 +55,11 @@ struct ConstraintWorkspace {
   ChainState world;
   double* force = nullptr;     ///< see forceOf
   double* share = nullptr;     ///< one a degree of freedom of these bodies
-  double* free = nullptr;      ///< acceleration of each row without constraint forces, from the sweep
+  double* carried = nullptr;   ///< acceleration of each row, of velocities and of gravity, beside what degrees of freedom yield
   double* bound = nullptr;     ///< what the diagonal of the Delassus matrix could be if nothing cancelled and no lever lay along its force
   double* delassus = nullptr;  ///< rows of the matrix
   double* scaled = nullptr;    ///< the shares over the degrees of freedom's pivots
+  double* yielded = nullptr;   ///< what each of these degrees of freedom yields, by itself and to forces of the rows
   double* inverse = nullptr;   ///< rows of its inverse
   double* column = nullptr;    ///< scratch of two rows
 
@@ -63,10 +67,12 @@ struct ConstraintWorkspace {
   static constexpr std::ptrdiff_t wholePacks(int rows) { return (rows + widest - 1) / widest * widest; }
 
   /// Of forces on the first body of a chain, about its joint's origin, aligned axes: `components` arrays of one number for each of the chain's
-  /// rows, wholePacks of them long. The last is their reach, the square of the moment that a force would have if all levers on its way stood
-  /// square to it.
-  static constexpr int components = 7, reach = 6;
-  double* forceOf(int chain) const { return force + chain * components * stride; }
+  /// rows, forceStep() apart. After the forces come their reach, the square of the moment that a force would have if all levers on its way
+  /// stood square to it, and what chains below have added to `carried` and `bound`.
+  static constexpr int components = 9, reach = 6, carried_below = 7, bound_below = 8;
+  double* forceOf(int chain) const { return force + chain * components * room; }
+  /// A pack of four that begins at a row of the chain is written to one component only.
+  static std::ptrdiff_t forceStep(const ConstrainedChain& chain) { return wholePacks(chain.row_end - chain.row_begin + 3); }
   const ChainState& stateOf(const PackedConstraints& c, int body) const { return body > 0 ? chains[c.chainOf(body)] : world; }
   double* shareOf(int dof) const { return share + dof * room; }
   double* scaledOf(int dof) const { return scaled + dof * room; }
@@ -80,12 +86,13 @@ inline void carve(ConstraintWorkspace& x, const PackedConstraints& c, Arena& are
   // Mirrored in squares, of which one is the least.
   const auto rows = static_cast<std::size_t>(std::max(c.rows, widest));
   arena.take(x.chains, c.chains.size());
-  arena.take(x.force, ConstraintWorkspace::components * stride * c.chains.size() + widest);
+  arena.take(x.force, ConstraintWorkspace::components * room * c.chains.size() + widest);
   arena.take(x.share, room * c.dofs.size());
-  arena.take(x.free, room);
+  arena.take(x.carried, room);
   arena.take(x.bound, room);
   arena.take(x.delassus, stride * rows + widest);
   arena.take(x.scaled, room * c.dofs.size());
+  arena.take(x.yielded, c.dofs.size());
   arena.take(x.inverse, stride * rows);
   arena.take(x.column, 2 * stride);
 }

@@ -12,21 +12,54 @@ template <class Wide, class Half>
 void delassusMatrix(const PackedConstraints& c, ConstraintWorkspace& x) {
   constexpr int tile = 4;
   const Rows<double> D{x.delassus, x.stride};
-  std::fill(D[0], D[c.rows], 0.0);
-  // A few rows and a pack of columns at a time, above the diagonal, in registers through a chain's degrees of freedom.
-  for (const ConstrainedChain& chain : c.chains)
-    for (int row = chain.row_begin; row < chain.row_end; row += tile)
-      inPacks<Wide, Half>(row, chain.row_end, [&]<class P>(int column, std::type_identity<P>) {
-        P sums[tile];
-        for (P& sum : sums) sum = P(0);
+  // A few rows and a pack of columns at a time, above the diagonal, in registers through all degrees of freedom. Beyond a chain's rows its shares
+  // are zero.
+  for (int row = 0; row < c.rows; row += tile)
+    inPacks<Wide, Half>(row, c.rows, [&]<class P>(int column, std::type_identity<P>) {
+      P sums[tile];
+      for (P& sum : sums) sum = P(0);
+      for (const ConstrainedChain& chain : c.chains) {
+        if (chain.row_begin >= row + tile || chain.row_end <= column) continue;
         for (int k = chain.dof_begin; k < chain.dof_end; ++k) {
           const P share = loadPack<P>(x.shareOf(k) + column);
           const double* scaled = x.scaledOf(k) + row;
           for (int r = 0; r < tile; ++r) sums[r] += P(scaled[r]) * share;
         }
-        for (int r = 0; r < std::min(tile, chain.row_end - row); ++r) storePack(loadPack<P>(D[row + r] + column) + sums[r], D[row + r] + column);
-      });
+      }
+      for (int r = 0; r < std::min(tile, c.rows - row); ++r) storePack(sums[r], D[row + r] + column);
+    });
   mirrorUpper<Wide>(D, c.rows);
+}
+
+/// Adds to x.yielded what degrees of freedom yield to forces of the rows. After an eliminated sweep. O(dofs x rows).
+template <class Wide, class Half>
+void yieldToRows(const PackedConstraints& c, const double* lambda, ConstraintWorkspace& x) {
+  for (const ConstrainedChain& chain : c.chains)
+    inGroups<Wide, Half>(chain.row_begin, chain.row_end,
+                         [&]<class P, int packs>(int first, std::type_identity<P>, std::integral_constant<int, packs>) {
+                           P forces[packs];
+                           for (int p = 0; p < packs; ++p) forces[p] = loadPack<P>(lambda + first + p * lanes_of<P>);
+                           for (int k = chain.dof_begin; k < chain.dof_end; ++k) {
+                             const double* scaled = x.scaledOf(k) + first;
+                             P sum = loadPack<P>(scaled) * forces[0];
+                             for (int p = 1; p < packs; ++p) sum += loadPack<P>(scaled + p * lanes_of<P>) * forces[p];
+                             x.yielded[k] += total<double>(sum);
+                           }
+                         });
+}
+
+/// How x.yielded accelerates the rows: the Delassus matrix times forces, without the rounding of its entries, and what they cancel, before they make
+/// any row move. `out` has room for a pack. O(dofs x rows).
+template <class Wide, class Half>
+void rowsOfYielded(const PackedConstraints& c, const ConstraintWorkspace& x, double* out) {
+  inPacks<Wide, Half>(0, c.rows, [&]<class P>(int first, std::type_identity<P>) {
+    P sum(0);
+    for (const ConstrainedChain& chain : c.chains) {
+      if (chain.row_begin >= first + lanes_of<P> || chain.row_end <= first) continue;
+      for (int k = chain.dof_begin; k < chain.dof_end; ++k) sum += P(x.yielded[k]) * loadPack<P>(x.shareOf(k) + first);
+    }
+    storePack(sum, out + first);
+  });
 }
 
 /// Entry k of a vector is 1, in packs. Windows of a row of zeros around a one: what is written number by number and read as a pack stalls
@@ -83,11 +116,113 @@ void exchangeRows(int rows, ConstraintWorkspace& x, int k, const double (&P)[siz
   });
 }
 
+/// Whether a pivot is no more than rounding of its row.
+struct LeastPivot {
+  const double* bound;
+  double mu, tolerance;
+  bool holds(double pivot, int row) const { return !(pivot <= tolerance * bound[row]) || mu > 0; }
+};
+
+/// The inverse of a block {{a, b}, {b, c}} at rows k and k + 1: one division, since the next block waits for it. False where a pivot vanishes.
+inline bool invertBlock(double a, double b, double c, int k, const LeastPivot& least, double (&P)[2][2]) {
+  const double determinant = a * c - b * b, factor = 1 / determinant;
+  P[0][0] = factor * c;
+  P[0][1] = P[1][0] = -(factor * b);
+  P[1][1] = factor * a;
+  return least.holds(a, k) && least.holds(determinant / a, k + 1);
+}
+
+/// A matrix that has its place in registers, with room for `most` rows of `packs` packs; its last rows and columns may be those of unity.
+template <class Wide, int most, int packs>
+class SmallInverse {
+ public:
+  SmallInverse(int rows, const ConstraintWorkspace& x, double mu) {
+#pragma GCC unroll 16
+    for (int i = 0; i < most; ++i)
+#pragma GCC unroll 2
+      for (int p = 0; p < packs; ++p) {
+        const Wide e = unitPack<Wide>(i, p * width);
+        B_[i][p] = i < rows ? -(loadPack<Wide>(x.delassus + i * x.stride + p * width) + Wide(mu) * e) : -e;
+      }
+  }
+  bool run(int rows, const LeastPivot& least) {
+    return [&]<int... pair>(std::integer_sequence<int, pair...>) {
+      return ((2 * pair >= rows || exchange<2 * pair>(least)) && ...);
+    }(std::make_integer_sequence<int, most / 2>());
+  }
+  void store(int rows, ConstraintWorkspace& x) const {
+#pragma GCC unroll 16
+    for (int i = 0; i < most; ++i)
+#pragma GCC unroll 2
+      for (int p = 0; p < packs; ++p)
+        if (i < rows) storePack(B_[i][p], x.inverse + i * x.stride + p * width);
+  }
+
+ private:
+  static constexpr int width = lanes_of<Wide>;
+  using Numbers = typename Square<double, width>::Row;
+  template <int column>
+  double number(int row) const {
+    return static_cast<Numbers>(B_[row][column / width].x)[column % width];
+  }
+  /// One of them in all lanes.
+  template <int column>
+  Wide inAll(int row) const {
+    const auto numbers = static_cast<Numbers>(B_[row][column / width].x);
+    return [&]<int... lane>(std::integer_sequence<int, lane...>) {
+      return Wide(typename Wide::Batch(__builtin_shufflevector(numbers, numbers, (lane - lane + column % width)...)));
+    }(std::make_integer_sequence<int, width>());
+  }
+  /// exchangeRows of rows k and k + 1.
+  template <int k>
+  bool exchange(const LeastPivot& least) {
+    double P[2][2];
+    if (!invertBlock(-number<k>(k), -number<k + 1>(k), -number<k + 1>(k + 1), k, least, P)) return false;
+    Wide first[packs], second[packs], taken_first[packs], taken_second[packs];
+#pragma GCC unroll 2
+    for (int p = 0; p < packs; ++p) {
+      const Wide e = unitPack<Wide>(k, p * width), f = unitPack<Wide>(k + 1, p * width), outside = Wide(1) - e - f;
+      const Wide above = e - outside * B_[k][p], below = f - outside * B_[k + 1][p];
+      first[p] = Wide(P[0][0]) * above + Wide(P[0][1]) * below;
+      second[p] = Wide(P[1][0]) * above + Wide(P[1][1]) * below;
+      taken_first[p] = first[p] + e;
+      taken_second[p] = second[p] + f;
+    }
+#pragma GCC unroll 16
+    for (int i = 0; i < most; ++i) {
+      if (i == k || i == k + 1) continue;
+      const Wide by_first = inAll<k>(i), by_second = inAll<k + 1>(i);
+#pragma GCC unroll 2
+      for (int p = 0; p < packs; ++p) B_[i][p] = B_[i][p] - by_first * taken_first[p] - by_second * taken_second[p];
+    }
+#pragma GCC unroll 2
+    for (int p = 0; p < packs; ++p) {
+      B_[k][p] = first[p];
+      B_[k + 1][p] = second[p];
+    }
+    return true;
+  }
+
+  Wide B_[most][packs];
+};
+template <class Small>
+__attribute__((flatten)) bool invertSmall(int rows, ConstraintWorkspace& x, double mu, const LeastPivot& least) {
+  Small small(rows, x, mu);
+  if (!small.run(rows, least)) return false;
+  small.store(rows, x);
+  return true;
+}
+
 /// (D + mu)^-1 into x.inverse, two rows at a time: a product with it waits for nothing, where solutions with triangles wait for each row.
 /// False where a pivot is not above tolerance times its bound; NaN goes on, to come out as NaN.
 template <class Wide, class Half>
 bool invertDelassus(int rows, ConstraintWorkspace& x, double mu, double tolerance) {
-  const auto vanishes = [&](double pivot, int row) { return pivot <= tolerance * x.bound[row] && !(mu > 0); };
+  const LeastPivot least{x.bound, mu, tolerance};
+  if constexpr (lanes_of<Wide> == 8) {
+    // Beside packs that wide there are 32 of them: two feet, or four points, have their place in registers.
+    if (rows <= 8) return invertSmall<SmallInverse<Wide, 8, 1>>(rows, x, mu, least);
+    if (rows <= 12) return invertSmall<SmallInverse<Wide, 12, 2>>(rows, x, mu, least);
+  }
   // All rows of -A exchanged are those of A^-1.
   for (int i = 0; i < rows; ++i)
     inPacks<Wide, Half>(0, rows, [&]<class P>(int first, std::type_identity<P>) {
@@ -96,16 +231,13 @@ bool invertDelassus(int rows, ConstraintWorkspace& x, double mu, double toleranc
   int k = 0;
   for (; k + 1 < rows; k += 2) {
     const double *upper = x.inverse + k * x.stride + k, *lower = upper + x.stride;
-    const double a = -upper[0], b = -upper[1], c = -lower[1];
-    if (vanishes(a, k)) return false;
-    const double first = 1 / a, ratio = b * first, left = c - b * ratio;
-    if (vanishes(left, k + 1)) return false;
-    const double second = 1 / left, across = -ratio * second;
-    exchangeRows<Wide, Half, 2>(rows, x, k, {{first - ratio * across, across}, {across, second}});
+    double P[2][2];
+    if (!invertBlock(-upper[0], -upper[1], -lower[1], k, least, P)) return false;
+    exchangeRows<Wide, Half, 2>(rows, x, k, P);
   }
   if (k == rows) return true;
   const double pivot = -x.inverse[k * x.stride + k];
-  if (vanishes(pivot, k)) return false;
+  if (!least.holds(pivot, k)) return false;
   exchangeRows<Wide, Half, 1>(rows, x, k, {{1 / pivot}});
   return true;
 }

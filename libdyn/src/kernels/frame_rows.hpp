@@ -1,7 +1,7 @@
 // Rows of constraints between frames: where they are, how fast they are violated, and which forces they are.
 //
 // A constraint's rows lie side by side, its linear ones first: numbers of up to three rows are one pack over directions. Packs are longer than
-// that, and what they write behind a constraint's rows is zero: it is added to, or written before the rows that follow.
+// that, and what they write behind a constraint's rows is zero, and written before the rows that follow.
 #pragma once
 
 #include "kernels/constraint_workspace.hpp"
@@ -61,7 +61,7 @@ void turnDirections(const Mat3<double>& R, const Directions& own, Directions& ou
 }
 
 template <class P>
-void locateFrame(const PackedConstraints& all, const ConstraintWorkspace& x, const PackedFrameConstraint& c, bool moves, FrameRows& out) {
+void locateFrame(const PackedConstraints& all, const ConstraintWorkspace& x, const PackedFrameConstraint& c, RowRates rates, FrameRows& out) {
   const bool on_world = c.body[1] == 0;
   const ChainState &own = x.stateOf(all, c.body[0]), &other = x.stateOf(all, c.body[1]);
   out.lever[0] = own.R * c.placement[0].p;
@@ -77,13 +77,13 @@ void locateFrame(const PackedConstraints& all, const ConstraintWorkspace& x, con
   }
   out.relative = {};
   out.w[0] = out.w[1] = {};
-  if (moves) {
-    out.relative = velocityFrom(all, x, c.body[0], c.common, out.lever[0]);
+  if (rates != RowRates::none) {
     out.w[0] = own.w;
-    if (!on_world) {
-      out.relative -= turnedBack(out.turn, velocityFrom(all, x, c.body[1], c.common, out.lever[1]));
-      out.w[1] = transposeTimes(out.turn, other.w);
-    }
+    if (!on_world) out.w[1] = transposeTimes(out.turn, other.w);
+  }
+  if (rates == RowRates::velocities) {
+    out.relative = velocityFrom(all, x, c.body[0], c.common, out.lever[0]);
+    if (!on_world) out.relative -= turnedBack(out.turn, velocityFrom(all, x, c.body[1], c.common, out.lever[1]));
   }
   if (c.axes == ConstraintAxes::LOCAL) out.base = own.R;
   if (c.axes == ConstraintAxes::OTHER) out.base = transpose(out.turn) * other.R;
@@ -101,9 +101,7 @@ inline Motion<double> biasOf(const PackedFrameConstraint& c, const FrameRows& x)
   const Vec3<double>&w1 = x.w[0], &w2 = x.w[1], &V = x.relative.linear;
   Motion<double> bias{cross(w1, cross(w1, x.lever[0])), {}};
   if (c.body[1] > 0) bias.linear = bias.linear - cross(w2, cross(w2, transposeTimes(x.turn, x.lever[1]))) - cross(w2, V);
-  // A point that cannot move at all is held by its own acceleration, whatever its axes do.
-  const bool point = c.turnsFreely() && c.rows == 3;
-  if (c.axes == ConstraintAxes::OTHER || (c.axes == ConstraintAxes::LOCAL && !point)) {
+  if (c.axes == ConstraintAxes::OTHER || (c.axes == ConstraintAxes::LOCAL && !c.holdsPoint())) {
     const Vec3<double>& turning = c.axes == ConstraintAxes::LOCAL ? w1 : w2;
     bias.linear -= cross(turning, V);
     bias.angular -= cross(turning, x.relative.angular);
@@ -122,48 +120,45 @@ void eachPackOfRows(const PackedFrameConstraint& c, const FrameRows& x, Use&& us
         &Motion<double>::angular);
 }
 
-/// Adds the rows' unit forces to those of body e's chain.
+/// The rows' unit forces, among those of body e's chain, in which no other constraint has these rows.
 template <class P>
-void addUnitForces(const PackedConstraints& all, const PackedFrameConstraint& c, const FrameRows& frame, int e, ConstraintWorkspace& x) {
+void putUnitForces(const PackedConstraints& all, const PackedFrameConstraint& c, const FrameRows& frame, int e, ConstraintWorkspace& x) {
   if (c.body[e] == 0) return;
   const int number = all.chainOf(c.body[e]);
   const ConstrainedChain& chain = all.chains[static_cast<std::size_t>(number)];
-  const std::ptrdiff_t step = ConstraintWorkspace::wholePacks(chain.row_end - chain.row_begin);
+  const std::ptrdiff_t step = ConstraintWorkspace::forceStep(chain);
   double* const forces = x.forceOf(number) - chain.row_begin;
   const Vec3<double>& lever = frame.lever[e];
   const Vec3<P> arm = cast<P>(lever);
   const Mat3<P> turn = cast<P>(frame.turn);
   eachPackOfRows<P>(c, frame, [&](int row, const Vec3<P>& directions, Vec3<double> Motion<double>::*part) {
-    const auto add = [&](int component, const P& value) {
-      double* to = forces + component * step + row;
-      storePack(loadPack<P>(to) + value, to);
-    };
+    const auto put = [&](int component, const P& value) { storePack(value, forces + component * step + row); };
     const Vec3<P> force = e == 0 ? directions : -(turn * directions);
     if (part == &Motion<double>::angular) {
-      for (int a = 0; a < 3; ++a) add(3 + a, force[a]);
-      add(ConstraintWorkspace::reach, dot(force, force));
+      for (int a = 0; a < 3; ++a) put(3 + a, force[a]);
+      put(ConstraintWorkspace::reach, dot(force, force));
       return;
     }
     const Vec3<P> moment = cross(arm, force);
     for (int a = 0; a < 3; ++a) {
-      add(a, force[a]);
-      add(3 + a, moment[a]);
+      put(a, force[a]);
+      put(3 + a, moment[a]);
     }
-    add(ConstraintWorkspace::reach, P(dot(lever, lever)) * dot(force, force));
+    put(ConstraintWorkspace::reach, P(dot(lever, lever)) * dot(force, force));
   });
 }
 
 /// Once chains have been located: frames, the rows' motion, and their unit forces for the sweep. O(constraints x chains above them).
 template <class P>
-void placeFrames(const CompactImpl& m, const PackedConstraints& all, bool moves, FrameRows* frames, const RowMotion& rows, ConstraintWorkspace& x) {
+void placeFrames(const CompactImpl& m, const PackedConstraints& all, RowRates rates, FrameRows* frames, const RowMotion& rows,
+                 ConstraintWorkspace& x) {
   // What lies behind the last row is read, too.
-  for (int k = 0; const ConstrainedChain& chain : all.chains)
-    std::fill_n(x.forceOf(k++), x.components * x.wholePacks(chain.row_end - chain.row_begin) + x.widest, 0.0);
+  for (int k = 0; const ConstrainedChain& chain : all.chains) std::fill_n(x.forceOf(k++), x.components * x.forceStep(chain) + x.widest, 0.0);
   for (std::size_t i = 0; i < all.frames.size(); ++i) {
     const PackedFrameConstraint& c = all.frames[i];
     FrameRows& frame = frames[i];
-    locateFrame<P>(all, x, c, moves, frame);
-    const Motion<double> bias = moves ? biasOf(c, frame) : Motion<double>{};
+    locateFrame<P>(all, x, c, rates, frame);
+    const Motion<double> bias = rates != RowRates::none ? biasOf(c, frame) : Motion<double>{};
     // Where both bodies move, both fall.
     Motion<double> fall;
     if (c.body[0] == 0 || c.body[1] == 0) fall.linear = (c.body[0] > 0 ? 1.0 : -1.0) * transposeTimes(x.stateOf(all, c.body[0]).tree.R, m.gravity);
@@ -177,7 +172,7 @@ void placeFrames(const CompactImpl& m, const PackedConstraints& all, bool moves,
       storePack(rate + by_velocity * velocity + by_error * error, rows.drift + row);
       storePack(dot(directions, cast<P>(fall.*part)), rows.fall + row);
     });
-    for (int e = 0; e < 2; ++e) addUnitForces<P>(all, c, frame, e, x);
+    for (int e = 0; e < 2; ++e) putUnitForces<P>(all, c, frame, e, x);
   }
 }
 

@@ -23,8 +23,8 @@ ConstrainedBodies<S> bodiesIn(const CompactImpl& m, void* memory) {
 template <class Panel, class Half, class S>
 constexpr ConstraintRecursions constraintRecursions() {
   ConstraintRecursions k{};
-  k.locate = [](const CompactImpl& m, void* memory, const PackedConstraints& c, const double* v, ConstraintWorkspace& x) {
-    locateChains(bodiesIn<S>(m, memory), c, v, x);
+  k.locate = [](const CompactImpl& m, void* memory, const PackedConstraints& c, const double* v, RowRates rates, ConstraintWorkspace& x) {
+    locateChains(bodiesIn<S>(m, memory), c, v, rates, x);
   };
   k.sweep = [](const CompactImpl& m, void* memory, const PackedConstraints& c, bool eliminated, ConstraintWorkspace& x) {
     constraintSweep<Panel, Half>(bodiesIn<S>(m, memory), c, eliminated, x);
@@ -32,8 +32,8 @@ constexpr ConstraintRecursions constraintRecursions() {
   k.yieldTo = [](const CompactImpl& m, void* memory, const PackedConstraints& c, Force<double>* F, const double* shares) {
     yieldToForces(bodiesIn<S>(m, memory), c, F, shares);
   };
-  k.addForces = [](const CompactImpl& m, void* memory, const PackedConstraints& c, const ConstraintWorkspace& x, const double* lambda) {
-    addConstraintForces<Panel, Half>(bodiesIn<S>(m, memory), c, x, lambda);
+  k.takeYielded = [](const CompactImpl& m, void* memory, const PackedConstraints& c, const ConstraintWorkspace& x) {
+    takeYielded(bodiesIn<S>(m, memory), c, x);
   };
   k.takeAccelerations = [](const CompactImpl& m, void* memory, const PackedConstraints& c, ConstraintWorkspace& x) {
     takeAccelerations(bodiesIn<S>(m, memory), c, x);
@@ -50,6 +50,8 @@ ConstraintKernels singleConstraintKernels() {
   k.placeFrames = kernels::placeFrames<Half>;
   k.frameAccelerations = kernels::frameAccelerations<Half>;
   k.delassusMatrix = kernels::delassusMatrix<Panel, Half>;
+  k.yieldToRows = kernels::yieldToRows<Panel, Half>;
+  k.rowsOfYielded = kernels::rowsOfYielded<Panel, Half>;
   k.invertDelassus = kernels::invertDelassus<Panel, Half>;
   k.timesRows = kernels::timesRows<Panel, Half>;
   k.pointColumns = kernels::pointColumns;
