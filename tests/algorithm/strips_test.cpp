@@ -84,6 +84,39 @@ TEST_CASE("strips give what one body after the other gives", "[strips]") {
         1e-13 * plain.cwiseAbs().maxCoeff());
 }
 
+TEST_CASE("the centroidal map over strips is that of one body after the other, and that which has a rate", "[strips]") {
+  const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 12)));
+  const Growth growth = GENERATE(Growth::bush, Growth::trunks);
+  Model described = grown(growth, 60, seed, seed % 2 == 0 ? Types::many : Types::revolute);
+  for (std::size_t i = 1; i < described.bodies.size(); ++i) {
+    JointDescription& joint = described.bodies[i].joint;
+    if (described.bodies[i].parent != 0 || seed % 3 == 0) continue;
+    joint.type = "free_flyer";
+    joint.parameters = {};
+    joint.armature = joint.damping = joint.friction = {};
+  }
+  const CompactModel model = compile(described, registry());
+  CompileOptions asked;
+  asked.strips = false;
+  const CompactModel without = compile(described, registry(), asked);
+  Data data(model, Need::derivatives), other(without, Need::derivatives);
+  Random random(seed);
+  const Eigen::VectorXd q = integrate(model, neutral(model), Eigen::VectorXd(random.vector(model.nv(), 0.4).array() + 0.8));
+  const Eigen::VectorXd v = random.vector(model.nv(), 1), a = random.vector(model.nv(), 1);
+  const CentroidalMomentum x = ccrba(model, data, q, v), y = ccrba(without, other, q, v);
+  const Eigen::MatrixXd Ag = x.Ag, inertia = toEigen(x.inertia);
+  const Eigen::VectorXd hg = x.hg;
+  const auto same = [](const Eigen::MatrixXd& one, const Eigen::MatrixXd& two) {
+    CHECK((one - two).cwiseAbs().maxCoeff() < 1e-13 * (1 + two.cwiseAbs().maxCoeff()));
+  };
+  same(Ag, y.Ag);
+  same(hg, y.hg);
+  same(inertia, toEigen(y.inertia));
+  const CentroidalRate rate = computeCentroidalMomentumTimeVariation(model, data, q, v, a);
+  same(Ag, rate.Ag);
+  same(hg, rate.hg);
+}
+
 TEST_CASE("derivatives over strips are those of one body after the other", "[strips]") {
   const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 12)));
   const Growth growth = GENERATE(Growth::bush, Growth::trunks);
@@ -112,6 +145,12 @@ TEST_CASE("derivatives over strips are those of one body after the other", "[str
   };
   check(computeRNEADerivatives(model, data, q, v, a), computeRNEADerivatives(without, other, q, v, a));
   check(computeRNEADerivatives(model, data, q, v, a, forces), computeRNEADerivatives(without, other, q, v, a, forces));
+  const CentroidalDerivatives c = computeCentroidalDynamicsDerivatives(model, data, q, v, a);
+  const CentroidalDerivatives d = computeCentroidalDynamicsDerivatives(without, other, q, v, a);
+  same(c.dhg_dq, d.dhg_dq);
+  same(c.dhgdot_dq, d.dhgdot_dq);
+  same(c.dhgdot_dv, d.dhgdot_dv);
+  same(c.dhgdot_da, d.dhgdot_da);
   const Eigen::MatrixXd inverse = computeMinverse(model, data, q), plain = computeMinverse(without, other, q);
   CHECK((inverse - plain).cwiseAbs().maxCoeff() < 1e-9 * (1 + plain.cwiseAbs().maxCoeff()));
 }
