@@ -30,11 +30,10 @@ class StripEntry {
  private:
   template <class Step>
   void enterAt(const Step& step, int k, int l, const S& value) const {
-    for (int lane = 0; lane < strip_lanes; ++lane) {
-      if (!step.enters(lane)) continue;
+    inEnteringLanes(step, [&](auto lane) {
       const std::ptrdiff_t j = step.dof(lane, l);
-      column_[lane][k * n_ + j] = row_[lane][k + j * n_] = value.begin()[lane];
-    }
+      column_[lane][k * n_ + j] = row_[lane][k + j * n_] = laneOf<lane>(value);
+    });
   }
   template <class Step>
   struct Entering {

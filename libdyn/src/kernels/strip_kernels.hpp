@@ -88,13 +88,20 @@ inline void mirrorFlyingRoots(const CompactImpl& m, double* M) {
     if (!root.flying_root) continue;
     const std::ptrdiff_t v = root.idx_v, end = m.dof_end[static_cast<std::size_t>(v)];
     std::ptrdiff_t j = v + 6;
-    for (; j + strip_lanes <= end; j += strip_lanes)
-      for (const int c : {0, 2}) {
-        Square<double, strip_lanes> square;
-        square.read(M + j * n + v + c, n);
-        square.transpose();
-        square.write(M + (v + c) * n + j, n);
-      }
+    for (; j + 4 <= end; j += 4) {
+      const double* const from = M + j * n + v;
+      double* const to = M + v * n + j;
+      Square<double, 4> square;
+      square.read(from, n);
+      square.transpose();
+      square.write(to, n);
+      const auto two = [&](int row) -> Square<double, 2>::Row { return *reinterpret_cast<const Square<double, 2>::Unaligned*>(from + row * n + 4); };
+      const Four upper = __builtin_shufflevector(two(0), two(1), 0, 1, 2, 3), lower = __builtin_shufflevector(two(2), two(3), 0, 1, 2, 3);
+      square.rows[0] = __builtin_shufflevector(upper, lower, 0, 2, 4, 6);
+      square.rows[1] = __builtin_shufflevector(upper, lower, 1, 3, 5, 7);
+      square.write(0, to + 4 * n);
+      square.write(1, to + 5 * n);
+    }
     for (; j < end; ++j)
       for (int c = 0; c < 6; ++c) M[(v + c) * n + j] = M[j * n + v + c];
   }

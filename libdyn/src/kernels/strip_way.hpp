@@ -125,22 +125,24 @@ double laneOf(const S& x) {
   return static_cast<Four>(x.x)[lane];
 }
 
-/// Of a flying root's six numbers, four lanes' packs each: lane by lane to six that follow one another.
+/// Of a flying root's six numbers, four lanes' packs each: lane by lane to six that follow one another. Four and two: nothing is written twice,
+/// so that who reads as much at once need not wait.
 template <class S, class To>
 void putSixes(const Force<S>& f, To&& to) {
-  Square<double, strip_lanes> first, last;
-  for (int c = 0; c < strip_lanes; ++c) {
-    first.read(c, packsOf<S>(f)[c].begin());
-    last.read(c, packsOf<S>(f)[c + 2].begin());
-  }
-  first.transpose();
-  last.transpose();
-  for (int lane = 0; lane < strip_lanes; ++lane) {
-    double* six = to(lane);
-    if (six == nullptr) continue;
-    first.write(lane, six);
-    last.write(lane, six + 2);
-  }
+  const auto pack = [&](int c) { return static_cast<Four>(packsOf<S>(f)[c].x); };
+  Square<double, 4> fours;
+  for (int c = 0; c < 4; ++c) fours.rows[c] = pack(c);
+  fours.transpose();
+  const Four even = __builtin_shufflevector(pack(4), pack(5), 0, 4, 2, 6), odd = __builtin_shufflevector(pack(4), pack(5), 1, 5, 3, 7);
+  const auto put = [&]<int lane>(std::integral_constant<int, lane>) {
+    double* const six = to(lane);
+    if (six == nullptr) return;
+    constexpr int half = lane / 2 * 2;
+    const Four& twos = lane % 2 == 0 ? even : odd;
+    fours.write(lane, six);
+    *reinterpret_cast<Square<double, 2>::Unaligned*>(six + 4) = __builtin_shufflevector(twos, twos, half, half + 1);
+  };
+  [&]<int... lane>(std::integer_sequence<int, lane...>) { (put(std::integral_constant<int, lane>()), ...); }(std::make_integer_sequence<int, 4>());
 }
 
 }  // namespace dyn::kernels
