@@ -52,6 +52,29 @@ Model grown(Growth growth, int n, std::uint64_t seed, Types wanted) {
   return model;
 }
 
+CompileOptions withoutStrips() {
+  CompileOptions asked;
+  asked.strips = false;
+  return asked;
+}
+
+/// The same model over strips, where it has any, and over one body after the other; and a state.
+struct BothWays {
+  CompactModel model, without;
+  Data data, other;
+  Eigen::VectorXd q, v, a;
+
+  BothWays(const Model& described, Random& random)
+      : model(compile(described, registry())),
+        without(compile(described, registry(), withoutStrips())),
+        data(model, Need::derivatives),
+        other(without, Need::derivatives) {
+    q = integrate(model, neutral(model), Eigen::VectorXd(random.vector(model.nv(), 0.4).array() + 0.8));
+    v = random.vector(model.nv(), 1);
+    a = random.vector(model.nv(), 1);
+  }
+};
+
 }  // namespace
 
 TEST_CASE("strips give what one body after the other gives", "[strips]") {
@@ -73,9 +96,7 @@ TEST_CASE("strips give what one body after the other gives", "[strips]") {
   const Eigen::MatrixXd M = crba(model, data, q), plain_M = crba(model, batch, q).reshaped(model.nv(), model.nv());
   CHECK((M - plain_M).cwiseAbs().maxCoeff() < 1e-13 * plain_M.cwiseAbs().maxCoeff());
   CHECK((ddq - a).cwiseAbs().maxCoeff() < 1e-8 * (1 + a.cwiseAbs().maxCoeff()));
-  CompileOptions asked;
-  asked.strips = false;
-  const CompactModel without = compile(described, registry(), asked);
+  const CompactModel without = compile(described, registry(), withoutStrips());
   CHECK(!usesStrips(without));
   Data plain_data(without);
   CHECK(rnea(without, plain_data, q, v, a, none) == plain);
@@ -95,14 +116,9 @@ TEST_CASE("the centroidal map over strips is that of one body after the other, a
     joint.parameters = {};
     joint.armature = joint.damping = joint.friction = {};
   }
-  const CompactModel model = compile(described, registry());
-  CompileOptions asked;
-  asked.strips = false;
-  const CompactModel without = compile(described, registry(), asked);
-  Data data(model, Need::derivatives), other(without, Need::derivatives);
   Random random(seed);
-  const Eigen::VectorXd q = integrate(model, neutral(model), Eigen::VectorXd(random.vector(model.nv(), 0.4).array() + 0.8));
-  const Eigen::VectorXd v = random.vector(model.nv(), 1), a = random.vector(model.nv(), 1);
+  BothWays ways(described, random);
+  auto& [model, without, data, other, q, v, a] = ways;
   const CentroidalMomentum x = ccrba(model, data, q, v), y = ccrba(without, other, q, v);
   const Eigen::MatrixXd Ag = x.Ag, inertia = toEigen(x.inertia);
   const Eigen::VectorXd hg = x.hg;
@@ -125,14 +141,9 @@ TEST_CASE("derivatives over strips are those of one body after the other", "[str
   if (flies) described.bodies[1].joint.type = "free_flyer", described.bodies[1].joint.parameters = {};
   for (auto& body : described.bodies)
     if (!has_armature || body.joint.type == "free_flyer") body.joint.armature = body.joint.damping = body.joint.friction = {};
-  const CompactModel model = compile(described, registry());
-  CompileOptions asked;
-  asked.strips = false;
-  const CompactModel without = compile(described, registry(), asked);
-  Data data(model, Need::derivatives), other(without, Need::derivatives);
   Random random(seed);
-  const Eigen::VectorXd q = integrate(model, neutral(model), Eigen::VectorXd(random.vector(model.nv(), 0.4).array() + 0.8));
-  const Eigen::VectorXd v = random.vector(model.nv(), 1), a = random.vector(model.nv(), 1);
+  BothWays ways(described, random);
+  auto& [model, without, data, other, q, v, a] = ways;
   ExternalForces forces(model.joints().size());
   for (auto& f : forces) f = {random.vector(2.0), random.vector(2.0)};
   const auto same = [](const Eigen::MatrixXd& x, const Eigen::MatrixXd& y) {
@@ -225,9 +236,7 @@ TEST_CASE("the mass matrix of arms of any length is that of one joint after the 
         arms.addBody("b" + joint.name, i == 0 ? 0 : arm * joints + i, joint, {1, {0.1, 0, 0.1 * arm}, {1, 0, 0, 1, 0, 1}});
       }
     const CompactModel model = compile(arms, registry());
-    CompileOptions asked;
-    asked.strips = false;
-    const CompactModel plain = compile(arms, registry(), asked);
+    const CompactModel plain = compile(arms, registry(), withoutStrips());
     Data data(model, Need::mass_matrix), plain_data(plain, Need::mass_matrix);
     const Eigen::VectorXd q = randomConfiguration(model, 5);
     const Eigen::MatrixXd expected = crba(plain, plain_data, q);

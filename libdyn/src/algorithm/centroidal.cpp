@@ -78,7 +78,6 @@ CenterOfMassViews centerOfMassDerivatives(const CompactModel& model, Data& data,
 CentroidalViews centroidalOfEvaluated(const CompactImpl& m, DataImpl& d, CentroidalTask task, const double* v, const double* a) {
   kernels::CentroidalMaps<double> maps;
   maps.Ag = d.Ag;
-  maps.rates = task != CentroidalTask::map;
   if (task == CentroidalTask::rate) maps.dAg = d.dAg;
   if (task == CentroidalTask::derivatives) {
     maps.dh_dq = d.dh_dq;

@@ -50,7 +50,7 @@ void carveAll(DataImpl& d, const CompactImpl& m, Arena& arena) {
     arena.take(d.kinematics_v, nvx);
     arena.take(d.kinematics_a, nvx);
     arena.take(d.column, nvx + most_lanes);
-    for (double** map : {&d.Ag, &d.dAg, &d.dh_dq, &d.dhdot_dq, &d.dhdot_dv}) arena.take(*map, 6 * nvx + kernels::CentroidalMaps<double>::room);
+    for (double** map : {&d.Ag, &d.dAg, &d.dh_dq, &d.dhdot_dq, &d.dhdot_dv}) arena.take(*map, 6 * nvx);
     if (!m.couplings.empty())
       for (double*& x : d.expanded) arena.take(x, nvx * nvx);
   }

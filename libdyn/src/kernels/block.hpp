@@ -31,7 +31,7 @@ struct BlockScratch {
       dyn::kernels::carve(s.d, m, arena);
       arena.take(s.matrix, nv * nv);
       arena.take(s.columns, std::min<std::size_t>(most_rows, nv) * nv);
-      for (S*& map : s.maps) arena.take(map, 6 * nv + CentroidalMaps<S>::room);
+      for (S*& map : s.maps) arena.take(map, 6 * nv);
     }
     return arena.used();
   }

@@ -9,13 +9,6 @@
 
 namespace dyn::kernels {
 
-/// Three numbers to where there is room for a fourth: what follows them may be overwritten.
-template <class S>
-void putVector(const Vec3<S>& x, S* to) {
-  for (int k = 0; k < 3; ++k) to[k] = x[k];
-}
-inline void putVector(const Vec3<Vectored>& x, Vectored* to) { *reinterpret_cast<Square<double, 4>::Unaligned*>(to) = x.a; }
-
 /// The root of a tree: its axes in the world, where its joint's origin is and how fast, what hangs on it in its own axes.
 template <class S>
 struct TreeRoot {
@@ -137,10 +130,8 @@ CentroidalState<S> centroidalOf(const Order& bodies, DerivativeWorkspace<S>& d, 
       place.angular = places[x.parent].angular - rates[i];
     }
     for (int k = x.idx_v; k < x.idx_v + x.nv; ++k)
-      centroidalColumns(out, tree, place, subtrees[i], dofs[k].S_, variations[k], dof_forces[k], [&](S* to, const Force<S>& f) {
-        putVector(f.linear, to + 6 * k);
-        putVector(f.angular, to + 6 * k + 3);
-      });
+      centroidalColumns(out, tree, place, subtrees[i], dofs[k].S_, variations[k], dof_forces[k],
+                        [&](S* to, const Force<S>& f) { putSix(f, to + 6 * k); });
   }
   return sum;
 }
@@ -180,7 +171,7 @@ CentroidalState<double> centroidalOf(const StripRecursion<S>& r, const Centroida
 template <class Quad, class S>
 CentroidalState<S> centroidal(const CompactImpl& m, Workspace<S>& w, DerivativeWorkspace<S>& d, const S* v, const S* a,
                               const CentroidalMaps<S>& out) {
-  if (!out.rates) {
+  if (!out.rates()) {
     const auto r = recursion(m, w, d);
     return inNumbers<S>(centroidalMap(r.order, r.velocities(v), BodyMap<typename decltype(r)::Scalar>{r.out(out.Ag)}));
   }
@@ -190,8 +181,7 @@ CentroidalState<S> centroidal(const CompactImpl& m, Workspace<S>& w, DerivativeW
     if constexpr (Recursion::over_strips) {
       return centroidalOf(r, out);
     } else {
-      return inNumbers<S>(
-          centroidalOf(r.order, r.d, {r.out(out.Ag), r.out(out.dAg), r.out(out.dh_dq), r.out(out.dhdot_dq), r.out(out.dhdot_dv), true}));
+      return inNumbers<S>(centroidalOf(r.order, r.d, {r.out(out.Ag), r.out(out.dAg), r.out(out.dh_dq), r.out(out.dhdot_dq), r.out(out.dhdot_dv)}));
     }
   };
   // Lanes of one strip have one tree's axes.

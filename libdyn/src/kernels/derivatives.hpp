@@ -125,13 +125,13 @@ struct PathDerivatives {
   double *by_q, *by_v, *by_a;
 };
 
-/// Columns of 6 numbers, linear part first, in world axes about the centre of mass; null: not wanted. Each has `room` for numbers after its last.
+/// Columns of 6 numbers, linear part first, in world axes about the centre of mass; null: not wanted.
 template <class S>
 struct CentroidalMaps {
-  static constexpr std::size_t room = 4;
   S *Ag = nullptr, *dAg = nullptr;                               ///< momentum by v, and its time derivative
   S *dh_dq = nullptr, *dhdot_dq = nullptr, *dhdot_dv = nullptr;  ///< of momentum, and of its rate
-  bool rates = false;                                            ///< more than Ag and momentum
+
+  bool rates() const { return dAg || dh_dq || dhdot_dq || dhdot_dv; }  ///< more than Ag and momentum
 };
 template <class S>
 struct CentroidalState {
@@ -152,13 +152,12 @@ struct DerivativeWorkspace {
   Dual<double>* dual = nullptr;                 ///< of the largest batch: q, v, pose, subspace, bias
   // What recursions over bodies write. Those of single states have vectors in registers, and what they write is in `vectored`.
   DofVariation<S>* dof = nullptr;
-  Vec3<S>* shift_rate = nullptr;           ///< velocity of each joint's origin relative to the parent's
-  Subtree<S>* subtree = nullptr;           ///< by body, about its joint's origin; in aba of the body alone
-  SubtreeMomentum<S>* momentum = nullptr;  ///< what children hand over [centroidal]
-  DofForces<S>* dof_force = nullptr;       ///< at the joint's own origin, until they climb
-  CoriolisMap<S>* coriolis = nullptr;      ///< articulated, of what the children hand over [aba]
-  Motion<S>* place = nullptr;              ///< [centroidal] from each joint's origin to the centre of mass, and its rate, aligned axes
-  Workspace<Vectored> bodies;              ///< of single states
+  Vec3<S>* shift_rate = nullptr;       ///< velocity of each joint's origin relative to the parent's
+  Subtree<S>* subtree = nullptr;       ///< by body, about its joint's origin; in aba of the body alone
+  DofForces<S>* dof_force = nullptr;   ///< at the joint's own origin, until they climb
+  CoriolisMap<S>* coriolis = nullptr;  ///< articulated, of what the children hand over [aba]
+  Motion<S>* place = nullptr;          ///< [centroidal] from each joint's origin to the centre of mass, and its rate, aligned axes
+  Workspace<Vectored> bodies;          ///< of single states
   DerivativeWorkspace<Vectored>* vectored = nullptr;
   char* strips = nullptr;    ///< of single states, StripDerivatives where recursions are over strips
   StripArrays strip_arrays;  ///< what these leave to others
@@ -174,7 +173,6 @@ void carveRecursions(DerivativeWorkspace<S>& w, std::size_t bodies, std::size_t 
   arena.take(w.dof, dofs);
   arena.take(w.shift_rate, bodies);
   arena.take(w.subtree, bodies);
-  arena.take(w.momentum, bodies);
   arena.take(w.dof_force, dofs);
   arena.take(w.coriolis, bodies);
   arena.take(w.place, bodies);

@@ -116,14 +116,13 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b)
     default: {
       CentroidalMaps<S> maps;
       maps.Ag = s.maps[0];
-      maps.rates = b.task != Task::centroidal_map;
       if (b.task == Task::centroidal_rate) maps.dAg = s.maps[1];
       if (b.task == Task::centroidal_derivatives) {
         maps.dh_dq = s.maps[2];
         maps.dhdot_dq = s.maps[3];
         maps.dhdot_dv = s.maps[4];
       }
-      if (maps.rates) evaluateSubspaceDerivatives(m, d, s.q, s.v);
+      if (maps.rates()) evaluateSubspaceDerivatives(m, d, s.q, s.v);
       const CentroidalState<S> state = kernels::centroidal<S>(m, w, d, s.v, s.a, maps);
       if (b.task == Task::centroidal_derivatives) {
         for (int k = 0; k < 3; ++k) put(k, s.maps[2 + k], 6 * n);

@@ -95,18 +95,14 @@ Subtree<S> ownMotion(const SubtreeMomentum<S>& m, const Vec3<S>& w) {
   return {m, crossColumns(w, second), {cross(w, m.momentum.linear), cross(w, m.momentum.angular)}};
 }
 
-/// A subtree at rest, about its parent's origin: r from there to the joint's.
-template <class S>
-SubtreeMomentum<S> movedInertia(const SubtreeMomentum<S>& m, const Vec3<S>& r) {
-  return {m.mass, m.h + m.mass * r, shiftedInertia(m.I, m.mass, m.h, r), {}};
-}
-/// The same in motion, with velocities relative to the parent's origin: rate is the joint origin's.
+/// A subtree about its parent's origin, with velocities relative to that: r from there to the joint's origin, which moves by rate.
 template <class S>
 Subtree<S> moved(const Subtree<S>& x, const Vec3<S>& r, const Vec3<S>& rate) {
-  Subtree<S> out{movedInertia(x.m, r), {}, {x.f.linear, x.f.angular + cross(r, x.f.linear)}};
-  const Vec3<S> linear = x.m.momentum.linear + x.m.mass * rate;
-  out.K = x.K + outer(x.m.momentum.linear, r) + outer(rate, out.m.h);
-  out.m.momentum = {linear, x.m.momentum.angular + cross(x.m.h, rate) + cross(r, linear)};
+  const SubtreeMomentum<S>& m = x.m;
+  Subtree<S> out{{m.mass, m.h + m.mass * r, shiftedInertia(m.I, m.mass, m.h, r), {}}, {}, {x.f.linear, x.f.angular + cross(r, x.f.linear)}};
+  const Vec3<S> linear = m.momentum.linear + m.mass * rate;
+  out.K = x.K + outer(m.momentum.linear, r) + outer(rate, out.m.h);
+  out.m.momentum = {linear, m.momentum.angular + cross(m.h, rate) + cross(r, linear)};
   return out;
 }
 
@@ -156,15 +152,6 @@ DofForces<S> forcesOf(const Motion<S>& s, const DofVariation<S>& x, const Subtre
           rigidForceOf<Joint>(m, x.rate) + coriolis(m, torque, s.angular)};
 }
 
-/// use(k, I s_k) for all six of a flying root.
-template <class S, class Use>
-void flyingColumns(const SubtreeMomentum<S>& m, Use&& use) {
-  const Mat3<S> mass = m.mass * Mat3<S>::identity(), h = skew(m.h), inertia = m.I.matrix();
-  for (int k = 0; k < 3; ++k) {
-    use(k, Force<S>{mass.col(k), h.col(k)});
-    use(3 + k, Force<S>{-h.col(k), inertia.col(k)});
-  }
-}
 /// The same of all six of a flying root; variations are where x begins.
 template <class S, class Use>
 void flyingForces(const DofVariation<S>* x, const Subtree<S>& c, Use&& use) {
