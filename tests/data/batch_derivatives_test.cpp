@@ -98,6 +98,41 @@ TEST_CASE("derivatives of batches with followers", "[batch]") {
   checkAll<double>(compile(description, registry()), 5, 2, 3, 1e-12, 1e-9);
 }
 
+TEST_CASE("numbers that no path connects are zero, whatever has been written there", "[batch]") {
+  Model description = randomTree(registry(), 25, 7);
+  description.bodies[1].joint = {};
+  description.bodies[1].joint.name = "base";
+  description.bodies[1].joint.type = "free_flyer";  // so that the inverse is full
+  const CompactModel model = compile(description, registry());
+  const int most = 21;
+  Eigen::MatrixXd q(model.nq(), most), v(model.nv(), most), a(model.nv(), most);
+  Random random(3);
+  for (int k = 0; k < most; ++k) {
+    q.col(k) = integrate(model, neutral(model), random.vector(model.nv(), 0.8));
+    v.col(k) = random.vector(model.nv(), 1);
+    a.col(k) = random.vector(model.nv(), 2);
+  }
+  BatchData batch(model, most, Need::derivatives);
+  const auto check = [&](int states, int fill) {
+    INFO(states << " states after " << fill);
+    const auto of = [&](const Eigen::MatrixXd& x, int count) { return Eigen::MatrixXd(x.leftCols(count)); };
+    if (fill > 0) computeABADerivatives(model, batch, of(q, fill), of(v, fill), of(a, fill));
+    BatchData fresh(model, most, Need::derivatives);
+    const auto x = computeRNEADerivatives(model, batch, of(q, states), of(v, states), of(a, states));
+    const auto y = computeRNEADerivatives(model, fresh, of(q, states), of(v, states), of(a, states));
+    CHECK(x.dtau_dq == y.dtau_dq);
+    CHECK(x.dtau_dv == y.dtau_dv);
+    CHECK(x.dtau_da == y.dtau_da);
+    CHECK((x.dtau_da.array() == 0).any());
+    CHECK(crba(model, batch, of(q, states)) == crba(model, fresh, of(q, states)));
+  };
+  check(3, most);
+  check(most, 0);
+  check(most, 5);
+  check(2, 1);
+  check(most, 0);
+}
+
 TEST_CASE("what is wrong with a batch of derivatives is said with the state", "[batch]") {
   const CompactModel model = compile(camModel(), registry());
   BatchData batch(model, 10, Need::derivatives);

@@ -53,7 +53,7 @@ void putKinematics(const BatchImpl<T>& d, const DataImpl& single, int state, boo
 }
 
 template <class T>
-T* resultOf(BatchImpl<T>& d, BatchQuantity what) {
+T* resultOf(BatchImpl<T>& d, BatchQuantity what, int states) {
   switch (what) {
     case BatchQuantity::rnea:
       return d.tau.data();
@@ -62,7 +62,7 @@ T* resultOf(BatchImpl<T>& d, BatchQuantity what) {
     case BatchQuantity::gravity:
       return d.gravity.data();
     case BatchQuantity::mass_matrix:
-      return d.M.data();
+      return d.model->couplings.empty() ? d.M.onPaths(at(states)) : d.M.whole();
     default:
       return d.ddq.data();
   }
@@ -81,7 +81,7 @@ const T* computeBatch(const CompactModel& model, BasicBatchData<T>& data, BatchQ
   if (a.given) checkStates(name, what == BatchQuantity::aba ? "tau" : "a", a, m.nv, q.cols);
   const int states = static_cast<int>(q.cols);
   const std::ptrdiff_t rows = what == BatchQuantity::mass_matrix ? static_cast<std::ptrdiff_t>(m.nv) * m.nv : m.nv;
-  const StatesOut<T> results[] = {{resultOf(d, what), rows}};
+  const StatesOut<T> results[] = {{resultOf(d, what, states), rows}};
   Failure failure;
   if (!m.couplings.empty()) {
     failure = forBlocks(d, states, 1, [&](int t, int state, int, Failure& f) {
@@ -101,6 +101,7 @@ const T* computeBatch(const CompactModel& model, BasicBatchData<T>& data, BatchQ
       block.v = columns(v, first, count);
       block.a = columns(a, first, count);
       block.results[0] = results[0].first + first * rows;
+      block.squares = d.path_squares;
       d.kernels->run(m, d.scratch[at(t)].data(), block);
       noteFailures(q, block, results, first, count, f);
     });

@@ -79,16 +79,20 @@ BatchDerivativeViews<T> batchDerivatives(const CompactModel& model, BasicBatchDa
     const StatesOut<T> all[] = {first, second, third, fourth};
     std::copy(all, all + 4, results);
   };
+  const bool on_paths = m.couplings.empty() && (what == BatchDerivatives::rnea || what == BatchDerivatives::coriolis);
+  const auto matrices = [&](StateMatrices<T>& of) -> StatesOut<T> {
+    return {on_paths ? of.onPaths(static_cast<std::size_t>(q.cols)) : of.whole(), square};
+  };
   switch (what) {
     case BatchDerivatives::rnea:
-      set({d.by_q.data(), square}, {d.by_v.data(), square}, {d.by_a.data(), square});
+      set(matrices(d.by_q), matrices(d.by_v), matrices(d.by_a));
       break;
     case BatchDerivatives::aba:
-      set({d.by_q.data(), square}, {d.by_v.data(), square}, {d.by_a.data(), square}, {d.ddq.data(), n});
+      set(matrices(d.by_q), matrices(d.by_v), matrices(d.by_a), {d.ddq.data(), n});
       break;
     case BatchDerivatives::minverse:
     case BatchDerivatives::coriolis:
-      set({d.by_a.data(), square});
+      set(matrices(d.by_a));
       break;
     case BatchDerivatives::centroidal_map:
       set({d.maps[0].data(), 6}, {d.maps[2].data(), map});
@@ -115,6 +119,7 @@ BatchDerivativeViews<T> batchDerivatives(const CompactModel& model, BasicBatchDa
       block.v = columns(v, first, count);
       block.a = columns(a, first, count);
       for (int k = 0; k < 4; ++k) block.results[k] = results[k].first ? results[k].first + first * results[k].rows : nullptr;
+      if (on_paths) block.squares = d.path_squares;
       d.kernels->run(m, d.scratch[static_cast<std::size_t>(t)].data(), block);
       noteFailures(q, block, results, first, count, f);
     });

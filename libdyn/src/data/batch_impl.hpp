@@ -6,6 +6,7 @@
 
 #include <dyn/data/batch_data.hpp>
 
+#include <algorithm>
 #include <limits>
 #include <memory>
 #include <vector>
@@ -26,6 +27,37 @@ struct Failure {
 
 }  // namespace detail
 
+/// n x n numbers a state. Results that have entries only where a path to the root leads write no zeros, which may be most of what there is to write:
+/// these stay from call to call, until something has been written whole.
+template <class T>
+class StateMatrices {
+ public:
+  void resize(std::size_t n, std::size_t states) {
+    square_ = n * n;
+    clear_ = states;
+    numbers_.assign(square_ * states, T(0));
+  }
+  /// For results that are written whole.
+  T* whole() {
+    clear_ = 0;
+    return numbers_.data();
+  }
+  /// For those of the first `states` that are written where paths are; the other numbers are zero.
+  T* onPaths(std::size_t states) {
+    if (clear_ < states) std::fill(numbers_.begin() + difference(clear_), numbers_.begin() + difference(states), T(0));
+    clear_ = std::max(clear_, states);
+    return numbers_.data();
+  }
+  std::size_t bytes() const { return sizeof(T) * numbers_.size(); }
+
+ private:
+  std::ptrdiff_t difference(std::size_t states) const { return static_cast<std::ptrdiff_t>(square_ * states); }
+
+  std::vector<T> numbers_;
+  std::size_t square_ = 0;
+  std::size_t clear_ = 0;  ///< of the first states all numbers off the paths are zero
+};
+
 template <class T>
 struct BatchImpl {
   const CompactImpl* model = nullptr;
@@ -40,9 +72,10 @@ struct BatchImpl {
   std::vector<Eigen::VectorXd> columns;   ///< three a thread, for the same: q, v, a of one state
 
   std::vector<T> tau, nle, gravity, ddq;        ///< nv numbers a state
-  std::vector<T> M;                             ///< nv * nv numbers a state
   std::vector<T> J;                             ///< 6 * nv numbers a state
-  std::vector<T> by_q, by_v, by_a;              ///< nv * nv numbers a state, of Need::derivatives
+  StateMatrices<T> M;                           ///< of Need::mass_matrix
+  StateMatrices<T> by_q, by_v, by_a;            ///< of Need::derivatives
+  std::vector<std::ptrdiff_t> path_squares;     ///< Block::squares of what is written where paths are
   std::vector<T> maps[4];                       ///< 6 * nv numbers a state, of the same
   PackMemory poses, velocities, accelerations;  ///< by block of `lanes` states, then body, number, state
 

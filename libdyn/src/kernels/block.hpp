@@ -37,4 +37,12 @@ struct BlockScratch {
   }
 };
 
+/// A result of nv x nv numbers a state. Whether all are finite.
+template <class S>
+[[nodiscard]] bool storeMatrix(const CompactImpl& m, const S* packs, const Block<Real<S>>& b, int result) {
+  const std::ptrdiff_t square = static_cast<std::ptrdiff_t>(m.nvx) * m.nvx;
+  if (b.squares.empty()) return storeColumns(packs, square, b.q.states, b.results[result], square);
+  return storeSquares(packs, b.squares, b.q.states, b.results[result], square);
+}
+
 }  // namespace dyn::kernels

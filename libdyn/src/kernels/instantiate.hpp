@@ -92,9 +92,8 @@ void runBlock(const CompactImpl& m, char* scratch, Block<T>& b) {
       addJointForces(m, s.v, s.a, s.result);
       break;
     case Task::mass_matrix: {
-      const std::ptrdiff_t n = static_cast<std::ptrdiff_t>(m.nvx) * m.nvx;
       kernels::massMatrix(bodies, w, s.M);
-      b.not_finite = !storeColumns(s.M, n, b.q.states, b.results[0], n);
+      b.not_finite = !storeMatrix(m, s.M, b, 0);
       return;
     }
     case Task::rnea_derivatives:

@@ -80,6 +80,9 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b)
       return s.matrix;
     }
   };
+  const auto putOnPaths = [&](int result, const PathMatrix<S>& from) {
+    if (!storeMatrix(m, whole(from), b, result)) b.not_finite = true;
+  };
   const auto putInverse = [&](int result) {
     inverseOfMassMatrix<S>(m, d.factors, Rows<S>{s.matrix, n});
     put(result, s.matrix, n * n);
@@ -93,9 +96,9 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b)
     case Task::rnea_derivatives:
       evaluateSubspaceDerivatives(m, d, s.q, s.v);
       rneaDerivatives<S>(m, w, d, s.v, s.a);
-      put(0, whole(d.by_q), n * n);
-      put(1, whole(d.by_v), n * n);
-      put(2, whole(d.by_a), n * n);
+      putOnPaths(0, d.by_q);
+      putOnPaths(1, d.by_v);
+      putOnPaths(2, d.by_a);
       return;
     case Task::aba_derivatives:
       addLosses(m, -1.0, s.v, s.a);
@@ -112,7 +115,7 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b)
       evaluateSubspaceDerivatives(m, d, s.q, s.v);
       std::fill(s.a, s.a + n, S(0));
       coriolisMatrix<S>(m, w, d, s.v, s.a);
-      return put(0, whole(d.by_v), n * n);
+      return putOnPaths(0, d.by_v);
     default: {
       CentroidalMaps<S> maps;
       maps.Ag = s.maps[0];

@@ -28,9 +28,13 @@ struct FromMinus {
     } else {
       // Where packs are states, the row has something else's entries before those.
       Tile tile;
+#pragma GCC unroll 8
       for (int r = 0; r < Tile::rows; ++r) {
         const int begin = m.index[static_cast<std::size_t>(m.dof_body[static_cast<std::size_t>(j + r)])].idx_v;
-        for (int p = std::max(begin - first, 0); p < Tile::packs; ++p) tile.sum[r][p] = -below[j + r][first + p];
+        // From a place that is not constant on, the tile would be built in memory.
+#pragma GCC unroll 4
+        for (int p = 0; p < Tile::packs; ++p)
+          if (first + p >= begin) tile.sum[r][p] = -below[j + r][first + p];
       }
       return tile;
     }
