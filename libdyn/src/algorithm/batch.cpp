@@ -62,7 +62,7 @@ T* resultOf(BatchImpl<T>& d, BatchQuantity what, int states) {
     case BatchQuantity::gravity:
       return d.gravity.data();
     case BatchQuantity::mass_matrix:
-      return d.model->couplings.empty() ? d.M.onPaths(at(states)) : d.M.whole();
+      return d.M.onPaths(at(states));
     default:
       return d.ddq.data();
   }

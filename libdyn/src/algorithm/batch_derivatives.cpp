@@ -79,7 +79,7 @@ BatchDerivativeViews<T> batchDerivatives(const CompactModel& model, BasicBatchDa
     const StatesOut<T> all[] = {first, second, third, fourth};
     std::copy(all, all + 4, results);
   };
-  const bool on_paths = m.couplings.empty() && (what == BatchDerivatives::rnea || what == BatchDerivatives::coriolis);
+  const bool on_paths = what == BatchDerivatives::rnea || what == BatchDerivatives::coriolis;
   const auto matrices = [&](StateMatrices<T>& of) -> StatesOut<T> {
     return {on_paths ? of.onPaths(static_cast<std::size_t>(q.cols)) : of.whole(), square};
   };
