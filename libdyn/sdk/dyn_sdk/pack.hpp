@@ -35,46 +35,53 @@ struct Pack {
   using Mask = PackMask<T, Arch>;
   static constexpr int lanes = static_cast<int>(Batch::size);
 
-  Batch x;
+  /// The compilers' own vector: where numbers are written as one, other things than numbers stay known. What xsimd's intrinsics write may be
+  /// anything, and all that says where has to be read again.
+  typedef T Native __attribute__((vector_size(sizeof(T) * static_cast<std::size_t>(lanes))));
+  typedef T Anywhere __attribute__((vector_size(sizeof(T) * static_cast<std::size_t>(lanes)), aligned(alignof(T))));
+
+  Native x;
 
   /// As a number: zero only where that is asked for, Pack{}.
   Pack() = default;
   /// Register by register. As bytes, structs of packs would be moved in blocks of other sizes than they were written in, and that stalls the core;
   /// and compilers lose sight of what is in them.
-  Pack(const Pack& other) : x(other.x.data) {}
+  Pack(const Pack& other) : x(other.x) {}
   Pack& operator=(const Pack& other) {
-    x.data = other.x.data;
+    x = other.x;
     return *this;
   }
-  Pack(const Batch& batch) : x(batch) {}  // NOLINT
+  Pack(const Native& numbers) : x(numbers) {}      // NOLINT
+  Pack(const Batch& numbers) : x(numbers.data) {}  // NOLINT
   template <class A>
     requires std::is_arithmetic_v<A>
-  Pack(A s) : x(static_cast<T>(s)) {}  // NOLINT: a number is a constant pack
+  Pack(A s) : Pack(Batch(static_cast<T>(s))) {}  // NOLINT: a number is a constant pack
+  Batch batch() const { return Batch(x); }
 
-  static Pack load(const T* from) { return Batch::load_unaligned(from); }
-  void store(T* to) const { x.store_unaligned(to); }
+  static Pack load(const T* from) { return Native(*reinterpret_cast<const Anywhere*>(from)); }
+  void store(T* to) const { *reinterpret_cast<Anywhere*>(to) = x; }
   const T* begin() const { return reinterpret_cast<const T*>(this); }
   T* begin() { return reinterpret_cast<T*>(this); }
 
-  friend Pack operator+(const Pack& a, const Pack& b) { return a.x + b.x; }
-  friend Pack operator-(const Pack& a, const Pack& b) { return a.x - b.x; }
-  friend Pack operator-(const Pack& a) { return -a.x; }
-  friend Pack operator*(const Pack& a, const Pack& b) { return a.x * b.x; }
-  friend Pack operator/(const Pack& a, const Pack& b) { return a.x / b.x; }
+  friend Pack operator+(const Pack& a, const Pack& b) { return Native(a.x + b.x); }
+  friend Pack operator-(const Pack& a, const Pack& b) { return Native(a.x - b.x); }
+  friend Pack operator-(const Pack& a) { return Native(-a.x); }
+  friend Pack operator*(const Pack& a, const Pack& b) { return Native(a.x * b.x); }
+  friend Pack operator/(const Pack& a, const Pack& b) { return Native(a.x / b.x); }
   Pack& operator+=(const Pack& b) { return *this = *this + b; }
   Pack& operator-=(const Pack& b) { return *this = *this - b; }
   Pack& operator*=(const Pack& b) { return *this = *this * b; }
   Pack& operator/=(const Pack& b) { return *this = *this / b; }
 
-  friend Mask operator<(const Pack& a, const Pack& b) { return {a.x < b.x}; }
-  friend Mask operator>(const Pack& a, const Pack& b) { return {a.x > b.x}; }
-  friend Mask operator==(const Pack& a, const Pack& b) { return {a.x == b.x}; }
-  friend Mask operator<=(const Pack& a, const Pack& b) { return {a.x <= b.x}; }
-  friend Mask operator>=(const Pack& a, const Pack& b) { return {a.x >= b.x}; }
+  friend Mask operator<(const Pack& a, const Pack& b) { return {a.batch() < b.batch()}; }
+  friend Mask operator>(const Pack& a, const Pack& b) { return {a.batch() > b.batch()}; }
+  friend Mask operator==(const Pack& a, const Pack& b) { return {a.batch() == b.batch()}; }
+  friend Mask operator<=(const Pack& a, const Pack& b) { return {a.batch() <= b.batch()}; }
+  friend Mask operator>=(const Pack& a, const Pack& b) { return {a.batch() >= b.batch()}; }
 
-  friend Pack sqrt(const Pack& a) { return xsimd::sqrt(a.x); }
-  friend Pack abs(const Pack& a) { return xsimd::abs(a.x); }
-  friend Pack select(const Mask& condition, const Pack& a, const Pack& b) { return xsimd::select(condition.x, a.x, b.x); }
+  friend Pack sqrt(const Pack& a) { return xsimd::sqrt(a.batch()); }
+  friend Pack abs(const Pack& a) { return xsimd::abs(a.batch()); }
+  friend Pack select(const Mask& condition, const Pack& a, const Pack& b) { return xsimd::select(condition.x, a.batch(), b.batch()); }
 };
 
 template <class T, class Arch>

@@ -75,8 +75,8 @@ template <class T, class Arch>
   using Whole = std::conditional_t<sizeof(T) == 8, std::int64_t, std::int32_t>;
   typedef Whole Bits __attribute__((vector_size(sizeof(Pack<T, Arch>))));
   constexpr int sign_from_second = 8 * sizeof(T) - 2;
-  const auto bits = [](const Pack<T, Arch>& x) { return (Bits)x.x.data; };
-  const auto numbers = [](const Bits& x) -> Pack<T, Arch> { return typename Pack<T, Arch>::Batch((decltype(whole.x.data))x); };
+  const auto bits = [](const Pack<T, Arch>& x) { return (Bits)x.x; };
+  const auto numbers = [](const Bits& x) -> Pack<T, Arch> { return (typename Pack<T, Arch>::Native)x; };
   const Bits n = bits(whole), s = bits(sine), c = bits(cosine);
   const Bits exchanged = (s ^ c) & -(n & 1);
   sine = numbers(s ^ exchanged ^ ((n & 2) << sign_from_second));

@@ -17,7 +17,7 @@ template <class T, int lanes>
 struct Square {
   typedef T Row __attribute__((vector_size(sizeof(T) * lanes)));  // gcc 12 forgets the attribute of an alias
   // In memory. Not copied as bytes, which gcc 12 does by halves, that the whole is then read from right after.
-  typedef T Unaligned __attribute__((vector_size(sizeof(T) * lanes), aligned(alignof(T)), may_alias));
+  typedef T Unaligned __attribute__((vector_size(sizeof(T) * lanes), aligned(alignof(T))));
   Row rows[lanes];
 
   void read(int i, const T* from) { rows[i] = *reinterpret_cast<const Unaligned*>(from); }
