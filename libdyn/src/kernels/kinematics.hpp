@@ -43,7 +43,7 @@ void placeInWorld(const Joint& joint, const Order& order, int i, Workspace<S>& w
       }
     }();
     const SE3<S>& parent = order.parent(w.oM, i);
-    rel.store({}, w.rel[i]);
+    rel.store(w.rel[i]);
     (parent.R * rel).store(parent.p, w.oM[i]);
     if (isRenewed(order, i)) w.oM[i].R = renewed(w.oM[i].R);
   } else {

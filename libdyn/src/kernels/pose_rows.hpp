@@ -14,11 +14,9 @@ struct PoseRows {
   Four row[3];
 
   static PoseRows load(const SE3<double>& X) {
+    // p's numbers stand last in the four that end with them: nothing is moved from lane to lane.
     PoseRows out;
-    for (int i = 0; i < 3; ++i) {
-      const double p = (&X.p.x)[i];
-      out.row[i] = __builtin_shufflevector(*at<Four>(X.R.m + 3 * i), Four{p, p, p, p}, 0, 1, 2, 7);
-    }
+    for (int i = 0; i < 3; ++i) out.row[i] = __builtin_shufflevector(*at<Four>(X.R.m + 3 * i), *at<Four>(X.R.m + 6 + i), 0, 1, 2, 7);
     return out;
   }
   /// Of numbers that are at hand: what was just written one by one had better not be read as rows.
@@ -30,18 +28,24 @@ struct PoseRows {
   }
   /// With R Rz(c, s) for R.
   PoseRows turnZ(double c, double s) const {
-    const Four along{c, c, 1, 1}, across{s, -s, 0, 0};
+    const Four along{c, c, 1, 1}, both = Four{s, s, s, s} * Four{1, -1, 1, 1}, across = __builtin_shufflevector(both, Four{}, 0, 1, 6, 7);
     PoseRows out;
     for (int i = 0; i < 3; ++i) out.row[i] = row[i] * along + __builtin_shufflevector(row[i], row[i], 1, 0, 2, 3) * across;
     return out;
   }
-  /// Turned from outside; store() adds where that happens.
+  /// Turned from outside; store(origin) adds where that happens.
   friend PoseRows operator*(const Mat3<double>& R, const PoseRows& Y) {
     PoseRows out;
     for (int i = 0; i < 3; ++i) out.row[i] = R(i, 0) * Y.row[0] + R(i, 1) * Y.row[1] + R(i, 2) * Y.row[2];
     return out;
   }
-  /// From `origin`. Each row goes over what the last one left behind it.
+  /// Each row goes over what the last one left behind it.
+  void store(SE3<double>& X) const {
+    for (int i = 0; i < 2; ++i) *at<Four>(X.R.m + 3 * i) = row[i];
+    *at<Four>(X.R.m + 6) = __builtin_shufflevector(row[2], row[0], 0, 1, 2, 7);
+    *at<Two>(&X.p.y) = Two{row[1][3], row[2][3]};
+  }
+  /// The same from `origin`.
   void store(const Vec3<double>& origin, SE3<double>& X) const {
     for (int i = 0; i < 3; ++i) *at<Four>(X.R.m + 3 * i) = row[i];
     const Four last = __builtin_shufflevector(row[0], row[1], 1, 5, 3, 7);
