@@ -212,6 +212,7 @@ class Packer {
       const int parent = out_.body_at[at(m_.index[at(out_.bodies[at(chain.end - 1)].body)].parent)];
       if (parent >= 0) chain.parent = out_.bodies[at(parent)].chain;
     }
+    listStripDofs();
     for (const PackedFrameConstraint& c : out_.frames) out_.drift_with_velocity |= c.driftsWithVelocity();
     for (ConstrainedChain& chain : out_.chains) {
       const auto meets = [&](int row, int end) { return row < chain.row_end && end > chain.row_begin; };
@@ -221,6 +222,21 @@ class Packer {
         for (const int body : c.body)
           if (body > 0 && out_.chainOf(body) == chain.parent && meets(c.row, c.row + c.rows)) chain.alone = false;
     }
+  }
+
+  void listStripDofs() {
+    if (!m_.strips.used) return;
+    std::vector<ConstrainedStripDof> all(at(m_.strips.dofs));
+    for (const ConstrainedBody& body : out_.bodies)
+      for (int k = 0; k < m_.index[at(body.body)].nv; ++k) {
+        ConstrainedStripDof& x = all[at(body.seat.strip_dof + k)];
+        x.strip_dof = body.seat.strip_dof + k;
+        x.lanes |= body.seat.lanes;
+        for (int l = 0; l < strip_lanes; ++l)
+          if ((body.seat.lanes >> l & 1) != 0) x.dofs[l] = body.dof + k;
+      }
+    for (const ConstrainedStripDof& x : all)
+      if (x.lanes != 0) out_.strip_dofs.push_back(x);
   }
 
   const CompactModel& model_;

@@ -74,6 +74,12 @@ struct ConstrainedBody {
   int dof = 0;  ///< place of its first degree of freedom among those of the list
   Seat seat;    ///< where the model has strips
 };
+/// A strip's degree of freedom that some of these bodies have in its lanes.
+struct ConstrainedStripDof {
+  int strip_dof = 0;
+  unsigned lanes = 0;                   ///< theirs, a bit each
+  std::int64_t dofs[strip_lanes] = {};  ///< places among the degrees of freedom of the list
+};
 /// Neighbours in that list, each the parent of the one before, of which no row acts on any but through the first.
 struct ConstrainedChain {
   int begin = 0, end = 0;          ///< in the list of bodies
@@ -91,6 +97,7 @@ struct PackedConstraints {
   std::vector<PackedJointLock> locks;
   std::vector<ConstrainedBody> bodies;
   std::vector<ConstrainedChain> chains;
+  std::vector<ConstrainedStripDof> strip_dofs;
   std::vector<int> dofs;     ///< of these bodies: number in the model
   std::vector<int> body_at;  ///< by body: its place in `bodies`, or -1
   int rows = 0;

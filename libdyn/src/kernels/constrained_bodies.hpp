@@ -7,21 +7,23 @@
 
 namespace dyn::kernels {
 
-template <class S>
-double inLane(const S& x, int lane) {
-  return reinterpret_cast<const double*>(&x)[lane];
+// What one lane has: as numbers, or as packs P of it, which memory gives to all lanes at once where they are asked for.
+
+template <class P = double, class S>
+P inLane(const S& x, int lane) {
+  return P(reinterpret_cast<const double*>(&x)[lane]);
 }
-template <class S>
-Vec3<double> inLane(const Vec3<S>& x, int lane) {
-  return {inLane(x.x, lane), inLane(x.y, lane), inLane(x.z, lane)};
+template <class P = double, class S>
+Vec3<P> inLane(const Vec3<S>& x, int lane) {
+  return {inLane<P>(x.x, lane), inLane<P>(x.y, lane), inLane<P>(x.z, lane)};
 }
-template <class S>
-Motion<double> inLane(const Motion<S>& x, int lane) {
-  return {inLane(x.linear, lane), inLane(x.angular, lane)};
+template <class P = double, class S>
+Motion<P> inLane(const Motion<S>& x, int lane) {
+  return {inLane<P>(x.linear, lane), inLane<P>(x.angular, lane)};
 }
-template <class S>
-Force<double> inLane(const Force<S>& x, int lane) {
-  return {inLane(x.linear, lane), inLane(x.angular, lane)};
+template <class P = double, class S>
+Force<P> inLane(const Force<S>& x, int lane) {
+  return {inLane<P>(x.linear, lane), inLane<P>(x.angular, lane)};
 }
 template <class S>
 Mat3<double> inLane(const Mat3<S>& x, int lane) {
@@ -30,14 +32,23 @@ Mat3<double> inLane(const Mat3<S>& x, int lane) {
   return out;
 }
 
-/// A degree of freedom. Numbers are read where they are asked for: a pack of one of them is a load.
+/// A degree of freedom. Numbers are read where they are asked for.
 template <class S>
 struct ConstrainedDof {
   DofFactor<S>& dof;
-  const Seat& seat;
-  Motion<double> S_() const { return inLane(dof.S_, seat.lane); }
-  Force<double> W() const { return inLane(dof.W, seat.lane); }
-  double inverse() const { return inLane(dof.inverse, seat.lane); }
+  Seat seat;
+  template <class P = double>
+  Motion<P> S_() const {
+    return inLane<P>(dof.S_, seat.lane);
+  }
+  template <class P = double>
+  Force<P> W() const {
+    return inLane<P>(dof.W, seat.lane);
+  }
+  template <class P = double>
+  P inverse() const {
+    return inLane<P>(dof.inverse, seat.lane);
+  }
   double y() const { return inLane(dof.y, seat.lane); }
   /// All lanes at once: what is written number by number and read as a pack stalls the core.
   void setY(double y) const {
@@ -64,10 +75,16 @@ struct ConstrainedBodies {
     bool isBareRoot() const { return index.flying_root && !all.m.roots_have_armature; }
     ConstrainedDof<S> dof(int k) const { return {all.w.dof[seat.strip_dof + k], seat}; }
     Mat3<double> R() const { return inLane(all.w.R[seat.strip], seat.lane); }
-    Vec3<double> r() const { return inLane(all.w.r[seat.strip], seat.lane); }
+    template <class P = double>
+    Vec3<P> r() const {
+      return inLane<P>(all.w.r[seat.strip], seat.lane);
+    }
     Vec3<double> w() const { return inLane(all.w.w[seat.strip], seat.lane); }
     Motion<double> acceleration() const { return inLane(all.w.acc[seat.strip], seat.lane); }
-    Motion<double> beta() const { return inLane(all.w.beta[seat.strip], seat.lane); }
+    template <class P>
+    Motion<P> beta() const {
+      return inLane<P>(all.w.beta[seat.strip], seat.lane);
+    }
     /// Of a root: the aligned axes of its tree in the world, and where they are.
     SE3<double> tree() const {
       if (!index.flying_root) return {};

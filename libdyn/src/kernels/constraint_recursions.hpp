@@ -60,8 +60,8 @@ template <class P, int packs, class S>
 #pragma GCC unroll 6
   for (int k = 0; k < 6; ++k, shares += room, scaled += room) {
     const auto dof = root.dof(k);
-    const Force<double> W = dof.W();
-    const P inverse(dof.inverse());
+    const Force<P> W = dof.template W<P>();
+    const P inverse = dof.template inverse<P>();
     yielded[k] = dof.y();
     for (int p = 0; p < packs; ++p) {
       ClimbingRows<P>& row = rows[p];
@@ -72,7 +72,7 @@ template <class P, int packs, class S>
       row.bound += inverse * uncancelled;
       of(row.F, k) = P(0);
 #pragma GCC unroll 6
-      for (int axis = k + 1; axis < 6; ++axis) of(row.F, axis) -= given * P(axis < 3 ? W.linear[axis] : W.angular[axis - 3]);
+      for (int axis = k + 1; axis < 6; ++axis) of(row.F, axis) -= given * (axis < 3 ? W.linear[axis] : W.angular[axis - 3]);
     }
   }
 }
@@ -100,24 +100,25 @@ void climbChain(const ConstrainedBodies<S>& bodies, const PackedConstraints& c, 
       yieldBareRoot<P, packs, S>(here, x.shareOf(body.dof) + first, x.scaledOf(body.dof) + first, x.room, x.yielded + body.dof, rows);
       break;
     }
-    const Vec3<double> r = here.r();
-    const P far(dot(r, r));
-    for (int k = 0; k < here.nv(); ++k) {
+    const Vec3<P> r = here.template r<P>();
+    const P far = dot(r, r);
+    const int nv = here.nv();
+    const bool turns_only = here.index.turns_only;
+    for (int k = 0; k < nv; ++k) {
       const auto dof = here.dof(k);
-      const Motion<double> s = dof.S_(), beta = here.beta();
-      const Force<double> W = dof.W();
-      const P inverse(dof.inverse()), reach_of_angular(dot(s.angular, s.angular));
-      const bool last = k == here.nv() - 1;
+      const Motion<P> s = dof.template S_<P>();
+      const P inverse = dof.template inverse<P>(), reach_of_angular = dot(s.angular, s.angular);
+      const bool last = k == nv - 1;
       x.yielded[body.dof + k] = dof.y();
       double *const shares = x.shareOf(body.dof + k) + first, *const scaled_shares = x.scaledOf(body.dof + k) + first;
       for (int p = 0; p < packs; ++p) {
         ClimbingRows<P>& row = rows[p];
         Force<P>& F = row.F;
         const P far_off = dot(F.linear, F.linear);
-        P y = dot(cast<P>(s.angular), F.angular), uncancelled = reach_of_angular * row.reach;
-        if (!here.index.turns_only) {
-          y += dot(cast<P>(s.linear), F.linear);
-          uncancelled += P(dot(s.linear, s.linear)) * far_off;
+        P y = dot(s.angular, F.angular), uncancelled = reach_of_angular * row.reach;
+        if (!turns_only) {
+          y += dot(s.linear, F.linear);
+          uncancelled += dot(s.linear, s.linear) * far_off;
         }
         if (on_joints) {
           const P own = loadPack<P>(shares + p * lanes);
@@ -129,18 +130,17 @@ void climbChain(const ConstrainedBodies<S>& bodies, const PackedConstraints& c, 
         storePack(scaled, scaled_shares + p * lanes);
         row.bound += inverse * uncancelled;
         if (last) {
-          row.carried += dot(cast<P>(beta.linear), F.linear) + dot(cast<P>(beta.angular), F.angular);
+          row.carried += dot(here.template beta<P>(), F);
           row.reach += far * far_off;
         }
         if (!eliminated) continue;
         const P less = last ? y : scaled;
-        if (last) F.angular += cross(cast<P>(r), F.linear);  // abaInward has moved this W to the parent
-        F.linear -= less * cast<P>(W.linear);
-        F.angular -= less * cast<P>(W.angular);
+        if (last) F.angular += cross(r, F.linear);  // abaInward has moved this W to the parent
+        F -= less * dof.template W<P>();
       }
     }
     if (!eliminated)
-      for (ClimbingRows<P>& row : rows) row.F.angular += cross(cast<P>(r), row.F.linear);
+      for (ClimbingRows<P>& row : rows) row.F.angular += cross(r, row.F.linear);
   }
   Vec3<double> fall;
   if (chain.parent < 0 && eliminated) fall = transposeTimes(x.chains[number].tree.R, -bodies.m.gravity);
@@ -221,9 +221,14 @@ void takeAccelerations(const ConstrainedBodies<S>& bodies, const PackedConstrain
 /// x.yielded is what abaSolve starts from. O(dofs).
 template <class S>
 void takeYielded(const ConstrainedBodies<S>& bodies, const PackedConstraints& c, const ConstraintWorkspace& x) {
-  for (const ConstrainedBody& body : c.bodies) {
-    const auto here = bodies[body];
-    for (int k = 0; k < here.nv(); ++k) here.dof(k).setY(x.yielded[body.dof + k]);
+  if constexpr (lanes_of<S> == 1) {
+    for (std::size_t k = 0; k < c.dofs.size(); ++k) bodies.w.dof[c.dofs[k]].y = x.yielded[k];
+  } else {
+    for (const ConstrainedStripDof& at : c.strip_dofs) {
+      S& y = bodies.w.dof[at.strip_dof].y;
+      const S yielded = gathered<S>(x.yielded, at.dofs);
+      y = at.lanes == (1U << strip_lanes) - 1 ? yielded : select(lanes<S>(at.lanes), yielded, y);
+    }
   }
 }
 

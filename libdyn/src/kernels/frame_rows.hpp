@@ -112,7 +112,7 @@ inline Motion<double> biasOf(const PackedFrameConstraint& c, const FrameRows& x)
 /// use(row, directions, part) for every pack P of a constraint's rows, from `row` on: which way they point, and which part of motions and of forces
 /// they have to do with.
 template <class P, class Use>
-void eachPackOfRows(const PackedFrameConstraint& c, const FrameRows& x, Use&& use) {
+[[gnu::always_inline]] inline void eachPackOfRows(const PackedFrameConstraint& c, const FrameRows& x, Use&& use) {
   for (int k = 0; k < c.linear_rows; k += lanes_of<P>)
     use(c.row + k, Vec3<P>{loadPack<P>(x.linear[0] + k), loadPack<P>(x.linear[1] + k), loadPack<P>(x.linear[2] + k)}, &Motion<double>::linear);
   for (int k = 0; k < c.rows - c.linear_rows; k += lanes_of<P>)
@@ -128,12 +128,10 @@ void putUnitForces(const PackedConstraints& all, const PackedFrameConstraint& c,
   const ConstrainedChain& chain = all.chains[static_cast<std::size_t>(number)];
   const std::ptrdiff_t step = ConstraintWorkspace::forceStep(chain);
   double* const forces = x.forceOf(number) - chain.row_begin;
-  const Vec3<double>& lever = frame.lever[e];
-  const Vec3<P> arm = cast<P>(lever);
-  const Mat3<P> turn = cast<P>(frame.turn);
+  const Vec3<P> arm = cast<P>(frame.lever[e]);
   eachPackOfRows<P>(c, frame, [&](int row, const Vec3<P>& directions, Vec3<double> Motion<double>::*part) {
     const auto put = [&](int component, const P& value) { storePack(value, forces + component * step + row); };
-    const Vec3<P> force = e == 0 ? directions : -(turn * directions);
+    const Vec3<P> force = e == 0 ? directions : -(cast<P>(frame.turn) * directions);
     if (part == &Motion<double>::angular) {
       for (int a = 0; a < 3; ++a) put(3 + a, force[a]);
       put(ConstraintWorkspace::reach, dot(force, force));
@@ -144,14 +142,14 @@ void putUnitForces(const PackedConstraints& all, const PackedFrameConstraint& c,
       put(a, force[a]);
       put(3 + a, moment[a]);
     }
-    put(ConstraintWorkspace::reach, P(dot(lever, lever)) * dot(force, force));
+    put(ConstraintWorkspace::reach, dot(arm, arm) * dot(force, force));
   });
 }
 
 /// Once chains have been located: frames, the rows' motion, and their unit forces for the sweep. O(constraints x chains above them).
 template <class P>
-void placeFrames(const CompactImpl& m, const PackedConstraints& all, RowRates rates, FrameRows* frames, const RowMotion& rows,
-                 ConstraintWorkspace& x) {
+__attribute__((flatten)) void placeFrames(const CompactImpl& m, const PackedConstraints& all, RowRates rates, FrameRows* frames,
+                                          const RowMotion& rows, ConstraintWorkspace& x) {
   // What lies behind the last row is read, too.
   for (int k = 0; const ConstrainedChain& chain : all.chains) std::fill_n(x.forceOf(k++), x.components * x.forceStep(chain) + x.widest, 0.0);
   for (std::size_t i = 0; i < all.frames.size(); ++i) {
