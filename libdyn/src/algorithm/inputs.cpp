@@ -9,13 +9,23 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
+#include <cstdint>
 #include <string>
 
 namespace dyn {
 
 namespace {
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// x, or its copy in `place` if it lies in memory of results.
+const double* kept(const VectorView& x, const PackMemory& results, const PackMemory* more, double* place) {
+  const auto isIn = [&](const PackMemory& memory) {
+    return reinterpret_cast<std::uintptr_t>(x.data) - reinterpret_cast<std::uintptr_t>(memory.data()) < memory.bytes();
+  };
+  if (!isIn(results) && !(more && isIn(*more))) return x.data;
+  std::copy_n(x.data, x.size, place);
+  return place;
+}
 
 void spread(const std::vector<int>& target, const double* user, double* expanded) {
   for (std::size_t k = 0; k < target.size(); ++k) expanded[target[k]] = user[k];
@@ -75,14 +85,8 @@ void checkData(const char* algorithm, const CompactModel& model, const Data& dat
 
 void keepArguments(Data& data, const Arguments& arguments, const PackMemory* more) {
   DataImpl& d = data.impl();
-  const auto isIn = [](const PackMemory& memory, const double* x) {
-    const std::less<const void*> before;
-    return !before(x, memory.data()) && before(x, memory.data() + memory.bytes());
-  };
   const auto keep = [&](VectorView* x, int size, double* place) {
-    if (x == nullptr || x->size != size || !(isIn(d.block, x->data) || (more && isIn(*more, x->data)))) return;
-    std::copy_n(x->data, size, place);
-    x->data = place;
+    if (x && x->size == size) x->data = kept(*x, d.block, more, place);
   };
   keep(arguments.q, d.model->nq, d.kept_q);
   keep(arguments.v, d.model->nv, d.kept_v);
@@ -98,9 +102,8 @@ Inputs readInputs(const char* algorithm, const CompactModel& model, Data& data, 
   if (v) checkSize(algorithm, "v", *v, m.nv);
   if (a) checkSize(algorithm, "a", *a, m.nv);
   if (m.couplings.empty()) {
-    VectorView velocity = v ? *v : VectorView{d.zero, m.nv}, acceleration = a ? *a : VectorView{d.zero, m.nv};
-    keepArguments(data, {.q = &q, .v = &velocity, .a = &acceleration});
-    return {q.data, velocity.data, acceleration.data};
+    const auto of = [&](const VectorView* x, double* place) { return x ? kept(*x, d.block, nullptr, place) : d.zero; };
+    return {of(&q, d.kept_q), of(v, d.kept_v), of(a, d.kept_a)};
   }
   spread(m.q_of_user, q.data, d.qx);
   if (v) spread(m.v_of_user, v->data, d.vx);

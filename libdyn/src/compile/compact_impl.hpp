@@ -48,7 +48,7 @@ struct TypeBatch {
   int nq = 0, nv = 0, count = 0;
   std::vector<int> bodies;
   std::vector<int> q_index, v_index;  ///< of each one's first coordinates
-  bool contiguous = false;            ///< nq = 1 and coordinates follow one another, so q needs no gathering
+  bool contiguous = false;            ///< coordinates are in q as the type reads them, so that they need no gathering
   int constant_count = 0;
   std::vector<double> constants;  ///< component-major, stride = count
 };

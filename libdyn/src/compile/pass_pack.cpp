@@ -143,7 +143,7 @@ class Packer {
       batch.v_index.push_back(out_->index[i].idx_v);
     }
     for (TypeBatch& batch : out_->batches) {
-      batch.contiguous = batch.nq == 1;
+      batch.contiguous = batch.nq == 1 || batch.count == 1;
       for (std::size_t k = 1; k < batch.q_index.size(); ++k) batch.contiguous = batch.contiguous && batch.q_index[k] == batch.q_index[k - 1] + 1;
       batch.constants.resize(at(batch.constant_count * batch.count));
       for (int k = 0; k < batch.count; ++k)

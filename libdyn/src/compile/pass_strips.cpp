@@ -53,6 +53,7 @@ class Planner {
     }
     family();
     ways();
+    runs();
     batches();
     numbers();
     return std::move(plan_);
@@ -266,6 +267,15 @@ class Planner {
     return m_.tree_end[at(child)] != m_.tree_end[at(body)] || plan_.seats[at(child)].lanes != seat.lanes;
   }
 
+  void runs() {
+    for (int s = 1; s <= plan_.count; ++s) {
+      const Strip& strip = plan_.strips[at(s)];
+      const bool goes_on = !plan_.runs.empty() && plan_.runs.back().shape == strip.shape && plan_.runs.back().nv == strip.nv;
+      if (!goes_on) plan_.runs.push_back({s, s, strip.shape, strip.nv});
+      plan_.runs.back().end = s + 1;
+    }
+  }
+
   void batches() {
     plan_.batches.resize(m_.batches.size());
     for (std::size_t s = 1; s < plan_.strips.size(); ++s) {
@@ -309,6 +319,7 @@ class Planner {
         for (int l = 0; l < strip_lanes; ++l) {
           const int body = batch.bodies[at(strip.slot * strip_lanes + l)], v = m_.index[at(body)].idx_v + k;
           plan_.dof_index.push_back(v);
+          plan_.dof_row.push_back(static_cast<std::int64_t>(v) * m_.nvx);
           plan_.armature.push_back(strip.shown[l] < 0 ? 1.0 : (m_.armature.empty() ? 0.0 : m_.armature[at(v)]));
         }
     }

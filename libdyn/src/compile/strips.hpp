@@ -73,6 +73,13 @@ struct Strip {
   int nv = 0;
 };
 
+/// Strips that follow one another and have one shape.
+struct StripRun {
+  int first = 0, end = 0;
+  Shape shape = Shape::dense;
+  int nv = 0;
+};
+
 struct StripBatch {
   int slots = 0;                               ///< strips
   std::vector<int> bodies;                     ///< four a slot: whose pose the lanes have
@@ -88,10 +95,12 @@ struct StripPlan {
   int count = 0;              ///< strips without the universe
   std::vector<Strip> strips;  ///< [0]: the universe; parents first
   std::vector<Seat> seats;    ///< by body
+  std::vector<StripRun> runs;
   std::vector<StripBatch> batches;
   int dofs = 0;
   int shared_dofs = 0;                  ///< the first ones, which all lanes have: the root's
   std::vector<std::int64_t> dof_index;  ///< four a degree of freedom: where its lanes are in v and tau
+  std::vector<std::int64_t> dof_row;    ///< the same times nvx: where their rows and columns begin
   std::vector<std::int64_t> dof_place;  ///< the other way: where v and tau are among the lanes of all degrees of freedom
   PackMemory constants;                 ///< BodyConstants of packs, a strip each
   std::vector<double> armature;         ///< four a degree of freedom; 1 in lanes of nobody, which keeps their pivots from zero

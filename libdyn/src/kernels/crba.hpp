@@ -35,14 +35,16 @@ Force<S> compositeForce(const Motion<S>& column, const S& mass, const Vec3<S>& h
 template <class S, class Order, class Entry>
 void enterFlyingRoot(const Order& order, const Entry& at, int iv, const S& mass, const Vec3<S>& h, const Sym3<S>& I) {
   const Mat3<S> inertia = I.matrix();
-  for (int k = 0; k < 3; ++k) {
-    const int next = (k + 1) % 3, last = (k + 2) % 3;
-    at.enter(k, k, mass + order.armature(iv + k));
-    at.enter(3 + k, next, -h[last]);
-    at.enter(3 + k, last, h[next]);
-    for (int l = 0; l < k; ++l) at.enter(3 + k, 3 + l, inertia.col(l)[k]);
-    at.enter(3 + k, 3 + k, inertia.col(k)[k] + order.armature(iv + 3 + k));
-  }
+  at.enterOwn([&](auto&& put) {
+    for (int k = 0; k < 3; ++k) {
+      const int next = (k + 1) % 3, last = (k + 2) % 3;
+      put(k, k, mass + order.armature(iv + k));
+      put(3 + k, next, -h[last]);
+      put(3 + k, last, h[next]);
+      for (int l = 0; l < k; ++l) put(3 + k, 3 + l, inertia.col(l)[k]);
+      put(3 + k, 3 + k, inertia.col(k)[k] + order.armature(iv + 3 + k));
+    }
+  });
 }
 
 /// M of the expanded coordinates, n x n: entries of joints on one path to the root, both triangles. The others are zero and never

@@ -19,25 +19,18 @@ bool posesFinite(const TypeBatch& batch, const JointMemory<S>& memory) {
   return batch.nq == batch.nv || allFinite(memory.pose, poseSize(batch.shape) * memory.stride);
 }
 
-/// The call for `count` joints of a batch, all but where q is; `moving`: with biases. Their numbers, and those of their lanes, follow one another.
+/// Asks a type for what a batch's memory is for; q: the first of its coordinates, read where they are unless they have been gathered;
+/// `moving`: with biases.
 template <class S>
-JointBatch<Real<S>> callFor(const TypeBatch& batch, const std::vector<double>& constants, int count, int lanes, const JointMemory<S>& memory,
-                            bool moving) {
-  const auto numbers = [](S* x) { return reinterpret_cast<Real<S>*>(x); };
-  JointBatch<Real<S>> call;
-  call.count = count;
-  call.lanes = lanes;
-  call.constants = constants.data();
-  call.constant_count = batch.constant_count;
-  call.constants_stride = count;
-  call.stride = call.q_stride = call.v_stride = static_cast<std::ptrdiff_t>(count) * lanes;
-  if (memory.v && moving) {
-    call.v = numbers(memory.v);
-    call.bias = numbers(memory.bias);
+void ask(const JointType& type, JointMemory<S>& memory, const S* q, bool moving) {
+  const auto numbers = [](const S* x) { return reinterpret_cast<const Real<S>*>(x); };
+  JointBatch<Real<S>>& call = memory.call;
+  if (!memory.q) call.q = numbers(q);
+  if (memory.v) {
+    call.v = moving ? numbers(memory.v) : nullptr;
+    call.bias = moving ? reinterpret_cast<Real<S>*>(memory.bias) : nullptr;
   }
-  call.pose = numbers(memory.pose);
-  call.subspace = numbers(memory.subspace);
-  return call;
+  type.kinematics(call);
 }
 
 /// Poses, subspaces, and (with v) biases of all joints, into w.joints. q and v are in expanded coordinates. `types`: by batch, in the place
@@ -58,10 +51,7 @@ void evaluateJoints(const CompactImpl& m, Workspace<S>& w, const S* q, const S* 
   }
   for (std::size_t b = 0; b < m.batches.size(); ++b) {
     const TypeBatch& batch = m.batches[b];
-    const JointMemory<S>& memory = w.joints[b];
-    JointBatch<Real<S>> call = callFor(batch, batch.constants, batch.count, lanes_of<S>, memory, v != nullptr);
-    call.q = reinterpret_cast<const Real<S>*>(memory.q ? memory.q : q + batch.q_index[0]);
-    (types ? types[b] : batch.fast)->kinematics(call);
+    ask(types ? *types[b] : *batch.fast, w.joints[b], q + batch.q_index[0], v != nullptr);
   }
 }
 

@@ -10,13 +10,22 @@ template <class S>
 class StripEntry {
  public:
   StripEntry(const CompactImpl& m, double* M, int i) : way_(m, i), n_(m.nvx) {
+    const auto here = way_.here();
     for (int l = 0; l < strip_lanes; ++l) {
-      const std::ptrdiff_t dof = way_.here().dof(l, 0);
-      row_[l] = M + dof;
-      column_[l] = M + dof * n_;
+      row_[l] = M + here.dof(l, 0);
+      column_[l] = M + here.row(l, 0);
     }
   }
   void enter(int k, int l, const S& value) const { enterAt(way_.here(), k, l, value); }
+  /// Calls use(put), and put(k, l, value) enters numbers of the joints' own.
+  template <class Use>
+  void enterOwn(Use&& use) const {
+    const auto here = way_.here();
+    inEnteringLanes(here, [&](auto lane) {
+      double* const block = column_[lane] + here.dof(lane, 0);
+      use([&](int k, int l, const S& value) { block[k * n_ + l] = block[k + l * n_] = laneOf<lane>(value); });
+    });
+  }
   /// Calls use(step) for each step of each way that some of them go, and begin() before each but the first.
   template <class Begin, class Use, class Turning>
   void climb(Begin&& begin, Use&& use, Turning&&) const {
@@ -30,10 +39,7 @@ class StripEntry {
  private:
   template <class Step>
   void enterAt(const Step& step, int k, int l, const S& value) const {
-    inEnteringLanes(step, [&](auto lane) {
-      const std::ptrdiff_t j = step.dof(lane, l);
-      column_[lane][k * n_ + j] = row_[lane][k + j * n_] = laneOf<lane>(value);
-    });
+    inEnteringLanes(step, [&](auto lane) { column_[lane][k * n_ + step.dof(lane, l)] = row_[lane][k + step.row(lane, l)] = laneOf<lane>(value); });
   }
   template <class Step>
   struct Entering {
@@ -49,7 +55,7 @@ class StripEntry {
     void enter(int k, int l, const S& value) const { entry.enterAt(step, k, l, value); }
     /// Above the diagonal, where six numbers follow one another.
     void enterFlying(int k, const Force<S>& f) const {
-      putSixes(f, [&](int lane) { return step.enters(lane) ? entry.column_[lane] + k * entry.n_ + step.dof(lane, 0) : nullptr; });
+      putSixes(step, f, [&](int lane) { return entry.column_[lane] + k * entry.n_ + step.dof(lane, 0); });
     }
   };
 

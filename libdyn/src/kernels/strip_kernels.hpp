@@ -15,30 +15,18 @@
 
 namespace dyn::kernels {
 
-/// The only joint of its type, which is most often a flying root: asked once, and given to all lanes.
+/// The only joint of its type, which is most often a flying root: asked once, and given to all lanes. False as posesFinite().
 template <class S>
-void evaluateAlone(const TypeBatch& batch, const StripBatch& strips, const JointMemory<S>& memory, const double* q, const double* v) {
-  double pose[12], subspace[6 * max_joint_nv], bias[6];
-  JointBatch<double> call;
-  call.count = 1;
-  call.constants = strips.constants.data();
-  call.constant_count = batch.constant_count;
-  call.constants_stride = strip_lanes;
-  call.stride = call.q_stride = call.v_stride = 1;
-  call.q = q;
-  call.pose = pose;
-  if (memory.subspace) call.subspace = subspace;
-  if (memory.subspace && v) {
-    call.v = v;
-    call.bias = bias;
-  }
-  batch.fast->kinematics(call);
+bool evaluateAlone(const TypeBatch& batch, JointMemory<double>& one, const JointMemory<S>& lanes, const double* q, const double* v) {
+  if (one.v && v) std::copy_n(v, batch.nv, one.v);
+  ask(*batch.fast, one, q, v != nullptr);
   const auto spread = [](const double* from, int count, S* to) {
     for (int k = 0; k < count; ++k) to[k] = S(from[k]);
   };
-  spread(pose, poseSize(batch.shape), memory.pose);
-  if (call.subspace) spread(subspace, 6 * batch.nv, memory.subspace);
-  if (call.bias) spread(bias, 6, memory.bias);
+  spread(one.pose, poseSize(batch.shape), lanes.pose);
+  if (one.subspace) spread(one.subspace, 6 * batch.nv, lanes.subspace);
+  if (one.bias && v) spread(one.bias, 6, lanes.bias);
+  return posesFinite(batch, one);
 }
 
 /// Coordinates of all joints but those that are alone, strip by strip in the lanes: component c of all items, four at a time. What is written
@@ -46,36 +34,33 @@ void evaluateAlone(const TypeBatch& batch, const StripBatch& strips, const Joint
 template <class S>
 void gatherCoordinates(const CompactImpl& m, Workspace<S>& w, const double* q, const double* v) {
   for (std::size_t b = 0; b < m.batches.size(); ++b) {
+    const JointMemory<S>& memory = w.joints[b];
+    if (!memory.q) continue;
     const TypeBatch& batch = m.batches[b];
     const StripBatch& strips = m.strips.batches[b];
     const auto gather = [&](const double* from, const std::vector<std::int64_t>& index, int size, S* to) {
       for (int c = 0; c < size; ++c)
         for (int k = 0; k < strips.slots; ++k) to[c * strips.slots + k] = gathered<S>(from + c, index.data() + strip_lanes * k);
     };
-    if (batch.count == 1) continue;
-    gather(q, strips.q_index, batch.nq, w.joints[b].q);
-    if (w.joints[b].v && v) gather(v, strips.v_index, batch.nv, w.joints[b].v);
+    gather(q, strips.q_index, batch.nq, memory.q);
+    if (memory.v && v) gather(v, strips.v_index, batch.nv, memory.v);
   }
 }
 
 /// Poses, subspaces and (with v) biases of all joints. False if a type that normalises coordinates, as quaternions are, gave a pose that is
 /// not finite.
 template <class S>
-bool evaluateStrips(const CompactImpl& m, Workspace<S>& w, const double* q, const double* v) {
+bool evaluateStrips(const CompactImpl& m, StripScratch<S>& s, const double* q, const double* v) {
   bool finite = true;
   for (std::size_t b = 0; b < m.batches.size(); ++b) {
     const TypeBatch& batch = m.batches[b];
-    const StripBatch& strips = m.strips.batches[b];
-    const JointMemory<S>& memory = w.joints[b];
-    if (batch.count == 1) {
-      evaluateAlone(batch, strips, memory, q + strips.q_index[0], v ? v + strips.v_index[0] : nullptr);
+    JointMemory<S>& memory = s.w.joints[b];
+    if (!memory.q) {
+      finite = evaluateAlone(batch, s.alone[b], memory, q + batch.q_index[0], v ? v + batch.v_index[0] : nullptr) && finite;
     } else {
-      // A strip's lanes are joints, each with constants of its own.
-      JointBatch<double> call = callFor(batch, strips.constants, strips.slots * strip_lanes, 1, memory, v != nullptr);
-      call.q = reinterpret_cast<const double*>(memory.q);
-      batch.fast->kinematics(call);
+      ask<S>(*batch.fast, memory, nullptr, v != nullptr);
+      finite = posesFinite(batch, memory) && finite;
     }
-    finite = finite && posesFinite(batch, memory);
   }
   return finite;
 }
@@ -118,7 +103,7 @@ PackedKernels stripKernels() {
     gatherCoordinates(m, s.w, q, v);
     gatherDofs(m.strips, v, s.v);
     gatherDofs(m.strips, a, s.a);
-    const bool finite = evaluateStrips(m, s.w, q, v);
+    const bool finite = evaluateStrips(m, s, q, v);
     rneaOutward(strips, s.w, s.v, s.a);
     rneaInward(strips, s.w, s.result);
     scatterDofs(m.strips, s.result, tau);
@@ -128,7 +113,7 @@ PackedKernels stripKernels() {
   k.massMatrix = [](const CompactImpl& m, char* scratch, const double* q, double* M) {
     auto& s = *reinterpret_cast<StripScratch<S>*>(scratch);
     gatherCoordinates(m, s.w, q, nullptr);
-    const bool finite = evaluateStrips(m, s.w, q, nullptr);
+    const bool finite = evaluateStrips(m, s, q, nullptr);
     kernels::massMatrix(Strips<S>{m, s.w}, s.w, M);
     mirrorFlyingRoots(m, M);
     return finite;
@@ -139,7 +124,7 @@ PackedKernels stripKernels() {
     gatherCoordinates(m, s.w, q, v);
     gatherDofs(m.strips, v, s.v);
     gatherDofs(m.strips, tau, s.a);
-    const bool finite = evaluateStrips(m, s.w, q, v);
+    const bool finite = evaluateStrips(m, s, q, v);
     abaOutward(strips, s.w, s.v);
     abaInward(strips, s.w, s.a);
     failed = firstFailure(m, s.w);
@@ -154,7 +139,7 @@ PackedKernels stripKernels() {
     auto& s = *reinterpret_cast<StripScratch<S>*>(scratch);
     gatherCoordinates(m, s.w, q, nullptr);
     gatherDofs(m.strips, v, s.v);
-    const bool finite = evaluateStrips(m, s.w, q, nullptr);
+    const bool finite = evaluateStrips(m, s, q, nullptr);
     out = fromLane<CentroidalState<double>, S>(kernels::centroidalMap(Strips<S>{m, s.w}, s.v, StripMap<S>{m, Ag}), 0);
     return finite;
   };

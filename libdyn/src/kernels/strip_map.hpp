@@ -32,18 +32,17 @@ struct StripMap {
   }
   void put(int i, int, int k, const Force<S>& f) const {
     const auto here = StripWay<S>(m, i).here();
-    putSixes(f, [&](int lane) { return here.enters(lane) ? map + 6 * here.dof(lane, k) : nullptr; });
+    putSixes(here, f, [&](int lane) { return map + 6 * here.dof(lane, k); });
   }
   /// Tree by tree: of one that is alone, which most are, lanes would do the same four times.
   void putFlying(int i, int, const WholeTree<S>& tree, const Mat3<S>& R) const {
     const auto here = StripWay<S>(m, i).here();
-    for (int lane = 0; lane < strip_lanes; ++lane) {
-      if (!here.enters(lane)) continue;
+    inEnteringLanes(here, [&](int lane) {
       const auto one = fromLane<WholeTree<double>, S>(tree, lane);
       const WholeTree<Vectored> whole{one.mass, cast<Vectored>(one.h), cast<Vectored>(one.I), cast<Vectored>(one.place)};
       auto* to = reinterpret_cast<Vectored*>(map + 6 * here.dof(lane, 0));
       flyingColumns(whole, cast<Vectored>(fromLane<Mat3<double>, S>(R, lane)), [&](int k, const Force<Vectored>& f) { putSix(f, to + 6 * k); });
-    }
+    });
   }
 };
 

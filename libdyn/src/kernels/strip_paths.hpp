@@ -60,7 +60,10 @@ class StripPaths {
   /// All of their c-th degrees of freedom, of nv, whose forces about the joints' own origins these are.
   void enter(int c, const DofForces<S>& forces, int nv) {
     const auto here = way_.here();
-    for (int lane = 0; lane < strip_lanes; ++lane) row_[lane] = here.dof(lane, c);
+    for (int lane = 0; lane < strip_lanes; ++lane) {
+      row_[lane] = here.dof(lane, c);
+      column_[lane] = here.row(lane, c);
+    }
     if (here.flyingRoot()) {
       enterUnderFlying(here, forces);
     } else {
@@ -79,7 +82,7 @@ class StripPaths {
       if (step.flyingRoot()) {
         enterUnderFlying(step, f);
         const auto sixes = [&](const Force<S>& six, double* matrix) {
-          putSixes(six, [&](int lane) { return step.enters(lane) ? matrix + row_[lane] * n_ + step.dof(lane, 0) : nullptr; });
+          putSixes(step, six, [&](int lane) { return matrix + column_[lane] + step.dof(lane, 0); });
         };
         if constexpr (with_M) sixes(f.by_a, out_.by_a);
         sixes(f.by_q, out_.by_q);
@@ -99,7 +102,7 @@ class StripPaths {
     const Below<S> x = dofs_.template below<false>(step, l, column, f);
     const S a = with_M ? dot(column, f.by_a) : S(0);
     inEnteringLanes(step, [&](auto lane) {
-      const std::ptrdiff_t place = step.dof(lane, l) * n_ + row_[lane];
+      const std::ptrdiff_t place = step.row(lane, l) + row_[lane];
       out_.by_q[place] = laneOf<lane>(x.q);
       out_.by_v[place] = laneOf<lane>(x.v);
       if constexpr (with_M) out_.by_a[place] = laneOf<lane>(a);
@@ -111,7 +114,7 @@ class StripPaths {
     const Below<S> x = dofs_.template below<turns>(step, l, column, f);
     const S q = along<turns>(column, f.by_q), v = along<turns>(column, f.by_v), a = with_M ? along<turns>(column, f.by_a) : S(0);
     inEnteringLanes(step, [&](auto lane) {
-      const std::ptrdiff_t k = step.dof(lane, l), j = row_[lane], place = k * n_ + j, mirrored = j * n_ + k;
+      const std::ptrdiff_t place = step.row(lane, l) + row_[lane], mirrored = column_[lane] + step.dof(lane, l);
       out_.by_q[place] = laneOf<lane>(x.q);
       out_.by_v[place] = laneOf<lane>(x.v);
       out_.by_q[mirrored] = laneOf<lane>(q);
@@ -125,7 +128,7 @@ class StripPaths {
     Below<S> x[6];
     for (int l = 0; l < 6; ++l) x[l] = dofs_.belowFlyingRoot(step, l, f);
     inEnteringLanes(step, [&](auto lane) {
-      const std::ptrdiff_t place = step.dof(lane, 0) * n_ + row_[lane];
+      const std::ptrdiff_t place = step.row(lane, 0) + row_[lane];
       for (int l = 3; l < 6; ++l) out_.by_q[place + l * n_] = laneOf<lane>(x[l].q);
       for (int l = 0; l < 6; ++l) out_.by_v[place + l * n_] = laneOf<lane>(x[l].v);
       if constexpr (with_M)
@@ -137,7 +140,7 @@ class StripPaths {
   StripDofs<S> dofs_;
   const PathDerivatives out_;
   const std::ptrdiff_t n_;
-  std::ptrdiff_t row_[strip_lanes];  ///< the degrees of freedom that are being entered
+  std::ptrdiff_t row_[strip_lanes], column_[strip_lanes];  ///< the degrees of freedom that are being entered, and where their columns begin
 };
 
 /// pathSweep of a recursion over strips, into place.

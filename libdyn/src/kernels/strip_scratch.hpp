@@ -10,6 +10,7 @@ namespace dyn::kernels {
 template <class S>
 struct StripScratch {
   Workspace<S> w;
+  JointMemory<double>* alone = nullptr;  ///< a batch each: joints that are the only one of their type, asked once for all lanes
   S *v, *a, *result;
 
   static std::size_t carve(StripScratch& s, const CompactImpl& m, char* base) {
@@ -20,9 +21,23 @@ struct StripScratch {
   static void carve(StripScratch& s, const CompactImpl& m, Arena& arena) {
     const StripPlan& plan = m.strips;
     arena.take(s.w.joints, m.batches.size());
+    arena.take(s.alone, m.batches.size());
     JointMemory<S> counted;
-    for (std::size_t b = 0; b < m.batches.size(); ++b)
-      dyn::carve(s.w.joints ? s.w.joints[b] : counted, m.batches[b], plan.batches[b].slots, true, arena);
+    JointMemory<double> counted_alone;
+    for (std::size_t b = 0; b < m.batches.size(); ++b) {
+      const TypeBatch& batch = m.batches[b];
+      const StripBatch& strips = plan.batches[b];
+      JointMemory<S>& memory = s.w.joints ? s.w.joints[b] : counted;
+      dyn::carve(memory, batch, strips.slots, batch.count > 1, arena);
+      if (batch.count > 1) {
+        // A strip's lanes are joints, each with constants of its own.
+        prepareCall(memory, batch, strips.constants, strips.slots * strip_lanes, 1);
+      } else {
+        JointMemory<double>& one = s.alone ? s.alone[b] : counted_alone;
+        dyn::carve(one, batch, 1, false, arena);
+        prepareCall(one, batch, batch.constants, 1, 1);
+      }
+    }
     const auto dofs = static_cast<std::size_t>(plan.dofs);
     carveDynamics(s.w, plan.strips.size(), dofs, arena);
     arena.take(s.v, dofs);

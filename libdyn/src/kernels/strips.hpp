@@ -79,30 +79,25 @@ struct Strips {
 
   template <class Body, class... T>
   void forward(std::tuple<T*...> arrays, Body&& body) const {
-    const int n = static_cast<int>(m.strips.strips.size());
-    for (int first = 1, end; first < n; first = end) {
-      for (end = first; end < n && alike(first, end);) ++end;
-      withShape<S, false, varying>(strip(first).shape, strip(first).nv, [&]<class Joint>() DYN_RUN_LOOP {
+    for (const StripRun& run : m.strips.runs)
+      withShape<S, false, varying>(run.shape, run.nv, [&]<class Joint>() DYN_RUN_LOOP {
         const auto step = [&](int i, auto&... from) {
           const Slot<S> slot = slotOf(i);
           body(Joint(slot), i, strip(i).dof, from...);
         };
-        forwardKeeping(*this, first, end, arrays, step);
+        forwardKeeping(*this, run.first, run.end, arrays, step);
       });
-    }
   }
   template <class Body, class... T>
   void backward(std::tuple<T*...> arrays, Body&& body) const {
-    for (int end = static_cast<int>(m.strips.strips.size()), first; end > 1; end = first) {
-      for (first = end - 1; first > 1 && alike(first - 1, end - 1);) --first;
-      withShape<S, false, varying>(strip(first).shape, strip(first).nv, [&]<class Joint>() DYN_RUN_LOOP {
+    for (auto run = m.strips.runs.rbegin(); run != m.strips.runs.rend(); ++run)
+      withShape<S, false, varying>(run->shape, run->nv, [&]<class Joint>() DYN_RUN_LOOP {
         const auto step = [&](int i, auto&... from) {
           const Slot<S> slot = slotOf(i);
           body(Joint(slot), i, strip(i).dof, from...);
         };
-        backwardKeeping(*this, first, end, arrays, step);
+        backwardKeeping(*this, run->first, run->end, arrays, step);
       });
-    }
   }
 
  private:
@@ -126,7 +121,6 @@ struct Strips {
     }
   }
   const Strip& strip(int i) const { return m.strips.strips[static_cast<std::size_t>(i)]; }
-  bool alike(int i, int j) const { return strip(i).shape == strip(j).shape && strip(i).nv == strip(j).nv; }
   Slot<S> slotOf(int i) const {
     const Strip& s = strip(i);
     const JointMemory<S>& b = w.joints[s.batch];

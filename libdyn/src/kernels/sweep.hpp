@@ -119,6 +119,11 @@ class BodyEntry {
   void enterFlying(int k, const Force<S>& f) const {
     for (int l = 0; l < 6; ++l) enter(k, l, l < 3 ? f.linear[l] : f.angular[l - 3]);
   }
+  /// Calls use(put), and put(k, l, value) enters numbers of the joint's own.
+  template <class Use>
+  void enterOwn(Use&& use) const {
+    use([&](int k, int l, const S& value) { enter(k, l, value); });
+  }
 
  private:
   const Order& bodies_;

@@ -10,7 +10,7 @@
 
 namespace dyn {
 
-/// Joint results of one batch as its plugin wrote them, component c of joint k at [c * stride + k].
+/// Joint results of one batch as its plugin writes them, component c of joint k at [c * stride + k], and the call that it writes them for.
 template <class S>
 struct JointMemory {
   S* pose = nullptr;
@@ -19,6 +19,7 @@ struct JointMemory {
   S* q = nullptr;  ///< gathered coordinates, null when the batch reads q in place
   S* v = nullptr;
   std::ptrdiff_t stride = 0;
+  JointBatch<Real<S>> call;  ///< made once; of an evaluation's own are q, where it is read in place, and whether there are biases
 };
 
 /// One degree of freedom in ABA, when its turn of elimination has come: W = IA S, inverse = 1 / (S^T W), y = inverse * its share of tau.
@@ -107,6 +108,22 @@ void carve(JointMemory<S>& memory, const TypeBatch& batch, int count, bool gathe
   if (gathered) arena.take(memory.q, static_cast<std::size_t>(batch.nq) * n);
 }
 
+/// Its call for `count` joints with these constants, whose numbers, and those of their lanes, follow one another.
+template <class S>
+void prepareCall(JointMemory<S>& memory, const TypeBatch& batch, const std::vector<double>& constants, int count, int lanes) {
+  const auto numbers = [](S* x) { return reinterpret_cast<Real<S>*>(x); };
+  JointBatch<Real<S>>& call = memory.call;
+  call.count = count;
+  call.lanes = lanes;
+  call.constants = constants.data();
+  call.constant_count = batch.constant_count;
+  call.constants_stride = count;
+  call.stride = call.q_stride = call.v_stride = static_cast<std::ptrdiff_t>(count) * lanes;
+  call.q = numbers(memory.q);
+  call.pose = numbers(memory.pose);
+  call.subspace = numbers(memory.subspace);
+}
+
 /// A joint's results for each body of a model.
 template <class S>
 void carveJoints(Workspace<S>& w, const CompactImpl& m, Arena& arena) {
@@ -114,7 +131,9 @@ void carveJoints(Workspace<S>& w, const CompactImpl& m, Arena& arena) {
   JointMemory<S> counted;
   for (std::size_t b = 0; b < m.batches.size(); ++b) {
     const TypeBatch& batch = m.batches[b];
-    carve(w.joints ? w.joints[b] : counted, batch, batch.count, !batch.contiguous, arena);
+    JointMemory<S>& memory = w.joints ? w.joints[b] : counted;
+    carve(memory, batch, batch.count, !batch.contiguous, arena);
+    prepareCall(memory, batch, batch.constants, batch.count, lanes_of<S>);
   }
 }
 /// What inverse and forward dynamics and the mass matrix take, of n bodies or strips.
