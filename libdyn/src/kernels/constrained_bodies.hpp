@@ -36,26 +36,27 @@ Mat3<double> inLane(const Mat3<S>& x, int lane) {
 template <class S>
 struct ConstrainedDof {
   DofFactor<S>& dof;
-  Seat seat;
+  int lane;
+  unsigned lanes;  ///< that show it
   template <class P = double>
   Motion<P> S_() const {
-    return inLane<P>(dof.S_, seat.lane);
+    return inLane<P>(dof.S_, lane);
   }
   template <class P = double>
   Force<P> W() const {
-    return inLane<P>(dof.W, seat.lane);
+    return inLane<P>(dof.W, lane);
   }
   template <class P = double>
   P inverse() const {
-    return inLane<P>(dof.inverse, seat.lane);
+    return inLane<P>(dof.inverse, lane);
   }
-  double y() const { return inLane(dof.y, seat.lane); }
+  double y() const { return inLane(dof.y, lane); }
   /// All lanes at once: what is written number by number and read as a pack stalls the core.
   void setY(double y) const {
     if constexpr (lanes_of<S> == 1) {
       dof.y = y;
     } else {
-      dof.y = select(lanes<S>(seat.lanes), S(y), dof.y);
+      dof.y = select(kernels::lanes<S>(lanes), S(y), dof.y);
     }
   }
 };
@@ -68,36 +69,37 @@ struct ConstrainedBodies {
   struct Body {
     const ConstrainedBodies& all;
     const BodyIndex& index;
-    Seat seat;
+    int strip, lane, strip_dof;
+    unsigned lanes;
     int nv() const { return index.nv; }
     bool isRoot() const { return index.parent == 0; }
     /// As the articulated-body recursion names it.
     bool isBareRoot() const { return index.flying_root && !all.m.roots_have_armature; }
-    ConstrainedDof<S> dof(int k) const { return {all.w.dof[seat.strip_dof + k], seat}; }
-    Mat3<double> R() const { return inLane(all.w.R[seat.strip], seat.lane); }
+    ConstrainedDof<S> dof(int k) const { return {all.w.dof[strip_dof + k], lane, lanes}; }
+    Mat3<double> R() const { return inLane(all.w.R[strip], lane); }
     template <class P = double>
     Vec3<P> r() const {
-      return inLane<P>(all.w.r[seat.strip], seat.lane);
+      return inLane<P>(all.w.r[strip], lane);
     }
-    Vec3<double> w() const { return inLane(all.w.w[seat.strip], seat.lane); }
-    Motion<double> acceleration() const { return inLane(all.w.acc[seat.strip], seat.lane); }
+    Vec3<double> w() const { return inLane(all.w.w[strip], lane); }
+    Motion<double> acceleration() const { return inLane(all.w.acc[strip], lane); }
     template <class P>
     Motion<P> beta() const {
-      return inLane<P>(all.w.beta[seat.strip], seat.lane);
+      return inLane<P>(all.w.beta[strip], lane);
     }
     /// Of a root: the aligned axes of its tree in the world, and where they are.
     SE3<double> tree() const {
       if (!index.flying_root) return {};
-      const SE3<S>& rel = all.w.rel[seat.strip];
-      return {inLane(rel.R, seat.lane), inLane(rel.p, seat.lane)};
+      const SE3<S>& rel = all.w.rel[strip];
+      return {inLane(rel.R, lane), inLane(rel.p, lane)};
     }
   };
   Body operator[](const ConstrainedBody& here) const {
     const BodyIndex& index = m.index[static_cast<std::size_t>(here.body)];
     if constexpr (lanes_of<S> == 1) {
-      return {*this, index, {here.body, 0, 1, index.idx_v}};
+      return {*this, index, here.body, 0, index.idx_v, 1};
     } else {
-      return {*this, index, here.seat};
+      return {*this, index, here.seat.strip, here.seat.lane, here.seat.strip_dof, here.seat.lanes};
     }
   }
 };

@@ -77,13 +77,14 @@ template <class P, int packs, class S>
   }
 }
 
-/// As many packs of rows side by side, from `first` on, climb a chain: each waits for its own numbers at every degree of freedom.
-template <class P, int packs, class S>
-void climbChain(const ConstrainedBodies<S>& bodies, const PackedConstraints& c, int number, int first, bool eliminated, ConstraintWorkspace& x) {
+/// As many packs of rows side by side, from `first` on, climb a chain: each waits for its own numbers at every degree of freedom. `contacts`:
+/// joints have been eliminated, and all rows are on bodies, as nearly always.
+template <class P, int packs, bool contacts, class S>
+void climbChain(const ConstrainedBodies<S>& bodies, const PackedConstraints& c, int number, int first, bool has_eliminated, ConstraintWorkspace& x) {
+  const bool eliminated = contacts || has_eliminated, on_joints = !contacts && c.actsOnJoints();
   constexpr int lanes = lanes_of<P>;
   const ConstrainedChain& chain = c.chains[static_cast<std::size_t>(number)];
   const std::ptrdiff_t step = x.forceStep(chain);
-  const bool on_joints = c.actsOnJoints();
   ClimbingRows<P> rows[packs];
   for (int p = 0; p < packs; ++p) {
     const int row = first + p * lanes;
@@ -182,11 +183,13 @@ template <class Wide, class Half, class S>
 void constraintSweep(const ConstrainedBodies<S>& bodies, const PackedConstraints& c, bool eliminated, ConstraintWorkspace& x) {
   std::fill_n(x.carried, x.room, 0.0);
   std::fill_n(x.bound, x.room, 0.0);
+  const bool contacts = eliminated && !c.actsOnJoints();
   int number = 0;
   for (const ConstrainedChain& chain : c.chains) {
     inGroups<Wide, Half>(chain.row_begin, chain.row_end,
                          [&]<class P, int packs>(int first, std::type_identity<P>, std::integral_constant<int, packs>) {
-                           climbChain<P, packs>(bodies, c, number, first, eliminated, x);
+                           if (contacts) return climbChain<P, packs, true>(bodies, c, number, first, eliminated, x);
+                           climbChain<P, packs, false>(bodies, c, number, first, eliminated, x);
                          });
     ++number;
   }

@@ -64,7 +64,7 @@ struct ConstraintWorkspace {
   double* column = nullptr;    ///< scratch of two rows
 
   static constexpr int widest = 8;
-  static constexpr std::ptrdiff_t wholePacks(int rows) { return (rows + widest - 1) / widest * widest; }
+  static constexpr std::ptrdiff_t wholePacks(int rows) { return (rows + widest - 1) & -widest; }
 
   /// Of forces on the first body of a chain, about its joint's origin, aligned axes: `components` arrays of one number for each of the chain's
   /// rows, forceStep() apart. After the forces come their reach, the square of the moment that a force would have if all levers on its way
