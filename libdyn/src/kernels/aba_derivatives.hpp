@@ -155,15 +155,20 @@ void addDamping(const CompactImpl& m, const DerivativeWorkspace<S>& d) {
   constexpr int width = Part<Wide, S>::width;
   const Rows<S> U = d.factors.U, by_v = d.by_v.right;
   const int damped = static_cast<int>(m.damping.size());
-  for (int k = 0; k < damped; ++k) {
-    // Packs reach beyond the subtree, where U has zeros, but not beyond the last degree of freedom.
-    const int end = m.dof_end[static_cast<std::size_t>(k)];
-    int j = k;
-    if constexpr (width > 1) {
-      for (j = k / width * width; j < end && j + width <= damped; j += width)
-        storePack(loadPack<Wide>(by_v[k] + j) - Wide::load(m.damping.data() + j) * loadPack<Wide>(U[k] + j), by_v[k] + j);
-    }
-    for (j = std::max(j, k); j < end; ++j) by_v[k][j] -= S(static_cast<Real<S>>(m.damping[static_cast<std::size_t>(j)])) * U[k][j];
+  if constexpr (width > 1) {
+    if (damped == 0) return;
+    // Packs reach beyond the subtree, where U has zeros, and beyond the last degree of freedom, where rows have room.
+    const int whole = damped / width * width;
+    const double* const damping = m.damping.data();
+    double last[width] = {};
+    std::copy(damping + whole, damping + damped, last);
+    for (int k = 0; k < damped; ++k)
+      for (int j = k / width * width, end = m.dof_end[static_cast<std::size_t>(k)]; j < end; j += width)
+        storePack(loadPack<Wide>(by_v[k] + j) - Wide::load(j < whole ? damping + j : last) * loadPack<Wide>(U[k] + j), by_v[k] + j);
+  } else {
+    for (int k = 0; k < damped; ++k)
+      for (int j = k, end = m.dof_end[static_cast<std::size_t>(k)]; j < end; ++j)
+        by_v[k][j] -= S(static_cast<Real<S>>(m.damping[static_cast<std::size_t>(j)])) * U[k][j];
   }
 }
 

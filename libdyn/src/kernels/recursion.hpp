@@ -153,6 +153,10 @@ void seatPoses(const CompactImpl& m, const JointMemory<double>* from, const Join
   for (std::size_t b = 0; b < m.batches.size(); ++b) {
     const StripBatch& strips = m.strips.batches[b];
     const int size = poseSize(m.batches[b].shape);
+    if (m.batches[b].count == 1) {
+      for (int c = 0; c < size; ++c) to[b].pose[c] = S(from[b].pose[c]);
+      continue;
+    }
     for (int c = 0; c < size; ++c)
       for (int k = 0; k < strips.slots; ++k)
         to[b].pose[c * strips.slots + k] = gathered<S>(from[b].pose + c * from[b].stride, strips.pose_index.data() + strip_lanes * k);

@@ -1,6 +1,7 @@
 // The factors of M^-1 from forces that climb to the root, four joints' at a time.
 #pragma once
 
+#include "kernels/path_sweep.hpp"
 #include "kernels/strip_paths.hpp"
 
 namespace dyn::kernels {
@@ -16,8 +17,10 @@ void stripFactorsSweep(const StripRecursion<S>& r, const Rows<double> U) {
     const StripWay<S> way(r.order.m, i);
     const auto here = way.here();
     for (int c = 0; c < Joint::nv; ++c) {
+      double* column[strip_lanes];
+      for (int lane = 0; lane < strip_lanes; ++lane) column[lane] = U.first + here.dof(lane, c);
       const auto enter = [&](const auto& step, int l, const S& u) {
-        inEnteringLanes(step, [&](auto lane) { U[static_cast<int>(step.dof(lane, l))][here.dof(lane, c)] = laneOf<lane>(u); });
+        inEnteringLanes(step, [&](auto lane) { column[lane][step.dof(lane, l) * U.stride] = laneOf<lane>(u); });
       };
       // The first `count` degrees of freedom of a joint give way, the last of them first.
       const auto giveWay = [&](const auto& step, int count, Force<S>& f) {
@@ -29,7 +32,13 @@ void stripFactorsSweep(const StripRecursion<S>& r, const Rows<double> U) {
           }
         };
         if (step.flyingRoot()) {
-          oneByOne([&](int l) { return UnitColumn<S>{l}.along(f); });
+#pragma GCC unroll 6
+          for (int l = 5; l >= 0; --l) {
+            if (l >= count) continue;
+            const S u = axisOf(f, l);
+            enter(step, l, u);
+            yieldBefore(l, f, rowOf(step, l), u);
+          }
         } else if (step.turnsOnly()) {
           oneByOne([&](int l) { return along<true>(dofs.column(step, l), f); });
         } else {

@@ -26,7 +26,8 @@ bool evaluateAlone(const TypeBatch& batch, JointMemory<double>& one, const Joint
   spread(one.pose, poseSize(batch.shape), lanes.pose);
   if (one.subspace) spread(one.subspace, 6 * batch.nv, lanes.subspace);
   if (one.bias && v) spread(one.bias, 6, lanes.bias);
-  return posesFinite(batch, one);
+  // In packs: behind the pose there are zeros.
+  return batch.nq == batch.nv || allFinite(reinterpret_cast<const S*>(one.pose), (poseSize(batch.shape) + lanes_of<S> - 1) / lanes_of<S>);
 }
 
 /// Coordinates of all joints but those that are alone, strip by strip in the lanes: component c of all items, four at a time. What is written
