@@ -91,6 +91,7 @@ struct StripBatch {
 struct StripPlan {
   bool used = false;  ///< the compiler judged it faster than one body after the other; if not, `count` is all there is
   bool used_for_mass_matrix = false;
+  bool used_for_inverse = false;  ///< the factors of M^-1
   bool used_for_derivatives = false;
   int count = 0;              ///< strips without the universe
   std::vector<Strip> strips;  ///< [0]: the universe; parents first

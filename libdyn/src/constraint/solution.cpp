@@ -125,8 +125,9 @@ void freeMotion(const char* algorithm, const CompactModel& model, Data& data, Ve
     articulateBodies(algorithm, m, d, c, in.q, in.v, lessLosses(m, d, tau.data, in.v), readExternalForces(algorithm, m, d, fext, count));
     prepareRows(m, d, c, in.q, in.v, velocity);
     articulateRows(m, d, c);
-    kernels::constraintKernels().rowsOfYielded(c.set.impl(), c.workspace, c.gamma);
-    for (int r = 0; r < c.set.rows(); ++r) c.wanted[r] = wantedOfYielded(c, r) - c.gamma[r];
+    const PackedConstraints& packed = c.set.impl();
+    kernels::constraintKernels().rowsOfYielded(packed, c.workspace, c.gamma);
+    for (int r = 0; r < packed.rows; ++r) c.wanted[r] = wantedOfYielded(c, r) - c.gamma[r];
   }
 }
 

@@ -52,13 +52,18 @@ __attribute__((flatten)) void yieldToRows(const PackedConstraints& c, const doub
 /// any row move. `out` has room for a pack. O(dofs x rows).
 template <class Wide, class Half>
 __attribute__((flatten)) void rowsOfYielded(const PackedConstraints& c, const ConstraintWorkspace& x, double* out) {
-  inPacks<Wide, Half>(0, c.rows, [&]<class P>(int first, std::type_identity<P>) {
-    P sum(0);
+  inGroups<Wide, Half>(0, c.rows, [&]<class P, int packs>(int first, std::type_identity<P>, std::integral_constant<int, packs>) {
+    constexpr int lanes = lanes_of<P>;
+    P sum[packs];
+    for (P& pack : sum) pack = P(0);
     for (const ConstrainedChain& chain : c.chains) {
-      if (chain.row_begin >= first + lanes_of<P> || chain.row_end <= first) continue;
-      for (int k = chain.dof_begin; k < chain.dof_end; ++k) sum += P(x.yielded[k]) * loadPack<P>(x.shareOf(k) + first);
+      if (chain.row_begin >= first + packs * lanes || chain.row_end <= first) continue;
+      for (int k = chain.dof_begin; k < chain.dof_end; ++k) {
+        const P yielded(x.yielded[k]);
+        for (int p = 0; p < packs; ++p) sum[p] += yielded * loadPack<P>(x.shareOf(k) + first + p * lanes);
+      }
     }
-    storePack(sum, out + first);
+    for (int p = 0; p < packs; ++p) storePack(sum[p], out + first + p * lanes);
   });
 }
 
