@@ -156,12 +156,10 @@ class PackTurner {
     return square;
   }
   /// As many packs to each of the first `states` columns. Cores write in order, and wait for one line of memory after the other: all are asked for
-  /// first, which makes it 1.5 times as fast where a square has much of a line. Short columns follow one another closely enough for the
-  /// processor to see it by itself.
+  /// first, which makes it 1.5 times as fast where a square has much of a line.
   void put(const T* numbers, int states, T* column, std::ptrdiff_t stride) {
-    constexpr int line = 64, far = 16 * line / static_cast<int>(sizeof(T));
-    if constexpr (2 * lanes * sizeof(T) >= line)
-      for (int l = 0; l < states && stride >= far; ++l) {
+    if constexpr (lanes * sizeof(T) >= 32)
+      for (int l = 0; l < states; ++l) {
         __builtin_prefetch(column + l * stride, 1);
         __builtin_prefetch(column + l * stride + lanes - 1, 1);
       }
