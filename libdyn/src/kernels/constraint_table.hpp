@@ -9,7 +9,9 @@
 namespace dyn::kernels {
 
 constexpr std::size_t constraintLayoutStamp() {
-  return (((sizeof(PackedConstraints) + sizeof(PackedFrameConstraint)) * 1000003 + sizeof(ConstrainedBody) + sizeof(ConstrainedChain)) * 1000003 +
+  return (((sizeof(PackedConstraints) + sizeof(PackedFrameConstraint)) * 1000003 + sizeof(ConstrainedBody) + sizeof(ConstrainedChain) +
+           sizeof(ConstrainedStripDof)) *
+              1000003 +
           sizeof(ConstraintWorkspace) + sizeof(ChainState)) *
              1000003 +
          sizeof(ConstrainedInverse) + sizeof(RowState) + sizeof(RowMotion);

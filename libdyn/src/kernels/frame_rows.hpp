@@ -112,7 +112,7 @@ inline Motion<double> biasOf(const PackedFrameConstraint& c, const FrameRows& x)
 /// use(row, directions, part) for every pack P of a constraint's rows, from `row` on: which way they point, and which part of motions and of forces
 /// they have to do with.
 template <class P, class Use>
-[[gnu::always_inline]] inline void eachPackOfRows(const PackedFrameConstraint& c, const FrameRows& x, Use&& use) {
+void eachPackOfRows(const PackedFrameConstraint& c, const FrameRows& x, Use&& use) {
   for (int k = 0; k < c.linear_rows; k += lanes_of<P>)
     use(c.row + k, Vec3<P>{loadPack<P>(x.linear[0] + k), loadPack<P>(x.linear[1] + k), loadPack<P>(x.linear[2] + k)}, &Motion<double>::linear);
   for (int k = 0; k < c.rows - c.linear_rows; k += lanes_of<P>)
