@@ -4,6 +4,7 @@
 #include "support/registry.hpp"
 
 #include <functional>
+#include <numbers>
 
 using namespace dyn;
 using namespace dyn::test;
@@ -196,6 +197,41 @@ Model describe(bool arm, bool coupled) {
   return model;
 }
 
+/// A trunk that flies, and four limbs in the lanes of strips.
+Model limbs() {
+  Random random(6);
+  Model model;
+  for (int i = 0; i < 13; ++i) {
+    JointDescription joint;
+    joint.name = "j" + std::to_string(i);
+    joint.type = i == 0 ? "free_flyer" : "revolute";
+    if (i > 0) {
+      joint.parameters["axis"] = std::vector<double>{0, 1, 0};
+      joint.damping = {0.2};
+    }
+    joint.placement = random.pose();
+    model.addBody("b" + std::to_string(i), i % 3 == 1 ? 1 : i, joint, random.inertia());
+  }
+  model.addFrame("tool", 13, random.pose());
+  return model;
+}
+
+/// Rings without inertia, that lock where the middle one stands upright, about a body with an arm of its own.
+Model gimbal(bool coupled = false) {
+  Model model;
+  for (int i = 0; i < 5; ++i) {
+    JointDescription joint;
+    joint.name = "j" + std::to_string(i);
+    joint.type = "revolute";
+    joint.parameters["axis"] = std::vector<double>{i == 0 ? 1.0 : 0.0, i == 1 ? 1.0 : 0.0, i > 1 ? 1.0 : 0.0};
+    if (i > 2) joint.placement.p = {0.2, 0.1, 0.3};
+    model.addBody("b" + std::to_string(i), i, joint, i < 2 ? Inertia<double>{} : Random(7).inertia());
+  }
+  model.addFrame("tool", 5, {});
+  if (coupled) addFollower(model);
+  return model;
+}
+
 }  // namespace
 
 TEST_CASE("results of a Data may be arguments of the next call with it", "[arguments]") {
@@ -280,5 +316,81 @@ TEST_CASE("what is not a number in q comes out as such, and is no fault of inert
   for (Eigen::Index k = 0; k < 9; ++k) {
     CHECK(ddq.col(k).allFinite() == (k != 3));
     CHECK(Minv.col(k).allFinite() == (k != 3));
+  }
+}
+
+TEST_CASE("what cannot be computed leaves nothing behind for the next call", "[arguments]") {
+  struct Case {
+    const char* name;
+    Model model;
+    bool coupled = false, locks = false;
+  };
+  const Case x = GENERATE(values<Case>({{"an arm", describe(true, false)},
+                                        {"an arm with a follower", describe(true, true), true},
+                                        {"a tree", describe(false, false)},
+                                        {"a tree with a follower", describe(false, true), true},
+                                        {"limbs", limbs()},
+                                        {"a gimbal", gimbal(), false, true},
+                                        {"a gimbal with a follower", gimbal(true), true, true}}));
+  const CompactModel model = compile(x.model, registry());
+  const State sound(model, 8);
+  const auto nothing = [](Eigen::VectorXd& of) { of.setConstant(std::nan("")); };
+  for (const Call& next : calls()) {
+    if (x.coupled && !next.of_followers) continue;
+    Subject fresh(model);
+    const Eigen::VectorXd expected = next.run(fresh, sound.views());
+    REQUIRE(expected.allFinite());
+    for (const Call& before : calls()) {
+      if (x.coupled && !before.of_followers) continue;
+      Subject subject(model);
+      for (const char letter : std::string(before.reads) + (x.locks ? "s" : "")) {
+        State bad = sound;
+        if (letter == 's') bad.q[1] = std::numbers::pi / 2;
+        if (letter == 'q') nothing(bad.q);
+        if (letter == 'v') nothing(bad.v);
+        if (letter == 'a') nothing(bad.a);
+        if (letter == 't') nothing(bad.tau);
+        try {
+          before.run(subject, bad.views());
+        } catch (const Error& e) {
+          CHECK((letter == 's' && e.code() == ErrorCode::singular));
+        }
+        INFO(x.name << ": " << next.name << " after " << before.name << " with " << letter);
+        CHECK(off(next.run(subject, sound.views()), expected) <= 1e-12);
+      }
+    }
+  }
+  Subject subject(model);
+  State bad = sound;
+  bad.q[1] = std::numbers::pi / 2;
+  if (x.locks) CHECK_THROWS_AS(computeMinverse(model, subject.data, bad.q), Error);
+}
+
+TEST_CASE("states of a batch that cannot be computed leave nothing behind for the next ones", "[arguments]") {
+  const Model described = GENERATE(describe(true, false), describe(false, false), limbs(), gimbal());
+  const CompactModel model = compile(described, registry());
+  const State sound(model, 8);
+  const auto repeated = [](const Eigen::VectorXd& x) { return Eigen::MatrixXd(x.replicate(1, 5)); };
+  const Eigen::MatrixXd q = repeated(sound.q), v = repeated(sound.v), a = repeated(sound.a);
+  Eigen::MatrixXd bad = q;
+  bad.col(2).setConstant(std::nan(""));
+  const std::vector<std::function<Eigen::MatrixXd(BatchData&, const Eigen::MatrixXd&)>> all = {
+      [&](BatchData& x, const Eigen::MatrixXd& at) { return rnea(model, x, at, v, a); },
+      [&](BatchData& x, const Eigen::MatrixXd& at) { return crba(model, x, at); },
+      [&](BatchData& x, const Eigen::MatrixXd& at) { return aba(model, x, at, v, a); },
+      [&](BatchData& x, const Eigen::MatrixXd& at) { return computeMinverse(model, x, at); },
+      [&](BatchData& x, const Eigen::MatrixXd& at) { return computeRNEADerivatives(model, x, at, v, a).dtau_dq; },
+      [&](BatchData& x, const Eigen::MatrixXd& at) { return computeABADerivatives(model, x, at, v, a).ddq_dq; },
+      [&](BatchData& x, const Eigen::MatrixXd& at) { return computeCoriolisMatrix(model, x, at, v); },
+      [&](BatchData& x, const Eigen::MatrixXd& at) { return computeCentroidalDynamicsDerivatives(model, x, at, v, a).dhgdot_dq; }};
+  for (const auto& next : all) {
+    BatchData fresh(model, 5, Need::mass_matrix | Need::derivatives);
+    const Eigen::MatrixXd expected = next(fresh, q);
+    REQUIRE(expected.allFinite());
+    for (const auto& before : all) {
+      BatchData used(model, 5, Need::mass_matrix | Need::derivatives);
+      before(used, bad);
+      CHECK(off(next(used, q), expected) <= 1e-12);
+    }
   }
 }

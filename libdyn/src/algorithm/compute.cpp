@@ -1,4 +1,5 @@
 #include "algorithm/centroidal.hpp"
+#include "algorithm/derivatives.hpp"
 #include "algorithm/inputs.hpp"
 #include "algorithm/sums.hpp"
 #include "kernels/table.hpp"
@@ -146,8 +147,7 @@ ComputedViews compute(const CompactModel& model, Data& data, Quantity what, Vect
     ++passes.inertias;
   }
   if (has(what, Q::minverse)) {
-    checkFactors("compute", m, k.treeFactors(m, d, d.derivatives), in.q);
-    k.inverseOfMassMatrix(m, d.derivatives, d.Minv);
+    invertTreeInertia("compute", m, d, in.q);
     out.Minv = d.Minv;
     ++passes.inertias;
   }

@@ -64,9 +64,17 @@ void coupledDerivatives(const char* algorithm, const CompactModel& model, Data& 
   }
 }
 
+/// Zeros again when its time is over, be it by what is thrown.
+struct BorrowedZeros {
+  double* first;
+  std::ptrdiff_t count;
+  ~BorrowedZeros() { std::fill_n(first, count, 0.0); }
+};
+
 void invertDense(const char* algorithm, const CompactImpl& m, DataImpl& d) {
   const std::ptrdiff_t n = m.nv;
   double* factors = d.expanded[0];
+  const BorrowedZeros borrowed{factors, static_cast<std::ptrdiff_t>(m.nvx) * m.nvx};
   std::copy(d.M, d.M + n * n, factors);
   factorDense(algorithm, m, factors, d.column);
   std::fill(d.Minv, d.Minv + n * n, 0.0);
@@ -76,7 +84,15 @@ void invertDense(const char* algorithm, const CompactImpl& m, DataImpl& d) {
   }
   for (std::ptrdiff_t i = 0; i < n; ++i)
     for (std::ptrdiff_t j = 0; j < i; ++j) d.Minv[i * n + j] = d.Minv[j * n + i];
-  std::fill(factors, factors + static_cast<std::ptrdiff_t>(m.nvx) * m.nvx, 0.0);
+}
+
+/// checkFactors of those in d, after their last use. Sweeps leave zeros where the tree has no path by multiplying with them, and so not where
+/// something is no number; other sweeps count on them.
+void checkTreeFactors(const char* algorithm, const CompactImpl& m, DataImpl& d, int failed, const double* q) {
+  if (failed == 0) return;
+  const Rows<double> U = d.derivatives.factors.U;
+  std::fill_n(U.first, U.stride * m.nvx, 0.0);
+  checkFactors(algorithm, m, failed, q);
 }
 
 }  // namespace
@@ -93,6 +109,13 @@ void forceDerivatives(const char* algorithm, const CompactModel& model, Data& da
   kernels::active().single.rneaDerivatives(m, d, d.derivatives, x.in.v, x.in.a, x.external, {d.dtau_dq, d.dtau_dv, with_M ? d.M : nullptr});
 }
 
+void invertTreeInertia(const char* algorithm, const CompactImpl& m, DataImpl& d, const double* q) {
+  const kernels::SingleKernels& k = kernels::active().single;
+  const int failed = k.treeFactors(m, d, d.derivatives);
+  k.inverseOfMassMatrix(m, d.derivatives, d.Minv);
+  checkTreeFactors(algorithm, m, d, failed, q);
+}
+
 void inverseInertia(const char* algorithm, const CompactModel& model, Data& data, VectorView q) {
   const CompactImpl& m = model.impl();
   DataImpl& d = data.impl();
@@ -100,9 +123,7 @@ void inverseInertia(const char* algorithm, const CompactModel& model, Data& data
     detail::crba(model, data, q);
     return invertDense(algorithm, m, d);
   }
-  const kernels::SingleKernels& k = kernels::active().single;
-  checkFactors(algorithm, m, k.treeFactors(m, d, d.derivatives), q.data);
-  k.inverseOfMassMatrix(m, d.derivatives, d.Minv);
+  invertTreeInertia(algorithm, m, d, q.data);
 }
 
 namespace detail {
@@ -136,7 +157,7 @@ DerivativeViews abaDerivatives(const CompactModel& model, Data& data, VectorView
   const Prepared x = prepare(algorithm, model, data, q, &v, nullptr, fext, count);
   const double* effective = lessLosses(m, d, tau.data, x.in.v);
   const int failed = kernels::active().single.abaDerivatives(m, d, d.derivatives, x.in.v, effective, x.external, d.ddq, d.ddq_dq, d.ddq_dv, d.Minv);
-  checkFactors(algorithm, m, failed, x.in.q);
+  checkTreeFactors(algorithm, m, d, failed, x.in.q);
   return {d.ddq, d.ddq_dq, d.ddq_dv, d.Minv};
 }
 

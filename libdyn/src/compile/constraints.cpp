@@ -221,6 +221,7 @@ class Packer {
       for (const auto& c : out_.frames)
         for (const int body : c.body)
           if (body > 0 && out_.chainOf(body) == chain.parent && meets(c.row, c.row + c.rows)) chain.alone = false;
+      if (!chain.alone) (chain.parent < 0 ? out_.gathers : out_.chains[at(chain.parent)].gathers) = true;
     }
   }
 

@@ -87,6 +87,7 @@ struct ConstrainedChain {
   int row_begin = 0, row_end = 0;  ///< rows that act on them are among these
   int parent = -1;                 ///< the chain that the last one's parent begins; -1: the world
   bool alone = true;               ///< in these rows: no other chain that hangs on the same parent has any of them, nor has the parent's first body
+  bool gathers = false;            ///< what chains that hang on it hand over adds up: some of these are not alone
 };
 
 struct PackedConstraints {
@@ -104,6 +105,7 @@ struct PackedConstraints {
   /// -1: the world.
   int chainOf(int body) const { return body > 0 ? bodies[static_cast<std::size_t>(body_at[static_cast<std::size_t>(body)])].chain : -1; }
   bool actsOnJoints() const { return !couplings.empty() || !locks.empty(); }
+  bool gathers = false;              ///< of chains that hang on the world, as ConstrainedChain::gathers
   bool drift_with_velocity = false;  ///< some of the frames
 };
 

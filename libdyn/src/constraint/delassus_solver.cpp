@@ -43,7 +43,7 @@ void DelassusSolver::carve(int rows, Arena& arena) {
   arena.take(gram_, n * n);
   arena.take(left_, n);
   arena.take(step_, n + most_lanes);
-  arena.take(vector_, n);
+  arena.take(correction_, n + most_lanes);
 }
 
 void DelassusSolver::factor(kernels::ConstraintWorkspace& x, const ConstraintSettings& settings) {
@@ -92,15 +92,12 @@ void DelassusSolver::factorSingular() {
   factorTriangle(gram_, rank_, n_);
 }
 
-void DelassusSolver::apply(double* x) const {
-  if (regular_) {
-    std::copy_n(x, n_, vector_);
-    return kernels::constraintKernels().timesRows(n_, x_->stride, x_->inverse, vector_, x);
-  }
+void DelassusSolver::apply(const double* b, double* x) const {
+  if (regular_) return kernels::constraintKernels().timesRows(n_, x_->stride, x_->inverse, b, x);
   double* y = left_;
   std::fill_n(y, rank_, 0.0);
   for (int i = 0; i < n_; ++i)
-    for (int k = 0; k < rank_; ++k) y[k] += entry(C_, i)[k] * x[i];
+    for (int k = 0; k < rank_; ++k) y[k] += entry(C_, i)[k] * b[i];
   solveTriangle(gram_, rank_, n_, y);
   solveTriangle(gram_, rank_, n_, y);
   for (int i = 0; i < n_; ++i) {
@@ -120,8 +117,7 @@ double DelassusSolver::residual(const double* x, const double* b, double* out) c
 }
 
 int DelassusSolver::solve(const double* b, double* x) {
-  std::copy_n(b, n_, x);
-  apply(x);
+  apply(b, x);
   const bool proximal = settings_.mu > 0;
   if (regular_ && !proximal) return 1;
   // What the constraints contradict each other in stays: no iteration takes it away, and it must not build up.
@@ -132,8 +128,8 @@ int DelassusSolver::solve(const double* b, double* x) {
     const double error = residual(x, b, step_);
     if (!(error < before) || (proximal && error <= settings_.tolerance)) break;
     before = error;
-    apply(step_);
-    for (int i = 0; i < n_; ++i) x[i] -= step_[i];
+    apply(step_, correction_);
+    for (int i = 0; i < n_; ++i) x[i] -= correction_[i];
   }
   return iterations;
 }

@@ -28,7 +28,7 @@ class DelassusSolver {
 
  private:
   void factorSingular();
-  void apply(double* x) const;  ///< by the factors alone
+  void apply(const double* b, double* x) const;  ///< x by the factors alone
   double* entry(double* matrix, int row) const { return matrix + static_cast<std::ptrdiff_t>(row) * n_; }
 
   int n_ = 0, rank_ = 0;
@@ -39,7 +39,7 @@ class DelassusSolver {
   double* gram_ = nullptr;  ///< factors of C^T C, rows of a lower triangle
   double* left_ = nullptr;
   double* step_ = nullptr;
-  double* vector_ = nullptr;
+  double* correction_ = nullptr;
 };
 
 }  // namespace dyn

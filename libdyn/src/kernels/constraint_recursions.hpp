@@ -181,8 +181,10 @@ void climbChain(const ConstrainedBodies<S>& bodies, const PackedConstraints& c, 
 /// which is there once joints have been eliminated, or as the caller has put it; and chains have been located.
 template <class Wide, class Half, class S>
 void constraintSweep(const ConstrainedBodies<S>& bodies, const PackedConstraints& c, bool eliminated, ConstraintWorkspace& x) {
-  std::fill_n(x.carried, x.room, 0.0);
-  std::fill_n(x.bound, x.room, 0.0);
+  if (c.gathers) {
+    std::fill_n(x.carried, x.room, 0.0);
+    std::fill_n(x.bound, x.room, 0.0);
+  }
   const bool contacts = eliminated && !c.actsOnJoints();
   int number = 0;
   for (const ConstrainedChain& chain : c.chains) {

@@ -68,7 +68,8 @@ struct ConstraintWorkspace {
 
   /// Of forces on the first body of a chain, about its joint's origin, aligned axes: `components` arrays of one number for each of the chain's
   /// rows, forceStep() apart. After the forces come their reach, the square of the moment that a force would have if all levers on its way
-  /// stood square to it, and what chains below have added to `carried` and `bound`.
+  /// stood square to it, and what chains below have added to `carried` and `bound`. The same numbers are written each time, but where a chain
+  /// gathers, which begins with zeros; the others, and those behind the last row, which packs read, stay zero.
   static constexpr int components = 9, reach = 6, carried_below = 7, bound_below = 8;
   double* forceOf(int chain) const { return force + chain * components * room; }
   /// A pack of four that begins at a row of the chain is written to one component only.

@@ -26,7 +26,7 @@ __attribute__((flatten)) void delassusMatrix(const PackedConstraints& c, Constra
           for (int r = 0; r < tile; ++r) sums[r] += P(scaled[r]) * share;
         }
       }
-      for (int r = 0; r < std::min(tile, c.rows - row); ++r) storePack(sums[r], D[row + r] + column);
+      for (int r = 0; r < std::min(tile, c.rows - row); ++r) storeFirst(sums[r], c.rows - column, D[row + r] + column);
     });
   mirrorUpper<Wide>(D, c.rows);
 }
@@ -247,7 +247,7 @@ bool invertDelassus(int rows, ConstraintWorkspace& x, double mu, double toleranc
   return true;
 }
 
-/// out = A x for a symmetric matrix of rows.
+/// out = A x for a symmetric matrix of rows. Behind the last one nothing is written: zeros stay, which a product that is not finite would not be.
 template <class Wide, class Half>
 __attribute__((flatten)) void timesRows(int rows, std::ptrdiff_t stride, const double* A, const double* x, double* out) {
   inPacks<Wide, Half>(0, rows, [&]<class P>(int first, std::type_identity<P>) {
@@ -258,7 +258,7 @@ __attribute__((flatten)) void timesRows(int rows, std::ptrdiff_t stride, const d
       odd += P(x[k + 1]) * loadPack<P>(A + (k + 1) * stride + first);
     }
     if (k < rows) even += P(x[k]) * loadPack<P>(A + k * stride + first);
-    storePack(even + odd, out + first);
+    storeFirst(even + odd, rows - first, out + first);
   });
 }
 

@@ -150,8 +150,10 @@ void putUnitForces(const PackedConstraints& all, const PackedFrameConstraint& c,
 template <class P>
 __attribute__((flatten)) void placeFrames(const CompactImpl& m, const PackedConstraints& all, RowRates rates, FrameRows* frames,
                                           const RowMotion& rows, ConstraintWorkspace& x) {
-  // What lies behind the last row is read, too.
-  for (int k = 0; const ConstrainedChain& chain : all.chains) std::fill_n(x.forceOf(k++), x.components * x.forceStep(chain) + x.widest, 0.0);
+  for (int k = 0; const ConstrainedChain& chain : all.chains) {
+    if (chain.gathers) std::fill_n(x.forceOf(k), x.components * x.forceStep(chain) + x.widest, 0.0);
+    ++k;
+  }
   for (std::size_t i = 0; i < all.frames.size(); ++i) {
     const PackedFrameConstraint& c = all.frames[i];
     FrameRows& frame = frames[i];
