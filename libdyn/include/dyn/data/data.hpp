@@ -19,7 +19,8 @@ enum class Need : unsigned {
 constexpr Need operator|(Need a, Need b) { return static_cast<Need>(static_cast<unsigned>(a) | static_cast<unsigned>(b)); }
 constexpr bool has(Need set, Need one) { return (static_cast<unsigned>(set) & static_cast<unsigned>(one)) != 0; }
 
-/// Scratch and results for one thread. Belongs to the model it was made for.
+/// Scratch and results for one thread. Belongs to the model it was made for. Calls that throw, and numbers that are not finite, leave nothing
+/// behind: the next call gives what it would give with new Data.
 class DYN_API Data {
  public:
   explicit Data(const CompactModel& model, Need needs = Need::state);
