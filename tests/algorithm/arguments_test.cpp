@@ -273,6 +273,7 @@ TEST_CASE("arguments that are all results of one Data are told from each other",
     const auto views = results(subject, state);
     results(other, state);
     std::vector<Eigen::VectorXd> copies;
+    copies.reserve(views.size());
     for (const auto& [name, view] : views) copies.emplace_back(Eigen::Map<const Eigen::VectorXd>(view.data, view.size));
     const Arguments given{viewOf(state.q), views[2].second, views[0].second, views[1].second};
     const Arguments copied{viewOf(state.q), viewOf(copies[2]), viewOf(copies[0]), viewOf(copies[1])};
@@ -319,7 +320,7 @@ TEST_CASE("what is not a number in q comes out as such, and is no fault of inert
   }
 }
 
-TEST_CASE("what cannot be computed leaves nothing behind for the next call", "[arguments]") {
+TEST_CASE("what is computed, and what cannot be, leaves nothing behind for the next call", "[arguments]") {
   struct Case {
     const char* name;
     Model model;
@@ -343,8 +344,9 @@ TEST_CASE("what cannot be computed leaves nothing behind for the next call", "[a
     for (const Call& before : calls()) {
       if (x.coupled && !before.of_followers) continue;
       Subject subject(model);
-      for (const char letter : std::string(before.reads) + (x.locks ? "s" : "") + (model.nq() > model.nv() ? "z" : "")) {
+      for (const char letter : "o" + std::string(before.reads) + (x.locks ? "s" : "") + (model.nq() > model.nv() ? "z" : "")) {
         State bad = sound;
+        if (letter == 'o') bad = State(model, 9);
         if (letter == 's') bad.q[1] = std::numbers::pi / 2;
         if (letter == 'z') bad.q.setZero();  // quaternions, too
         if (letter == 'q') nothing(bad.q);
