@@ -32,13 +32,13 @@ struct PerBatch : kernels::Bodies<double> {
 /// A pass over one joint, with what it takes from its neighbours.
 template <class Order, class Body, class... T>
 auto eachForward(const Order& order, std::tuple<T*...> arrays, Body& body) {
-  return [&body, &order, arrays](const auto& joint, int i, int iv) {
+  return [&, arrays](const auto& joint, int i, int iv) {
     std::apply([&](T*... x) { body(joint, i, iv, kernels::FromParent<Order, T>(order, x, i)...); }, arrays);
   };
 }
 template <class Order, class Body, class... T>
 auto eachBackward(const Order& order, std::tuple<T*...> arrays, Body& body) {
-  return [&body, &order, arrays](const auto& joint, int i, int iv) {
+  return [&, arrays](const auto& joint, int i, int iv) {
     std::apply([&](T*... x) { body(joint, i, iv, kernels::FromChildren<Order, T>(order, x, i)...); }, arrays);
   };
 }
