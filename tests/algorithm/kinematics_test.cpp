@@ -83,6 +83,6 @@ TEST_CASE("poses, velocities and accelerations are not read out of another model
     CHECK_THROWS_WITH(frameClassicalAcceleration(model, data, frame, reference), of("frameClassicalAcceleration"));
   }
   // A copy of the model is the same model.
-  const CompactModel copy = small;
+  const CompactModel copy = small;  // NOLINT: what is tested
   CHECK(jointPlacement(copy, data, 1).R.m[0] == jointPlacement(small, data, 1).R.m[0]);
 }
