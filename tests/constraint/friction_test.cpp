@@ -225,8 +225,8 @@ TEST_CASE("a joint's own friction holds it both ways, as well as it can", "[fric
   const CompactModel model = compile(description, registry());
   Data data(model);
   ConstraintData lock(ConstraintSet(model, {lockJoint("joint")}));
-  std::vector<FrictionCone> cones;
-  for (int k = 0; k < 3; ++k) cones.push_back({.constraint = 0, .friction = 10, .both_ways = true, .coordinate = k});
+  std::vector<FrictionCone> cones(3, {.constraint = 0, .friction = 10, .both_ways = true});
+  for (int k = 0; k < 3; ++k) cones[static_cast<std::size_t>(k)].coordinate = k;
   const double dt = 1e-2;
   const Vector tau = Eigen::Vector3d(8, 12, -15), v = Eigen::Vector3d(0, 0, 0.01);
   const ContactStep x = contactStep(model, data, neutral(model), v, tau, dt, lock, cones);
