@@ -1,4 +1,4 @@
-// What a call is given: results of the same Data, as if they had been copied; states that are not numbers.
+// What a call is given: results of the same Data, as if they had been copied; states that are not numbers. What it leaves for the next: nothing.
 #include "support/difference.hpp"
 #include "support/random_model.hpp"
 #include "support/registry.hpp"
@@ -41,6 +41,12 @@ Eigen::VectorXd joined(std::initializer_list<Eigen::MatrixXd> parts) {
     out.tail(part.size()) = part.reshaped();
   }
   return out;
+}
+
+/// The one of Arguments, or of a State, that a letter of Call::reads stands for.
+template <class X>
+auto& argument(X& x, char letter) {
+  return letter == 'q' ? x.q : letter == 'v' ? x.v : letter == 'a' ? x.a : x.tau;
 }
 
 /// Everything that one call finds.
@@ -250,7 +256,7 @@ TEST_CASE("results of a Data may be arguments of the next call with it", "[argum
         const Eigen::VectorXd copy = Eigen::Map<const Eigen::VectorXd>(view.data, view.size);
         const auto with = [&, letter = letter](const VectorView& x) {
           Arguments out = state.views();
-          (letter == 'q' ? out.q : letter == 'v' ? out.v : letter == 'a' ? out.a : out.tau) = x;
+          argument(out, letter) = x;
           return out;
         };
         results(other, state);
@@ -335,7 +341,10 @@ TEST_CASE("what is computed, and what cannot be, leaves nothing behind for the n
                                         {"a gimbal with a follower", gimbal(true), true, true}}));
   const CompactModel model = compile(x.model, registry());
   const State sound(model, 8);
-  const auto nothing = [](Eigen::VectorXd& of) { of.setConstant(std::nan("")); };
+  State locked = sound;
+  locked.q[1] = std::numbers::pi / 2;
+  Data refusing(model, Need::derivatives);
+  if (x.locks) CHECK_THROWS_AS(computeMinverse(model, refusing, locked.q), Error);
   for (const Call& next : calls()) {
     if (x.coupled && !next.of_followers) continue;
     Subject fresh(model);
@@ -345,14 +354,9 @@ TEST_CASE("what is computed, and what cannot be, leaves nothing behind for the n
       if (x.coupled && !before.of_followers) continue;
       Subject subject(model);
       for (const char letter : "o" + std::string(before.reads) + (x.locks ? "s" : "") + (model.nq() > model.nv() ? "z" : "")) {
-        State bad = sound;
-        if (letter == 'o') bad = State(model, 9);
-        if (letter == 's') bad.q[1] = std::numbers::pi / 2;
+        State bad = letter == 'o' ? State(model, 9) : letter == 's' ? locked : sound;
         if (letter == 'z') bad.q.setZero();  // quaternions, too
-        if (letter == 'q') nothing(bad.q);
-        if (letter == 'v') nothing(bad.v);
-        if (letter == 'a') nothing(bad.a);
-        if (letter == 't') nothing(bad.tau);
+        if (std::string("qvat").find(letter) != std::string::npos) argument(bad, letter).setConstant(std::nan(""));
         try {
           before.run(subject, bad.views());
         } catch (const Error& e) {
@@ -363,10 +367,6 @@ TEST_CASE("what is computed, and what cannot be, leaves nothing behind for the n
       }
     }
   }
-  Subject subject(model);
-  State bad = sound;
-  bad.q[1] = std::numbers::pi / 2;
-  if (x.locks) CHECK_THROWS_AS(computeMinverse(model, subject.data, bad.q), Error);
 }
 
 TEST_CASE("states of a batch that cannot be computed leave nothing behind for the next ones", "[arguments]") {
