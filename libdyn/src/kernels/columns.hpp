@@ -71,6 +71,22 @@ struct Square {
   }
 };
 
+/// The first `count` numbers of a row, or all: by halves.
+template <int lanes>
+void storeFirst(const typename Square<double, lanes>::Row& x, int count, double* to) {
+  if (count >= lanes) {
+    *reinterpret_cast<typename Square<double, lanes>::Unaligned*>(to) = x;
+  } else if constexpr (lanes > 1) {
+    constexpr int half = lanes / 2;
+    [&]<int... k>(std::integer_sequence<int, k...>) {
+      using Half = typename Square<double, half>::Row;
+      const Half lower = __builtin_shufflevector(x, x, k...), upper = __builtin_shufflevector(x, x, (half + k)...);
+      storeFirst<half>(lower, count, to);
+      if (count > half) storeFirst<half>(upper, count - half, to + half);
+    }(std::make_integer_sequence<int, half>());
+  }
+}
+
 /// Structs of `numbers` numbers S, at least as many as Wide has lanes, each into a lane; from[l] is the first number of lane l's.
 template <int numbers, class Wide, class S>
 void gatherStructs(const S* const* from, Wide* to) {
@@ -81,6 +97,7 @@ void gatherStructs(const S* const* from, Wide* to) {
   for (int k = 0; k < numbers; k += lanes) {
     // The last square overlaps the one before.
     const int first = std::min(k, numbers - lanes);
+#pragma GCC unroll 16
     for (int l = 0; l < lanes; ++l) square.read(l, from[l] + first);
     square.transpose();
     square.write(out + first * lanes, lanes);
@@ -148,34 +165,57 @@ class PackTurner {
   /// The first `count` packs, or all; what else there is comes from the last of them.
   Square<T, lanes> turned(const T* numbers, int count = lanes) {
     Square<T, lanes> square;
-    for (int i = 0; i < lanes; ++i) {
-      square.read(i, numbers + std::min(i, count - 1) * lanes);
-      differences_ += square.rows[i] - square.rows[i];
-    }
+#pragma GCC unroll 16
+    for (int i = 0; i < lanes; ++i) square.read(i, numbers + std::min(i, count - 1) * lanes);
+    // Apart from the squares before, so that each need not wait for them.
+    auto zeros = T(0) * square.rows[0];
+#pragma GCC unroll 16
+    for (int i = 1; i < lanes; ++i) zeros += T(0) * square.rows[i];
+    zeros_ += zeros;
     square.transpose();
     return square;
   }
-  /// As many packs to each of the first `states` columns. Cores write in order, and wait for one line of memory after the other: all are asked for
-  /// first, which makes it 1.5 times as fast where a square has much of a line.
-  void put(const T* numbers, int states, T* column, std::ptrdiff_t stride) {
-    if constexpr (lanes * sizeof(T) >= 32)
-      for (int l = 0; l < states; ++l) {
-        __builtin_prefetch(column + l * stride, 1);
-        __builtin_prefetch(column + l * stride + lanes - 1, 1);
-      }
+  /// As many packs to each of the first `states` columns, a constant where all are in use. Cores write in order, and wait for one line of memory
+  /// after the other: those where a square ends are asked for first, which makes it 1.5 times as fast where a square has much of a line.
+  template <class Count>
+  void put(const T* numbers, Count states, T* column, std::ptrdiff_t stride) {
+    if constexpr (lanes * sizeof(T) >= 32) {
+      const T* last = column + lanes - 1;
+#pragma GCC unroll 16
+      for (int l = 0; l < lanes; ++l, last += stride)
+        if (l < states) __builtin_prefetch(last, 1);
+    }
     const Square<T, lanes> square = turned(numbers);
-    for (int l = 0; l < states; ++l) square.write(l, column + l * stride);
+#pragma GCC unroll 16
+    for (int l = 0; l < lanes; ++l, column += stride)
+      if (l < states) square.write(l, column);
   }
-  /// x - x is zero for finite numbers, and NaN for all others.
+  /// 0 x is zero for finite numbers, and NaN for all others.
   bool finite() const {
     bool all = true;
-    for (int l = 0; l < lanes; ++l) all = all && differences_[l] == T(0);
+    for (int l = 0; l < lanes; ++l) all = all && zeros_[l] == T(0);
     return all;
   }
 
  private:
-  typename Square<T, lanes>::Row differences_{};
+  typename Square<T, lanes>::Row zeros_{};
 };
+
+/// The squares of neighbouring packs that begin where at(k) says, k < count. Whether all are finite. Not inlined: it wants all registers.
+template <class S, class T, class At>
+[[nodiscard, gnu::noinline]] bool putSquares(const S* packs, std::ptrdiff_t count, At at, int states, T* column, std::ptrdiff_t stride) {
+  constexpr int lanes = lanes_of<S>;
+  PackTurner<T, lanes> turner;
+  const auto putAll = [&](auto in_use) __attribute__((always_inline)) {
+    for (std::ptrdiff_t k = 0; k < count; ++k) turner.put(reinterpret_cast<const T*>(packs + at(k)), in_use, column + at(k), stride);
+  };
+  if (states == lanes) {
+    putAll(std::integral_constant<int, lanes>());
+  } else {
+    putAll(states);
+  }
+  return turner.finite();
+}
 
 /// The way back: n numbers of each of the first `states` lanes into columns that follow one another, `stride` apart. Whether all are finite.
 template <class S, class T>
@@ -183,14 +223,10 @@ template <class S, class T>
   constexpr int lanes = lanes_of<S>;
   const auto* numbers = reinterpret_cast<const T*>(packs);
   if constexpr (lanes > 1) {
+    if (n >= lanes)
+      return putSquares(
+          packs, (n + lanes - 1) / lanes, [=](std::ptrdiff_t k) { return std::min(k * lanes, n - lanes); }, states, column, stride);
     PackTurner<T, lanes> turner;
-    if (n >= lanes) {
-      for (std::ptrdiff_t row = 0; row < n; row += lanes) {
-        const std::ptrdiff_t top = std::min<std::ptrdiff_t>(row, n - lanes);
-        turner.put(numbers + top * lanes, states, column + top, stride);
-      }
-      return turner.finite();
-    }
     if (stride == n && 4 * n >= lanes) {
       // Columns are written past their ends, where the next ones will be; the last, where these are too few, are copied.
       const Square<T, lanes> square = turner.turned(numbers, static_cast<int>(n));
@@ -220,10 +256,9 @@ template <class S, class T>
 /// The same of the numbers that `squares` tell of: where as many as there are lanes begin. The others are not touched.
 template <class S, class T>
 [[nodiscard]] bool storeSquares(const S* packs, std::span<const std::ptrdiff_t> squares, int states, T* column, std::ptrdiff_t stride) {
-  constexpr int lanes = lanes_of<S>;
-  PackTurner<T, lanes> turner;
-  for (const std::ptrdiff_t first : squares) turner.put(reinterpret_cast<const T*>(packs + first), states, column + first, stride);
-  return turner.finite();
+  const auto count = static_cast<std::ptrdiff_t>(squares.size());
+  return putSquares(
+      packs, count, [first = squares.data()](std::ptrdiff_t k) { return first[k]; }, states, column, stride);
 }
 
 }  // namespace dyn::kernels

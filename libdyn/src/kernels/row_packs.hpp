@@ -33,21 +33,7 @@ void inGroups(int begin, int end, Use&& use) {
   if (end > begin) use(begin, std::type_identity<Half>(), std::integral_constant<int, 1>());
 }
 
-/// The first `count` numbers of a pack, or all: by halves.
-template <int lanes>
-void storeFirst(const typename Square<double, lanes>::Row& x, int count, double* to) {
-  if (count >= lanes) {
-    *reinterpret_cast<typename Square<double, lanes>::Unaligned*>(to) = x;
-  } else if constexpr (lanes > 1) {
-    constexpr int half = lanes / 2;
-    [&]<int... k>(std::integer_sequence<int, k...>) {
-      using Half = typename Square<double, half>::Row;
-      const Half lower = __builtin_shufflevector(x, x, k...), upper = __builtin_shufflevector(x, x, (half + k)...);
-      storeFirst<half>(lower, count, to);
-      if (count > half) storeFirst<half>(upper, count - half, to + half);
-    }(std::make_integer_sequence<int, half>());
-  }
-}
+/// The first `count` numbers of a pack, or all.
 template <class P>
 void storeFirst(const P& value, int count, double* to) {
   if constexpr (lanes_of<P> == 1) {

@@ -10,17 +10,6 @@
 
 namespace dyn::kernels {
 
-/// The first `count` numbers of four, one after the other.
-template <int count>
-void writeFirst(const Four& numbers, double* to) {
-  if constexpr (count >= 2) {
-    Square<double, count == 4 ? 4 : 2> row;
-    if constexpr (count == 4) row.rows[0] = numbers;
-    if constexpr (count < 4) row.rows[0] = __builtin_shufflevector(numbers, numbers, 0, 1);
-    row.write(0, to);
-  }
-  if constexpr (count % 2 == 1) to[count - 1] = numbers[count - 1];
-}
 /// Zero in the lanes before `first`.
 template <int first>
 Four from(const Four& x) {
@@ -72,12 +61,12 @@ struct ClimbingColumns {
   }
   /// In a row of the matrix and its mirror image, from where the first lane's entries go.
   static void enter(const Four& entries, double* row, double* column, std::ptrdiff_t n) {
-    writeFirst<count>(entries, row);
+    storeFirst<4>(entries, count, row);
     for (int l = 0; l < count; ++l) column[l * n] = entries[l];
   }
   void enterFlying(double* row, double* column, std::ptrdiff_t n) const {
     const Four parts[] = {fx, fy, fz, tx, ty, tz};
-    for (int a = 0; a < 6; ++a) writeFirst<count>(parts[a], row + a * n);
+    for (int a = 0; a < 6; ++a) storeFirst<4>(parts[a], count, row + a * n);
     Square<double, 4> first, last;
     for (int a = 0; a < 4; ++a) {
       first.rows[a] = parts[a];
