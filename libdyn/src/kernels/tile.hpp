@@ -21,8 +21,8 @@ struct Tile {
   }
   Tile(const S* from, std::ptrdiff_t stride) {
 #pragma GCC unroll 8
-    for (int r = 0; r < rows; ++r)
-      for (int p = 0; p < packs; ++p) sum[r][p] = loadPack<Wide>(from + r * stride + p * width);
+    for (int r = 0; r < rows; ++r, from += stride)
+      for (int p = 0; p < packs; ++p) sum[r][p] = loadPack<Wide>(from + p * width);
   }
   /// `terms` other rows times their factors: of row r and term k at factors[r * by_row + k * by_term].
   void subtract(const S* from, std::ptrdiff_t stride, int terms, const S* factors, std::ptrdiff_t by_row, std::ptrdiff_t by_term) {
@@ -48,8 +48,8 @@ struct Tile {
   }
   void store(S* to, std::ptrdiff_t stride) const {
 #pragma GCC unroll 8
-    for (int r = 0; r < rows; ++r)
-      for (int p = 0; p < packs; ++p) storePack(sum[r][p], to + r * stride + p * width);
+    for (int r = 0; r < rows; ++r, to += stride)
+      for (int p = 0; p < packs; ++p) storePack(sum[r][p], to + p * width);
   }
 
  private:

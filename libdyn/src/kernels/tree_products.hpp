@@ -21,23 +21,23 @@ struct FromMinus {
 
   template <class Tile>
   Tile tile(int j, int first) const {
-    if constexpr (Tile::width > 1) {
-      Tile tile(below[j] + first, below.stride);
-      tile.negate();
-      return tile;
-    } else {
-      // Where packs are states, the row has something else's entries before those.
-      Tile tile;
+    const auto beginOf = [&](int dof) { return m.index[static_cast<std::size_t>(m.dof_body[static_cast<std::size_t>(dof)])].idx_v; };
+    // Where packs are states, rows have something else's entries before those.
+    constexpr bool states = Tile::width == 1;
+    if (states && first + Tile::packs <= beginOf(j)) return Tile();
+    Tile tile(below[j] + first, below.stride);
+    tile.negate();
+    if (states && first < beginOf(j + Tile::rows - 1)) {
 #pragma GCC unroll 8
       for (int r = 0; r < Tile::rows; ++r) {
-        const int begin = m.index[static_cast<std::size_t>(m.dof_body[static_cast<std::size_t>(j + r)])].idx_v;
+        const int begin = beginOf(j + r);
         // From a place that is not constant on, the tile would be built in memory.
 #pragma GCC unroll 4
         for (int p = 0; p < Tile::packs; ++p)
-          if (first + p >= begin) tile.sum[r][p] = -below[j + r][first + p];
+          if (first + p < begin) tile.sum[r][p] = {};
       }
-      return tile;
     }
+    return tile;
   }
 };
 
@@ -76,9 +76,10 @@ __attribute__((flatten)) void downTheTree(const CompactImpl& m, const TreeFactor
           [&]<int... k>(std::integer_sequence<int, k...>) {
             (own.template addFrom<k>(f.U[begin + k] + first, f.inverse[begin + k], right[begin + k] + begin), ...);
           }(std::make_integer_sequence<int, rows>());
-        alongPath(m, m.dof_parent[static_cast<std::size_t>(begin)], [&](int k) {
-          if (first < endOf(k) && end > k) own.template addFrom<0>(f.U[k] + first, f.inverse[k], right[k] + begin);
-        });
+        // Subtrees on the way contain one another: from the first one with a part of the panel on, all have it.
+        int k = m.dof_parent[static_cast<std::size_t>(begin)];
+        while (k >= 0 && (first >= endOf(k) || end <= k)) k = m.dof_parent[static_cast<std::size_t>(k)];
+        alongPath(m, k, [&](int above) { own.template addFrom<0>(f.U[above] + first, f.inverse[above], right[above] + begin); });
         own.store(columns.first + first, columns.stride);
       });
       out.written(begin, rows);
