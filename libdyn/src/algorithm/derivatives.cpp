@@ -86,15 +86,6 @@ void invertDense(const char* algorithm, const CompactImpl& m, DataImpl& d) {
     for (std::ptrdiff_t j = 0; j < i; ++j) d.Minv[i * n + j] = d.Minv[j * n + i];
 }
 
-/// checkFactors of those in d, after their last use. Sweeps leave zeros where the tree has no path by multiplying with them, and so not where
-/// something is no number; other sweeps count on them.
-void checkTreeFactors(const char* algorithm, const CompactImpl& m, DataImpl& d, int failed, const double* q) {
-  if (failed == 0) return;
-  const Rows<double> U = d.derivatives.factors.U;
-  std::fill_n(U.first, U.stride * m.nvx, 0.0);
-  checkFactors(algorithm, m, failed, q);
-}
-
 }  // namespace
 
 void forceDerivatives(const char* algorithm, const CompactModel& model, Data& data, VectorView q, const VectorView* v, const VectorView* a,
@@ -113,7 +104,7 @@ void invertTreeInertia(const char* algorithm, const CompactImpl& m, DataImpl& d,
   const kernels::SingleKernels& k = kernels::active().single;
   const int failed = k.treeFactors(m, d, d.derivatives);
   k.inverseOfMassMatrix(m, d.derivatives, d.Minv);
-  checkTreeFactors(algorithm, m, d, failed, q);
+  checkFactors(algorithm, m, failed, q);
 }
 
 void inverseInertia(const char* algorithm, const CompactModel& model, Data& data, VectorView q) {
@@ -157,7 +148,7 @@ DerivativeViews abaDerivatives(const CompactModel& model, Data& data, VectorView
   const Prepared x = prepare(algorithm, model, data, q, &v, nullptr, fext, count);
   const double* effective = lessLosses(m, d, tau.data, x.in.v);
   const int failed = kernels::active().single.abaDerivatives(m, d, d.derivatives, x.in.v, effective, x.external, d.ddq, d.ddq_dq, d.ddq_dv, d.Minv);
-  checkTreeFactors(algorithm, m, d, failed, x.in.q);
+  checkFactors(algorithm, m, failed, x.in.q);
   return {d.ddq, d.ddq_dq, d.ddq_dv, d.Minv};
 }
 

@@ -107,11 +107,7 @@ void variationsInward(const Order& order, DerivativeWorkspace<S>& d) {
   Workspace<S>& w = order.w;
   order.backward(passing(w.f), [&]<class Joint>(const Joint&, int i, int iv, auto&& force) {
     const Force<S>& f = force.gather(d.subtree[i].f);
-    if (order.isRoot(i)) {
-      // Nobody is there to take it, but lanes beside others' climb with them, and times zero must be zero.
-      for (int m = 0; m < Joint::nv; ++m) d.dof_force[iv + m].by_q = d.dof_force[iv + m].by_v = {};
-      return;
-    }
+    if (order.isRoot(i)) return;
     const ArticulatedInertia<S>& IA = w.IA[i];
     const CoriolisMap<S>& map = d.coriolis[i];
     for (int m = 0; m < Joint::nv; ++m) {

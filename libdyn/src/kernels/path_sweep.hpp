@@ -139,7 +139,7 @@ Below<Wide> belowFlyingRoot(int k, const DofVariation<T>* changes, const DofForc
 /// To the parent's origin, from body i's.
 template <class Wide, class T, class S>
 void climb(DofForces<Wide>& F, const Part<Wide, S>& part, const Vec3<T>& lever, const Vec3<T>& lever_rate) {
-  const Vec3<Wide> r = part.inside() * cast<Wide>(lever), rate = part.inside() * cast<Wide>(T(2) * lever_rate);
+  const Vec3<Wide> r = part.inside(cast<Wide>(lever)), rate = part.inside(cast<Wide>(T(2) * lever_rate));
   F.lever += cross(rate, F.by_a.linear);
   for (Force<Wide>* force : {&F.by_a, &F.by_q, &F.by_v}) force->angular += cross(r, force->linear);
 }
@@ -182,7 +182,7 @@ void pathSweep(const R& recursion, DerivativeWorkspace<S>& d) {
 /// What degree of freedom k takes of the forces along it, which is row k of U but for the diagonal.
 template <class Wide, class S>
 Wide enterShare(const Part<Wide, S>& part, int k, const Wide& along, S* row) {
-  const Wide u = part.since(k + 1) * along;
+  const Wide u = part.since(k + 1, along);
   part.store(u - part.at(k), row);
   return u;
 }
@@ -205,7 +205,7 @@ void factorsSweep(const R& recursion, DerivativeWorkspace<S>& d) {
         }
       }
       for (int k = Joint::nv - 1; k >= 0; --k) yield(F, rowOf(own[k]), share(k, Column<Joint, T>{dofs[iv + k].S_}));
-      if (!order.isRoot(i)) F.angular += cross(part.inside() * cast<Wide>(levers[i]), F.linear);
+      if (!order.isRoot(i)) F.angular += cross(part.inside(cast<Wide>(levers[i])), F.linear);
     });
   });
 }
@@ -223,9 +223,9 @@ void articulatedSweep(const R& recursion, DerivativeWorkspace<S>& d) {
     const DofVariation<T>* const variations = recursion.d.dof;
     const Vec3<T>*const levers = order.w.r, *const lever_rates = recursion.d.shift_rate;
     each([&](DofForces<Wide>& F, int i, int iv, const Part<Wide, S>& part, const auto* own) {
-      const Wide under = part.since(iv + Joint::nv);
       const auto giveWay = [&](int k, const auto& column, auto&& leaves) {
-        const Wide u = enterShare(part, iv + k, column.along(F.by_a), U[iv + k]), q = under * column.along(F.by_q), v = under * column.along(F.by_v);
+        const Wide u = enterShare(part, iv + k, column.along(F.by_a), U[iv + k]), q = part.since(iv + Joint::nv, column.along(F.by_q)),
+                   v = part.since(iv + Joint::nv, column.along(F.by_v));
         part.store(q, by_q.right[iv + k]);
         part.store(v, by_v.right[iv + k]);
         F.lever -= u * cast<Wide>(own[k].lever);

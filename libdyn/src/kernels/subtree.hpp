@@ -10,8 +10,18 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <cstdint>
+#include <type_traits>
 
 namespace dyn::kernels {
+
+/// As many whole numbers as there are lanes of doubles, in the compilers' own vectors.
+template <int lanes>
+struct LaneBits {
+  typedef std::int64_t type __attribute__((vector_size(8 * lanes)));  // gcc 12 forgets the attribute of an alias
+  typedef std::int64_t Anywhere __attribute__((vector_size(8 * lanes), aligned(8)));
+};
 
 /// Some neighbouring degrees of freedom, as many as Wide has lanes beside S; only those from `begin` on and before `end` belong to the
 /// subtree. Where Wide is S there is one, and it does.
@@ -19,37 +29,55 @@ template <class Wide, class S>
 class Part {
  public:
   static constexpr int width = lanes_of<Wide> / lanes_of<S>;
-  Part(int first, int begin, int end) : first_(first), end_(end), inside_(width == 1 ? Wide(1) : since(begin)) {}
+  Part(int first, int begin, int end) : first_(first), end_(end), inside_(chosenFrom(begin)) {}
 
   /// Into an array of which all lanes may be written: outside the subtree, `value` must be what was there.
   void store(const Wide& value, S* row) const { storePack(value, row + first_); }
-  /// 1 in the subtree, 0 outside.
-  const Wide& inside() const { return inside_; }
-  /// 1 in the subtree from `dof` on.
-  Wide since(int dof) const {
+  /// Numbers in the subtree, and zeros outside, whatever is there: others count on finding them.
+  Wide inside(const Wide& x) const {
     if constexpr (width == 1) {
-      return Wide(first_ >= dof ? 1 : 0);
+      return x;
     } else {
-      return before(end_) - before(dof);
+      return choose(inside_, x);
     }
   }
+  Vec3<Wide> inside(const Vec3<Wide>& v) const { return {inside(v.x), inside(v.y), inside(v.z)}; }
+  /// Those in the subtree from `dof` on, zeros elsewhere.
+  Wide since(int dof, const Wide& x) const { return choose(chosenFrom(dof), x); }
   /// 1 for `dof` itself.
-  Wide at(int dof) const { return since(dof) - since(dof + 1); }
+  Wide at(int dof) const { return since(dof, Wide(1)) - since(dof + 1, Wide(1)); }
   int first() const { return first_; }
 
  private:
+  /// Which lanes are chosen: all bits of theirs.
+  using Chosen = std::conditional_t<width == 1, bool, typename LaneBits<width>::type>;
+
+  Chosen chosenFrom(int dof) const {
+    if constexpr (width == 1) {
+      return first_ >= dof;
+    } else {
+      return before(end_) & ~before(dof);
+    }
+  }
+  static Wide choose(const Chosen& chosen, const Wide& x) {
+    if constexpr (width == 1) {
+      return chosen ? x : Wide(0);
+    } else {
+      return std::bit_cast<typename Wide::Native>(std::bit_cast<Chosen>(x.x) & chosen);
+    }
+  }
   /// Windows of a row of ones.
-  Wide before(int dof) const {
+  Chosen before(int dof) const {
     alignas(64) static constexpr auto ones = [] {
-      std::array<S, 2 * width> x{};
-      for (int l = 0; l < width; ++l) x[static_cast<std::size_t>(l)] = S(1);
+      std::array<std::int64_t, 2 * width> x{};
+      for (int l = 0; l < width; ++l) x[static_cast<std::size_t>(l)] = -1;
       return x;
     }();
-    return Wide::load(ones.data() + width - std::clamp(dof - first_, 0, width));
+    return *reinterpret_cast<const typename LaneBits<width>::Anywhere*>(ones.data() + width - std::clamp(dof - first_, 0, width));
   }
 
   int first_, end_;
-  Wide inside_;
+  Chosen inside_;
 };
 
 /// The sum of a pack's numbers, by halves.
@@ -99,7 +127,7 @@ struct PathMatrix {
 
   template <class Wide>
   void enterBelow(const Part<Wide, S>& part, int k, const Wide& entries) const {
-    part.store(part.inside() * entries, below[k]);
+    part.store(part.inside(entries), below[k]);
   }
   /// Of row k, columns from `from` on; those before are the joint's own.
   template <class Wide>
@@ -107,7 +135,7 @@ struct PathMatrix {
     if constexpr (in_place) {
       if (part.first() >= from) below[part.first()][k] = entries;
     } else {
-      part.store(part.inside() * entries, right[k]);
+      part.store(part.inside(entries), right[k]);
     }
   }
   template <class Wide>
