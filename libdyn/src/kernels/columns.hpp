@@ -12,30 +12,54 @@
 namespace dyn::kernels {
 
 /// Turns a square of numbers, as many rows as a pack has lanes, in registers: each round exchanges blocks beside the diagonal, of one number,
-/// of two, and so on. Written with the compilers' own vectors, which name no instruction set.
-template <class T, int lanes>
+/// of two, and so on. Written with the compilers' own vectors, which name no instruction set. Of half as many rows it is two squares side by side.
+template <class T, int lanes, int height = lanes>
 struct Square {
   typedef T Row __attribute__((vector_size(sizeof(T) * lanes)));  // gcc 12 forgets the attribute of an alias
   // In memory. Not copied as bytes, which gcc 12 does by halves, that the whole is then read from right after.
   typedef T Unaligned __attribute__((vector_size(sizeof(T) * lanes), aligned(alignof(T))));
-  Row rows[lanes];
+  typedef T Part __attribute__((vector_size(sizeof(T) * height), aligned(alignof(T))));
+  Row rows[height];
 
   void read(int i, const T* from) { rows[i] = *reinterpret_cast<const Unaligned*>(from); }
   void write(int i, T* to) const { *reinterpret_cast<Unaligned*>(to) = rows[i]; }
   /// Rows `stride` apart.
   void read(const T* from, std::ptrdiff_t stride) {
 #pragma GCC unroll 16
-    for (int i = 0; i < lanes; ++i) read(i, from + i * stride);
+    for (int i = 0; i < height; ++i) read(i, from + i * stride);
   }
   void write(T* to, std::ptrdiff_t stride) const {
 #pragma GCC unroll 16
-    for (int i = 0; i < lanes; ++i) write(i, to + i * stride);
+    for (int i = 0; i < height; ++i) write(i, to + i * stride);
   }
   /// The first n rows. Row by row: a loop over them is made a copy of bytes.
   void writeSome(int n, T* to) const {
 #pragma GCC unroll 16
-    for (int i = 0; i < lanes; ++i)
+    for (int i = 0; i < height; ++i)
       if (i < n) write(i, to + i * lanes);
+  }
+  /// Between rows of the squares and columns, of which there are as many as lanes: `height` numbers of each.
+  void readColumns(const T* const* columns) {
+#pragma GCC unroll 16
+    for (int i = 0; i < height; ++i) {
+      if constexpr (height == lanes) {
+        read(i, columns[i]);
+      } else {
+        rows[i] = [&]<int... k>(std::integer_sequence<int, k...>) {
+          return __builtin_shufflevector(*reinterpret_cast<const Part*>(columns[i]), *reinterpret_cast<const Part*>(columns[height + i]), k...);
+        }(std::make_integer_sequence<int, lanes>());
+      }
+    }
+  }
+  void writeColumn(int l, T* to) const {
+    if constexpr (height == lanes) {
+      write(l, to);
+    } else {
+      [&]<int... k>(std::integer_sequence<int, k...>) {
+        const Row& row = rows[l % height];
+        *reinterpret_cast<Part*>(to) = l < height ? __builtin_shufflevector(row, row, k...) : __builtin_shufflevector(row, row, (height + k)...);
+      }(std::make_integer_sequence<int, height>());
+    }
   }
   void transpose() { exchangeFrom<1>(); }
   /// Takes another's numbers k of each row beyond k.
@@ -53,9 +77,9 @@ struct Square {
   /// Rounds of blocks of `d` numbers and more.
   template <int d>
   void exchangeFrom() {
-    if constexpr (d < lanes) {
+    if constexpr (d < height) {
 #pragma GCC unroll 16
-      for (int i = 0; i < lanes / 2; ++i) {
+      for (int i = 0; i < height / 2; ++i) {
         const int row = i / d * 2 * d + i % d;
         exchange<d>(rows[row], rows[row + d], std::make_integer_sequence<int, lanes>());
       }
@@ -113,6 +137,30 @@ struct ColumnsIn {
   int following = 0;  ///< columns after these: reading past the end of a column, into the next ones, stays in the caller's memory
 };
 
+/// Calls use(height), a constant: of squares that take columns of n numbers, fewer than there are lanes.
+template <int lanes, class Use>
+decltype(auto) withHeight(std::ptrdiff_t n, Use&& use) {
+  if constexpr (lanes >= 8)
+    if (2 * n <= lanes) return use(std::integral_constant<int, lanes / 2>());
+  return use(std::integral_constant<int, lanes>());
+}
+
+/// Columns of n numbers, at most as many as squares are high: they are read past their end, into the next ones; those where these are too few
+/// before `end` are copied.
+template <class T, int lanes, int height>
+[[gnu::always_inline]] inline void loadShort(const T* (&columns)[lanes], int n, const T* end, T* to) {
+  T copied[lanes][height];
+  if (end - columns[lanes - 1] < height) {
+    std::fill_n(copied[0], lanes * height, T(0));
+    for (int l = 0; l < lanes; ++l)
+      if (end - columns[l] < height) columns[l] = (std::copy_n(columns[l], n, copied[l]), copied[l]);
+  }
+  Square<T, lanes, height> square;
+  square.readColumns(columns);
+  square.transpose();
+  square.writeSome(n, to);
+}
+
 /// n numbers of each column into packs.
 template <class S, class T>
 void loadColumns(const ColumnsIn<T>& in, int n, S* to) {
@@ -126,8 +174,8 @@ void loadColumns(const ColumnsIn<T>& in, int n, S* to) {
   for (int l = 0; l < lanes; ++l) columns[l] = in.first + std::min(l, in.states - 1) * in.stride;
   T* out = reinterpret_cast<T*>(to);
   if constexpr (lanes > 1) {
-    Square<T, lanes> square;
     if (n >= lanes) {
+      Square<T, lanes> square;
       // The last square overlaps the one before.
       for (int row = 0; row < n; row += lanes) {
         const int top = std::min(row, n - lanes);
@@ -139,19 +187,8 @@ void loadColumns(const ColumnsIn<T>& in, int n, S* to) {
       return;
     }
     if (4 * n >= lanes) {
-      // Short columns are read past their end, into the next ones; the last, where these are too few, are copied.
-      T copied[lanes][lanes];
       const T* end = in.first + (in.states - 1 + in.following) * in.stride + n;
-      if (end - columns[lanes - 1] < lanes) {
-        std::fill_n(copied[0], lanes * lanes, T(0));
-        for (int l = 0; l < lanes; ++l)
-          if (end - columns[l] < lanes) columns[l] = (std::copy_n(columns[l], n, copied[l]), copied[l]);
-      }
-#pragma GCC unroll 16
-      for (int l = 0; l < lanes; ++l) square.read(l, columns[l]);
-      square.transpose();
-      square.writeSome(n, out);
-      return;
+      return withHeight<lanes>(n, [&](auto height) { loadShort<T, lanes, height>(columns, n, end, out); });
     }
   }
   for (int l = 0; l < lanes; ++l)
@@ -162,15 +199,16 @@ void loadColumns(const ColumnsIn<T>& in, int n, S* to) {
 template <class T, int lanes>
 class PackTurner {
  public:
-  /// The first `count` packs, or all; what else there is comes from the last of them.
-  Square<T, lanes> turned(const T* numbers, int count = lanes) {
-    Square<T, lanes> square;
+  /// The first `count` packs, or as many as there are rows; what else there is comes from the last of them.
+  template <int height = lanes>
+  Square<T, lanes, height> turned(const T* numbers, int count = height) {
+    Square<T, lanes, height> square;
 #pragma GCC unroll 16
-    for (int i = 0; i < lanes; ++i) square.read(i, numbers + std::min(i, count - 1) * lanes);
+    for (int i = 0; i < height; ++i) square.read(i, numbers + std::min(i, count - 1) * lanes);
     // Apart from the squares before, so that each need not wait for them.
     auto zeros = T(0) * square.rows[0];
 #pragma GCC unroll 16
-    for (int i = 1; i < lanes; ++i) zeros += T(0) * square.rows[i];
+    for (int i = 1; i < height; ++i) zeros += T(0) * square.rows[i];
     zeros_ += zeros;
     square.transpose();
     return square;
@@ -217,6 +255,24 @@ template <class S, class T, class At>
   return turner.finite();
 }
 
+/// n packs, at most as many as squares are high, to columns that follow one another. Those are written past their ends, where the next ones will
+/// be; the last, where these are too few, are copied. Whether all numbers are finite.
+template <class T, int lanes, int height>
+bool storeShort(const T* numbers, int n, int states, T* column) {
+  PackTurner<T, lanes> turner;
+  const auto square = turner.template turned<height>(numbers, n);
+  const int whole = states - (height - 1) / n;
+#pragma GCC unroll 16
+  for (int l = 0; l < lanes; ++l)
+    if (l < whole) square.writeColumn(l, column + l * n);
+  T copied[lanes][height];
+#pragma GCC unroll 16
+  for (int l = 0; l < lanes; ++l)
+    if (l >= whole) square.writeColumn(l, copied[l]);
+  for (int l = std::max(whole, 0); l < states; ++l) std::copy_n(copied[l], n, column + l * n);
+  return turner.finite();
+}
+
 /// The way back: n numbers of each of the first `states` lanes into columns that follow one another, `stride` apart. Whether all are finite.
 template <class S, class T>
 [[nodiscard]] bool storeColumns(const S* packs, std::ptrdiff_t n, int states, T* column, std::ptrdiff_t stride) {
@@ -226,22 +282,8 @@ template <class S, class T>
     if (n >= lanes)
       return putSquares(
           packs, (n + lanes - 1) / lanes, [=](std::ptrdiff_t k) { return std::min(k * lanes, n - lanes); }, states, column, stride);
-    PackTurner<T, lanes> turner;
-    if (stride == n && 4 * n >= lanes) {
-      // Columns are written past their ends, where the next ones will be; the last, where these are too few, are copied.
-      const Square<T, lanes> square = turner.turned(numbers, static_cast<int>(n));
-      for (int l = 0; l < states; ++l) {
-        T* to = column + l * n;
-        if ((states - l) * n >= lanes) {
-          square.write(l, to);
-        } else {
-          T copied[lanes];
-          square.write(l, copied);
-          std::copy_n(copied, n, to);
-        }
-      }
-      return turner.finite();
-    }
+    if (stride == n && 4 * n >= lanes)
+      return withHeight<lanes>(n, [&](auto height) { return storeShort<T, lanes, height>(numbers, static_cast<int>(n), states, column); });
   }
   T differences(0);
   for (std::ptrdiff_t i = 0; i < n; ++i, numbers += lanes) {
