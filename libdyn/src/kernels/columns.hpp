@@ -55,11 +55,16 @@ struct Square {
     if constexpr (height == lanes) {
       write(l, to);
     } else {
-      [&]<int... k>(std::integer_sequence<int, k...>) {
-        const Row& row = rows[l % height];
-        *reinterpret_cast<Part*>(to) = l < height ? __builtin_shufflevector(row, row, k...) : __builtin_shufflevector(row, row, (height + k)...);
-      }(std::make_integer_sequence<int, height>());
+      const Row& row = rows[l % height];
+      *reinterpret_cast<Part*>(to) = l < height ? half<0>(row) : half<1>(row);
     }
+  }
+  /// The lower half of a row, or the upper one.
+  template <int which>
+  static auto half(const Row& row) {
+    return [&]<int... k>(std::integer_sequence<int, k...>) {
+      return __builtin_shufflevector(row, row, (which * (lanes / 2) + k)...);
+    }(std::make_integer_sequence<int, lanes / 2>());
   }
   void transpose() { exchangeFrom<1>(); }
   /// Takes another's numbers k of each row beyond k.
@@ -102,12 +107,9 @@ void storeFirst(const typename Square<double, lanes>::Row& x, int count, double*
     *reinterpret_cast<typename Square<double, lanes>::Unaligned*>(to) = x;
   } else if constexpr (lanes > 1) {
     constexpr int half = lanes / 2;
-    [&]<int... k>(std::integer_sequence<int, k...>) {
-      using Half = typename Square<double, half>::Row;
-      const Half lower = __builtin_shufflevector(x, x, k...), upper = __builtin_shufflevector(x, x, (half + k)...);
-      storeFirst<half>(lower, count, to);
-      if (count > half) storeFirst<half>(upper, count - half, to + half);
-    }(std::make_integer_sequence<int, half>());
+    using Whole = Square<double, lanes>;
+    storeFirst<half>(Whole::template half<0>(x), count, to);
+    if (count > half) storeFirst<half>(Whole::template half<1>(x), count - half, to + half);
   }
 }
 

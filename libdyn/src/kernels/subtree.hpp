@@ -16,13 +16,6 @@
 
 namespace dyn::kernels {
 
-/// As many whole numbers as there are lanes of doubles, in the compilers' own vectors.
-template <int lanes>
-struct LaneBits {
-  typedef std::int64_t type __attribute__((vector_size(8 * lanes)));  // gcc 12 forgets the attribute of an alias
-  typedef std::int64_t Anywhere __attribute__((vector_size(8 * lanes), aligned(8)));
-};
-
 /// Some neighbouring degrees of freedom, as many as Wide has lanes beside S; only those from `begin` on and before `end` belong to the
 /// subtree. Where Wide is S there is one, and it does.
 template <class Wide, class S>
@@ -50,7 +43,8 @@ class Part {
 
  private:
   /// Which lanes are chosen: all bits of theirs.
-  using Chosen = std::conditional_t<width == 1, bool, typename LaneBits<width>::type>;
+  using Bits = Square<std::int64_t, width>;
+  using Chosen = std::conditional_t<width == 1, bool, typename Bits::Row>;
 
   Chosen chosenFrom(int dof) const {
     if constexpr (width == 1) {
@@ -73,7 +67,7 @@ class Part {
       for (int l = 0; l < width; ++l) x[static_cast<std::size_t>(l)] = -1;
       return x;
     }();
-    return *reinterpret_cast<const typename LaneBits<width>::Anywhere*>(ones.data() + width - std::clamp(dof - first_, 0, width));
+    return *reinterpret_cast<const typename Bits::Unaligned*>(ones.data() + width - std::clamp(dof - first_, 0, width));
   }
 
   int first_, end_;
@@ -86,10 +80,8 @@ S sumOf(const typename Square<S, lanes>::Row& x) {
   if constexpr (lanes == 1) {
     return x[0];
   } else {
-    return [&]<int... k>(std::integer_sequence<int, k...>) {
-      const typename Square<S, lanes / 2>::Row lower = __builtin_shufflevector(x, x, k...), upper = __builtin_shufflevector(x, x, (lanes / 2 + k)...);
-      return sumOf<S, lanes / 2>(lower + upper);
-    }(std::make_integer_sequence<int, lanes / 2>());
+    using Numbers = Square<S, lanes>;
+    return sumOf<S, lanes / 2>(Numbers::template half<0>(x) + Numbers::template half<1>(x));
   }
 }
 /// The same, beside S.
