@@ -36,6 +36,8 @@ struct BodyIndex {
   int joint = 0;             ///< user's joint
   int depth = 0;             ///< moving bodies up to the world
   int piece = 0;             ///< first of the bodies with one axis to turn about that lead here, numbers without a gap; past this one if it has not
+  bool leaf = false;         ///< nothing hangs on it
+  bool last_child = false;   ///< of its parent's, in their numbers
   bool turns_only = false;   ///< the joint's motion subspace has no linear part
   bool flying_root = false;  ///< a free body on the world: its subspace is the identity in aligned axes
 };

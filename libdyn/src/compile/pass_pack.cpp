@@ -89,6 +89,8 @@ class Packer {
     }
     for (std::size_t i = 1; i < n; ++i) {
       const int end = out_->tree_end[i];
+      out_->index[i].leaf = at(end) == i + 1;
+      out_->index[i].last_child = end == out_->tree_end[at(out_->index[i].parent)];
       const int end_of_tree = at(end) < n ? out_->index[at(end)].idx_v : out_->nvx;
       out_->dof_end.insert(out_->dof_end.end(), at(out_->index[i].nv), end_of_tree);
       const BodyIndex &x = out_->index[i], &parent = out_->index[at(x.parent)];

@@ -40,17 +40,17 @@ class KeptFromChildren {
   KeptFromChildren(const Order& order, T* array, int) : order_(order), array_(array) {}
   void begin(const Order&, int i, bool kept) {
     i_ = i;
-    leaf_ = order_.isLeaf(i);
-    if (leaf_) return;
-    if (!kept) {
+    if (kept) {
+      if (!order_.isLastChild(i + 1)) kept_ += array_[i];
+    } else if (order_.isLeaf(i)) {
+      kept_ = T{};
+    } else {
       kept_ = array_[i];
-    } else if (!order_.isLastChild(i + 1)) {
-      kept_ += array_[i];
     }
   }
   T with(const T& own) const {
     T sum = own;
-    if (!leaf_) sum += kept_;
+    sum += kept_;
     order_.unite(i_, sum);
     return sum;
   }
@@ -70,7 +70,6 @@ class KeptFromChildren {
   T* array_;
   T kept_{};
   int i_ = 0;
-  bool leaf_ = true;
 };
 
 /// What the order keeps, and what it does not.
@@ -95,12 +94,14 @@ void forwardKeeping(const Order& order, int first, int end, std::tuple<T*...> ar
 template <class Order, class Step, class... T>
 void backwardKeeping(const Order& order, int first, int end, std::tuple<T*...> arrays, Step&& step) {
   auto from = std::apply([&](T*... x) { return std::tuple<ChildrenOf<Order, T>...>(ChildrenOf<Order, T>(order, x, first)...); }, arrays);
+  bool kept = false;
   for (int i = end - 1; i >= first; --i)
     std::apply(
         [&](auto&... x) {
-          (x.begin(order, i, i < end - 1 && order.goesBack(i + 1)), ...);
+          (x.begin(order, i, kept), ...);
           step(i, x...);
-          if (i == first || !order.goesBack(i)) (x.putAway(order, i), ...);
+          kept = i > first && order.goesBack(i);
+          if (!kept) (x.putAway(order, i), ...);
         },
         from);
 }

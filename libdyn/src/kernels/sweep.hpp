@@ -168,7 +168,7 @@ struct Bodies {
       sum += value;
     }
   }
-  bool isLeaf(int i) const { return treeEnd(i) == i + 1; }
+  bool isLeaf(int i) const { return index(i).leaf; }
 
   /// Strips may have a body in several lanes, whose sum each of them takes.
   template <class T>
@@ -251,11 +251,10 @@ struct Bodies {
   const BodyIndex& index(int i) const { return m.index[static_cast<std::size_t>(i)]; }
   int parentOf(int i) const { return index(i).parent; }
   int depth(int i) const { return index(i).depth; }
-  int treeEnd(int i) const { return m.tree_end[static_cast<std::size_t>(i)]; }
   /// One past the last degree of freedom of body i's subtree.
   int dofEnd(int i) const { return m.dof_end[static_cast<std::size_t>(index(i).idx_v)]; }
   /// Of its parent's, and so the first one backward.
-  bool isLastChild(int i) const { return treeEnd(i) == treeEnd(parentOf(i)); }
+  bool isLastChild(int i) const { return index(i).last_child; }
 };
 
 /// A free body on the world, which neither turns nor accelerates.

@@ -132,8 +132,8 @@ constexpr std::size_t layoutStamp() {
   std::size_t stamp = 1;
   for (const std::size_t size :
        {sizeof(CompactImpl), sizeof(BodyIndex), sizeof(BodyConstants<double>), sizeof(TypeBatch), sizeof(Run), sizeof(Strip), sizeof(Seat),
-        sizeof(StripPlan), sizeof(Workspace<double>), sizeof(JointMemory<double>), sizeof(DerivativeWorkspace<double>), sizeof(Block<double>),
-        sizeof(Block<float>), sizeof(JointBatch<double>), sizeof(Kernels)})
+        sizeof(StripRun), sizeof(StripPlan), sizeof(Workspace<double>), sizeof(JointMemory<double>), sizeof(DerivativeWorkspace<double>),
+        sizeof(Block<double>), sizeof(Block<float>), sizeof(JointBatch<double>), sizeof(Kernels)})
     stamp = stamp * 1000003 + size;
   return stamp;
 }
