@@ -13,7 +13,10 @@ const char* const names[] = {"sphere", "box", "capsule", "cylinder", "cone", "hu
 
 /// Sides are of the given size, times or through powers of ten up to `ratio`.
 GeometryShape randomShape(int kind, Random& random, double size, double ratio = 0) {
-  const auto side = [&] { return size * random.uniform(0.2, 2) * std::pow(10, ratio > 0 ? random.uniform(-ratio, ratio) : 0); };
+  const auto side = [&] {
+    const double factor = random.uniform(0.2, 2);  // first: what a product evaluates first is the compiler's choice
+    return size * factor * std::pow(10, ratio > 0 ? random.uniform(-ratio, ratio) : 0);
+  };
   switch (kind) {
     case sphere:
       return g::Sphere{side() / 2};

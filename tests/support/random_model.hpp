@@ -69,7 +69,9 @@ inline Model randomTree(const JointRegistry& registry, int n, std::uint64_t seed
       joint.friction.assign(nv, random.uniform(0, 0.5));
       joint.armature.assign(nv, random.uniform(0, 0.2));
     }
-    model.addBody("b" + std::to_string(i), random.below(3) == 0 ? random.below(i + 1) : i, joint, random.inertia());
+    // Apart: arguments are evaluated in any order, and trees are to be the same with every compiler.
+    const Inertia<double> inertia = random.inertia();
+    model.addBody("b" + std::to_string(i), random.below(3) == 0 ? random.below(i + 1) : i, joint, inertia);
   }
   model.addFrame("tool", n, random.pose());
   return model;
@@ -100,7 +102,8 @@ inline Model treeOf(const JointRegistry& registry, const std::vector<std::string
     joint.placement = random.pose();
     joint.armature.assign(static_cast<std::size_t>(degreesOfFreedom(joint, registry)), 0.05);
     joint.damping.assign(joint.armature.size(), 0.3);
-    model.addBody("b" + std::to_string(i), i == 0 ? 0 : random.below(i) + 1, joint, random.inertia());
+    const Inertia<double> inertia = random.inertia();
+    model.addBody("b" + std::to_string(i), i == 0 ? 0 : random.below(i) + 1, joint, inertia);
   }
   return model;
 }

@@ -13,7 +13,7 @@ namespace dyn::kernels {
 template <class S, class Order>
 void abaOutward(const Order& order, Workspace<S>& w, const S* v) {
   w.w[0] = {};
-  order.forward(passing(w.w, w.R, w.product), [&]<class Joint>(const Joint& joint, int i, int iv, auto&& turning, auto&&... axes) {
+  order.forward(passingAxes(order, w, w.w), [&]<class Joint>(const Joint& joint, int i, int iv, auto&& turning, auto&&... axes) {
     const Mat3<S> R = placeAligned<S>(joint, order, order.constants(i).placement, i, w, axes...);
     const Vec3<S>& wp = turning.get();
     const Motion<S> s = joint.timesIn(R, v + iv);

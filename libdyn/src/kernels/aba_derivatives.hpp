@@ -33,7 +33,7 @@ template <class Order, class S>
 void movingOutward(const Order& order, DerivativeWorkspace<S>& d, const S* v) {
   Workspace<S>& w = order.w;
   w.w[0] = {};
-  order.forward(passing(w.w, w.R, w.product), [&]<class Joint>(const Joint& joint, int i, int iv, auto&& turning, auto&&... axes) {
+  order.forward(passingAxes(order, w, w.w), [&]<class Joint>(const Joint& joint, int i, int iv, auto&& turning, auto&&... axes) {
     const Vec3<S>& wp = turning.get();
     const auto [R, s, omega] = moveAligned<S>(joint, order, i, d, v + iv, wp, axes...);
     for (int k = 0; k < Joint::nv; ++k) w.dof[iv + k].S_ = joint.columnIn(R, k);

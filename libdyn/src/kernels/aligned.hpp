@@ -9,25 +9,37 @@
 
 namespace dyn::kernels {
 
-/// Writes w.R and w.r of body i, and of a flying root w.rel. axes, products: of w.R and w.product, FromParent.
-template <class S, class Joint, class Order, class Placement, class Axes, class Products>
-Mat3<S> placeAligned(const Joint& joint, const Order& order, const Placement& placement, int i, Workspace<S>& w, Axes&& axes, Products&& products) {
+/// Arrays that parents hand on to their children: `others`, and behind them those of placeAligned.
+template <class Order, class S, class... T>
+auto passingAxes(const Order&, const Workspace<S>& w, T*... others) {
+  if constexpr (Order::waits) {
+    return passing(others..., w.R, w.product);
+  } else {
+    return passing(others..., w.R);
+  }
+}
+
+/// Writes w.R and w.r of body i, and of a flying root w.rel. axes, products: FromParent of w.R and, for an order that waits, of w.product.
+template <class S, class Joint, class Order, class Placement, class Axes, class... Products>
+Mat3<S> placeAligned(const Joint& joint, const Order& order, const Placement& placement, int i, Workspace<S>& w, Axes&& axes,
+                     Products&&... products) {
   if (isFlyingRoot<Joint>(order, i)) {
     w.rel[i] = placedInParent<S>(joint, cast<S>(placement));
     axes.leave(Mat3<S>::identity());
-    if constexpr (Order::waits) products.leave(Mat3<S>::identity());
+    (products.leave(Mat3<S>::identity()), ...);
     w.r[i] = {};
     return Mat3<S>::identity();
   }
   const Mat3<S>& parent = axes.get();
   if constexpr (Order::waits) {
     // The joint's axes before it moves: constants are on the right of products, where they need not be in registers.
-    const Mat3<S> E = products.get() * placement.R, product = joint.rotate(E);
+    auto& parents = (products, ...);
+    const Mat3<S> E = parents.get() * placement.R, product = joint.rotate(E);
     Mat3<S> R = renewed(product);
     Vec3<S> r = parent * placement.p;
     if constexpr (Joint::moves_origin) r += E * joint.translation();
     w.r[i] = r;
-    products.leave(product);
+    parents.leave(product);
     axes.leave(R);
     return R;
   } else {

@@ -79,7 +79,7 @@ CentroidalState<S> centroidalMap(const Order& order, const S* v, const Walk& wal
   Motion<S>* const origin = w.acc;
   Vec3<S>*const omega = w.w, *const place = w.w;
 
-  order.forward(passing(w.R, w.product), [&]<class Joint>(const Joint& joint, int i, int iv, auto&& axes, auto&&... products) {
+  order.forward(passingAxes(order, w), [&]<class Joint>(const Joint& joint, int i, int iv, auto&& axes, auto&&... products) {
     Mat3<S> R;
     if (isFlyingRoot<Joint>(order, i)) {
       const SE3<S> X = placedInParent<S>(joint, cast<S>(order.constants(i).placement));

@@ -16,7 +16,7 @@ Sym3<S> shiftedInertia(const Sym3<S>& I, const S& mass, const Vec3<S>& h, const 
 /// Placements, and the columns of the motion subspaces.
 template <class S, class Order>
 void columnsOutward(const Order& order, Workspace<S>& w) {
-  order.forward(passing(w.R, w.product), [&]<class Joint>(const Joint& joint, int i, int iv, auto&&... axes) {
+  order.forward(passingAxes(order, w), [&]<class Joint>(const Joint& joint, int i, int iv, auto&&... axes) {
     const Mat3<S> R = placeAligned<S>(joint, order, order.constants(i).placement, i, w, axes...);
     writeColumns(joint, R, w.dof + iv);
   });

@@ -96,7 +96,7 @@ template <class Order, class S>
 void derivativesOutward(const Order& order, DerivativeWorkspace<S>& d, const Vec3<S>& gravity, const S* v, const S* a) {
   Workspace<S>& w = order.w;
   w.w[0] = {};
-  const auto motion = passing(w.w, w.acc, w.R, w.product);
+  const auto motion = passingAxes(order, w, w.w, w.acc);
   order.forward(motion, [&]<class Joint>(const Joint& joint, int i, int iv, auto&& turning, auto&& accelerated, auto&&... axes) {
     const Vec3<S>& wp = turning.get();
     const auto [R, s, omega] = moveAligned<S>(joint, order, i, d, v + iv, wp, axes...);
