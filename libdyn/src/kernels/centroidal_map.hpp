@@ -86,7 +86,7 @@ CentroidalState<S> centroidalMap(const Order& order, const S* v, const Walk& wal
       R = X.R;
       w.r[i] = X.p;
       axes.leave(R);
-      if constexpr (Order::waits) (products.leave(R), ...);
+      (products.leave(R), ...);
     } else {
       R = placeAligned<S>(joint, order, order.constants(i).placement, i, w, axes, products...);
       writeColumns(joint, R, w.dof + iv);

@@ -85,7 +85,8 @@ void forwardKeeping(const Order& order, int first, int end, std::tuple<T*...> ar
   for (int i = first; i < end; ++i)
     std::apply(
         [&](auto&... x) {
-          (x.begin(order, i, i > first && order.goesOn(i)), ...);
+          const bool kept = i > first && order.goesOn(i);
+          (x.begin(order, i, kept), ...);
           step(i, x...);
         },
         from);
