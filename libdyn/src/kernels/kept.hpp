@@ -85,7 +85,7 @@ void forwardKeeping(const Order& order, int first, int end, std::tuple<T*...> ar
   for (int i = first; i < end; ++i)
     std::apply(
         [&](auto&... x) {
-          const bool kept = i > first && order.goesOn(i);
+          [[maybe_unused]] const bool kept = i > first && order.goesOn(i);  // an order may hand on nothing
           (x.begin(order, i, kept), ...);
           step(i, x...);
         },
