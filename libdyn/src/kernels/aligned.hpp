@@ -32,9 +32,11 @@ Mat3<S> placeAligned(const Joint& joint, const Order& order, const Placement& pl
   }
   const Mat3<S>& parent = axes.get();
   if constexpr (Order::waits) {
-    // The joint's axes before it moves: constants are on the right of products, where they need not be in registers.
+    // The joint's axes before it moves: constants are on the right of products, where they need not be in registers. An exchange of axes gives the
+    // same numbers as the product, sooner.
     auto& parents = (products, ...);
-    const Mat3<S> E = parents.get() * placement.R, product = joint.rotate(E);
+    const AxisExchange exchange = order.index(i).exchange;
+    const Mat3<S> E = exchange.shift < 0 ? parents.get() * placement.R : exchanged(parents.get(), exchange), product = joint.rotate(E);
     Mat3<S> R = renewed(product);
     Vec3<S> r = parent * placement.p;
     if constexpr (Joint::moves_origin) r += E * joint.translation();

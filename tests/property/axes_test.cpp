@@ -1,0 +1,80 @@
+// A robot is what it is, however the axes of its bodies are chosen: where placements only exchange axes, kernels take columns instead of products.
+#include "support/difference.hpp"
+#include "support/random_model.hpp"
+#include "support/registry.hpp"
+
+#include <dyn/algorithm/batch_derivatives.hpp>
+
+#include <array>
+
+using namespace dyn;
+using namespace dyn::test;
+
+namespace {
+
+std::vector<double> numbers(const Vec3<double>& v) { return {v.x, v.y, v.z}; }
+
+/// Two descriptions of one robot whose joints are about or along axes of their parents, either way: as such, and with each body's frame turned at
+/// random. Two joints of three stand on the one before, so that all pairs of axes follow one another.
+std::array<Model, 2> describe(int n, std::uint64_t seed, const char* other) {
+  Random random(seed);
+  std::array<Model, 2> out;
+  std::vector<Mat3<double>> turned{Mat3<double>::identity()};
+  for (int i = 0; i < n; ++i) {
+    const int parent = i % 3 == 2 ? random.below(i + 1) : i, direction = random.below(6);
+    Vec3<double> axis{};
+    axis[direction % 3] = direction < 3 ? 1 : -1;
+    const SE3<double> placement{Mat3<double>::identity(), random.vector(0.3)};
+    const Inertia<double> inertia = random.inertia();
+    turned.push_back(random.pose().R);
+
+    JointDescription joint;
+    joint.name = "j" + std::to_string(i);
+    joint.type = i % 5 == 4 ? other : "revolute";
+    joint.parameters["axis"] = numbers(axis);
+    joint.placement = placement;
+    const std::string body = "b" + std::to_string(i);
+    out[0].addBody(body, parent, joint, inertia);
+
+    const Mat3<double> back = transpose(turned.back()), of_parent = transpose(turned[static_cast<std::size_t>(parent)]);
+    joint.parameters["axis"] = numbers(back * axis);
+    joint.placement = {of_parent * turned.back(), of_parent * placement.p};
+    out[1].addBody(body, parent, joint, inertia.transformed({back, {}}));
+  }
+  return out;
+}
+
+}  // namespace
+
+TEST_CASE("robots whose placements exchange axes move as they do in frames turned at random", "[property]") {
+  const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 7)));
+  // Prismatic joints move their origin, and end runs.
+  const auto described = describe(37, seed, seed % 2 == 0 ? "prismatic" : "revolute");
+  const CompactModel model = compile(described[0], registry()), turned = compile(described[1], registry());
+  Random random(seed);
+  const Eigen::VectorXd q = random.vector(model.nv(), 2), v = random.vector(model.nv(), 1), a = random.vector(model.nv(), 1);
+  Data data(model, Need::mass_matrix | Need::derivatives), expected(turned, Need::mass_matrix | Need::derivatives);
+
+  const Eigen::MatrixXd M = crba(turned, expected, q), ddq = aba(turned, expected, q, v, a), inverse = computeMinverse(turned, expected, q);
+  const Eigen::MatrixXd tau = rnea(turned, expected, q, v, a);
+  const Eigen::MatrixXd dtau = computeRNEADerivatives(turned, expected, q, v, a).dtau_dq;
+  const Eigen::MatrixXd map = ccrba(turned, expected, q, v).Ag;
+  CHECK(off(crba(model, data, q), M) <= 1e-13);
+  CHECK(off(rnea(model, data, q, v, a), tau) <= 1e-13);
+  CHECK(off(aba(model, data, q, v, a), ddq) <= 1e-11);
+  CHECK(off(computeMinverse(model, data, q), inverse) <= 1e-11);
+  CHECK(off(computeRNEADerivatives(model, data, q, v, a).dtau_dq, dtau) <= 1e-13);
+  CHECK(off(ccrba(model, data, q, v).Ag, map) <= 1e-13);
+
+  const int states = 9;
+  const auto repeated = [&](const Eigen::VectorXd& x) { return Eigen::MatrixXd(x.replicate(1, states)); };
+  const auto all = [&](const Eigen::MatrixXd& x) {
+    return Eigen::MatrixXd(Eigen::Map<const Eigen::VectorXd>(x.data(), x.size()).replicate(1, states));
+  };
+  BatchData batch(model, states, Need::mass_matrix | Need::derivatives);
+  CHECK(off(crba(model, batch, repeated(q)), all(M)) <= 1e-13);
+  CHECK(off(rnea(model, batch, repeated(q), repeated(v), repeated(a)), all(tau)) <= 1e-13);
+  CHECK(off(aba(model, batch, repeated(q), repeated(v), repeated(a)), all(ddq)) <= 1e-11);
+  CHECK(off(computeMinverse(model, batch, repeated(q)), all(inverse)) <= 1e-11);
+  CHECK(off(computeRNEADerivatives(model, batch, repeated(q), repeated(v), repeated(a)).dtau_dq, all(dtau)) <= 1e-13);
+}
