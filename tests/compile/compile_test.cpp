@@ -282,6 +282,16 @@ TEST_CASE("canonicalise: axes of every direction share a batch, and nothing of i
   }
 }
 
+TEST_CASE("canonicalise: a placement written with two digits stays what it is", "[compile]") {
+  Model model;
+  const SE3<double> placement{{0.71, -0.71, 0, 0.71, 0.71, 0, 0, 0, 1}, {}};
+  model.addBody("b", 0, revolute("j", {0, 0, 1}, placement), {1, {0.1, 0, 0}, {1, 0, 0, 1, 0, 1}});
+  const CompactModel compact = compile(model, registry());
+  Data data(compact);
+  forwardKinematics(compact, data, Eigen::VectorXd::Constant(1, 0.5));
+  CHECK(off(jointPlacement(compact, data, 1), placement * SE3<double>{exp3(Vec3<double>{0, 0, 0.5}), {}}) < 1e-15);
+}
+
 TEST_CASE("inspect: what moves no mass is reported, never divided by", "[compile]") {
   Model model;
   model.addBody("a", 0, revolute("j"), {1, {0.1, 0, 0}, {1, 0, 0, 1, 0, 1}});

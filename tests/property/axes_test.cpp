@@ -1,4 +1,5 @@
-// A robot is what it is, however the axes of its bodies are chosen: where placements only exchange axes, kernels take columns instead of products.
+// A robot is what it is, however the axes of its bodies are chosen: where placements only exchange axes, or are at their parent's origin, kernels
+// leave out what would be multiplied with zeros.
 #include "support/difference.hpp"
 #include "support/random_model.hpp"
 #include "support/registry.hpp"
@@ -6,6 +7,7 @@
 #include <dyn/algorithm/batch_derivatives.hpp>
 
 #include <array>
+#include <cmath>
 
 using namespace dyn;
 using namespace dyn::test;
@@ -14,32 +16,47 @@ namespace {
 
 std::vector<double> numbers(const Vec3<double>& v) { return {v.x, v.y, v.z}; }
 
-/// Two descriptions of one robot whose joints are about or along axes of their parents, either way: as such, and with each body's frame turned at
-/// random. Two joints of three stand on the one before.
-std::array<Model, 2> describe(int n, std::uint64_t seed, const char* other) {
-  Random random(seed);
-  std::array<Model, 2> out;
+/// About axis k.
+Mat3<double> turnedAbout(int k, double angle) {
+  Mat3<double> R = Mat3<double>::identity();
+  const int x = (k + 1) % 3, y = (k + 2) % 3;
+  R(x, x) = R(y, y) = std::cos(angle);
+  R(y, x) = std::sin(angle);
+  R(x, y) = -R(y, x);
+  return R;
+}
+
+/// Two descriptions of one robot whose joints are about or along axes of their parents, either way, some of them turned about that axis or without
+/// a lever: as such, and with each body's frame turned at random. Two joints of three stand on the one before.
+struct Described {
+  std::array<Model, 2> models;
   std::vector<Mat3<double>> turned{Mat3<double>::identity()};
+};
+Described describe(int n, std::uint64_t seed, const char* other, double armature) {
+  Random random(seed);
+  Described out;
   for (int i = 0; i < n; ++i) {
     const int parent = i % 3 == 2 ? random.below(i + 1) : i, direction = random.below(6);
     Vec3<double> axis{};
     axis[direction % 3] = direction < 3 ? 1 : -1;
-    const SE3<double> placement{Mat3<double>::identity(), random.vector(0.3)};
+    const SE3<double> placement{i % 4 == 0 ? turnedAbout(direction % 3, random.uniform(-3, 3)) : Mat3<double>::identity(),
+                                i % 7 == 3 ? Vec3<double>{} : random.vector(0.3)};
     const Inertia<double> inertia = random.inertia();
-    turned.push_back(random.pose().R);
+    out.turned.push_back(random.pose().R);
 
     JointDescription joint;
     joint.name = "j" + std::to_string(i);
     joint.type = i % 5 == 4 ? other : "revolute";
     joint.parameters["axis"] = numbers(axis);
     joint.placement = placement;
+    if (armature > 0) joint.armature = {armature};
     const std::string body = "b" + std::to_string(i);
-    out[0].addBody(body, parent, joint, inertia);
+    out.models[0].addBody(body, parent, joint, inertia);
 
-    const Mat3<double> back = transpose(turned.back()), of_parent = transpose(turned[static_cast<std::size_t>(parent)]);
+    const Mat3<double> back = transpose(out.turned.back()), of_parent = transpose(out.turned[static_cast<std::size_t>(parent)]);
     joint.parameters["axis"] = numbers(back * axis);
-    joint.placement = {of_parent * turned.back(), of_parent * placement.p};
-    out[1].addBody(body, parent, joint, inertia.transformed({back, {}}));
+    joint.placement = {of_parent * placement.R * out.turned.back(), of_parent * placement.p};
+    out.models[1].addBody(body, parent, joint, inertia.transformed({back, {}}));
   }
   return out;
 }
@@ -49,8 +66,8 @@ std::array<Model, 2> describe(int n, std::uint64_t seed, const char* other) {
 TEST_CASE("robots whose placements exchange axes move as they do in frames turned at random", "[property]") {
   const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 7)));
   // Prismatic joints move their origin, and end runs.
-  const auto described = describe(37, seed, seed % 2 == 0 ? "prismatic" : "revolute");
-  const CompactModel model = compile(described[0], registry()), turned = compile(described[1], registry());
+  const Described described = describe(37, seed, seed % 2 == 0 ? "prismatic" : "revolute", seed % 3 == 0 ? 0.1 : 0);
+  const CompactModel model = compile(described.models[0], registry()), turned = compile(described.models[1], registry());
   Random random(seed);
   const Eigen::VectorXd q = random.vector(model.nv(), 2), v = random.vector(model.nv(), 1), a = random.vector(model.nv(), 1);
   Data data(model, Need::mass_matrix | Need::derivatives), expected(turned, Need::mass_matrix | Need::derivatives);
@@ -65,6 +82,14 @@ TEST_CASE("robots whose placements exchange axes move as they do in frames turne
   CHECK(off(computeMinverse(model, data, q), inverse) <= 1e-11);
   CHECK(off(computeRNEADerivatives(model, data, q, v, a).dtau_dq, dtau) <= 1e-13);
   CHECK(off(ccrba(model, data, q, v).Ag, map) <= 1e-13);
+
+  forwardKinematics(model, data, q);
+  forwardKinematics(turned, expected, q);
+  for (int i = 1; i <= 37; ++i) {
+    const int joint = model.jointId("j" + std::to_string(i - 1));
+    const SE3<double> back{transpose(described.turned[static_cast<std::size_t>(i)]), {}};
+    CHECK(off(toEigen(jointPlacement(model, data, joint)), toEigen(jointPlacement(turned, expected, joint) * back)) <= 1e-13);
+  }
 
   const int states = 9;
   const auto repeated = [&](const Eigen::VectorXd& x) { return Eigen::MatrixXd(x.replicate(1, states)); };

@@ -28,18 +28,11 @@ BodyConstants<To> broadcast(const BodyConstants<From>& c) {
   return {cast<To>(c.placement), To(c.mass), cast<To>(c.com), cast<To>(c.rotational), cast<To>(c.h), cast<To>(c.origin)};
 }
 
-/// A rotation that only exchanges axes, as placements are of joints that turn about one of their parent's (joints' own frames are chosen so,
-/// frameWithZ in the SDK): its column k is unit vector (k + shift) mod 3, or minus that where `signs` has bit k.
+/// A rotation that only exchanges axes, as placements are of joints about or along an axis of their parent's (canonicalise() turns joints' own
+/// frames so): its column k is unit vector (k + shift) mod 3, the last two of them its negative where it `flips`.
 struct AxisExchange {
   std::int8_t shift = -1;  ///< -1: it is another rotation
-  std::uint8_t signs = 0;
-
-  /// 1 or -1 each.
-  const double* columnSigns() const {
-    alignas(64) static constexpr double of[8][3] = {{1, 1, 1},  {-1, 1, 1},  {1, -1, 1},  {-1, -1, 1},
-                                                    {1, 1, -1}, {-1, 1, -1}, {1, -1, -1}, {-1, -1, -1}};
-    return of[signs];
-  }
+  bool flips = false;
 };
 
 /// Bookkeeping of a body. idx_q and idx_v count all coordinates, coupled ones included ("expanded").
@@ -54,7 +47,8 @@ struct BodyIndex {
   bool leaf = false;         ///< nothing hangs on it
   bool last_child = false;   ///< of its parent's, in their numbers
   bool turns_only = false;   ///< the joint's motion subspace has no linear part
-  AxisExchange exchange;     ///< what the placement is, if it is one
+  bool lever = false;        ///< the placement has a translation
+  AxisExchange exchange;     ///< what the placement's rotation is, if it is one
   bool flying_root = false;  ///< a free body on the world: its subspace is the identity in aligned axes
 };
 

@@ -13,17 +13,15 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
+/// What R is if it only exchanges axes, to the last bit.
 AxisExchange exchangeOf(const Mat3<double>& R) {
-  for (int shift = 0; shift < 3; ++shift) {
-    AxisExchange found{static_cast<std::int8_t>(shift), 0};
-    bool exact = true;
-    for (int k = 0; k < 3; ++k) {
-      const Vec3<double> column = R.col(k);
-      for (int i = 0; i < 3; ++i) exact = exact && std::fabs(column[i]) == (i == (k + shift) % 3 ? 1 : 0);
-      if (column[(k + shift) % 3] < 0) found.signs |= static_cast<std::uint8_t>(1 << k);
+  for (std::int8_t shift = 0; shift < 3; ++shift)
+    for (const bool flips : {false, true}) {
+      bool exact = true;
+      for (int k = 0; k < 3; ++k)
+        for (int i = 0; i < 3; ++i) exact = exact && R(i, k) == (i != (k + shift) % 3 ? 0 : flips && k > 0 ? -1 : 1);
+      if (exact) return {shift, flips};
     }
-    if (exact) return found;
-  }
   return {};
 }
 
@@ -89,6 +87,7 @@ class Packer {
       x.flying_root = b.parent == 0 && b.instance.shape == Shape::free;
       x.turns_only = turnsOnly(b.instance.shape);
       x.exchange = exchangeOf(c.placement.R);
+      x.lever = c.placement.p.x != 0 || c.placement.p.y != 0 || c.placement.p.z != 0;
       const int here = static_cast<int>(i), before = x.parent == here - 1 && x.parent > 0 ? out_->index[i - 1].piece : here;
       x.piece = x.turns_only && x.nv == 1 ? before : here + 1;
       if (b.instance.shape == Shape::dense_constant) {

@@ -2,6 +2,7 @@
 #include "compile/draft.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace dyn {
 
@@ -82,12 +83,45 @@ void weld(Draft& draft) {
                                 " move");
 }
 
+namespace {
+
+/// If z of R is an axis k of the parent's: R turned about z until its x is the parent's next axis, so that it only exchanges axes.
+std::optional<Mat3<long double>> exchangeWithZ(const Mat3<long double>& R) {
+  for (int k = 0; k < 3; ++k) {
+    const auto z = static_cast<double>(R(k, 2));
+    if (std::fabs(z) != 1 || R((k + 1) % 3, 2) != 0 || R((k + 2) % 3, 2) != 0) continue;
+    Mat3<long double> out;
+    out(k, 2) = out((k + 2) % 3, 1) = z;
+    out((k + 1) % 3, 0) = 1;
+    return out;
+  }
+  return std::nullopt;
+}
+
+/// Joints along or about z move alike in all frames turned about it: those are chosen in which placements exchange axes, where there are such.
+void turnAboutAxis(DraftBody& body) {
+  if (body.instance.shape != Shape::revolute && body.instance.shape != Shape::prismatic) return;
+  const auto chosen = exchangeWithZ(body.placement.R);
+  if (!chosen) return;
+  const Mat3<long double> turn = transpose(body.placement.R) * *chosen, back = transpose(turn);
+  // A placement that was described with few digits is no rotation to the last one, and stays as it is.
+  const Mat3<long double> one = turn * back;
+  for (int i = 0; i < 9; ++i)
+    if (std::fabs(one.m[i] - (i % 4 == 0)) > 1e-15L) return;
+  body.placement.R = *chosen;
+  body.instance.before = cast<double>(cast<long double>(body.instance.before) * SE3<long double>{turn, {}});
+  body.instance.after = cast<double>(SE3<long double>{back, {}} * cast<long double>(body.instance.after));
+}
+
+}  // namespace
+
 void canonicalise(Draft& draft) {
   int turned = 0;
   std::vector<SE3<long double>> user_in_canonical(draft.bodies.size());  // the body's described frame seen from its core frame
   for (std::size_t i = 1; i < draft.bodies.size(); ++i) {
     DraftBody& body = draft.bodies[i];
     body.placement = user_in_canonical[at(body.parent)] * body.placement * cast<long double>(body.instance.before);
+    turnAboutAxis(body);
     user_in_canonical[i] = cast<long double>(body.instance.after);
     body.inertia = body.inertia.transformed(user_in_canonical[i]);
     const Mat3<double>& R = body.instance.before.R;

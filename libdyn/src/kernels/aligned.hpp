@@ -32,11 +32,9 @@ Mat3<S> placeAligned(const Joint& joint, const Order& order, const Placement& pl
   }
   const Mat3<S>& parent = axes.get();
   if constexpr (Order::waits) {
-    // The joint's axes before it moves: constants are on the right of products, where they need not be in registers. An exchange of axes gives the
-    // same numbers as the product, sooner.
+    // The joint's axes before it moves: constants are on the right of products, where they need not be in registers.
     auto& parents = (products, ...);
-    const AxisExchange exchange = order.index(i).exchange;
-    const Mat3<S> E = exchange.shift < 0 ? parents.get() * placement.R : exchanged(parents.get(), exchange), product = joint.rotate(E);
+    const Mat3<S> E = placedAxes(parents.get(), placement.R, order.index(i).exchange), product = joint.rotate(E);
     Mat3<S> R = renewed(product);
     Vec3<S> r = parent * placement.p;
     if constexpr (Joint::moves_origin) r += E * joint.translation();

@@ -260,7 +260,7 @@ template <class S, class T, class At>
 /// n packs, at most as many as squares are high, to columns that follow one another. Those are written past their ends, where the next ones will
 /// be; the last, where these are too few, are copied. Whether all numbers are finite.
 template <class T, int lanes, int height>
-bool storeShort(const T* numbers, int n, int states, T* column) {
+[[nodiscard]] bool storeShort(const T* numbers, int n, int states, T* column) {
   PackTurner<T, lanes> turner;
   const auto square = turner.template turned<height>(numbers, n);
   const int whole = states - (height - 1) / n;

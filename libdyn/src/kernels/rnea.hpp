@@ -1,8 +1,8 @@
 // Newton and Euler's recursion with classical accelerations: linear velocities do not enter, so a fast base costs no digits.
 #pragma once
 
+#include "kernels/joint_frames.hpp"
 #include "kernels/spin.hpp"
-#include "kernels/sweep.hpp"
 
 namespace dyn::kernels {
 
@@ -13,32 +13,21 @@ void rneaOutward(const Order& order, Workspace<S>& w, const S* v, const S* a) {
   w.w[0] = {};
   w.acc[0] = {-order.gravity(), {}};
   order.forward(passing(w.w, w.acc), [&]<class Joint>(const Joint& joint, int i, int iv, auto&& turning, auto&& acceleration) {
-    const SE3<S> rel = placedInParent<S>(joint, order.constants(i).placement);
-    w.rel[i] = rel;
-
     const Motion<S>& ap = acceleration.get();
-    Vec3<S> w_carried{}, domega{}, origin;
-    if (isFlyingRoot<Joint>(order, i)) {
-      origin = transposeTimes(rel.R, ap.linear);
-    } else {
-      const Vec3<S>& wp = turning.get();
-      w_carried = transposeTimes(rel.R, wp);
-      domega = transposeTimes(rel.R, ap.angular);
-      origin = transposeTimes(rel.R, Spin<S>(wp, ap.angular).at(ap.linear, rel.p));
-    }
+    const bool flies = isFlyingRoot<Joint>(order, i);
+    Vec3<S> w_carried{}, domega{}, origin = ap.linear;
+    if (!flies && hasLever<Joint>(order, i)) origin = Spin<S>(turning.get(), ap.angular).at(ap.linear, originOutward<S>(joint, order, i));
+    withRotationOutward<S>(joint, order, i, [&](const auto& R) {
+      origin = transposeTimes(R, origin);
+      if (flies) return;
+      w_carried = transposeTimes(R, turning.get());
+      domega = transposeTimes(R, ap.angular);
+    });
     const Motion<S> s = joint.times(v + iv);
     Motion<S> ds = joint.times(a + iv);
     if constexpr (Joint::has_bias) ds += joint.bias();
 
-    const Vec3<S> omega = [&] {
-      if constexpr (Joint::about_z) {
-        Vec3<S> sum = w_carried;
-        addAt(sum, 2, s.angular[2]);
-        return sum;
-      } else {
-        return turnedBy<Joint>(w_carried, s);
-      }
-    }();
+    const Vec3<S> omega = turnedInOwnAxes<Joint>(w_carried, s);
     if constexpr (Joint::about_z) {
       domega += crossZ(w_carried, s.angular[2]);
       addAt(domega, 2, ds.angular[2]);
@@ -63,7 +52,11 @@ void rneaInward(const Order& order, Workspace<S>& w, S* tau, const Force<S>* fex
     if (fext) own -= fext[i];
     const Force<S> f = force.with(own);
     joint.project(f, tau + iv);
-    if (!order.isRoot(i)) force.give(w.rel[i].act(f));
+    if (order.isRoot(i)) return;
+    Force<S> on_parent;
+    withRotationInward<S>(joint, order, i, [&](const auto& R) { on_parent = {R * f.linear, R * f.angular}; });
+    if (hasLever<Joint>(order, i)) on_parent.angular += cross(originInward<S, Joint>(order, i), on_parent.linear);
+    force.give(on_parent);
   });
 }
 

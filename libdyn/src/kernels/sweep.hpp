@@ -137,6 +137,9 @@ struct Bodies {
   /// Whether one body's pose is all that the next one waits for, so that only what leads to it may lie on the way: then rotations are multiplied
   /// as they are, into w.product, and brought back to the rotations beside it.
   static constexpr bool waits = false;
+  /// Whether all lanes have the same constants, and vectors their coordinates in packs of their own: then what constants are decides what is
+  /// computed.
+  static constexpr bool alike = true;
 
   const CompactImpl& m;
   Workspace<S>& w;

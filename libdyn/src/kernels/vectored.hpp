@@ -272,13 +272,14 @@ inline Mat3<Vectored> loadMatrix(const Vectored* p, std::ptrdiff_t stride) {
 inline Mat3<Vectored> turnZ(const Mat3<Vectored>& E, const Vectored& c, const Vectored& s) {
   return {E.c[0] * inAll(c) + E.c[1] * inAll(s), E.c[1] * inAll(c) - E.c[0] * inAll(s), E.c[2]};
 }
-/// R times an exchange of axes. Each shift is a case of its own, as columns are in registers.
-inline Mat3<Vectored> exchanged(const Mat3<Vectored>& R, const AxisExchange& exchange) {
-  const double* const signs = exchange.columnSigns();
-  const Four x = inAll(signs[0]), y = inAll(signs[1]), z = inAll(signs[2]);
-  if (exchange.shift == 0) return {x * R.c[0], y * R.c[1], z * R.c[2]};
-  if (exchange.shift == 1) return {x * R.c[1], y * R.c[2], z * R.c[0]};
-  return {x * R.c[2], y * R.c[0], z * R.c[1]};
+/// R times a placement's rotation. If that is an exchange of axes, R's columns are taken, which give the same numbers sooner: each shift is a case of
+/// its own, as columns are in registers.
+inline Mat3<Vectored> placedAxes(const Mat3<Vectored>& R, const Mat3<double>& placement, const AxisExchange& exchange) {
+  if (exchange.shift < 0) return R * placement;
+  const Four sign = inAll(exchange.flips ? -1.0 : 1.0);
+  if (exchange.shift == 0) return {R.c[0], sign * R.c[1], sign * R.c[2]};
+  if (exchange.shift == 1) return {R.c[1], sign * R.c[2], sign * R.c[0]};
+  return {R.c[2], sign * R.c[0], sign * R.c[1]};
 }
 /// Brought back by Newton's other step, the mean of R and R^-T (Higham 1986), whose columns are cross products.
 inline Mat3<Vectored> renewed(const Mat3<Vectored>& R) {

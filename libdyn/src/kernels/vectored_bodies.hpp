@@ -10,7 +10,7 @@ namespace dyn::kernels {
 /// Where constants are what vectors are multiplied by, on the right: they stay single numbers in memory, from which they get into all lanes at
 /// no cost.
 struct AlignedBodies : KeepingBodies<Vectored> {
-  static constexpr bool waits = true;
+  static constexpr bool waits = true, alike = false;
   const BodyConstants<double>& constants(int i) const { return m.constants[static_cast<std::size_t>(i)]; }
 };
 

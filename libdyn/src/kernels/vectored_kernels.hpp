@@ -29,6 +29,7 @@ struct VectoredScratch {
 
 /// Where constants multiply vectors, from the left.
 struct TurningBodies : KeepingBodies<Vectored> {
+  static constexpr bool alike = false;
   const BodyConstants<Vectored>* all;
   const BodyConstants<Vectored>& constants(int i) const { return all[i]; }
 };
