@@ -8,6 +8,7 @@
 #include "kernels/evaluate.hpp"
 #include "kernels/kept.hpp"
 #include "kernels/kinematics.hpp"
+#include "kernels/local_aba.hpp"
 #include "kernels/losses.hpp"
 #include "kernels/rnea.hpp"
 #include "kernels/scratch.hpp"
@@ -106,9 +107,9 @@ void runBlock(const CompactImpl& m, char* scratch, Block<T>& b) {
       return runDerivatives(m, s, b);
     case Task::aba:
       addLosses(m, -1.0, s.v, s.a);
-      abaOutward(bodies, w, s.v);
-      abaInward(bodies, w, s.a);
-      abaSolve(bodies, w, bodies.gravity(), s.result);
+      localAbaOutward(bodies, w, s.v);
+      localAbaInward(bodies, w, s.a);
+      localAbaSolve(bodies, w, bodies.gravity(), s.result);
       for (int l = 0; l < b.q.states; ++l) b.failed[l] = w.failed[l];
       break;
   }

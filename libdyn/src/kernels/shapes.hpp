@@ -5,6 +5,7 @@
 //   timesIn(E, v)   the same two in axes that E leads to. No product with the zeros of S is taken, which compilers would keep: 0 x may be NaN
 //   columnIn(E, k)
 //   bias()          (dS/dt) v in the moving frame, where has_bias
+//   direction(k)    which unit vector column(k) is, where all of them are
 #pragma once
 
 #include <dyn/joint/shape.hpp>
@@ -57,6 +58,7 @@ struct Revolute {
   Mat3<S> rotate(const Mat3<S>& E) const { return turnZ(E, c, s); }
   Vec3<S> translation() const { return {}; }
   Motion<S> times(const S* v) const { return {{}, {S(0), S(0), v[0]}}; }
+  static constexpr int direction(int) { return 5; }
   Motion<S> column(int) const { return {{}, {S(0), S(0), S(1)}}; }
   Motion<S> timesIn(const Mat3<S>& E, const S* v) const { return {{}, v[0] * E.col(2)}; }
   Motion<S> columnIn(const Mat3<S>& E, int) const { return {{}, E.col(2)}; }
@@ -73,6 +75,7 @@ struct Prismatic {
   Mat3<S> rotate(const Mat3<S>& E) const { return E; }
   Vec3<S> translation() const { return {S(0), S(0), z}; }
   Motion<S> times(const S* v) const { return {{S(0), S(0), v[0]}, {}}; }
+  static constexpr int direction(int) { return 2; }
   Motion<S> column(int) const { return {{S(0), S(0), S(1)}, {}}; }
   Motion<S> timesIn(const Mat3<S>& E, const S* v) const { return {v[0] * E.col(2), {}}; }
   Motion<S> columnIn(const Mat3<S>& E, int) const { return {E.col(2), {}}; }
@@ -106,6 +109,7 @@ struct Spherical {
   Mat3<S> rotate(const Mat3<S>& E) const { return E * R; }
   Vec3<S> translation() const { return {}; }
   Motion<S> times(const S* v) const { return {{}, {v[0], v[1], v[2]}}; }
+  static constexpr int direction(int k) { return 3 + k; }
   Motion<S> column(int k) const { return {{}, unit<S>(k)}; }
   Motion<S> timesIn(const Mat3<S>& E, const S* v) const { return {{}, E * Vec3<S>{v[0], v[1], v[2]}}; }
   Motion<S> columnIn(const Mat3<S>& E, int k) const { return {{}, E.col(k)}; }
@@ -124,6 +128,7 @@ struct Translation {
   Mat3<S> rotate(const Mat3<S>& E) const { return E; }
   Vec3<S> translation() const { return p; }
   Motion<S> times(const S* v) const { return {{v[0], v[1], v[2]}, {}}; }
+  static constexpr int direction(int k) { return k; }
   Motion<S> column(int k) const { return {unit<S>(k), {}}; }
   Motion<S> timesIn(const Mat3<S>& E, const S* v) const { return {E * Vec3<S>{v[0], v[1], v[2]}, {}}; }
   Motion<S> columnIn(const Mat3<S>& E, int k) const { return {E.col(k), {}}; }
@@ -142,6 +147,7 @@ struct Planar {
   Mat3<S> rotate(const Mat3<S>& E) const { return turnZ(E, c, s); }
   Vec3<S> translation() const { return {x, y, S(0)}; }
   Motion<S> times(const S* v) const { return {{v[0], v[1], S(0)}, {S(0), S(0), v[2]}}; }
+  static constexpr int direction(int k) { return k < 2 ? k : 5; }
   Motion<S> column(int k) const { return k < 2 ? Motion<S>{unit<S>(k), {}} : Motion<S>{{}, unit<S>(2)}; }
   Motion<S> timesIn(const Mat3<S>& E, const S* v) const { return {v[0] * E.col(0) + v[1] * E.col(1), v[2] * E.col(2)}; }
   Motion<S> columnIn(const Mat3<S>& E, int k) const { return k < 2 ? Motion<S>{E.col(k), {}} : Motion<S>{{}, E.col(2)}; }
@@ -164,6 +170,7 @@ struct Free {
   Mat3<S> rotate(const Mat3<S>& E) const { return E * R; }
   Vec3<S> translation() const { return p; }
   Motion<S> times(const S* v) const { return {{v[0], v[1], v[2]}, {v[3], v[4], v[5]}}; }
+  static constexpr int direction(int k) { return k; }
   Motion<S> column(int k) const { return k < 3 ? Motion<S>{unit<S>(k), {}} : Motion<S>{{}, unit<S>(k - 3)}; }
   Motion<S> timesIn(const Mat3<S>& E, const S* v) const { return {E * Vec3<S>{v[0], v[1], v[2]}, E * Vec3<S>{v[3], v[4], v[5]}}; }
   Motion<S> columnIn(const Mat3<S>& E, int k) const { return k < 3 ? Motion<S>{E.col(k), {}} : Motion<S>{{}, E.col(k - 3)}; }
