@@ -14,12 +14,12 @@ void rneaOutward(const Order& order, Workspace<S>& w, const S* v, const S* a) {
   w.acc[0] = {-order.gravity(), {}};
   order.forward(passing(w.w, w.acc), [&]<class Joint>(const Joint& joint, int i, int iv, auto&& turning, auto&& acceleration) {
     const Motion<S>& ap = acceleration.get();
-    const bool flies = isFlyingRoot<Joint>(order, i);
+    const bool root = order.isRoot(i);  // the world does not turn
     Vec3<S> w_carried{}, domega{}, origin = ap.linear;
-    if (!flies && hasLever<Joint>(order, i)) origin = Spin<S>(turning.get(), ap.angular).at(ap.linear, originOutward<S>(joint, order, i));
+    if (!root && hasLever<Joint>(order, i)) origin = Spin<S>(turning.get(), ap.angular).at(ap.linear, originOutward<S>(joint, order, i));
     withRotationOutward<S>(joint, order, i, [&](const auto& R) {
       origin = transposeTimes(R, origin);
-      if (flies) return;
+      if (root) return;
       w_carried = transposeTimes(R, turning.get());
       domega = transposeTimes(R, ap.angular);
     });
