@@ -65,7 +65,7 @@ void withRotation([[maybe_unused]] const Joint& joint, [[maybe_unused]] const Or
 template <class S, class Joint, class Order, class Use>
 void withRotationOutward(const Joint& joint, const Order& order, int i, Use&& use) {
   const auto whole = [&] {
-    const Mat3<S> R = joint.rotate(order.constants(i).placement.R);
+    Mat3<S> R = joint.rotate(order.constants(i).placement.R);
     order.w.rel[i].R = R;
     return R;
   };
