@@ -66,7 +66,7 @@ struct NotedFromChildren : FromChildren<TracedBodies, T> {
 };
 
 struct TracedBodies : Bodies<Traced> {
-  TracedBodies(const CompactImpl& model, Workspace<Traced>& workspace, Limbs& alike) : Bodies{model, workspace}, limbs(alike) {}
+  TracedBodies(const CompactImpl& model, Workspace<Traced>& workspace, Limbs& found) : Bodies{model, workspace}, limbs(found) {}
   Limbs& limbs;
 
   BodyConstants<Traced> constants(int i) const;
@@ -159,9 +159,9 @@ struct TracedBodies : Bodies<Traced> {
     if (!limbs.abreast) return;
     for (int first = count % most_abreast - most_abreast; first < count; first += most_abreast)
       for (std::size_t k = 0; k < numbers; ++k) {
-        std::array<Traced, most_abreast> alike;
-        for (int l = std::max(-first, 0); l < most_abreast; ++l) alike[static_cast<std::size_t>(l)] = numberOf(first + l, k);
-        limbs.builder->alike(alike);
+        std::array<Traced, most_abreast> neighbours;
+        for (int l = std::max(-first, 0); l < most_abreast; ++l) neighbours[static_cast<std::size_t>(l)] = numberOf(first + l, k);
+        limbs.builder->alike(neighbours);
       }
   }
   /// choose(dof, isOpen): which go along with dof, by lane, of those that are open yet.
