@@ -7,7 +7,6 @@
 #include <dyn/algorithm/batch_derivatives.hpp>
 
 #include <array>
-#include <cmath>
 
 using namespace dyn;
 using namespace dyn::test;
@@ -15,16 +14,6 @@ using namespace dyn::test;
 namespace {
 
 std::vector<double> numbers(const Vec3<double>& v) { return {v.x, v.y, v.z}; }
-
-/// About axis k.
-Mat3<double> turnedAbout(int k, double angle) {
-  Mat3<double> R = Mat3<double>::identity();
-  const int x = (k + 1) % 3, y = (k + 2) % 3;
-  R(x, x) = R(y, y) = std::cos(angle);
-  R(y, x) = std::sin(angle);
-  R(x, y) = -R(y, x);
-  return R;
-}
 
 /// Two descriptions of one robot whose joints are about or along axes of their parents, either way, some of them turned about that axis or without
 /// a lever: as such, and with each body's frame turned at random. Two joints of three stand on the one before.
@@ -39,7 +28,7 @@ Described describe(int n, std::uint64_t seed, const char* other, double armature
     const int parent = i % 3 == 2 ? random.below(i + 1) : i, direction = random.below(6);
     Vec3<double> axis{};
     axis[direction % 3] = direction < 3 ? 1 : -1;
-    const SE3<double> placement{i % 4 == 0 ? turnedAbout(direction % 3, random.uniform(-3, 3)) : Mat3<double>::identity(),
+    const SE3<double> placement{i % 4 == 0 ? exp3(random.uniform(-3, 3) * axis) : Mat3<double>::identity(),
                                 i % 7 == 3 ? Vec3<double>{} : random.vector(0.3)};
     const Inertia<double> inertia = random.inertia();
     out.turned.push_back(random.pose().R);

@@ -2,7 +2,6 @@
 #include "compile/draft.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <map>
 #include <tuple>
