@@ -4,10 +4,26 @@
 #include <dyn/algorithm/center_of_mass.hpp>
 #include <dyn/algorithm/kinematics.hpp>
 
+#include <cmath>
+
 namespace dyn::detail {
 
 namespace {
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// Beside the sum that of what its roundings lost (Neumaier 1974): what bodies above and below the origin have may cancel.
+class CompensatedSum {
+ public:
+  void add(double x) {
+    const double next = sum_ + x;
+    lost_ += std::fabs(sum_) >= std::fabs(x) ? (sum_ - next) + x : (x - next) + sum_;
+    sum_ = next;
+  }
+  double total() const { return sum_ + lost_; }
+
+ private:
+  double sum_ = 0, lost_ = 0;
+};
 }  // namespace
 
 CenterOfMass sumCenterOfMass(const CompactImpl& m, const DataImpl& d, bool v, bool a) {
@@ -78,9 +94,9 @@ double kineticEnergy(const CompactModel& model, Data& data, VectorView q, Vector
 }
 
 double sumPotentialEnergy(const CompactImpl& m, const DataImpl& d) {
-  Vec3<double> moment;
-  for (int i = 1; i < m.bodies(); ++i) moment += m.constants[at(i)].mass * d.oM[i].act(m.constants[at(i)].com);
-  return -dot(m.gravity, moment);
+  CompensatedSum energy;
+  for (int i = 1; i < m.bodies(); ++i) energy.add(-m.constants[at(i)].mass * dot(m.gravity, d.oM[i].act(m.constants[at(i)].com)));
+  return energy.total();
 }
 
 double potentialEnergy(const CompactModel& model, Data& data, VectorView q) {
