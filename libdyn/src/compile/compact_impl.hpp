@@ -47,7 +47,7 @@ struct BodyIndex {
   bool leaf = false;         ///< nothing hangs on it
   bool last_child = false;   ///< of its parent's, in their numbers
   bool turns_only = false;   ///< the joint's motion subspace has no linear part
-  bool lever = false;        ///< the placement has a translation
+  bool lever = false;        ///< its origin is elsewhere than its parent's, or moves
   AxisExchange exchange;     ///< what the placement's rotation is, if it is one
   bool flying_root = false;  ///< a free body on the world: its subspace is the identity in aligned axes
 };

@@ -86,7 +86,7 @@ class Packer {
       x.flying_root = b.parent == 0 && b.instance.shape == Shape::free;
       x.turns_only = turnsOnly(b.instance.shape);
       x.exchange = exchangeOf(c.placement.R);
-      x.lever = c.placement.p.x != 0 || c.placement.p.y != 0 || c.placement.p.z != 0;
+      x.lever = !x.turns_only || c.placement.p.x != 0 || c.placement.p.y != 0 || c.placement.p.z != 0;
       const int here = static_cast<int>(i), before = x.parent == here - 1 && x.parent > 0 ? out_->index[i - 1].piece : here;
       x.piece = x.turns_only && x.nv == 1 ? before : here + 1;
       if (b.instance.shape == Shape::dense_constant) {

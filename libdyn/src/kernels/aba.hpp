@@ -19,7 +19,7 @@ void abaOutward(const Order& order, Workspace<S>& w, const S* v) {
     const Motion<S> s = joint.timesIn(R, v + iv);
 
     const Vec3<S> omega = turnedBy<Joint>(wp, s);
-    w.beta[i] = velocityAcceleration(joint, R, w.r[i], wp, omega, s);
+    w.beta[i] = velocityAcceleration(joint, order, i, R, wp, omega, s);
     turning.leave(omega);
     writeColumns(joint, R, w.dof + iv);
   });
@@ -152,8 +152,12 @@ void abaInward(const Order& order, Workspace<S>& w, const S* tau, const Force<S>
     dof.W = dof.inverse * Force<S>{dof.W.linear, dof.W.angular + cross(r, dof.W.linear)};
     if (order.isRoot(i)) return;
     pA += IA * beta;
-    inertia.give(IA.shifted(r));
-    force.give({pA.linear, pA.angular + cross(r, pA.linear)});
+    if (order.hasLever(i)) {
+      IA = IA.shifted(r);
+      pA.angular += cross(r, pA.linear);
+    }
+    inertia.give(IA);
+    force.give(pA);
   });
 }
 
@@ -167,7 +171,7 @@ void abaSolve(const Order& order, Workspace<S>& w, const Vec3<S>& gravity, S* dd
     constexpr int last = Joint::nv - 1;
     const S x = w.dof[iv + last].y - dot(parent, w.dof[iv + last].W);
     Motion<S> a = parent + w.beta[i];
-    if (!order.isRoot(i)) a.linear += cross(parent.angular, w.r[i]);
+    if (!order.isRoot(i)) a.linear += leverRate(order, i, parent.angular);
     withColumns<Joint>(order, w, i, iv, [&](const auto& column) {
       ddq[iv + last] = x;
       column(last).addTo(a, x);

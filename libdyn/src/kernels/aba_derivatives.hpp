@@ -35,9 +35,9 @@ void movingOutward(const Order& order, DerivativeWorkspace<S>& d, const S* v) {
   w.w[0] = {};
   order.forward(passingAxes(order, w, w.w), [&]<class Joint>(const Joint& joint, int i, int iv, auto&& turning, auto&&... axes) {
     const Vec3<S>& wp = turning.get();
-    const auto [R, s, omega] = moveAligned<S>(joint, order, i, d, v + iv, wp, axes...);
+    const auto [R, s, omega] = moveAligned<S, Renewal::whole>(joint, order, i, d, v + iv, wp, axes...);
     for (int k = 0; k < Joint::nv; ++k) w.dof[iv + k].S_ = joint.columnIn(R, k);
-    w.beta[i] = velocityAcceleration(joint, R, w.r[i], wp, omega, s);
+    w.beta[i] = velocityAcceleration(joint, order, i, R, wp, omega, s);
     turning.leave(omega);
   });
 }
@@ -71,10 +71,15 @@ void articulatedInward(const Order& order, DerivativeWorkspace<S>& d, const S* t
     w.IA[i] = IA;
     d.coriolis[i] = map;
     pA += IA * w.beta[i];
-    const Vec3<S>& r = w.r[i];
-    coriolis.give(shiftedMap(map, IA, r, d.shift_rate[i]));
-    inertia.give(IA.shifted(r));
-    force.give({pA.linear, pA.angular + cross(r, pA.linear)});
+    if (order.hasLever(i)) {
+      const Vec3<S>& r = w.r[i];
+      map = shiftedMap(map, IA, r, d.shift_rate[i]);
+      IA = IA.shifted(r);
+      pA.angular += cross(r, pA.linear);
+    }
+    coriolis.give(map);
+    inertia.give(IA);
+    force.give(pA);
   });
 }
 
@@ -119,7 +124,7 @@ void variationsInward(const Order& order, DerivativeWorkspace<S>& d) {
       d.dof_force[iv + m].by_q = handed(x.acceleration, x.velocity.angular) + turnedOf<Joint>(s, f);
       d.dof_force[iv + m].by_v = handed(x.rate, s.angular);
     }
-    force.give({f.linear, f.angular + cross(w.r[i], f.linear)});
+    force.give({f.linear, f.angular + ofLever<S>(order, i, [&] { return cross(w.r[i], f.linear); })});
   });
 }
 
@@ -186,10 +191,16 @@ void abaDerivativesSweep(const R& r, Workspace<S>& w, DerivativeWorkspace<S>& d,
   r.failures(w.failed);
 }
 
-/// After the sweep: the derivative that one of d.by_q and d.by_v is made into.
-template <class Wide, class S, class Out>
-void accelerationBy(const CompactImpl& m, const TreeFactors<S>& factors, const PathMatrix<S>& by, const Out& out) {
-  downTheTree<Wide, false>(m, factors, by.right, FromMinus<S>{m, by.below}, out);
+/// After the sweep: the derivative that one of d.by_q and d.by_v is made into, n x n.
+template <class Wide, class S>
+void accelerationBy(const CompactImpl& m, const TreeFactors<S>& factors, const PathMatrix<S>& by, const Rows<S>& out) {
+  downTheTree<Wide, false>(m, factors, by.right, FromMinus<S>{by.below}, out);
+}
+/// The same of states in packs: put(begin, count, write) for some columns, which write(place) writes.
+template <class S, class Put>
+void accelerationBy(const CompactImpl& m, const TreeFactors<S>& factors, const ProductScratch<S>& scratch, const PathMatrix<S>& by, Put&& put) {
+  const auto start = [&](auto& sum, int j, int first) { beginWithMinus(m, by.below, j, first, sum); };
+  downTheTree<false>(m, factors, scratch, by.right, start, put);
 }
 
 /// Where a state's derivatives of accelerations are wanted, n x n each. That by tau is M^-1.
@@ -202,8 +213,8 @@ void abaDerivatives(const CompactImpl& m, Workspace<double>& w, DerivativeWorksp
                     const Force<double>* fext, double* ddq, const AccelerationDerivatives& out) {
   abaDerivativesSweep<Wide>(recursion(m, w, d), w, d, v, tau, ddq, fext);
   inverseOfMassMatrix<Wide>(m, d.factors, Rows<double>{out.by_tau, m.nvx});
-  accelerationBy<Wide>(m, d.factors, d.by_q, Whole<double>{{out.by_q, m.nvx}});
-  accelerationBy<Wide>(m, d.factors, d.by_v, Whole<double>{{out.by_v, m.nvx}});
+  accelerationBy<Wide>(m, d.factors, d.by_q, Rows<double>{out.by_q, m.nvx});
+  accelerationBy<Wide>(m, d.factors, d.by_v, Rows<double>{out.by_v, m.nvx});
 }
 
 }  // namespace dyn::kernels

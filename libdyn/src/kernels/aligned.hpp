@@ -5,7 +5,7 @@
 // directions are turned instead.
 #pragma once
 
-#include "kernels/sweep.hpp"
+#include "kernels/joint_frames.hpp"
 
 namespace dyn::kernels {
 
@@ -19,8 +19,28 @@ auto passingAxes(const Order&, const Workspace<S>& w, T*... others) {
   }
 }
 
+/// What of() says where body i's origin is elsewhere than its parent's, or zeros.
+template <class S, class Order, class Of>
+Vec3<S> ofLever(const Order& order, int i, Of&& of) {
+  if (!order.hasLever(i)) return Vec3<S>{};
+  return of();
+}
+
+/// What axes are brought back to rotations from: all their columns, where directions are eliminated and pivots have errors many times; or, of packs
+/// of states, two of them, which takes half as much.
+enum class Renewal { whole, from_columns };
+
+/// The rotation of two columns that are nearly unit vectors at right angles, in the same way as renewed().
+template <class S>
+Mat3<S> renewedFrom(const Vec3<S>& first, const Vec3<S>& last) {
+  const S half(0.5);
+  const Vec3<S> z = last - (half * (dot(last, last) - S(1))) * last;
+  const Vec3<S> x = first - ((half * (dot(first, first) - S(1))) * first + dot(first, last) * last), y = cross(z, x);
+  return {{x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z}};
+}
+
 /// Writes w.R and w.r of body i, and of a flying root w.rel. axes, products: FromParent of w.R and, for an order that waits, of w.product.
-template <class S, class Joint, class Order, class Placement, class Axes, class... Products>
+template <class S, Renewal renewal = Renewal::whole, class Joint, class Order, class Placement, class Axes, class... Products>
 Mat3<S> placeAligned(const Joint& joint, const Order& order, const Placement& placement, int i, Workspace<S>& w, Axes&& axes,
                      Products&&... products) {
   if (isFlyingRoot<Joint>(order, i)) {
@@ -36,10 +56,24 @@ Mat3<S> placeAligned(const Joint& joint, const Order& order, const Placement& pl
     auto& parents = (products, ...);
     const Mat3<S> E = placedAxes(parents.get(), placement.R, order.index(i).exchange), product = joint.rotate(E);
     Mat3<S> R = renewed(product);
-    Vec3<S> r = parent * placement.p;
-    if constexpr (Joint::moves_origin) r += E * joint.translation();
-    w.r[i] = r;
+    w.r[i] = ofLever<S>(order, i, [&] {
+      Vec3<S> r = parent * placement.p;
+      if constexpr (Joint::moves_origin) r += E * joint.translation();
+      return r;
+    });
     parents.leave(product);
+    axes.leave(R);
+    return R;
+  } else if constexpr (renewal == Renewal::from_columns && Joint::about_z && Order::alike && lanes_of<S> > 1) {
+    Vec3<S> x, z;
+    withRotation(
+        joint, order, i, [&] { return joint.rotate(placement.R); },
+        [&](const auto& R) {
+          x = firstColumn(parent, R);
+          z = lastColumn(parent, R);
+        });
+    const Mat3<S> R = renewedFrom(x, z);
+    w.r[i] = ofLever<S>(order, i, [&] { return parent * placedInParent<S>(joint, placement).p; });
     axes.leave(R);
     return R;
   } else {
@@ -48,7 +82,7 @@ Mat3<S> placeAligned(const Joint& joint, const Order& order, const Placement& pl
     bool renew = true;
     if constexpr (is_symbolic<S>) renew = order.depth(i) % 8 == 0;
     Mat3<S> R = renew ? renewed(parent * rel.R) : parent * rel.R;
-    w.r[i] = parent * rel.p;
+    w.r[i] = ofLever<S>(order, i, [&] { return parent * rel.p; });
     axes.leave(R);
     return R;
   }
@@ -92,11 +126,21 @@ Force<S> inAlignedAxes(const Workspace<S>& w, int i, const Force<T>& f) {
   return {w.R[i] * f.linear, w.R[i] * f.angular};
 }
 
-/// What velocities make of a body's acceleration, aligned axes at its joint's origin, r from the parent's: wp is the parent's angular velocity,
-/// omega the body's, s the joint's motion.
-template <class Joint, class S>
-Motion<S> velocityAcceleration(const Joint& joint, const Mat3<S>& R, const Vec3<S>& r, const Vec3<S>& wp, const Vec3<S>& omega, const Motion<S>& s) {
-  Motion<S> beta{cross(wp, cross(wp, r)), {}};
+/// Aligned axes: w x r and w x (w x r), r from the parent's origin to body i's.
+template <class S, class Order>
+Vec3<S> leverRate(const Order& order, int i, const Vec3<S>& w) {
+  return ofLever<S>(order, i, [&] { return cross(w, order.w.r[i]); });
+}
+template <class S, class Order>
+Vec3<S> leverAcceleration(const Order& order, int i, const Vec3<S>& w) {
+  return ofLever<S>(order, i, [&] { return cross(w, cross(w, order.w.r[i])); });
+}
+/// What velocities make of body i's acceleration, aligned axes at its joint's origin: wp is the parent's angular velocity, omega the body's, s the
+/// joint's motion.
+template <class Joint, class Order, class S>
+Motion<S> velocityAcceleration(const Joint& joint, const Order& order, int i, const Mat3<S>& R, const Vec3<S>& wp, const Vec3<S>& omega,
+                               const Motion<S>& s) {
+  Motion<S> beta{leverAcceleration(order, i, wp), {}};
   if constexpr (Joint::has_angular) beta.angular = cross(wp, s.angular);
   if constexpr (Joint::has_linear) beta.linear += cross(wp + omega, s.linear);
   if constexpr (Joint::has_bias) {

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "kernels/derivatives.hpp"
+#include "kernels/state_products.hpp"
 #include "kernels/table.hpp"
-#include "kernels/tile.hpp"
 
 namespace dyn::kernels {
 
@@ -15,6 +15,7 @@ struct BlockScratch {
   DerivativeWorkspace<S> d;
   S* matrix;   ///< nvx * nvx
   S* columns;  ///< a product's in turn: nvx each
+  ProductScratch<S> product;
   S* maps[5];  ///< 6 nvx each
 
   static std::size_t carve(BlockScratch& s, const CompactImpl& m, Room room, char* base) {
@@ -30,7 +31,8 @@ struct BlockScratch {
     if (room.derivatives) {
       dyn::kernels::carve(s.d, m, arena);
       arena.take(s.matrix, nv * nv);
-      arena.take(s.columns, std::min<std::size_t>(most_rows, nv) * nv);
+      arena.take(s.columns, std::min<std::size_t>(columns_abreast<S>, nv) * nv);
+      s.product.carve(m, arena);
       for (S*& map : s.maps) arena.take(map, 6 * nv);
     }
     return arena.used();

@@ -88,7 +88,7 @@ CentroidalState<S> centroidalMap(const Order& order, const S* v, const Walk& wal
       axes.leave(R);
       (products.leave(R), ...);
     } else {
-      R = placeAligned<S>(joint, order, order.constants(i).placement, i, w, axes, products...);
+      R = placeAligned<S, Renewal::from_columns>(joint, order, order.constants(i).placement, i, w, axes, products...);
       writeColumns(joint, R, w.dof + iv);
     }
     if (!order.isRoot(i)) return;
@@ -110,10 +110,7 @@ CentroidalState<S> centroidalMap(const Order& order, const S* v, const Walk& wal
     if (!isFlyingRoot<Joint>(order, i))
       for (int k = iv; k < iv + Joint::nv; ++k) w.dof[k].W = compositeForce<Joint>(w.dof[k].S_, m, h, I);
     if (!order.isRoot(i)) {
-      inertias.give(shiftedInertia(I, m, h, w.r[i]));
-      moments.give(h + m * w.r[i]);
-      masses.give(m);
-      return;
+      return giveComposite(order, i, inertias, moments, masses, m, h, I);
     }
     w.mass[i] = m;
     w.h[i] = h;

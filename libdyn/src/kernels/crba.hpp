@@ -14,10 +14,10 @@ Sym3<S> shiftedInertia(const Sym3<S>& I, const S& mass, const Vec3<S>& h, const 
 }
 
 /// Placements, and the columns of the motion subspaces.
-template <class S, class Order>
+template <Renewal renewal = Renewal::whole, class S, class Order>
 void columnsOutward(const Order& order, Workspace<S>& w) {
   order.forward(passingAxes(order, w), [&]<class Joint>(const Joint& joint, int i, int iv, auto&&... axes) {
-    const Mat3<S> R = placeAligned<S>(joint, order, order.constants(i).placement, i, w, axes...);
+    const Mat3<S> R = placeAligned<S, renewal>(joint, order, order.constants(i).placement, i, w, axes...);
     writeColumns(joint, R, w.dof + iv);
   });
 }
@@ -29,6 +29,17 @@ Force<S> compositeForce(const Motion<S>& column, const S& mass, const Vec3<S>& h
   if constexpr (Joint::has_angular) F = {cross(column.angular, h), I * column.angular};
   if constexpr (Joint::has_linear) F += Force<S>{mass * column.linear, cross(h, column.linear)};
   return F;
+}
+
+/// Of body i with its subtree, to its parent.
+template <class Order, class Inertias, class Moments, class Masses, class S>
+void giveComposite(const Order& order, int i, Inertias& inertias, Moments& moments, Masses& masses, const S& mass, const Vec3<S>& h,
+                   const Sym3<S>& I) {
+  const Vec3<S>& r = order.w.r[i];
+  const bool has_lever = order.hasLever(i);
+  inertias.give(has_lever ? shiftedInertia(I, mass, h, r) : I);
+  moments.give(has_lever ? h + mass * r : h);
+  masses.give(mass);
 }
 
 /// The block of a flying root, whose columns are the unit vectors: mass, first moment and inertia themselves.
@@ -51,7 +62,7 @@ void enterFlyingRoot(const Order& order, const Entry& at, int iv, const S& mass,
 /// written: M must have been zero once.
 template <class S, class Order>
 void massMatrix(const Order& order, Workspace<S>& w, typename Order::Entries* M) {
-  columnsOutward(order, w);
+  columnsOutward<Renewal::from_columns>(order, w);
   const auto composite = passing(w.mass, w.h, w.Io);
   order.backward(composite, [&]<class Joint>(const Joint&, int i, int iv, auto&& masses, auto&& moments, auto&& inertias) {
     const auto body = alignedInertia<Joint>(order, w, i);
@@ -69,12 +80,12 @@ void massMatrix(const Order& order, Workspace<S>& w, typename Order::Entries* M)
       at.enter(k, k, Column<Joint, S>{column}.along(F[k]) + order.armature(iv + k));
     }
     if (order.isRoot(i)) return;
-    inertias.give(shiftedInertia(I, mass, h, w.r[i]));
-    moments.give(h + mass * w.r[i]);
-    masses.give(mass);
+    giveComposite(order, i, inertias, moments, masses, mass, h, I);
     const auto stepAlong = [&](const auto& step) {
-      const Vec3<S> r = step.lever(w.r);
-      for (int k = 0; k < Joint::nv; ++k) F[k].angular += cross(r, F[k].linear);
+      if (step.hasLever()) {
+        const Vec3<S> r = step.lever(w.r);
+        for (int k = 0; k < Joint::nv; ++k) F[k].angular += cross(r, F[k].linear);
+      }
       if (step.flyingRoot()) {
         for (int k = 0; k < Joint::nv; ++k) step.enterFlying(k, F[k]);
         return;
@@ -91,9 +102,9 @@ void massMatrix(const Order& order, Workspace<S>& w, typename Order::Entries* M)
         enterAll([](const Motion<S>& column, const Force<S>& f) { return dot(column, f); });
       }
     };
-    const auto turnAlong = [&](const Vec3<S>& r, const Motion<S>& column, const auto& enter) {
+    const auto turnAlong = [&](const Vec3<S>* lever, const Motion<S>& column, const auto& enter) {
       for (int k = 0; k < Joint::nv; ++k) {
-        F[k].angular += cross(r, F[k].linear);
+        if (lever) F[k].angular += cross(*lever, F[k].linear);
         enter(k, dot(column.angular, F[k].angular));
       }
     };

@@ -84,13 +84,15 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b)
     if (!storeMatrix(m, whole(from), b, result)) b.not_finite = true;
   };
   const auto putInverse = [&](int result) {
-    inverseOfMassMatrix<S>(m, d.factors, Rows<S>{s.matrix, n});
+    inverseOfMassMatrix(m, d.factors, s.product, Rows<S>{s.matrix, n});
     put(result, s.matrix, n * n);
     for (int l = 0; l < b.q.states; ++l) b.failed[l] = w.failed[l];
   };
   const auto putAcceleration = [&](int result, const PathMatrix<S>& by) {
-    const auto putColumns = [&](int begin, int count) { putPart(result, s.columns, count * n, begin * n, n * n); };
-    accelerationBy<S>(m, d.factors, by, InTurn<S, decltype(putColumns)>{{s.columns, n}, putColumns});
+    accelerationBy(m, d.factors, s.product, by, [&](int begin, int count, auto&& write) {
+      write(Rows<S>{s.columns, n});
+      putPart(result, s.columns, count * n, begin * n, n * n);
+    });
   };
   switch (b.task) {
     case Task::rnea_derivatives:

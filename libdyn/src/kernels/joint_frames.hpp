@@ -39,12 +39,28 @@ struct ExchangedTurn {
     return {out(0, 0), out(0, 1), out(0, 2), out(1, 1), out(1, 2), out(2, 2)};
   }
 
+  friend Vec3<S> firstColumn(const Mat3<S>& A, const ExchangedTurn& R) {
+    const Vec3<S> sine = R.s * A.col(y);
+    return flips ? R.c * A.col(x) - sine : R.c * A.col(x) + sine;
+  }
+  friend Vec3<S> lastColumn(const Mat3<S>& A, const ExchangedTurn&) { return flips ? -A.col(z) : A.col(z); }
+
   friend Vec3<S> operator*(const ExchangedTurn& R, const Vec3<S>& v) { return exchanged(R.turned(v)); }
   friend Vec3<S> transposeTimes(const ExchangedTurn& R, const Vec3<S>& v) {
     const S &a = v[x], b = flips ? -v[y] : v[y];
     return {R.c * a + R.s * b, R.c * b - R.s * a, flips ? -v[z] : v[z]};
   }
 };
+
+/// Of A R, which is not made.
+template <class S>
+Vec3<S> firstColumn(const Mat3<S>& A, const Mat3<S>& R) {
+  return A * R.col(0);
+}
+template <class S>
+Vec3<S> lastColumn(const Mat3<S>& A, const Mat3<S>& R) {
+  return A * R.col(2);
+}
 
 /// Calls use(R), R the rotation of body i's axes to its parent's; whole() where it may be any.
 template <class Joint, class Order, class Whole, class Use>
@@ -75,16 +91,6 @@ template <class S, class Joint, class Order, class Use>
 void withRotationInward(const Joint& joint, const Order& order, int i, Use&& use) {
   withRotation(
       joint, order, i, [&] { return order.w.rel[i].R; }, use);
-}
-
-/// Whether body i's origin is elsewhere than its parent's.
-template <class Joint, class Order>
-bool hasLever(const Order& order, int i) {
-  if constexpr (Joint::moves_origin || !Order::alike) {
-    return true;
-  } else {
-    return order.index(i).lever;
-  }
 }
 
 /// Body i's origin in its parent's frame; where the joint moves it, an outward sweep leaves it to the inward one in the same way.

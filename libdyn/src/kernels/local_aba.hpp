@@ -20,7 +20,7 @@ void localAbaOutward(const Order& order, Workspace<S>& w, const S* v) {
     Motion<S> beta{};
     if (carries) {
       carried = turning.get();
-      if (hasLever<Joint>(order, i)) beta.linear = cross(carried, cross(carried, originOutward<S>(joint, order, i)));
+      if (order.hasLever(i)) beta.linear = cross(carried, cross(carried, originOutward<S>(joint, order, i)));
     }
     withRotationOutward<S>(joint, order, i, [&](const auto& R) {
       if (!carries) return;
@@ -147,7 +147,7 @@ void localAbaInward(const Order& order, Workspace<S>& w, const S* tau) {
     if (order.isRoot(i)) return;
 
     ArticulatedInertia<S> left = leftInParentsAxes(joint, order, i, w.dof[iv + Joint::nv - 1], IA, f);
-    if (hasLever<Joint>(order, i)) {
+    if (order.hasLever(i)) {
       const Vec3<S> p = originInward<S, Joint>(order, i);
       left = left.shifted(p);
       f.angular += cross(p, f.linear);
@@ -164,7 +164,7 @@ void localAbaSolve(const Order& order, Workspace<S>& w, const Vec3<S>& gravity, 
   order.forward(passing(w.acc), [&]<class Joint>(const Joint& joint, int i, int iv, auto&& acceleration) {
     Motion<S> a = acceleration.get();
     const bool turns = !order.isRoot(i);
-    if (turns && hasLever<Joint>(order, i)) a.linear += cross(a.angular, originInward<S, Joint>(order, i));
+    if (turns && order.hasLever(i)) a.linear += cross(a.angular, originInward<S, Joint>(order, i));
     withRotationInward<S>(joint, order, i, [&](const auto& R) {
       a.linear = transposeTimes(R, a.linear);
       if (turns) a.angular = transposeTimes(R, a.angular);

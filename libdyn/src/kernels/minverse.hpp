@@ -8,6 +8,7 @@
 #include "kernels/aba.hpp"
 #include "kernels/crba.hpp"
 #include "kernels/path_sweep.hpp"
+#include "kernels/state_products.hpp"
 #include "kernels/strip_factors.hpp"
 #include "kernels/tree_products.hpp"
 
@@ -50,7 +51,9 @@ void articulatedFactors(const Order& order, Workspace<S>& w, Enter&& enter) {
     ArticulatedInertia<S> IA = inertia.with(ArticulatedInertia<S>::rigid(mass, h, I));
     eliminateJoint<Joint>(order, w, IA, i, iv,
                           [&](int k, const auto&, const Force<S>&, const S& inverse, const Force<S>& row) { enter(iv + k, inverse, row); });
-    if (!order.isRoot(i)) inertia.give(IA.shifted(w.r[i]));
+    if (order.isRoot(i)) return;
+    if (order.hasLever(i)) IA = IA.shifted(w.r[i]);
+    inertia.give(IA);
   });
 }
 
@@ -79,8 +82,15 @@ void treeFactors(const CompactImpl& m, Workspace<S>& w, DerivativeWorkspace<S>& 
 /// M^-1 from its factors, n x n with room for a pack behind it; symmetric to the last bit.
 template <class Wide, class S>
 void inverseOfMassMatrix(const CompactImpl& m, const TreeFactors<S>& factors, const Rows<S>& out) {
-  downTheTree<Wide, true>(m, factors, factors.U, FromZeros(), Whole<S>{out});
+  downTheTree<Wide, true>(m, factors, factors.U, FromZeros(), out);
   mirrorUpper<Wide>(out, m.nvx);
+}
+/// Of states in packs.
+template <class S>
+void inverseOfMassMatrix(const CompactImpl& m, const TreeFactors<S>& factors, const ProductScratch<S>& scratch, const Rows<S>& out) {
+  const auto start = [](auto& sum, int, int) { beginWithZeros(sum); };
+  downTheTree<true>(m, factors, scratch, factors.U, start, [&](int begin, int, auto&& write) { write(Rows<S>{out[begin], out.stride}); });
+  mirrorUpper<S>(out, m.nvx);
 }
 
 }  // namespace dyn::kernels

@@ -166,6 +166,7 @@ void pathSweep(const R& recursion, DerivativeWorkspace<S>& d) {
       };
       if constexpr (Joint::is_free) {
         if (order.isRoot(i)) {
+#pragma GCC unroll 6
           for (int k = 0; k < 6; ++k) enter(k, UnitColumn<T>{k}, belowFlyingRoot(k, variations + iv, F));
           return;
         }
@@ -174,7 +175,7 @@ void pathSweep(const R& recursion, DerivativeWorkspace<S>& d) {
         const Column<Joint, T> column{dofs[iv + k].S_};
         enter(k, column, below<Joint>(variations[iv + k], column.s, F));
       }
-      if (!order.isRoot(i)) climb(F, part, levers[i], lever_rates[i]);
+      if (!order.isRoot(i) && order.hasLever(i)) climb(F, part, levers[i], lever_rates[i]);
     });
   });
 }
@@ -205,7 +206,7 @@ void factorsSweep(const R& recursion, DerivativeWorkspace<S>& d) {
         }
       }
       for (int k = Joint::nv - 1; k >= 0; --k) yield(F, rowOf(own[k]), share(k, Column<Joint, T>{dofs[iv + k].S_}));
-      if (!order.isRoot(i)) F.angular += cross(part.inside(cast<Wide>(levers[i])), F.linear);
+      if (!order.isRoot(i) && order.hasLever(i)) F.angular += cross(part.inside(cast<Wide>(levers[i])), F.linear);
     });
   });
 }
@@ -262,7 +263,7 @@ void articulatedSweep(const R& recursion, DerivativeWorkspace<S>& d) {
           yield(F.by_v, row, v);
         });
       for (int k = 0; k < Joint::nv; ++k) enter(k, below<Joint>(variations[iv + k], dofs[iv + k].S_, F));
-      if (!order.isRoot(i)) climb(F, part, levers[i], lever_rates[i]);
+      if (!order.isRoot(i) && order.hasLever(i)) climb(F, part, levers[i], lever_rates[i]);
     });
   });
 }

@@ -16,7 +16,7 @@ void rneaOutward(const Order& order, Workspace<S>& w, const S* v, const S* a) {
     const Motion<S>& ap = acceleration.get();
     const bool root = order.isRoot(i);  // the world does not turn
     Vec3<S> w_carried{}, domega{}, origin = ap.linear;
-    if (!root && hasLever<Joint>(order, i)) origin = Spin<S>(turning.get(), ap.angular).at(ap.linear, originOutward<S>(joint, order, i));
+    if (!root && order.hasLever(i)) origin = Spin<S>(turning.get(), ap.angular).at(ap.linear, originOutward<S>(joint, order, i));
     withRotationOutward<S>(joint, order, i, [&](const auto& R) {
       origin = transposeTimes(R, origin);
       if (root) return;
@@ -55,7 +55,7 @@ void rneaInward(const Order& order, Workspace<S>& w, S* tau, const Force<S>* fex
     if (order.isRoot(i)) return;
     Force<S> on_parent;
     withRotationInward<S>(joint, order, i, [&](const auto& R) { on_parent = {R * f.linear, R * f.angular}; });
-    if (hasLever<Joint>(order, i)) on_parent.angular += cross(originInward<S, Joint>(order, i), on_parent.linear);
+    if (order.hasLever(i)) on_parent.angular += cross(originInward<S, Joint>(order, i), on_parent.linear);
     force.give(on_parent);
   });
 }

@@ -39,14 +39,14 @@ struct JointMotion {
   Vec3<S> w;
 };
 /// Places body i, whose joint moves with v.
-template <class S, class Joint, class Order, class... Axes>
+template <class S, Renewal renewal, class Joint, class Order, class... Axes>
 JointMotion<S> moveAligned(const Joint& joint, const Order& order, int i, DerivativeWorkspace<S>& d, const S* v, const Vec3<S>& parent,
                            Axes&... axes) {
   Workspace<S>& w = order.w;
-  const Mat3<S> R = placeAligned<S>(joint, order, order.constants(i).placement, i, w, axes...);
+  const Mat3<S> R = placeAligned<S, renewal>(joint, order, order.constants(i).placement, i, w, axes...);
   const Motion<S> s = joint.timesIn(R, v);
   const Vec3<S> omega = turnedBy<Joint>(parent, s);
-  Vec3<S> shift_rate = cross(parent, w.r[i]);
+  Vec3<S> shift_rate = leverRate(order, i, parent);
   if constexpr (Joint::has_linear) shift_rate += s.linear;
   d.shift_rate[i] = shift_rate;
   return {R, s, omega};
@@ -68,7 +68,7 @@ template <class Joint, class Order, class S>
 Motion<S> carriedAcceleration(const Order& order, int i, const Motion<S>& parent, const Vec3<S>& gravity) {
   const Workspace<S>& w = order.w;
   if (order.isRoot(i)) return {isFlyingRoot<Joint>(order, i) ? transposeTimes(w.rel[i].R, -gravity) : -gravity, {}};
-  return {parent.linear + cross(parent.angular, w.r[i]), parent.angular};
+  return {parent.linear + leverRate(order, i, parent.angular), parent.angular};
 }
 
 /// Variations of the degrees of freedom of body i's joint, whose columns are there: `carried` is what carriedAcceleration gave, `slide` the
@@ -79,7 +79,7 @@ void writeVariations(const Order& order, DerivativeWorkspace<S>& d, int i, int i
   const Workspace<S>& w = order.w;
   if constexpr (Joint::is_free)
     if (order.isRoot(i)) return flyingVariations(carried.linear, slide, omega, [&](int k, const DofVariation<S>& x) { d.dof[iv + k] = x; });
-  const Motion<S> parent{carried.linear + cross(wp, cross(wp, w.r[i])), carried.angular};
+  const Motion<S> parent{carried.linear + leverAcceleration(order, i, wp), carried.angular};
   for (int k = 0; k < Joint::nv; ++k) {
     const DofMotion<S> motion{w.dof[iv + k].S_, wp, omega, parent, slide};
     SubspaceTerms<S> more;
@@ -99,10 +99,10 @@ void derivativesOutward(const Order& order, DerivativeWorkspace<S>& d, const Vec
   const auto motion = passingAxes(order, w, w.w, w.acc);
   order.forward(motion, [&]<class Joint>(const Joint& joint, int i, int iv, auto&& turning, auto&& accelerated, auto&&... axes) {
     const Vec3<S>& wp = turning.get();
-    const auto [R, s, omega] = moveAligned<S>(joint, order, i, d, v + iv, wp, axes...);
+    const auto [R, s, omega] = moveAligned<S, Renewal::from_columns>(joint, order, i, d, v + iv, wp, axes...);
     for (int k = 0; k < Joint::nv; ++k) w.dof[iv + k].S_ = joint.columnIn(R, k);
     const Motion<S> carried = carriedAcceleration<Joint>(order, i, accelerated.get(), gravity), by_a = joint.timesIn(R, a + iv);
-    Motion<S> acceleration = carried + velocityAcceleration(joint, R, w.r[i], wp, omega, s);
+    Motion<S> acceleration = carried + velocityAcceleration(joint, order, i, R, wp, omega, s);
     if constexpr (Joint::has_linear) acceleration.linear += by_a.linear;
     if constexpr (Joint::has_angular) acceleration.angular += by_a.angular;
     writeVariations<Joint>(order, d, i, iv, wp, omega, carried, s.linear, v, a);
@@ -122,7 +122,7 @@ void derivativesInward(const Order& order, DerivativeWorkspace<S>& d, const Forc
     if constexpr (Joint::is_free)
       if (order.isRoot(i)) return flyingForces(d.dof + iv, c, [&](int k, const DofForces<S>& x) { d.dof_force[iv + k] = x; });
     for (int k = iv; k < iv + Joint::nv; ++k) d.dof_force[k] = forcesOf<Joint>(w.dof[k].S_, d.dof[k], c);
-    if (!order.isRoot(i)) subtree.give(moved(c, w.r[i], d.shift_rate[i]));
+    if (!order.isRoot(i)) subtree.give(order.hasLever(i) ? moved(c, w.r[i], d.shift_rate[i]) : c);
   });
 }
 

@@ -45,6 +45,7 @@ class StripEntry {
   struct Entering {
     const StripEntry& entry;
     const Step& step;
+    bool hasLever() const { return true; }
     decltype(auto) lever(const Vec3<S>* r) const { return step.left(r); }
     int nv() const { return step.nv(); }
     bool flyingRoot() const { return step.flyingRoot(); }

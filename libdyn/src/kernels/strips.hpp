@@ -19,6 +19,7 @@ struct Strips {
   S armature(int dof) const { return S::load(m.strips.armature.data() + strip_lanes * dof); }
   Vec3<S> gravity() const { return cast<S>(m.gravity); }
   bool isRoot(int i) const { return strip(i).depth == 1; }
+  bool hasLever(int) const { return true; }
 
   /// What the parents have, in the lanes of their children.
   template <class T>

@@ -79,7 +79,8 @@ template <class Order, class S>
 class BodyEntry {
  public:
   BodyEntry(const Order& bodies, S* M, int i, int iv) : bodies_(bodies), M_(M), from_(i), to_(i), row_(iv), column_(iv) {}
-  /// Calls turning(r, column, enter) for each body of a piece, step(*this) for others. This one goes one way, and does not begin again.
+  /// Calls turning(lever, column, enter) for each body of a piece, step(*this) for others, lever null where there is none. This one goes one way, and
+  /// does not begin again.
   template <class Begin, class Step, class Turning>
   void climb(Begin&&, Step&& step, Turning&& turning) {
     const std::ptrdiff_t n = bodies_.m.nvx;
@@ -93,18 +94,20 @@ class BodyEntry {
         step(std::as_const(*this));
         continue;
       }
-      const Vec3<S>* r = bodies_.w.r + from_;
+      const auto leverOf = [&](int i) { return bodies_.hasLever(i) ? bodies_.w.r + i : nullptr; };
+      const Vec3<S>* lever = leverOf(from_);
       const DofFactor<S>* dof = bodies_.w.dof + column_;
       S *above = M_ + row_ * n + column_, *below = M_ + column_ * n + row_;
       for (;; --to_, --dof, --above, below -= n) {
         bodies_.reaches(to_);
-        turning(*r, dof->S_, [&](int k, const S& value) { above[k * n] = below[k] = value; });
+        turning(lever, dof->S_, [&](int k, const S& value) { above[k * n] = below[k] = value; });
         if (to_ == x.piece) break;
-        r = bodies_.w.r + to_;
+        lever = leverOf(to_);
       }
     } while (!bodies_.isRoot(to_));
   }
   /// Of the body that it came from.
+  bool hasLever() const { return bodies_.hasLever(from_); }
   const Vec3<S>& lever(const Vec3<S>* r) const { return r[from_]; }
   int nv() const { return bodies_.index(to_).nv; }
   bool flyingRoot() const { return bodies_.index(to_).flying_root; }
@@ -156,6 +159,8 @@ struct Bodies {
   S armature(int dof) const { return m.armature.empty() ? S(0) : S(static_cast<Real<S>>(m.armature[static_cast<std::size_t>(dof)])); }
   Vec3<S> gravity() const { return cast<S>(m.gravity); }
   bool isRoot(int i) const { return parentOf(i) == 0; }
+  /// Whether the body's origin is elsewhere than its parent's.
+  bool hasLever(int i) const { return index(i).lever; }
 
   template <class T>
   const T& parent(const T* array, int i) const {

@@ -96,11 +96,14 @@ __attribute__((flatten, noinline)) void enterColumns(const AlignedBodies& bodies
     if (x.piece <= body) {
       const Vec3<Vectored>* r = bodies.w.r + body;
       const DofFactor<Vectored>* dof = dofs + x.idx_v;
+      const BodyIndex* here = &x;
       int left = body - x.piece;
       const auto climb = [&]<int joined>(std::integral_constant<int, joined>) {
         climbing.enter(climbing.alongAxis(dof->S_), row, column, n);
         if (left-- == 0) return false;
-        climbing.template shift<joined>(*r--);
+        if (here->lever) climbing.template shift<joined>(*r);
+        --here;
+        --r;
         --dof;
         row -= n;
         --column;
@@ -132,7 +135,7 @@ __attribute__((flatten, noinline)) void enterColumns(const AlignedBodies& bodies
     }
     const BodyIndex& reached = bodies.index(body);
     if (reached.parent == 0) return;
-    climbing.shiftFrom(reached.idx_v - first, bodies.w.r[body]);
+    if (reached.lever) climbing.shiftFrom(reached.idx_v - first, bodies.w.r[body]);
     body = reached.parent;
   }
 }
@@ -150,9 +153,7 @@ inline void massMatrixByColumns(const AlignedBodies& bodies, Workspace<Vectored>
       if (bodies.isRoot(i)) return enterFlyingRoot(bodies, bodies.entry(M, i, iv), iv, mass, h, I);
     for (int k = 0; k < Joint::nv; ++k) w.dof[iv + k].W = compositeForce<Joint>(w.dof[iv + k].S_, mass, h, I);
     if (bodies.isRoot(i)) return;
-    inertias.give(shiftedInertia(I, mass, h, w.r[i]));
-    moments.give(h + mass * w.r[i]);
-    masses.give(mass);
+    giveComposite(bodies, i, inertias, moments, masses, mass, h, I);
   });
   double* entries = reinterpret_cast<double*>(M);
   for (const DofChain& chain : bodies.m.chains) {
