@@ -266,7 +266,7 @@ TEST_CASE("canonicalise: axes of every direction share a batch, and nothing of i
   model.addBody("b2", 2, revolute("j2", {0, 0, 1}, random.pose()), random.inertia());
   model.addBody("b3", 3, revolute("j3", {0.3, -2, 0.5}, random.pose()), random.inertia());
   const CompactModel compact = compile(model, registry());
-  CHECK(*passOf(compact, "canonicalise") == "canonicalise: 3 joint axes turned onto z");
+  CHECK(*passOf(compact, "canonicalise") == "canonicalise: 3 joint axes turned onto z, 0 origins where they cross");
   CHECK(passOf(compact, "pack")->find("1 type batches, 1 runs") != std::string::npos);
   Data data(compact);
   const Eigen::VectorXd q = random.vector(4, 2);
@@ -280,6 +280,56 @@ TEST_CASE("canonicalise: axes of every direction share a batch, and nothing of i
     CHECK(off(jointPlacement(compact, data, i + 1), pose) < 4e-15);
     CHECK(off(framePlacement(compact, data, i + 1), pose) < 4e-15);
   }
+}
+
+TEST_CASE("canonicalise: origins are where axes cross, towards the mass that joints carry, and nothing of it shows", "[compile]") {
+  // The axes of the shoulder's first two joints cross beyond the first one's origin, those of the wrist's beyond the forearm's and where the hand's
+  // mass is; those of the upper arm cross the shoulder's behind it, where origins are not put.
+  const struct {
+    Vec3<double> axis, p;
+  } joints[] = {{{0, 0, 1}, {0, 0, 0.1}},  {{0, 1, 0}, {0, 0, 0.21}}, {{0, 0, 1}, {0, 0, 0.2}}, {{0, -1, 0}, {0.05, 0, 0.2}},
+                {{0, 0, 1}, {0, 0, 0.19}}, {{0, 1, 0}, {0, 0, 0.21}}, {{1, 0, 0}, {0.07, 0, 0}}};
+  Random random(6);
+  Model model;
+  for (int i = 0; i < 7; ++i) {
+    Inertia<double> inertia = random.inertia();
+    inertia.com = i == 6 ? Vec3<double>{-0.1, 0, 0} : Vec3<double>{0, 0, 0.1};
+    model.addBody("b" + std::to_string(i), i, revolute("j" + std::to_string(i), joints[i].axis, {Mat3<double>::identity(), joints[i].p}), inertia);
+  }
+  const CompactModel compact = compile(model, registry());
+  CHECK(passOf(compact, "canonicalise")->find(" 3 origins where they cross") != std::string::npos);
+  Data data(compact);
+  const Eigen::VectorXd q = random.vector(7, 2), v = random.vector(7, 1), a = random.vector(7, 1);
+  forwardKinematics(compact, data, q);
+  SE3<double> pose;
+  for (int i = 0; i < 7; ++i) {
+    pose = pose * SE3<double>{exp3(q[i] * joints[i].axis), joints[i].p};
+    CHECK(off(jointPlacement(compact, data, i + 1), pose) < 2e-15);
+  }
+  // The same, each link turned in its own frame, where no axes cross to the last digit.
+  Model turned;
+  SE3<double> before;
+  for (int i = 0; i < 7; ++i) {
+    const SE3<double> turn{exp3(random.vector(0.5)), {}}, back = turn.inverse(), step{Mat3<double>::identity(), joints[i].p};
+    turned.addBody("b" + std::to_string(i), i, revolute("j" + std::to_string(i), back.R * joints[i].axis, before.inverse() * step * turn),
+                   model.bodies[static_cast<std::size_t>(i + 1)].inertia.transformed(back));
+    before = turn;
+  }
+  const CompactModel other = compile(turned, registry());
+  Data expected(other);
+  const Eigen::VectorXd tau = rnea(other, expected, q, v, a);
+  CHECK((rnea(compact, data, q, v, a) - tau).cwiseAbs().maxCoeff() < 4e-15 * tau.cwiseAbs().maxCoeff());
+}
+
+TEST_CASE("canonicalise: axes that are next to parallel are not followed to where they cross", "[compile]") {
+  Model model;
+  const Inertia<double> inertia{1, {0.1, 0, 0.1}, {1, 0, 0, 1, 0, 1}};
+  model.addBody("a", 0, revolute("j", {0, 0, 1}), inertia);
+  model.addBody("b", 1, revolute("k", {0, 0, 1}, {exp3(Vec3<double>{1e-9, 0, 0}), {0, 0.3, 0}}), inertia);
+  CHECK(passOf(compile(model, registry()), "canonicalise")->find(" 0 origins") != std::string::npos);
+  // Those that are one axis share their origin.
+  model.bodies.back().joint.placement.p = {0, 0, 0.3};
+  CHECK(passOf(compile(model, registry()), "canonicalise")->find(" 1 origins") != std::string::npos);
 }
 
 TEST_CASE("canonicalise: a placement written with two digits stays what it is", "[compile]") {

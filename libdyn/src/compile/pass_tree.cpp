@@ -113,6 +113,81 @@ void turnAboutAxis(DraftBody& body) {
   body.instance.after = cast<double>(SE3<long double>{back, {}} * cast<long double>(body.instance.after));
 }
 
+/// A joint about z turns alike wherever on its axis its origin is. Origins are put where axes cross their parents', which leaves no lever there: each
+/// where the first one does that can, parents first, and only nearer to the mass that it carries. Pivots are read off inertias about origins, and
+/// lose what these have too much of.
+class OriginsOnAxes {
+ public:
+  explicit OriginsOnAxes(std::vector<DraftBody>& bodies)
+      : bodies_(bodies), along_(bodies.size()), centre_(bodies.size()), settled_(bodies.size()), met_(bodies.size()) {
+    findCentres();
+    for (std::size_t i = 1; i < bodies.size(); ++i)
+      if (bodies[i].parent != 0 && turnsOnly(bodies[i].instance.shape)) meetParent(i);
+  }
+  /// How many levers there are no more.
+  int put() {
+    for (std::size_t i = 1; i < bodies_.size(); ++i) {
+      DraftBody& body = bodies_[i];
+      const SE3<long double> there{Mat3<long double>::identity(), {0, 0, along_[i]}}, back = there.inverse();
+      body.placement = body.placement * there;
+      body.placement.p.z -= along_[at(body.parent)];
+      if (met_[i]) body.placement.p = {};
+      if (along_[i] == 0) continue;
+      body.inertia = body.inertia.transformed(back);
+      body.instance.before = cast<double>(cast<long double>(body.instance.before) * there);
+      body.instance.after = cast<double>(back * cast<long double>(body.instance.after));
+    }
+    return static_cast<int>(std::count(met_.begin(), met_.end(), true));
+  }
+
+ private:
+  /// Of subtrees as they are described, on their joints' axes.
+  void findCentres() {
+    std::vector<long double> mass(bodies_.size());
+    std::vector<Vec3<long double>> moment(bodies_.size());
+    for (std::size_t i = bodies_.size() - 1; i >= 1; --i) {
+      const DraftBody& body = bodies_[i];
+      mass[i] += body.inertia.mass;
+      moment[i] += body.inertia.mass * body.inertia.com;
+      if (mass[i] > 0) centre_[i] = moment[i].z / mass[i];
+      const std::size_t parent = at(body.parent);
+      mass[parent] += mass[i];
+      moment[parent] += body.placement.R * moment[i] + mass[i] * body.placement.p;
+    }
+  }
+  bool slides(std::size_t i) const { return bodies_[i].instance.shape == Shape::revolute && !settled_[i]; }
+  bool isNearer(std::size_t i, long double there) const { return there == 0 || std::fabs(there - centre_[i]) < std::fabs(centre_[i]); }
+  /// Puts the origin of body i and of its parent where they are the same, if they can be moved there.
+  void meetParent(std::size_t i) {
+    const std::size_t parent = at(bodies_[i].parent);
+    const SE3<long double>& placement = bodies_[i].placement;
+    Vec3<long double> p = placement.p;
+    p.z -= along_[parent];
+    const Vec3<long double> z = placement.R.col(2);
+    const long double least = 1e-16L * std::sqrt(dot(p, p));
+    double own = 0, parents = 0;
+    if (slides(parent)) {
+      // Where axes that are next to parallel cross is far away.
+      const long double across = z.x * z.x + z.y * z.y;
+      if (slides(i) && across > 0.25L) own = static_cast<double>(-(p.x * z.x + p.y * z.y) / across);
+      parents = static_cast<double>(p.z + own * z.z);
+    } else if (slides(i)) {
+      own = static_cast<double>(-dot(p, z));
+    }
+    p += own * z;
+    p.z -= parents;
+    if (std::sqrt(dot(p, p)) > least || !isNearer(i, own) || !isNearer(parent, parents)) return;
+    along_[i] = own;
+    along_[parent] += parents;
+    settled_[i] = settled_[parent] = met_[i] = true;
+  }
+
+  std::vector<DraftBody>& bodies_;
+  std::vector<long double> along_;   ///< of the axis, from where its origin is described to be
+  std::vector<long double> centre_;  ///< the same of what the joint carries
+  std::vector<bool> settled_, met_;
+};
+
 }  // namespace
 
 void canonicalise(Draft& draft) {
@@ -127,8 +202,11 @@ void canonicalise(Draft& draft) {
     const Mat3<double>& R = body.instance.before.R;
     if (R(2, 2) != 1) ++turned;
   }
+  const int met = OriginsOnAxes(draft.bodies).put();
+  for (std::size_t i = 1; i < draft.bodies.size(); ++i) user_in_canonical[i] = cast<long double>(draft.bodies[i].instance.after);
   for (DraftFrame& frame : draft.frames) frame.placement = user_in_canonical[at(frame.body)] * frame.placement;
-  draft.report.passes.push_back("canonicalise: " + std::to_string(turned) + " joint axes turned onto z");
+  draft.report.passes.push_back("canonicalise: " + std::to_string(turned) + " joint axes turned onto z, " + std::to_string(met) +
+                                " origins where they cross");
 }
 
 void inspect(Draft& draft) {
