@@ -72,7 +72,7 @@ Mat3<S> placeAligned(const Joint& joint, const Order& order, const Placement& pl
           x = firstColumn(parent, R);
           z = lastColumn(parent, R);
         });
-    const Mat3<S> R = renewedFrom(x, z);
+    Mat3<S> R = renewedFrom(x, z);
     w.r[i] = ofLever<S>(order, i, [&] { return parent * placedInParent<S>(joint, placement).p; });
     axes.leave(R);
     return R;
