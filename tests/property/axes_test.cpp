@@ -21,20 +21,20 @@ std::vector<double> numbers(const Vec3<double>& v) { return {v.x, v.y, v.z}; }
 struct Described {
   std::array<Model, 2> models;
   std::vector<Mat3<double>> turned{Mat3<double>::identity()};
-  std::vector<Vec3<double>> axes{{}};
 };
 Described describe(int n, std::uint64_t seed, const char* other, double armature) {
   Random random(seed);
   Described out;
+  std::vector<Vec3<double>> axes{{}};
   for (int i = 0; i < n; ++i) {
     const int parent = i % 3 == 2 ? random.below(i + 1) : i, direction = random.below(6);
     Vec3<double> axis{};
     axis[direction % 3] = direction < 3 ? 1 : -1;
-    const Vec3<double> where = random.vector(0.3), crossing = where.x * out.axes[static_cast<std::size_t>(parent)] + where.y * axis;
-    const SE3<double> placement{i % 4 == 0 ? exp3(random.uniform(-3, 3) * axis) : Mat3<double>::identity(), i % 7 == 3   ? Vec3<double>{}
-                                                                                                            : i % 2 == 0 ? crossing
-                                                                                                                         : where};
-    out.axes.push_back(axis);
+    Vec3<double> p = random.vector(0.3);
+    if (i % 2 == 0) p = p.x * axes[static_cast<std::size_t>(parent)] + p.y * axis;
+    if (i % 7 == 3) p = {};
+    const SE3<double> placement{i % 4 == 0 ? exp3(random.uniform(-3, 3) * axis) : Mat3<double>::identity(), p};
+    axes.push_back(axis);
     const Inertia<double> inertia = random.inertia();
     out.turned.push_back(random.pose().R);
 

@@ -98,6 +98,14 @@ std::optional<Mat3<long double>> exchangeWithZ(const Mat3<long double>& R) {
   return std::nullopt;
 }
 
+/// Puts the frame that a joint's motion is in at X, seen from where it was; the motion of the body that is described stays.
+void moveCore(JointInstance& joint, const SE3<long double>& X) {
+  joint.before = cast<double>(cast<long double>(joint.before) * X);
+  joint.after = cast<double>(X.inverse() * cast<long double>(joint.after));
+}
+/// A body's described frame seen from its core frame.
+SE3<long double> describedInCore(const DraftBody& body) { return cast<long double>(body.instance.after); }
+
 /// Joints along or about z move alike in all frames turned about it: those are chosen in which placements exchange axes, where there are such.
 void turnAboutAxis(DraftBody& body) {
   if (body.instance.shape != Shape::revolute && body.instance.shape != Shape::prismatic) return;
@@ -109,8 +117,7 @@ void turnAboutAxis(DraftBody& body) {
   for (int i = 0; i < 9; ++i)
     if (std::fabs(one.m[i] - (i % 4 == 0)) > 1e-15L) return;
   body.placement.R = *chosen;
-  body.instance.before = cast<double>(cast<long double>(body.instance.before) * SE3<long double>{turn, {}});
-  body.instance.after = cast<double>(SE3<long double>{back, {}} * cast<long double>(body.instance.after));
+  moveCore(body.instance, {turn, {}});
 }
 
 /// A joint about z turns alike wherever on its axis its origin is. Origins are put where axes cross their parents', which leaves no lever there: each
@@ -128,14 +135,13 @@ class OriginsOnAxes {
   int put() {
     for (std::size_t i = 1; i < bodies_.size(); ++i) {
       DraftBody& body = bodies_[i];
-      const SE3<long double> there{Mat3<long double>::identity(), {0, 0, along_[i]}}, back = there.inverse();
+      const SE3<long double> there{Mat3<long double>::identity(), {0, 0, along_[i]}};
       body.placement = body.placement * there;
       body.placement.p.z -= along_[at(body.parent)];
       if (met_[i]) body.placement.p = {};
       if (along_[i] == 0) continue;
-      body.inertia = body.inertia.transformed(back);
-      body.instance.before = cast<double>(cast<long double>(body.instance.before) * there);
-      body.instance.after = cast<double>(back * cast<long double>(body.instance.after));
+      body.inertia = body.inertia.transformed(there.inverse());
+      moveCore(body.instance, there);
     }
     return static_cast<int>(std::count(met_.begin(), met_.end(), true));
   }
@@ -192,19 +198,16 @@ class OriginsOnAxes {
 
 void canonicalise(Draft& draft) {
   int turned = 0;
-  std::vector<SE3<long double>> user_in_canonical(draft.bodies.size());  // the body's described frame seen from its core frame
   for (std::size_t i = 1; i < draft.bodies.size(); ++i) {
     DraftBody& body = draft.bodies[i];
-    body.placement = user_in_canonical[at(body.parent)] * body.placement * cast<long double>(body.instance.before);
+    body.placement = describedInCore(draft.bodies[at(body.parent)]) * body.placement * cast<long double>(body.instance.before);
     turnAboutAxis(body);
-    user_in_canonical[i] = cast<long double>(body.instance.after);
-    body.inertia = body.inertia.transformed(user_in_canonical[i]);
+    body.inertia = body.inertia.transformed(describedInCore(body));
     const Mat3<double>& R = body.instance.before.R;
     if (R(2, 2) != 1) ++turned;
   }
   const int met = OriginsOnAxes(draft.bodies).put();
-  for (std::size_t i = 1; i < draft.bodies.size(); ++i) user_in_canonical[i] = cast<long double>(draft.bodies[i].instance.after);
-  for (DraftFrame& frame : draft.frames) frame.placement = user_in_canonical[at(frame.body)] * frame.placement;
+  for (DraftFrame& frame : draft.frames) frame.placement = describedInCore(draft.bodies[at(frame.body)]) * frame.placement;
   draft.report.passes.push_back("canonicalise: " + std::to_string(turned) + " joint axes turned onto z, " + std::to_string(met) +
                                 " origins where they cross");
 }

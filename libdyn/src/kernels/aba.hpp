@@ -98,6 +98,13 @@ class AxesElimination {
   S left_[6][6], inverse_[6];
 };
 
+/// An articulated inertia and the force that goes with it, about a point from which the one before is at r.
+template <class S>
+void shift(ArticulatedInertia<S>& IA, Force<S>& f, const Vec3<S>& r) {
+  IA = IA.shifted(r);
+  f.angular += cross(r, f.linear);
+}
+
 /// abaInward at a bare root.
 template <class S, class Order>
 void eliminateBareRoot(const Order& order, const ArticulatedInertia<S>& IA, const Force<S>& pA, const S* tau, int i, int iv, Workspace<S>& w) {
@@ -152,10 +159,7 @@ void abaInward(const Order& order, Workspace<S>& w, const S* tau, const Force<S>
     dof.W = dof.inverse * Force<S>{dof.W.linear, dof.W.angular + cross(r, dof.W.linear)};
     if (order.isRoot(i)) return;
     pA += IA * beta;
-    if (order.hasLever(i)) {
-      IA = IA.shifted(r);
-      pA.angular += cross(r, pA.linear);
-    }
+    if (order.hasLever(i)) shift(IA, pA, r);
     inertia.give(IA);
     force.give(pA);
   });

@@ -74,8 +74,7 @@ void articulatedInward(const Order& order, DerivativeWorkspace<S>& d, const S* t
     if (order.hasLever(i)) {
       const Vec3<S>& r = w.r[i];
       map = shiftedMap(map, IA, r, d.shift_rate[i]);
-      IA = IA.shifted(r);
-      pA.angular += cross(r, pA.linear);
+      shift(IA, pA, r);
     }
     coriolis.give(map);
     inertia.give(IA);

@@ -109,9 +109,7 @@ CentroidalState<S> centroidalMap(const Order& order, const S* v, const Walk& wal
     const Sym3<S> I = inertias.with(congruence(R, c.origin));
     if (!isFlyingRoot<Joint>(order, i))
       for (int k = iv; k < iv + Joint::nv; ++k) w.dof[k].W = compositeForce<Joint>(w.dof[k].S_, m, h, I);
-    if (!order.isRoot(i)) {
-      return giveComposite(order, i, inertias, moments, masses, m, h, I);
-    }
+    if (!order.isRoot(i)) return giveComposite(order, i, inertias, moments, masses, m, h, I);
     w.mass[i] = m;
     w.h[i] = h;
     w.Io[i] = I;

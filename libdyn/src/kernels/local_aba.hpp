@@ -147,11 +147,7 @@ void localAbaInward(const Order& order, Workspace<S>& w, const S* tau) {
     if (order.isRoot(i)) return;
 
     ArticulatedInertia<S> left = leftInParentsAxes(joint, order, i, w.dof[iv + Joint::nv - 1], IA, f);
-    if (order.hasLever(i)) {
-      const Vec3<S> p = originInward<S, Joint>(order, i);
-      left = left.shifted(p);
-      f.angular += cross(p, f.linear);
-    }
+    if (order.hasLever(i)) shift(left, f, originInward<S, Joint>(order, i));
     inertia.give(left);
     force.give(f);
   });
