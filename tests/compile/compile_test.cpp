@@ -266,7 +266,7 @@ TEST_CASE("canonicalise: axes of every direction share a batch, and nothing of i
   model.addBody("b2", 2, revolute("j2", {0, 0, 1}, random.pose()), random.inertia());
   model.addBody("b3", 3, revolute("j3", {0.3, -2, 0.5}, random.pose()), random.inertia());
   const CompactModel compact = compile(model, registry());
-  CHECK(*passOf(compact, "canonicalise") == "canonicalise: 3 joint axes turned onto z, 0 origins where they cross");
+  CHECK(*passOf(compact, "canonicalise") == "canonicalise: 3 joint axes turned onto z, 0 along axes of their parents, 0 origins where they cross");
   CHECK(passOf(compact, "pack")->find("1 type batches, 1 runs") != std::string::npos);
   Data data(compact);
   const Eigen::VectorXd q = random.vector(4, 2);
@@ -330,6 +330,39 @@ TEST_CASE("canonicalise: axes that are next to parallel are not followed to wher
   // Those that are one axis share their origin.
   model.bodies.back().joint.placement.p = {0, 0, 0.3};
   CHECK(passOf(compile(model, registry()), "canonicalise")->find(" 1 origins") != std::string::npos);
+}
+
+TEST_CASE("canonicalise: bodies whose axes are tilted from their parents' are where they are described", "[compile]") {
+  // Half a turn's rounding as URDFs have it, what doubles make of it, a little more, and much more; about one axis of the parent's and about two.
+  const double quarter = 1.5707963267948966;
+  const Vec3<double> turns[] = {{1.57079632679, 0, 0}, {0, -quarter, 0}, {1.5708, 0, 0},     {0, 1.5708, 0},       {0, 0, 1.2},
+                                {-0.9, 0, 0},          {0, 2.4, 0},      {-3.1416, 1e-9, 0}, {0.3, quarter, 1e-7}, {0.3, -0.4, 1.2}};
+  for (const Vec3<double>& axis : {Vec3<double>{0, 0, 1}, Vec3<double>{-1, 0, 0}, Vec3<double>{0.6, 0, 0.8}}) {
+    Model model;
+    SE3<double> pose;
+    int i = 0;
+    for (const Vec3<double>& turn : turns) {
+      const SE3<double> placement{exp3(turn), {0.1, -0.2, 0.3}};
+      model.addBody("b" + std::to_string(i), i, revolute("j" + std::to_string(i), axis, placement), {1, {0.1, 0.2, 0.3}, {1, 0, 0, 2, 0, 3}});
+      ++i;
+    }
+    const CompactModel compact = compile(model, registry());
+    Data data(compact);
+    forwardKinematics(compact, data, Eigen::VectorXd::Constant(i, 0.5));
+    for (int j = 0; j < i; ++j) {
+      pose = pose * SE3<double>{exp3(turns[j]), {0.1, -0.2, 0.3}} * SE3<double>{exp3(0.5 * axis), {}};
+      CHECK(off(jointPlacement(compact, data, j + 1), pose) < 3e-15);
+    }
+  }
+}
+
+TEST_CASE("canonicalise: quarter turns that doubles round are quarter turns, all along a chain", "[compile]") {
+  Model model;
+  for (int i = 0; i < 7; ++i) {
+    const SE3<double> placement{exp3(Vec3<double>{i % 2 == 0 ? 1.5707963267948966 : -1.5707963267948966, 0, 0}), {0, 0, 0.3}};
+    model.addBody("b" + std::to_string(i), i, revolute("j" + std::to_string(i), {0, 0, 1}, placement), {1, {0.1, 0, 0.1}, {1, 0, 0, 1, 0, 1}});
+  }
+  CHECK(passOf(compile(model, registry()), "canonicalise")->find(" 7 along axes") != std::string::npos);
 }
 
 TEST_CASE("canonicalise: a placement written with two digits stays what it is", "[compile]") {

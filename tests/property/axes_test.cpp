@@ -1,5 +1,5 @@
-// A robot is what it is, however the axes of its bodies are chosen: where placements only exchange axes, or are at their parent's origin, kernels
-// leave out what would be multiplied with zeros.
+// A robot is what it is, however the axes of its bodies are chosen: where placements only exchange axes, or tilt them, or are at their parent's
+// origin, kernels leave out what would be multiplied with zeros.
 #include "support/difference.hpp"
 #include "support/random_model.hpp"
 #include "support/registry.hpp"
@@ -15,9 +15,18 @@ namespace {
 
 std::vector<double> numbers(const Vec3<double>& v) { return {v.x, v.y, v.z}; }
 
-/// Two descriptions of one robot whose joints are about or along axes of their parents, either way, some of them turned about that axis, without a
-/// lever or with axes that cross the parent's elsewhere: as such, and with each body's frame turned at random. Two joints of three stand on the one
-/// before.
+/// From roundings of angles up to any, about one or both of the other axes.
+Mat3<double> tilt(Random& random, int axis) {
+  const double sizes[] = {5e-12, 4e-6, 0.5, 3};
+  Vec3<double> angle{};
+  for (const int k : {1, 2})
+    if (random.below(3) > 0) angle[(axis + k) % 3] = sizes[random.below(4)] * random.uniform(-1, 1);
+  return exp3(angle);
+}
+
+/// Two descriptions of one robot whose joints are about or along axes of their parents, either way, some of them turned about that axis, tilted from
+/// it, without a lever or with axes that cross the parent's elsewhere: as such, and with each body's frame turned at random. Two joints of three
+/// stand on the one before.
 struct Described {
   std::array<Model, 2> models;
   std::vector<Mat3<double>> turned{Mat3<double>::identity()};
@@ -33,7 +42,8 @@ Described describe(int n, std::uint64_t seed, const char* other, double armature
     Vec3<double> p = random.vector(0.3);
     if (i % 2 == 0) p = p.x * axes[static_cast<std::size_t>(parent)] + p.y * axis;
     if (i % 7 == 3) p = {};
-    const SE3<double> placement{i % 4 == 0 ? exp3(random.uniform(-3, 3) * axis) : Mat3<double>::identity(), p};
+    SE3<double> placement{i % 4 == 0 ? exp3(random.uniform(-3, 3) * axis) : Mat3<double>::identity(), p};
+    if (i % 4 == 1) placement.R = tilt(random, direction % 3);
     axes.push_back(axis);
     const Inertia<double> inertia = random.inertia();
     out.turned.push_back(random.pose().R);

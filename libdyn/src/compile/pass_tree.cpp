@@ -85,11 +85,14 @@ void weld(Draft& draft) {
 
 namespace {
 
-/// If z of R is an axis k of the parent's: R turned about z until its x is the parent's next axis, so that it only exchanges axes.
+/// Less than what doubles tell apart in a rotation is no turn: URDFs say 1.5707963267948966 where they mean a quarter.
+long double settled(long double x) { return std::fabs(x) < 1e-16L ? 0 : x; }
+
+/// The one whose z is an axis of the parent's, as R's z is, and x the parent's next axis, so that it only exchanges axes.
 std::optional<Mat3<long double>> exchangeWithZ(const Mat3<long double>& R) {
   for (int k = 0; k < 3; ++k) {
-    const auto z = static_cast<double>(R(k, 2));
-    if (std::fabs(z) != 1 || R((k + 1) % 3, 2) != 0 || R((k + 2) % 3, 2) != 0) continue;
+    if (settled(R((k + 1) % 3, 2)) != 0 || settled(R((k + 2) % 3, 2)) != 0) continue;
+    const long double z = R(k, 2) < 0 ? -1 : 1;
     Mat3<long double> out;
     out(k, 2) = out((k + 2) % 3, 1) = z;
     out((k + 1) % 3, 0) = 1;
@@ -107,17 +110,20 @@ void moveCore(JointInstance& joint, const SE3<long double>& X) {
 SE3<long double> describedInCore(const DraftBody& body) { return cast<long double>(body.instance.after); }
 
 /// Joints along or about z move alike in all frames turned about it: those are chosen in which placements exchange axes, where there are such.
-void turnAboutAxis(DraftBody& body) {
-  if (body.instance.shape != Shape::revolute && body.instance.shape != Shape::prismatic) return;
-  const auto chosen = exchangeWithZ(body.placement.R);
-  if (!chosen) return;
-  const Mat3<long double> turn = transpose(body.placement.R) * *chosen, back = transpose(turn);
+/// Whether this is one.
+bool turnAboutAxis(DraftBody& body) {
+  if (body.instance.shape != Shape::revolute && body.instance.shape != Shape::prismatic) return false;
+  const Mat3<long double>& R = body.placement.R;
+  const auto chosen = exchangeWithZ(R);
+  if (!chosen) return false;
+  const long double x = settled(dot(R.col(0), chosen->col(0))), y = settled(dot(R.col(1), chosen->col(0))), length = std::hypot(x, y);
+  const Mat3<long double> turn{{x / length, -y / length, 0, y / length, x / length, 0, 0, 0, 1}}, described = *chosen * transpose(turn);
   // A placement that was described with few digits is no rotation to the last one, and stays as it is.
-  const Mat3<long double> one = turn * back;
   for (int i = 0; i < 9; ++i)
-    if (std::fabs(one.m[i] - (i % 4 == 0)) > 1e-15L) return;
+    if (!(std::fabs(described.m[i] - R.m[i]) <= 1e-15L)) return false;
   body.placement.R = *chosen;
   moveCore(body.instance, {turn, {}});
+  return true;
 }
 
 /// A joint about z turns alike wherever on its axis its origin is. Origins are put where axes cross their parents', which leaves no lever there: each
@@ -197,19 +203,19 @@ class OriginsOnAxes {
 }  // namespace
 
 void canonicalise(Draft& draft) {
-  int turned = 0;
+  int turned = 0, along = 0;
   for (std::size_t i = 1; i < draft.bodies.size(); ++i) {
     DraftBody& body = draft.bodies[i];
     body.placement = describedInCore(draft.bodies[at(body.parent)]) * body.placement * cast<long double>(body.instance.before);
-    turnAboutAxis(body);
+    if (turnAboutAxis(body)) ++along;
     body.inertia = body.inertia.transformed(describedInCore(body));
     const Mat3<double>& R = body.instance.before.R;
     if (R(2, 2) != 1) ++turned;
   }
   const int met = OriginsOnAxes(draft.bodies).put();
   for (DraftFrame& frame : draft.frames) frame.placement = describedInCore(draft.bodies[at(frame.body)]) * frame.placement;
-  draft.report.passes.push_back("canonicalise: " + std::to_string(turned) + " joint axes turned onto z, " + std::to_string(met) +
-                                " origins where they cross");
+  draft.report.passes.push_back("canonicalise: " + std::to_string(turned) + " joint axes turned onto z, " + std::to_string(along) +
+                                " along axes of their parents, " + std::to_string(met) + " origins where they cross");
 }
 
 void inspect(Draft& draft) {
