@@ -96,6 +96,9 @@ TEST_CASE("derivatives of batches with followers", "[batch]") {
   Model description = randomTree(registry(), 22, 4, true);
   addFollower(description);
   checkAll<double>(compile(description, registry()), 5, 2, 3, 1e-12, 1e-9);
+  addFollower(description, "2", {0.1, 0.5, -0.3});
+  addFollower(description, "3", {-0.2, 1.5, 0.2, 0.1});
+  checkAll<double>(compile(description, registry()), 19, 2, 3, 1e-12, 1e-9);
 }
 
 TEST_CASE("numbers that no path connects are zero, whatever has been written there", "[batch]") {

@@ -123,12 +123,20 @@ TEST_CASE("joints that follow others are computed in batches, too", "[batch]") {
   Model description = randomTree(registry(), 22, 4, true);
   addFollower(description);
   const CompactModel model = compile(description, registry());
-  checkAll<double>(model, States(model, 9, 2), 2, 1e-14, 1e-14);
+  CHECK(BatchData(model, 9).lanes() == BatchData(compile(camModel(), registry()), 9).lanes());
+  checkAll<double>(model, States(model, 9, 2), 2, 1e-13, 1e-9);
   checkAll<float>(model, States(model, 9, 2), 2, 1e-5, 1e-2);
+  // One that turns the faster the further, and one that follows it.
+  addFollower(description, "2", {0.1, 0.5, -0.3});
+  addFollower(description, "3", {-0.2, 1.5, 0.2, 0.1});
+  const CompactModel further = compile(description, registry());
+  checkAll<double>(further, States(further, 19, 3), 2, 1e-13, 1e-9);
 }
 
 TEST_CASE("results are the same bits whatever the number of threads", "[batch]") {
-  const CompactModel model = compile(randomTree(registry(), 20, 3), registry());
+  Model description = randomTree(registry(), 20, 3);
+  if (GENERATE(false, true)) addFollower(description);
+  const CompactModel model = compile(description, registry());
   const States s(model, 101, 5);
   BatchData one(model, 101, Need::mass_matrix);
   const Eigen::MatrixXd tau = rnea(model, one, s.q, s.v, s.a), ddq = aba(model, one, s.q, s.v, s.a), M = crba(model, one, s.q);
@@ -246,7 +254,9 @@ TEST_CASE("no batch allocates after it is made", "[batch]") {
     WARN("skipped: a sanitizer owns malloc in this build");
     return;
   }
-  const CompactModel model = compile(randomTree(registry(), 25, 5, true), registry());
+  Model description = randomTree(registry(), 25, 5, true);
+  if (GENERATE(false, true)) addFollower(description);
+  const CompactModel model = compile(description, registry());
   const States s(model, 37, 1);
   BatchData batch(model, 37, Need::mass_matrix | Need::kinematics, 2);
   const auto allocations = [](auto&& f) {

@@ -78,15 +78,15 @@ inline Model randomTree(const JointRegistry& registry, int n, std::uint64_t seed
 }
 
 /// Adds a revolute joint, "follower", that follows one of the model's revolute joints; its body is "followed".
-inline void addFollower(Model& model) {
+inline void addFollower(Model& model, const std::string& number = "", const std::vector<double>& coefficients = {0.1, 2}) {
   JointDescription follower;
-  follower.name = "follower";
+  follower.name = "follower" + number;
   follower.type = "revolute";
   follower.parameters["axis"] = std::vector<double>{0, 1, 0};
   for (const BodyDescription& b : model.bodies)
-    if (b.joint.type == "revolute") follower.coupling = {"mimic", b.joint.name, {{"coefficients", std::vector<double>{0.1, 2}}}};
+    if (b.joint.type == "revolute") follower.coupling = {"mimic", b.joint.name, {{"coefficients", coefficients}}};
   REQUIRE(!follower.coupling.master.empty());
-  model.addBody("followed", 3, follower, Random(9).inertia());
+  model.addBody("followed" + number, 3, follower, Random(9).inertia());
 }
 
 /// n moving bodies, each on any of those before it, their joints' types from the list in turn; all with armature and damping.

@@ -1,6 +1,6 @@
 #include "algorithm/crba.hpp"
-#include "algorithm/dense_factors.hpp"
 #include "algorithm/external.hpp"
+#include "kernels/dense_factors.hpp"
 #include "kernels/table.hpp"
 
 #include <dyn/algorithm/aba.hpp>
@@ -18,8 +18,10 @@ const double* aba(const CompactModel& model, Data& data, VectorView q, VectorVie
     const double* bias = rnea(model, data, q, v, zero, fext, count);
     for (int k = 0; k < m.nv; ++k) d.ddq[k] = tau.data[k] - bias[k];
     massMatrix(m, d);
-    factorDense("aba", m, d.M, d.ax);
-    solveDense(m, d.M, d.ddq);
+    int failed = 0;
+    kernels::factorDense(m, d.M, d.ax, &failed);
+    checkFactors("aba", m, failed, d.qx);
+    kernels::solveDense(m, d.M, d.ddq);
     return d.ddq;
   }
   const Inputs in = readInputs("aba", model, data, q, &v, nullptr);

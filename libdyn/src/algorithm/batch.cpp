@@ -1,10 +1,6 @@
 #include "algorithm/batch_support.hpp"
 #include "algorithm/placement.hpp"
 
-#include <dyn/algorithm/aba.hpp>
-#include <dyn/algorithm/crba.hpp>
-#include <dyn/algorithm/rnea.hpp>
-
 namespace dyn {
 
 namespace {
@@ -23,34 +19,6 @@ namespace detail {
 namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-template <int N, class T>
-void put(const BatchImpl<T>& d, const PackMemory& memory, int body, int state, const std::array<double, N>& x) {
-  T* to = numbersOf<N>(d, memory, body, state);
-  for (std::size_t k = 0; k < N; ++k) to[k * at(d.kernels->lanes)] = static_cast<T>(x[k]);
-}
-
-/// Poses and motions of one state's bodies; NaN if it could not be computed.
-template <class T>
-void putKinematics(const BatchImpl<T>& d, const DataImpl& single, int state, bool computed, bool with_v, bool with_a) {
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  const auto motion = [&](const Motion<double>& x) {
-    return computed ? std::array<double, 6>{x.linear.x, x.linear.y, x.linear.z, x.angular.x, x.angular.y, x.angular.z}
-                    : std::array<double, 6>{nan, nan, nan, nan, nan, nan};
-  };
-  for (int body = 0; body < d.model->bodies(); ++body) {
-    std::array<double, 12> pose;
-    pose.fill(nan);
-    const SE3<double>& oMb = single.oM[body];
-    if (computed) {
-      std::copy(oMb.R.m, oMb.R.m + 9, pose.begin());
-      for (int k = 0; k < 3; ++k) pose[at(9 + k)] = oMb.p[k];
-    }
-    put<12>(d, d.poses, body, state, pose);
-    if (with_v) put<6>(d, d.velocities, body, state, motion(single.v[body]));
-    if (with_a) put<6>(d, d.accelerations, body, state, motion(single.a[body]));
-  }
-}
 
 template <class T>
 T* resultOf(BatchImpl<T>& d, BatchQuantity what, int states) {
@@ -82,30 +50,17 @@ const T* computeBatch(const CompactModel& model, BasicBatchData<T>& data, BatchQ
   const int states = static_cast<int>(q.cols);
   const std::ptrdiff_t rows = what == BatchQuantity::mass_matrix ? static_cast<std::ptrdiff_t>(m.nv) * m.nv : m.nv;
   const StatesOut<T> results[] = {{resultOf(d, what, states), rows}};
-  Failure failure;
-  if (!m.couplings.empty()) {
-    failure = forBlocks(d, states, 1, [&](int t, int state, int, Failure& f) {
-      runSingle<T>(model, d, t, state, {q, v, a}, results, f,
-                   [&](Data& single, const VectorView& qs, const VectorView& vs, const VectorView& as) -> std::array<const double*, 1> {
-                     if (what == BatchQuantity::mass_matrix) return {crba(model, single, qs)};
-                     if (what == BatchQuantity::aba) return {aba(model, single, qs, vs, as, nullptr, 0)};
-                     return {rnea(model, single, qs, vs, as, nullptr, 0)};
-                   });
-    });
-  } else {
-    failure = forBlocks(d, states, d.kernels->lanes, [&](int t, int first, int count, Failure& f) {
-      kernels::Block<T> block;
-      block.task =
-          what == BatchQuantity::mass_matrix ? kernels::Task::mass_matrix : (what == BatchQuantity::aba ? kernels::Task::aba : kernels::Task::rnea);
-      block.q = columns(q, first, count);
-      block.v = columns(v, first, count);
-      block.a = columns(a, first, count);
-      block.results[0] = results[0].first + first * rows;
-      block.squares = d.path_squares;
-      d.kernels->run(m, d.scratch[at(t)].data(), block);
-      noteFailures(q, block, results, first, count, f);
-    });
-  }
+  const Failure failure = forBlocks(d, states, d.kernels->lanes, [&](int t, int first, int count, Failure& f) {
+    kernels::Block<T> block;
+    const bool aba = what == BatchQuantity::aba;
+    block.task = what == BatchQuantity::mass_matrix ? kernels::Task::mass_matrix : (aba ? kernels::Task::aba : kernels::Task::rnea);
+    const StatesIn<T> in{q, v, a};
+    aba ? readStatesAndForces<T>(d, t, in, first, count, block) : readStates<T>(d, t, in, first, count, block);
+    block.results[0] = results[0].first + first * rows;
+    block.squares = d.path_squares;
+    d.kernels->run(m, d.scratch[at(t)].data(), block);
+    noteFailures(q, block, results, first, count, f);
+  });
   fail(name, m, failure, q);
   return results[0].first;
 }
@@ -125,29 +80,16 @@ const T* batchJacobians(const CompactModel& model, BasicBatchData<T>& data, Stat
     const PointOnBody where = kind == Kind::joint ? jointOnBody(model, id) : frameOnBody(model, id);
     point = {where.body, where.placement};
   }
-  const StatesOut<T> results[] = {{d.J.data(), rows}};
-  Failure failure;
-  if (!m.couplings.empty()) {
-    failure = forBlocks(d, states, 1, [&](int t, int state, int, Failure& f) {
-      runSingle<T>(model, d, t, state, {q, {}, {}}, results, f,
-                   [&](Data& single, const VectorView& qs, const VectorView&, const VectorView&) -> std::array<const double*, 1> {
-                     double* J = single.impl().J;
-                     jacobian(model, single, qs, kind, id, reference, MatrixOut(J, 6, m.nv));
-                     return {J};
-                   });
-    });
-  } else {
-    failure = forBlocks(d, states, d.kernels->lanes, [&](int t, int first, int count, Failure& f) {
-      kernels::Block<T> block;
-      block.task = kind == Kind::all_joints ? kernels::Task::joint_jacobians : kernels::Task::frame_jacobian;
-      block.q = columns(q, first, count);
-      block.frame = point;
-      block.reference = reference;
-      block.results[0] = d.J.data() + first * rows;
-      d.kernels->run(m, d.scratch[at(t)].data(), block);
-      if (block.not_finite) f.note(first, 0, count);
-    });
-  }
+  const Failure failure = forBlocks(d, states, d.kernels->lanes, [&](int t, int first, int count, Failure& f) {
+    kernels::Block<T> block;
+    block.task = kind == Kind::all_joints ? kernels::Task::joint_jacobians : kernels::Task::frame_jacobian;
+    readStates<T>(d, t, {q, {}, {}}, first, count, block);
+    block.frame = point;
+    block.reference = reference;
+    block.results[0] = d.J.data() + first * rows;
+    d.kernels->run(m, d.scratch[at(t)].data(), block);
+    if (block.not_finite) f.note(first, 0, count);
+  });
   fail(names[static_cast<int>(kind)], m, failure, q);
   return d.J.data();
 }
@@ -160,29 +102,16 @@ void batchKinematics(const CompactModel& model, BasicBatchData<T>& data, StatesV
   if (v.given) checkStates("forwardKinematics", "v", v, m.nv, q.cols);
   if (a.given) checkStates("forwardKinematics", "a", a, m.nv, q.cols);
   const int states = static_cast<int>(q.cols);
-  Failure failure;
-  if (!m.couplings.empty()) {
-    failure = forBlocks(d, states, 1, [&](int t, int state, int, Failure& f) {
-      const bool computed =
-          computeSingle<T>(model, d, t, state, {q, v, a}, f, [&](Data& single, const VectorView& qs, const VectorView& vs, const VectorView& as) {
-            forwardKinematics(model, single, qs, v.given ? &vs : nullptr, a.given ? &as : nullptr);
-          });
-      putKinematics(d, d.single[at(t)].impl(), state, computed, v.given, a.given);
-    });
-  } else {
-    failure = forBlocks(d, states, d.kernels->lanes, [&](int t, int first, int count, Failure& f) {
-      kernels::Block<T> block;
-      block.task = kernels::Task::kinematics;
-      block.q = columns(q, first, count);
-      block.v = columns(v, first, count);
-      block.a = columns(a, first, count);
-      block.poses = numbersOf<12>(d, d.poses, 0, first);
-      if (v.data) block.velocities = numbersOf<6>(d, d.velocities, 0, first);
-      if (a.data) block.accelerations = numbersOf<6>(d, d.accelerations, 0, first);
-      d.kernels->run(m, d.scratch[at(t)].data(), block);
-      if (block.not_finite) f.note(first, 0, count);
-    });
-  }
+  const Failure failure = forBlocks(d, states, d.kernels->lanes, [&](int t, int first, int count, Failure& f) {
+    kernels::Block<T> block;
+    block.task = kernels::Task::kinematics;
+    readStates<T>(d, t, {q, v, a}, first, count, block);
+    block.poses = numbersOf<12>(d, d.poses, 0, first);
+    if (v.data) block.velocities = numbersOf<6>(d, d.velocities, 0, first);
+    if (a.data) block.accelerations = numbersOf<6>(d, d.accelerations, 0, first);
+    d.kernels->run(m, d.scratch[at(t)].data(), block);
+    if (block.not_finite) f.note(first, 0, count);
+  });
   fail("forwardKinematics", m, failure, q);
 }
 

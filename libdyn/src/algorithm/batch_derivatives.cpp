@@ -1,7 +1,6 @@
 #include "algorithm/batch_support.hpp"
 
 #include <dyn/algorithm/batch_derivatives.hpp>
-#include <dyn/algorithm/coriolis.hpp>
 
 namespace dyn::detail {
 
@@ -28,37 +27,6 @@ const char* nameOf(BatchDerivatives what) {
 
 kernels::Task taskOf(BatchDerivatives what) {
   return static_cast<kernels::Task>(static_cast<int>(kernels::Task::rnea_derivatives) + static_cast<int>(what));
-}
-
-/// In the order of kernels::Task.
-std::array<const double*, 4> computeOne(const CompactModel& model, Data& data, BatchDerivatives what, const VectorView& q, const VectorView& v,
-                                        const VectorView& a) {
-  switch (what) {
-    case BatchDerivatives::rnea: {
-      const DerivativeViews x = rneaDerivatives(model, data, q, &v, &a, nullptr, 0);
-      return {x.by_q, x.by_v, x.inertia, nullptr};
-    }
-    case BatchDerivatives::aba: {
-      const DerivativeViews x = abaDerivatives(model, data, q, v, a, nullptr, 0);
-      return {x.by_q, x.by_v, x.inertia, x.ddq};
-    }
-    case BatchDerivatives::minverse:
-      return {minverse(model, data, q)};
-    case BatchDerivatives::coriolis:
-      return {coriolisMatrix(model, data, q, v)};
-    case BatchDerivatives::centroidal_map: {
-      const CentroidalViews x = centroidal(model, data, CentroidalTask::map, q, v, nullptr);
-      return {x.hg, x.Ag};
-    }
-    case BatchDerivatives::centroidal_rate: {
-      const CentroidalViews x = centroidal(model, data, CentroidalTask::rate, q, v, &a);
-      return {x.hg, x.dhg, x.Ag, x.dAg};
-    }
-    default: {
-      const CentroidalViews x = centroidal(model, data, CentroidalTask::derivatives, q, v, &a);
-      return {x.dh_dq, x.dhdot_dq, x.dhdot_dv, x.Ag};
-    }
-  }
 }
 
 }  // namespace
@@ -104,26 +72,16 @@ BatchDerivativeViews<T> batchDerivatives(const CompactModel& model, BasicBatchDa
       set({d.maps[0].data(), map}, {d.maps[1].data(), map}, {d.maps[2].data(), map}, {d.maps[3].data(), map});
   }
   const int states = static_cast<int>(q.cols);
-  Failure failure;
-  if (!m.couplings.empty()) {
-    failure = forBlocks(d, states, 1, [&](int t, int state, int, Failure& f) {
-      runSingle<T>(model, d, t, state, {q, v, a}, results, f, [&](Data& single, const VectorView& qs, const VectorView& vs, const VectorView& as) {
-        return computeOne(model, single, what, qs, vs, as);
-      });
-    });
-  } else {
-    failure = forBlocks(d, states, d.kernels->lanes, [&](int t, int first, int count, Failure& f) {
-      kernels::Block<T> block;
-      block.task = taskOf(what);
-      block.q = columns(q, first, count);
-      block.v = columns(v, first, count);
-      block.a = columns(a, first, count);
-      for (int k = 0; k < 4; ++k) block.results[k] = results[k].first ? results[k].first + first * results[k].rows : nullptr;
-      if (on_paths) block.squares = d.path_squares;
-      d.kernels->run(m, d.scratch[static_cast<std::size_t>(t)].data(), block);
-      noteFailures(q, block, results, first, count, f);
-    });
-  }
+  const Failure failure = forBlocks(d, states, d.kernels->lanes, [&](int t, int first, int count, Failure& f) {
+    kernels::Block<T> block;
+    block.task = taskOf(what);
+    const StatesIn<T> in{q, v, a};
+    what == BatchDerivatives::aba ? readStatesAndForces<T>(d, t, in, first, count, block) : readStates<T>(d, t, in, first, count, block);
+    for (int k = 0; k < 4; ++k) block.results[k] = results[k].first ? results[k].first + first * results[k].rows : nullptr;
+    if (on_paths) block.squares = d.path_squares;
+    d.kernels->run(m, d.scratch[static_cast<std::size_t>(t)].data(), block);
+    noteFailures(q, block, results, first, count, f);
+  });
   fail(name, m, failure, q);
   return {{results[0].first, results[1].first, results[2].first, results[3].first}, q.cols};
 }

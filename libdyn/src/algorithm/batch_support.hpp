@@ -1,6 +1,7 @@
-// What algorithms over batches share: checks, threads, and models that go state by state.
+// What algorithms over batches share: checks, threads, and states of models with couplings expanded.
 #pragma once
 
+#include "algorithm/followers.hpp"
 #include "algorithm/inputs.hpp"
 #include "data/batch_impl.hpp"
 #include "kernels/evaluate.hpp"
@@ -9,7 +10,6 @@
 #include <dyn/error.hpp>
 
 #include <algorithm>
-#include <array>
 #include <limits>
 #include <string>
 
@@ -84,36 +84,48 @@ struct StatesOut {
   std::ptrdiff_t rows = 0;
 };
 
-/// One state of a model with couplings, by an algorithm for one state: compute(data, q, v, a). Returns whether it could be computed.
-template <class T, class Compute>
-bool computeSingle(const CompactModel& model, BatchImpl<T>& d, int thread, int state, const StatesIn<T>& in, Failure& failure,
-                   const Compute& compute) {
-  Eigen::VectorXd* columns = &d.columns[static_cast<std::size_t>(3 * thread)];
-  const auto read = [&](const StatesView<T>& from, Eigen::VectorXd& to) {
-    for (Eigen::Index i = 0; i < to.size(); ++i) to[i] = from.data ? static_cast<double>(from.data[state * from.stride + i]) : 0.0;
-    return VectorView{to.data(), to.size()};
-  };
-  const VectorView qs = read(in.q, columns[0]), vs = read(in.v, columns[1]), as = read(in.a, columns[2]);
-  try {
-    compute(d.single[static_cast<std::size_t>(thread)], qs, vs, as);
-    return true;
-  } catch (const Error& e) {
-    const int joint = model.jointId(e.where().joint);
-    failure.note(state, e.code() == ErrorCode::singular && joint > 0 ? model.impl().body_of_joint[static_cast<std::size_t>(joint)] : 0);
-    return false;
+/// The states of a block, as its kernels take them. Views that are not given stay null.
+template <class T>
+void readStates(BatchImpl<T>& d, int thread, const StatesIn<T>& in, int first, int count, kernels::Block<T>& block) {
+  const CompactImpl& m = *d.model;
+  if (m.couplings.empty()) {
+    block.q = columns(in.q, first, count);
+    block.v = columns(in.v, first, count);
+    block.a = columns(in.a, first, count);
+    return;
   }
+  ExpandedStates<T>& x = d.expanded[static_cast<std::size_t>(thread)];
+  const std::size_t n = m.couplings.size();
+  double *q = x.user.data(), *v = q + m.nq, *a = v + m.nv, *qx = x.state.data(), *vx = qx + m.nqx, *ax = vx + m.nvx, *G = x.derivatives.data();
+  const bool moves = in.v.data != nullptr || in.a.data != nullptr;
+  for (int l = 0; l < count; ++l) {
+    const auto read = [&](const StatesView<T>& from, double* to, int size) {
+      for (int k = 0; k < size; ++k) to[k] = from.data ? static_cast<double>(from.data[(first + l) * from.stride + k]) : 0.0;
+      return to;
+    };
+    const auto put = [&](const double* from, std::vector<T>& to, std::size_t size) {
+      std::transform(from, from + size, to.begin() + static_cast<std::ptrdiff_t>(size) * l, [](double number) { return static_cast<T>(number); });
+    };
+    read(in.q, q, m.nq);
+    expand(m, q, moves ? read(in.v, v, m.nv) : nullptr, moves ? read(in.a, a, m.nv) : nullptr, {qx, vx, ax, G, G + n, G + 2 * n});
+    put(qx, x.q, static_cast<std::size_t>(m.nqx));
+    put(vx, x.v, static_cast<std::size_t>(m.nvx));
+    put(ax, x.a, static_cast<std::size_t>(m.nvx));
+    put(G, x.couplings, 3 * n);
+  }
+  block.q = {x.q.data(), m.nqx, count, 0};
+  if (moves) {
+    block.v = {x.v.data(), m.nvx, count, 0};
+    block.a = {x.a.data(), m.nvx, count, 0};
+  }
+  block.couplings = {x.couplings.data(), static_cast<std::ptrdiff_t>(3 * n), count, 0};
 }
-
-/// The same where compute(data, q, v, a) returns where the numbers of each result are.
-template <class T, std::size_t n, class Compute>
-void runSingle(const CompactModel& model, BatchImpl<T>& d, int thread, int state, const StatesIn<T>& in, const StatesOut<T> (&results)[n],
-               Failure& failure, const Compute& compute) {
-  std::array<const double*, n> found{};
-  computeSingle<T>(model, d, thread, state, in, failure,
-                   [&](Data& data, const VectorView& q, const VectorView& v, const VectorView& a) { found = compute(data, q, v, a); });
-  for (std::size_t k = 0; k < n; ++k)
-    for (std::ptrdiff_t i = 0; i < results[k].rows; ++i)
-      results[k].first[state * results[k].rows + i] = found[k] ? static_cast<T>(found[k][i]) : std::numeric_limits<T>::quiet_NaN();
+/// The same of forward dynamics.
+template <class T>
+void readStatesAndForces(BatchImpl<T>& d, int thread, const StatesIn<T>& in, int first, int count, kernels::Block<T>& block) {
+  if (d.model->couplings.empty()) return readStates<T>(d, thread, in, first, count, block);
+  readStates<T>(d, thread, {in.q, in.v, {}}, first, count, block);
+  block.forces = columns(in.a, first, count);
 }
 
 /// Looks for what went wrong in a block: columns of states whose pivot vanished become NaN. NaN and infinity in q just spread.

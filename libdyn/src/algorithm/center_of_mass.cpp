@@ -1,3 +1,4 @@
+#include "algorithm/followers.hpp"
 #include "algorithm/sums.hpp"
 #include "kernels/sweep.hpp"
 
@@ -69,10 +70,9 @@ const double* jacobianCenterOfMass(const CompactModel& model, Data& data, Vector
     d.mass[p] += d.mass[i];
   });
   if (!m.couplings.empty()) {
-    for (std::size_t k = m.couplings.size(); k-- > 0;)
-      for (int r = 0; r < 3; ++r) J[3 * m.index[at(m.couplings[k].master)].idx_v + r] += d.G[k] * J[3 * m.index[at(m.couplings[k].body)].idx_v + r];
-    for (std::size_t k = 0; k < m.v_of_user.size(); ++k)
-      for (std::size_t r = 0; r < 3; ++r) d.Jcom[3 * k + r] = J[3 * at(m.v_of_user[k]) + r];
+    const kernels::Followers<double> followers = followersOf(m, d);
+    followers.fold(3, J);
+    followers.keep(3, J, d.Jcom);
   }
   return d.Jcom;
 }

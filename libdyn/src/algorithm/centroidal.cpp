@@ -17,20 +17,12 @@ void flatten(const Force<double>& f, double* out) {
   }
 }
 
-/// dAg along the motion is G dAg + dG/dt Ag; the others are derivatives by q, v and a.
 void fold(const CompactImpl& m, DataImpl& d, CentroidalTask task) {
-  for (std::size_t k = m.couplings.size(); k-- > 0;) {
-    const std::ptrdiff_t s = 6 * m.index[static_cast<std::size_t>(m.couplings[k].body)].idx_v;
-    const std::ptrdiff_t t = 6 * m.index[static_cast<std::size_t>(m.couplings[k].master)].idx_v;
-    const double rate = d.dG[k] * d.vx[t / 6];
-    for (int r = 0; r < 6; ++r) {
-      if (task == CentroidalTask::rate) d.dAg[t + r] += d.G[k] * d.dAg[s + r] + rate * d.Ag[s + r];
-      if (task == CentroidalTask::derivatives) d.dh_dq[t + r] += d.G[k] * d.dh_dq[s + r] + rate * d.Ag[s + r];
-      if (task != CentroidalTask::derivatives) d.Ag[t + r] += d.G[k] * d.Ag[s + r];
-    }
-    if (task == CentroidalTask::derivatives) foldColumn(m, d, k, 6, d.dhdot_dq, d.dhdot_dv, d.Ag);
-  }
-  for (double* columns : {d.Ag, d.dAg, d.dh_dq, d.dhdot_dq, d.dhdot_dv}) keepUsersColumns(m, 6, columns);
+  const kernels::Followers<double> followers = followersOf(m, d);
+  if (task == CentroidalTask::map) followers.fold(6, d.Ag);
+  if (task == CentroidalTask::rate) followers.foldWithRate(6, d.Ag, d.dAg);
+  if (task == CentroidalTask::derivatives) followers.foldMomentum(d.dh_dq, d.dhdot_dq, d.dhdot_dv, d.Ag);
+  for (double* columns : {d.Ag, d.dAg, d.dh_dq, d.dhdot_dq, d.dhdot_dv}) followers.keep(6, columns, columns);
 }
 
 CentroidalViews views(const CompactImpl& m, DataImpl& d, CentroidalTask task, const kernels::CentroidalState<double>& state) {

@@ -6,25 +6,6 @@
 
 namespace dyn::detail {
 
-namespace {
-
-/// G^T (C G + M dG/dt).
-void fold(const CompactImpl& m, const DataImpl& d, double* C, double* M) {
-  const std::ptrdiff_t n = m.nvx;
-  for (std::size_t k = m.couplings.size(); k-- > 0;) {
-    const std::ptrdiff_t s = m.index[static_cast<std::size_t>(m.couplings[k].body)].idx_v;
-    const std::ptrdiff_t t = m.index[static_cast<std::size_t>(m.couplings[k].master)].idx_v;
-    for (std::ptrdiff_t i = 0; i < n; ++i) {
-      C[t * n + i] += d.G[k] * C[s * n + i] + d.dG[k] * d.vx[t] * M[s * n + i];
-      M[t * n + i] += d.G[k] * M[s * n + i];
-    }
-    for (double* x : {C, M})
-      for (std::ptrdiff_t j = 0; j < n; ++j) x[j * n + t] += d.G[k] * x[j * n + s];
-  }
-}
-
-}  // namespace
-
 const double* coriolisMatrix(const CompactModel& model, Data& data, VectorView q, VectorView v) {
   checkData("computeCoriolisMatrix", model, data, Need::derivatives);
   const CompactImpl& m = model.impl();
@@ -42,8 +23,9 @@ const double* coriolisMatrix(const CompactModel& model, Data& data, VectorView q
   k.massMatrix(m, d, M);
   k.coriolis(m, d, d.derivatives, in.v, d.zero);
   k.assemble(m, d.derivatives.by_v, C);
-  fold(m, d, C, M);
-  keepUsersEntries(m, C, d.C);
+  const kernels::Followers<double> followers = followersOf(m, d);
+  followers.foldCoriolis(C, M);
+  followers.keepSquare(C, d.C);
   for (double* x : {C, M}) std::fill(x, x + static_cast<std::ptrdiff_t>(m.nvx) * m.nvx, 0.0);  // folding has written where there are no paths
   return d.C;
 }

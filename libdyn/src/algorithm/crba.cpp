@@ -1,5 +1,6 @@
 #include "algorithm/crba.hpp"
 
+#include "algorithm/followers.hpp"
 #include "kernels/table.hpp"
 
 #include <dyn/algorithm/crba.hpp>
@@ -7,23 +8,6 @@
 #include <algorithm>
 
 namespace dyn {
-
-namespace {
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-/// G^T Mx G, coupling by coupling: the follower's row and column are added to its master's.
-void reduceMassMatrix(const CompactImpl& m, const DataImpl& d, double* Mx, double* M) {
-  const std::ptrdiff_t n = m.nvx;
-  for (std::size_t k = m.couplings.size(); k-- > 0;) {
-    const std::ptrdiff_t s = m.index[at(m.couplings[k].body)].idx_v, t = m.index[at(m.couplings[k].master)].idx_v;
-    for (std::ptrdiff_t i = 0; i < n; ++i) Mx[t * n + i] += d.G[k] * Mx[s * n + i];
-    for (std::ptrdiff_t i = 0; i < n; ++i) Mx[i * n + t] += d.G[k] * Mx[i * n + s];
-  }
-  for (std::size_t i = 0; i < m.v_of_user.size(); ++i)
-    for (std::size_t j = 0; j < m.v_of_user.size(); ++j) M[i * m.v_of_user.size() + j] = Mx[m.v_of_user[i] * n + m.v_of_user[j]];
-}
-
-}  // namespace
 
 const double* massMatrix(const CompactImpl& m, DataImpl& d) {
   if (m.couplings.empty()) {
@@ -33,7 +17,9 @@ const double* massMatrix(const CompactImpl& m, DataImpl& d) {
   // Folding rows fills entries that the kernel leaves as they are.
   std::fill(d.Mx, d.Mx + static_cast<std::ptrdiff_t>(m.nvx) * m.nvx, 0.0);
   kernels::active().single.massMatrix(m, d, d.Mx);
-  reduceMassMatrix(m, d, d.Mx, d.M);
+  const kernels::Followers<double> followers = followersOf(m, d);
+  followers.foldInertia(d.Mx);
+  followers.keepSquare(d.Mx, d.M);
   return d.M;
 }
 

@@ -1,9 +1,9 @@
 #include "algorithm/derivatives.hpp"
 
-#include "algorithm/dense_factors.hpp"
 #include "algorithm/external.hpp"
 #include "algorithm/followers.hpp"
 #include "algorithm/inputs.hpp"
+#include "kernels/dense_factors.hpp"
 #include "kernels/table.hpp"
 
 #include <dyn/algorithm/aba.hpp>
@@ -15,20 +15,6 @@
 namespace dyn {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-/// Square matrices: rows as columns, and what q_t changes of the follower's share of its master's force.
-void foldDerivatives(const CompactImpl& m, const DataImpl& d, const double* tau, double* by_q, double* by_v, double* by_a) {
-  const std::ptrdiff_t n = m.nvx;
-  for (std::size_t k = m.couplings.size(); k-- > 0;) {
-    const std::ptrdiff_t s = m.index[at(m.couplings[k].body)].idx_v, t = m.index[at(m.couplings[k].master)].idx_v;
-    foldColumn(m, d, k, n, by_q, by_v, by_a);
-    for (double* x : {by_q, by_v, by_a})
-      for (std::ptrdiff_t j = 0; j < n; ++j) x[j * n + t] += d.G[k] * x[j * n + s];
-    by_q[t * n + t] += d.dG[k] * tau[s];
-  }
-}
 
 /// Joints evaluated, forces read.
 struct Prepared {
@@ -57,9 +43,10 @@ void coupledDerivatives(const char* algorithm, const CompactModel& model, Data& 
   const kernels::SingleKernels& k = kernels::active().single;
   double* const user[3] = {d.dtau_dq, d.dtau_dv, d.M};
   k.rneaDerivatives(m, d, d.derivatives, x.in.v, x.in.a, x.external, {d.expanded[0], d.expanded[1], d.expanded[2]});
-  foldDerivatives(m, d, d.taux, d.expanded[0], d.expanded[1], d.expanded[2]);
+  const kernels::Followers<double> followers = followersOf(m, d);
+  followers.foldForceDerivatives(d.taux, d.expanded[0], d.expanded[1], d.expanded[2]);
   for (int i = 0; i < 3; ++i) {
-    keepUsersEntries(m, d.expanded[i], user[i]);
+    followers.keepSquare(d.expanded[i], user[i]);
     std::fill_n(d.expanded[i], static_cast<std::ptrdiff_t>(m.nvx) * m.nvx, 0.0);  // folding has written where there are no paths
   }
 }
@@ -76,14 +63,10 @@ void invertDense(const char* algorithm, const CompactImpl& m, DataImpl& d) {
   double* factors = d.expanded[0];
   const BorrowedZeros borrowed{factors, static_cast<std::ptrdiff_t>(m.nvx) * m.nvx};
   std::copy(d.M, d.M + n * n, factors);
-  factorDense(algorithm, m, factors, d.column);
-  std::fill(d.Minv, d.Minv + n * n, 0.0);
-  for (std::ptrdiff_t k = 0; k < n; ++k) {
-    d.Minv[(n + 1) * k] = 1;
-    solveDense(m, factors, d.Minv + n * k);
-  }
-  for (std::ptrdiff_t i = 0; i < n; ++i)
-    for (std::ptrdiff_t j = 0; j < i; ++j) d.Minv[i * n + j] = d.Minv[j * n + i];
+  int failed = 0;
+  kernels::factorDense(m, factors, d.column, &failed);
+  kernels::invertDense(m, factors, d.Minv);
+  checkFactors(algorithm, m, failed, d.qx);
 }
 
 }  // namespace

@@ -31,25 +31,6 @@ void spread(const std::vector<int>& target, const double* user, double* expanded
   for (std::size_t k = 0; k < target.size(); ++k) expanded[target[k]] = user[k];
 }
 
-/// Fills the followers' entries of qx, vx, ax.
-void follow(const CompactImpl& m, DataImpl& d, bool with_v, bool with_a) {
-  for (std::size_t k = 0; k < m.couplings.size(); ++k) {
-    const PackedCoupling& c = m.couplings[k];
-    const BodyIndex &slave = m.index[at(c.body)], &master = m.index[at(c.master)];
-    const TypeBatch& mine = m.batches[at(slave.batch)];
-    double f[4];
-    evaluateCoupling(m, c, d.qx, f);
-    setCoordinate(*mine.type, mine.constants.data() + slave.slot, mine.count, f[0], d.qx + slave.idx_q);
-    d.G[k] = f[1];
-    d.dG[k] = f[2];
-    d.ddG[k] = f[3];
-    const double vm = with_v ? d.vx[master.idx_v] : 0.0;
-    d.gamma[k] = f[2] * vm * vm;
-    if (with_v) d.vx[slave.idx_v] = f[1] * vm;
-    if (with_a) d.ax[slave.idx_v] = f[1] * d.ax[master.idx_v] + d.gamma[k];
-  }
-}
-
 std::string nameOf(Need need) { return need == Need::derivatives ? "Need::derivatives" : "Need::mass_matrix"; }
 
 // What is thrown stands apart: calls are short enough to be part of what they check for.
@@ -66,6 +47,29 @@ std::string nameOf(Need need) { return need == Need::derivatives ? "Need::deriva
 }
 
 }  // namespace
+
+void expand(const CompactImpl& m, const double* q, const double* v, const double* a, const ExpandedState& out) {
+  spread(m.q_of_user, q, out.q);
+  if (v) {
+    spread(m.v_of_user, v, out.v);
+    for (std::size_t k = 0; k < m.v_of_user.size(); ++k) out.a[m.v_of_user[k]] = a ? a[k] : 0;
+  }
+  for (std::size_t k = 0; k < m.couplings.size(); ++k) {
+    const PackedCoupling& c = m.couplings[k];
+    const BodyIndex &follower = m.index[at(c.body)], &master = m.index[at(c.master)];
+    const TypeBatch& batch = m.batches[at(follower.batch)];
+    double f[4];
+    evaluateCoupling(m, c, out.q, f);
+    setCoordinate(*batch.type, batch.constants.data() + follower.slot, batch.count, f[0], out.q + follower.idx_q);
+    out.G[k] = f[1];
+    out.dG[k] = f[2];
+    out.ddG[k] = f[3];
+    if (!v) continue;
+    const double rate = out.v[master.idx_v];
+    out.v[follower.idx_v] = f[1] * rate;
+    out.a[follower.idx_v] = f[1] * out.a[master.idx_v] + f[2] * rate * rate;
+  }
+}
 
 void checkSize(const char* algorithm, const char* name, VectorView x, int wanted) {
   if (x.size != wanted) refuseSize(algorithm, name, x.size, wanted);
@@ -105,13 +109,7 @@ Inputs readInputs(const char* algorithm, const CompactModel& model, Data& data, 
     const auto of = [&](const VectorView* x, double* place) { return x ? kept(*x, d.block, nullptr, place) : d.zero; };
     return {of(&q, d.kept_q), of(v, d.kept_v), of(a, d.kept_a)};
   }
-  spread(m.q_of_user, q.data, d.qx);
-  if (v) spread(m.v_of_user, v->data, d.vx);
-  if (a) spread(m.v_of_user, a->data, d.ax);
-  if (v && !a) {
-    for (const int k : m.v_of_user) d.ax[k] = 0;
-  }
-  follow(m, d, v != nullptr, v != nullptr);
+  expand(m, q.data, v ? v->data : nullptr, a ? a->data : nullptr, {d.qx, d.vx, d.ax, d.G, d.dG, d.ddG});
   return {d.qx, v ? d.vx : d.zero, v ? d.ax : d.zero};
 }
 
@@ -218,9 +216,9 @@ void reduceForces(const CompactImpl& m, const DataImpl& d, double* expanded, dou
     if (expanded != user) std::copy(expanded, expanded + m.nv, user);
     return;
   }
-  for (std::size_t k = m.couplings.size(); k-- > 0;)
-    expanded[m.index[at(m.couplings[k].master)].idx_v] += d.G[k] * expanded[m.index[at(m.couplings[k].body)].idx_v];
-  for (std::size_t k = 0; k < m.v_of_user.size(); ++k) user[k] = expanded[m.v_of_user[k]];
+  const kernels::Followers<double> followers = followersOf(m, d);
+  followers.foldForces(expanded);
+  followers.keep(1, expanded, user);
 }
 
 }  // namespace dyn

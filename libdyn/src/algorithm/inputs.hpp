@@ -26,7 +26,7 @@ struct Arguments {
 /// copied, and the views turned to the copies, which calls within this one leave where they are. Others, and those of wrong size, stay.
 void keepArguments(Data& data, const Arguments& arguments, const PackMemory* more = nullptr);
 
-/// Checks, keeps and expands; v and a may be null views. Leaves G and gamma of couplings in data.
+/// Checks, keeps and expands; v and a may be null views. Leaves couplings' derivatives in data.
 Inputs readInputs(const char* algorithm, const CompactModel& model, Data& data, VectorView q, const VectorView* v, const VectorView* a);
 
 /// Throws Error(argument): the quaternion or (cos, sin) pair of body i's joint is zero.

@@ -1,5 +1,6 @@
 #include "kernels/jacobians.hpp"
 
+#include "algorithm/followers.hpp"
 #include "algorithm/inputs.hpp"
 #include "algorithm/placement.hpp"
 #include "kernels/table.hpp"
@@ -28,18 +29,9 @@ Motion<double> seenRate(const Walk<double>& walk, const Motion<double>& S, const
 /// d.rel and d.oM of joints that have been evaluated.
 void place(const CompactImpl& m, DataImpl& d) { kernels::active().single.forwardKinematics(m, d, nullptr, nullptr); }
 
-/// Columns of the expanded coordinates into the user's: a follower's column is added to its master's.
-/// With rates in `expanded` and the columns themselves in `base`, d(G J) = G dJ + dG J.
-void foldColumns(const CompactImpl& m, const DataImpl& d, double* expanded, double* base, const MatrixOut& user) {
-  for (std::size_t k = m.couplings.size(); k-- > 0;) {
-    const int s = m.index[at(m.couplings[k].body)].idx_v, t = m.index[at(m.couplings[k].master)].idx_v;
-    const double vm = d.vx[t], dG = base && vm != 0 ? d.gamma[k] / vm : 0.0;
-    for (int r = 0; r < 6; ++r) {
-      expanded[6 * t + r] += d.G[k] * expanded[6 * s + r] + (base ? dG * base[6 * s + r] : 0.0);
-      if (base) base[6 * t + r] += d.G[k] * base[6 * s + r];
-    }
-  }
-  for (int k = 0; k < m.nv; ++k) std::copy_n(expanded + 6 * m.v_of_user[at(k)], 6, user.column(k));
+/// Columns of the expanded coordinates, folded, into the user's.
+void keepColumns(const kernels::Followers<double>& followers, const double* expanded, const MatrixOut& user) {
+  for (int k = 0; k < followers.m.nv; ++k) std::copy_n(expanded + 6 * followers.m.v_of_user[at(k)], 6, user.column(k));
 }
 
 /// Writes J from joints that have been evaluated and placed.
@@ -47,7 +39,10 @@ void writeJacobian(const CompactImpl& m, DataImpl& d, const PointOnBody& point, 
   const bool coupled = !m.couplings.empty();
   const MatrixOut out = coupled ? MatrixOut(d.columns, 6, m.nvx) : J;
   kernels::frameJacobian<double>({m, d}, d, {point.body, point.placement}, reference, out.column(0), out.stride());
-  if (coupled) foldColumns(m, d, d.columns, nullptr, J);
+  if (!coupled) return;
+  const kernels::Followers<double> followers = followersOf(m, d);
+  followers.fold(6, d.columns);
+  keepColumns(followers, d.columns, J);
 }
 
 PointOnBody pointOf(const CompactModel& model, detail::Kind kind, int id) {
@@ -111,7 +106,10 @@ void jacobianTimeVariation(const CompactModel& model, Data& data, VectorView q, 
     kernels::writeMotion(express(rate, oMf, reference), out.column(iv));
     kernels::writeMotion(express(c, oMf, reference), base + 6 * iv);
   });
-  if (coupled) foldColumns(m, d, rates, base, dJ);
+  if (!coupled) return;
+  const kernels::Followers<double> followers = followersOf(m, d);
+  followers.foldWithRate(6, base, rates);
+  keepColumns(followers, rates, dJ);
 }
 
 }  // namespace detail

@@ -70,11 +70,10 @@ void motionDerivatives(const CompactImpl& m, DataImpl& d, const PointOnBody& poi
   if (!m.couplings.empty()) {
     double* none = d.columns;
     std::fill_n(none, 6 * m.nvx, 0.0);
-    for (std::size_t k = m.couplings.size(); k-- > 0;) {
-      foldColumn(m, d, k, 6, columns[0], columns[1], none);
-      foldColumn(m, d, k, 6, columns[2], columns[3], columns[4]);
-    }
-    for (int r = 0; r < 5; ++r) keepUsersColumns(m, 6, columns[r]);
+    const kernels::Followers<double> followers = followersOf(m, d);
+    followers.foldDerivatives(6, columns[0], columns[1], none);
+    followers.foldDerivatives(6, columns[2], columns[3], columns[4]);
+    for (int r = 0; r < 5; ++r) followers.keep(6, columns[r], columns[r]);
   }
 }
 

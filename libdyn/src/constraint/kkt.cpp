@@ -1,8 +1,9 @@
 #include "constraint/kkt.hpp"
 
-#include "algorithm/dense_factors.hpp"
+#include "algorithm/inputs.hpp"
 #include "constraint/solution.hpp"
 #include "kernels/constraint_table.hpp"
+#include "kernels/dense_factors.hpp"
 
 #include <dyn/algorithm/cholesky.hpp>
 #include <dyn/algorithm/crba.hpp>
@@ -21,7 +22,9 @@ void projectInertia(const char* algorithm, const CompactModel& model, Data& data
   if (m.couplings.empty()) {
     detail::choleskyDecompose(model, data);
   } else {
-    factorDense(algorithm, m, d.M, c.expanded);
+    int failed = 0;
+    kernels::factorDense(m, d.M, c.expanded, &failed);
+    checkFactors(algorithm, m, failed, d.qx);
   }
   const std::ptrdiff_t rows = c.set.rows(), n = m.nv;
   for (std::ptrdiff_t r = 0; r < rows; ++r) {
@@ -38,7 +41,7 @@ void solveInertia(const CompactModel& model, Data& data, double* x) {
   if (model.impl().couplings.empty()) {
     detail::choleskyTimes(model, data, detail::Product::inverse, MatrixOut(x, model.nv(), 1));
   } else {
-    solveDense(model.impl(), data.impl().M, x);
+    kernels::solveDense(model.impl(), data.impl().M, x);
   }
 }
 

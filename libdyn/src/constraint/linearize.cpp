@@ -62,7 +62,7 @@ void foldColumns(const CompactImpl& m, const DataImpl& d, const PackedFrameConst
     const kernels::StoredColumn* follower = slotOf(m.couplings[k].body);
     if (follower == nullptr) continue;
     kernels::StoredColumn& master = *slotOf(m.couplings[k].master);
-    // As foldColumn() has it.
+    // As Followers::foldDerivatives() has it.
     const std::ptrdiff_t t = m.index[at(m.couplings[k].master)].idx_v;
     const double v = d.vx[t];
     const Vectored G = d.G[k], dGv = d.dG[k] * v, twice = 2 * d.dG[k] * v, more = d.dG[k] * d.ax[t] + d.ddG[k] * v * v;

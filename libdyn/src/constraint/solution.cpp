@@ -1,6 +1,7 @@
 #include "constraint/solution.hpp"
 
 #include "algorithm/external.hpp"
+#include "algorithm/followers.hpp"
 #include "constraint/kkt.hpp"
 
 #include <dyn/algorithm/rnea.hpp>
@@ -89,11 +90,9 @@ void rigidRows(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c) {
     const std::ptrdiff_t s = m.index[at(m.couplings[k].body)].idx_v;
     for (std::ptrdiff_t r = 0; r < rows; ++r) c.gamma[r] += d.ax[s] * c.J[rows * s + r];
   }
-  for (std::size_t k = m.couplings.size(); k-- > 0;) {
-    const std::ptrdiff_t s = m.index[at(m.couplings[k].body)].idx_v, t = m.index[at(m.couplings[k].master)].idx_v;
-    for (std::ptrdiff_t r = 0; r < rows; ++r) c.J[rows * t + r] += d.G[k] * c.J[rows * s + r];
-  }
-  for (std::size_t k = 0; k < m.v_of_user.size(); ++k) std::copy_n(c.J + rows * m.v_of_user[k], rows, c.J + rows * static_cast<std::ptrdiff_t>(k));
+  const kernels::Followers<double> followers = followersOf(m, d);
+  followers.fold(rows, c.J);
+  followers.keep(rows, c.J, c.J);
 }
 }  // namespace
 

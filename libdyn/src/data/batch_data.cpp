@@ -44,23 +44,18 @@ BasicBatchData<T>::BasicBatchData(const CompactModel& model, int capacity, Need 
   d.kernels = &blockKernelsOf<T>(kernels::active());
   d.workers = std::make_unique<Workers>(threads);
   d.failures.resize(static_cast<std::size_t>(threads));
-  const kernels::Room room{has(needs, Need::mass_matrix), has(needs, Need::jacobians), has(needs, Need::derivatives)};
+  const bool coupled = !m.couplings.empty();  // then forward dynamics goes through M
+  const kernels::Room room{has(needs, Need::mass_matrix) || coupled, has(needs, Need::jacobians), has(needs, Need::derivatives)};
   for (int i = 0; i < threads; ++i) {
-    if (m.couplings.empty()) {
-      d.scratch.emplace_back(d.kernels->bytes(m, room));
-      d.kernels->prepare(m, room, d.scratch.back().data());
-    } else {
-      d.single.emplace_back(model, has(needs, Need::derivatives) ? Need::derivatives : Need::mass_matrix);
-      d.columns.emplace_back(Eigen::VectorXd::Zero(m.nq));
-      d.columns.emplace_back(Eigen::VectorXd::Zero(m.nv));
-      d.columns.emplace_back(Eigen::VectorXd::Zero(m.nv));
-    }
+    d.scratch.emplace_back(d.kernels->bytes(m, room));
+    d.kernels->prepare(m, room, d.scratch.back().data());
+    if (coupled) d.expanded.emplace_back(m, d.kernels->lanes);
   }
   const auto n = static_cast<std::size_t>(capacity), nv = static_cast<std::size_t>(m.nv);
   for (std::vector<T>* result : {&d.tau, &d.nle, &d.gravity, &d.ddq}) result->assign(nv * n, T(0));
   if (has(needs, Need::mass_matrix)) {
     d.M.resize(nv, n);
-    if (m.couplings.empty()) d.path_squares = pathSquares(m, d.kernels->lanes);
+    if (!coupled) d.path_squares = pathSquares(m, d.kernels->lanes);
   }
   if (has(needs, Need::jacobians)) d.J.assign(6 * nv * n, T(0));
   if (has(needs, Need::derivatives)) {
@@ -92,14 +87,14 @@ int BasicBatchData<T>::threads() const {
 }
 template <class T>
 int BasicBatchData<T>::lanes() const {
-  return impl_->model->couplings.empty() ? impl_->kernels->lanes : 1;
+  return impl_->kernels->lanes;
 }
 template <class T>
 std::size_t BasicBatchData<T>::bytes() const {
   const BatchImpl<T>& d = *impl_;
   std::size_t sum = sizeof d + d.poses.bytes() + d.velocities.bytes() + d.accelerations.bytes();
   for (const PackMemory& memory : d.scratch) sum += memory.bytes();
-  for (const Data& data : d.single) sum += data.bytes();
+  for (const ExpandedStates<T>& states : d.expanded) sum += states.bytes();
   for (const std::vector<T>& map : d.maps) sum += sizeof(T) * map.size();
   for (const StateMatrices<T>* matrices : {&d.M, &d.by_q, &d.by_v, &d.by_a}) sum += matrices->bytes();
   return sum + sizeof(T) * (d.tau.size() + d.nle.size() + d.gravity.size() + d.ddq.size() + d.J.size()) +

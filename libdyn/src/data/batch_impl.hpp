@@ -58,6 +58,27 @@ class StateMatrices {
   std::size_t clear_ = 0;  ///< of the first states all numbers off the paths are zero
 };
 
+/// A block of states of a model with couplings in expanded coordinates, and the derivatives of its couplings: columns, a state each.
+template <class T>
+struct ExpandedStates {
+  std::vector<T> q, v, a, couplings;
+  std::vector<double> user, state, derivatives;  ///< of one state: q, v, a as given, expanded, and derivatives of couplings
+
+  ExpandedStates(const CompactImpl& m, int lanes) {
+    const auto states = static_cast<std::size_t>(lanes), nvx = static_cast<std::size_t>(m.nvx);
+    q.resize(static_cast<std::size_t>(m.nqx) * states);
+    v.resize(nvx * states);
+    a.resize(nvx * states);
+    couplings.resize(3 * m.couplings.size() * states);
+    user.resize(static_cast<std::size_t>(m.nq + 2 * m.nv));
+    state.resize(static_cast<std::size_t>(m.nqx) + 2 * nvx);
+    derivatives.resize(3 * m.couplings.size());
+  }
+  std::size_t bytes() const {
+    return sizeof(T) * (q.size() + v.size() + a.size() + couplings.size()) + sizeof(double) * (user.size() + state.size() + derivatives.size());
+  }
+};
+
 template <class T>
 struct BatchImpl {
   const CompactImpl* model = nullptr;
@@ -66,10 +87,9 @@ struct BatchImpl {
   int capacity = 0;
   const kernels::BlockKernels<T>* kernels = nullptr;
   std::unique_ptr<Workers> workers;
-  std::vector<PackMemory> scratch;        ///< a thread each
-  std::vector<detail::Failure> failures;  ///< a thread each, of the call that is under way
-  std::vector<Data> single;               ///< a thread each, for models with couplings
-  std::vector<Eigen::VectorXd> columns;   ///< three a thread, for the same: q, v, a of one state
+  std::vector<PackMemory> scratch;          ///< a thread each
+  std::vector<detail::Failure> failures;    ///< a thread each, of the call that is under way
+  std::vector<ExpandedStates<T>> expanded;  ///< a thread each, for models with couplings
 
   std::vector<T> tau, nle, gravity, ddq;        ///< nv numbers a state
   std::vector<T> J;                             ///< 6 * nv numbers a state

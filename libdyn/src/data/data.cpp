@@ -27,7 +27,6 @@ void carveAll(DataImpl& d, const CompactImpl& m, Arena& arena) {
     arena.take(d.ax, nvx);
     arena.take(d.taux, nvx);
     arena.take(d.G, m.couplings.size());
-    arena.take(d.gamma, m.couplings.size());
     arena.take(d.dG, m.couplings.size());
     arena.take(d.ddG, m.couplings.size());
   }

@@ -33,8 +33,7 @@ struct DataImpl : Workspace<double> {
 
   // Expanded inputs and results of models with couplings; without, they are the user's vectors.
   double *qx = nullptr, *vx = nullptr, *ax = nullptr, *taux = nullptr;
-  double *G = nullptr, *gamma = nullptr;  ///< v_x = G v_master, and its rate, an entry a coupling
-  double *dG = nullptr, *ddG = nullptr;   ///< derivatives of G w.r.t. the master's coordinate
+  double *G = nullptr, *dG = nullptr, *ddG = nullptr;  ///< derivatives of couplings by their masters' coordinates
 
   // Results in the user's numbering.
   double *tau = nullptr, *nle = nullptr, *g = nullptr, *ddq = nullptr;

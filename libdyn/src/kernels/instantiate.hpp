@@ -4,6 +4,7 @@
 #include "kernels/aba.hpp"
 #include "kernels/block.hpp"
 #include "kernels/columns.hpp"
+#include "kernels/coupled_blocks.hpp"
 #include "kernels/crba.hpp"
 #include "kernels/evaluate.hpp"
 #include "kernels/kept.hpp"
@@ -18,11 +19,9 @@
 
 namespace dyn::kernels {
 
-// Those of derivatives are instantiated in another source (kernels/instantiate_derivatives.hpp).
+// Those of derivatives are instantiated in another source (kernels/instantiate_derivatives.hpp), runDerivatives() too.
 template <class Wide, class Panel>
 void addDerivatives(SingleKernels& k);
-template <class S>
-void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b);
 
 /// What a single state's degrees of freedom, or columns, are worked on in, side by side: Wide where subtrees are, most of them short;
 /// Panel where all of them are.
@@ -64,6 +63,7 @@ void runBlock(const CompactImpl& m, char* scratch, Block<T>& b) {
   const bool poses_only =
       b.task == Task::mass_matrix || b.task == Task::joint_jacobians || b.task == Task::frame_jacobian || b.task == Task::minverse;
   evaluateJoints(m, w, s.q, poses_only ? nullptr : s.v);
+  if (!m.couplings.empty() && b.task != Task::kinematics) return runCoupledBlock(m, s, b);
   switch (b.task) {
     case Task::kinematics: {
       Workspace<S> out = w;

@@ -6,6 +6,7 @@
 #include "kernels/centroidal.hpp"
 #include "kernels/columns.hpp"
 #include "kernels/coriolis.hpp"
+#include "kernels/coupled_derivatives.hpp"
 #include "kernels/evaluate.hpp"
 #include "kernels/losses.hpp"
 #include "kernels/rnea_derivatives.hpp"
@@ -57,20 +58,39 @@ void addDerivatives(SingleKernels& k) {
   };
 }
 
-/// The tasks of derivatives, joints asked.
+/// The tasks of centroidal quantities, joints asked.
+template <class S>
+void runCentroidal(const CompactImpl& m, BlockScratch<S>& s, const Block<Real<S>>& b, const Results<S>& results) {
+  const std::ptrdiff_t n = 6 * static_cast<std::ptrdiff_t>(m.nv);
+  CentroidalMaps<S> maps;
+  maps.Ag = s.maps[0];
+  if (b.task == Task::centroidal_rate) maps.dAg = s.maps[1];
+  if (b.task == Task::centroidal_derivatives) {
+    maps.dh_dq = s.maps[2];
+    maps.dhdot_dq = s.maps[3];
+    maps.dhdot_dv = s.maps[4];
+  }
+  if (maps.rates()) evaluateSubspaceDerivatives(m, s.d, s.q, s.v);
+  const CentroidalState<S> state = kernels::centroidal<S>(m, s.w, s.d, s.v, s.a, maps);
+  if (!m.couplings.empty()) CoupledDerivatives<S>(m, s).fold(maps);
+  if (b.task == Task::centroidal_derivatives) {
+    for (int k = 0; k < 3; ++k) results.put(k, s.maps[2 + k], n);
+    return results.put(3, s.maps[0], n);
+  }
+  results.put(0, reinterpret_cast<const S*>(&state.momentum), 6);
+  if (b.task == Task::centroidal_map) return results.put(1, s.maps[0], n);
+  results.put(1, reinterpret_cast<const S*>(&state.rate), 6);
+  results.put(2, s.maps[0], n);
+  results.put(3, s.maps[1], n);
+}
+
 template <class S>
 void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b) {
   Workspace<S>& w = s.w;
   DerivativeWorkspace<S>& d = s.d;
   const std::ptrdiff_t n = m.nvx;
-  b.not_finite = false;
-  // Of `size` numbers a state those from `begin` on.
-  const auto putPart = [&](int result, const S* numbers, std::ptrdiff_t count, std::ptrdiff_t begin, std::ptrdiff_t size) {
-    if (!storeColumns(numbers, count, b.q.states, b.results[result] + begin, size)) b.not_finite = true;
-  };
-  const auto put = [&](int result, const S* numbers, std::ptrdiff_t count) {
-    if (b.results[result] != nullptr) putPart(result, numbers, count, 0, count);
-  };
+  const Results<S> results(b);
+  if (!m.couplings.empty() && b.task < Task::centroidal_map) return runCoupledDerivatives(m, s, b, results);
   const auto whole = [&](const PathMatrix<S>& from) {
     if constexpr (PathMatrix<S>::in_place) {
       return from.below.first;
@@ -85,13 +105,13 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b)
   };
   const auto putInverse = [&](int result) {
     inverseOfMassMatrix(m, d.factors, s.product, Rows<S>{s.matrix, n});
-    put(result, s.matrix, n * n);
-    for (int l = 0; l < b.q.states; ++l) b.failed[l] = w.failed[l];
+    results.put(result, s.matrix, n * n);
+    results.putFailures(w.failed);
   };
   const auto putAcceleration = [&](int result, const PathMatrix<S>& by) {
     accelerationBy(m, d.factors, s.product, by, [&](int begin, int count, auto&& write) {
       write(Rows<S>{s.columns, n});
-      putPart(result, s.columns, count * n, begin * n, n * n);
+      results.putPart(result, s.columns, count * n, begin * n, n * n);
     });
   };
   switch (b.task) {
@@ -106,7 +126,7 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b)
       addLosses(m, -1.0, s.v, s.a);
       evaluateSubspaceDerivatives(m, d, s.q, s.v);
       abaDerivativesSweep<S>(recursion(m, w, d), w, d, s.v, s.a, s.result);
-      put(3, s.result, n);
+      results.put(3, s.result, n);
       putInverse(2);
       putAcceleration(0, d.by_q);
       return putAcceleration(1, d.by_v);
@@ -118,27 +138,8 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b)
       std::fill(s.a, s.a + n, S(0));
       coriolisMatrix<S>(m, w, d, s.v, s.a);
       return putOnPaths(0, d.by_v);
-    default: {
-      CentroidalMaps<S> maps;
-      maps.Ag = s.maps[0];
-      if (b.task == Task::centroidal_rate) maps.dAg = s.maps[1];
-      if (b.task == Task::centroidal_derivatives) {
-        maps.dh_dq = s.maps[2];
-        maps.dhdot_dq = s.maps[3];
-        maps.dhdot_dv = s.maps[4];
-      }
-      if (maps.rates()) evaluateSubspaceDerivatives(m, d, s.q, s.v);
-      const CentroidalState<S> state = kernels::centroidal<S>(m, w, d, s.v, s.a, maps);
-      if (b.task == Task::centroidal_derivatives) {
-        for (int k = 0; k < 3; ++k) put(k, s.maps[2 + k], 6 * n);
-        return put(3, s.maps[0], 6 * n);
-      }
-      put(0, reinterpret_cast<const S*>(&state.momentum), 6);
-      if (b.task == Task::centroidal_map) return put(1, s.maps[0], 6 * n);
-      put(1, reinterpret_cast<const S*>(&state.rate), 6);
-      put(2, s.maps[0], 6 * n);
-      return put(3, s.maps[1], 6 * n);
-    }
+    default:
+      return runCentroidal(m, s, b, results);
   }
 }
 

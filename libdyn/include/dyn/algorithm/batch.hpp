@@ -1,8 +1,8 @@
 // The algorithms over many states. Arguments are matrices whose columns are states, nq or nv rows, at most as many columns as the batch
 // has room for; so are results, which the batch owns until its next call.
 //
-// Models with joints that follow others are computed state by state, but for computeJointJacobians, which refuses them. Throw Error(size) for
-// matrices of wrong sizes, Error(argument) for a quaternion that is zero, naming the state; the other states' results are there.
+// Throw Error(size) for matrices of wrong sizes, Error(argument) for a quaternion that is zero, naming the state; the other states' results are
+// there. As for single states, forward dynamics of models with joints that follow others goes through M, and computeJointJacobians refuses them.
 #pragma once
 
 #include <dyn/algorithm/jacobians.hpp>

@@ -1,0 +1,113 @@
+// What algorithms find in expanded coordinates, those of joints that follow others included, brought to the user's.
+#pragma once
+
+#include "compile/compact_impl.hpp"
+
+#include <algorithm>
+
+namespace dyn::kernels {
+
+/// Couplings at a state: coordinates follow their masters' with v = G v_t and a = G a_t + G' v_t^2, t being the master's degree of freedom. What a
+/// follower has is added to its master's; a master may follow another, so the last ones go first. S: a number, or a pack of states.
+/// Matrices are of columns of nvx numbers, or of `rows`, one a degree of freedom.
+template <class S>
+struct Followers {
+  const CompactImpl& m;
+  const S *G, *dG, *ddG;  ///< of each coupling, by the master's coordinate
+  const S *v, *a;         ///< expanded
+
+  /// G^T x of forces, J G of columns.
+  void fold(std::ptrdiff_t rows, S* x) const {
+    lastFirst([&](std::size_t k, std::ptrdiff_t s, std::ptrdiff_t t) { addTo(rows, x + rows * t, G[k], x + rows * s); });
+  }
+  void foldForces(S* tau) const { fold(1, tau); }
+  /// J G and its rate.
+  void foldWithRate(std::ptrdiff_t rows, S* x, S* rate) const {
+    lastFirst([&](std::size_t k, std::ptrdiff_t s, std::ptrdiff_t t) { foldRate(k, rows, s, t, x, rate); });
+  }
+  /// Derivatives by q, v and a of something that depends on these.
+  void foldDerivatives(std::ptrdiff_t rows, S* by_q, S* by_v, S* by_a) const {
+    lastFirst([&](std::size_t k, std::ptrdiff_t s, std::ptrdiff_t t) { foldDerivativesOf(k, rows, s, t, by_q, by_v, by_a); });
+  }
+  /// Those of a momentum by q, of its rate, and its map.
+  void foldMomentum(S* h_by_q, S* rate_by_q, S* rate_by_v, S* map) const {
+    lastFirst([&](std::size_t k, std::ptrdiff_t s, std::ptrdiff_t t) {
+      addTo(6, h_by_q + 6 * t, G[k], h_by_q + 6 * s);
+      addTo(6, h_by_q + 6 * t, dG[k] * v[t], map + 6 * s);
+      foldDerivativesOf(k, 6, s, t, rate_by_q, rate_by_v, map);
+    });
+  }
+  /// G^T M G.
+  void foldInertia(S* M) const {
+    lastFirst([&](std::size_t k, std::ptrdiff_t s, std::ptrdiff_t t) {
+      addTo(m.nvx, M + m.nvx * t, G[k], M + m.nvx * s);
+      foldRow(k, s, t, M);
+    });
+  }
+  /// G^T (C G + M dG/dt), and M.
+  void foldCoriolis(S* C, S* M) const {
+    lastFirst([&](std::size_t k, std::ptrdiff_t s, std::ptrdiff_t t) {
+      foldRate(k, m.nvx, s, t, M, C);
+      for (S* x : {C, M}) foldRow(k, s, t, x);
+    });
+  }
+  /// Of forces tau, which have been folded: rows as columns, and what q_t changes of the follower's share of its master's force.
+  void foldForceDerivatives(const S* tau, S* by_q, S* by_v, S* by_a) const {
+    lastFirst([&](std::size_t k, std::ptrdiff_t s, std::ptrdiff_t t) {
+      foldDerivativesOf(k, m.nvx, s, t, by_q, by_v, by_a);
+      for (S* x : {by_q, by_v, by_a}) foldRow(k, s, t, x);
+      by_q[t * m.nvx + t] += dG[k] * tau[s];
+    });
+  }
+
+  /// a of the user's accelerations.
+  void follow(const S* user, S* expanded) const {
+    for (std::size_t k = 0; k < m.v_of_user.size(); ++k) expanded[m.v_of_user[k]] = user[k];
+    for (std::size_t k = 0; k < m.couplings.size(); ++k) {
+      const int s = dofOf(m.couplings[k].body), t = dofOf(m.couplings[k].master);
+      expanded[s] = G[k] * expanded[t] + dG[k] * v[t] * v[t];
+    }
+  }
+
+  /// The columns of the user's coordinates, side by side; to: elsewhere, or the same place.
+  void keep(std::ptrdiff_t rows, const S* x, S* to) const {
+    for (const int dof : m.v_of_user) to = std::copy_n(x + rows * dof, rows, to);
+  }
+  /// Rows and columns of these, of nvx x nvx numbers.
+  void keepSquare(const S* x, S* to) const {
+    for (const int column : m.v_of_user)
+      for (const int row : m.v_of_user) *to++ = x[static_cast<std::ptrdiff_t>(m.nvx) * column + row];
+  }
+
+ private:
+  /// use(k, dof of the follower, dof of its master).
+  template <class Use>
+  void lastFirst(Use&& use) const {
+    for (std::size_t k = m.couplings.size(); k-- > 0;)
+      use(k, std::ptrdiff_t{dofOf(m.couplings[k].body)}, std::ptrdiff_t{dofOf(m.couplings[k].master)});
+  }
+  int dofOf(int body) const { return m.index[static_cast<std::size_t>(body)].idx_v; }
+  static void addTo(std::ptrdiff_t rows, S* x, const S& scale, const S* y) {
+    for (std::ptrdiff_t i = 0; i < rows; ++i) x[i] += scale * y[i];
+  }
+  void foldRate(std::size_t k, std::ptrdiff_t rows, std::ptrdiff_t s, std::ptrdiff_t t, S* x, S* rate) const {
+    addTo(rows, rate + rows * t, G[k], rate + rows * s);
+    addTo(rows, rate + rows * t, dG[k] * v[t], x + rows * s);
+    addTo(rows, x + rows * t, G[k], x + rows * s);
+  }
+  void foldDerivativesOf(std::size_t k, std::ptrdiff_t rows, std::ptrdiff_t s, std::ptrdiff_t t, S* by_q, S* by_v, S* by_a) const {
+    const S rate = dG[k] * v[t], change = dG[k] * a[t] + ddG[k] * v[t] * v[t];
+    for (std::ptrdiff_t i = 0; i < rows; ++i) {
+      S &of_q = by_q[rows * t + i], &of_v = by_v[rows * t + i], &of_a = by_a[rows * t + i];
+      const S &q_share = by_q[rows * s + i], &v_share = by_v[rows * s + i], &a_share = by_a[rows * s + i];
+      of_q += G[k] * q_share + rate * v_share + change * a_share;
+      of_v += G[k] * v_share + S(2) * rate * a_share;
+      of_a += G[k] * a_share;
+    }
+  }
+  void foldRow(std::size_t k, std::ptrdiff_t s, std::ptrdiff_t t, S* square) const {
+    for (std::ptrdiff_t j = 0; j < m.nvx; ++j) square[j * m.nvx + t] += G[k] * square[j * m.nvx + s];
+  }
+};
+
+}  // namespace dyn::kernels
