@@ -4,6 +4,7 @@
 #include "support/random_model.hpp"
 #include "support/registry.hpp"
 
+#include <dyn/algorithm/batch_derivatives.hpp>
 #include <dyn/spatial/eigen.hpp>
 
 #include <alloc_guard.hpp>
@@ -185,7 +186,9 @@ TEST_CASE("kinematics of a batch are those of single states", "[batch]") {
 }
 
 TEST_CASE("what is wrong with a batch is said with the state", "[batch]") {
-  const CompactModel model = compile(randomTree(registry(), 20, 7), registry());
+  Model description = randomTree(registry(), 20, 7);
+  if (GENERATE(false, true)) addFollower(description);
+  const CompactModel model = compile(description, registry());
   States s(model, 19, 6);
   BatchData batch(model, 19);
   CHECK_THROWS_WITH(rnea(model, batch, s.q.leftCols(5), s.v.leftCols(4), s.a.leftCols(5)), containing("v is") && containing("x 5"));
@@ -217,6 +220,23 @@ TEST_CASE("what is wrong with a batch is said with the state", "[batch]") {
   const Eigen::MatrixXd good = aba(cam, cams, q, zero, zero);
   q(0, 6) = 0;
   CHECK_THROWS_WITH(aba(cam, cams, q, zero, zero), containing("state 6") && containing("'cam'") && containing("singular"));
+
+  Model massless = camModel();
+  JointDescription joint;
+  joint.name = "empty";
+  joint.parameters["axis"] = std::vector<double>{0, 0, 1};
+  joint.type = "revolute";
+  massless.addBody("nothing", 0, joint, {});
+  for (const double ratio : {2.0, -1.0}) {
+    joint.name = "follower of " + std::to_string(ratio);
+    joint.coupling = {"mimic", "empty", {{"coefficients", std::vector<double>{0, ratio}}}};
+    massless.addBody(joint.name, 0, joint, {});
+  }
+  const CompactModel empty = compile(massless, registry());
+  BatchData batch_of_empty(empty, 10, Need::derivatives);
+  const Eigen::MatrixXd ones = Eigen::MatrixXd::Ones(2, 10);
+  CHECK_THROWS_WITH(aba(empty, batch_of_empty, ones, ones, ones), containing("state 0") && containing("'empty'") && containing("singular"));
+  CHECK_THROWS_WITH(computeMinverse(empty, batch_of_empty, ones), containing("state 0") && containing("'empty'") && containing("singular"));
 }
 
 TEST_CASE("a batch with room for derivatives has room for mass matrices, as a Data has", "[batch]") {

@@ -12,6 +12,8 @@
 #include <algorithm>
 #include <limits>
 #include <string>
+#include <type_traits>
+#include <utility>
 
 namespace dyn::detail {
 
@@ -84,33 +86,35 @@ struct StatesOut {
   std::ptrdiff_t rows = 0;
 };
 
-/// The states of a block, as its kernels take them. Views that are not given stay null.
+/// Of a model with couplings; not inlined, for others should not pay.
 template <class T>
-void readStates(BatchImpl<T>& d, int thread, const StatesIn<T>& in, int first, int count, kernels::Block<T>& block) {
+[[gnu::noinline]] void readExpanded(BatchImpl<T>& d, int thread, const StatesIn<T>& in, int first, int count, kernels::Block<T>& block) {
   const CompactImpl& m = *d.model;
-  if (m.couplings.empty()) {
-    block.q = columns(in.q, first, count);
-    block.v = columns(in.v, first, count);
-    block.a = columns(in.a, first, count);
-    return;
-  }
   ExpandedStates<T>& x = d.expanded[static_cast<std::size_t>(thread)];
-  const std::size_t n = m.couplings.size();
-  double *q = x.user.data(), *v = q + m.nq, *a = v + m.nv, *qx = x.state.data(), *vx = qx + m.nqx, *ax = vx + m.nvx, *G = x.derivatives.data();
+  const std::size_t n = m.couplings.size(), nqx = static_cast<std::size_t>(m.nqx), nvx = static_cast<std::size_t>(m.nvx);
   const bool moves = in.v.data != nullptr || in.a.data != nullptr;
   for (int l = 0; l < count; ++l) {
-    const auto read = [&](const StatesView<T>& from, double* to, int size) {
-      for (int k = 0; k < size; ++k) to[k] = from.data ? static_cast<double>(from.data[(first + l) * from.stride + k]) : 0.0;
-      return to;
+    double *given = x.given.data(), *expanded = x.expanded.data();
+    const auto user = [&](const StatesView<T>& from, int size) -> const double* {
+      if (from.data == nullptr) return x.zeros.data();
+      const T* column = from.data + (first + l) * from.stride;
+      if constexpr (std::is_same_v<T, double>) return column;
+      given = std::copy_n(column, size, given);
+      return given - size;
     };
-    const auto put = [&](const double* from, std::vector<T>& to, std::size_t size) {
-      std::transform(from, from + size, to.begin() + static_cast<std::ptrdiff_t>(size) * l, [](double number) { return static_cast<T>(number); });
+    const auto place = [&](std::vector<T>& columns, std::size_t size) -> double* {
+      if constexpr (std::is_same_v<T, double>) return columns.data() + size * static_cast<std::size_t>(l);
+      return std::exchange(expanded, expanded + size);
     };
-    read(in.q, q, m.nq);
-    expand(m, q, moves ? read(in.v, v, m.nv) : nullptr, moves ? read(in.a, a, m.nv) : nullptr, {qx, vx, ax, G, G + n, G + 2 * n});
-    put(qx, x.q, static_cast<std::size_t>(m.nqx));
-    put(vx, x.v, static_cast<std::size_t>(m.nvx));
-    put(ax, x.a, static_cast<std::size_t>(m.nvx));
+    const auto put = [&](const double* from, std::vector<T>& columns, std::size_t size) {
+      if constexpr (!std::is_same_v<T, double>)
+        std::transform(from, from + size, columns.data() + size * static_cast<std::size_t>(l), [](double number) { return static_cast<T>(number); });
+    };
+    double *q = place(x.q, nqx), *v = place(x.v, nvx), *a = place(x.a, nvx), *G = place(x.couplings, 3 * n);
+    expand(m, user(in.q, m.nq), moves ? user(in.v, m.nv) : nullptr, moves ? user(in.a, m.nv) : nullptr, {q, v, a, G, G + n, G + 2 * n});
+    put(q, x.q, nqx);
+    put(v, x.v, nvx);
+    put(a, x.a, nvx);
     put(G, x.couplings, 3 * n);
   }
   block.q = {x.q.data(), m.nqx, count, 0};
@@ -119,6 +123,14 @@ void readStates(BatchImpl<T>& d, int thread, const StatesIn<T>& in, int first, i
     block.a = {x.a.data(), m.nvx, count, 0};
   }
   block.couplings = {x.couplings.data(), static_cast<std::ptrdiff_t>(3 * n), count, 0};
+}
+/// The states of a block, as its kernels take them. Views that are not given stay null.
+template <class T>
+void readStates(BatchImpl<T>& d, int thread, const StatesIn<T>& in, int first, int count, kernels::Block<T>& block) {
+  if (!d.model->couplings.empty()) return readExpanded<T>(d, thread, in, first, count, block);
+  block.q = columns(in.q, first, count);
+  block.v = columns(in.v, first, count);
+  block.a = columns(in.a, first, count);
 }
 /// The same of forward dynamics.
 template <class T>

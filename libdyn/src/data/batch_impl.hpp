@@ -62,7 +62,8 @@ class StateMatrices {
 template <class T>
 struct ExpandedStates {
   std::vector<T> q, v, a, couplings;
-  std::vector<double> user, state, derivatives;  ///< of one state: q, v, a as given, expanded, and derivatives of couplings
+  std::vector<double> given, expanded;  ///< numbers of one state, where T is another type
+  std::vector<double> zeros;            ///< nv
 
   ExpandedStates(const CompactImpl& m, int lanes) {
     const auto states = static_cast<std::size_t>(lanes), nvx = static_cast<std::size_t>(m.nvx);
@@ -70,12 +71,12 @@ struct ExpandedStates {
     v.resize(nvx * states);
     a.resize(nvx * states);
     couplings.resize(3 * m.couplings.size() * states);
-    user.resize(static_cast<std::size_t>(m.nq + 2 * m.nv));
-    state.resize(static_cast<std::size_t>(m.nqx) + 2 * nvx);
-    derivatives.resize(3 * m.couplings.size());
+    given.resize(static_cast<std::size_t>(m.nq + 2 * m.nv));
+    expanded.resize(static_cast<std::size_t>(m.nqx) + 2 * nvx + 3 * m.couplings.size());
+    zeros.resize(static_cast<std::size_t>(m.nv));
   }
   std::size_t bytes() const {
-    return sizeof(T) * (q.size() + v.size() + a.size() + couplings.size()) + sizeof(double) * (user.size() + state.size() + derivatives.size());
+    return sizeof(T) * (q.size() + v.size() + a.size() + couplings.size()) + sizeof(double) * (given.size() + expanded.size() + zeros.size());
   }
 };
 
