@@ -47,7 +47,7 @@ CentroidalViews centroidal(const CompactModel& model, Data& data, CentroidalTask
   const Inputs in = readInputs(algorithm, model, data, q, &v, a);
   if (const kernels::PackedKernels* k = kernels::packed(m); k && task == CentroidalTask::map) {
     kernels::CentroidalState<double> state;
-    if (!k->centroidalMap(m, d.packed.data(), in.q, in.v, d.Ag, state)) checkConfiguration("q", m, in.q);
+    if (!k->centroidalMap(m, d.packed.data(), in.q, in.v, d.Ag, state)) checkConfiguration("q", m, in.user_q);
     return views(m, d, task, state);
   }
   evaluateJoints(m, d, in.q, in.v);

@@ -9,33 +9,30 @@
 
 namespace dyn {
 
-const double* massMatrix(const CompactImpl& m, DataImpl& d) {
-  if (m.couplings.empty()) {
-    kernels::active().single.massMatrix(m, d, d.M);
-    return d.M;
+const double* massMatrix(const CompactImpl& m, DataImpl& d, const Inputs& in) {
+  const bool coupled = !m.couplings.empty();
+  double* M = coupled ? d.Mx : d.M;
+  // Folding rows fills entries that kernels leave as they are.
+  if (coupled) std::fill(M, M + static_cast<std::ptrdiff_t>(m.nvx) * m.nvx, 0.0);
+  if (const kernels::PackedKernels* k = kernels::packedMassMatrix(m)) {
+    char* scratch = k == kernels::packed(m) ? d.packed.data() : d.packed_mass_matrix.data();
+    if (!k->massMatrix(m, scratch, in.q, M)) checkConfiguration("q", m, in.user_q);
+  } else {
+    evaluateJoints(m, d, in.q, nullptr);
+    kernels::active().single.massMatrix(m, d, M);
   }
-  // Folding rows fills entries that the kernel leaves as they are.
-  std::fill(d.Mx, d.Mx + static_cast<std::ptrdiff_t>(m.nvx) * m.nvx, 0.0);
-  kernels::active().single.massMatrix(m, d, d.Mx);
-  const kernels::Followers<double> followers = followersOf(m, d);
-  followers.foldInertia(d.Mx);
-  followers.keepSquare(d.Mx, d.M);
+  if (coupled) {
+    const kernels::Followers<double> followers = followersOf(m, d);
+    followers.foldInertia(M);
+    followers.keepSquare(M, d.M);
+  }
   return d.M;
 }
 
 namespace detail {
 const double* crba(const CompactModel& model, Data& data, VectorView q) {
   checkData("crba", model, data, Need::mass_matrix);
-  const Inputs in = readInputs("crba", model, data, q, nullptr, nullptr);
-  const CompactImpl& m = model.impl();
-  DataImpl& d = data.impl();
-  if (const kernels::PackedKernels* k = kernels::packedMassMatrix(m)) {
-    char* scratch = k == kernels::packed(m) ? d.packed.data() : d.packed_mass_matrix.data();
-    if (!k->massMatrix(m, scratch, in.q, d.M)) checkConfiguration("q", m, in.q);
-    return d.M;
-  }
-  evaluateJoints(m, d, in.q, nullptr);
-  return massMatrix(m, d);
+  return massMatrix(model.impl(), data.impl(), readInputs("crba", model, data, q, nullptr, nullptr));
 }
 }  // namespace detail
 

@@ -5,7 +5,7 @@
 
 namespace dyn {
 
-/// d.M from joints that have been evaluated; with couplings, G must be in d.
-const double* massMatrix(const CompactImpl& m, DataImpl& d);
+/// d.M, at inputs that have been read last.
+const double* massMatrix(const CompactImpl& m, DataImpl& d, const Inputs& in);
 
 }  // namespace dyn

@@ -105,12 +105,13 @@ Inputs readInputs(const char* algorithm, const CompactModel& model, Data& data, 
   checkSize(algorithm, "q", q, m.nq);
   if (v) checkSize(algorithm, "v", *v, m.nv);
   if (a) checkSize(algorithm, "a", *a, m.nv);
+  const double* user_q = kept(q, d.block, nullptr, d.kept_q);
   if (m.couplings.empty()) {
     const auto of = [&](const VectorView* x, double* place) { return x ? kept(*x, d.block, nullptr, place) : d.zero; };
-    return {of(&q, d.kept_q), of(v, d.kept_v), of(a, d.kept_a)};
+    return {user_q, of(v, d.kept_v), of(a, d.kept_a), user_q};
   }
   expand(m, q.data, v ? v->data : nullptr, a ? a->data : nullptr, {d.qx, d.vx, d.ax, d.G, d.dG, d.ddG});
-  return {d.qx, v ? d.vx : d.zero, v ? d.ax : d.zero};
+  return {d.qx, v ? d.vx : d.zero, v ? d.ax : d.zero, user_q};
 }
 
 void refuseSingular(const char* algorithm, const std::string& joint) {

@@ -9,13 +9,13 @@ namespace dyn::detail {
 namespace {
 
 const double* inverseDynamics(const CompactImpl& m, DataImpl& d, const Inputs& in, const Force<double>* fext, double* result) {
-  if (const kernels::PackedKernels* k = kernels::packed(m); k && fext == nullptr) {
-    if (!k->rnea(m, d.packed.data(), in.q, in.v, in.a, result)) checkConfiguration("q", m, in.q);
-    return result;
-  }
-  evaluateJoints(m, d, in.q, in.v);
   double* tau = m.couplings.empty() ? result : d.taux;
-  kernels::active().single.rnea(m, d, in.v, in.a, fext, tau);
+  if (const kernels::PackedKernels* k = kernels::packed(m); k && fext == nullptr) {
+    if (!k->rnea(m, d.packed.data(), in.q, in.v, in.a, tau)) checkConfiguration("q", m, in.user_q);
+  } else {
+    evaluateJoints(m, d, in.q, in.v);
+    kernels::active().single.rnea(m, d, in.v, in.a, fext, tau);
+  }
   reduceForces(m, d, tau, result);
   return result;
 }

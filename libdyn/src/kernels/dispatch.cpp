@@ -59,7 +59,7 @@ bool useStripsForDerivatives(const CompactImpl& m) { return m.strips.used_for_de
 
 const PackedKernels* packed(const CompactImpl& m) {
   if (useStrips(m)) return &active().strips;
-  return m.couplings.empty() && active().vectored.bytes != nullptr ? &active().vectored : nullptr;
+  return active().vectored.bytes != nullptr ? &active().vectored : nullptr;
 }
 
 const PackedKernels* packedMassMatrix(const CompactImpl& m) {

@@ -57,8 +57,8 @@ struct SingleKernels {
   void (*inverseOfMassMatrix)(const CompactImpl&, Derivatives&, double* out);
 };
 
-/// One state, of which packs take several numbers at once; all null where they are too narrow. Vectors are the user's; no couplings. False:
-/// a joint's pose is not finite, perhaps because q is no configuration.
+/// One state, of which packs take several numbers at once; all null where they are too narrow. Vectors are in expanded coordinates. False: a
+/// joint's pose is not finite, perhaps because q is no configuration.
 struct PackedKernels {
   std::size_t (*bytes)(const CompactImpl&) = nullptr;
   void (*prepare)(const CompactImpl&, char* scratch) = nullptr;
