@@ -9,10 +9,10 @@ namespace dyn {
 
 /// f and its three derivatives at the master's coordinate, of a PackedCoupling or a PackedJointCoupling.
 template <class Coupling>
-void evaluateCoupling(const CompactImpl& m, const Coupling& c, const double* q, double* f) {
+void evaluateCoupling(const CompactImpl& m, const Coupling& c, Coordinates& coordinates, const double* q, double* f) {
   const BodyIndex& master = m.index[static_cast<std::size_t>(c.master)];
   const TypeBatch& batch = m.batches[static_cast<std::size_t>(master.batch)];
-  const double x = coordinateOf(*batch.type, batch.constants.data() + master.slot, batch.count, q + master.idx_q);
+  const double x = coordinates.of(*batch.type, batch.constants.data() + master.slot, batch.count, q + master.idx_q);
   c.type->evaluate(c.constants.data(), static_cast<int>(c.constants.size()), x, f);
 }
 

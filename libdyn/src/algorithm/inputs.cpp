@@ -54,13 +54,14 @@ void expand(const CompactImpl& m, const double* q, const double* v, const double
     spread(m.v_of_user, v, out.v);
     for (std::size_t k = 0; k < m.v_of_user.size(); ++k) out.a[m.v_of_user[k]] = a ? a[k] : 0;
   }
+  Coordinates coordinates;
   for (std::size_t k = 0; k < m.couplings.size(); ++k) {
     const PackedCoupling& c = m.couplings[k];
     const BodyIndex &follower = m.index[at(c.body)], &master = m.index[at(c.master)];
     const TypeBatch& batch = m.batches[at(follower.batch)];
     double f[4];
-    evaluateCoupling(m, c, out.q, f);
-    setCoordinate(*batch.type, batch.constants.data() + follower.slot, batch.count, f[0], out.q + follower.idx_q);
+    evaluateCoupling(m, c, coordinates, out.q, f);
+    coordinates.set(*batch.type, batch.constants.data() + follower.slot, batch.count, f[0], out.q + follower.idx_q);
     out.G[k] = f[1];
     out.dG[k] = f[2];
     out.ddG[k] = f[3];

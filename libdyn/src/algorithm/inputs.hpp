@@ -10,7 +10,7 @@ namespace dyn {
 /// Expanded vectors: the user's own where the model has no couplings.
 struct Inputs {
   const double *q = nullptr, *v = nullptr, *a = nullptr;
-  const double* user_q = nullptr;
+  const double* user_q = nullptr;  ///< as it was given
 };
 
 /// Throws Error(size) naming the argument, what it has and what it wants.

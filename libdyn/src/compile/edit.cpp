@@ -117,6 +117,7 @@ class Holder {
     const auto rank = [&](std::size_t i) { return draft.bodies[i].coupling ? draft.bodies[i].coupling->rank : 0; };
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return rank(a) < rank(b); });
     std::size_t used = 0;
+    Coordinates coordinates;
     for (const std::size_t i : order) {
       const DraftBody& body = draft.bodies[i];
       const auto nq = static_cast<std::size_t>(body.instance.nq);
@@ -124,9 +125,9 @@ class Holder {
       if (body.coupling) {
         const DraftBody& master = draft.bodies[at(body.coupling->master)];
         double f[4];
-        const double x = coordinateOf(*master.type, master.constants.data(), 1, q_of[at(body.coupling->master)].data());
+        const double x = coordinates.of(*master.type, master.constants.data(), 1, q_of[at(body.coupling->master)].data());
         body.coupling->type->evaluate(body.coupling->constants.data(), static_cast<int>(body.coupling->constants.size()), x, f);
-        setCoordinate(*body.type, body.constants.data(), 1, f[0], q_of[i].data());
+        coordinates.set(*body.type, body.constants.data(), 1, f[0], q_of[i].data());
       } else if (body.user_joint == 1 && !q.empty()) {
         for (std::size_t k = 0; k < nq && used + k < q.size(); ++k) q_of[i][k] = q[used + k];
         used += nq;

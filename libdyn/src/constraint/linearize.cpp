@@ -91,10 +91,11 @@ void pointMotions(const CompactImpl& m, const DataImpl& d, const ConstraintDataI
 /// Constraints of joints; results by the user's degrees of freedom.
 void linearizeJointRows(const CompactImpl& m, const ConstraintDataImpl& c, const Inputs& state, bool feedback, const kernels::RowDerivatives& out) {
   const PackedConstraints& packed = c.set.impl();
+  Coordinates coordinates;
   for (const PackedJointCoupling& k : packed.couplings) {
     const BodyIndex &follower = m.index[at(k.body)], &master = m.index[at(k.master)];
     double f[4];
-    evaluateCoupling(m, k, state.q, f);
+    evaluateCoupling(m, k, coordinates, state.q, f);
     const std::ptrdiff_t s = out.rows * follower.user_v + k.row, t = out.rows * master.user_v + k.row;
     const double vm = state.v[master.idx_v], am = state.a[master.idx_v];
     const Baumgarte b = feedback ? k.baumgarte : Baumgarte{};

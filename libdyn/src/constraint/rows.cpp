@@ -19,9 +19,10 @@ const double* constantsOf(const CompactImpl& m, int body) { return batchOf(m, bo
 template <class Use>
 void eachShare(const CompactImpl& m, const PackedConstraints& c, const double* q, Use&& use) {
   const auto placeOf = [&](int body) { return c.bodies[at(c.body_at[at(body)])].dof; };
+  Coordinates coordinates;
   for (const PackedJointCoupling& k : c.couplings) {
     double f[4];
-    evaluateCoupling(m, k, q, f);
+    evaluateCoupling(m, k, coordinates, q, f);
     use(k.row, placeOf(k.body), 1.0);
     use(k.row, placeOf(k.master), -f[1]);
   }
@@ -57,12 +58,13 @@ void locateRows(const CompactImpl& m, const PackedConstraints& c, const double* 
     rows.drift[row] = bias + b.velocity * velocity + b.position * error;
     rows.fall[row] = 0;
   };
+  Coordinates coordinates;
   for (const PackedJointCoupling& k : c.couplings) {
     double f[4], q_wanted[max_joint_nq], error;
-    evaluateCoupling(m, k, q, f);
+    evaluateCoupling(m, k, coordinates, q, f);
     const BodyIndex &follower = m.index[at(k.body)], &master = m.index[at(k.master)];
     const double vm = v ? v[master.idx_v] : 0.0;
-    setCoordinate(*batchOf(m, k.body).type, constantsOf(m, k.body), batchOf(m, k.body).count, f[0], q_wanted);
+    coordinates.set(*batchOf(m, k.body).type, constantsOf(m, k.body), batchOf(m, k.body).count, f[0], q_wanted);
     differenceOf(m, k.body, q_wanted, q + follower.idx_q, &error);
     put(k.row, (v ? v[follower.idx_v] : 0.0) - f[1] * vm, -f[2] * vm * vm, error, k.baumgarte);
   }

@@ -13,35 +13,40 @@ ConfigurationBatch<double> one(const double* constants, std::ptrdiff_t stride) {
   return b;
 }
 
-/// A batch of one joint whose neutral configuration has been written to q.
-ConfigurationBatch<double> atNeutral(const JointType& type, const double* constants, std::ptrdiff_t stride, double* q) {
+}  // namespace
+
+void neutralOf(const JointType& type, const double* constants, std::ptrdiff_t stride, double* q) {
   ConfigurationBatch<double> b = one(constants, stride);
   b.q_out = q;
   type.neutral(b);
-  b.q_out = nullptr;
-  b.q0 = q;
-  return b;
 }
 
-}  // namespace
+Coordinates::Coordinates() : batch_(one(nullptr, 0)) {}
 
-void neutralOf(const JointType& type, const double* constants, std::ptrdiff_t stride, double* q) { atNeutral(type, constants, stride, q); }
+void Coordinates::startAtNeutral(const JointType& type, const double* constants, std::ptrdiff_t stride) {
+  batch_.constants = constants;
+  batch_.constants_stride = stride;
+  batch_.q_out = neutral_;
+  batch_.q0 = batch_.q1 = batch_.v = batch_.v_out = nullptr;
+  type.neutral(batch_);
+  batch_.q_out = nullptr;
+  batch_.q0 = neutral_;
+}
 
-double coordinateOf(const JointType& type, const double* constants, std::ptrdiff_t stride, const double* q) {
-  double neutral[max_joint_nq], value = 0;
-  ConfigurationBatch<double> b = atNeutral(type, constants, stride, neutral);
-  b.q1 = q;
-  b.v_out = &value;
-  type.difference(b);
+double Coordinates::of(const JointType& type, const double* constants, std::ptrdiff_t stride, const double* q) {
+  double value = 0;
+  startAtNeutral(type, constants, stride);
+  batch_.q1 = q;
+  batch_.v_out = &value;
+  type.difference(batch_);
   return value;
 }
 
-void setCoordinate(const JointType& type, const double* constants, std::ptrdiff_t stride, double value, double* q) {
-  double neutral[max_joint_nq];
-  ConfigurationBatch<double> b = atNeutral(type, constants, stride, neutral);
-  b.v = &value;
-  b.q_out = q;
-  type.integrate(b);
+void Coordinates::set(const JointType& type, const double* constants, std::ptrdiff_t stride, double value, double* q) {
+  startAtNeutral(type, constants, stride);
+  batch_.v = &value;
+  batch_.q_out = q;
+  type.integrate(batch_);
 }
 
 double normalizeJoint(const JointType& type, const double* constants, std::ptrdiff_t stride, const double* q, double* out) {
