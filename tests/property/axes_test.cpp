@@ -1,5 +1,5 @@
-// A robot is what it is, however the axes of its bodies are chosen: where placements only exchange axes, or tilt them, or are at their parent's
-// origin, kernels leave out what would be multiplied with zeros.
+// A robot is what it is, however the axes of its bodies are chosen: where placements only exchange axes, or are at their parent's origin, kernels
+// leave out what would be multiplied with zeros.
 #include "support/difference.hpp"
 #include "support/random_model.hpp"
 #include "support/registry.hpp"

@@ -18,9 +18,7 @@ const double* aba(const CompactModel& model, Data& data, VectorView q, VectorVie
     const double* bias = rnea(model, data, q, v, zero, fext, count);
     for (int k = 0; k < m.nv; ++k) d.ddq[k] = tau.data[k] - bias[k];
     massMatrix(m, d, {.q = d.qx, .user_q = q.data});
-    int failed = 0;
-    kernels::factorDense(m, d.M, d.ax, &failed);
-    checkFactors("aba", m, failed, d.qx);
+    factorInertia("aba", m, d, d.M, d.ax);
     kernels::solveDense(m, d.M, d.ddq);
     return d.ddq;
   }

@@ -54,8 +54,7 @@ const T* computeBatch(const CompactModel& model, BasicBatchData<T>& data, BatchQ
     kernels::Block<T> block;
     const bool aba = what == BatchQuantity::aba;
     block.task = what == BatchQuantity::mass_matrix ? kernels::Task::mass_matrix : (aba ? kernels::Task::aba : kernels::Task::rnea);
-    const StatesIn<T> in{q, v, a};
-    aba ? readStatesAndForces<T>(d, t, in, first, count, block) : readStates<T>(d, t, in, first, count, block);
+    readStates<T>(d, t, {q, v, a, aba}, first, count, block);
     block.results[0] = results[0].first + first * rows;
     block.squares = d.path_squares;
     d.kernels->run(m, d.scratch[at(t)].data(), block);

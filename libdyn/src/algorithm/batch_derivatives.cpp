@@ -75,8 +75,7 @@ BatchDerivativeViews<T> batchDerivatives(const CompactModel& model, BasicBatchDa
   const Failure failure = forBlocks(d, states, d.kernels->lanes, [&](int t, int first, int count, Failure& f) {
     kernels::Block<T> block;
     block.task = taskOf(what);
-    const StatesIn<T> in{q, v, a};
-    what == BatchDerivatives::aba ? readStatesAndForces<T>(d, t, in, first, count, block) : readStates<T>(d, t, in, first, count, block);
+    readStates<T>(d, t, {q, v, a, what == BatchDerivatives::aba}, first, count, block);
     for (int k = 0; k < 4; ++k) block.results[k] = results[k].first ? results[k].first + first * results[k].rows : nullptr;
     if (on_paths) block.squares = d.path_squares;
     d.kernels->run(m, d.scratch[static_cast<std::size_t>(t)].data(), block);

@@ -73,10 +73,11 @@ void fail(const char* algorithm, const CompactImpl& m, const Failure& failure, c
   }
 }
 
-/// Views of v and a may be empty: zeros.
+/// Views of v and a may be empty: zeros; not that of v alone.
 template <class T>
 struct StatesIn {
   const StatesView<T>&q, &v, &a;
+  bool forward = false;  ///< a: forces, of forward dynamics
 };
 
 /// Where numbers of each state go: state by state, `rows` apart.
@@ -92,11 +93,10 @@ template <class T>
   const CompactImpl& m = *d.model;
   ExpandedStates<T>& x = d.expanded[static_cast<std::size_t>(thread)];
   const std::size_t n = m.couplings.size(), nqx = static_cast<std::size_t>(m.nqx), nvx = static_cast<std::size_t>(m.nvx);
-  const bool moves = in.v.data != nullptr || in.a.data != nullptr;
+  const bool accelerates = in.a.data != nullptr && !in.forward;
   for (int l = 0; l < count; ++l) {
     double *given = x.given.data(), *expanded = x.expanded.data();
     const auto user = [&](const StatesView<T>& from, int size) -> const double* {
-      if (from.data == nullptr) return x.zeros.data();
       const T* column = from.data + (first + l) * from.stride;
       if constexpr (std::is_same_v<T, double>) return column;
       given = std::copy_n(column, size, given);
@@ -111,17 +111,18 @@ template <class T>
         std::transform(from, from + size, columns.data() + size * static_cast<std::size_t>(l), [](double number) { return static_cast<T>(number); });
     };
     double *q = place(x.q, nqx), *v = place(x.v, nvx), *a = place(x.a, nvx), *G = place(x.couplings, 3 * n);
-    expand(m, user(in.q, m.nq), moves ? user(in.v, m.nv) : nullptr, moves ? user(in.a, m.nv) : nullptr, {q, v, a, G, G + n, G + 2 * n});
+    expand(m, user(in.q, m.nq), in.v.data ? user(in.v, m.nv) : nullptr, accelerates ? user(in.a, m.nv) : nullptr, {q, v, a, G, G + n, G + 2 * n});
     put(q, x.q, nqx);
     put(v, x.v, nvx);
     put(a, x.a, nvx);
     put(G, x.couplings, 3 * n);
   }
   block.q = {x.q.data(), m.nqx, count, 0};
-  if (moves) {
+  if (in.v.data != nullptr) {
     block.v = {x.v.data(), m.nvx, count, 0};
     block.a = {x.a.data(), m.nvx, count, 0};
   }
+  if (in.forward) block.forces = columns(in.a, first, count);
   block.couplings = {x.couplings.data(), static_cast<std::ptrdiff_t>(3 * n), count, 0};
 }
 /// The states of a block, as its kernels take them. Views that are not given stay null.
@@ -131,13 +132,6 @@ void readStates(BatchImpl<T>& d, int thread, const StatesIn<T>& in, int first, i
   block.q = columns(in.q, first, count);
   block.v = columns(in.v, first, count);
   block.a = columns(in.a, first, count);
-}
-/// The same of forward dynamics.
-template <class T>
-void readStatesAndForces(BatchImpl<T>& d, int thread, const StatesIn<T>& in, int first, int count, kernels::Block<T>& block) {
-  if (d.model->couplings.empty()) return readStates<T>(d, thread, in, first, count, block);
-  readStates<T>(d, thread, {in.q, in.v, {}}, first, count, block);
-  block.forces = columns(in.a, first, count);
 }
 
 /// Looks for what went wrong in a block: columns of states whose pivot vanished become NaN. NaN and infinity in q just spread.

@@ -1,6 +1,7 @@
 #include "algorithm/crba.hpp"
 
 #include "algorithm/followers.hpp"
+#include "kernels/dense_factors.hpp"
 #include "kernels/table.hpp"
 
 #include <dyn/algorithm/crba.hpp>
@@ -27,6 +28,12 @@ const double* massMatrix(const CompactImpl& m, DataImpl& d, const Inputs& in) {
     followers.keepSquare(M, d.M);
   }
   return d.M;
+}
+
+void factorInertia(const char* algorithm, const CompactImpl& m, const DataImpl& d, double* M, double* diagonal) {
+  int failed = 0;
+  kernels::factorDense(m, M, diagonal, &failed);
+  checkFactors(algorithm, m, failed, d.qx);
 }
 
 namespace detail {

@@ -1,5 +1,6 @@
 #include "algorithm/derivatives.hpp"
 
+#include "algorithm/crba.hpp"
 #include "algorithm/external.hpp"
 #include "algorithm/followers.hpp"
 #include "algorithm/inputs.hpp"
@@ -63,10 +64,8 @@ void invertDense(const char* algorithm, const CompactImpl& m, DataImpl& d) {
   double* factors = d.expanded[0];
   const BorrowedZeros borrowed{factors, static_cast<std::ptrdiff_t>(m.nvx) * m.nvx};
   std::copy(d.M, d.M + n * n, factors);
-  int failed = 0;
-  kernels::factorDense(m, factors, d.column, &failed);
+  factorInertia(algorithm, m, d, factors, d.column);
   kernels::invertDense(m, factors, d.Minv);
-  checkFactors(algorithm, m, failed, d.qx);
 }
 
 }  // namespace

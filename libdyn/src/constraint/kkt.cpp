@@ -1,6 +1,6 @@
 #include "constraint/kkt.hpp"
 
-#include "algorithm/inputs.hpp"
+#include "algorithm/crba.hpp"
 #include "constraint/solution.hpp"
 #include "kernels/constraint_table.hpp"
 #include "kernels/dense_factors.hpp"
@@ -22,9 +22,7 @@ void projectInertia(const char* algorithm, const CompactModel& model, Data& data
   if (m.couplings.empty()) {
     detail::choleskyDecompose(model, data);
   } else {
-    int failed = 0;
-    kernels::factorDense(m, d.M, c.expanded, &failed);
-    checkFactors(algorithm, m, failed, d.qx);
+    factorInertia(algorithm, m, d, d.M, c.expanded);
   }
   const std::ptrdiff_t rows = c.set.rows(), n = m.nv;
   for (std::ptrdiff_t r = 0; r < rows; ++r) {

@@ -63,7 +63,6 @@ template <class T>
 struct ExpandedStates {
   std::vector<T> q, v, a, couplings;
   std::vector<double> given, expanded;  ///< numbers of one state, where T is another type
-  std::vector<double> zeros;            ///< nv
 
   ExpandedStates(const CompactImpl& m, int lanes) {
     const auto states = static_cast<std::size_t>(lanes), nvx = static_cast<std::size_t>(m.nvx);
@@ -73,10 +72,9 @@ struct ExpandedStates {
     couplings.resize(3 * m.couplings.size() * states);
     given.resize(static_cast<std::size_t>(m.nq + 2 * m.nv));
     expanded.resize(static_cast<std::size_t>(m.nqx) + 2 * nvx + 3 * m.couplings.size());
-    zeros.resize(static_cast<std::size_t>(m.nv));
   }
   std::size_t bytes() const {
-    return sizeof(T) * (q.size() + v.size() + a.size() + couplings.size()) + sizeof(double) * (given.size() + expanded.size() + zeros.size());
+    return sizeof(T) * (q.size() + v.size() + a.size() + couplings.size()) + sizeof(double) * (given.size() + expanded.size());
   }
 };
 
