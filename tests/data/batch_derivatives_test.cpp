@@ -87,6 +87,22 @@ TEST_CASE("derivatives of a batch are those of its states, for all joint types",
   checkAll<double>(compile(randomTree(registry(), 14, seed, true), registry()), 11, 2, seed, 1e-12, 1e-9);
 }
 
+TEST_CASE("derivatives of batches of any number of degrees of freedom, the inverse symmetric to the last bit", "[batch]") {
+  const int bodies = GENERATE(range(1, 10));
+  const CompactModel model = compile(treeOf(registry(), {"revolute", "prismatic"}, bodies, 5), registry());
+  checkAll<double>(model, 9, 1, 3, 1e-12, 1e-9);
+  const int n = model.nv(), states = 9;
+  Eigen::MatrixXd q(model.nq(), states);
+  Random random(2);
+  for (int k = 0; k < states; ++k) q.col(k) = integrate(model, neutral(model), random.vector(n, 0.8));
+  BatchData batch(model, states, Need::derivatives);
+  const Eigen::MatrixXd inverses = computeMinverse(model, batch, q);
+  for (int k = 0; k < states; ++k) {
+    const Eigen::MatrixXd inverse = inverses.col(k).reshaped(n, n);
+    CHECK(inverse == inverse.transpose());
+  }
+}
+
 TEST_CASE("derivatives of a batch of floats have the digits of floats", "[batch]") {
   // Of joints whose inertias are alike: what is solved for loses as many digits as M has condition.
   checkAll<float>(compile(treeOf(registry(), {"free_flyer", "revolute", "universal", "spherical"}, 6, 3), registry()), 17, 1, 2, 1e-4, 1e-2);

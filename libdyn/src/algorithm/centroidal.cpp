@@ -17,19 +17,23 @@ void flatten(const Force<double>& f, double* out) {
   }
 }
 
-void fold(const CompactImpl& m, DataImpl& d, CentroidalTask task) {
-  const kernels::Followers<double> followers = followersOf(m, d);
-  if (task == CentroidalTask::map) followers.fold(6, d.Ag);
-  if (task == CentroidalTask::rate) followers.foldWithRate(6, d.Ag, d.dAg);
-  if (task == CentroidalTask::derivatives) followers.foldMomentum(d.dh_dq, d.dhdot_dq, d.dhdot_dv, d.Ag);
-  for (double* columns : {d.Ag, d.dAg, d.dh_dq, d.dhdot_dq, d.dhdot_dv}) followers.keep(6, columns, columns);
+kernels::CentroidalMaps<double> mapsOf(const DataImpl& d, CentroidalTask task) {
+  kernels::CentroidalMaps<double> maps;
+  maps.Ag = d.Ag;
+  if (task == CentroidalTask::rate) maps.dAg = d.dAg;
+  if (task == CentroidalTask::derivatives) {
+    maps.dh_dq = d.dh_dq;
+    maps.dhdot_dq = d.dhdot_dq;
+    maps.dhdot_dv = d.dhdot_dv;
+  }
+  return maps;
 }
 
 CentroidalViews views(const CompactImpl& m, DataImpl& d, CentroidalTask task, const kernels::CentroidalState<double>& state) {
   flatten(state.momentum, d.hg);
   flatten(state.rate, d.dhg);
   d.locked_inertia = state.inertia.matrix();
-  if (!m.couplings.empty()) fold(m, d, task);
+  if (!m.couplings.empty()) followersOf(m, d).foldMaps(mapsOf(d, task));
   return {d.hg, d.dhg, d.Ag, d.dAg, d.dh_dq, d.dhdot_dq, d.dhdot_dv, &d.locked_inertia};
 }
 
@@ -68,15 +72,7 @@ CenterOfMassViews centerOfMassDerivatives(const CompactModel& model, Data& data,
 }
 
 CentroidalViews centroidalOfEvaluated(const CompactImpl& m, DataImpl& d, CentroidalTask task, const double* v, const double* a) {
-  kernels::CentroidalMaps<double> maps;
-  maps.Ag = d.Ag;
-  if (task == CentroidalTask::rate) maps.dAg = d.dAg;
-  if (task == CentroidalTask::derivatives) {
-    maps.dh_dq = d.dh_dq;
-    maps.dhdot_dq = d.dhdot_dq;
-    maps.dhdot_dv = d.dhdot_dv;
-  }
-  return views(m, d, task, kernels::active().single.centroidal(m, d, d.derivatives, v, a, maps));
+  return views(m, d, task, kernels::active().single.centroidal(m, d, d.derivatives, v, a, mapsOf(d, task)));
 }
 
 }  // namespace dyn::detail

@@ -12,7 +12,8 @@ template <class Coupling>
 void evaluateCoupling(const CompactImpl& m, const Coupling& c, Coordinates& coordinates, const double* q, double* f) {
   const BodyIndex& master = m.index[static_cast<std::size_t>(c.master)];
   const TypeBatch& batch = m.batches[static_cast<std::size_t>(master.batch)];
-  const double x = coordinates.of(*batch.type, batch.constants.data() + master.slot, batch.count, q + master.idx_q);
+  const double* own = q + master.idx_q;
+  const double x = batch.adds ? *own : coordinates.of(*batch.type, batch.constants.data() + master.slot, batch.count, own);
   c.type->evaluate(c.constants.data(), static_cast<int>(c.constants.size()), x, f);
 }
 

@@ -61,7 +61,12 @@ void expand(const CompactImpl& m, const double* q, const double* v, const double
     const TypeBatch& batch = m.batches[at(follower.batch)];
     double f[4];
     evaluateCoupling(m, c, coordinates, out.q, f);
-    coordinates.set(*batch.type, batch.constants.data() + follower.slot, batch.count, f[0], out.q + follower.idx_q);
+    double* own = out.q + follower.idx_q;
+    if (batch.adds) {
+      *own = f[0];
+    } else {
+      coordinates.set(*batch.type, batch.constants.data() + follower.slot, batch.count, f[0], own);
+    }
     out.G[k] = f[1];
     out.dG[k] = f[2];
     out.ddG[k] = f[3];

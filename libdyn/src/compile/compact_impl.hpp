@@ -57,6 +57,7 @@ struct TypeBatch {
   const JointType* type = nullptr;
   const JointType* fast = nullptr;  ///< the same type built for this processor, or `type`; for poses, subspaces and biases
   Shape shape = Shape::dense;
+  bool adds = false;  ///< coordinates are numbers that velocities are added to, zeros where it is neutral
   int nq = 0, nv = 0, count = 0;
   std::vector<int> bodies;
   std::vector<int> q_index, v_index;  ///< of each one's first coordinates

@@ -146,6 +146,7 @@ class Packer {
         batch.type = b.type;
         batch.fast = b.fast;
         batch.shape = made.shape;
+        batch.adds = !(batch.type->info().closed_forms & closed_configuration);
         batch.nq = made.nq;
         batch.nv = made.nv;
         batch.constant_count = made.constant_count;

@@ -32,7 +32,7 @@ Chart::Chart(const CompactModel& model) : model_(model) {
       const BodyIndex& x = m.index[static_cast<std::size_t>(batch.bodies[static_cast<std::size_t>(k)])];
       if (x.user_v < 0) continue;
       const Joint joint{batch.type, batch.constants.data() + k, batch.count, x.user_q, x.user_v, x.nv, slidingAndTurning(batch.shape)};
-      if (!(batch.type->info().closed_forms & closed_configuration)) {
+      if (batch.adds) {
         added_.push_back({x.user_q, x.user_v, x.nv});
         continue;
       }

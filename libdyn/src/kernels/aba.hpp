@@ -102,7 +102,7 @@ class AxesElimination {
 template <class S>
 void shift(ArticulatedInertia<S>& IA, Force<S>& f, const Vec3<S>& r) {
   IA = IA.shifted(r);
-  f.angular += cross(r, f.linear);
+  addCross(f.angular, r, f.linear);
 }
 
 /// abaInward at a bare root.

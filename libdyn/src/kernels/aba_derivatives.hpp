@@ -53,9 +53,11 @@ void articulatedInward(const Order& order, DerivativeWorkspace<S>& d, const S* t
   order.backward(articulated, [&]<class Joint>(const Joint&, int i, int iv, auto&& coriolis, auto&& inertia, auto&& force) {
     const Subtree<S> own = movingBody<Joint>(order, w, i, fext);
     d.subtree[i] = own;
-    ArticulatedInertia<S> IA = inertia.with(ArticulatedInertia<S>::rigid(own.m.mass, own.m.h, own.m.I));
-    CoriolisMap<S> map = coriolis.with(coriolisMap(own.m.momentum.linear, own.K));
+    // The map stays in memory: there are not enough registers for it and IA.
+    CoriolisMap<S>& map = d.coriolis[i];
+    coriolis.gather(coriolisMap(own.m.momentum.linear, own.K));
     Force<S> pA = force.with(own.f);
+    ArticulatedInertia<S> IA = inertia.with(ArticulatedInertia<S>::rigid(own.m.mass, own.m.h, own.m.I));
     eliminateJoint<Joint>(order, w, IA, i, iv, [&](int k, const auto& column, const Force<S>& W, const S& inverse, const Force<S>& row) {
       const S y = tau[iv + k] - column.along(pA);
       w.dof[iv + k].y = inverse * y;
@@ -69,14 +71,14 @@ void articulatedInward(const Order& order, DerivativeWorkspace<S>& d, const S* t
     });
     if (order.isRoot(i)) return;
     w.IA[i] = IA;
-    d.coriolis[i] = map;
     pA += IA * w.beta[i];
     if (order.hasLever(i)) {
       const Vec3<S>& r = w.r[i];
-      map = shiftedMap(map, IA, r, d.shift_rate[i]);
+      coriolis.give(shiftedMap(map, IA, r, d.shift_rate[i]));
       shift(IA, pA, r);
+    } else {
+      coriolis.give(map);
     }
-    coriolis.give(map);
     inertia.give(IA);
     force.give(pA);
   });
@@ -195,11 +197,20 @@ template <class Wide, class S>
 void accelerationBy(const CompactImpl& m, const TreeFactors<S>& factors, const PathMatrix<S>& by, const Rows<S>& out) {
   downTheTree<Wide, false>(m, factors, by.right, FromMinus<S>{by.below}, out);
 }
-/// The same of states in packs: put(begin, count, write) for some columns, which write(place) writes.
+/// The same of states in packs, some columns at a time into `out`, whose rows are one after the other: put(begin, count) is called for these.
 template <class S, class Put>
-void accelerationBy(const CompactImpl& m, const TreeFactors<S>& factors, const ProductScratch<S>& scratch, const PathMatrix<S>& by, Put&& put) {
-  const auto start = [&](auto& sum, int j, int first) { beginWithMinus(m, by.below, j, first, sum); };
-  downTheTree<false>(m, factors, scratch, by.right, start, put);
+void accelerationBy(const CompactImpl& m, const TreeFactors<S>& factors, const ProductScratch<S>& scratch, const PathMatrix<S>& by, S* out,
+                    Put&& put) {
+  inChains(m, factors, scratch, [&]<int columns>(const ChainProduct<S>& chain, int j) {
+    const std::ptrdiff_t n = m.nvx;
+    chain.template write<columns>(j, 0, by.right, OtherSign<S, columns>(m, by.below, j), [=]<int rows>(const S(&sum)[columns][rows], int first) {
+#pragma GCC unroll 6
+      for (int c = 0; c < columns; ++c)
+#pragma GCC unroll 4
+        for (int r = 0; r < rows; ++r) out[c * n + first + r] = sum[c][r];
+    });
+    put(j, columns);
+  });
 }
 
 /// Where a state's derivatives of accelerations are wanted, n x n each. That by tau is M^-1.

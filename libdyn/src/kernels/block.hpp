@@ -24,6 +24,8 @@ struct CoupledScratch {
     if (room.derivatives && !PathMatrix<S>::in_place)
       for (S*& matrix : expanded) arena.take(matrix, n * n);
   }
+  /// Kernels write matrices where paths lead, and count on zeros elsewhere: of what has been folded.
+  static void clear(const CompactImpl& m, S* matrix) { std::fill_n(matrix, static_cast<std::ptrdiff_t>(m.nvx) * m.nvx, S(0)); }
   Followers<S> followers(const CompactImpl& m, const S* v, const S* a) const {
     const std::size_t n = m.couplings.size();
     return {m, couplings, couplings + n, couplings + 2 * n, v, a};

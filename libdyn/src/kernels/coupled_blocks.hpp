@@ -32,7 +32,7 @@ class CoupledBlock {
     kernels::massMatrix(bodies_, s_.w, s_.M);
     followers_.foldInertia(s_.M);
     followers_.keepSquare(s_.M, s_.coupled.M);
-    clear(s_.M);
+    s_.coupled.clear(m_, s_.M);
   }
   /// The same, factored; pivots that vanish in w.failed.
   void factors() {
@@ -75,8 +75,6 @@ class CoupledBlock {
     addJointForces(m_, s_.v, s_.a, tau);
     followers_.foldForces(tau);
   }
-  /// Kernels write where paths lead, and nothing elsewhere.
-  void clear(S* matrix) const { std::fill_n(matrix, static_cast<std::ptrdiff_t>(m_.nvx) * m_.nvx, S(0)); }
 
   const KeepingBodies<S>& bodies_;
   BlockScratch<S>& s_;

@@ -37,23 +37,10 @@ class CoupledDerivatives {
   S* coriolis() {
     S* C = expanded(s_.d.by_v, 1);
     followers_.foldCoriolis(C, s_.M);
-    clear(s_.M);
+    s_.coupled.clear(m_, s_.M);
     followers_.keepSquare(C, C);
     return C;
   }
-  void fold(const CentroidalMaps<S>& maps) {
-    if (maps.dhdot_dq != nullptr) {
-      followers_.foldMomentum(maps.dh_dq, maps.dhdot_dq, maps.dhdot_dv, maps.Ag);
-    } else if (maps.dAg != nullptr) {
-      followers_.foldWithRate(6, maps.Ag, maps.dAg);
-    } else {
-      followers_.fold(6, maps.Ag);
-    }
-    for (S* columns : {maps.Ag, maps.dAg, maps.dh_dq, maps.dhdot_dq, maps.dhdot_dv})
-      if (columns != nullptr) followers_.keep(6, columns, columns);
-  }
-  /// What has been folded and stored: sweeps write where paths lead, and elsewhere there are zeros.
-  void clear(S* matrix) const { std::fill_n(matrix, static_cast<std::ptrdiff_t>(m_.nvx) * m_.nvx, S(0)); }
 
  private:
   S* expanded(const PathMatrix<S>& from, std::size_t k) {
@@ -88,7 +75,7 @@ void runCoupledDerivatives(const CompactImpl& m, BlockScratch<S>& s, const Block
     int result = 0;
     for (S* matrix : forces()) {
       results.put(result++, matrix, n * n);
-      coupled.clear(matrix);
+      s.coupled.clear(m, matrix);
     }
   } else if (b.task == Task::aba_derivatives) {
     const auto [by_q, by_v, inertia] = forces();
@@ -98,9 +85,9 @@ void runCoupledDerivatives(const CompactImpl& m, BlockScratch<S>& s, const Block
     for (S* matrix : {by_q, by_v}) {
       coupled.toAccelerations(matrix);
       results.put(result++, matrix, n * n);
-      coupled.clear(matrix);
+      s.coupled.clear(m, matrix);
     }
-    coupled.clear(inertia);
+    s.coupled.clear(m, inertia);
   } else if (b.task == Task::minverse) {
     putInverse(0);
   } else {
@@ -109,7 +96,7 @@ void runCoupledDerivatives(const CompactImpl& m, BlockScratch<S>& s, const Block
     coriolisMatrix<S>(m, s.w, s.d, s.v, s.a);
     S* C = coupled.coriolis();
     results.put(0, C, n * n);
-    coupled.clear(C);
+    s.coupled.clear(m, C);
   }
 }
 

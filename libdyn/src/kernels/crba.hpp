@@ -84,7 +84,7 @@ void massMatrix(const Order& order, Workspace<S>& w, typename Order::Entries* M)
     const auto stepAlong = [&](const auto& step) {
       if (step.hasLever()) {
         const Vec3<S> r = step.lever(w.r);
-        for (int k = 0; k < Joint::nv; ++k) F[k].angular += cross(r, F[k].linear);
+        for (int k = 0; k < Joint::nv; ++k) addCross(F[k].angular, r, F[k].linear);
       }
       if (step.flyingRoot()) {
         for (int k = 0; k < Joint::nv; ++k) step.enterFlying(k, F[k]);
@@ -104,7 +104,7 @@ void massMatrix(const Order& order, Workspace<S>& w, typename Order::Entries* M)
     };
     const auto turnAlong = [&](const Vec3<S>* lever, const Motion<S>& column, const auto& enter) {
       for (int k = 0; k < Joint::nv; ++k) {
-        if (lever) F[k].angular += cross(*lever, F[k].linear);
+        if (lever) addCross(F[k].angular, *lever, F[k].linear);
         enter(k, dot(column.angular, F[k].angular));
       }
     };

@@ -3,6 +3,7 @@
 
 #include "compile/compact_impl.hpp"
 #include "kernels/pivots.hpp"
+#include "kernels/subtree.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -51,8 +52,7 @@ void invertDense(const CompactImpl& m, const S* factors, S* inverse) {
     inverse[(n + 1) * k] = S(1);
     solveDense(m, factors, inverse + n * k);
   }
-  for (std::ptrdiff_t i = 0; i < n; ++i)
-    for (std::ptrdiff_t j = 0; j < i; ++j) inverse[i * n + j] = inverse[j * n + i];
+  mirrorUpper<S>(Rows<S>{inverse, n}, m.nv);
 }
 
 }  // namespace dyn::kernels

@@ -29,13 +29,18 @@ struct Followers {
   void foldDerivatives(std::ptrdiff_t rows, S* by_q, S* by_v, S* by_a) const {
     lastFirst([&](std::size_t k, std::ptrdiff_t s, std::ptrdiff_t t) { foldDerivativesOf(k, rows, s, t, by_q, by_v, by_a); });
   }
-  /// Those of a momentum by q, of its rate, and its map.
-  void foldMomentum(S* h_by_q, S* rate_by_q, S* rate_by_v, S* map) const {
-    lastFirst([&](std::size_t k, std::ptrdiff_t s, std::ptrdiff_t t) {
-      addTo(6, h_by_q + 6 * t, G[k], h_by_q + 6 * s);
-      addTo(6, h_by_q + 6 * t, dG[k] * v[t], map + 6 * s);
-      foldDerivativesOf(k, 6, s, t, rate_by_q, rate_by_v, map);
-    });
+  /// CentroidalMaps, those that are wanted: of the user's coordinates alone.
+  template <class Maps>
+  void foldMaps(const Maps& maps) const {
+    if (maps.dhdot_dq != nullptr) {
+      foldMomentum(maps.dh_dq, maps.dhdot_dq, maps.dhdot_dv, maps.Ag);
+    } else if (maps.dAg != nullptr) {
+      foldWithRate(6, maps.Ag, maps.dAg);
+    } else {
+      fold(6, maps.Ag);
+    }
+    for (S* columns : {maps.Ag, maps.dAg, maps.dh_dq, maps.dhdot_dq, maps.dhdot_dv})
+      if (columns != nullptr) keep(6, columns, columns);
   }
   /// G^T M G.
   void foldInertia(S* M) const {
@@ -85,6 +90,14 @@ struct Followers {
   void lastFirst(Use&& use) const {
     for (std::size_t k = m.couplings.size(); k-- > 0;)
       use(k, std::ptrdiff_t{dofOf(m.couplings[k].body)}, std::ptrdiff_t{dofOf(m.couplings[k].master)});
+  }
+  /// Derivatives of a momentum by q, of its rate, and its map.
+  void foldMomentum(S* h_by_q, S* rate_by_q, S* rate_by_v, S* map) const {
+    lastFirst([&](std::size_t k, std::ptrdiff_t s, std::ptrdiff_t t) {
+      addTo(6, h_by_q + 6 * t, G[k], h_by_q + 6 * s);
+      addTo(6, h_by_q + 6 * t, dG[k] * v[t], map + 6 * s);
+      foldDerivativesOf(k, 6, s, t, rate_by_q, rate_by_v, map);
+    });
   }
   int dofOf(int body) const { return m.index[static_cast<std::size_t>(body)].idx_v; }
   static void addTo(std::ptrdiff_t rows, S* x, const S& scale, const S* y) {

@@ -126,6 +126,7 @@ BlockKernels<Real<S>> blockKernels() {
     BlockScratch<S>& s = makeScratch<BlockScratch<S>>(scratch, m, room);
     atRest(s.w);
     if (room.mass_matrix) std::fill(s.M, s.M + static_cast<std::ptrdiff_t>(m.nvx) * m.nvx, S(0));
+    if (room.derivatives) s.product.prepare(m, s.d.factors);
   };
   k.run = [](const CompactImpl& m, char* scratch, Block<T>& block) { runBlock<S>(m, scratch, block); };
   return k;

@@ -72,7 +72,7 @@ void runCentroidal(const CompactImpl& m, BlockScratch<S>& s, const Block<Real<S>
   }
   if (maps.rates()) evaluateSubspaceDerivatives(m, s.d, s.q, s.v);
   const CentroidalState<S> state = kernels::centroidal<S>(m, s.w, s.d, s.v, s.a, maps);
-  if (!m.couplings.empty()) CoupledDerivatives<S>(m, s).fold(maps);
+  if (!m.couplings.empty()) s.coupled.followers(m, s.v, s.a).foldMaps(maps);
   if (b.task == Task::centroidal_derivatives) {
     for (int k = 0; k < 3; ++k) results.put(k, s.maps[2 + k], n);
     return results.put(3, s.maps[0], n);
@@ -109,10 +109,8 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b)
     results.putFailures(w.failed);
   };
   const auto putAcceleration = [&](int result, const PathMatrix<S>& by) {
-    accelerationBy(m, d.factors, s.product, by, [&](int begin, int count, auto&& write) {
-      write(Rows<S>{s.columns, n});
-      results.putPart(result, s.columns, count * n, begin * n, n * n);
-    });
+    accelerationBy(m, d.factors, s.product, by, s.columns,
+                   [&](int begin, int count) { results.putPart(result, s.columns, count * n, begin * n, n * n); });
   };
   switch (b.task) {
     case Task::rnea_derivatives:

@@ -88,9 +88,19 @@ void inverseOfMassMatrix(const CompactImpl& m, const TreeFactors<S>& factors, co
 /// Of states in packs.
 template <class S>
 void inverseOfMassMatrix(const CompactImpl& m, const TreeFactors<S>& factors, const ProductScratch<S>& scratch, const Rows<S>& out) {
-  const auto start = [](auto& sum, int, int) { beginWithZeros(sum); };
-  downTheTree<true>(m, factors, scratch, factors.U, start, [&](int begin, int, auto&& write) { write(Rows<S>{out[begin], out.stride}); });
-  mirrorUpper<S>(out, m.nvx);
+  inChains(m, factors, scratch, [&]<int columns>(const ChainProduct<S>& chain, int j) {
+    // Numbers on both sides of the diagonal are written twice, each time with their mirror images.
+    S *const down = out[j], *const across = out.first + j;
+    const std::ptrdiff_t n = out.stride;
+    chain.template write<columns>(
+        j, j, factors.U, [](auto& sum, int) { setZero(sum); },
+        [=]<int rows>(const S(&sum)[columns][rows], int first) {
+#pragma GCC unroll 6
+          for (int c = 0; c < columns; ++c)
+#pragma GCC unroll 4
+            for (int r = 0; r < rows; ++r) down[c * n + first + r] = across[(first + r) * n + c] = sum[c][r];
+        });
+  });
 }
 
 }  // namespace dyn::kernels

@@ -49,19 +49,6 @@ class ForcesAbreast {
   }
   Wide x_[numbers];
 };
-/// The same of those that are in lanes where they are.
-template <Climbing climbing, class S>
-void leave(const Force<S>& f, Force<S>& at) {
-  if constexpr (climbing == Climbing::yielding) at.linear = f.linear;
-  at.angular = f.angular;
-}
-template <Climbing climbing, class S>
-void leave(const DofForces<S>& f, DofForces<S>& at) {
-  leave<climbing>(f.by_a, at.by_a);
-  at.lever = f.lever;
-  leave<climbing>(f.by_q, at.by_q);
-  leave<climbing>(f.by_v, at.by_v);
-}
 
 /// Neighbouring degrees of freedom, as many as Wide has lanes, on their paths to the root: calls along.operator()<Joint>(each) for joints of one
 /// shape, and each(visit) calls visit(F, i, idx_v, part, own) for these joints' bodies, children first: F, the neighbours' forces, are to be moved to
@@ -80,12 +67,7 @@ void forcesToRoot(const R& recursion, Along&& along) {
         Forces<Wide> own[Joint::nv];
         if constexpr (climbing == Climbing::yielding)
           for (int k = 0; k < Joint::nv; ++k) own[k] = reinterpret_cast<const Forces<Wide>&>(forces[iv + k]);
-        order.eachDof(iv, end, [&](int dof) {
-          auto& place = reinterpret_cast<Forces<Wide>&>(forces[dof]);
-          Forces<Wide> F = place;
-          visit(F, i, iv, Part<Wide, S>(dof, iv, end), own);
-          leave<climbing>(F, place);
-        });
+        order.eachDof(iv, end, [&](int dof) { visit(reinterpret_cast<Forces<Wide>&>(forces[dof]), i, iv, Part<Wide, S>(dof, iv, end), own); });
       });
     });
   } else {
@@ -113,36 +95,53 @@ void yieldBefore(int k, Force<Wide>& F, const Force<T>& row, const Wide& u) {
   for (int axis = 0; axis < k; ++axis) axisOf(F, axis) -= u * cast<Wide>(axis < 3 ? row.linear : row.angular)[axis % 3];
 }
 
-/// Of the variation of a degree of freedom on their way.
+/// Of the variation of a degree of freedom on the way of U, by_a, and its lever.
 template <class Joint, class T, class Wide>
-Below<Wide> below(const DofVariation<T>& change, const Motion<T>& column, const DofForces<Wide>& F) {
-  const Force<Wide>& U = F.by_a;
+Below<Wide> below(const DofVariation<T>& change, const Motion<T>& column, const Force<Wide>& U, const Vec3<Wide>& lever) {
   Below<Wide> x{dot(cast<Wide>(change.acceleration.linear), U.linear) + dot(cast<Wide>(change.acceleration.angular), U.angular),
                 dot(cast<Wide>(change.rate.angular), U.angular)};
   if constexpr (Joint::has_linear) x.v += dot(cast<Wide>(change.rate.linear), U.linear);
   if constexpr (Joint::has_angular) {
-    x.q += dot(cast<Wide>(change.velocity.angular), F.lever);
-    x.v += dot(cast<Wide>(column.angular), F.lever);
+    x.q += dot(cast<Wide>(change.velocity.angular), lever);
+    x.v += dot(cast<Wide>(column.angular), lever);
   }
   return x;
 }
 /// The same of a flying root's k-th, whose variations are from `changes` on. Nothing moves before it.
 template <class T, class Wide>
-Below<Wide> belowFlyingRoot(int k, const DofVariation<T>* changes, const DofForces<Wide>& F) {
-  const Force<Wide>& U = F.by_a;
+Below<Wide> belowFlyingRoot(int k, const DofVariation<T>* changes, const Force<Wide>& U, const Vec3<Wide>& lever) {
   const DofVariation<T>& change = changes[k];
   if (k < 3) return {Wide(0), dot(cast<Wide>(change.rate.linear), U.linear)};
   return {dot(cast<Wide>(change.acceleration.linear), U.linear),
-          dot(cast<Wide>(change.rate.linear), U.linear) + dot(cast<Wide>(change.rate.angular), U.angular) + F.lever[k - 3]};
+          dot(cast<Wide>(change.rate.linear), U.linear) + dot(cast<Wide>(change.rate.angular), U.angular) + lever[k - 3]};
 }
 
-/// To the parent's origin, from body i's.
-template <class Wide, class T, class S>
-void climb(DofForces<Wide>& F, const Part<Wide, S>& part, const Vec3<T>& lever, const Vec3<T>& lever_rate) {
-  const Vec3<Wide> r = part.inside(cast<Wide>(lever)), rate = part.inside(cast<Wide>(T(2) * lever_rate));
-  F.lever += cross(rate, F.by_a.linear);
-  for (Force<Wide>* force : {&F.by_a, &F.by_q, &F.by_v}) force->angular += cross(r, force->linear);
-}
+// Below, one of the forces of degrees of freedom goes after the other: all at once they do not fit into registers.
+
+/// From body i's origin to its parent's.
+template <class Wide, class S, class T>
+class ToParent {
+ public:
+  template <class R>
+  ToParent(const R& recursion, const Part<Wide, S>& part, int i)
+      : part_(part),
+        lever_(recursion.order.w.r[i]),
+        rate_(recursion.d.shift_rate[i]),
+        moves_(!recursion.order.isRoot(i) && recursion.order.hasLever(i)) {}
+  void operator()(Force<Wide>& f) const {
+    if (moves_) addCross(f.angular, part_.inside(cast<Wide>(lever_)), f.linear);
+  }
+  /// U, and its lever with it.
+  void operator()(Force<Wide>& U, Vec3<Wide>& lever) const {
+    if (moves_) addCross(lever, part_.inside(cast<Wide>(T(2) * rate_)), U.linear);
+    (*this)(U);
+  }
+
+ private:
+  const Part<Wide, S>& part_;
+  const Vec3<T>&lever_, &rate_;
+  bool moves_;
+};
 
 /// The columns of all subtrees on their way to the root, of U, lever and forces: s . U into d.by_a; what U and lever say of the variations of the
 /// joints that they reach below the diagonals of by_q and by_v; s . forces right of these, but not within joints.
@@ -152,30 +151,41 @@ void pathSweep(const R& recursion, DerivativeWorkspace<S>& d) {
   using T = typename R::Scalar;
   forcesToRoot<DofForces, Climbing::holding, Wide, S>(recursion, [&]<class Joint>(auto&& each) {
     // Copies: what packs are stored into might be anything, even the struct that says where.
-    const PathMatrix<S> a = d.by_a, q = d.by_q, v = d.by_v;
+    const PathMatrix<S> by_a = d.by_a, by_q = d.by_q, by_v = d.by_v;
     const DofFactor<T>* const dofs = order.w.dof;
     const DofVariation<T>* const variations = recursion.d.dof;
-    const Vec3<T>*const levers = order.w.r, *const lever_rates = recursion.d.shift_rate;
     each([&](DofForces<Wide>& F, int i, int iv, const Part<Wide, S>& part, const auto*) {
-      const auto enter = [&](int k, const auto& column, const Below<Wide>& x) {
-        a.enterSymmetric(part, iv + k, column.along(F.by_a));
-        q.enterBelow(part, iv + k, x.q);
-        v.enterBelow(part, iv + k, x.v);
-        q.enterRight(part, iv + k, iv + Joint::nv, column.along(F.by_q));
-        v.enterRight(part, iv + k, iv + Joint::nv, column.along(F.by_v));
+      const ToParent<Wide, S, T> toParent(recursion, part, i);
+      const auto enter = [&](int k, const Wide& a, const Below<Wide>& x) {
+        by_a.enterSymmetric(part, iv + k, a);
+        by_q.enterBelow(part, iv + k, x.q);
+        by_v.enterBelow(part, iv + k, x.v);
+      };
+      const auto enterRight = [&](const PathMatrix<S>& by, Force<Wide>& force, const auto& columnOf) {
+        Force<Wide> f = force;
+#pragma GCC unroll 6
+        for (int k = 0; k < Joint::nv; ++k) by.enterRight(part, iv + k, iv + Joint::nv, columnOf(k).along(f));
+        toParent(f);
+        force.angular = f.angular;
       };
       if constexpr (Joint::is_free) {
         if (order.isRoot(i)) {
+          const auto columnOf = [](int k) { return UnitColumn<T>{k}; };
 #pragma GCC unroll 6
-          for (int k = 0; k < 6; ++k) enter(k, UnitColumn<T>{k}, belowFlyingRoot(k, variations + iv, F));
-          return;
+          for (int k = 0; k < 6; ++k) enter(k, columnOf(k).along(F.by_a), belowFlyingRoot(k, variations + iv, F.by_a, F.lever));
+          enterRight(by_q, F.by_q, columnOf);
+          return enterRight(by_v, F.by_v, columnOf);
         }
       }
-      for (int k = 0; k < Joint::nv; ++k) {
-        const Column<Joint, T> column{dofs[iv + k].S_};
-        enter(k, column, below<Joint>(variations[iv + k], column.s, F));
-      }
-      if (!order.isRoot(i) && order.hasLever(i)) climb(F, part, levers[i], lever_rates[i]);
+      const auto columnOf = [&](int k) { return Column<Joint, T>{dofs[iv + k].S_}; };
+      Force<Wide> U = F.by_a;
+      Vec3<Wide> lever = F.lever;
+      for (int k = 0; k < Joint::nv; ++k) enter(k, columnOf(k).along(U), below<Joint>(variations[iv + k], columnOf(k).s, U, lever));
+      toParent(U, lever);
+      F.by_a.angular = U.angular;
+      F.lever = lever;
+      enterRight(by_q, F.by_q, columnOf);
+      enterRight(by_v, F.by_v, columnOf);
     });
   });
 }
@@ -195,8 +205,8 @@ void factorsSweep(const R& recursion, DerivativeWorkspace<S>& d) {
   forcesToRoot<Force, Climbing::yielding, Wide, S>(recursion, [&]<class Joint>(auto&& each) {
     const Rows<S> U = d.factors.U;
     const DofFactor<T>* const dofs = order.w.dof;
-    const Vec3<T>* const levers = order.w.r;
-    each([&](Force<Wide>& F, int i, int iv, const Part<Wide, S>& part, const auto* own) {
+    each([&](Force<Wide>& force, int i, int iv, const Part<Wide, S>& part, const auto* own) {
+      Force<Wide> F = force;
       const auto share = [&](int k, const auto& column) { return enterShare(part, iv + k, column.along(F), U[iv + k]); };
       if constexpr (Joint::is_free) {
         if (order.isRoot(i)) {
@@ -206,7 +216,8 @@ void factorsSweep(const R& recursion, DerivativeWorkspace<S>& d) {
         }
       }
       for (int k = Joint::nv - 1; k >= 0; --k) yield(F, rowOf(own[k]), share(k, Column<Joint, T>{dofs[iv + k].S_}));
-      if (!order.isRoot(i) && order.hasLever(i)) F.angular += cross(part.inside(cast<Wide>(levers[i])), F.linear);
+      ToParent<Wide, S, T>(recursion, part, i)(F);
+      force = F;
     });
   });
 }
@@ -218,52 +229,68 @@ void articulatedSweep(const R& recursion, DerivativeWorkspace<S>& d) {
   using T = typename R::Scalar;
   forcesToRoot<DofForces, Climbing::yielding, Wide, S>(recursion, [&]<class Joint>(auto&& each) {
     // Copies, as above.
-    const Rows<S> U = d.factors.U;
+    const Rows<S> factors = d.factors.U;
     const PathMatrix<S> by_q = d.by_q, by_v = d.by_v;
     const DofFactor<T>* const dofs = order.w.dof;
     const DofVariation<T>* const variations = recursion.d.dof;
-    const Vec3<T>*const levers = order.w.r, *const lever_rates = recursion.d.shift_rate;
     each([&](DofForces<Wide>& F, int i, int iv, const Part<Wide, S>& part, const auto* own) {
-      const auto giveWay = [&](int k, const auto& column, auto&& leaves) {
-        const Wide u = enterShare(part, iv + k, column.along(F.by_a), U[iv + k]), q = part.since(iv + Joint::nv, column.along(F.by_q)),
-                   v = part.since(iv + Joint::nv, column.along(F.by_v));
-        part.store(q, by_q.right[iv + k]);
-        part.store(v, by_v.right[iv + k]);
-        F.lever -= u * cast<Wide>(own[k].lever);
-        leaves(rowOf(own[k]), u, q, v);
-      };
+      const ToParent<Wide, S, T> toParent(recursion, part, i);
       const auto enter = [&](int k, const Below<Wide>& x) {
         by_q.enterBelow(part, iv + k, x.q);
         by_v.enterBelow(part, iv + k, x.v);
       };
+      // leaves(k, f, x): what a joint that moves by x along its k-th degree of freedom leaves of f.
+      const auto giveWay = [&](const PathMatrix<S>& by, Force<Wide>& force, const auto& columnOf, auto&& leaves) {
+        Force<Wide> f = force;
+#pragma GCC unroll 6
+        for (int k = Joint::nv - 1; k >= 0; --k) {
+          const Wide x = part.since(iv + Joint::nv, columnOf(k).along(f));
+          part.store(x, by.right[iv + k]);
+          leaves(k, f, x);
+        }
+        toParent(f);
+        force = f;
+      };
+      Force<Wide> U = F.by_a;
+      Vec3<Wide> lever = F.lever;
+      const auto share = [&](int k, const auto& column) {
+        const Wide u = enterShare(part, iv + k, column.along(U), factors[iv + k]);
+        lever -= u * cast<Wide>(own[k].lever);
+        return u;
+      };
       if constexpr (Joint::is_free) {
         if (order.isRoot(i)) {
           const bool bare = isBareRoot<Joint>(order, i);
+          const auto columnOf = [](int k) { return UnitColumn<T>{k}; };
 #pragma GCC unroll 6
-          for (int k = 5; k >= 0; --k)
-            giveWay(k, UnitColumn<T>{k}, [&](const auto& row, const Wide& u, const Wide& q, const Wide& v) {
-              yieldBefore(k, F.by_q, row, q);
-              yieldBefore(k, F.by_v, row, v);
-              if (!bare) return yield(F.by_a, row, u);
-              yieldBefore(k, F.by_a, row, u);
-              axisOf(F.by_a, k) -= u;
-            });
+          for (int k = 5; k >= 0; --k) {
+            const Wide u = share(k, columnOf(k));
+            if (!bare) {
+              yield(U, rowOf(own[k]), u);
+            } else {
+              yieldBefore(k, U, rowOf(own[k]), u);
+              axisOf(U, k) -= u;
+            }
+          }
           // Of all forces but its own axes', which leave their units, a bare root leaves nothing.
           const bool nothing = bare && part.first() >= iv + 6;
 #pragma GCC unroll 6
           for (int k = 0; k < 6; ++k)
-            enter(k, nothing ? Below<Wide>{Wide(0), k < 3 ? Wide(0) : F.lever[k - 3]} : belowFlyingRoot(k, variations + iv, F));
-          return;
+            enter(k, nothing ? Below<Wide>{Wide(0), k < 3 ? Wide(0) : lever[k - 3]} : belowFlyingRoot(k, variations + iv, U, lever));
+          const auto leaves = [&](int k, Force<Wide>& f, const Wide& x) { yieldBefore(k, f, rowOf(own[k]), x); };
+          giveWay(by_q, F.by_q, columnOf, leaves);
+          return giveWay(by_v, F.by_v, columnOf, leaves);
         }
       }
-      for (int k = Joint::nv - 1; k >= 0; --k)
-        giveWay(k, Column<Joint, T>{dofs[iv + k].S_}, [&](const auto& row, const Wide& u, const Wide& q, const Wide& v) {
-          yield(F.by_a, row, u);
-          yield(F.by_q, row, q);
-          yield(F.by_v, row, v);
-        });
-      for (int k = 0; k < Joint::nv; ++k) enter(k, below<Joint>(variations[iv + k], dofs[iv + k].S_, F));
-      if (!order.isRoot(i) && order.hasLever(i)) climb(F, part, levers[i], lever_rates[i]);
+      const auto columnOf = [&](int k) { return Column<Joint, T>{dofs[iv + k].S_}; };
+      for (int k = Joint::nv - 1; k >= 0; --k) yield(U, rowOf(own[k]), share(k, columnOf(k)));
+      for (int k = 0; k < Joint::nv; ++k) enter(k, below<Joint>(variations[iv + k], columnOf(k).s, U, lever));
+      toParent(U, lever);
+      F.by_a = U;
+      F.lever = lever;
+      const auto leaves = [&](int k, Force<Wide>& f, const Wide& x) { yield(f, rowOf(own[k]), x); };
+      giveWay(by_q, F.by_q, columnOf, leaves);
+      giveWay(by_v, F.by_v, columnOf, leaves);
     });
   });
 }

@@ -55,7 +55,7 @@ void rneaInward(const Order& order, Workspace<S>& w, S* tau, const Force<S>* fex
     if (order.isRoot(i)) return;
     Force<S> on_parent;
     withRotationInward<S>(joint, order, i, [&](const auto& R) { on_parent = {R * f.linear, R * f.angular}; });
-    if (order.hasLever(i)) on_parent.angular += cross(originInward<S, Joint>(order, i), on_parent.linear);
+    if (order.hasLever(i)) addCross(on_parent.angular, Vec3<S>(originInward<S, Joint>(order, i)), on_parent.linear);
     force.give(on_parent);
   });
 }

@@ -87,6 +87,20 @@ template <class S>
 void addAt(Vec3<S>& v, int k, const S& x) {
   v[k] += x;
 }
+/// Adds a x b. Of packs one product after the other, so that all of them are fused.
+template <class S>
+void addCross(Vec3<S>& sum, const Vec3<S>& a, const Vec3<S>& b) {
+  if constexpr (lanes_of<S> == 1) {
+    sum += cross(a, b);
+  } else {
+    sum.x += a.y * b.z;
+    sum.y += a.z * b.x;
+    sum.z += a.x * b.y;
+    sum.x -= a.z * b.y;
+    sum.y -= a.x * b.z;
+    sum.z -= a.y * b.x;
+  }
+}
 /// v x (0, 0, z).
 template <class S>
 Vec3<S> crossZ(const Vec3<S>& v, const S& z) {

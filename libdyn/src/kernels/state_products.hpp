@@ -6,122 +6,153 @@
 
 namespace dyn::kernels {
 
-/// Columns that are written together: beside as many sums as are four numbers of each, a number of U and the columns' factors fit into registers.
+/// Columns and rows that are written together: beside as many sums a number of U and the columns' shares fit into registers.
 template <class S>
 constexpr int columns_abreast = sizeof(S) == 64 ? 6 : 3;
+constexpr int rows_abreast = 4;
 
-/// For so many columns and the path to the root of the last one's degree of freedom, root first: of each k there right(k, j) / D(k), and k.
+/// Of rows_abreast rows each; the last one may have fewer.
+constexpr int panelsOf(int rows) { return (rows + rows_abreast - 1) / rows_abreast; }
+
+/// What products take beside their factors and their results.
 template <class S>
 struct ProductScratch {
-  S* shares;
-  int* path;
+  struct Step {
+    int dof;
+    const S* U;  ///< its row
+  };
+  Step* paths;    ///< chain by chain the path to the root of the last degree of freedom, root first
+  int* reaching;  ///< chain by chain, by panel: how many on the path, from the root on, have some of its rows in their subtrees
+  S* shares;      ///< of each on a path right(k, j) / D(k), for some columns j
 
   void carve(const CompactImpl& m, Arena& arena) {
+    std::size_t steps = 0;
+    for (const DofChain& chain : m.chains) steps += static_cast<std::size_t>(lengthOf(chain));
+    arena.take(paths, steps);
+    arena.take(reaching, m.chains.size() * static_cast<std::size_t>(panelsOf(m.nvx)));
     arena.take(shares, static_cast<std::size_t>(columns_abreast<S> * m.path_room));
-    arena.take(path, static_cast<std::size_t>(m.path_room));
   }
+  void prepare(const CompactImpl& m, const TreeFactors<S>& f) {
+    Step* path = paths;
+    int* reached = reaching;
+    for (const DofChain& chain : m.chains) {
+      const int length = lengthOf(chain);
+      Step* step = path + length;
+      alongPath(m, chain.end - 1, [&](int k) { *--step = {k, f.U[k]}; });
+      // Subtrees on the way contain one another: those with a part of a panel are the first ones.
+      int some = 0;
+      for (int first = 0; first < m.nvx; first += rows_abreast) {
+        const auto reaches = [&](int k) { return k < first + rows_abreast && first < m.dof_end[static_cast<std::size_t>(k)]; };
+        while (some < length && reaches(path[some].dof)) ++some;
+        while (some > 0 && !reaches(path[some - 1].dof)) --some;
+        *reached++ = some;
+      }
+      path += length;
+    }
+  }
+  /// Of its last degree of freedom's path.
+  static int lengthOf(const DofChain& chain) { return chain.depth + chain.end - chain.begin; }
 };
 
-/// What columns from j on begin with, at row `first` and the next ones: zeros.
+/// The columns of a product that belong to one chain.
+template <class S>
+class ChainProduct {
+ public:
+  using Step = typename ProductScratch<S>::Step;
+  ChainProduct(const DofChain& chain, int rows, const S* inverse, const Step* path, const int* reaching, S* shares)
+      : chain_(chain), rows_(rows), inverse_(inverse), path_(path), reaching_(reaching), shares_(shares) {}
+
+  /// Columns j and the next ones, with `right`, which is zero left of its diagonal; rows from the panel on that has row `first`. start(sum, row) says
+  /// what the columns begin with from `row` on, take(sum, row) what they are.
+  template <int columns, class Start, class Take>
+  [[gnu::flatten]] void write(int j, int first, const Rows<S> right, const Start start, const Take take) const {
+    const int length = chain_.depth + j - chain_.begin + columns;
+    const Step* const path = path_;
+    const S* const inverse = inverse_;
+    S* const shares = shares_;
+    for (int t = 0; t < length; ++t) {
+      const S* const factor = right[path[t].dof] + j;
+      const S& scale = inverse[path[t].dof];
+#pragma GCC unroll 6
+      for (int c = 0; c < columns; ++c) shares[t * columns + c] = scale * factor[c];
+    }
+    const auto panel = [&]<int rows>(std::integral_constant<int, rows>, int row, int reaching) {
+      S sum[columns][rows];
+      start(sum, row);
+      const S* share = shares;
+      for (int t = 0; t < reaching; ++t, share += columns) {
+        const S* const U = path[t].U + row;
+#pragma GCC unroll 4
+        for (int r = 0; r < rows; ++r)
+#pragma GCC unroll 6
+          for (int c = 0; c < columns; ++c) sum[c][r] += share[c] * U[r];
+      }
+      take(sum, row);
+    };
+    const int whole = rows_ / rows_abreast;
+    for (int p = first / rows_abreast; p < whole; ++p)
+      panel(std::integral_constant<int, rows_abreast>(), p * rows_abreast, std::min(length, reaching_[p]));
+    withConstant<rows_abreast - 1>(rows_ % rows_abreast, [&](auto rows) { panel(rows, whole * rows_abreast, std::min(length, reaching_[whole])); });
+  }
+
+ private:
+  const DofChain chain_;
+  const int rows_;
+  const S* inverse_;
+  const Step* path_;
+  const int* reaching_;
+  S* shares_;
+};
+
+/// Calls use.operator()<columns>(product, j) for all columns, those from j on that are written together.
+template <class S, class Use>
+void inChains(const CompactImpl& m, const TreeFactors<S>& f, const ProductScratch<S>& scratch, Use&& use) {
+  const auto* path = scratch.paths;
+  const int* reaching = scratch.reaching;
+  for (const DofChain& chain : m.chains) {
+    const ChainProduct<S> product(chain, m.nvx, f.inverse, path, reaching, scratch.shares);
+    inBlocks<columns_abreast<S>>(chain.begin, chain.end, [&](auto columns, int j) { use.template operator()<columns>(product, j); });
+    path += scratch.lengthOf(chain);
+    reaching += panelsOf(m.nvx);
+  }
+}
+
 template <int columns, int rows, class S>
-void beginWithZeros(S (&sum)[columns][rows]) {
+void setZero(S (&sum)[columns][rows]) {
 #pragma GCC unroll 6
   for (int c = 0; c < columns; ++c)
 #pragma GCC unroll 4
     for (int r = 0; r < rows; ++r) sum[c][r] = S(0);
 }
-/// The other sign of what `below` has: its row j for degree of freedom j's subtree, with that of its whole joint. Before those, rows have something
-/// else's entries.
-template <int columns, int rows, class S>
-void beginWithMinus(const CompactImpl& m, const Rows<S>& below, int j, int first, S (&sum)[columns][rows]) {
-  const auto beginOf = [&](int dof) { return m.index[static_cast<std::size_t>(m.dof_body[static_cast<std::size_t>(dof)])].idx_v; };
-  if (first + rows <= beginOf(j) || first >= m.dof_end[static_cast<std::size_t>(j)]) return beginWithZeros(sum);
-  const S* row = below[j] + first;
-#pragma GCC unroll 6
-  for (int c = 0; c < columns; ++c, row += below.stride) {
-#pragma GCC unroll 4
-    for (int r = 0; r < rows; ++r) sum[c][r] = -row[r];
-  }
-  if (first >= beginOf(j + columns - 1)) return;
-#pragma GCC unroll 6
-  for (int c = 0; c < columns; ++c) {
-    const int begin = beginOf(j + c) - first;
-#pragma GCC unroll 4
-    for (int r = 0; r < rows; ++r)
-      if (r < begin) sum[c][r] = S(0);
-  }
-}
-
-/// Some columns of a product, from j on. `right` is zero left of its diagonal.
+/// Columns from j on with the other sign of what `below` has: its row j for degree of freedom j's subtree, with that of its whole joint. Before
+/// those, rows have something else's entries.
 template <class S, int columns>
-class StateColumns {
+class OtherSign {
  public:
-  [[gnu::flatten]] StateColumns(const CompactImpl& m, const TreeFactors<S> f, const ProductScratch<S>& scratch, const Rows<S> right, int j)
-      : dof_end_(m.dof_end.data()),
-        U_(f.U),
-        path_(scratch.path),
-        shares_(scratch.shares),
-        length_(m.dof_depth[static_cast<std::size_t>(j)] + columns) {
-    int* number = path_ + length_;
-    S* share = shares_ + length_ * columns;
-    alongPath(m, j + columns - 1, [&](int k) {
-      *--number = k;
-      share -= columns;
-      const S* const factor = right[k] + j;
-#pragma GCC unroll 6
-      for (int c = 0; c < columns; ++c) share[c] = f.inverse[k] * factor[c];
-    });
+  OtherSign(const CompactImpl& m, const Rows<S>& below, int j) : row_(below[j]), stride_(below.stride), end_(m.dof_end[static_cast<std::size_t>(j)]) {
+    for (int c = 0; c < columns; ++c) begin_[c] = m.index[static_cast<std::size_t>(m.dof_body[static_cast<std::size_t>(j + c)])].idx_v;
   }
-
-  /// Rows from `first` on and before `end`: start(sum, first) says what they begin with.
-  template <class Start>
-  [[gnu::flatten]] void write(int first, int end, const Rows<S> out, const Start& start) {
-    inPanels<S, S>(first, end, [&](auto rows, int at) { writePanel<rows>(at, out, start); });
+  template <int rows>
+  void operator()(S (&sum)[columns][rows], int first) const {
+    if (first + rows <= begin_[0] || first >= end_) return setZero(sum);
+    const S* row = row_ + first;
+#pragma GCC unroll 6
+    for (int c = 0; c < columns; ++c, row += stride_)
+#pragma GCC unroll 4
+      for (int r = 0; r < rows; ++r) sum[c][r] = -row[r];
+    if (first >= begin_[columns - 1]) return;
+#pragma GCC unroll 6
+    for (int c = 0; c < columns; ++c)
+#pragma GCC unroll 4
+      for (int r = 0; r < rows; ++r)
+        if (first + r < begin_[c]) sum[c][r] = S(0);
   }
 
  private:
-  template <int rows, class Start>
-  void writePanel(int first, const Rows<S> out, const Start& start) {
-    // Subtrees on the way contain one another: those with a part of the panel are the first ones.
-    const auto reaches = [&](int t) { return path_[t] < first + rows && first < dof_end_[path_[t]]; };
-    while (reaching_ < length_ && reaches(reaching_)) ++reaching_;
-    while (reaching_ > 0 && !reaches(reaching_ - 1)) --reaching_;
-
-    S sum[columns][rows];
-    start(sum, first);
-    const S* share = shares_;
-    for (int t = 0; t < reaching_; ++t, share += columns) {
-      const S* const U = U_[path_[t]] + first;
-#pragma GCC unroll 4
-      for (int r = 0; r < rows; ++r)
-#pragma GCC unroll 6
-        for (int c = 0; c < columns; ++c) sum[c][r] += share[c] * U[r];
-    }
-    S* to = out.first + first;
-#pragma GCC unroll 6
-    for (int c = 0; c < columns; ++c, to += out.stride)
-#pragma GCC unroll 4
-      for (int r = 0; r < rows; ++r) to[r] = sum[c][r];
-  }
-
-  const int* dof_end_;
-  const Rows<S> U_;
-  int* path_;
-  S* shares_;
-  int length_, reaching_ = 0;
+  const S* row_;
+  std::ptrdiff_t stride_;
+  int end_;
+  int begin_[columns];
 };
-
-/// Column j of a product, for each degree of freedom j: what start(sum, j, first) says, and with it, for each k whose subtree has both i and j,
-/// U(k, i) / D(k) right(k, j) at i. Of `upper` columns only i >= j. put(j, count, write): some columns, which write(place) writes.
-/// O(n^2 depth) at most.
-template <bool upper, class S, class Start, class Put>
-void downTheTree(const CompactImpl& m, const TreeFactors<S>& f, const ProductScratch<S>& scratch, const Rows<S>& right, const Start& start,
-                 Put&& put) {
-  for (const DofChain& chain : m.chains)
-    inBlocks<columns_abreast<S>>(chain.begin, chain.end, [&]<int columns>(std::integral_constant<int, columns>, int j) {
-      StateColumns<S, columns> block(m, f, scratch, right, j);
-      put(j, columns, [&](const Rows<S>& out) { block.write(upper ? j : 0, m.nvx, out, [&](auto& sum, int first) { start(sum, j, first); }); });
-    });
-}
 
 }  // namespace dyn::kernels

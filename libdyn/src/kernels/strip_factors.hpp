@@ -51,7 +51,7 @@ void stripFactorsSweep(const StripRecursion<S>& r, const Rows<double> U) {
       way.each([&](auto&& climb) {
         Force<S> f = own;
         climb([&](const auto& step) {
-          f.angular += cross(step.left(r.order.w.r), f.linear);
+          addCross(f.angular, step.left(r.order.w.r), f.linear);
           giveWay(step, step.nv(), f);
         });
       });

@@ -77,8 +77,8 @@ class StripPaths {
   void climbWith(DofForces<S> f, Climb&& climb) const {
     climb([&](const auto& step) {
       const Vec3<S>& r = step.left(dofs_.w.r);
-      f.lever += cross(S(2) * step.left(dofs_.d.shift_rate), f.by_a.linear);
-      for (Force<S>* force : {&f.by_a, &f.by_q, &f.by_v}) force->angular += cross(r, force->linear);
+      addCross(f.lever, S(2) * step.left(dofs_.d.shift_rate), f.by_a.linear);
+      for (Force<S>* force : {&f.by_a, &f.by_q, &f.by_v}) addCross(force->angular, r, force->linear);
       if (step.flyingRoot()) {
         enterUnderFlying(step, f);
         const auto sixes = [&](const Force<S>& six, double* matrix) {
