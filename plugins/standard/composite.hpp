@@ -3,6 +3,8 @@
 
 #include "one_axis.hpp"
 
+#include <algorithm>
+
 namespace dyn::standard {
 
 struct Composite : sdk::Joint<Composite, 0> {
@@ -23,11 +25,13 @@ struct Mimic {
   static constexpr std::array parameters{
       ParameterSpec{"coefficients", ParameterKind::numbers, true, "", "constant term first: offset, multiplier, ..."}};
   static bool check(const ParameterArgument* a, const sdk::Refusal& refuse) { return a[0].count > 0 || refuse("coefficients must not be empty"); }
-  template <class S>
-  static S value(const S& x, const sdk::Constants& c) {
-    S y(0);
-    for (int k = c.size() - 1; k >= 0; --k) y = y * x + S(c[k]);
-    return y;
+  /// Horner's rule, differentiated.
+  static void derivatives(double x, const sdk::Constants& c, double* f) {
+    std::fill_n(f, 4, 0.0);
+    for (int k = c.size() - 1; k >= 0; --k) {
+      for (int order = 3; order > 0; --order) f[order] = f[order] * x + order * f[order - 1];
+      f[0] = f[0] * x + c[k];
+    }
   }
 };
 

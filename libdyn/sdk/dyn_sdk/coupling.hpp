@@ -1,11 +1,15 @@
-// Coupling types: y = f(x), a function templated on the scalar; its derivatives come from forward-mode differentiation.
+// Coupling types: y = f(x), a function templated on the scalar, whose derivatives come from forward-mode differentiation; or these in closed form.
 #pragma once
 
 #include <dyn_sdk/implementation.hpp>
 
 namespace dyn::sdk {
 
-/// Author: name, summary, parameters, `template <class S> static S value(const S& x, const Constants& c)`.
+template <class A>
+concept HasDerivatives = requires(double x, const Constants& c, double* f) { A::derivatives(x, c, f); };
+
+/// Author: name, summary, parameters, `template <class S> static S value(const S& x, const Constants& c)`; or, where they are at hand,
+/// `static void derivatives(double x, const Constants& c, double* f)`, which writes f and its first three derivatives.
 template <class Author>
 class CouplingTypeOf final : public CouplingType {
  public:
@@ -26,14 +30,19 @@ class CouplingTypeOf final : public CouplingType {
     placeNumbers(Author::parameters, args, out);
   }
   void evaluate(const double* constants, int count, double x, double* f) const noexcept override {
-    using D = Dual<double>;
-    using DD = Dual<D>;
-    const DD along(D(x, 1.0), D(1.0, 0.0));
-    const Dual<DD> y = Author::value(Dual<DD>(along, DD(D(1.0, 0.0), D(0.0, 0.0))), Constants(constants, 1, count));
-    f[0] = y.v.v.v;
-    f[1] = y.v.v.d;
-    f[2] = y.v.d.d;
-    f[3] = y.d.d.d;
+    const Constants c(constants, 1, count);
+    if constexpr (HasDerivatives<Author>) {
+      Author::derivatives(x, c, f);
+    } else {
+      using D = Dual<double>;
+      using DD = Dual<D>;
+      const DD along(D(x, 1.0), D(1.0, 0.0));
+      const Dual<DD> y = Author::value(Dual<DD>(along, DD(D(1.0, 0.0), D(0.0, 0.0))), c);
+      f[0] = y.v.v.v;
+      f[1] = y.v.v.d;
+      f[2] = y.v.d.d;
+      f[3] = y.d.d.d;
+    }
   }
 };
 
