@@ -232,6 +232,18 @@ struct WrongCoupling {
     return x * x + S(dyn::valueOf(x));  // the second term has no derivative
   }
 };
+struct WrongClosedForm {
+  static constexpr const char* name = "wrong_closed_form";
+  static constexpr const char* summary = "for tests";
+  static constexpr std::array<dyn::ParameterSpec, 0> parameters{};
+  static bool check(const dyn::ParameterArgument*, const dyn::sdk::Refusal&) { return true; }
+  static void derivatives(double x, const dyn::sdk::Constants&, double* f) {
+    f[0] = x * x;
+    f[1] = 2 * x;
+    f[2] = 1;  // it is 2
+    f[3] = 0;
+  }
+};
 
 }  // namespace
 
@@ -350,6 +362,8 @@ TEST_CASE("types and parameters that no file could name are refused when they ar
 TEST_CASE("a coupling whose derivatives are wrong is caught") {
   static const dyn::sdk::CouplingTypeOf<WrongCoupling> type;
   CHECK(caughtBy(dyn::checkCouplingType(type, {}, 1), "f' is"));
+  static const dyn::sdk::CouplingTypeOf<WrongClosedForm> closed;
+  CHECK(caughtBy(dyn::checkCouplingType(closed, {}, 1), "f'' is"));
 }
 
 TEST_CASE("a type that allocates is caught when the program counts") {
