@@ -7,13 +7,26 @@
 
 namespace dyn {
 
+/// How far a joint of one degree of freedom, whose configuration is where q begins, is from neutral. Joints whose coordinates add are not asked.
+inline double coordinateOf(const CompactImpl& m, int body, Coordinates& coordinates, const double* q) {
+  const BodyIndex& x = m.index[static_cast<std::size_t>(body)];
+  const TypeBatch& batch = m.batches[static_cast<std::size_t>(x.batch)];
+  return batch.adds ? *q : coordinates.of(*batch.type, batch.constants.data() + x.slot, batch.count, q);
+}
+inline void setCoordinate(const CompactImpl& m, int body, Coordinates& coordinates, double value, double* q) {
+  const BodyIndex& x = m.index[static_cast<std::size_t>(body)];
+  const TypeBatch& batch = m.batches[static_cast<std::size_t>(x.batch)];
+  if (batch.adds) {
+    *q = value;
+  } else {
+    coordinates.set(*batch.type, batch.constants.data() + x.slot, batch.count, value, q);
+  }
+}
+
 /// f and its three derivatives at the master's coordinate, of a PackedCoupling or a PackedJointCoupling.
 template <class Coupling>
 void evaluateCoupling(const CompactImpl& m, const Coupling& c, Coordinates& coordinates, const double* q, double* f) {
-  const BodyIndex& master = m.index[static_cast<std::size_t>(c.master)];
-  const TypeBatch& batch = m.batches[static_cast<std::size_t>(master.batch)];
-  const double* own = q + master.idx_q;
-  const double x = batch.adds ? *own : coordinates.of(*batch.type, batch.constants.data() + master.slot, batch.count, own);
+  const double x = coordinateOf(m, c.master, coordinates, q + m.index[static_cast<std::size_t>(c.master)].idx_q);
   c.type->evaluate(c.constants.data(), static_cast<int>(c.constants.size()), x, f);
 }
 

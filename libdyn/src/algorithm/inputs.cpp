@@ -58,15 +58,9 @@ void expand(const CompactImpl& m, const double* q, const double* v, const double
   for (std::size_t k = 0; k < m.couplings.size(); ++k) {
     const PackedCoupling& c = m.couplings[k];
     const BodyIndex &follower = m.index[at(c.body)], &master = m.index[at(c.master)];
-    const TypeBatch& batch = m.batches[at(follower.batch)];
     double f[4];
     evaluateCoupling(m, c, coordinates, out.q, f);
-    double* own = out.q + follower.idx_q;
-    if (batch.adds) {
-      *own = f[0];
-    } else {
-      coordinates.set(*batch.type, batch.constants.data() + follower.slot, batch.count, f[0], own);
-    }
+    setCoordinate(m, c.body, coordinates, f[0], out.q + follower.idx_q);
     out.G[k] = f[1];
     out.dG[k] = f[2];
     out.ddG[k] = f[3];

@@ -12,9 +12,6 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-const TypeBatch& batchOf(const CompactImpl& m, int body) { return m.batches[at(m.index[at(body)].batch)]; }
-const double* constantsOf(const CompactImpl& m, int body) { return batchOf(m, body).constants.data() + m.index[at(body)].slot; }
-
 /// The unit forces of rows on joints: use(row, place of a degree of freedom among those of the constraints' bodies, its share).
 template <class Use>
 void eachShare(const CompactImpl& m, const PackedConstraints& c, const double* q, Use&& use) {
@@ -33,10 +30,11 @@ void eachShare(const CompactImpl& m, const PackedConstraints& c, const double* q
 }  // namespace
 
 void differenceOf(const CompactImpl& m, int body, const double* from, const double* to, double* v, double* J_from, double* J_to) {
-  const TypeBatch& batch = batchOf(m, body);
+  const BodyIndex& x = m.index[at(body)];
+  const TypeBatch& batch = m.batches[at(x.batch)];
   ConfigurationBatch<double> b;
   b.count = 1;
-  b.constants = constantsOf(m, body);
+  b.constants = batch.constants.data() + x.slot;
   b.constants_stride = batch.count;
   b.q_stride = b.v_stride = b.j_stride = 1;
   b.q0 = from;
@@ -64,7 +62,7 @@ void locateRows(const CompactImpl& m, const PackedConstraints& c, const double* 
     evaluateCoupling(m, k, coordinates, q, f);
     const BodyIndex &follower = m.index[at(k.body)], &master = m.index[at(k.master)];
     const double vm = v ? v[master.idx_v] : 0.0;
-    coordinates.set(*batchOf(m, k.body).type, constantsOf(m, k.body), batchOf(m, k.body).count, f[0], q_wanted);
+    setCoordinate(m, k.body, coordinates, f[0], q_wanted);
     differenceOf(m, k.body, q_wanted, q + follower.idx_q, &error);
     put(k.row, (v ? v[follower.idx_v] : 0.0) - f[1] * vm, -f[2] * vm * vm, error, k.baumgarte);
   }
