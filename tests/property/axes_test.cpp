@@ -15,18 +15,24 @@ namespace {
 
 std::vector<double> numbers(const Vec3<double>& v) { return {v.x, v.y, v.z}; }
 
+Vec3<double> unitAxis(int k) {
+  Vec3<double> axis{};
+  axis[k] = 1;
+  return axis;
+}
+
 /// From roundings of angles up to any, about one or both of the other axes.
 Mat3<double> tilt(Random& random, int axis) {
-  const double sizes[] = {5e-12, 4e-6, 0.5, 3};
+  const double sizes[] = {5e-12, 7e-9, 4e-6, 0.5, 3};
   Vec3<double> angle{};
   for (const int k : {1, 2})
-    if (random.below(3) > 0) angle[(axis + k) % 3] = sizes[random.below(4)] * random.uniform(-1, 1);
+    if (random.below(3) > 0) angle[(axis + k) % 3] = sizes[random.below(5)] * random.uniform(-1, 1);
   return exp3(angle);
 }
 
 /// Two descriptions of one robot whose joints are about or along axes of their parents, either way, some of them turned about that axis, tilted from
-/// it, without a lever or with axes that cross the parent's elsewhere: as such, and with each body's frame turned at random. Two joints of three
-/// stand on the one before.
+/// it, without a lever, or with one along an axis, or with axes that cross the parent's elsewhere: as such, and with each body's frame turned at
+/// random. Two joints of three stand on the one before.
 struct Described {
   std::array<Model, 2> models;
   std::vector<Mat3<double>> turned{Mat3<double>::identity()};
@@ -42,6 +48,7 @@ Described describe(int n, std::uint64_t seed, const char* other, double armature
     Vec3<double> p = random.vector(0.3);
     if (i % 2 == 0) p = p.x * axes[static_cast<std::size_t>(parent)] + p.y * axis;
     if (i % 7 == 3) p = {};
+    if (i % 7 == 5) p = p.x * unitAxis(random.below(3));
     SE3<double> placement{i % 4 == 0 ? exp3(random.uniform(-3, 3) * axis) : Mat3<double>::identity(), p};
     if (i % 4 == 1) placement.R = tilt(random, direction % 3);
     axes.push_back(axis);

@@ -4,6 +4,7 @@
 #include <dyn_sdk/joint_plugin.hpp>
 #include <dyn_sdk/pack.hpp>
 
+#include <algorithm>
 #include <limits>
 
 // All that an author's functions call is inlined into the loop over packs; but sanitized code grows too much.
@@ -166,7 +167,6 @@ class JointTypeOf final : public JointType {
   template <class T>
   static void evaluate(const JointBatch<T>& b) {
     const int items = b.count * b.lanes;
-    int i = 0;
 #if DYN_HAS_PACKS
     if constexpr (Author::branch_free) {
       // A pack's items are the lanes of one joint, or neighbours: those without constants, or whose author takes those of all of them.
@@ -174,11 +174,11 @@ class JointTypeOf final : public JointType {
       if (b.constant_count == 0 || (b.lanes == 1 && takes_pack_constants<T>)) {
         if (evaluateNeighbours<width>(b, items)) return;
       } else if (b.lanes % width == 0) {
-        for (; i + width <= items; i += width) evaluatePack<Pack<T>>(b, i);
+        return evaluatePacks<Pack<T>>(b, items);
       }
     }
 #endif
-    for (; i < items; ++i) evaluateAt<double>(b, i, constantsOf(b, i));
+    for (int i = 0; i < items; ++i) evaluateAt<double>(b, i, constantsOf(b, i));
   }
 
 #if DYN_HAS_PACKS
@@ -198,12 +198,21 @@ class JointTypeOf final : public JointType {
     }
   }();
 
+  /// Of as many items as fill a pack, or more. Where they do not fill the last one, those before them are computed once more.
   template <class P, class T>
-  DYN_INLINE_ALL static void evaluatePack(const JointBatch<T>& b, int i) {
+  static void evaluatePacks(const JointBatch<T>& b, int items) {
     if constexpr (takes_pack_constants<T>) {
-      if (b.lanes == 1) return evaluateAt<P>(b, i, PackConstants<P>(b.constants + i, b.constants_stride, b.constant_count));
+      if (b.lanes == 1)
+        return evaluatePacks<P>(b, items, [&](int i) { return PackConstants<P>(b.constants + i, b.constants_stride, b.constant_count); });
     }
-    evaluateAt<P>(b, i, constantsOf(b, i));
+    evaluatePacks<P>(b, items, [&](int i) { return constantsOf(b, i); });
+  }
+  template <class P, class T, class ConstantsAt>
+  DYN_INLINE_ALL static void evaluatePacks(const JointBatch<T>& b, int items, ConstantsAt&& constants_at) {
+    for (int next = 0; next < items; next += P::lanes) {
+      const int i = std::min(next, items - P::lanes);
+      evaluateAt<P>(b, i, constants_at(i));
+    }
   }
 
   /// In packs of `width`, or of the widest that fill up; false if there are none.
@@ -213,10 +222,7 @@ class JointTypeOf final : public JointType {
       return false;
     } else {
       if (items < width) return evaluateNeighbours<width / 2>(b, items);
-      using P = SizedPack<T, width>;
-      int i = 0;
-      for (; i + width <= items; i += width) evaluatePack<P>(b, i);
-      if (i < items) evaluatePack<P>(b, items - width);  // the last ones once more, with those before them
+      evaluatePacks<SizedPack<T, width>>(b, items);
       return true;
     }
   }

@@ -14,7 +14,8 @@ namespace dyn {
 
 namespace detail {
 
-/// Parts of pi / 2, each but the last so short that n of at most `limit` times it is exact. Of polynomials in z = r^2 for |r| <= pi / 4, lowest
+/// Parts of pi / 2, each but the last so short that it times n of at most 20 bits (floats: 12) is exact. What is left of an angle has all digits from
+/// least(n) on, which for larger n is more than is ever left, so that one comparison tells all. Of polynomials in z = r^2 for |r| <= pi / 4, lowest
 /// first: sine (sin r / r - 1) / z, cosine ((cos r - 1) / z + 1/2) / z. They are Remez', each coefficient rounded before the next ones are found, and
 /// off by a thirtieth of rounding in sin r / r, less in cos r.
 template <class T>
@@ -22,12 +23,14 @@ struct Trigonometry;
 
 template <>
 struct Trigonometry<double> {
-  static constexpr double limit = 1e6;                    ///< largest |n|, 20 bits
-  static constexpr double least = 0x1p-30;                ///< of what is left of an angle, relative to the digits of the parts
   static constexpr double round = 0x1.8p52;               ///< added and taken away: the nearest whole number
   static constexpr double part1 = 0x1.921fb544p+0;        ///< 33 bits
   static constexpr double part2 = 0x1.0b4611a6p-34;       ///< the next 33
   static constexpr double part3 = 0x1.3198a2e037073p-69;  ///< the rest
+  template <class S>
+  static S least(const S& n) {
+    return n * (n * S(0x1p-40));
+  }
   static constexpr std::array sine{-0x1.5555555555549p-3, 0x1.111111110f8a6p-7,   -0x1.a01a019c16198p-13,
                                    0x1.71de357b1b3e2p-19, -0x1.ae5e689e2ae1bp-26, 0x1.5d93a42040921p-33};
   static constexpr std::array cosine{0x1.555555555554cp-5,   -0x1.6c16c16c1521fp-10, 0x1.a01a019cbf62ap-16,
@@ -36,26 +39,29 @@ struct Trigonometry<double> {
 
 template <>
 struct Trigonometry<float> {
-  static constexpr float limit = 4000;  // 12 bits
-  static constexpr float least = 0x1p-11F;
   static constexpr float round = 0x1.8p23F;
   static constexpr float part1 = 0x1.92p+0F;
   static constexpr float part2 = 0x1.fb4p-12F;
   static constexpr float part3 = 0x1.4442d2p-24F;
+  template <class S>
+  static S least(const S& n) {
+    using std::abs;
+    return abs(n) * S(0x1p-12F);
+  }
   static constexpr std::array sine{-0x1.555546p-3F, 0x1.11077ep-7F, -0x1.9956b6p-13F};
   static constexpr std::array cosine{0x1.55554ap-5F, -0x1.6c0c1ap-10F, 0x1.99e0eep-16F};
 };
 
-/// By the C library, in the lanes whose angle n pi / 2 + r is too large, or too near n pi / 2.
 template <class T, class Arch>
-[[gnu::noinline, gnu::cold]] void sincosBeyond(const Pack<T, Arch>& angle, const Pack<T, Arch>& n, const Pack<T, Arch>& r, Pack<T, Arch>& sine,
-                                               Pack<T, Arch>& cosine) {
-  using K = Trigonometry<T>;
-  for (int i = 0; i < Pack<T, Arch>::lanes; ++i) {
-    const T t = angle.begin()[i], m = n.begin()[i], left = r.begin()[i];
-    if (std::fabs(m) < K::limit && (std::fabs(left) > K::least || m == 0)) continue;
-    dyn::sincos(t, sine.begin()[i], cosine.begin()[i]);
-  }
+struct SineAndCosine {
+  Pack<T, Arch> sine, cosine;
+};
+/// By the C library, in the lanes whose angle is not n pi / 2 + r to rounding. Values, so that the caller's stay in registers.
+template <class T, class Arch>
+[[gnu::noinline, gnu::cold]] SineAndCosine<T, Arch> sincosBeyond(Pack<T, Arch> angle, Pack<T, Arch> n, Pack<T, Arch> r, SineAndCosine<T, Arch> x) {
+  for (int i = 0; i < Pack<T, Arch>::lanes; ++i)
+    if (!(std::fabs(r.begin()[i]) >= Trigonometry<T>::least(n.begin()[i]))) dyn::sincos(angle.begin()[i], x.sine.begin()[i], x.cosine.begin()[i]);
+  return x;
 }
 
 /// By pairs, which do not wait for one another (Estrin): a polynomial in zz = z^2 of polynomials in z.
@@ -106,8 +112,10 @@ template <class T, class Arch>
   cosine = top + (((P(T(1)) - top) - half) + (zz * c - r * e));
   detail::turnByQuarters(whole, sine, cosine);
 
-  const auto beyond = !((abs(n) < P(K::limit)) & ((abs(r) > P(K::least)) | (n == P(T(0)))));
-  if (anyOf(beyond)) detail::sincosBeyond(angle, n, r, sine, cosine);
+  if (allOf(abs(r) >= K::least(n))) return;
+  const auto right = detail::sincosBeyond<T, Arch>(angle, n, r, {sine, cosine});
+  sine = right.sine;
+  cosine = right.cosine;
 }
 
 template <class T, class Arch>

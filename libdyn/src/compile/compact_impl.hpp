@@ -29,11 +29,18 @@ BodyConstants<To> broadcast(const BodyConstants<From>& c) {
 }
 
 /// A rotation that only exchanges axes, as placements are of joints about or along an axis of their parent's (canonicalise() turns joints' own
-/// frames so): its column k is unit vector (k + shift) mod 3, the last two of them its negative where it `flips`.
+/// frames so): its column k is unit vector (k + shift) mod 3, the last two of them its negative where it `flips`. Where it `tilts`, x and y are that
+/// but for their parts along z, and z but for theirs along x and y, the same with another sign: URDFs turn by 1.57079632679 where they mean a
+/// quarter.
 struct AxisExchange {
-  std::int8_t shift = -1;  ///< -1: it is another rotation
-  bool flips = false;
+  static constexpr double largest_tilt = 0x1p-27;  ///< half its square is less than rounding
+  std::int8_t shift = -1;                          ///< -1: it is another rotation
+  bool flips = false, tilts = false;
+  bool changesNothing() const { return shift == 0 && !flips && !tilts; }
 };
+
+/// The way from the parent's origin to a body's: along one of the parent's axes, another one, or one that the joint changes.
+enum class Lever : std::int8_t { none, any, along_x, along_y, along_z };
 
 /// Bookkeeping of a body. idx_q and idx_v count all coordinates, coupled ones included ("expanded").
 struct BodyIndex {
@@ -41,13 +48,13 @@ struct BodyIndex {
   int idx_q = 0, idx_v = 0, nq = 0, nv = 0;
   int user_q = -1, user_v = -1;  ///< in the user's vectors; -1 for a coupled joint
   int batch = 0, slot = 0;
-  int joint = 0;             ///< user's joint
-  int depth = 0;             ///< moving bodies up to the world
-  int piece = 0;             ///< first of the bodies with one axis to turn about that lead here, numbers without a gap; past this one if it has not
-  bool leaf = false;         ///< nothing hangs on it
-  bool last_child = false;   ///< of its parent's, in their numbers
-  bool turns_only = false;   ///< the joint's motion subspace has no linear part
-  bool lever = false;        ///< its origin is elsewhere than its parent's, or moves
+  int joint = 0;            ///< user's joint
+  int depth = 0;            ///< moving bodies up to the world
+  int piece = 0;            ///< first of the bodies with one axis to turn about that lead here, numbers without a gap; past this one if it has not
+  bool leaf = false;        ///< nothing hangs on it
+  bool last_child = false;  ///< of its parent's, in their numbers
+  bool turns_only = false;  ///< the joint's motion subspace has no linear part
+  Lever lever = Lever::none;
   AxisExchange exchange;     ///< what the placement's rotation is, if it is one
   bool flying_root = false;  ///< a free body on the world: its subspace is the identity in aligned axes
 };

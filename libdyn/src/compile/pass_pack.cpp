@@ -2,6 +2,7 @@
 #include "compile/draft.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <tuple>
@@ -12,16 +13,31 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// What R is if it only exchanges axes, to the last bit.
+/// What R is, to the last bit, if it only exchanges axes, or tilts them as well.
 AxisExchange exchangeOf(const Mat3<double>& R) {
   for (std::int8_t shift = 0; shift < 3; ++shift)
     for (const bool flips : {false, true}) {
-      bool exact = true;
-      for (int k = 0; k < 3; ++k)
-        for (int i = 0; i < 3; ++i) exact = exact && R(i, k) == (i != (k + shift) % 3 ? 0 : flips && k > 0 ? -1 : 1);
-      if (exact) return {shift, flips};
+      const int rows[] = {shift, (shift + 1) % 3, (shift + 2) % 3};
+      const double sign = flips ? -1 : 1, x = R(rows[0], 2), y = sign * R(rows[1], 2);
+      const bool tilts = x != 0 || y != 0;
+      const double expected[3][3] = {{1, 0, x}, {0, sign, sign * y}, {-sign * x, -sign * y, sign}};
+      bool exact = std::max(std::fabs(x), std::fabs(y)) <= AxisExchange::largest_tilt;
+      for (int i = 0; i < 3; ++i)
+        for (int k = 0; k < 3; ++k) exact = exact && std::fabs(R(rows[i], k) - expected[i][k]) <= (tilts ? 0x1p-54 : 0);
+      if (exact) return {shift, flips, tilts};
     }
   return {};
+}
+
+Lever leverOf(const Vec3<double>& p) {
+  Lever found = Lever::none;
+  int count = 0;
+  for (const auto& [component, along] : {std::pair(p.x, Lever::along_x), {p.y, Lever::along_y}, {p.z, Lever::along_z}}) {
+    if (component == 0) continue;
+    found = along;
+    ++count;
+  }
+  return count > 1 ? Lever::any : found;
 }
 
 class Packer {
@@ -86,7 +102,7 @@ class Packer {
       x.flying_root = b.parent == 0 && b.instance.shape == Shape::free;
       x.turns_only = turnsOnly(b.instance.shape);
       x.exchange = exchangeOf(c.placement.R);
-      x.lever = !x.turns_only || c.placement.p.x != 0 || c.placement.p.y != 0 || c.placement.p.z != 0;
+      x.lever = x.turns_only ? leverOf(c.placement.p) : Lever::any;
       const int here = static_cast<int>(i), before = x.parent == here - 1 && x.parent > 0 ? out_->index[i - 1].piece : here;
       x.piece = x.turns_only && x.nv == 1 ? before : here + 1;
       if (b.instance.shape == Shape::dense_constant) {

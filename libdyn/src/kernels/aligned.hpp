@@ -73,7 +73,10 @@ Mat3<S> placeAligned(const Joint& joint, const Order& order, const Placement& pl
           z = lastColumn(parent, R);
         });
     Mat3<S> R = renewedFrom(x, z);
-    w.r[i] = ofLever<S>(order, i, [&] { return parent * placedInParent<S>(joint, placement).p; });
+    Vec3<S> lever{};
+    withLever<S, Joint>(
+        order, i, [&] { return placement.p; }, [&](const auto& r) { lever = parent * r; });
+    w.r[i] = lever;
     axes.leave(R);
     return R;
   } else {

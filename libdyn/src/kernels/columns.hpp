@@ -33,7 +33,7 @@ struct Square {
     for (int i = 0; i < height; ++i) write(i, to + i * stride);
   }
   /// The first n rows. Row by row: a loop over them is made a copy of bytes.
-  void writeSome(int n, T* to) const {
+  void writeSome(std::ptrdiff_t n, T* to) const {
 #pragma GCC unroll 16
     for (int i = 0; i < height; ++i)
       if (i < n) write(i, to + i * lanes);
@@ -150,7 +150,7 @@ decltype(auto) withHeight(std::ptrdiff_t n, Use&& use) {
 /// Columns of n numbers, at most as many as squares are high: they are read past their end, into the next ones; those where these are too few
 /// before `end` are copied.
 template <class T, int lanes, int height>
-[[gnu::always_inline]] inline void loadShort(const T* (&columns)[lanes], int n, const T* end, T* to) {
+[[gnu::always_inline]] inline void loadShort(const T* (&columns)[lanes], std::ptrdiff_t n, const T* end, T* to) {
   T copied[lanes][height];
   if (end - columns[lanes - 1] < height) {
     std::fill_n(copied[0], lanes * height, T(0));
@@ -165,22 +165,22 @@ template <class T, int lanes, int height>
 
 /// n numbers of each column into packs.
 template <class S, class T>
-void loadColumns(const ColumnsIn<T>& in, int n, S* to) {
+void loadColumns(const ColumnsIn<T>& in, std::ptrdiff_t n, S* to) {
   constexpr int lanes = lanes_of<S>;
   if (in.first == nullptr) {
     std::fill(to, to + n, S(0));
     return;
   }
-  const T* columns[lanes];
+  const T* columns[lanes]{in.first};
 #pragma GCC unroll 16
-  for (int l = 0; l < lanes; ++l) columns[l] = in.first + std::min(l, in.states - 1) * in.stride;
+  for (int l = 1; l < lanes; ++l) columns[l] = columns[l - 1] + (l < in.states ? in.stride : 0);
   T* out = reinterpret_cast<T*>(to);
   if constexpr (lanes > 1) {
     if (n >= lanes) {
       Square<T, lanes> square;
       // The last square overlaps the one before.
-      for (int row = 0; row < n; row += lanes) {
-        const int top = std::min(row, n - lanes);
+      for (std::ptrdiff_t row = 0; row < n; row += lanes) {
+        const std::ptrdiff_t top = std::min(row, n - lanes);
 #pragma GCC unroll 16
         for (int l = 0; l < lanes; ++l) square.read(l, columns[l] + top);
         square.transpose();
@@ -194,7 +194,7 @@ void loadColumns(const ColumnsIn<T>& in, int n, S* to) {
     }
   }
   for (int l = 0; l < lanes; ++l)
-    for (int i = 0; i < n; ++i) out[i * lanes + l] = columns[l][i];
+    for (std::ptrdiff_t i = 0; i < n; ++i) out[i * lanes + l] = columns[l][i];
 }
 
 /// Packs turned into numbers of one state after the other, `lanes` of each, and whether all of them are finite.

@@ -1,23 +1,61 @@
 // What recursions in joints' own frames share. A joint about an axis of its parent's has a rotation of which four numbers are c, s, -s and c, and one
-// is 1 or -1: next to nothing is multiplied there.
+// is 1 or -1: next to nothing is multiplied there, nor where the axis is so near to one of the parent's that squares of the angle round away.
 #pragma once
 
+#include "kernels/levers.hpp"
 #include "kernels/sweep.hpp"
 
 namespace dyn::kernels {
 
-/// AxisExchange{shift, flips} times Rz(c, s), from a joint's axes to its parent's.
-template <class S, int shift, bool flips>
+/// AxisExchange{shift, flips} times Rz(c, s), from a joint's axes to its parent's; between them the tilt {1, 0, x; 0, 1, y; -x, -y, 1}, where there
+/// is one.
+template <class S, int shift, bool flips, bool tilts>
 struct ExchangedTurn {
   static constexpr int x = shift, y = (shift + 1) % 3, z = (shift + 2) % 3;  ///< the parent's axes that x, y and z are before the joint moves
-  S c, s;
+  S c, s, tilt_x, tilt_y;
 
-  /// Rz v.
-  Vec3<S> turned(const Vec3<S>& v) const { return {c * v.x - s * v.y, s * v.x + c * v.y, v.z}; }
-  /// Rz a Rz^T.
+  ExchangedTurn(const S& cosine, const S& sine, const Mat3<S>& placement) : c(cosine), s(sine) {
+    if constexpr (tilts) tilt_x = placement(x, 2), tilt_y = flips ? -placement(y, 2) : placement(y, 2);
+  }
+
+  /// T Rz v, T being the tilt.
+  Vec3<S> turned(const Vec3<S>& v) const {
+    const Vec3<S> w{c * v.x - s * v.y, s * v.x + c * v.y, v.z};
+    if constexpr (tilts) {
+      return {w.x + tilt_x * w.z, w.y + tilt_y * w.z, thirdOf(w.z, w.x, w.y)};
+    } else {
+      return w;
+    }
+  }
+  /// T Rz a Rz^T T^T.
   Sym3<S> turned(const Sym3<S>& a) const {
     const S u = c * a.xx - s * a.xy, v = c * a.xy - s * a.yy;
-    return {c * u - s * v, s * u + c * v, c * a.xz - s * a.yz, s * (s * a.xx + c * a.xy) + c * (s * a.xy + c * a.yy), s * a.xz + c * a.yz, a.zz};
+    const Sym3<S> b{c * u - s * v,       s * u + c * v, c * a.xz - s * a.yz, s * (s * a.xx + c * a.xy) + c * (s * a.xy + c * a.yy),
+                    s * a.xz + c * a.yz, a.zz};
+    if constexpr (tilts) {
+      const S xx = b.xx + tilt_x * b.xz, xy = b.xy + tilt_x * b.yz, xz = b.xz + tilt_x * b.zz, yy = b.yy + tilt_y * b.yz, yz = b.yz + tilt_y * b.zz;
+      const S zx = thirdOf(b.xz, b.xx, b.xy), zy = thirdOf(b.yz, b.xy, b.yy), zz = thirdOf(b.zz, b.xz, b.yz);
+      return {xx + tilt_x * xz, xy + tilt_y * xz, zx + tilt_x * zz, yy + tilt_y * yz, zy + tilt_y * zz, thirdOf(zz, zx, zy)};
+    } else {
+      return b;
+    }
+  }
+  /// The same of one without anything about z.
+  Sym3<S> turnedPlanar(const S& xx, const S& xy, const S& yy) const {
+    const S u = c * xx - s * xy, v = c * xy - s * yy, zero(0);
+    const S bxx = c * u - s * v, bxy = s * u + c * v, byy = s * (s * xx + c * xy) + c * (s * xy + c * yy);
+    if constexpr (tilts) {
+      const S xz = -(tilt_x * bxx + tilt_y * bxy), yz = -(tilt_x * bxy + tilt_y * byy);
+      return {bxx, bxy, xz, byy, yz, -(tilt_x * xz + tilt_y * yz)};
+    } else {
+      return {bxx, bxy, zero, byy, zero, zero};
+    }
+  }
+  /// T {x, y, 0} T^T, columns being T's already.
+  Mat3<S> tiltedColumns(const Vec3<S>& p, const Vec3<S>& q) const {
+    Vec3<S> r{S(0), S(0), S(0)};
+    if constexpr (tilts) r = -(tilt_x * p + tilt_y * q);
+    return {{p.x, q.x, r.x, p.y, q.y, r.y, p.z, q.z, r.z}};
   }
 
   static Vec3<S> exchanged(const Vec3<S>& v) {
@@ -40,16 +78,38 @@ struct ExchangedTurn {
   }
 
   friend Vec3<S> firstColumn(const Mat3<S>& A, const ExchangedTurn& R) {
-    const Vec3<S> sine = R.s * A.col(y);
-    return flips ? R.c * A.col(x) - sine : R.c * A.col(x) + sine;
+    const Vec3<S> sine = R.s * A.col(y), sum = flips ? R.c * A.col(x) - sine : R.c * A.col(x) + sine;
+    if constexpr (tilts) {
+      const Vec3<S> third = (R.tilt_x * R.c + R.tilt_y * R.s) * A.col(z);
+      return flips ? sum + third : sum - third;
+    } else {
+      return sum;
+    }
   }
-  friend Vec3<S> lastColumn(const Mat3<S>& A, const ExchangedTurn&) { return flips ? -A.col(z) : A.col(z); }
+  friend Vec3<S> lastColumn(const Mat3<S>& A, const ExchangedTurn& R) {
+    if constexpr (tilts) {
+      const Vec3<S> sum = A.col(z) + R.tilt_y * A.col(y);
+      return flips ? R.tilt_x * A.col(x) - sum : R.tilt_x * A.col(x) + sum;
+    } else {
+      return flips ? -A.col(z) : A.col(z);
+    }
+  }
 
   friend Vec3<S> operator*(const ExchangedTurn& R, const Vec3<S>& v) { return exchanged(R.turned(v)); }
   friend Vec3<S> transposeTimes(const ExchangedTurn& R, const Vec3<S>& v) {
-    const S &a = v[x], b = flips ? -v[y] : v[y];
-    return {R.c * a + R.s * b, R.c * b - R.s * a, flips ? -v[z] : v[z]};
+    S a = v[x], b = flips ? -v[y] : v[y], d = flips ? -v[z] : v[z];
+    if constexpr (tilts) {
+      const S above = d + R.tilt_x * a + R.tilt_y * b;
+      a -= R.tilt_x * d;
+      b -= R.tilt_y * d;
+      d = above;
+    }
+    return {R.c * a + R.s * b, R.c * b - R.s * a, d};
   }
+
+ private:
+  /// Of T v.
+  S thirdOf(const S& vz, const S& vx, const S& vy) const { return vz - tilt_x * vx - tilt_y * vy; }
 };
 
 /// Of A R, which is not made.
@@ -62,18 +122,28 @@ Vec3<S> lastColumn(const Mat3<S>& A, const Mat3<S>& R) {
   return A * R.col(2);
 }
 
+/// Of body i's axes to its parent's. A floating base's is its joint's.
+template <class S, class Joint, class Order>
+Mat3<S> rotationOf(const Joint& joint, const Order& order, int i) {
+  if constexpr (Order::alike && requires { joint.rotation(); })
+    if (order.index(i).exchange.changesNothing()) return joint.rotation();
+  return joint.rotate(order.constants(i).placement.R);
+}
+
 /// Calls use(R), R the rotation of body i's axes to its parent's; whole() where it may be any.
 template <class Joint, class Order, class Whole, class Use>
 void withRotation([[maybe_unused]] const Joint& joint, [[maybe_unused]] const Order& order, [[maybe_unused]] int i, Whole&& whole, Use&& use) {
   if constexpr (Joint::about_z && Order::alike) {
-    const auto [shift, flips] = order.index(i).exchange;
+    using S = std::remove_cvref_t<decltype(joint.c)>;
+    const AxisExchange& exchange = order.index(i).exchange;
     const auto turn = [&]<int axis>() {
-      using S = std::remove_cvref_t<decltype(joint.c)>;
-      return flips ? use(ExchangedTurn<S, axis, true>{joint.c, joint.s}) : use(ExchangedTurn<S, axis, false>{joint.c, joint.s});
+      const auto by = [&]<bool flips, bool tilts>() { use(ExchangedTurn<S, axis, flips, tilts>(joint.c, joint.s, order.constants(i).placement.R)); };
+      if (exchange.tilts) return exchange.flips ? by.template operator()<true, true>() : by.template operator()<false, true>();
+      return exchange.flips ? by.template operator()<true, false>() : by.template operator()<false, false>();
     };
-    if (shift == 0) return turn.template operator()<0>();
-    if (shift == 1) return turn.template operator()<1>();
-    if (shift == 2) return turn.template operator()<2>();
+    if (exchange.shift == 0) return turn.template operator()<0>();
+    if (exchange.shift == 1) return turn.template operator()<1>();
+    if (exchange.shift == 2) return turn.template operator()<2>();
   }
   use(whole());
 }
@@ -81,7 +151,7 @@ void withRotation([[maybe_unused]] const Joint& joint, [[maybe_unused]] const Or
 template <class S, class Joint, class Order, class Use>
 void withRotationOutward(const Joint& joint, const Order& order, int i, Use&& use) {
   const auto whole = [&] {
-    Mat3<S> R = joint.rotate(order.constants(i).placement.R);
+    Mat3<S> R = rotationOf<S>(joint, order, i);
     order.w.rel[i].R = R;
     return R;
   };

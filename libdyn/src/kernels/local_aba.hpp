@@ -20,7 +20,8 @@ void localAbaOutward(const Order& order, Workspace<S>& w, const S* v) {
     Motion<S> beta{};
     if (carries) {
       carried = turning.get();
-      if (order.hasLever(i)) beta.linear = cross(carried, cross(carried, originOutward<S>(joint, order, i)));
+      withLever<S, Joint>(
+          order, i, [&] { return originOutward<S>(joint, order, i); }, [&](const auto& r) { addCentripetal(beta.linear, carried, r); });
     }
     withRotationOutward<S>(joint, order, i, [&](const auto& R) {
       if (!carries) return;
@@ -76,12 +77,10 @@ struct HingedInertia {
                    u.y * x.y + v.y * y.y, u.y * x.z + v.y * y.z, u.z * x.z + v.z * y.z};
     return out;
   }
-  template <int shift, bool flips>
-  ArticulatedInertia<S> in(const ExchangedTurn<S, shift, flips>& R) const {
+  template <int shift, bool flips, bool tilts>
+  ArticulatedInertia<S> in(const ExchangedTurn<S, shift, flips, tilts>& R) const {
     const Vec3<S> x = R.turned(R.c * by_x - R.s * by_y), y = R.turned(R.s * by_x + R.c * by_y);
-    const S zero(0);
-    return {R.exchanged(R.turned(linear)), R.exchanged(Mat3<S>{{x.x, y.x, zero, x.y, y.y, zero, x.z, y.z, zero}}),
-            R.exchanged(R.turned(Sym3<S>{xx, xy, zero, yy, zero, zero}))};
+    return {R.exchanged(R.turned(linear)), R.exchanged(R.tiltedColumns(x, y)), R.exchanged(R.turnedPlanar(xx, xy, yy))};
   }
 };
 
@@ -147,7 +146,8 @@ void localAbaInward(const Order& order, Workspace<S>& w, const S* tau) {
     if (order.isRoot(i)) return;
 
     ArticulatedInertia<S> left = leftInParentsAxes(joint, order, i, w.dof[iv + Joint::nv - 1], IA, f);
-    if (order.hasLever(i)) shift(left, f, originInward<S, Joint>(order, i));
+    withLever<S, Joint>(
+        order, i, [&] { return originInward<S, Joint>(order, i); }, [&](const auto& r) { shift(left, f, r); });
     inertia.give(left);
     force.give(f);
   });
@@ -160,7 +160,9 @@ void localAbaSolve(const Order& order, Workspace<S>& w, const Vec3<S>& gravity, 
   order.forward(passing(w.acc), [&]<class Joint>(const Joint& joint, int i, int iv, auto&& acceleration) {
     Motion<S> a = acceleration.get();
     const bool turns = !order.isRoot(i);
-    if (turns && order.hasLever(i)) a.linear += cross(a.angular, originInward<S, Joint>(order, i));
+    if (turns)
+      withLever<S, Joint>(
+          order, i, [&] { return originInward<S, Joint>(order, i); }, [&](const auto& r) { addCross(a.linear, a.angular, r); });
     withRotationInward<S>(joint, order, i, [&](const auto& R) {
       a.linear = transposeTimes(R, a.linear);
       if (turns) a.angular = transposeTimes(R, a.angular);

@@ -6,6 +6,18 @@
 
 namespace dyn::kernels {
 
+/// Of the point r of a body, its origin's being `origin`.
+template <class S>
+Vec3<S> accelerationAt(const Vec3<S>& origin, const Vec3<S>& w, const Vec3<S>& a, const Vec3<S>& r) {
+  return Spin<S>(w, a).at(origin, r);
+}
+template <class S, int axis>
+Vec3<S> accelerationAt(Vec3<S> origin, const Vec3<S>& w, const Vec3<S>& a, const AxisLever<S, axis>& r) {
+  addCross(origin, a, r);
+  addCentripetal(origin, w, r);
+  return origin;
+}
+
 /// Angular velocity w, angular acceleration and classical acceleration of each body's origin, in its own axes.
 /// w.acc[i] = (classical linear, angular) acceleration, less gravity.
 template <class S, class Order>
@@ -16,7 +28,10 @@ void rneaOutward(const Order& order, Workspace<S>& w, const S* v, const S* a) {
     const Motion<S>& ap = acceleration.get();
     const bool root = order.isRoot(i);  // the world does not turn
     Vec3<S> w_carried{}, domega{}, origin = ap.linear;
-    if (!root && order.hasLever(i)) origin = Spin<S>(turning.get(), ap.angular).at(ap.linear, originOutward<S>(joint, order, i));
+    if (!root)
+      withLever<S, Joint>(
+          order, i, [&] { return originOutward<S>(joint, order, i); },
+          [&](const auto& r) { origin = accelerationAt(ap.linear, turning.get(), ap.angular, r); });
     withRotationOutward<S>(joint, order, i, [&](const auto& R) {
       origin = transposeTimes(R, origin);
       if (root) return;
@@ -55,7 +70,8 @@ void rneaInward(const Order& order, Workspace<S>& w, S* tau, const Force<S>* fex
     if (order.isRoot(i)) return;
     Force<S> on_parent;
     withRotationInward<S>(joint, order, i, [&](const auto& R) { on_parent = {R * f.linear, R * f.angular}; });
-    if (order.hasLever(i)) addCross(on_parent.angular, Vec3<S>(originInward<S, Joint>(order, i)), on_parent.linear);
+    withLever<S, Joint>(
+        order, i, [&] { return originInward<S, Joint>(order, i); }, [&](const auto& r) { addCross(on_parent.angular, r, on_parent.linear); });
     force.give(on_parent);
   });
 }

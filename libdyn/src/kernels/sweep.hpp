@@ -160,7 +160,7 @@ struct Bodies {
   Vec3<S> gravity() const { return cast<S>(m.gravity); }
   bool isRoot(int i) const { return parentOf(i) == 0; }
   /// Whether the body's origin is elsewhere than its parent's.
-  bool hasLever(int i) const { return index(i).lever; }
+  bool hasLever(int i) const { return index(i).lever != Lever::none; }
 
   template <class T>
   const T& parent(const T* array, int i) const {
