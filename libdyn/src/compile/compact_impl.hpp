@@ -39,22 +39,21 @@ struct AxisExchange {
   bool changesNothing() const { return shift == 0 && !flips && !tilts; }
 };
 
-/// The way from the parent's origin to a body's: along one of the parent's axes, another one, or one that the joint changes.
-enum class Lever : std::int8_t { none, any, along_x, along_y, along_z };
-
-/// Bookkeeping of a body. idx_q and idx_v count all coordinates, coupled ones included ("expanded").
-struct BodyIndex {
+/// Bookkeeping of a body, in a line of cache. idx_q and idx_v count all coordinates, coupled ones included ("expanded").
+struct alignas(64) BodyIndex {
   int parent = 0;
   int idx_q = 0, idx_v = 0, nq = 0, nv = 0;
   int user_q = -1, user_v = -1;  ///< in the user's vectors; -1 for a coupled joint
   int batch = 0, slot = 0;
-  int joint = 0;            ///< user's joint
-  int depth = 0;            ///< moving bodies up to the world
-  int piece = 0;            ///< first of the bodies with one axis to turn about that lead here, numbers without a gap; past this one if it has not
-  bool leaf = false;        ///< nothing hangs on it
-  bool last_child = false;  ///< of its parent's, in their numbers
-  bool turns_only = false;  ///< the joint's motion subspace has no linear part
-  Lever lever = Lever::none;
+  int joint = 0;             ///< user's joint
+  int depth = 0;             ///< moving bodies up to the world
+  int piece = 0;             ///< first of the bodies with one axis to turn about that lead here, numbers without a gap; past this one if it has not
+  bool leaf = false;         ///< no body hangs on it
+  bool last_child = false;   ///< of its parent's, in their numbers
+  bool branches = false;     ///< more than one does
+  bool follows = false;      ///< the body before is its parent, and of the same run
+  bool turns_only = false;   ///< the joint's motion subspace has no linear part
+  std::uint8_t lever = 0;    ///< bit k: its origin is elsewhere than its parent's along its axis k, or moves
   AxisExchange exchange;     ///< what the placement's rotation is, if it is one
   bool flying_root = false;  ///< a free body on the world: its subspace is the identity in aligned axes
 };
@@ -93,7 +92,7 @@ struct DofChain {
   int begin = 0, end = 0;
   int depth = 0;     ///< of `begin`
   int fresh = 0;     ///< its path from this depth on has no dofs of higher numbers but these
-  bool leaf = true;  ///< nothing hangs on it
+  bool leaf = true;  ///< no body hangs on it
 };
 
 struct CompactImpl {

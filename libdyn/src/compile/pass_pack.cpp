@@ -29,16 +29,8 @@ AxisExchange exchangeOf(const Mat3<double>& R) {
   return {};
 }
 
-Lever leverOf(const Vec3<double>& p) {
-  Lever found = Lever::none;
-  int count = 0;
-  for (const auto& [component, along] : {std::pair(p.x, Lever::along_x), {p.y, Lever::along_y}, {p.z, Lever::along_z}}) {
-    if (component == 0) continue;
-    found = along;
-    ++count;
-  }
-  return count > 1 ? Lever::any : found;
-}
+/// Of BodyIndex, where the joint moves nothing.
+std::uint8_t leverOf(const Vec3<double>& p) { return static_cast<std::uint8_t>((p.x != 0) | (p.y != 0) << 1 | (p.z != 0) << 2); }
 
 class Packer {
  public:
@@ -102,7 +94,7 @@ class Packer {
       x.flying_root = b.parent == 0 && b.instance.shape == Shape::free;
       x.turns_only = turnsOnly(b.instance.shape);
       x.exchange = exchangeOf(c.placement.R);
-      x.lever = x.turns_only ? leverOf(c.placement.p) : Lever::any;
+      x.lever = x.turns_only ? leverOf(c.placement.p) : std::uint8_t(7);
       const int here = static_cast<int>(i), before = x.parent == here - 1 && x.parent > 0 ? out_->index[i - 1].piece : here;
       x.piece = x.turns_only && x.nv == 1 ? before : here + 1;
       if (b.instance.shape == Shape::dense_constant) {
@@ -120,6 +112,7 @@ class Packer {
     for (std::size_t i = 1; i < n; ++i) {
       const int end = out_->tree_end[i];
       out_->index[i].leaf = at(end) == i + 1;
+      out_->index[i].branches = at(end) > i + 1 && out_->tree_end[i + 1] != end;
       out_->index[i].last_child = end == out_->tree_end[at(out_->index[i].parent)];
       const int end_of_tree = at(end) < n ? out_->index[at(end)].idx_v : out_->nvx;
       out_->dof_end.insert(out_->dof_end.end(), at(out_->index[i].nv), end_of_tree);
@@ -187,10 +180,12 @@ class Packer {
 
   void runs() {
     for (std::size_t i = 1; i < out_->index.size(); ++i) {
-      const BodyIndex& x = out_->index[i];
+      BodyIndex& x = out_->index[i];
       if (out_->runs.empty() || out_->runs.back().batch != x.batch) {
         const TypeBatch& batch = out_->batches[at(x.batch)];
         out_->runs.push_back({batch.shape, batch.nv, static_cast<int>(i), 0, x.batch, x.slot});
+      } else {
+        x.follows = x.parent == static_cast<int>(i) - 1;
       }
       ++out_->runs.back().count;
     }

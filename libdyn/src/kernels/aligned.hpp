@@ -74,8 +74,8 @@ Mat3<S> placeAligned(const Joint& joint, const Order& order, const Placement& pl
         });
     Mat3<S> R = renewedFrom(x, z);
     Vec3<S> lever{};
-    withLever<S, Joint>(
-        order, i, [&] { return placement.p; }, [&](const auto& r) { lever = parent * r; });
+    alongLever<S, Joint>(
+        order, i, [&] { return placement.p; }, [&](const auto& r) { lever += parent * r; });
     w.r[i] = lever;
     axes.leave(R);
     return R;

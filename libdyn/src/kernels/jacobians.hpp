@@ -17,11 +17,11 @@ void writeMotion(const Motion<S>& c, S* out) {
   }
 }
 
-/// w.rel, w.oM, and each joint's columns in the world, about its origin: 6 numbers a degree of freedom.
+/// w.oM, of a single state w.rel, and each joint's columns in the world, about its origin: 6 numbers a degree of freedom.
 template <class S, class Order>
 void jointJacobians(const Order& bodies, Workspace<S>& w, S* J) {
   bodies.forward(passing(), [&]<class Joint>(const Joint& joint, int i, int iv) {
-    placeInWorld(joint, bodies, i, w);
+    placeInWorld<lanes_of<S> == 1 ? Poses::in_parents_too : Poses::in_world>(joint, bodies, i, w);
     const SE3<S>& oM = w.oM[i];
     for (int k = 0; k < Joint::nv; ++k) {
       Motion<S> column = joint.columnIn(oM.R, k);

@@ -95,6 +95,17 @@ struct ExchangedTurn {
     }
   }
 
+  friend Mat3<S> operator*(const Mat3<S>& A, const ExchangedTurn& R) {
+    Vec3<S> u = A.col(x), v = flips ? -A.col(y) : A.col(y), w = flips ? -A.col(z) : A.col(z);
+    if constexpr (tilts) {
+      const Vec3<S> third = w + R.tilt_x * u + R.tilt_y * v;
+      u -= R.tilt_x * w;
+      v -= R.tilt_y * w;
+      w = third;
+    }
+    const Vec3<S> first = R.c * u + R.s * v, second = R.c * v - R.s * u;
+    return {{first.x, second.x, w.x, first.y, second.y, w.y, first.z, second.z, w.z}};
+  }
   friend Vec3<S> operator*(const ExchangedTurn& R, const Vec3<S>& v) { return exchanged(R.turned(v)); }
   friend Vec3<S> transposeTimes(const ExchangedTurn& R, const Vec3<S>& v) {
     S a = v[x], b = flips ? -v[y] : v[y], d = flips ? -v[z] : v[z];

@@ -41,7 +41,7 @@ class KeptFromChildren {
   void begin(const Order&, int i, bool kept) {
     i_ = i;
     if (kept) {
-      if (!order_.isLastChild(i + 1)) kept_ += array_[i];
+      if (order_.branches(i)) kept_ += array_[i];
     } else if (order_.isLeaf(i)) {
       kept_ = T{};
     } else {
@@ -85,7 +85,7 @@ void forwardKeeping(const Order& order, int first, int end, std::tuple<T*...> ar
   for (int i = first; i < end; ++i)
     std::apply(
         [&](auto&... x) {
-          [[maybe_unused]] const bool kept = i > first && order.goesOn(i);  // an order may hand on nothing
+          [[maybe_unused]] const bool kept = order.goesOn(i, first);  // an order may hand on nothing
           (x.begin(order, i, kept), ...);
           step(i, x...);
         },
@@ -101,7 +101,7 @@ void backwardKeeping(const Order& order, int first, int end, std::tuple<T*...> a
         [&](auto&... x) {
           (x.begin(order, i, kept), ...);
           step(i, x...);
-          kept = i > first && order.goesBack(i);
+          kept = order.goesBack(i, first);
           if (!kept) (x.putAway(order, i), ...);
         },
         from);
@@ -112,10 +112,10 @@ template <class S>
 struct KeepingBodies : Bodies<S> {
   template <class T>
   static constexpr bool keeps = lanes_of<S> == 1 || fits_registers<S, T>;
-  /// To body i from i - 1, its parent.
-  bool goesOn(int i) const { return this->parentOf(i) == i - 1; }
+  /// To body i from i - 1, its parent, in a run from `first` on.
+  bool goesOn(int i, int) const { return this->index(i).follows; }
   /// From body i to i - 1.
-  bool goesBack(int i) const { return goesOn(i); }
+  bool goesBack(int i, int first) const { return goesOn(i, first); }
 
   template <class Body, class... T>
   void forward(std::tuple<T*...> arrays, Body&& body) const {

@@ -1,8 +1,8 @@
 // Poses, velocities and accelerations, from the root outward.
 #pragma once
 
+#include "kernels/joint_frames.hpp"
 #include "kernels/pose_rows.hpp"
-#include "kernels/sweep.hpp"
 
 namespace dyn::kernels {
 
@@ -27,11 +27,23 @@ void store(const SE3<S>& from, SE3<S>& to) {
   for (int k = 0; k < 3; ++k) to.p[k] = from.p[k];
 }
 
-/// w.rel and w.oM of body i, where nothing else is to be made of them.
-template <class S, class Joint, class Order>
+/// Whether bodies' poses in their parents' frames are wanted as well.
+enum class Poses { in_world, in_parents_too };
+
+/// w.oM of body i, and w.rel if that is wanted, where nothing else is to be made of them.
+template <Poses poses, class S, class Joint, class Order>
 void placeInWorld(const Joint& joint, const Order& order, int i, Workspace<S>& w) {
   const auto& placement = order.constants(i).placement;
-  if constexpr (std::is_same_v<S, double>) {
+  if constexpr (poses == Poses::in_world && Order::alike && lanes_of<S> > 1 && Joint::about_z) {
+    const SE3<S>& parent = order.parent(w.oM, i);
+    SE3<S> pose{{}, parent.p};
+    withRotation(
+        joint, order, i, [&] { return joint.rotate(placement.R); }, [&](const auto& R) { pose.R = parent.R * R; });
+    alongLever<S, Joint>(
+        order, i, [&] { return placement.p; }, [&](const auto& r) { pose.p += parent.R * r; });
+    if (isRenewed(order, i)) pose.R = renewed(pose.R);
+    store(pose, w.oM[i]);
+  } else if constexpr (std::is_same_v<S, double>) {
     const PoseRows rel = [&] {
       if constexpr (Joint::about_z) {
         return PoseRows::load(placement).turnZ(joint.c, joint.s);
@@ -53,12 +65,12 @@ void placeInWorld(const Joint& joint, const Order& order, int i, Workspace<S>& w
   }
 }
 
-/// w.rel and w.oM; with v, w.v; with a, w.a.
-template <class S, class Order>
+/// w.oM, and w.rel if that is wanted; with v both, and w.v; with a, w.a.
+template <Poses poses = Poses::in_parents_too, class S, class Order>
 void forwardKinematics(const Order& order, Workspace<S>& w, const S* v, const S* a) {
   w.v[0] = w.a[0] = {};
   order.forward(passing(), [&]<class Joint>(const Joint& joint, int i, int iv) {
-    if (!v) return placeInWorld(joint, order, i, w);
+    if (!v) return placeInWorld<poses>(joint, order, i, w);
     const SE3<S> rel = placedInParent<S>(joint, order.constants(i).placement);
     w.rel[i] = rel;
     w.oM[i] = placedInWorld(order, w, rel, i);

@@ -1,4 +1,5 @@
-// The way from a parent's origin to a joint's. Most are along one of the parent's axes, and two thirds of what is multiplied with others are zeros.
+// The way from a parent's origin to a joint's. Most are along one or two of the parent's axes: each part of its own leaves out what zeros would be
+// multiplied with.
 #pragma once
 
 #include "compile/compact_impl.hpp"
@@ -57,23 +58,23 @@ struct AxisLever {
   }
 };
 
-template <class S>
-void addCentripetal(Vec3<S>& sum, const Vec3<S>& w, const Vec3<S>& r) {
-  sum += cross(w, cross(w, r));
-}
-
-/// Calls use(r), r body i's lever, an AxisLever where it is one and any() otherwise; not at all where there is none.
-template <class S, class Joint, class Order, class Any, class Use>
-void withLever(const Order& order, int i, Any&& any, Use&& use) {
-  if (!order.hasLever(i)) return;
-  if constexpr (Order::alike && !Joint::moves_origin) {
-    const auto along = [&]<int axis>() { use(AxisLever<S, axis>{order.constants(i).placement.p[axis]}); };
-    const Lever lever = order.index(i).lever;
-    if (lever == Lever::along_x) return along.template operator()<0>();
-    if (lever == Lever::along_y) return along.template operator()<1>();
-    if (lever == Lever::along_z) return along.template operator()<2>();
+/// Calls use(r) for the parts of body i's lever along its parent's axes, AxisLevers each, less those that are always zero. Of orders whose lanes have
+/// levers of their own: for the lever, if there is one. origin() is where it leads.
+template <class S, class Joint, class Order, class Origin, class Use>
+void alongLever(const Order& order, int i, Origin&& origin, Use&& use) {
+  if constexpr (!Order::alike) {
+    if (order.hasLever(i)) use(origin());
+  } else if constexpr (Joint::moves_origin) {
+    const Vec3<S> r = origin();
+    use(AxisLever<S, 0>{r.x});
+    use(AxisLever<S, 1>{r.y});
+    use(AxisLever<S, 2>{r.z});
+  } else {
+    const unsigned axes = order.index(i).lever;
+    if (axes & 1) use(AxisLever<S, 0>{origin().x});
+    if (axes & 2) use(AxisLever<S, 1>{origin().y});
+    if (axes & 4) use(AxisLever<S, 2>{origin().z});
   }
-  use(any());
 }
 
 }  // namespace dyn::kernels

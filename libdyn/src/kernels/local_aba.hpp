@@ -20,7 +20,7 @@ void localAbaOutward(const Order& order, Workspace<S>& w, const S* v) {
     Motion<S> beta{};
     if (carries) {
       carried = turning.get();
-      withLever<S, Joint>(
+      alongLever<S, Joint>(
           order, i, [&] { return originOutward<S>(joint, order, i); }, [&](const auto& r) { addCentripetal(beta.linear, carried, r); });
     }
     withRotationOutward<S>(joint, order, i, [&](const auto& R) {
@@ -146,7 +146,7 @@ void localAbaInward(const Order& order, Workspace<S>& w, const S* tau) {
     if (order.isRoot(i)) return;
 
     ArticulatedInertia<S> left = leftInParentsAxes(joint, order, i, w.dof[iv + Joint::nv - 1], IA, f);
-    withLever<S, Joint>(
+    alongLever<S, Joint>(
         order, i, [&] { return originInward<S, Joint>(order, i); }, [&](const auto& r) { shift(left, f, r); });
     inertia.give(left);
     force.give(f);
@@ -161,7 +161,7 @@ void localAbaSolve(const Order& order, Workspace<S>& w, const Vec3<S>& gravity, 
     Motion<S> a = acceleration.get();
     const bool turns = !order.isRoot(i);
     if (turns)
-      withLever<S, Joint>(
+      alongLever<S, Joint>(
           order, i, [&] { return originInward<S, Joint>(order, i); }, [&](const auto& r) { addCross(a.linear, a.angular, r); });
     withRotationInward<S>(joint, order, i, [&](const auto& R) {
       a.linear = transposeTimes(R, a.linear);

@@ -6,16 +6,15 @@
 
 namespace dyn::kernels {
 
-/// Of the point r of a body, its origin's being `origin`.
+/// Adds what the point at r of a body has more than its origin.
 template <class S>
-Vec3<S> accelerationAt(const Vec3<S>& origin, const Vec3<S>& w, const Vec3<S>& a, const Vec3<S>& r) {
-  return Spin<S>(w, a).at(origin, r);
+void addAccelerationAt(Vec3<S>& sum, const Vec3<S>& w, const Vec3<S>& a, const Vec3<S>& r) {
+  sum = Spin<S>(w, a).at(sum, r);
 }
 template <class S, int axis>
-Vec3<S> accelerationAt(Vec3<S> origin, const Vec3<S>& w, const Vec3<S>& a, const AxisLever<S, axis>& r) {
-  addCross(origin, a, r);
-  addCentripetal(origin, w, r);
-  return origin;
+void addAccelerationAt(Vec3<S>& sum, const Vec3<S>& w, const Vec3<S>& a, const AxisLever<S, axis>& r) {
+  addCross(sum, a, r);
+  addCentripetal(sum, w, r);
 }
 
 /// Angular velocity w, angular acceleration and classical acceleration of each body's origin, in its own axes.
@@ -29,9 +28,9 @@ void rneaOutward(const Order& order, Workspace<S>& w, const S* v, const S* a) {
     const bool root = order.isRoot(i);  // the world does not turn
     Vec3<S> w_carried{}, domega{}, origin = ap.linear;
     if (!root)
-      withLever<S, Joint>(
+      alongLever<S, Joint>(
           order, i, [&] { return originOutward<S>(joint, order, i); },
-          [&](const auto& r) { origin = accelerationAt(ap.linear, turning.get(), ap.angular, r); });
+          [&](const auto& r) { addAccelerationAt(origin, turning.get(), ap.angular, r); });
     withRotationOutward<S>(joint, order, i, [&](const auto& R) {
       origin = transposeTimes(R, origin);
       if (root) return;
@@ -56,21 +55,22 @@ void rneaOutward(const Order& order, Workspace<S>& w, const S* v, const S* a) {
 }
 
 /// The force that moves each body, tau = S^T f, and each body's force on its parent.
-template <class S, class Order>
-void rneaInward(const Order& order, Workspace<S>& w, S* tau, const Force<S>* fext = nullptr) {
+template <class S, class Order, class External = std::nullptr_t>
+void rneaInward(const Order& order, Workspace<S>& w, S* tau, External fext = {}) {
   order.backward(passing(w.f), [&]<class Joint>(const Joint& joint, int i, int iv, auto&& force) {
     const auto& c = order.constants(i);
     const auto& [origin, domega] = w.acc[i];
     const Spin<S> spin(w.w[i], domega);
     const Vec3<S> linear = c.mass * spin.at(origin, c.com);
     Force<S> own{linear, spin.torque(c.rotational) + cross(c.com, linear)};
-    if (fext) own -= fext[i];
+    if constexpr (!std::is_null_pointer_v<External>)
+      if (fext) own -= fext[i];
     const Force<S> f = force.with(own);
     joint.project(f, tau + iv);
     if (order.isRoot(i)) return;
     Force<S> on_parent;
     withRotationInward<S>(joint, order, i, [&](const auto& R) { on_parent = {R * f.linear, R * f.angular}; });
-    withLever<S, Joint>(
+    alongLever<S, Joint>(
         order, i, [&] { return originInward<S, Joint>(order, i); }, [&](const auto& r) { addCross(on_parent.angular, r, on_parent.linear); });
     force.give(on_parent);
   });

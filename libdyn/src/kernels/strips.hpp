@@ -55,11 +55,11 @@ struct Strips {
   template <class T>
   static constexpr bool keeps = fits_registers<S, T>;
   /// To strip i from i - 1, which has all its parents, lane by lane.
-  bool goesOn(int i) const { return strip(i).aligned && strip(i).parents[0].strip == i - 1; }
+  bool goesOn(int i, int first) const { return i > first && strip(i).aligned && strip(i).parents[0].strip == i - 1; }
   /// From strip i to i - 1, all there is to give.
-  bool goesBack(int i) const { return strip(i).gives_all && strip(i).parents[0].strip == i - 1; }
-  /// Of all its parents, and so the first one backward. Asked of strips that give to all of them only.
-  bool isLastChild(int i) const { return strip(i).parents[0].first; }
+  bool goesBack(int i, int first) const { return i > first && strip(i).gives_all && strip(i).parents[0].strip == i - 1; }
+  /// Whether others than i + 1, which gives all of its to strip i, give to it as well.
+  bool branches(int i) const { return !strip(i + 1).parents[0].first; }
   /// What is in several lanes of one body: its sum, in each of them.
   template <class T>
   void unite(int i, T& value) const {

@@ -160,7 +160,7 @@ struct Bodies {
   Vec3<S> gravity() const { return cast<S>(m.gravity); }
   bool isRoot(int i) const { return parentOf(i) == 0; }
   /// Whether the body's origin is elsewhere than its parent's.
-  bool hasLever(int i) const { return index(i).lever != Lever::none; }
+  bool hasLever(int i) const { return index(i).lever != 0; }
 
   template <class T>
   const T& parent(const T* array, int i) const {
@@ -263,6 +263,8 @@ struct Bodies {
   int dofEnd(int i) const { return m.dof_end[static_cast<std::size_t>(index(i).idx_v)]; }
   /// Of its parent's, and so the first one backward.
   bool isLastChild(int i) const { return index(i).last_child; }
+  /// Whether body i has other children than i + 1.
+  bool branches(int i) const { return index(i).branches; }
 };
 
 /// A free body on the world, which neither turns nor accelerates.

@@ -101,7 +101,7 @@ __attribute__((flatten, noinline)) void enterColumns(const AlignedBodies& bodies
       const auto climb = [&]<int joined>(std::integral_constant<int, joined>) {
         climbing.enter(climbing.alongAxis(dof->S_), row, column, n);
         if (left-- == 0) return false;
-        if (here->lever != Lever::none) climbing.template shift<joined>(*r);
+        if (here->lever != 0) climbing.template shift<joined>(*r);
         --here;
         --r;
         --dof;
@@ -135,7 +135,7 @@ __attribute__((flatten, noinline)) void enterColumns(const AlignedBodies& bodies
     }
     const BodyIndex& reached = bodies.index(body);
     if (reached.parent == 0) return;
-    if (reached.lever != Lever::none) climbing.shiftFrom(reached.idx_v - first, bodies.w.r[body]);
+    if (reached.lever != 0) climbing.shiftFrom(reached.idx_v - first, bodies.w.r[body]);
     body = reached.parent;
   }
 }
