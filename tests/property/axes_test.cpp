@@ -15,10 +15,10 @@ namespace {
 
 std::vector<double> numbers(const Vec3<double>& v) { return {v.x, v.y, v.z}; }
 
-Vec3<double> unitAxis(int k) {
-  Vec3<double> axis{};
-  axis[k] = 1;
-  return axis;
+Vec3<double> alongAxis(int k, double length) {
+  Vec3<double> out{};
+  out[k] = length;
+  return out;
 }
 
 /// From roundings of angles up to any, about one or both of the other axes.
@@ -43,12 +43,11 @@ Described describe(int n, std::uint64_t seed, const char* other, double armature
   std::vector<Vec3<double>> axes{{}};
   for (int i = 0; i < n; ++i) {
     const int parent = i % 3 == 2 ? random.below(i + 1) : i, direction = random.below(6);
-    Vec3<double> axis{};
-    axis[direction % 3] = direction < 3 ? 1 : -1;
+    const Vec3<double> axis = alongAxis(direction % 3, direction < 3 ? 1 : -1);
     Vec3<double> p = random.vector(0.3);
     if (i % 2 == 0) p = p.x * axes[static_cast<std::size_t>(parent)] + p.y * axis;
     if (i % 7 == 3) p = {};
-    if (i % 7 == 5) p = p.x * unitAxis(random.below(3));
+    if (i % 7 == 5) p = alongAxis(random.below(3), p.x);
     SE3<double> placement{i % 4 == 0 ? exp3(random.uniform(-3, 3) * axis) : Mat3<double>::identity(), p};
     if (i % 4 == 1) placement.R = tilt(random, direction % 3);
     axes.push_back(axis);

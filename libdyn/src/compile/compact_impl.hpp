@@ -50,7 +50,7 @@ struct alignas(64) BodyIndex {
   int piece = 0;             ///< first of the bodies with one axis to turn about that lead here, numbers without a gap; past this one if it has not
   bool leaf = false;         ///< no body hangs on it
   bool last_child = false;   ///< of its parent's, in their numbers
-  bool branches = false;     ///< more than one does
+  bool branches = false;     ///< more than one body hangs on it
   bool follows = false;      ///< the body before is its parent, and of the same run
   bool turns_only = false;   ///< the joint's motion subspace has no linear part
   std::uint8_t lever = 0;    ///< bit k: its origin is elsewhere than its parent's along its axis k, or moves
