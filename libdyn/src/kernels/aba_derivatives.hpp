@@ -20,12 +20,13 @@ CoriolisMap<S> coriolisMap(const Vec3<S>& momentum, const Mat3<S>& K) {
   return {skew(S(-2) * momentum), S(2) * turningTorque(K)};
 }
 
-/// About the parent's origin, with velocities relative to it: r from the parent's to the joint's, rate the joint origin's velocity.
-template <class S>
-CoriolisMap<S> shiftedMap(const CoriolisMap<S>& map, const ArticulatedInertia<S>& I, const Vec3<S>& r, const Vec3<S>& rate) {
+/// About the parent's origin, with velocities relative to it: r from the parent's to the joint's, rate the joint origin's velocity. I() is where the
+/// inertia is read.
+template <class S, class Again>
+void moveMap(const CoriolisMap<S>& map, const Again& I, const Vec3<S>& r, const Vec3<S>& rate, CoriolisMap<S>& to) {
   const Vec3<S> turning = S(-2) * rate;
-  const Mat3<S> linear = map.linear + timesSkew(I.linear.matrix(), turning);
-  return {linear, map.angular + timesSkew(transpose(I.coupling), turning) + crossColumns(r, linear)};
+  to.linear = map.linear + timesSkew(I().linear.matrix(), turning);
+  to.angular = map.angular + timesSkew(transpose(I().coupling), turning) + crossColumns(r, to.linear);
 }
 
 /// Placements, velocities and columns, and w.beta.
@@ -51,19 +52,20 @@ void articulatedInward(const Order& order, DerivativeWorkspace<S>& d, const S* t
   for (int& body : w.failed) body = 0;
   const auto articulated = passing(d.coriolis, w.IA, w.pA);
   order.backward(articulated, [&]<class Joint>(const Joint&, int i, int iv, auto&& coriolis, auto&& inertia, auto&& force) {
-    const Subtree<S> own = movingBody<Joint>(order, w, i, fext);
-    d.subtree[i] = own;
-    // The map stays in memory: there are not enough registers for it and IA.
-    CoriolisMap<S>& map = d.coriolis[i];
-    coriolis.gather(coriolisMap(own.m.momentum.linear, own.K));
-    Force<S> pA = force.with(own.f);
-    ArticulatedInertia<S> IA = inertia.with(ArticulatedInertia<S>::rigid(own.m.mass, own.m.h, own.m.I));
+    Subtree<S>& written = d.subtree[i];
+    writeMoving<Joint>(order, w, i, fext, written);
+    const auto own = [&]() -> const Subtree<S>& { return readAgain(order, written); };
+    CoriolisMap<S>& map = d.coriolis[i];  // in memory: there are not enough registers for it and IA
+    coriolis.gather(coriolisMap(own().m.momentum.linear, own().K));
+    Force<S> pA = force.with(own().f);
+    const SubtreeMomentum<S>& m = own().m;
+    ArticulatedInertia<S> IA = inertia.with(ArticulatedInertia<S>::rigid(m.mass, m.h, m.I));
     eliminateJoint<Joint>(order, w, IA, i, iv, [&](int k, const auto& column, const Force<S>& W, const S& inverse, const Force<S>& row) {
       const S y = tau[iv + k] - column.along(pA);
       w.dof[iv + k].y = inverse * y;
       pA += y * row;
       d.factors.inverse[iv + k] = inverse;
-      const Vec3<S> lever = inverse * column.along(map.linear, map.angular);
+      const Vec3<S> lever = inverse * column.along(readAgain(order, map).linear, map.angular);
       d.dof_force[iv + k].by_a = row;
       d.dof_force[iv + k].lever = lever;
       map.linear = map.linear - outer(W.linear, lever);
@@ -71,15 +73,17 @@ void articulatedInward(const Order& order, DerivativeWorkspace<S>& d, const S* t
     });
     if (order.isRoot(i)) return;
     w.IA[i] = IA;
-    pA += IA * w.beta[i];
+    const auto left = [&]() -> const ArticulatedInertia<S>& { return readAgain(order, w.IA[i]); };
+    pA += left() * w.beta[i];
     if (order.hasLever(i)) {
       const Vec3<S>& r = w.r[i];
-      coriolis.give(shiftedMap(map, IA, r, d.shift_rate[i]));
-      shift(IA, pA, r);
+      coriolis.giveInPlace([&](CoriolisMap<S>& to) { moveMap(readAgain(order, map), left, r, d.shift_rate[i], to); });
+      inertia.giveInPlace([&](ArticulatedInertia<S>& to) { to = left().shifted(r); });
+      addCross(pA.angular, r, pA.linear);
     } else {
-      coriolis.give(map);
+      coriolis.give(readAgain(order, map));
+      inertia.give(left());
     }
-    inertia.give(IA);
     force.give(pA);
   });
 }

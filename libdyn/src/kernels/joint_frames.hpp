@@ -29,9 +29,10 @@ struct ExchangedTurn {
   }
   /// T Rz a Rz^T T^T.
   Sym3<S> turned(const Sym3<S>& a) const {
-    const S u = c * a.xx - s * a.xy, v = c * a.xy - s * a.yy;
-    const Sym3<S> b{c * u - s * v,       s * u + c * v, c * a.xz - s * a.yz, s * (s * a.xx + c * a.xy) + c * (s * a.xy + c * a.yy),
-                    s * a.xz + c * a.yz, a.zz};
+    Sym3<S> b = turnedAboutZ(a.xx, a.xy, a.yy);
+    b.xz = c * a.xz - s * a.yz;
+    b.yz = s * a.xz + c * a.yz;
+    b.zz = a.zz;
     if constexpr (tilts) {
       const S xx = b.xx + tilt_x * b.xz, xy = b.xy + tilt_x * b.yz, xz = b.xz + tilt_x * b.zz, yy = b.yy + tilt_y * b.yz, yz = b.yz + tilt_y * b.zz;
       const S zx = thirdOf(b.xz, b.xx, b.xy), zy = thirdOf(b.yz, b.xy, b.yy), zz = thirdOf(b.zz, b.xz, b.yz);
@@ -39,23 +40,6 @@ struct ExchangedTurn {
     } else {
       return b;
     }
-  }
-  /// The same of one without anything about z.
-  Sym3<S> turnedPlanar(const S& xx, const S& xy, const S& yy) const {
-    const S u = c * xx - s * xy, v = c * xy - s * yy, zero(0);
-    const S bxx = c * u - s * v, bxy = s * u + c * v, byy = s * (s * xx + c * xy) + c * (s * xy + c * yy);
-    if constexpr (tilts) {
-      const S xz = -(tilt_x * bxx + tilt_y * bxy), yz = -(tilt_x * bxy + tilt_y * byy);
-      return {bxx, bxy, xz, byy, yz, -(tilt_x * xz + tilt_y * yz)};
-    } else {
-      return {bxx, bxy, zero, byy, zero, zero};
-    }
-  }
-  /// T {x, y, 0} T^T, columns being T's already.
-  Mat3<S> tiltedColumns(const Vec3<S>& p, const Vec3<S>& q) const {
-    Vec3<S> r{S(0), S(0), S(0)};
-    if constexpr (tilts) r = -(tilt_x * p + tilt_y * q);
-    return {{p.x, q.x, r.x, p.y, q.y, r.y, p.z, q.z, r.z}};
   }
 
   static Vec3<S> exchanged(const Vec3<S>& v) {
@@ -107,6 +91,22 @@ struct ExchangedTurn {
     return {{first.x, second.x, w.x, first.y, second.y, w.y, first.z, second.z, w.z}};
   }
   friend Vec3<S> operator*(const ExchangedTurn& R, const Vec3<S>& v) { return exchanged(R.turned(v)); }
+  friend Sym3<S> congruence(const ExchangedTurn& R, const Sym3<S>& a) { return exchanged(R.turned(a)); }
+  friend Sym3<S> planarCongruence(const ExchangedTurn& R, const S& xx, const S& xy, const S& yy) {
+    Sym3<S> b = R.turnedAboutZ(xx, xy, yy);
+    if constexpr (tilts) {
+      b.xz = -(R.tilt_x * b.xx + R.tilt_y * b.xy);
+      b.yz = -(R.tilt_x * b.xy + R.tilt_y * b.yy);
+      b.zz = -(R.tilt_x * b.xz + R.tilt_y * b.yz);
+    }
+    return exchanged(b);
+  }
+  friend Mat3<S> planarCongruence(const ExchangedTurn& R, const Vec3<S>& by_x, const Vec3<S>& by_y) {
+    const Vec3<S> p = R.turned(R.c * by_x - R.s * by_y), q = R.turned(R.s * by_x + R.c * by_y);
+    Vec3<S> r{S(0), S(0), S(0)};
+    if constexpr (tilts) r = -(R.tilt_x * p + R.tilt_y * q);
+    return exchanged(Mat3<S>{{p.x, q.x, r.x, p.y, q.y, r.y, p.z, q.z, r.z}});
+  }
   friend Vec3<S> transposeTimes(const ExchangedTurn& R, const Vec3<S>& v) {
     S a = v[x], b = flips ? -v[y] : v[y], d = flips ? -v[z] : v[z];
     if constexpr (tilts) {
@@ -119,9 +119,30 @@ struct ExchangedTurn {
   }
 
  private:
+  /// Rz {xx, xy, 0; xy, yy, 0; 0, 0, 0} Rz^T.
+  Sym3<S> turnedAboutZ(const S& xx, const S& xy, const S& yy) const {
+    const S u = c * xx - s * xy, v = c * xy - s * yy, zero(0);
+    return {c * u - s * v, s * u + c * v, zero, s * (s * xx + c * xy) + c * (s * xy + c * yy), zero, zero};
+  }
   /// Of T v.
   S thirdOf(const S& vz, const S& vx, const S& vy) const { return vz - tilt_x * vx - tilt_y * vy; }
 };
+
+/// R {xx, xy, 0; xy, yy, 0; 0, 0, 0} R^T.
+template <class S>
+Sym3<S> planarCongruence(const Mat3<S>& R, const S& xx, const S& xy, const S& yy) {
+  const Vec3<S> x = R.col(0), y = R.col(1), u = xx * x + xy * y, v = xy * x + yy * y;
+  return {u.x * x.x + v.x * y.x, u.x * x.y + v.x * y.y, u.x * x.z + v.x * y.z, u.y * x.y + v.y * y.y, u.y * x.z + v.y * y.z, u.z * x.z + v.z * y.z};
+}
+/// R {by_x, by_y, 0} R^T, of columns.
+template <class S>
+Mat3<S> planarCongruence(const Mat3<S>& R, const Vec3<S>& by_x, const Vec3<S>& by_y) {
+  const Vec3<S> x = R.col(0), y = R.col(1), Rx = R * by_x, Ry = R * by_y;
+  Mat3<S> out;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) out(i, j) = Rx[i] * x[j] + Ry[i] * y[j];
+  return out;
+}
 
 /// Of A R, which is not made.
 template <class S>

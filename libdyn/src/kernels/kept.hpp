@@ -54,12 +54,23 @@ class KeptFromChildren {
     order_.unite(i_, sum);
     return sum;
   }
+  const T& given() const { return kept_; }
   T gather(const T& own) const {
     T sum = with(own);
     array_[i_] = sum;
     return sum;
   }
+  template <class Fill>
+  T gatherInPlace(Fill&& fill) const {
+    T own;
+    fill(own);
+    return gather(own);
+  }
   void give(const T& x) { kept_ = x; }
+  template <class Fill>
+  void giveInPlace(Fill&& fill) {
+    fill(kept_);
+  }
   /// To where the parent looks for it.
   void putAway(const Order&, int i) {
     if (!order_.isRoot(i)) order_.handOver(array_, i, kept_);

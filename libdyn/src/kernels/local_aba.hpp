@@ -5,8 +5,7 @@
 // multiplied. Strips need one placement for each lane, single states have rotations that wait for one another: they go the aligned way (aba.hpp).
 #pragma once
 
-#include "kernels/aba.hpp"
-#include "kernels/joint_frames.hpp"
+#include "kernels/hinge.hpp"
 
 namespace dyn::kernels {
 
@@ -41,49 +40,6 @@ void localAbaOutward(const Order& order, Workspace<S>& w, const S* v) {
   });
 }
 
-/// What is left of a body's inertia where it may turn about z as it likes: no torque about z, and nothing that turning about z would take.
-template <class S>
-struct HingedInertia {
-  Sym3<S> linear;
-  Vec3<S> by_x, by_y;  ///< force by accelerations about x and y
-  S xx, xy, yy;        ///< torque about x and y by the same
-
-  /// W: column of I for turning about z; inverse: of its last entry.
-  HingedInertia(const ArticulatedInertia<S>& I, const Force<S>& W, const S& inverse) {
-    const Vec3<S>& a = W.linear;
-    const Vec3<S> scaled = inverse * a;
-    const S x = inverse * W.angular.x, y = inverse * W.angular.y;
-    linear = I.linear - Sym3<S>{a.x * scaled.x, a.x * scaled.y, a.x * scaled.z, a.y * scaled.y, a.y * scaled.z, a.z * scaled.z};
-    by_x = I.coupling.col(0) - x * a;
-    by_y = I.coupling.col(1) - y * a;
-    xx = I.angular.xx - W.angular.x * x;
-    xy = I.angular.xy - W.angular.x * y;
-    yy = I.angular.yy - W.angular.y * y;
-  }
-
-  Force<S> operator*(const Motion<S>& a) const {
-    return {linear * a.linear + a.angular.x * by_x + a.angular.y * by_y,
-            {dot(by_x, a.linear) + xx * a.angular.x + xy * a.angular.y, dot(by_y, a.linear) + xy * a.angular.x + yy * a.angular.y, S(0)}};
-  }
-
-  /// In axes that R leads to.
-  ArticulatedInertia<S> in(const Mat3<S>& R) const {
-    const Vec3<S> x = R.col(0), y = R.col(1), Rx = R * by_x, Ry = R * by_y, u = xx * x + xy * y, v = xy * x + yy * y;
-    ArticulatedInertia<S> out;
-    out.linear = congruence(R, linear);
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) out.coupling(i, j) = Rx[i] * x[j] + Ry[i] * y[j];
-    out.angular = {u.x * x.x + v.x * y.x, u.x * x.y + v.x * y.y, u.x * x.z + v.x * y.z,
-                   u.y * x.y + v.y * y.y, u.y * x.z + v.y * y.z, u.z * x.z + v.z * y.z};
-    return out;
-  }
-  template <int shift, bool flips, bool tilts>
-  ArticulatedInertia<S> in(const ExchangedTurn<S, shift, flips, tilts>& R) const {
-    const Vec3<S> x = R.turned(R.c * by_x - R.s * by_y), y = R.turned(R.s * by_x + R.c * by_y);
-    return {R.exchanged(R.turned(linear)), R.exchanged(R.tiltedColumns(x, y)), R.exchanged(R.turnedPlanar(xx, xy, yy))};
-  }
-};
-
 /// One column of a joint's subspace in its own axes, to use(column).
 template <class S, class Joint, class Use>
 void withOwnColumn([[maybe_unused]] const Joint& joint, int k, Use&& use) {
@@ -101,19 +57,6 @@ template <class S, class Joint, class Order>
 ArticulatedInertia<S> leftInParentsAxes(const Joint& joint, const Order& order, int i, const DofFactor<S>& last, ArticulatedInertia<S>& IA,
                                         Force<S>& f) {
   f += last.y * last.W;
-  if constexpr (Joint::about_z) {
-    // Armature does not fall with the body, and leaves something about z.
-    if (order.m.armature.empty()) {
-      const HingedInertia<S> left(IA, last.W, last.inverse);
-      f += left * order.w.beta[i];
-      ArticulatedInertia<S> out;
-      withRotationInward<S>(joint, order, i, [&](const auto& R) {
-        out = left.in(R);
-        f = {R * f.linear, R * f.angular};
-      });
-      return out;
-    }
-  }
   IA.subtractSquare(last.W, last.inverse);
   f += IA * order.w.beta[i];
   const Mat3<S> R = joint.rotate(order.constants(i).placement.R);
@@ -126,6 +69,28 @@ template <class S, class Order>
 void localAbaInward(const Order& order, Workspace<S>& w, const S* tau) {
   for (int& body : w.failed) body = 0;
   order.backward(passing(w.IA, w.pA), [&]<class Joint>(const Joint& joint, int i, int iv, auto&& inertia, auto&& force) {
+    const auto toParent = [&](auto&& leave) {
+      inertia.giveInPlace([&](ArticulatedInertia<S>& left) {
+        Force<S> f = leave(left);
+        alongLever<S, Joint>(
+            order, i, [&] { return originInward<S, Joint>(order, i); }, [&](const auto& r) { shift(readAgain(order, left), f, r); });
+        force.give(f);
+      });
+    };
+    if constexpr (Joint::about_z) {
+      // Armature does not fall with the body, and leaves something about z.
+      if (order.m.armature.empty()) {
+        Hinge<S, Order> hinge(order, i, iv, inertia.given(), force.given());
+        hinge.eliminate(tau[iv]);
+        if (order.isRoot(i)) return;
+        toParent([&](ArticulatedInertia<S>& left) {
+          Force<S> f;
+          withRotationInward<S>(joint, order, i, [&](const auto& R) { f = hinge.leave(R, tau[iv], left); });
+          return f;
+        });
+        return;
+      }
+    }
     const auto& c = order.constants(i);
     const Vec3<S>& omega = w.w[i];
     ArticulatedInertia<S> IA = inertia.with(ArticulatedInertia<S>::rigid(c.mass, c.h, c.origin));
@@ -144,12 +109,10 @@ void localAbaInward(const Order& order, Workspace<S>& w, const S* tau) {
         eliminate(order, IA, f, column, tau, iv + k, i, w);
       });
     if (order.isRoot(i)) return;
-
-    ArticulatedInertia<S> left = leftInParentsAxes(joint, order, i, w.dof[iv + Joint::nv - 1], IA, f);
-    alongLever<S, Joint>(
-        order, i, [&] { return originInward<S, Joint>(order, i); }, [&](const auto& r) { shift(left, f, r); });
-    inertia.give(left);
-    force.give(f);
+    toParent([&](ArticulatedInertia<S>& left) {
+      left = leftInParentsAxes(joint, order, i, w.dof[iv + Joint::nv - 1], IA, f);
+      return f;
+    });
   });
 }
 

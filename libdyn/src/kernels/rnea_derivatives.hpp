@@ -54,12 +54,13 @@ JointMotion<S> moveAligned(const Joint& joint, const Order& order, int i, Deriva
 
 /// Of body i alone, which turns with w.w, but for its acceleration. fext: null, or external forces in the bodies' axes.
 template <class Joint, class T, class S, class Order>
-Subtree<S> movingBody(const Order& order, const Workspace<S>& w, int i, const Force<T>* fext) {
+void writeMoving(const Order& order, const Workspace<S>& w, int i, const Force<T>* fext, Subtree<S>& own) {
   const auto [mass, h, I] = alignedInertia<Joint>(order, w, i);
   const Vec3<S>& omega = w.w[i];
-  Subtree<S> own = ownMotion(SubtreeMomentum<S>{mass, h, I, {cross(omega, h), I * omega}}, omega);
+  own.m = {mass, h, I, {cross(omega, h), I * omega}};
+  own.f = turnedMomentum(readAgain(order, own).m, omega);
+  own.K = turnedMoment(readAgain(order, own).m, omega);
   if (fext) own.f -= inAlignedAxes(w, i, fext[i]);
-  return own;
 }
 
 /// The parent's acceleration carried to where body i's joint is, but for what the parent's own turning adds; of a root as if gravity were an
@@ -116,13 +117,20 @@ template <class Order, class S, class T = S>
 void derivativesInward(const Order& order, DerivativeWorkspace<S>& d, const Force<T>* fext = nullptr) {
   const Workspace<S>& w = order.w;
   order.backward(passing(d.subtree), [&]<class Joint>(const Joint&, int i, int iv, auto&& subtree) {
-    Subtree<S> own = movingBody<Joint>(order, w, i, fext);
-    own.f += rigidForce(own.m, w.acc[i]);
-    const Subtree<S>& c = subtree.gather(own);
+    const Subtree<S>& all = subtree.gatherInPlace([&](Subtree<S>& own) {
+      writeMoving<Joint>(order, w, i, fext, own);
+      own.f += rigidForce(readAgain(order, own).m, w.acc[i]);
+    });
     if constexpr (Joint::is_free)
-      if (order.isRoot(i)) return flyingForces(d.dof + iv, c, [&](int k, const DofForces<S>& x) { d.dof_force[iv + k] = x; });
-    for (int k = iv; k < iv + Joint::nv; ++k) d.dof_force[k] = forcesOf<Joint>(w.dof[k].S_, d.dof[k], c);
-    if (!order.isRoot(i)) subtree.give(order.hasLever(i) ? moved(c, w.r[i], d.shift_rate[i]) : c);
+      if (order.isRoot(i)) return flyingForces(d.dof + iv, all, [&](int k, const DofForces<S>& x) { d.dof_force[iv + k] = x; });
+    const auto again = [&]() -> const Subtree<S>& { return readAgain(order, all); };
+    for (int k = iv; k < iv + Joint::nv; ++k) writeForces<Joint>(w.dof[k].S_, d.dof[k], again, d.dof_force[k]);
+    if (order.isRoot(i)) return;
+    if (order.hasLever(i)) {
+      subtree.giveInPlace([&](Subtree<S>& at_parent) { move(again, w.r[i], d.shift_rate[i], at_parent); });
+    } else {
+      subtree.give(all);
+    }
   });
 }
 

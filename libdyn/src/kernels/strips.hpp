@@ -10,7 +10,7 @@ namespace dyn::kernels {
 /// `varying`: also of joints whose subspace varies with q.
 template <class S, bool varying = true>
 struct Strips {
-  static constexpr bool waits = false, alike = false;
+  static constexpr bool waits = false, alike = false, streams = false;
 
   const CompactImpl& m;
   Workspace<S>& w;

@@ -1,6 +1,7 @@
 // Walking the bodies of a model, parents first or children first, with the joint of each at hand.
 #pragma once
 
+#include "kernels/in_memory.hpp"
 #include "kernels/shapes.hpp"
 #include "kernels/workspace.hpp"
 
@@ -65,8 +66,41 @@ class FromChildren {
     order_.unite(i_, sum);
     return sum;
   }
+  /// What they gave. Of arrays that have zeros for the universe, which nobody gives anything: it is what leaves are given.
+  const T& given() const { return array_[order_.isLeaf(i_) ? 0 : i_]; }
+  /// gather() of what fill(own) writes. Where packs stream nothing else is in its way to the array.
+  template <class Fill>
+  const T& gatherInPlace(Fill&& fill) const {
+    if constexpr (Order::streams) {
+      Unwritten<T> room;
+      T& sum = array_[i_];
+      T& own = order_.isLeaf(i_) ? sum : *room;
+      fill(own);
+      if (!order_.isLeaf(i_)) sum += readAgain(order_, own);
+      return readAgain(order_, sum);
+    } else {
+      T own;
+      fill(own);
+      return gather(own);
+    }
+  }
   /// To the parent; a root has none.
   void give(const T& x) const { order_.handOver(array_, i_, x); }
+  /// give() of what fill(x) writes, in the same way.
+  template <class Fill>
+  void giveInPlace(Fill&& fill) const {
+    if constexpr (Order::streams) {
+      Unwritten<T> room;
+      const bool begins = order_.isLastChild(i_);
+      T& to = begins ? array_[order_.parentOf(i_)] : *room;
+      fill(to);
+      if (!begins) give(readAgain(order_, to));
+    } else {
+      T x;
+      fill(x);
+      give(x);
+    }
+  }
 
  private:
   const Order& order_;
@@ -143,13 +177,16 @@ struct Bodies {
   /// Whether all lanes have the same constants, and vectors their coordinates in packs of their own: then what constants are decides what is
   /// computed.
   static constexpr bool alike = true;
+  /// Whether bodies have so many numbers, and so much to do that waits for none of them, that they are best read where they are: readAgain().
+  static constexpr bool streams = lanes_of<S> > 1;
 
   const CompactImpl& m;
   Workspace<S>& w;
 
+  const BodyConstants<Real<S>>& inOneLane(int i) const { return m.constantsIn<Real<S>>()[static_cast<std::size_t>(i)]; }
   /// Constants of body i; packs of states have them in every lane.
   decltype(auto) constants(int i) const {
-    const BodyConstants<Real<S>>& c = m.constantsIn<Real<S>>()[static_cast<std::size_t>(i)];
+    const BodyConstants<Real<S>>& c = inOneLane(i);
     if constexpr (std::is_same_v<S, Real<S>>) {
       return (c);
     } else {

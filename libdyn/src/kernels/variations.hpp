@@ -87,23 +87,40 @@ Force<S> turnedOf(const Motion<S>& s, const Force<S>& f) {
   }
 }
 
-/// A body that turns with w, but for its acceleration.
+/// What force a body takes that turns with w, but for its acceleration.
 template <class S>
-Subtree<S> ownMotion(const SubtreeMomentum<S>& m, const Vec3<S>& w) {
+Force<S> turnedMomentum(const SubtreeMomentum<S>& m, const Vec3<S>& w) {
+  return {cross(w, m.momentum.linear), cross(w, m.momentum.angular)};
+}
+/// And its sum of mass * velocity * position^T.
+template <class S>
+Mat3<S> turnedMoment(const SubtreeMomentum<S>& m, const Vec3<S>& w) {
   // Sum of mass * position * position^T, whose columns the body turns. Symmetric to the last bit, or a rigid body would have a trace of K.
   const Mat3<S> second = (S(0.5) * trace(m.I)) * Mat3<S>::identity() - symmetricMatrix(m.I);
-  return {m, crossColumns(w, second), {cross(w, m.momentum.linear), cross(w, m.momentum.angular)}};
+  return crossColumns(w, second);
 }
 
-/// A subtree about its parent's origin, with velocities relative to that: r from there to the joint's origin, which moves by rate.
-template <class S>
-Subtree<S> moved(const Subtree<S>& x, const Vec3<S>& r, const Vec3<S>& rate) {
-  const SubtreeMomentum<S>& m = x.m;
-  Subtree<S> out{{m.mass, m.h + m.mass * r, shiftedInertia(m.I, m.mass, m.h, r), {}}, {}, {x.f.linear, x.f.angular + cross(r, x.f.linear)}};
-  const Vec3<S> linear = m.momentum.linear + m.mass * rate;
-  out.K = x.K + outer(m.momentum.linear, r) + outer(rate, out.m.h);
-  out.m.momentum = {linear, m.momentum.angular + cross(m.h, rate) + cross(r, linear)};
-  return out;
+/// Subtree x() about its parent's origin, with velocities relative to that: r from there to the joint's origin, which moves by rate. x() is where it
+/// is read, for each part of what is written.
+template <class S, class Again>
+void move(const Again& x, const Vec3<S>& r, const Vec3<S>& rate, Subtree<S>& out) {
+  {
+    const Subtree<S>& from = x();
+    out.f = {from.f.linear, from.f.angular + cross(r, from.f.linear)};
+  }
+  {
+    const SubtreeMomentum<S>& m = x().m;
+    out.m.mass = m.mass;
+    out.m.I = shiftedInertia(m.I, m.mass, m.h, r);
+  }
+  {
+    const SubtreeMomentum<S>& m = x().m;
+    const Vec3<S> linear = m.momentum.linear + m.mass * rate;
+    out.m.momentum = {linear, m.momentum.angular + cross(m.h, rate) + cross(r, linear)};
+  }
+  const Subtree<S>& from = x();
+  out.m.h = from.m.h + from.m.mass * r;
+  out.K = from.K + outer(from.m.momentum.linear, r) + outer(rate, out.m.h);
 }
 
 /// Singh, Russell and Wensing 2022; see rnea_derivatives.hpp.
@@ -142,14 +159,18 @@ void flyingVariations(const Vec3<S>& acceleration, const Vec3<S>& slide, const V
   }
 }
 
-/// Of a degree of freedom with motion s and variation x.
-template <class Joint, class S>
-DofForces<S> forcesOf(const Motion<S>& s, const DofVariation<S>& x, const Subtree<S>& c) {
-  const SubtreeMomentum<S>& m = c.m;
-  const Mat3<S> torque = turningTorque(c.K);
-  return {rigidForceOf<Joint>(m, s), coriolisLever<Joint>(m, torque, s),
-          rigidForce(m, x.acceleration) + coriolis(m, torque, x.velocity.angular) + turnedOf<Joint>(s, c.f),
-          rigidForceOf<Joint>(m, x.rate) + coriolis(m, torque, s.angular)};
+/// Of a degree of freedom with motion s and variation x, of subtree c(), which is where it is read, for each part of what is written.
+template <class Joint, class S, class Again>
+void writeForces(const Motion<S>& s, const DofVariation<S>& x, const Again& c, DofForces<S>& out) {
+  out.by_a = rigidForceOf<Joint>(c().m, s);
+  {
+    const Subtree<S>& all = c();
+    const Mat3<S> torque = turningTorque(all.K);
+    out.lever = coriolisLever<Joint>(all.m, torque, s);
+    out.by_v = rigidForceOf<Joint>(all.m, x.rate) + coriolis(all.m, torque, s.angular);
+  }
+  const Subtree<S>& all = c();
+  out.by_q = rigidForce(all.m, x.acceleration) + coriolis(all.m, turningTorque(all.K), x.velocity.angular) + turnedOf<Joint>(s, all.f);
 }
 
 /// The same of all six of a flying root; variations are where x begins.

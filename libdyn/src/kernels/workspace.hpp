@@ -170,6 +170,7 @@ void atRest(Workspace<S>& w) {
   w.R[0] = Mat3<S>::identity();
   w.v[0] = w.a[0] = {};
   w.w[0] = {};
+  w.IA[0] = {};
 }
 
 }  // namespace dyn
