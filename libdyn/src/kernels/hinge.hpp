@@ -51,7 +51,7 @@ class Hinge {
       const DofFactor<S>& dof = readAgain(order_, dof_);
       const Vec3<S>&a = dof.W.linear, scaled = dof.inverse * a;
       const Sym3<S>& all = given_.linear;
-      const Sym3<S> part{all.xx + mass - a.x * scaled.x, all.xy - a.x * scaled.y,        all.xz - a.x * scaled.z,
+      const Sym3<S> part{all.xx + mass - a.x * scaled.x, all.xy - a.x * scaled.y, all.xz - a.x * scaled.z,
                          all.yy + mass - a.y * scaled.y, all.yz - a.y * scaled.z, all.zz + mass - a.z * scaled.z};
       f.linear += dof.y * a;
       f.linear += part * beta_.linear;

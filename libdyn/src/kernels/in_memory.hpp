@@ -1,13 +1,13 @@
-// Numbers that are worked on where they are. A body has more of them, in packs, than there are registers: what compilers keep of them beyond that they
-// write to memory of another place, and move to and fro.
+// Numbers that are worked on where they are. A body has more of them, in packs, than there are registers: what compilers keep of them beyond that
+// they write to memory of another place, and move to and fro.
 #pragma once
 
 #include <cstddef>
 
 namespace dyn::kernels {
 
-/// x, of which compilers do not know that they have written or read it before: it is read from where it is. Orders of one state or of strips, in which
-/// the next body waits for what was just computed, keep what they can.
+/// x, of which compilers do not know that they have written or read it before: it is read from where it is. Orders of one state or of strips, in
+/// which the next body waits for what was just computed, keep what they can.
 template <class Order, class T>
 T& readAgain(const Order&, T& x) {
   T* p = &x;

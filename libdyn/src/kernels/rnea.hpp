@@ -58,20 +58,22 @@ void rneaOutward(const Order& order, Workspace<S>& w, const S* v, const S* a) {
 template <class S, class Order, class External = std::nullptr_t>
 void rneaInward(const Order& order, Workspace<S>& w, S* tau, External fext = {}) {
   order.backward(passing(w.f), [&]<class Joint>(const Joint& joint, int i, int iv, auto&& force) {
-    const auto& c = order.constants(i);
     const auto& [origin, domega] = w.acc[i];
     const Spin<S> spin(w.w[i], domega);
-    const Vec3<S> linear = c.mass * spin.at(origin, c.com);
-    Force<S> own{linear, spin.torque(c.rotational) + cross(c.com, linear)};
+    const Vec3<S> torque = spin.torque(order.constants(i).rotational);
+    const Vec3<S> com = order.constants(i).com, linear = order.constants(i).mass * spin.at(origin, com);
+    Force<S> own{linear, torque + cross(com, linear)};
     if constexpr (!std::is_null_pointer_v<External>)
       if (fext) own -= fext[i];
     const Force<S> f = force.with(own);
     joint.project(f, tau + iv);
-    if (order.isRoot(i)) return;
-    Force<S> on_parent;
-    withRotationInward<S>(joint, order, i, [&](const auto& R) { on_parent = {R * f.linear, R * f.angular}; });
-    alongLever<S, Joint>(
-        order, i, [&] { return originInward<S, Joint>(order, i); }, [&](const auto& r) { addCross(on_parent.angular, r, on_parent.linear); });
+    Force<S> on_parent = f;
+    if (!order.isRoot(i)) {
+      withRotationInward<S>(joint, order, i, [&](const auto& R) { on_parent = {R * f.linear, R * f.angular}; });
+      alongLever<S, Joint>(
+          order, i, [&] { return originInward<S, Joint>(order, i); }, [&](const auto& r) { addCross(on_parent.angular, r, on_parent.linear); });
+    }
+    // Roots as well, to the world, which does not ask: compilers would put off what only others give, and its numbers into memory until then.
     force.give(on_parent);
   });
 }

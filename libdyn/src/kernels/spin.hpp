@@ -31,9 +31,21 @@ class Spin<S, true> {
                             (zx_ - a_.y) * r.x + (yz_ + a_.x) * r.y - (xx_ + yy_) * r.z};
   }
   Vec3<S> torque(const Sym3<S>& I) const {
-    return {I.xx * a_.x + (I.zz - I.yy) * yz_ + I.xy * (a_.y - zx_) + I.xz * (a_.z + xy_) + I.yz * (yy_ - zz_),
-            I.yy * a_.y + (I.xx - I.zz) * zx_ + I.yz * (a_.z - xy_) + I.xy * (a_.x + yz_) + I.xz * (zz_ - xx_),
-            I.zz * a_.z + (I.yy - I.xx) * xy_ + I.xz * (a_.x - yz_) + I.yz * (a_.y + zx_) + I.xy * (xx_ - yy_)};
+    // Entry by entry: each is in a register for all that it is multiplied by.
+    Vec3<S> sum{I.xx * a_.x, I.yy * a_.y, I.zz * a_.z};
+    sum.x += (I.zz - I.yy) * yz_;
+    sum.y += (I.xx - I.zz) * zx_;
+    sum.z += (I.yy - I.xx) * xy_;
+    sum.x += I.xy * (a_.y - zx_);
+    sum.y += I.xy * (a_.x + yz_);
+    sum.z += I.xy * (xx_ - yy_);
+    sum.x += I.xz * (a_.z + xy_);
+    sum.y += I.xz * (zz_ - xx_);
+    sum.z += I.xz * (a_.x - yz_);
+    sum.x += I.yz * (yy_ - zz_);
+    sum.y += I.yz * (a_.z - xy_);
+    sum.z += I.yz * (a_.y + zx_);
+    return sum;
   }
 
  private:
