@@ -20,7 +20,7 @@ struct ExchangedTurn {
 
   /// T Rz v, T being the tilt.
   Vec3<S> turned(const Vec3<S>& v) const {
-    const Vec3<S> w{c * v.x - s * v.y, s * v.x + c * v.y, v.z};
+    Vec3<S> w{c * v.x - s * v.y, s * v.x + c * v.y, v.z};
     if constexpr (tilts) {
       return {w.x + tilt_x * w.z, w.y + tilt_y * w.z, thirdOf(w.z, w.x, w.y)};
     } else {
@@ -62,7 +62,8 @@ struct ExchangedTurn {
   }
 
   friend Vec3<S> firstColumn(const Mat3<S>& A, const ExchangedTurn& R) {
-    const Vec3<S> sine = R.s * A.col(y), sum = flips ? R.c * A.col(x) - sine : R.c * A.col(x) + sine;
+    const Vec3<S> sine = R.s * A.col(y);
+    Vec3<S> sum = flips ? R.c * A.col(x) - sine : R.c * A.col(x) + sine;
     if constexpr (tilts) {
       const Vec3<S> third = (R.tilt_x * R.c + R.tilt_y * R.s) * A.col(z);
       return flips ? sum + third : sum - third;
@@ -108,14 +109,14 @@ struct ExchangedTurn {
     return exchanged(Mat3<S>{{p.x, q.x, r.x, p.y, q.y, r.y, p.z, q.z, r.z}});
   }
   friend Vec3<S> transposeTimes(const ExchangedTurn& R, const Vec3<S>& v) {
-    S a = v[x], b = flips ? -v[y] : v[y], d = flips ? -v[z] : v[z];
+    Vec3<S> u{v[x], flips ? -v[y] : v[y], flips ? -v[z] : v[z]};
     if constexpr (tilts) {
-      const S above = d + R.tilt_x * a + R.tilt_y * b;
-      a -= R.tilt_x * d;
-      b -= R.tilt_y * d;
-      d = above;
+      const S above = u.z + R.tilt_x * u.x + R.tilt_y * u.y;
+      u.x -= R.tilt_x * u.z;
+      u.y -= R.tilt_y * u.z;
+      u.z = above;
     }
-    return {R.c * a + R.s * b, R.c * b - R.s * a, d};
+    return {R.c * u.x + R.s * u.y, R.c * u.y - R.s * u.x, u.z};
   }
 
  private:
