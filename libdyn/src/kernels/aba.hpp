@@ -25,13 +25,15 @@ void abaOutward(const Order& order, Workspace<S>& w, const S* v) {
   });
 }
 
-/// A pivot that is not above the rounding of what was subtracted to get it is zero. The yardstick is the inertia left in other
+/// A pivot that is not above the rounding of what was subtracted to get it is zero. The yardstick is the inertia left in this and other
 /// directions at the same body, so it scales with the model's units. Notes the body, lane by lane.
+template <class S>
+void noteVanishing(const S& pivot, const S& inertia, int body, int* failed) {
+  noteSmall(pivot, S(4 * std::numeric_limits<Real<S>>::epsilon()) * inertia, body, failed);
+}
 template <class S, class Column>
 void noteVanishing(const S& pivot, const Column& column, const ArticulatedInertia<S>& I, int body, int* failed) {
-  using T = Real<S>;
-  const S least = S(4 * std::numeric_limits<T>::epsilon()) * column.weighted(trace(I.linear), trace(I.angular));
-  noteSmall(pivot, least, body, failed);
+  noteVanishing(pivot, column.weighted(trace(I.linear), trace(I.angular)), body, failed);
 }
 
 /// Factor of one degree of freedom, k of the model's, of body i.
@@ -59,19 +61,18 @@ class AxesElimination {
  public:
   template <class Order>
   AxesElimination(const Order& order, const ArticulatedInertia<S>& IA, int i, int iv, int* failed) {
-    using T = Real<S>;
 #pragma GCC unroll 6
     for (int r = 0; r < 6; ++r)
 #pragma GCC unroll 6
       for (int c = 0; c <= r; ++c) left_[r][c] = entry(IA, std::max(axis(r), axis(c)), std::min(axis(r), axis(c)));
 #pragma GCC unroll 6
     for (int p = 0; p < 6; ++p) {
-      // noteVanishing's yardstick: what is left in this direction and the others of its three.
+      // What is left in this direction and the others of its three.
       S three = left_[p][p];
       for (int r = p + 1; r < (p < 3 ? 3 : 6); ++r) three += left_[r][r];
       // Strips have armature in lanes of nobody.
       const S pivot = left_[p][p] + order.armature(iv + axis(p));
-      noteSmall(pivot, S(4 * std::numeric_limits<T>::epsilon()) * three, i, failed);
+      noteVanishing(pivot, three, i, failed);
       inverse_[p] = S(1) / pivot;
 #pragma GCC unroll 6
       for (int r = p + 1; r < 6; ++r)

@@ -4,8 +4,6 @@
 #include "kernels/aba.hpp"
 #include "kernels/joint_frames.hpp"
 
-#include <limits>
-
 namespace dyn::kernels {
 
 /// Body i, with what its children gave, where it may turn about z as it likes: what is left of its inertia has no torque about z, and nothing that
@@ -14,19 +12,20 @@ namespace dyn::kernels {
 template <class S, class Order>
 class Hinge {
  public:
-  /// given, and given_force that goes with it: what the children gave.
-  Hinge(const Order& order, int i, int iv, const ArticulatedInertia<S>& given, const Force<S>& given_force)
+  /// given, and given_force that goes with it: what the children gave. tau: of the joint.
+  Hinge(const Order& order, int i, int iv, const S& tau, const ArticulatedInertia<S>& given, const Force<S>& given_force)
       : order_(order),
         constants_(order.inOneLane(i)),
         omega_(order.w.w[i]),
         beta_(order.w.beta[i]),
+        tau_(tau),
         given_(given),
         given_force_(given_force),
         dof_(order.w.dof[iv]),
         i_(i) {}
 
-  /// tau: of the joint. Leaves the degree of freedom's factor, and w.failed as abaInward does.
-  void eliminate(const S& tau) {
+  /// Leaves the degree of freedom's factor, and w.failed as abaInward does.
+  void eliminate() {
     const Sym3<S> own = constants().origin;
     bias_ = cross(omega_, own * omega_) + given_force_.angular;
     const Vec3<S> h = constants().h;
@@ -36,15 +35,14 @@ class Hinge {
     a.y += h.x;
     const S pivot = angular.zz + own.zz;
     dof_.W = {a, {angular.xz + own.xz, angular.yz + own.yz, pivot}};
-    const S least = S(4 * std::numeric_limits<Real<S>>::epsilon()) * (angular.xx + own.xx + angular.yy + own.yy + pivot);
-    noteSmall(pivot, least, i_, order_.w.failed);
+    noteVanishing(pivot, angular.xx + own.xx + angular.yy + own.yy + pivot, i_, order_.w.failed);
     dof_.inverse = S(1) / pivot;
-    dof_.y = (tau - bias_.z) / pivot;
+    dof_.y = (tau_ - bias_.z) / pivot;
   }
 
   /// In axes that R leads to: writes what is left to `left`. The force that goes with it.
   template <class Rotation>
-  Force<S> leave(const Rotation& R, const S& tau, ArticulatedInertia<S>& left) const {
+  Force<S> leave(const Rotation& R, ArticulatedInertia<S>& left) const {
     Force<S> f{cross(omega_, cross(omega_, constants().h)) + given_force_.linear, bias_};
     {
       const S mass = constants().mass;
@@ -79,7 +77,7 @@ class Hinge {
       const Sym3<S>& all = given_.angular;
       const S xx = all.xx + own.xx - u * x, xy = all.xy + own.xy - u * y, yy = all.yy + own.yy - v * y;
       f.angular = {f.angular.x + dof.y * u + xx * beta_.angular.x + xy * beta_.angular.y,
-                   f.angular.y + dof.y * v + xy * beta_.angular.x + yy * beta_.angular.y, tau};
+                   f.angular.y + dof.y * v + xy * beta_.angular.x + yy * beta_.angular.y, tau_};
       left.angular = planarCongruence(R, xx, xy, yy);
     }
     return {R * f.linear, R * f.angular};
@@ -92,6 +90,7 @@ class Hinge {
   const BodyConstants<Real<S>>& constants_;
   const Vec3<S>& omega_;
   const Motion<S>& beta_;
+  const S& tau_;
   const ArticulatedInertia<S>& given_;
   const Force<S>& given_force_;
   DofFactor<S>& dof_;

@@ -81,15 +81,8 @@ struct ExchangedTurn {
   }
 
   friend Mat3<S> operator*(const Mat3<S>& A, const ExchangedTurn& R) {
-    Vec3<S> u = A.col(x), v = flips ? -A.col(y) : A.col(y), w = flips ? -A.col(z) : A.col(z);
-    if constexpr (tilts) {
-      const Vec3<S> third = w + R.tilt_x * u + R.tilt_y * v;
-      u -= R.tilt_x * w;
-      v -= R.tilt_y * w;
-      w = third;
-    }
-    const Vec3<S> first = R.c * u + R.s * v, second = R.c * v - R.s * u;
-    return {{first.x, second.x, w.x, first.y, second.y, w.y, first.z, second.z, w.z}};
+    const Vec3<S> first = transposeTimes(R, A.row(0)), second = transposeTimes(R, A.row(1)), third = transposeTimes(R, A.row(2));
+    return {{first.x, first.y, first.z, second.x, second.y, second.z, third.x, third.y, third.z}};
   }
   friend Vec3<S> operator*(const ExchangedTurn& R, const Vec3<S>& v) { return exchanged(R.turned(v)); }
   friend Sym3<S> congruence(const ExchangedTurn& R, const Sym3<S>& a) { return exchanged(R.turned(a)); }

@@ -80,12 +80,12 @@ void localAbaInward(const Order& order, Workspace<S>& w, const S* tau) {
     if constexpr (Joint::about_z) {
       // Armature does not fall with the body, and leaves something about z.
       if (order.m.armature.empty()) {
-        Hinge<S, Order> hinge(order, i, iv, inertia.given(), force.given());
-        hinge.eliminate(tau[iv]);
+        Hinge<S, Order> hinge(order, i, iv, tau[iv], inertia.given(), force.given());
+        hinge.eliminate();
         if (order.isRoot(i)) return;
         toParent([&](ArticulatedInertia<S>& left) {
           Force<S> f;
-          withRotationInward<S>(joint, order, i, [&](const auto& R) { f = hinge.leave(R, tau[iv], left); });
+          withRotationInward<S>(joint, order, i, [&](const auto& R) { f = hinge.leave(R, left); });
           return f;
         });
         return;
