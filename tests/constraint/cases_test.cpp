@@ -386,7 +386,7 @@ TEST_CASE("what makes no constraint is refused by name", "[constraint]") {
 }
 
 TEST_CASE("an empty set of constraints is no constraint", "[constraint]") {
-  const CompactModel model = biped();
+  const CompactModel model = GENERATE(true, false) ? biped() : compile(urdf::load(DYN_SOURCE_DIR "/models/arm.urdf"), registry());
   Data data(model, Need::derivatives);
   const State s = stateOf(model, 2);
   ConstraintData none((ConstraintSet(model)));

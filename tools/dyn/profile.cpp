@@ -17,12 +17,14 @@ namespace dyn::tool {
 namespace {
 
 constexpr int repetitions = 21, state_count = 256;
+constexpr double sample_ns = 2e6;  ///< of a repetition: what interrupts it for some microseconds hits all alike
 
 struct Line {
   benchmark::Contender contender;
   std::vector<double> times;  ///< ns a call, a repetition each
   Counters::Reading counted;  ///< a call
   benchmark::Quartiles ns;
+  int rounds = 1;  ///< through all states, a repetition
 };
 
 /// What a caller of libdyn gets, under the name "library". An algorithm that refuses one of the states is left out, and says so.
@@ -59,9 +61,10 @@ void measure(std::vector<Line>& lines, const std::vector<State>& states, Counter
       };
       once();  // warm: the line before used other code and memory
       const auto start = Clock::now();
-      for (int round = 0; round < 4; ++round) once();
+      for (int round = 0; round < line.rounds; ++round) once();
       const double ns = std::chrono::duration<double, std::nano>(Clock::now() - start).count();
-      if (repetition >= 0) line.times.push_back(ns / (4.0 * state_count));
+      if (repetition < 0) line.rounds = std::max(1, static_cast<int>(sample_ns / ns));
+      if (repetition >= 0) line.times.push_back(ns / (line.rounds * state_count));
       if (repetition != 0) continue;
       counters.start();
       once();

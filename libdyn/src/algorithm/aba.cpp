@@ -27,9 +27,10 @@ const double* aba(const CompactModel& model, Data& data, VectorView q, VectorVie
   const Force<double>* external = readExternalForces("aba", m, d, fext, count);
   const double* effective = lessLosses(m, d, tau.data, in.v);
   int body = 0;
-  if (const kernels::PackedKernels* k = kernels::packed(m); k && external == nullptr) {
-    if (!k->articulate(m, d.packed.data(), in.q, in.v, effective, body)) checkConfiguration("q", m, in.q);
-    k->accelerate(m, d.packed.data(), m.gravity, d.ddq);
+  if (const kernels::PackedKernels* k = kernels::packed(m, &StripUses::aba); k && external == nullptr) {
+    char* const scratch = d.packed[k->over_strips].data();
+    if (!k->articulate(m, scratch, in.q, in.v, effective, body)) checkConfiguration("q", m, in.q);
+    k->accelerate(m, scratch, m.gravity, d.ddq);
   } else {
     evaluateJoints(m, d, in.q, in.v);
     const kernels::SingleKernels& single = kernels::active().single;

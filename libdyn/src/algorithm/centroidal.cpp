@@ -49,9 +49,9 @@ CentroidalViews centroidal(const CompactModel& model, Data& data, CentroidalTask
   if (!(m.mass > 0))
     throw Error(ErrorCode::singular, std::string(algorithm) + ": the model has no mass, so no centre of mass; give its bodies inertias");
   const Inputs in = readInputs(algorithm, model, data, q, &v, a);
-  if (const kernels::PackedKernels* k = kernels::packed(m); k && task == CentroidalTask::map) {
+  if (const kernels::PackedKernels* k = kernels::packed(m, &StripUses::centroidal_map); k && task == CentroidalTask::map) {
     kernels::CentroidalState<double> state;
-    if (!k->centroidalMap(m, d.packed.data(), in.q, in.v, d.Ag, state)) checkConfiguration("q", m, in.user_q);
+    if (!k->centroidalMap(m, d.packed[k->over_strips].data(), in.q, in.v, d.Ag, state)) checkConfiguration("q", m, in.user_q);
     return views(m, d, task, state);
   }
   evaluateJoints(m, d, in.q, in.v);

@@ -15,9 +15,8 @@ const double* massMatrix(const CompactImpl& m, DataImpl& d, const Inputs& in) {
   double* M = coupled ? d.Mx : d.M;
   // Folding rows fills entries that kernels leave as they are.
   if (coupled) std::fill(M, M + static_cast<std::ptrdiff_t>(m.nvx) * m.nvx, 0.0);
-  if (const kernels::PackedKernels* k = kernels::packedMassMatrix(m)) {
-    char* scratch = k == kernels::packed(m) ? d.packed.data() : d.packed_mass_matrix.data();
-    if (!k->massMatrix(m, scratch, in.q, M)) checkConfiguration("q", m, in.user_q);
+  if (const kernels::PackedKernels* k = kernels::packed(m, &StripUses::mass_matrix)) {
+    if (!k->massMatrix(m, d.packed[k->over_strips].data(), in.q, M)) checkConfiguration("q", m, in.user_q);
   } else {
     evaluateJoints(m, d, in.q, nullptr);
     kernels::active().single.massMatrix(m, d, M);

@@ -10,8 +10,8 @@ namespace {
 
 const double* inverseDynamics(const CompactImpl& m, DataImpl& d, const Inputs& in, const Force<double>* fext, double* result) {
   double* tau = m.couplings.empty() ? result : d.taux;
-  if (const kernels::PackedKernels* k = kernels::packed(m); k && fext == nullptr) {
-    if (!k->rnea(m, d.packed.data(), in.q, in.v, in.a, tau)) checkConfiguration("q", m, in.user_q);
+  if (const kernels::PackedKernels* k = kernels::packed(m, &StripUses::rnea); k && fext == nullptr) {
+    if (!k->rnea(m, d.packed[k->over_strips].data(), in.q, in.v, in.a, tau)) checkConfiguration("q", m, in.user_q);
   } else {
     evaluateJoints(m, d, in.q, in.v);
     kernels::active().single.rnea(m, d, in.v, in.a, fext, tau);

@@ -203,7 +203,7 @@ class Packer {
       // Subtrees are contiguous: an only child is the body before.
       if (x.here || x.children != 1) out_.chains.push_back({place, place, dof, dof, x.begin, x.end});
       out_.body_at[at(i)] = place;
-      out_.bodies.push_back({i, static_cast<int>(out_.chains.size()) - 1, dof, m_.strips.used ? m_.strips.seats[at(i)] : Seat{}});
+      out_.bodies.push_back({i, static_cast<int>(out_.chains.size()) - 1, dof, m_.strips.uses.rnea ? m_.strips.seats[at(i)] : Seat{}});
       for (int k = 0; k < m_.index[at(i)].nv; ++k) out_.dofs.push_back(m_.index[at(i)].idx_v + k);
       out_.chains.back().end = static_cast<int>(out_.bodies.size());
       out_.chains.back().dof_end = static_cast<int>(out_.dofs.size());
@@ -226,7 +226,7 @@ class Packer {
   }
 
   void listStripDofs() {
-    if (!m_.strips.used) return;
+    if (!m_.strips.uses.rnea) return;
     std::vector<ConstrainedStripDof> all(at(m_.strips.dofs));
     for (const ConstrainedBody& body : out_.bodies)
       for (int k = 0; k < m_.index[at(body.body)].nv; ++k) {

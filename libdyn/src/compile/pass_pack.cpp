@@ -32,6 +32,20 @@ AxisExchange exchangeOf(const Mat3<double>& R) {
 /// Of BodyIndex, where the joint moves nothing.
 std::uint8_t leverOf(const Vec3<double>& p) { return static_cast<std::uint8_t>((p.x != 0) | (p.y != 0) << 1 | (p.z != 0) << 2); }
 
+std::string namesOf(const StripUses& uses) {
+  const std::pair<bool, const char*> all[] = {{uses.rnea, "rnea"},
+                                              {uses.aba, "aba"},
+                                              {uses.mass_matrix, "crba"},
+                                              {uses.inverse, "minverse"},
+                                              {uses.derivatives, "rnea derivatives"},
+                                              {uses.centroidal_map, "ccrba"},
+                                              {uses.centroidal_derivatives, "centroidal derivatives"}};
+  std::string names;
+  for (const auto& [used, name] : all)
+    if (used) names += (names.empty() ? "" : ", ") + std::string(name);
+  return names;
+}
+
 class Packer {
  public:
   Packer(Draft&& draft, const CompileOptions& options) : draft_(std::move(draft)), options_(options), out_(std::make_shared<CompactImpl>()) {}
@@ -50,13 +64,11 @@ class Packer {
     out_->report.passes.push_back("pack: " + std::to_string(out_->batches.size()) + " type batches, " + std::to_string(out_->runs.size()) +
                                   " runs: " + std::to_string(out_->batches.size() + out_->runs.size()) + " dispatches an evaluation");
     if (options_.strips) out_->strips = planStrips(*out_);
-    const int strips = out_->strips.count;
-    out_->report.passes.push_back(
-        strips < 1 ? std::string("strips: none, one body after the other")
-                   : "strips: " + std::to_string(out_->bodies() - 1) + " joints in " + std::to_string(strips) + " strips of 4 lanes; " +
-                         (!out_->strips.used                  ? "one body after the other is faster"
-                          : out_->strips.used_for_mass_matrix ? "dynamics of single states uses them"
-                                                              : "dynamics of single states uses them, the mass matrix does not"));
+    const StripPlan& strips = out_->strips;
+    const std::string counts = std::to_string(out_->bodies() - 1) + " joints in " + std::to_string(strips.count) + " strips of 4 lanes; ";
+    out_->report.passes.push_back("strips: " + (strips.count < 1   ? std::string("none, one body after the other")
+                                                : strips.uses.rnea ? counts + "single states take them in " + namesOf(strips.uses)
+                                                                   : counts + "one body after the other is faster"));
     return out_;
   }
 

@@ -38,24 +38,15 @@ class Planner {
   }
   StripPlan run() {
     seatAll();
-    // Measured (dyn bench on the robots of ../shared/models): a strip takes about 1.3 times one body's time, and entering and leaving the
-    // lanes that of two bodies.
     plan_.count = static_cast<int>(plan_.strips.size()) - 1;
-    plan_.used = 1.3 * plan_.count + 2 < static_cast<double>(m_.bodies() - 1);
-    // Entries of matrices are written one by one: they want lanes that are nearly full. Of humanoids with 3 joints a strip the inverse's factors
-    // take 4 % less over strips, and the mass matrix 5 % more; with 2.6, 9 % and 18 % more.
-    const auto full = [&](double lanes) { return plan_.used && lanes * plan_.count <= static_cast<double>(m_.bodies() - 1); };
-    plan_.used_for_mass_matrix = full(3.25);
-    plan_.used_for_inverse = full(2.8);
-    const auto varies = [](const TypeBatch& batch) { return batch.shape == Shape::dense; };
-    plan_.used_for_derivatives = plan_.used && std::none_of(m_.batches.begin(), m_.batches.end(), varies);
-    if (!plan_.used) {
+    ways();
+    judge();
+    if (!plan_.uses.rnea) {
       plan_.strips.clear();
       plan_.seats.clear();
       return std::move(plan_);
     }
     family();
-    ways();
     runs();
     batches();
     numbers();
@@ -261,6 +252,40 @@ class Planner {
       for (int l = 0; l < strip_lanes; ++l)
         if (const unsigned lanes = strip.bodies & lanesOf(first[s], [&](int other) { return other == l; })) strip.ways[count++] = lanes;
     }
+  }
+  /// What the algorithms take, measured with and without strips (CompileOptions::strips) on the legged and two-armed robots of ../shared/models, on a
+  /// Zen 5: a strip and, where it counts, entering and leaving the lanes, in the time that one body takes. With the 16 registers of AVX2 what
+  /// a strip has of four bodies goes to memory and back, which costs the algorithms of many numbers a body most.
+  void judge() {
+    const double joints = m_.bodies() - 1;
+    const auto pays = [&](double strip, double entry = 0) { return strip * plan_.count + entry < joints; };
+    const bool many_registers = instructionSet().name == "avx512";
+    StripUses& uses = plan_.uses;
+    uses.rnea = pays(1.3, 2);
+    if (!uses.rnea) return;
+    const auto varies = [](const TypeBatch& batch) { return batch.shape == Shape::dense; };
+    const bool constant = std::none_of(m_.batches.begin(), m_.batches.end(), varies);
+    uses.aba = pays(many_registers ? 2.4 : 3.24);
+    uses.inverse = constant && pays(2.8);
+    uses.derivatives = constant && pays(2.4);
+    uses.centroidal_map = pays(many_registers ? 2.95 : 3.24);
+    uses.centroidal_derivatives = uses.derivatives && pays(2.7, 3.7);
+    // Its entries are one for each step of each joint's way up. Where limbs branch, as hands do, few lanes take a step together.
+    uses.mass_matrix = lanesOnWays() > 3;
+  }
+  /// Joints that take a step up to the root together, on average.
+  double lanesOnWays() const {
+    int alone = 0, together = 0;
+    for (int i = 1; i < m_.bodies(); ++i) alone += index(i).depth;
+    for (int s = 1; s <= plan_.count; ++s)
+      for (unsigned lanes : plan_.strips[at(s)].ways)
+        for (int here = s; lanes != 0 && here != 0; ++together) {
+          const StripParents* parents = plan_.strips[at(here)].parents;
+          while ((parents->lanes & lanes) == 0) ++parents;
+          if (parents->lane >= 0) lanes = 1U << parents->lane;
+          here = parents->strip;
+        }
+    return static_cast<double>(alone) / together;
   }
   /// A mirrored body that has more below it than one that is mirrored in the same lanes.
   bool parts(int body) const {

@@ -88,12 +88,20 @@ struct StripBatch {
   std::vector<std::int64_t> pose_index;        ///< where each has its place in the batch
 };
 
+/// Algorithms of single states that take joints in lanes, because the compiler judged that faster than one body after the other.
+struct StripUses {
+  bool rnea = false;  ///< if not, no other either
+  bool aba = false;
+  bool mass_matrix = false;
+  bool inverse = false;  ///< the factors of M^-1
+  bool derivatives = false;
+  bool centroidal_map = false;
+  bool centroidal_derivatives = false;
+};
+
 struct StripPlan {
-  bool used = false;  ///< the compiler judged it faster than one body after the other; if not, `count` is all there is
-  bool used_for_mass_matrix = false;
-  bool used_for_inverse = false;  ///< the factors of M^-1
-  bool used_for_derivatives = false;
-  int count = 0;              ///< strips without the universe
+  StripUses uses;
+  int count = 0;              ///< strips without the universe; all there is where nobody uses them
   std::vector<Strip> strips;  ///< [0]: the universe; parents first
   std::vector<Seat> seats;    ///< by body
   std::vector<StripRun> runs;

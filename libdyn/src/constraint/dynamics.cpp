@@ -1,6 +1,7 @@
 #include "constraint/kkt.hpp"
 #include "constraint/solution.hpp"
 
+#include <dyn/algorithm/aba.hpp>
 #include <dyn/constraint/dynamics.hpp>
 #include <dyn/error.hpp>
 
@@ -57,6 +58,11 @@ ConstrainedViews constraintDynamics(const CompactModel& model, Data& data, Vecto
   DataImpl& d = data.impl();
   ConstraintDataImpl& c = constraints.impl();
   keepArguments(data, {.q = &q, .v = &v, .tau = &tau}, &c.block);
+  // Nothing is constrained: as aba does it, to the last bit, which need not be the way that rows want bodies to go.
+  if (c.set.rows() == 0 && method == ConstraintMethod::articulated) {
+    factorDelassus(constraints);
+    return {aba(model, data, q, v, tau, fext, count), c.lambda, 0, 0, 0};
+  }
   freeMotion(algorithm, model, data, q, v, tau, fext, count, method == ConstraintMethod::kkt, c, false);
   factorDelassus(constraints);
   if (c.by_inertia) {

@@ -24,7 +24,7 @@ void checkConstraints(const char* algorithm, const CompactModel& model, const Da
 
 PlacedBodies placedBodies(DataImpl& d, const ConstraintDataImpl& c) {
   const kernels::ConstraintKernels& k = kernels::constraintKernels();
-  if (c.in_strips) return {k.strips, d.packed.data()};
+  if (c.in_strips) return {k.strips, d.packed[true].data()};
   return {k.single, static_cast<Workspace<double>*>(&d)};
 }
 
@@ -34,7 +34,7 @@ void articulateBodies(const char* algorithm, const CompactImpl& m, DataImpl& d, 
   if (c.in_strips) {
     const kernels::PackedKernels& k = kernels::active().strips;
     int failed = 0;
-    if (!k.articulate(m, d.packed.data(), q, v, tau, failed)) checkConfiguration("q", m, q);
+    if (!k.articulate(m, d.packed[true].data(), q, v, tau, failed)) checkConfiguration("q", m, q);
     checkFactors(algorithm, m, failed, q);
   } else {
     evaluateJoints(m, d, q, v);
@@ -52,7 +52,7 @@ void actOnBodies(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c, const
 
 void accelerateBodies(const CompactImpl& m, DataImpl& d, const ConstraintDataImpl& c, const Vec3<double>& gravity, double* ddq) {
   if (c.in_strips) {
-    kernels::active().strips.accelerate(m, d.packed.data(), gravity, ddq);
+    kernels::active().strips.accelerate(m, d.packed[true].data(), gravity, ddq);
   } else {
     kernels::active().single.accelerate(m, d, gravity, ddq);
   }

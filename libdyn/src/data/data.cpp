@@ -88,19 +88,25 @@ Data::Data(const CompactModel& model, Need needs) : impl_(std::make_unique<DataI
   impl_->block = memoryFor([&](Arena& arena) { carveAll(*impl_, m, arena); });
   impl_->kept = memoryFor([&](Arena& arena) { carveKept(*impl_, m, arena); });
   atRest<double>(*impl_);
-  const auto prepare = [&](const kernels::PackedKernels* packed, PackMemory& memory) {
-    if (packed == nullptr) return;
-    memory = PackMemory(packed->bytes(m));
-    packed->prepare(m, memory.data());
+  const kernels::PackedKernels* packed[2] = {};
+  const auto want = [&](bool StripUses::*algorithm) {
+    if (const kernels::PackedKernels* k = kernels::packed(m, algorithm)) packed[k->over_strips] = k;
   };
-  const kernels::PackedKernels *packed = kernels::packed(m), *mass_matrix = kernels::packedMassMatrix(m);
-  prepare(packed, impl_->packed);
+  want(&StripUses::rnea);
+  want(&StripUses::aba);
+  if (has(impl_->needs, Need::mass_matrix)) want(&StripUses::mass_matrix);
+  if (has(impl_->needs, Need::derivatives)) want(&StripUses::centroidal_map);
+  for (const kernels::PackedKernels* k : packed) {
+    if (k == nullptr) continue;
+    PackMemory& memory = impl_->packed[k->over_strips];
+    memory = PackMemory(k->bytes(m));
+    k->prepare(m, memory.data());
+  }
   if (has(impl_->needs, Need::derivatives) && kernels::useStripsForDerivatives(m)) {
     const kernels::SingleKernels& k = kernels::active().single;
     impl_->strip_derivatives = PackMemory(k.stripBytes(m));
     k.prepareStrips(m, impl_->strip_derivatives.data(), impl_->derivatives);
   }
-  if (mass_matrix != packed && has(impl_->needs, Need::mass_matrix)) prepare(mass_matrix, impl_->packed_mass_matrix);
 }
 
 Data::~Data() = default;
@@ -108,7 +114,7 @@ Data::Data(Data&&) noexcept = default;
 Data& Data::operator=(Data&&) noexcept = default;
 
 std::size_t Data::bytes() const {
-  return impl_->block.bytes() + impl_->kept.bytes() + impl_->packed.bytes() + impl_->packed_mass_matrix.bytes() + impl_->strip_derivatives.bytes() +
+  return impl_->block.bytes() + impl_->kept.bytes() + impl_->packed[false].bytes() + impl_->packed[true].bytes() + impl_->strip_derivatives.bytes() +
          impl_->dual.size() * sizeof(DualMemory) + sizeof(DataImpl);
 }
 

@@ -22,10 +22,9 @@ struct DataImpl : Workspace<double> {
   std::shared_ptr<const void> keep;  ///< the model lives as long as its data
   Need needs = Need::state;
   PackMemory block;
-  PackMemory kept;                ///< what no result is written to: zeros, and arguments that are results
-  PackMemory packed;              ///< scratch of the kernels that kernels::packed() names
-  PackMemory strip_derivatives;   ///< where derivatives' recursions are over strips
-  PackMemory packed_mass_matrix;  ///< of those that kernels::packedMassMatrix() names, if they are others
+  PackMemory kept;               ///< what no result is written to: zeros, and arguments that are results
+  PackMemory packed[2];          ///< scratch of the kernels that kernels::packed() names: [over_strips]
+  PackMemory strip_derivatives;  ///< where derivatives' recursions are over strips
 
   std::vector<DualMemory> dual;  ///< a batch each
 

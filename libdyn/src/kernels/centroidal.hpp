@@ -184,7 +184,7 @@ CentroidalState<S> centroidal(const CompactImpl& m, Workspace<S>& w, DerivativeW
     }
   };
   // Lanes of one strip have one tree's axes.
-  return withRecursion<Quad>(m, w, d, m.bodies() > 1 && m.tree_end[1] == m.bodies(), over);
+  return withRecursion<Quad>(m, w, d, m.strips.uses.centroidal_derivatives && m.tree_end[1] == m.bodies(), over);
 }
 
 }  // namespace dyn::kernels

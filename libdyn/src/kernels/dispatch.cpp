@@ -53,17 +53,13 @@ const Kernels& active() {
   return chosen;
 }
 
-bool useStrips(const CompactImpl& m) { return m.strips.used && active().strips.bytes != nullptr; }
+bool useStrips(const CompactImpl& m) { return m.strips.uses.rnea && active().strips.bytes != nullptr; }
 
-bool useStripsForDerivatives(const CompactImpl& m) { return m.strips.used_for_derivatives && active().single.stripBytes != nullptr; }
+bool useStripsForDerivatives(const CompactImpl& m) { return m.strips.uses.derivatives && active().single.stripBytes != nullptr; }
 
-const PackedKernels* packed(const CompactImpl& m) {
-  if (useStrips(m)) return &active().strips;
+const PackedKernels* packed(const CompactImpl& m, bool StripUses::*algorithm) {
+  if (useStrips(m) && m.strips.uses.*algorithm) return &active().strips;
   return active().vectored.bytes != nullptr ? &active().vectored : nullptr;
-}
-
-const PackedKernels* packedMassMatrix(const CompactImpl& m) {
-  return useStrips(m) && !m.strips.used_for_mass_matrix ? &active().vectored : packed(m);
 }
 
 }  // namespace dyn::kernels

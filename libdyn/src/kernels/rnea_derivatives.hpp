@@ -184,7 +184,7 @@ void rneaDerivatives(const CompactImpl& m, Workspace<S>& w, DerivativeWorkspace<
 template <class Wide, class Quad>
 void rneaDerivativesInPlace(const CompactImpl& m, Workspace<double>& w, DerivativeWorkspace<double>& d, const double* v, const double* a,
                             const Force<double>* fext, const PathDerivatives& out) {
-  withRecursion<Quad>(m, w, d, true, [&](const auto& r) {
+  withRecursion<Quad>(m, w, d, m.strips.uses.derivatives, [&](const auto& r) {
     derivativesOutward(r.order, r.d, r.order.gravity(), r.velocities(v), r.accelerations(a));
     derivativesInward(r.order, r.d, r.external(fext));
     if constexpr (std::remove_cvref_t<decltype(r)>::over_strips) {

@@ -96,6 +96,7 @@ inline void mirrorFlyingRoots(const CompactImpl& m, double* M) {
 template <class S>
 PackedKernels stripKernels() {
   PackedKernels k;
+  k.over_strips = true;
   k.bytes = [](const CompactImpl& m) { return scratchBytes<StripScratch<S>>(m); };
   k.prepare = [](const CompactImpl& m, char* scratch) { makeScratch<StripScratch<S>>(scratch, m).w.R[0] = Mat3<S>::identity(); };
   k.rnea = [](const CompactImpl& m, char* scratch, const double* q, const double* v, const double* a, double* tau) {

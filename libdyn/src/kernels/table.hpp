@@ -60,6 +60,7 @@ struct SingleKernels {
 /// One state, of which packs take several numbers at once; all null where they are too narrow. Vectors are in expanded coordinates. False: a
 /// joint's pose is not finite, perhaps because q is no configuration.
 struct PackedKernels {
+  bool over_strips = false;
   std::size_t (*bytes)(const CompactImpl&) = nullptr;
   void (*prepare)(const CompactImpl&, char* scratch) = nullptr;
   bool (*rnea)(const CompactImpl&, char* scratch, const double* q, const double* v, const double* a, double* tau) = nullptr;
@@ -142,16 +143,14 @@ constexpr std::size_t layoutStamp() {
 /// The one in use: the best that the processor has, or what DYN_SIMD asks for. Throws Error(argument) when that cannot be had.
 const Kernels& active();
 
-/// Whether the algorithms that can take joints in lanes do so for this model.
+/// Whether there are algorithms that take this model's joints in lanes.
 bool useStrips(const CompactImpl& m);
 
-/// The same of derivatives.
+/// The same of derivatives and factors.
 bool useStripsForDerivatives(const CompactImpl& m);
 
-/// What takes several numbers of one state of this model at once, or null.
-const PackedKernels* packed(const CompactImpl& m);
-/// The same for the mass matrix.
-const PackedKernels* packedMassMatrix(const CompactImpl& m);
+/// What takes several numbers of one state of this model at once, for one of StripUses' algorithms, or null.
+const PackedKernels* packed(const CompactImpl& m, bool StripUses::*algorithm);
 
 /// In the library itself.
 extern const Kernels scalar, baseline;

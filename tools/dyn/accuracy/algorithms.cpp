@@ -29,8 +29,7 @@ struct Line {
 std::string modeOf(const Line& line) { return line.scalar == "float" ? line.mode + " float" : line.mode; }
 bool usesStrips(const CompactModel& model) {
   const std::vector<std::string>& passes = model.report().passes;
-  return std::any_of(passes.begin(), passes.end(),
-                     [](const std::string& x) { return x.find("dynamics of single states uses them") != std::string::npos; });
+  return std::any_of(passes.begin(), passes.end(), [](const std::string& x) { return x.find("single states take them") != std::string::npos; });
 }
 
 /// Single states, one joint after the other.
