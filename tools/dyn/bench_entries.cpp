@@ -92,7 +92,6 @@ struct BatchSubject {
 benchmark::Quartiles measure(const std::function<void()>& round) {
   using Clock = std::chrono::steady_clock;
   constexpr int repetitions = 11;
-  // Enough rounds for each repetition to last about 2 ms.
   int rounds = 1;
   std::vector<double> times;
   for (int repetition = -1; repetition < repetitions; ++repetition) {
@@ -100,7 +99,7 @@ benchmark::Quartiles measure(const std::function<void()>& round) {
     for (int i = 0; i < rounds; ++i) round();
     const double ns = std::chrono::duration<double, std::nano>(Clock::now() - start).count();
     if (repetition < 0) {
-      rounds = std::clamp(static_cast<int>(2e6 / ns), 1, 1000);
+      rounds = benchmark::roundsInSample(ns);
       continue;
     }
     times.push_back(ns / (rounds * static_cast<double>(state_count)));

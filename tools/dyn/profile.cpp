@@ -17,7 +17,6 @@ namespace dyn::tool {
 namespace {
 
 constexpr int repetitions = 21, state_count = 256;
-constexpr double sample_ns = 2e6;  ///< of a repetition: what interrupts it for some microseconds hits all alike
 
 struct Line {
   benchmark::Contender contender;
@@ -63,8 +62,11 @@ void measure(std::vector<Line>& lines, const std::vector<State>& states, Counter
       const auto start = Clock::now();
       for (int round = 0; round < line.rounds; ++round) once();
       const double ns = std::chrono::duration<double, std::nano>(Clock::now() - start).count();
-      if (repetition < 0) line.rounds = std::max(1, static_cast<int>(sample_ns / ns));
-      if (repetition >= 0) line.times.push_back(ns / (line.rounds * state_count));
+      if (repetition < 0) {
+        line.rounds = benchmark::roundsInSample(ns);
+        continue;
+      }
+      line.times.push_back(ns / (line.rounds * state_count));
       if (repetition != 0) continue;
       counters.start();
       once();

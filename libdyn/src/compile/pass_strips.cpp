@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <map>
 #include <set>
@@ -266,8 +267,8 @@ class Planner {
     const auto varies = [](const TypeBatch& batch) { return batch.shape == Shape::dense; };
     const bool constant = std::none_of(m_.batches.begin(), m_.batches.end(), varies);
     uses.aba = pays(many_registers ? 2.4 : 3.24);
-    uses.inverse = constant && pays(2.8);
     uses.derivatives = constant && pays(2.4);
+    uses.inverse = uses.derivatives && pays(2.8);  // in the memory of derivatives
     uses.centroidal_map = pays(many_registers ? 2.95 : 3.24);
     uses.centroidal_derivatives = uses.derivatives && pays(2.7, 3.7);
     // Its entries are one for each step of each joint's way up. Where limbs branch, as hands do, few lanes take a step together.
@@ -275,17 +276,13 @@ class Planner {
   }
   /// Joints that take a step up to the root together, on average.
   double lanesOnWays() const {
-    int alone = 0, together = 0;
+    std::int64_t alone = 0, together = 0;
     for (int i = 1; i < m_.bodies(); ++i) alone += index(i).depth;
+    // Each step takes every lane of a way one body up: all of them have as many before them.
     for (int s = 1; s <= plan_.count; ++s)
-      for (unsigned lanes : plan_.strips[at(s)].ways)
-        for (int here = s; lanes != 0 && here != 0; ++together) {
-          const StripParents* parents = plan_.strips[at(here)].parents;
-          while ((parents->lanes & lanes) == 0) ++parents;
-          if (parents->lane >= 0) lanes = 1U << parents->lane;
-          here = parents->strip;
-        }
-    return static_cast<double>(alone) / together;
+      for (const unsigned lanes : plan_.strips[at(s)].ways)
+        if (lanes != 0) together += index(plan_.strips[at(s)].body[std::countr_zero(lanes)]).depth;
+    return static_cast<double>(alone) / static_cast<double>(together);
   }
   /// A mirrored body that has more below it than one that is mirrored in the same lanes.
   bool parts(int body) const {
