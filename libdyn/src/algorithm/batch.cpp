@@ -56,7 +56,6 @@ const T* computeBatch(const CompactModel& model, BasicBatchData<T>& data, BatchQ
     block.task = what == BatchQuantity::mass_matrix ? kernels::Task::mass_matrix : (aba ? kernels::Task::aba : kernels::Task::rnea);
     readStates<T>(d, t, {q, v, a, aba}, first, count, block);
     block.results[0] = results[0].first + first * rows;
-    block.squares = d.path_squares;
     d.kernels->run(m, d.scratch[at(t)].data(), block);
     noteFailures(q, block, results, first, count, f);
   });

@@ -77,7 +77,6 @@ BatchDerivativeViews<T> batchDerivatives(const CompactModel& model, BasicBatchDa
     block.task = taskOf(what);
     readStates<T>(d, t, {q, v, a, what == BatchDerivatives::aba}, first, count, block);
     for (int k = 0; k < 4; ++k) block.results[k] = results[k].first ? results[k].first + first * results[k].rows : nullptr;
-    if (on_paths) block.squares = d.path_squares;
     d.kernels->run(m, d.scratch[static_cast<std::size_t>(t)].data(), block);
     noteFailures(q, block, results, first, count, f);
   });

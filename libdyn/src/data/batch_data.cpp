@@ -2,32 +2,9 @@
 
 #include <dyn/error.hpp>
 
-#include <algorithm>
 #include <string>
 
 namespace dyn {
-
-namespace {
-
-/// Where squares begin that together have all of an n x n matrix's numbers that a path to the root connects: each `lanes` of them that follow one
-/// another, or none. Empty where that would leave nothing out.
-std::vector<std::ptrdiff_t> pathSquares(const CompactImpl& m, int lanes) {
-  const std::ptrdiff_t n = m.nvx, numbers = n * n;
-  std::vector<char> has(static_cast<std::size_t>((numbers + lanes - 1) / lanes), 0);
-  const auto mark = [&](std::ptrdiff_t number) { has[static_cast<std::size_t>(number / lanes)] = 1; };
-  for (std::ptrdiff_t k = 0; k < n; ++k)
-    for (std::ptrdiff_t i = k; i < m.dof_end[static_cast<std::size_t>(k)]; ++i) {
-      mark(k * n + i);
-      mark(i * n + k);
-    }
-  std::vector<std::ptrdiff_t> out;
-  if (numbers < lanes || std::count(has.begin(), has.end(), 0) == 0) return out;
-  for (std::size_t k = 0; k < has.size(); ++k)
-    if (has[k]) out.push_back(std::min(static_cast<std::ptrdiff_t>(k) * lanes, numbers - lanes));
-  return out;
-}
-
-}  // namespace
 
 template <class T>
 BasicBatchData<T>::BasicBatchData(const CompactModel& model, int capacity, Need needs, int threads) : impl_(std::make_unique<BatchImpl<T>>()) {
@@ -53,10 +30,7 @@ BasicBatchData<T>::BasicBatchData(const CompactModel& model, int capacity, Need 
   }
   const auto n = static_cast<std::size_t>(capacity), nv = static_cast<std::size_t>(m.nv);
   for (std::vector<T>* result : {&d.tau, &d.nle, &d.gravity, &d.ddq}) result->assign(nv * n, T(0));
-  if (has(needs, Need::mass_matrix)) {
-    d.M.resize(nv, n);
-    if (!coupled) d.path_squares = pathSquares(m, d.kernels->lanes);
-  }
+  if (has(needs, Need::mass_matrix)) d.M.resize(nv, n);
   if (has(needs, Need::jacobians)) d.J.assign(6 * nv * n, T(0));
   if (has(needs, Need::derivatives)) {
     for (StateMatrices<T>* result : {&d.by_q, &d.by_v, &d.by_a}) result->resize(nv, n);
@@ -97,8 +71,7 @@ std::size_t BasicBatchData<T>::bytes() const {
   for (const ExpandedStates<T>& states : d.expanded) sum += states.bytes();
   for (const std::vector<T>& map : d.maps) sum += sizeof(T) * map.size();
   for (const StateMatrices<T>* matrices : {&d.M, &d.by_q, &d.by_v, &d.by_a}) sum += matrices->bytes();
-  return sum + sizeof(T) * (d.tau.size() + d.nle.size() + d.gravity.size() + d.ddq.size() + d.J.size()) +
-         sizeof(std::ptrdiff_t) * d.path_squares.size();
+  return sum + sizeof(T) * (d.tau.size() + d.nle.size() + d.gravity.size() + d.ddq.size() + d.J.size());
 }
 
 template class BasicBatchData<double>;

@@ -94,7 +94,6 @@ struct BatchImpl {
   std::vector<T> J;                             ///< 6 * nv numbers a state
   StateMatrices<T> M;                           ///< of Need::mass_matrix
   StateMatrices<T> by_q, by_v, by_a;            ///< of Need::derivatives
-  std::vector<std::ptrdiff_t> path_squares;     ///< Block::squares of what is written where paths are
   std::vector<T> maps[4];                       ///< 6 * nv numbers a state, of the same
   PackMemory poses, velocities, accelerations;  ///< by block of `lanes` states, then body, number, state
 

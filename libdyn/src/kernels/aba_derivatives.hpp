@@ -135,6 +135,24 @@ void variationsInward(const Order& order, DerivativeWorkspace<S>& d) {
 
 // What joints themselves answer motion with, along their own degrees of freedom, is torque, of which joints on the way to the root get what U says.
 
+/// What the sweep has entered right, and below, of degree of freedom k, for j of its subtree.
+template <class S>
+S& rightOf(const CompactImpl& m, const DerivativeWorkspace<S>& d, typename PathPairs<S>::Number right, int k, int j) {
+  if constexpr (in_pairs<S>) {
+    return d.pairs.row(j, m.dof_depth[static_cast<std::size_t>(k)])[right];
+  } else {
+    return (right == PathPairs<S>::q_right ? d.by_q : d.by_v).right[k][j];
+  }
+}
+template <class S>
+S& belowByQ(const CompactImpl& m, const DerivativeWorkspace<S>& d, int k, int j) {
+  if constexpr (in_pairs<S>) {
+    return d.pairs.row(j, m.dof_depth[static_cast<std::size_t>(k)])[PathPairs<S>::q_below];
+  } else {
+    return d.by_q.below[k][j];
+  }
+}
+
 /// To by_q: the torques s . f of subspaces that vary.
 template <class R, class S>
 void addSubspaceTorques(const R& recursion, const DerivativeWorkspace<S>& d) {
@@ -149,11 +167,11 @@ void addSubspaceTorques(const R& recursion, const DerivativeWorkspace<S>& d) {
           S share(0);
           for (int l = std::max(k - iv, 0); l < Joint::nv; ++l) share += torque[l] * U[k][iv + l];
           if (k <= j) {
-            d.by_q.right[k][j] -= share;
+            rightOf<S>(order.m, d, PathPairs<S>::q_right, k, j) -= share;
           } else {
             // The joint's own after j, which products of factors take from their beginnings.
             share *= d.factors.inverse[k];
-            for (int other = k; other < order.dofEnd(i); ++other) d.by_q.below[j][other] += share * U[k][other];
+            for (int other = k; other < order.dofEnd(i); ++other) belowByQ(order.m, d, j, other) += share * U[k][other];
           }
         });
       }
@@ -163,10 +181,11 @@ void addSubspaceTorques(const R& recursion, const DerivativeWorkspace<S>& d) {
 template <class Wide, class S>
 void addDamping(const CompactImpl& m, const DerivativeWorkspace<S>& d) {
   constexpr int width = Part<Wide, S>::width;
-  const Rows<S> U = d.factors.U, by_v = d.by_v.right;
+  const Rows<S> U = d.factors.U;
   const int damped = static_cast<int>(m.damping.size());
   if constexpr (width > 1) {
     if (damped == 0) return;
+    const Rows<S> by_v = d.by_v.right;
     // Packs reach beyond the subtree, where U has zeros, and beyond the last degree of freedom, where rows have room.
     const int whole = damped / width * width;
     const double* const damping = m.damping.data();
@@ -178,7 +197,7 @@ void addDamping(const CompactImpl& m, const DerivativeWorkspace<S>& d) {
   } else {
     for (int k = 0; k < damped; ++k)
       for (int j = k, end = m.dof_end[static_cast<std::size_t>(k)]; j < end; ++j)
-        by_v[k][j] -= S(static_cast<Real<S>>(m.damping[static_cast<std::size_t>(j)])) * U[k][j];
+        rightOf<S>(m, d, PathPairs<S>::v_right, k, j) -= S(static_cast<Real<S>>(m.damping[static_cast<std::size_t>(j)])) * U[k][j];
   }
 }
 
@@ -203,11 +222,14 @@ void accelerationBy(const CompactImpl& m, const TreeFactors<S>& factors, const P
 }
 /// The same of states in packs, some columns at a time into `out`, whose rows are one after the other: put(begin, count) is called for these.
 template <class S, class Put>
-void accelerationBy(const CompactImpl& m, const TreeFactors<S>& factors, const ProductScratch<S>& scratch, const PathMatrix<S>& by, S* out,
-                    Put&& put) {
+void accelerationBy(const CompactImpl& m, const TreeFactors<S>& factors, const ProductScratch<S>& scratch, const PathPairs<S>& pairs,
+                    typename PathPairs<S>::Number below, S* out, Put&& put) {
   inChains(m, factors, scratch, [&]<int columns>(const ChainProduct<S>& chain, int j) {
     const std::ptrdiff_t n = m.nvx;
-    chain.template write<columns>(j, 0, by.right, OtherSign<S, columns>(m, by.below, j), [=]<int rows>(const S(&sum)[columns][rows], int first) {
+    const S* right[columns];
+    for (int c = 0; c < columns; ++c) right[c] = pairs.row(j + c, 0) + PathPairs<S>::rightOf(below);
+    const auto rightOf = [&](int c, int depth) -> const S& { return right[c][PathPairs<S>::numbers * depth]; };
+    chain.template write<columns>(j, 0, rightOf, OtherSign<S, columns>(m, pairs, below, j), [=]<int rows>(const S(&sum)[columns][rows], int first) {
 #pragma GCC unroll 6
       for (int c = 0; c < columns; ++c)
 #pragma GCC unroll 4

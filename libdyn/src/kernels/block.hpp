@@ -14,14 +14,14 @@ struct CoupledScratch {
   S* couplings;      ///< G, dG and ddG of all
   S *forces, *tau;   ///< of the user's coordinates; expanded, with followers' shares
   S *M, *diagonal;   ///< the user's, and its factors
-  S* expanded[3]{};  ///< derivatives of rnea, where they are not in their places at once
+  S* expanded[3]{};  ///< derivatives of rnea
 
   void carve(const CompactImpl& m, Room room, Arena& arena) {
     const auto n = static_cast<std::size_t>(m.nvx);
     arena.take(couplings, 3 * m.couplings.size());
     for (S** vector : {&forces, &tau, &diagonal}) arena.take(*vector, n);
     arena.take(M, n * n);
-    if (room.derivatives && !PathMatrix<S>::in_place)
+    if (room.derivatives)
       for (S*& matrix : expanded) arena.take(matrix, n * n);
   }
   /// Kernels write matrices where paths lead, and count on zeros elsewhere: of what has been folded.
@@ -37,6 +37,7 @@ template <class S>
 struct BlockScratch {
   Workspace<S> w;
   S *q, *v, *a, *result, *M, *J;
+  MatrixSquares<S> squares;
   DerivativeWorkspace<S> d;
   S* matrix;   ///< nvx * nvx
   S* columns;  ///< a product's in turn: nvx each
@@ -53,6 +54,7 @@ struct BlockScratch {
     arena.take(s.a, nv);
     arena.take(s.result, nv);
     arena.take(s.M, room.mass_matrix ? nv * nv : 0);
+    if (room.mass_matrix) s.squares.carve(m, room.derivatives, arena);
     arena.take(s.J, room.jacobian ? 6 * nv : 0);
     if (!m.couplings.empty()) s.coupled.carve(m, room, arena);
     if (room.derivatives) {
@@ -80,6 +82,10 @@ class Results {
   void putPart(int result, const S* numbers, std::ptrdiff_t count, std::ptrdiff_t begin, std::ptrdiff_t size) const {
     if (!storeColumns(numbers, count, b_.q.states, b_.results[result] + begin, size)) b_.not_finite = true;
   }
+  /// Of a matrix of `size` numbers those in squares, of which there are some.
+  void putSquares(int result, const Squares<S>& squares, const S* numbers, std::ptrdiff_t size) const {
+    if (!squares.store(numbers, b_.q.states, b_.results[result], size)) b_.not_finite = true;
+  }
   void putFailures(const int* failed) const { std::copy_n(failed, b_.q.states, b_.failed); }
 
  private:
@@ -89,13 +95,5 @@ class Results {
 /// The tasks of derivatives, joints asked.
 template <class S>
 void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b);
-
-/// A result of nv x nv numbers a state. Whether all are finite.
-template <class S>
-[[nodiscard]] bool storeMatrix(const CompactImpl& m, const S* packs, const Block<Real<S>>& b, int result) {
-  const std::ptrdiff_t square = static_cast<std::ptrdiff_t>(m.nvx) * m.nvx;
-  if (b.squares.empty()) return storeColumns(packs, square, b.q.states, b.results[result], square);
-  return storeSquares(packs, b.squares, b.q.states, b.results[result], square);
-}
 
 }  // namespace dyn::kernels

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <span>
 #include <type_traits>
 #include <utility>
 
@@ -201,12 +200,12 @@ void loadColumns(const ColumnsIn<T>& in, std::ptrdiff_t n, S* to) {
 template <class T, int lanes>
 class PackTurner {
  public:
-  /// The first `count` packs, or as many as there are rows; what else there is comes from the last of them.
-  template <int height = lanes>
-  Square<T, lanes, height> turned(const T* numbers, int count = height) {
+  /// Packs, the i-th at from(i).
+  template <int height = lanes, class From>
+  Square<T, lanes, height> turned(const From& from) {
     Square<T, lanes, height> square;
 #pragma GCC unroll 16
-    for (int i = 0; i < height; ++i) square.read(i, numbers + std::min(i, count - 1) * lanes);
+    for (int i = 0; i < height; ++i) square.read(i, from(i));
     // Apart from the squares before, so that each need not wait for them.
     auto zeros = T(0) * square.rows[0];
 #pragma GCC unroll 16
@@ -217,14 +216,14 @@ class PackTurner {
   }
   /// As many packs to each of the first `states` columns, from `row` on; a constant where all are in use. Cores write in order, and wait for one line
   /// of memory after the other: those where a square ends are asked for first, which makes it 1.5 times as fast where a square has much of a line.
-  template <class Count>
-  void put(const T* numbers, Count states, T* const (&columns)[lanes], std::ptrdiff_t row) {
+  template <class From, class Count>
+  void put(const From& from, Count states, T* const (&columns)[lanes], std::ptrdiff_t row) {
     if constexpr (lanes * sizeof(T) >= 32) {
 #pragma GCC unroll 16
       for (int l = 0; l < lanes; ++l)
         if (l < states) __builtin_prefetch(columns[l] + row + lanes - 1, 1);
     }
-    const Square<T, lanes> square = turned(numbers);
+    const Square<T, lanes> square = turned(from);
 #pragma GCC unroll 16
     for (int l = 0; l < lanes; ++l)
       if (l < states) square.write(l, columns[l] + row);
@@ -240,16 +239,16 @@ class PackTurner {
   typename Square<T, lanes>::Row zeros_{};
 };
 
-/// The squares of neighbouring packs that begin where at(k) says, k < count. Whether all are finite. Not inlined: it wants all registers.
-template <class S, class T, class At>
-[[nodiscard, gnu::noinline]] bool putSquares(const S* packs, std::ptrdiff_t count, At at, int states, T* column, std::ptrdiff_t stride) {
-  constexpr int lanes = lanes_of<S>;
+/// Squares of packs, which from(k)(i) tells of, k < count, to where begin(k) says in states' columns. Whether all are finite. Not inlined: it wants
+/// all registers.
+template <class T, int lanes, class Begin, class From>
+[[nodiscard, gnu::noinline]] bool putSquares(std::ptrdiff_t count, Begin begin, From from, int states, T* column, std::ptrdiff_t stride) {
   PackTurner<T, lanes> turner;
   T* columns[lanes];
 #pragma GCC unroll 16
   for (int l = 0; l < lanes; ++l) columns[l] = column + l * stride;
   const auto putAll = [&](auto in_use) __attribute__((always_inline)) {
-    for (std::ptrdiff_t k = 0; k < count; ++k) turner.put(reinterpret_cast<const T*>(packs + at(k)), in_use, columns, at(k));
+    for (std::ptrdiff_t k = 0; k < count; ++k) turner.put(from(k), in_use, columns, begin(k));
   };
   if (states == lanes) {
     putAll(std::integral_constant<int, lanes>());
@@ -264,7 +263,7 @@ template <class S, class T, class At>
 template <class T, int lanes, int height>
 [[nodiscard]] bool storeShort(const T* numbers, int n, int states, T* column) {
   PackTurner<T, lanes> turner;
-  const auto square = turner.template turned<height>(numbers, n);
+  const auto square = turner.template turned<height>([=](int i) { return numbers + std::min(i, n - 1) * lanes; });
   const int whole = states - (height - 1) / n;
 #pragma GCC unroll 16
   for (int l = 0; l < lanes; ++l)
@@ -283,9 +282,11 @@ template <class S, class T>
   constexpr int lanes = lanes_of<S>;
   const auto* numbers = reinterpret_cast<const T*>(packs);
   if constexpr (lanes > 1) {
-    if (n >= lanes)
-      return putSquares(
-          packs, (n + lanes - 1) / lanes, [=](std::ptrdiff_t k) { return std::min(k * lanes, n - lanes); }, states, column, stride);
+    if (n >= lanes) {
+      const auto begin = [n](std::ptrdiff_t k) { return std::min<std::ptrdiff_t>(k * lanes, n - lanes); };
+      const auto from = [=](std::ptrdiff_t k) { return [square = numbers + begin(k) * lanes](int i) { return square + i * lanes_of<S>; }; };
+      return putSquares<T, lanes>((n + lanes - 1) / lanes, begin, from, states, column, stride);
+    }
     if (stride == n && 4 * n >= lanes)
       return withHeight<lanes>(n, [&](auto height) { return storeShort<T, lanes, height>(numbers, static_cast<int>(n), states, column); });
   }
@@ -297,14 +298,6 @@ template <class S, class T>
     }
   }
   return differences == T(0);
-}
-
-/// The same of the numbers that `squares` tell of: where as many as there are lanes begin. The others are not touched.
-template <class S, class T>
-[[nodiscard]] bool storeSquares(const S* packs, std::span<const std::ptrdiff_t> squares, int states, T* column, std::ptrdiff_t stride) {
-  const auto count = static_cast<std::ptrdiff_t>(squares.size());
-  return putSquares(
-      packs, count, [first = squares.data()](std::ptrdiff_t k) { return first[k]; }, states, column, stride);
 }
 
 }  // namespace dyn::kernels

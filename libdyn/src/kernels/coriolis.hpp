@@ -5,7 +5,7 @@
 
 namespace dyn::kernels {
 
-/// C(q, v) into d.by_v, with C v = nle - g and dM/dt - 2 C skew-symmetric; joints asked into w, how subspaces vary into d.
+/// C(q, v) into d.by_v, or d.pairs, with C v = nle - g and dM/dt - 2 C skew-symmetric; joints asked into w, how subspaces vary into d.
 ///   C_ij = s_i . (I ds_j/dt + B s_j) where j is on i's path, s_i . (I ds_j/dt + B s_j) of j's subtree where i is on j's,
 /// with 2 B what coriolis() is: half of what the sweep makes of a rate of 2 ds/dt.
 template <class Wide, class S>

@@ -18,7 +18,7 @@ class CoupledDerivatives {
 
   /// After derivatives of rnea: these by q, v and a.
   std::array<S*, 3> ofForces() {
-    const std::array<S*, 3> x{expanded(s_.d.by_q, 0), expanded(s_.d.by_v, 1), expanded(s_.d.by_a, 2)};
+    const std::array<S*, 3> x{expanded(s_.d.by_q, Pairs::q_below, 0), expanded(s_.d.by_v, Pairs::v_below, 1), expanded(s_.d.by_a, Pairs::by_a, 2)};
     followers_.foldForceDerivatives(s_.coupled.tau, x[0], x[1], x[2]);
     for (S* matrix : x) followers_.keepSquare(matrix, matrix);
     return x;
@@ -35,7 +35,7 @@ class CoupledDerivatives {
   }
   /// After what leaves it expanded in s.d.by_v.
   S* coriolis() {
-    S* C = expanded(s_.d.by_v, 1);
+    S* C = expanded(s_.d.by_v, Pairs::v_below, 1);
     followers_.foldCoriolis(C, s_.M);
     s_.coupled.clear(m_, s_.M);
     followers_.keepSquare(C, C);
@@ -43,14 +43,16 @@ class CoupledDerivatives {
   }
 
  private:
-  S* expanded(const PathMatrix<S>& from, std::size_t k) {
-    if constexpr (PathMatrix<S>::in_place) {
-      return from.below.first;
+  using Pairs = PathPairs<S>;
+  S* expanded(const PathMatrix<S>& from, typename Pairs::Number below, std::size_t k) {
+    S* to = s_.coupled.expanded[k];
+    if constexpr (in_pairs<S>) {
+      s_.d.pairs.expand(m_, below, to);
     } else {
-      S* to = s_.coupled.expanded[k];
+      s_.coupled.clear(m_, to);
       from.template assemble<S>(m_.dof_end, Rows<S>{to, m_.nvx});
-      return to;
     }
+    return to;
   }
 
   const CompactImpl& m_;
@@ -73,10 +75,7 @@ void runCoupledDerivatives(const CompactImpl& m, BlockScratch<S>& s, const Block
   };
   if (b.task == Task::rnea_derivatives) {
     int result = 0;
-    for (S* matrix : forces()) {
-      results.put(result++, matrix, n * n);
-      s.coupled.clear(m, matrix);
-    }
+    for (S* matrix : forces()) results.put(result++, matrix, n * n);
   } else if (b.task == Task::aba_derivatives) {
     const auto [by_q, by_v, inertia] = forces();
     results.put(3, s.result, n);
@@ -85,18 +84,14 @@ void runCoupledDerivatives(const CompactImpl& m, BlockScratch<S>& s, const Block
     for (S* matrix : {by_q, by_v}) {
       coupled.toAccelerations(matrix);
       results.put(result++, matrix, n * n);
-      s.coupled.clear(m, matrix);
     }
-    s.coupled.clear(m, inertia);
   } else if (b.task == Task::minverse) {
     putInverse(0);
   } else {
     evaluateSubspaceDerivatives(m, s.d, s.q, s.v);
     std::fill(s.a, s.a + m.nvx, S(0));
     coriolisMatrix<S>(m, s.w, s.d, s.v, s.a);
-    S* C = coupled.coriolis();
-    results.put(0, C, n * n);
-    s.coupled.clear(m, C);
+    results.put(0, coupled.coriolis(), n * n);
   }
 }
 

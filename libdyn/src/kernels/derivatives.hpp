@@ -1,6 +1,7 @@
 // Memory of the derivatives' recursions, and what joints whose subspace varies add to them.
 #pragma once
 
+#include "kernels/path_pairs.hpp"
 #include "kernels/vectored_bodies.hpp"
 // Specialisations come before what is made of them.
 #include "kernels/aligned.hpp"
@@ -162,7 +163,9 @@ struct DerivativeWorkspace {
   char* strips = nullptr;    ///< of single states, StripDerivatives where recursions are over strips
   StripArrays strip_arrays;  ///< what these leave to others
 
+  // What sweeps to the root find: matrices, or, of states in packs, pairs.
   PathMatrix<S> by_q, by_v, by_a;
+  PathPairs<S> pairs;
   TreeFactors<S> factors;
   PathFactors<S> cholesky;
 };
@@ -209,12 +212,16 @@ void carve(DerivativeWorkspace<S>& w, const CompactImpl& m, Arena& arena) {
   } else {
     carveRecursions(w, bodies, nv, arena);
   }
-  const int rows = (m.nvx + abreast<S> - 1) / abreast<S> * abreast<S>;  // for whole tiles
-  for (PathMatrix<S>* matrix : {&w.by_q, &w.by_v, &w.by_a}) {
-    arena.take(matrix->below, rows, m.nvx);
-    if (matrix != &w.by_a) arena.take(matrix->right, rows, m.nvx);
+  if constexpr (in_pairs<S>) {
+    w.pairs.carve(m, arena);
+  } else {
+    const int rows = (m.nvx + abreast<S> - 1) / abreast<S> * abreast<S>;  // for whole tiles
+    for (PathMatrix<S>* matrix : {&w.by_q, &w.by_v, &w.by_a}) {
+      arena.take(matrix->below, rows, m.nvx);
+      if (matrix != &w.by_a) arena.take(matrix->right, rows, m.nvx);
+    }
+    w.by_a.right = w.by_a.below;  // symmetric
   }
-  w.by_a.right = w.by_a.below;  // symmetric
   carve(w.factors, m.nvx, arena);
   if (w.vectored) w.vectored->factors.inverse = reinterpret_cast<Vectored*>(w.factors.inverse);
   if constexpr (lanes_of<S> == 1) carve(w.cholesky, m, arena);

@@ -94,8 +94,9 @@ void runBlock(const CompactImpl& m, char* scratch, Block<T>& b) {
       break;
     case Task::mass_matrix: {
       kernels::massMatrix(bodies, w, s.M);
-      b.not_finite = !storeMatrix(m, s.M, b, 0);
-      return;
+      const std::ptrdiff_t numbers = static_cast<std::ptrdiff_t>(m.nvx) * m.nvx;
+      const Results<S> results(b);
+      return s.squares.mass.empty() ? results.put(0, s.M, numbers) : results.putSquares(0, s.squares.mass, s.M, numbers);
     }
     case Task::rnea_derivatives:
     case Task::aba_derivatives:
@@ -126,6 +127,7 @@ BlockKernels<Real<S>> blockKernels() {
     BlockScratch<S>& s = makeScratch<BlockScratch<S>>(scratch, m, room);
     atRest(s.w);
     if (room.mass_matrix) std::fill(s.M, s.M + static_cast<std::ptrdiff_t>(m.nvx) * m.nvx, S(0));
+    if (room.mass_matrix) s.squares.prepare(m, room.derivatives, s.d.pairs);
     if (room.derivatives) s.product.prepare(m, s.d.factors);
   };
   k.run = [](const CompactImpl& m, char* scratch, Block<T>& block) { runBlock<S>(m, scratch, block); };

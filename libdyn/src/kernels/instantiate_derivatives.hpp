@@ -91,34 +91,46 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b)
   const std::ptrdiff_t n = m.nvx;
   const Results<S> results(b);
   if (!m.couplings.empty() && b.task < Task::centroidal_map) return runCoupledDerivatives(m, s, b, results);
-  const auto whole = [&](const PathMatrix<S>& from) {
-    if constexpr (PathMatrix<S>::in_place) {
-      return from.below.first;
+  using Pairs = PathPairs<S>;
+  // Squares, where there are some, are brought into states' matrices at once.
+  const auto putOnPaths = [&](int result, [[maybe_unused]] const PathMatrix<S>& from, [[maybe_unused]] typename Pairs::Number below) {
+    if constexpr (in_pairs<S>) {
+      const Squares<S>& squares = s.squares.ofPairs(below);
+      if (!squares.empty()) return results.putSquares(result, squares, d.pairs.begin() + below, n * n);
+      d.pairs.expand(m, below, s.matrix);
     } else {
       std::fill(s.matrix, s.matrix + n * n, S(0));
       from.template assemble<S>(m.dof_end, Rows<S>{s.matrix, n});
-      return s.matrix;
     }
-  };
-  const auto putOnPaths = [&](int result, const PathMatrix<S>& from) {
-    if (!storeMatrix(m, whole(from), b, result)) b.not_finite = true;
+    results.put(result, s.matrix, n * n);
   };
   const auto putInverse = [&](int result) {
     inverseOfMassMatrix(m, d.factors, s.product, Rows<S>{s.matrix, n});
-    results.put(result, s.matrix, n * n);
+    if (s.squares.inverse.empty()) {
+      for (std::ptrdiff_t k = 0; k < n; ++k)
+        for (std::ptrdiff_t i = k + 1; i < n; ++i) s.matrix[n * i + k] = s.matrix[n * k + i];
+      results.put(result, s.matrix, n * n);
+    } else {
+      results.putSquares(result, s.squares.inverse, s.matrix, n * n);
+    }
     results.putFailures(w.failed);
   };
-  const auto putAcceleration = [&](int result, const PathMatrix<S>& by) {
-    accelerationBy(m, d.factors, s.product, by, s.columns,
-                   [&](int begin, int count) { results.putPart(result, s.columns, count * n, begin * n, n * n); });
+  const auto putAcceleration = [&](int result, [[maybe_unused]] const PathMatrix<S>& by, [[maybe_unused]] typename Pairs::Number below) {
+    if constexpr (in_pairs<S>) {
+      accelerationBy(m, d.factors, s.product, d.pairs, below, s.columns,
+                     [&](int begin, int count) { results.putPart(result, s.columns, count * n, begin * n, n * n); });
+    } else {
+      accelerationBy<S>(m, d.factors, by, Rows<S>{s.matrix, n});
+      results.put(result, s.matrix, n * n);
+    }
   };
   switch (b.task) {
     case Task::rnea_derivatives:
       evaluateSubspaceDerivatives(m, d, s.q, s.v);
       rneaDerivatives<S>(m, w, d, s.v, s.a);
-      putOnPaths(0, d.by_q);
-      putOnPaths(1, d.by_v);
-      putOnPaths(2, d.by_a);
+      putOnPaths(0, d.by_q, Pairs::q_below);
+      putOnPaths(1, d.by_v, Pairs::v_below);
+      putOnPaths(2, d.by_a, Pairs::by_a);
       return;
     case Task::aba_derivatives:
       addLosses(m, -1.0, s.v, s.a);
@@ -126,8 +138,8 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b)
       abaDerivativesSweep<S>(recursion(m, w, d), w, d, s.v, s.a, s.result);
       results.put(3, s.result, n);
       putInverse(2);
-      putAcceleration(0, d.by_q);
-      return putAcceleration(1, d.by_v);
+      putAcceleration(0, d.by_q, Pairs::q_below);
+      return putAcceleration(1, d.by_v, Pairs::v_below);
     case Task::minverse:
       treeFactors<S>(m, w, d);
       return putInverse(0);
@@ -135,7 +147,7 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b)
       evaluateSubspaceDerivatives(m, d, s.q, s.v);
       std::fill(s.a, s.a + n, S(0));
       coriolisMatrix<S>(m, w, d, s.v, s.a);
-      return putOnPaths(0, d.by_v);
+      return putOnPaths(0, d.by_v, Pairs::v_below);
     default:
       return runCentroidal(m, s, b, results);
   }

@@ -85,20 +85,20 @@ void inverseOfMassMatrix(const CompactImpl& m, const TreeFactors<S>& factors, co
   downTheTree<Wide, true>(m, factors, factors.U, FromZeros(), out);
   mirrorUpper<Wide>(out, m.nvx);
 }
-/// Of states in packs.
+/// Of states in packs, on the diagonal and below.
 template <class S>
 void inverseOfMassMatrix(const CompactImpl& m, const TreeFactors<S>& factors, const ProductScratch<S>& scratch, const Rows<S>& out) {
   inChains(m, factors, scratch, [&]<int columns>(const ChainProduct<S>& chain, int j) {
-    // Numbers on both sides of the diagonal are written twice, each time with their mirror images.
-    S *const down = out[j], *const across = out.first + j;
+    S* const down = out[j];
     const std::ptrdiff_t n = out.stride;
+    const auto rightOf = [&](int c, int depth) -> const S& { return chain.factor(depth)[j + c]; };
     chain.template write<columns>(
-        j, j, factors.U, [](auto& sum, int) { setZero(sum); },
+        j, j, rightOf, [](auto& sum, int) { setZero(sum); },
         [=]<int rows>(const S(&sum)[columns][rows], int first) {
 #pragma GCC unroll 6
           for (int c = 0; c < columns; ++c)
 #pragma GCC unroll 4
-            for (int r = 0; r < rows; ++r) down[c * n + first + r] = across[(first + r) * n + c] = sum[c][r];
+            for (int r = 0; r < rows; ++r) down[c * n + first + r] = sum[c][r];
         });
   });
 }

@@ -6,6 +6,55 @@
 
 namespace dyn::kernels {
 
+/// Where a sweep enters what it finds.
+template <class S, bool pairs = in_pairs<S>>
+class PathEntries {
+ public:
+  explicit PathEntries(const DerivativeWorkspace<S>& d) : by_a(d.by_a), by_q(d.by_q), by_v(d.by_v) {}
+  /// Of some neighbouring degrees of freedom, and a joint on their way whose first one is iv; k counts from there.
+  template <class Wide>
+  struct At {
+    const PathEntries& entries;
+    const Part<Wide, S>& part;
+    int iv;
+    void inertia(int k, const Wide& x) const { entries.by_a.enterBelow(part, iv + k, x); }
+    void below(int k, const Below<Wide>& x) const {
+      entries.by_q.enterBelow(part, iv + k, x.q);
+      entries.by_v.enterBelow(part, iv + k, x.v);
+    }
+    /// Zeros outside the subtree.
+    void rightByQ(int k, const Wide& x) const { part.store(x, entries.by_q.right[iv + k]); }
+    void rightByV(int k, const Wide& x) const { part.store(x, entries.by_v.right[iv + k]); }
+  };
+  template <class Wide>
+  At<Wide> at(const CompactImpl&, const Part<Wide, S>& part, int iv) const {
+    return {*this, part, iv};
+  }
+
+ private:
+  const PathMatrix<S> by_a, by_q, by_v;
+};
+template <class S>
+class PathEntries<S, true> {
+ public:
+  explicit PathEntries(const DerivativeWorkspace<S>& d) : pairs_(d.pairs) {}
+  struct At {
+    using Pairs = PathPairs<S>;
+    S* row;
+    void inertia(int k, const S& x) const { row[Pairs::numbers * k + Pairs::by_a] = x; }
+    void below(int k, const Below<S>& x) const {
+      row[Pairs::numbers * k + Pairs::q_below] = x.q;
+      row[Pairs::numbers * k + Pairs::v_below] = x.v;
+    }
+    void rightByQ(int k, const S& x) const { row[Pairs::numbers * k + Pairs::q_right] = x; }
+    void rightByV(int k, const S& x) const { row[Pairs::numbers * k + Pairs::v_right] = x; }
+  };
+  At at(const CompactImpl& m, const Part<S, S>& part, int iv) const { return {pairs_.row(part.first(), m.dof_depth[static_cast<std::size_t>(iv)])}; }
+
+ private:
+  const PathPairs<S> pairs_;
+};
+
 /// Joints on the way to the root hold, or they yield to the forces and hand over what is left.
 enum class Climbing { holding, yielding };
 
@@ -67,7 +116,8 @@ void forcesToRoot(const R& recursion, Along&& along) {
         Forces<Wide> own[Joint::nv];
         if constexpr (climbing == Climbing::yielding)
           for (int k = 0; k < Joint::nv; ++k) own[k] = reinterpret_cast<const Forces<Wide>&>(forces[iv + k]);
-        order.eachDof(iv, end, [&](int dof) { visit(reinterpret_cast<Forces<Wide>&>(forces[dof]), i, iv, Part<Wide, S>(dof, iv, end), own); });
+        const bool moves = !order.isRoot(i) && order.hasLever(i);
+        order.eachDof(iv, end, [&](int dof) { visit(reinterpret_cast<Forces<Wide>&>(forces[dof]), i, iv, Part<Wide, S>(dof, iv, end), own, moves); });
       });
     });
   } else {
@@ -76,7 +126,9 @@ void forcesToRoot(const R& recursion, Along&& along) {
       order.climb(first, std::min(first + width, n), [&]<class Joint>(auto&& each) {
         along.template operator()<Joint>([&](auto&& visit) {
           Forces<Wide> F = forces.get();
-          const auto at = [&](int i, int iv) { visit(F, i, iv, Part<Wide, S>(first, iv, order.dofEnd(i)), recursion.d.dof_force + iv); };
+          const auto at = [&](int i, int iv) {
+            visit(F, i, iv, Part<Wide, S>(first, iv, order.dofEnd(i)), recursion.d.dof_force + iv, !order.isRoot(i) && order.hasLever(i));
+          };
           if (each(at)) forces.template leave<climbing>(F);
         });
       });
@@ -123,24 +175,17 @@ template <class Wide, class S, class T>
 class ToParent {
  public:
   template <class R>
-  ToParent(const R& recursion, const Part<Wide, S>& part, int i)
-      : part_(part),
-        lever_(recursion.order.w.r[i]),
-        rate_(recursion.d.shift_rate[i]),
-        moves_(!recursion.order.isRoot(i) && recursion.order.hasLever(i)) {}
-  void operator()(Force<Wide>& f) const {
-    if (moves_) addCross(f.angular, part_.inside(cast<Wide>(lever_)), f.linear);
-  }
+  ToParent(const R& recursion, const Part<Wide, S>& part, int i) : part_(part), lever_(recursion.order.w.r[i]), rate_(recursion.d.shift_rate[i]) {}
+  void operator()(Force<Wide>& f) const { addCross(f.angular, part_.inside(cast<Wide>(lever_)), f.linear); }
   /// U, and its lever with it.
   void operator()(Force<Wide>& U, Vec3<Wide>& lever) const {
-    if (moves_) addCross(lever, part_.inside(cast<Wide>(T(2) * rate_)), U.linear);
+    addCross(lever, part_.inside(cast<Wide>(T(2) * rate_)), U.linear);
     (*this)(U);
   }
 
  private:
   const Part<Wide, S>& part_;
   const Vec3<T>&lever_, &rate_;
-  bool moves_;
 };
 
 /// The columns of all subtrees on their way to the root, of U, lever and forces: s . U into d.by_a; what U and lever say of the variations of the
@@ -150,42 +195,51 @@ void pathSweep(const R& recursion, DerivativeWorkspace<S>& d) {
   const auto& order = recursion.order;
   using T = typename R::Scalar;
   forcesToRoot<DofForces, Climbing::holding, Wide, S>(recursion, [&]<class Joint>(auto&& each) {
-    // Copies: what packs are stored into might be anything, even the struct that says where.
-    const PathMatrix<S> by_a = d.by_a, by_q = d.by_q, by_v = d.by_v;
+    // A copy: what packs are stored into might be anything, even the struct that says where.
+    const PathEntries<S> path(d);
     const DofFactor<T>* const dofs = order.w.dof;
     const DofVariation<T>* const variations = recursion.d.dof;
-    each([&](DofForces<Wide>& F, int i, int iv, const Part<Wide, S>& part, const auto*) {
+    each([&](DofForces<Wide>& F, int i, int iv, const Part<Wide, S>& part, const auto*, const bool moves) {
+      const auto entries = path.at(order.m, part, iv);
       const ToParent<Wide, S, T> toParent(recursion, part, i);
-      const auto enter = [&](int k, const Wide& a, const Below<Wide>& x) {
-        by_a.enterSymmetric(part, iv + k, a);
-        by_q.enterBelow(part, iv + k, x.q);
-        by_v.enterBelow(part, iv + k, x.v);
-      };
-      const auto enterRight = [&](const PathMatrix<S>& by, Force<Wide>& force, const auto& columnOf) {
-        Force<Wide> f = force;
-#pragma GCC unroll 6
-        for (int k = 0; k < Joint::nv; ++k) by.enterRight(part, iv + k, iv + Joint::nv, columnOf(k).along(f));
-        toParent(f);
-        force.angular = f.angular;
+      const Force<Wide> U = F.by_a;
+      const Vec3<Wide> lever = F.lever;
+      const auto enter = [&](int k, const auto& column, const Below<Wide>& x) {
+        entries.inertia(k, column.along(U));
+        entries.below(k, x);
       };
       if constexpr (Joint::is_free) {
         if (order.isRoot(i)) {
           const auto columnOf = [](int k) { return UnitColumn<T>{k}; };
 #pragma GCC unroll 6
-          for (int k = 0; k < 6; ++k) enter(k, columnOf(k).along(F.by_a), belowFlyingRoot(k, variations + iv, F.by_a, F.lever));
-          enterRight(by_q, F.by_q, columnOf);
-          return enterRight(by_v, F.by_v, columnOf);
+          for (int k = 0; k < 6; ++k) enter(k, columnOf(k), belowFlyingRoot(k, variations + iv, U, lever));
+#pragma GCC unroll 6
+          for (int k = 0; k < 6; ++k) entries.rightByQ(k, part.inside(columnOf(k).along(F.by_q)));
+#pragma GCC unroll 6
+          for (int k = 0; k < 6; ++k) entries.rightByV(k, part.inside(columnOf(k).along(F.by_v)));
+          return;
         }
       }
       const auto columnOf = [&](int k) { return Column<Joint, T>{dofs[iv + k].S_}; };
-      Force<Wide> U = F.by_a;
-      Vec3<Wide> lever = F.lever;
-      for (int k = 0; k < Joint::nv; ++k) enter(k, columnOf(k).along(U), below<Joint>(variations[iv + k], columnOf(k).s, U, lever));
-      toParent(U, lever);
-      F.by_a.angular = U.angular;
-      F.lever = lever;
-      enterRight(by_q, F.by_q, columnOf);
-      enterRight(by_v, F.by_v, columnOf);
+      for (int k = 0; k < Joint::nv; ++k) enter(k, columnOf(k), below<Joint>(variations[iv + k], columnOf(k).s, U, lever));
+      if (moves) {
+        Force<Wide> moved = U;
+        Vec3<Wide> moved_lever = lever;
+        toParent(moved, moved_lever);
+        F.by_a.angular = moved.angular;
+        F.lever = moved_lever;
+      }
+      const auto right = [&](Force<Wide>& force, auto&& enterRight) {
+        Force<Wide> f = force;
+#pragma GCC unroll 6
+        for (int k = 0; k < Joint::nv; ++k) enterRight(k, part.inside(columnOf(k).along(f)));
+        if (moves) {
+          toParent(f);
+          force.angular = f.angular;
+        }
+      };
+      right(F.by_q, [&](int k, const Wide& x) { entries.rightByQ(k, x); });
+      right(F.by_v, [&](int k, const Wide& x) { entries.rightByV(k, x); });
     });
   });
 }
@@ -205,7 +259,7 @@ void factorsSweep(const R& recursion, DerivativeWorkspace<S>& d) {
   forcesToRoot<Force, Climbing::yielding, Wide, S>(recursion, [&]<class Joint>(auto&& each) {
     const Rows<S> U = d.factors.U;
     const DofFactor<T>* const dofs = order.w.dof;
-    each([&](Force<Wide>& force, int i, int iv, const Part<Wide, S>& part, const auto* own) {
+    each([&](Force<Wide>& force, int i, int iv, const Part<Wide, S>& part, const auto* own, const bool moves) {
       Force<Wide> F = force;
       const auto share = [&](int k, const auto& column) { return enterShare(part, iv + k, column.along(F), U[iv + k]); };
       if constexpr (Joint::is_free) {
@@ -216,7 +270,7 @@ void factorsSweep(const R& recursion, DerivativeWorkspace<S>& d) {
         }
       }
       for (int k = Joint::nv - 1; k >= 0; --k) yield(F, rowOf(own[k]), share(k, Column<Joint, T>{dofs[iv + k].S_}));
-      ToParent<Wide, S, T>(recursion, part, i)(F);
+      if (moves) ToParent<Wide, S, T>(recursion, part, i)(F);
       force = F;
     });
   });
@@ -230,27 +284,24 @@ void articulatedSweep(const R& recursion, DerivativeWorkspace<S>& d) {
   forcesToRoot<DofForces, Climbing::yielding, Wide, S>(recursion, [&]<class Joint>(auto&& each) {
     // Copies, as above.
     const Rows<S> factors = d.factors.U;
-    const PathMatrix<S> by_q = d.by_q, by_v = d.by_v;
+    const PathEntries<S> path(d);
     const DofFactor<T>* const dofs = order.w.dof;
     const DofVariation<T>* const variations = recursion.d.dof;
-    each([&](DofForces<Wide>& F, int i, int iv, const Part<Wide, S>& part, const auto* own) {
+    each([&](DofForces<Wide>& F, int i, int iv, const Part<Wide, S>& part, const auto* own, const bool moves) {
       const ToParent<Wide, S, T> toParent(recursion, part, i);
-      const auto enter = [&](int k, const Below<Wide>& x) {
-        by_q.enterBelow(part, iv + k, x.q);
-        by_v.enterBelow(part, iv + k, x.v);
-      };
-      // leaves(k, f, x): what a joint that moves by x along its k-th degree of freedom leaves of f.
-      const auto giveWay = [&](const PathMatrix<S>& by, Force<Wide>& force, const auto& columnOf, auto&& leaves) {
-        Force<Wide> f = force;
+      const auto entries = path.at(order.m, part, iv);
+      // What is left of a force; leaves(k, f, x): where the joint moves by x along its k-th degree of freedom.
+      const auto giveWay = [&](Force<Wide> f, const auto& columnOf, auto&& leaves, auto&& enterRight) {
 #pragma GCC unroll 6
         for (int k = Joint::nv - 1; k >= 0; --k) {
           const Wide x = part.since(iv + Joint::nv, columnOf(k).along(f));
-          part.store(x, by.right[iv + k]);
+          enterRight(k, x);
           leaves(k, f, x);
         }
-        toParent(f);
-        force = f;
+        return f;
       };
+      const auto rightByQ = [&](int k, const Wide& x) { entries.rightByQ(k, x); };
+      const auto rightByV = [&](int k, const Wide& x) { entries.rightByV(k, x); };
       Force<Wide> U = F.by_a;
       Vec3<Wide> lever = F.lever;
       const auto share = [&](int k, const auto& column) {
@@ -276,21 +327,27 @@ void articulatedSweep(const R& recursion, DerivativeWorkspace<S>& d) {
           const bool nothing = bare && part.first() >= iv + 6;
 #pragma GCC unroll 6
           for (int k = 0; k < 6; ++k)
-            enter(k, nothing ? Below<Wide>{Wide(0), k < 3 ? Wide(0) : lever[k - 3]} : belowFlyingRoot(k, variations + iv, U, lever));
+            entries.below(k, nothing ? Below<Wide>{Wide(0), k < 3 ? Wide(0) : lever[k - 3]} : belowFlyingRoot(k, variations + iv, U, lever));
           const auto leaves = [&](int k, Force<Wide>& f, const Wide& x) { yieldBefore(k, f, rowOf(own[k]), x); };
-          giveWay(by_q, F.by_q, columnOf, leaves);
-          return giveWay(by_v, F.by_v, columnOf, leaves);
+          giveWay(F.by_q, columnOf, leaves, rightByQ);
+          giveWay(F.by_v, columnOf, leaves, rightByV);
+          return;
         }
       }
       const auto columnOf = [&](int k) { return Column<Joint, T>{dofs[iv + k].S_}; };
       for (int k = Joint::nv - 1; k >= 0; --k) yield(U, rowOf(own[k]), share(k, columnOf(k)));
-      for (int k = 0; k < Joint::nv; ++k) enter(k, below<Joint>(variations[iv + k], columnOf(k).s, U, lever));
-      toParent(U, lever);
+      for (int k = 0; k < Joint::nv; ++k) entries.below(k, below<Joint>(variations[iv + k], columnOf(k).s, U, lever));
+      if (moves) toParent(U, lever);
       F.by_a = U;
       F.lever = lever;
       const auto leaves = [&](int k, Force<Wide>& f, const Wide& x) { yield(f, rowOf(own[k]), x); };
-      giveWay(by_q, F.by_q, columnOf, leaves);
-      giveWay(by_v, F.by_v, columnOf, leaves);
+      const auto climb = [&](Force<Wide>& force, auto&& enterRight) {
+        Force<Wide> f = giveWay(force, columnOf, leaves, enterRight);
+        if (moves) toParent(f);
+        force = f;
+      };
+      climb(F.by_q, rightByQ);
+      climb(F.by_v, rightByV);
     });
   });
 }

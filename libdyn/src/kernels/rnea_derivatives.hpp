@@ -137,8 +137,28 @@ void derivativesInward(const Order& order, DerivativeWorkspace<S>& d, const Forc
 /// After pathSweep: the entries within joints on both sides.
 template <class S>
 void closeJoints(const CompactImpl& m, const DerivativeWorkspace<S>& d) {
-  d.by_q.closeJoints(m);
-  d.by_v.closeJoints(m);
+  if constexpr (!in_pairs<S>) {
+    d.by_q.closeJoints(m);
+    d.by_v.closeJoints(m);
+  }
+}
+/// After that: to the entry of by_q of two of one joint's.
+template <class S>
+void addOwn(const CompactImpl& m, const DerivativeWorkspace<S>& d, int row, int column, const S& x) {
+  if constexpr (in_pairs<S>) {
+    d.pairs.at(m, PathPairs<S>::q_below, row, column) += x;
+  } else {
+    d.by_q.addOwn(row, column, x);
+  }
+}
+/// Of the diagonal of by_a, or by_v.
+template <class S>
+S& diagonal(const CompactImpl& m, const DerivativeWorkspace<S>& d, int matrix, int k) {
+  if constexpr (in_pairs<S>) {
+    return d.pairs.at(m, matrix == 0 ? PathPairs<S>::by_a : PathPairs<S>::v_below, k, k);
+  } else {
+    return (matrix == 0 ? d.by_a : d.by_v).below[k][k];
+  }
 }
 
 /// What the torque s . f of a subspace that varies changes along degree of freedom m: s_k's part of it.
@@ -157,7 +177,7 @@ void addLossDerivatives(const CompactImpl& m, Add&& add) {
   for (std::size_t k = 0; k < m.damping.size(); ++k) add(1, static_cast<int>(k), m.damping[k]);
 }
 
-/// After derivativesInward: d.by_q, d.by_v and d.by_a, which are the derivatives of rnea, losses included.
+/// After derivativesInward: d.by_q, d.by_v and d.by_a, or d.pairs, which are the derivatives of rnea, losses included.
 template <class Wide, class R, class S>
 void derivativesSweep(const R& recursion, DerivativeWorkspace<S>& d) {
   pathSweep<Wide>(recursion, d);
@@ -167,12 +187,12 @@ void derivativesSweep(const R& recursion, DerivativeWorkspace<S>& d) {
     if constexpr (Joint::has_bias)
       for (int along = 0; along < Joint::nv; ++along)
         for (int k = 0; k < Joint::nv; ++k)
-          d.by_q.addOwn(iv + k, iv + along, numberOf(subspaceTorque<Joint>(recursion.order, recursion.d, recursion.d.subtree[i].f, i, along, k)));
+          addOwn(m, d, iv + k, iv + along, numberOf(subspaceTorque<Joint>(recursion.order, recursion.d, recursion.d.subtree[i].f, i, along, k)));
   });
-  addLossDerivatives(m, [&](int matrix, int k, double x) { (matrix == 0 ? d.by_a : d.by_v).below[k][k] += S(static_cast<Real<S>>(x)); });
+  addLossDerivatives(m, [&](int matrix, int k, double x) { diagonal(m, d, matrix, k) += S(static_cast<Real<S>>(x)); });
 }
 
-/// The derivatives of rnea, losses included, into d.by_q, d.by_v and d.by_a. Joints have been asked into w, how subspaces vary into d.
+/// The derivatives of rnea, losses included, into d.by_q, d.by_v and d.by_a, or d.pairs. Joints have been asked into w, how subspaces vary into d.
 template <class Wide, class S>
 void rneaDerivatives(const CompactImpl& m, Workspace<S>& w, DerivativeWorkspace<S>& d, const S* v, const S* a, const Force<S>* fext = nullptr) {
   const auto r = recursion(m, w, d);

@@ -1,6 +1,7 @@
 // Products with the factors of M^-1 = U^T D^-1 U of many states at once, a pack of states being a number: what has come up the tree goes down again.
 #pragma once
 
+#include "kernels/path_pairs.hpp"
 #include "kernels/tile.hpp"
 #include "kernels/tree_factors.hpp"
 
@@ -62,19 +63,20 @@ class ChainProduct {
   ChainProduct(const DofChain& chain, int rows, const S* inverse, const Step* path, const int* reaching, S* shares)
       : chain_(chain), rows_(rows), inverse_(inverse), path_(path), reaching_(reaching), shares_(shares) {}
 
-  /// Columns j and the next ones, with `right`, which is zero left of its diagonal; rows from the panel on that has row `first`. start(sum, row) says
-  /// what the columns begin with from `row` on, take(sum, row) what they are.
-  template <int columns, class Start, class Take>
-  [[gnu::flatten]] void write(int j, int first, const Rows<S> right, const Start start, const Take take) const {
-    const int length = chain_.depth + j - chain_.begin + columns;
+  /// The row of U of the one on the columns' paths that has `depth` others before it.
+  const S* factor(int depth) const { return path_[depth].U; }
+  /// Columns j and the next ones, with right(c, depth) of the c-th and what is on its path; rows from the panel on that has row `first`.
+  /// start(sum, row) says what the columns begin with from `row` on, take(sum, row) what they are.
+  template <int columns, class Right, class Start, class Take>
+  [[gnu::flatten]] void write(int j, int first, const Right right, const Start start, const Take take) const {
+    const int before = chain_.depth + j - chain_.begin, length = before + columns;
     const Step* const path = path_;
     const S* const inverse = inverse_;
     S* const shares = shares_;
     for (int t = 0; t < length; ++t) {
-      const S* const factor = right[path[t].dof] + j;
       const S& scale = inverse[path[t].dof];
 #pragma GCC unroll 6
-      for (int c = 0; c < columns; ++c) shares[t * columns + c] = scale * factor[c];
+      for (int c = 0; c < columns; ++c) shares[t * columns + c] = t <= before + c ? scale * right(c, t) : S(0);
     }
     const auto panel = [&]<int rows>(std::integral_constant<int, rows>, int row, int reaching) {
       S sum[columns][rows];
@@ -124,34 +126,29 @@ void setZero(S (&sum)[columns][rows]) {
 #pragma GCC unroll 4
     for (int r = 0; r < rows; ++r) sum[c][r] = S(0);
 }
-/// Columns from j on with the other sign of what `below` has: its row j for degree of freedom j's subtree, with that of its whole joint. Before
-/// those, rows have something else's entries.
+/// Columns from j on with the other sign of what pairs have below the diagonal, and of each whole joint.
 template <class S, int columns>
 class OtherSign {
  public:
-  OtherSign(const CompactImpl& m, const Rows<S>& below, int j) : row_(below[j]), stride_(below.stride), end_(m.dof_end[static_cast<std::size_t>(j)]) {
+  OtherSign(const CompactImpl& m, const PathPairs<S>& pairs, typename PathPairs<S>::Number below, int j)
+      : pairs_(pairs), below_(below), depth_(m.dof_depth[static_cast<std::size_t>(j)]), end_(m.dof_end[static_cast<std::size_t>(j)]) {
     for (int c = 0; c < columns; ++c) begin_[c] = m.index[static_cast<std::size_t>(m.dof_body[static_cast<std::size_t>(j + c)])].idx_v;
   }
   template <int rows>
   void operator()(S (&sum)[columns][rows], int first) const {
     if (first + rows <= begin_[0] || first >= end_) return setZero(sum);
-    const S* row = row_ + first;
-#pragma GCC unroll 6
-    for (int c = 0; c < columns; ++c, row += stride_)
 #pragma GCC unroll 4
-      for (int r = 0; r < rows; ++r) sum[c][r] = -row[r];
-    if (first >= begin_[columns - 1]) return;
+    for (int r = 0; r < rows; ++r) {
+      const int row = first + r;
+      const S* const numbers = pairs_.row(row, depth_) + below_;
 #pragma GCC unroll 6
-    for (int c = 0; c < columns; ++c)
-#pragma GCC unroll 4
-      for (int r = 0; r < rows; ++r)
-        if (first + r < begin_[c]) sum[c][r] = S(0);
+      for (int c = 0; c < columns; ++c) sum[c][r] = begin_[c] <= row && row < end_ ? -numbers[PathPairs<S>::numbers * c] : S(0);
+    }
   }
 
  private:
-  const S* row_;
-  std::ptrdiff_t stride_;
-  int end_;
+  const PathPairs<S> pairs_;
+  const int below_, depth_, end_;
   int begin_[columns];
 };
 

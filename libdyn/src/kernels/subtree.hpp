@@ -110,41 +110,23 @@ void writeSmall(const Square<S, width>& tile, int n, const Rows<S>& out) {
 
 /// An n x n matrix with entries for two degrees of freedom on one path to the root. It is written as the sweep finds it, joint by joint
 /// with all of the joint's subtree: column k downwards into `below`, row k rightwards into `right`, from where assemble() brings them into
-/// place. Where S is a pack of states, numbers have their place at once: `below` is the whole matrix, and
-/// `right` is for aba's sweep, which has no matrix to write.
+/// place.
 template <class S>
 struct PathMatrix {
-  static constexpr bool in_place = lanes_of<S> > 1;
   Rows<S> below, right;
 
   template <class Wide>
   void enterBelow(const Part<Wide, S>& part, int k, const Wide& entries) const {
     part.store(part.inside(entries), below[k]);
   }
-  /// Of row k, columns from `from` on; those before are the joint's own.
-  template <class Wide>
-  void enterRight(const Part<Wide, S>& part, int k, int from, const Wide& entries) const {
-    if constexpr (in_place) {
-      if (part.first() >= from) below[part.first()][k] = entries;
-    } else {
-      part.store(part.inside(entries), right[k]);
-    }
-  }
-  template <class Wide>
-  void enterSymmetric(const Part<Wide, S>& part, int k, const Wide& entries) const {
-    enterBelow(part, k, entries);
-    if constexpr (in_place) below[part.first()][k] = entries;
-  }
   /// When all have been entered. Nothing turns within a joint: for two of its own, enterBelow's entries hold on both sides of the diagonal.
   void closeJoints(const CompactImpl& m) const {
-    if constexpr (!in_place) inJoints(m, [&](int row, int column) { right[row][column] = below[column][row]; });
+    inJoints(m, [&](int row, int column) { right[row][column] = below[column][row]; });
   }
   /// After that: to entry (row, column) of two of one joint's.
   void addOwn(int row, int column, const S& x) const {
     below[column][row] += x;
-    if constexpr (!in_place) {
-      if (row < column) right[row][column] += x;
-    }
+    if (row < column) right[row][column] += x;
   }
   /// Writes the entries into the columns of an n x n matrix whose other entries are zero and stay so.
   template <class Wide>

@@ -9,7 +9,6 @@
 #include "kernels/jacobians.hpp"
 
 #include <initializer_list>
-#include <span>
 
 namespace dyn::kernels {
 
@@ -92,11 +91,10 @@ enum class Task {
 template <class T>
 struct Block {
   Task task = Task::rnea;
-  ColumnsIn<T> q, v, a;                     ///< a: tau for aba
-  ColumnsIn<T> forces, couplings;           ///< of models that have some, where q, v and a are expanded: tau for aba; and G, dG and ddG of all
-  T* results[4] = {};                       ///< first columns: tau, ddq, M (nv x nv), J (6 x nv), or see Task; the others follow each
-  std::span<const std::ptrdiff_t> squares;  ///< of nv x nv results, as storeSquares has them; empty: all numbers are stored
-  FramePoint<double> frame;                 ///< frame_jacobian
+  ColumnsIn<T> q, v, a;            ///< a: tau for aba
+  ColumnsIn<T> forces, couplings;  ///< of models that have some, where q, v and a are expanded: tau for aba; and G, dG and ddG of all
+  T* results[4] = {};              ///< first columns: tau, ddq, M (nv x nv), J (6 x nv), or see Task; the others follow each
+  FramePoint<double> frame;        ///< frame_jacobian
   ReferenceFrame reference = ReferenceFrame::LOCAL;
   void* poses = nullptr;       ///< kinematics: where this block's poses go, 12 numbers a body, lanes innermost
   void* velocities = nullptr;  ///< 6 numbers a body; null: not wanted
