@@ -133,27 +133,17 @@ void variationsInward(const Order& order, DerivativeWorkspace<S>& d) {
   });
 }
 
-// What joints themselves answer motion with, along their own degrees of freedom, is torque, of which joints on the way to the root get what U says.
-
-/// What the sweep has entered right, and below, of degree of freedom k, for j of its subtree.
+/// What articulatedSweep has entered into by_q, below or right, of degree of freedom k and j of its subtree.
 template <class S>
-S& rightOf(const CompactImpl& m, const DerivativeWorkspace<S>& d, typename PathPairs<S>::Number right, int k, int j) {
+S& entryByQ(const CompactImpl& m, const DerivativeWorkspace<S>& d, typename PathPairs<S>::Number side, int k, int j) {
   if constexpr (in_pairs<S>) {
-    return d.pairs.row(j, m.dof_depth[static_cast<std::size_t>(k)])[right];
+    return d.pairs.row(j, m.dof_depth[static_cast<std::size_t>(k)])[side];
   } else {
-    return (right == PathPairs<S>::q_right ? d.by_q : d.by_v).right[k][j];
-  }
-}
-template <class S>
-S& belowByQ(const CompactImpl& m, const DerivativeWorkspace<S>& d, int k, int j) {
-  if constexpr (in_pairs<S>) {
-    return d.pairs.row(j, m.dof_depth[static_cast<std::size_t>(k)])[PathPairs<S>::q_below];
-  } else {
-    return d.by_q.below[k][j];
+    return (side == PathPairs<S>::q_right ? d.by_q.right : d.by_q.below)[k][j];
   }
 }
 
-/// To by_q: the torques s . f of subspaces that vary.
+/// To by_q: the torques s . f of subspaces that vary. Joints on the way to the root get of them what U says.
 template <class R, class S>
 void addSubspaceTorques(const R& recursion, const DerivativeWorkspace<S>& d) {
   const auto& order = recursion.order;
@@ -167,40 +157,16 @@ void addSubspaceTorques(const R& recursion, const DerivativeWorkspace<S>& d) {
           S share(0);
           for (int l = std::max(k - iv, 0); l < Joint::nv; ++l) share += torque[l] * U[k][iv + l];
           if (k <= j) {
-            rightOf<S>(order.m, d, PathPairs<S>::q_right, k, j) -= share;
+            entryByQ<S>(order.m, d, PathPairs<S>::q_right, k, j) -= share;
           } else {
             // The joint's own after j, which products of factors take from their beginnings.
             share *= d.factors.inverse[k];
-            for (int other = k; other < order.dofEnd(i); ++other) belowByQ(order.m, d, j, other) += share * U[k][other];
+            for (int other = k; other < order.dofEnd(i); ++other) entryByQ<S>(order.m, d, PathPairs<S>::q_below, j, other) += share * U[k][other];
           }
         });
       }
   });
 }
-/// To by_v.
-template <class Wide, class S>
-void addDamping(const CompactImpl& m, const DerivativeWorkspace<S>& d) {
-  constexpr int width = Part<Wide, S>::width;
-  const Rows<S> U = d.factors.U;
-  const int damped = static_cast<int>(m.damping.size());
-  if constexpr (width > 1) {
-    if (damped == 0) return;
-    const Rows<S> by_v = d.by_v.right;
-    // Packs reach beyond the subtree, where U has zeros, and beyond the last degree of freedom, where rows have room.
-    const int whole = damped / width * width;
-    const double* const damping = m.damping.data();
-    double last[width] = {};
-    std::copy(damping + whole, damping + damped, last);
-    for (int k = 0; k < damped; ++k)
-      for (int j = k / width * width, end = m.dof_end[static_cast<std::size_t>(k)]; j < end; j += width)
-        storePack(loadPack<Wide>(by_v[k] + j) - Wide::load(j < whole ? damping + j : last) * loadPack<Wide>(U[k] + j), by_v[k] + j);
-  } else {
-    for (int k = 0; k < damped; ++k)
-      for (int j = k, end = m.dof_end[static_cast<std::size_t>(k)]; j < end; ++j)
-        rightOf<S>(m, d, PathPairs<S>::v_right, k, j) -= S(static_cast<Real<S>>(m.damping[static_cast<std::size_t>(j)])) * U[k][j];
-  }
-}
-
 /// Accelerations ddq under the forces tau, and what their derivatives are made of, losses included: d.by_q, d.by_v and d.factors. Joints have been
 /// asked into w, how subspaces vary into d. w.failed tells lane by lane whether a pivot vanished.
 template <class Wide, class R, class S>
@@ -211,7 +177,6 @@ void abaDerivativesSweep(const R& r, Workspace<S>& w, DerivativeWorkspace<S>& d,
   variationsInward(r.order, r.d);
   articulatedSweep<Wide>(r, d);
   addSubspaceTorques(r, d);
-  addDamping<Wide>(r.order.m, d);
   r.failures(w.failed);
 }
 

@@ -3,6 +3,7 @@
 
 #include "kernels/derivatives.hpp"
 #include "kernels/followers.hpp"
+#include "kernels/squares.hpp"
 #include "kernels/state_products.hpp"
 #include "kernels/table.hpp"
 

@@ -168,6 +168,7 @@ struct DerivativeWorkspace {
   PathPairs<S> pairs;
   TreeFactors<S> factors;
   PathFactors<S> cholesky;
+  S* damping = nullptr;  ///< by degree of freedom, with zeros after the last for whole packs; null where there is none
 };
 
 /// What recursions over bodies write.
@@ -212,10 +213,15 @@ void carve(DerivativeWorkspace<S>& w, const CompactImpl& m, Arena& arena) {
   } else {
     carveRecursions(w, bodies, nv, arena);
   }
+  const int rows = (m.nvx + abreast<S> - 1) / abreast<S> * abreast<S>;  // for whole packs and tiles
+  if (!m.damping.empty()) arena.take(w.damping, static_cast<std::size_t>(rows));
+  if (w.damping) {
+    std::fill_n(w.damping, rows, S(0));
+    for (std::size_t k = 0; k < m.damping.size(); ++k) w.damping[k] = S(static_cast<Real<S>>(m.damping[k]));
+  }
   if constexpr (in_pairs<S>) {
     w.pairs.carve(m, arena);
   } else {
-    const int rows = (m.nvx + abreast<S> - 1) / abreast<S> * abreast<S>;  // for whole tiles
     for (PathMatrix<S>* matrix : {&w.by_q, &w.by_v, &w.by_a}) {
       arena.take(matrix->below, rows, m.nvx);
       if (matrix != &w.by_a) arena.take(matrix->right, rows, m.nvx);

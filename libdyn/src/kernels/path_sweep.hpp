@@ -10,21 +10,21 @@ namespace dyn::kernels {
 template <class S, bool pairs = in_pairs<S>>
 class PathEntries {
  public:
-  explicit PathEntries(const DerivativeWorkspace<S>& d) : by_a(d.by_a), by_q(d.by_q), by_v(d.by_v) {}
+  explicit PathEntries(const DerivativeWorkspace<S>& d) : by_a_(d.by_a), by_q_(d.by_q), by_v_(d.by_v) {}
   /// Of some neighbouring degrees of freedom, and a joint on their way whose first one is iv; k counts from there.
   template <class Wide>
   struct At {
     const PathEntries& entries;
     const Part<Wide, S>& part;
     int iv;
-    void inertia(int k, const Wide& x) const { entries.by_a.enterBelow(part, iv + k, x); }
+    void inertia(int k, const Wide& x) const { entries.by_a_.enterBelow(part, iv + k, x); }
     void below(int k, const Below<Wide>& x) const {
-      entries.by_q.enterBelow(part, iv + k, x.q);
-      entries.by_v.enterBelow(part, iv + k, x.v);
+      entries.by_q_.enterBelow(part, iv + k, x.q);
+      entries.by_v_.enterBelow(part, iv + k, x.v);
     }
     /// Zeros outside the subtree.
-    void rightByQ(int k, const Wide& x) const { part.store(x, entries.by_q.right[iv + k]); }
-    void rightByV(int k, const Wide& x) const { part.store(x, entries.by_v.right[iv + k]); }
+    void rightByQ(int k, const Wide& x) const { part.store(x, entries.by_q_.right[iv + k]); }
+    void rightByV(int k, const Wide& x) const { part.store(x, entries.by_v_.right[iv + k]); }
   };
   template <class Wide>
   At<Wide> at(const CompactImpl&, const Part<Wide, S>& part, int iv) const {
@@ -32,7 +32,7 @@ class PathEntries {
   }
 
  private:
-  const PathMatrix<S> by_a, by_q, by_v;
+  const PathMatrix<S> by_a_, by_q_, by_v_;
 };
 template <class S>
 class PathEntries<S, true> {
@@ -276,7 +276,8 @@ void factorsSweep(const R& recursion, DerivativeWorkspace<S>& d) {
   });
 }
 /// The same, and of the columns' other forces: what they leave along each degree of freedom on their way, right of joints' own in by_q and
-/// by_v; and what variations of the joints that by_a and lever reach make of these, when all up to there have given way, below the diagonals.
+/// by_v, there with what damping adds; and what variations of the joints that by_a and lever reach make of these, when all up to there have given
+/// way, below the diagonals.
 template <class Wide, class R, class S>
 void articulatedSweep(const R& recursion, DerivativeWorkspace<S>& d) {
   const auto& order = recursion.order;
@@ -285,6 +286,7 @@ void articulatedSweep(const R& recursion, DerivativeWorkspace<S>& d) {
     // Copies, as above.
     const Rows<S> factors = d.factors.U;
     const PathEntries<S> path(d);
+    const S* const damping = d.damping;
     const DofFactor<T>* const dofs = order.w.dof;
     const DofVariation<T>* const variations = recursion.d.dof;
     each([&](DofForces<Wide>& F, int i, int iv, const Part<Wide, S>& part, const auto* own, const bool moves) {
@@ -301,7 +303,10 @@ void articulatedSweep(const R& recursion, DerivativeWorkspace<S>& d) {
         return f;
       };
       const auto rightByQ = [&](int k, const Wide& x) { entries.rightByQ(k, x); };
-      const auto rightByV = [&](int k, const Wide& x) { entries.rightByV(k, x); };
+      // Damping answers velocities with torques, of which joints on the way get what U says.
+      const auto rightByV = [&](int k, const Wide& x) {
+        entries.rightByV(k, damping ? x - loadPack<Wide>(damping + part.first()) * loadPack<Wide>(factors[iv + k] + part.first()) : x);
+      };
       Force<Wide> U = F.by_a;
       Vec3<Wide> lever = F.lever;
       const auto share = [&](int k, const auto& column) {

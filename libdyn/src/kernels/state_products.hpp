@@ -73,10 +73,16 @@ class ChainProduct {
     const Step* const path = path_;
     const S* const inverse = inverse_;
     S* const shares = shares_;
-    for (int t = 0; t < length; ++t) {
+    for (int t = 0; t <= before; ++t) {
       const S& scale = inverse[path[t].dof];
 #pragma GCC unroll 6
-      for (int c = 0; c < columns; ++c) shares[t * columns + c] = t <= before + c ? scale * right(c, t) : S(0);
+      for (int c = 0; c < columns; ++c) shares[t * columns + c] = scale * right(c, t);
+    }
+    // Later columns' own are not on the paths of those before.
+    for (int own = 1; own < columns; ++own) {
+      const int t = before + own;
+      const S& scale = inverse[path[t].dof];
+      for (int c = 0; c < columns; ++c) shares[t * columns + c] = c < own ? S(0) : scale * right(c, t);
     }
     const auto panel = [&]<int rows>(std::integral_constant<int, rows>, int row, int reaching) {
       S sum[columns][rows];
@@ -137,13 +143,16 @@ class OtherSign {
   template <int rows>
   void operator()(S (&sum)[columns][rows], int first) const {
     if (first + rows <= begin_[0] || first >= end_) return setZero(sum);
+    const auto fill = [&](const auto& has) {
 #pragma GCC unroll 4
-    for (int r = 0; r < rows; ++r) {
-      const int row = first + r;
-      const S* const numbers = pairs_.row(row, depth_) + below_;
+      for (int r = 0; r < rows; ++r) {
+        const S* const numbers = pairs_.row(first + r, depth_) + below_;
 #pragma GCC unroll 6
-      for (int c = 0; c < columns; ++c) sum[c][r] = begin_[c] <= row && row < end_ ? -numbers[PathPairs<S>::numbers * c] : S(0);
-    }
+        for (int c = 0; c < columns; ++c) sum[c][r] = has(c, first + r) ? -numbers[PathPairs<S>::numbers * c] : S(0);
+      }
+    };
+    if (begin_[columns - 1] <= first && first + rows <= end_) return fill([](int, int) { return true; });
+    fill([&](int c, int row) { return begin_[c] <= row && row < end_; });
   }
 
  private:

@@ -1,0 +1,101 @@
+// Squares of packs, which blocks turn into states' matrices.
+#pragma once
+
+#include "kernels/columns.hpp"
+#include "kernels/path_pairs.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+namespace dyn::kernels {
+
+/// Squares that together have those numbers of an n x n matrix, column after column, which are wanted: as many that follow one another as a pack has
+/// lanes each, and where the numbers are in scratch. None where the matrix has fewer.
+template <class S>
+class Squares {
+ public:
+  static constexpr int lanes = lanes_of<S>;
+
+  /// wanted(row, column).
+  template <class Wanted>
+  void carve(std::ptrdiff_t n, const Wanted& wanted, Arena& arena) {
+    count_ = 0;
+    inSquares(n, wanted, [&](std::ptrdiff_t) { ++count_; });
+    arena.take(begin_, static_cast<std::size_t>(count_));
+    arena.take(places_, static_cast<std::size_t>(count_ * lanes));
+  }
+  /// placeOf(row, column), of numbers that are not wanted, too.
+  template <class Wanted, class PlaceOf>
+  void prepare(std::ptrdiff_t n, const Wanted& wanted, const PlaceOf& placeOf) {
+    std::ptrdiff_t* begin = begin_;
+    int* place = places_;
+    inSquares(n, wanted, [&](std::ptrdiff_t first) {
+      *begin++ = first;
+      for (std::ptrdiff_t k = first; k < first + lanes; ++k) *place++ = static_cast<int>(placeOf(static_cast<int>(k % n), static_cast<int>(k / n)));
+    });
+  }
+  bool empty() const { return count_ == 0; }
+
+  /// Into states' columns, `stride` apart; other numbers of these are not touched. Whether all are finite.
+  template <class T>
+  [[nodiscard]] bool store(const S* packs, int states, T* column, std::ptrdiff_t stride) const {
+    const auto begin = [first = begin_](std::ptrdiff_t k) { return first[k]; };
+    const auto from = [numbers = reinterpret_cast<const T*>(packs), places = places_](std::ptrdiff_t k) {
+      return [numbers, of = places + k * lanes](int i) { return numbers + static_cast<std::ptrdiff_t>(of[i]) * lanes; };
+    };
+    return putSquares<T, lanes>(count_, begin, from, states, column, stride);
+  }
+
+ private:
+  /// Calls use(first) for each.
+  template <class Wanted, class Use>
+  static void inSquares(std::ptrdiff_t n, const Wanted& wanted, Use&& use) {
+    const std::ptrdiff_t all = n * n;
+    if (all < lanes) return;
+    for (std::ptrdiff_t k = 0; k < all; ++k)
+      if (wanted(static_cast<int>(k % n), static_cast<int>(k / n))) {
+        use(std::min<std::ptrdiff_t>(k, all - lanes));
+        k += lanes - 1;
+      }
+  }
+
+  std::ptrdiff_t count_ = 0;
+  std::ptrdiff_t* begin_ = nullptr;
+  int* places_ = nullptr;
+};
+
+/// Those of what blocks of states write.
+template <class S>
+struct MatrixSquares {
+  using Pairs = PathPairs<S>;
+  Squares<S> mass;         ///< of a matrix whose columns follow one another, what paths connect
+  Squares<S> by_a, other;  ///< of matrices in pairs
+  Squares<S> inverse;      ///< of a symmetric one, of which there is what is on its diagonal and below
+
+  void carve(const CompactImpl& m, bool derivatives, Arena& arena) {
+    mass.carve(m.nvx, onPaths(m), arena);
+    if (!derivatives) return;
+    if constexpr (in_pairs<S>)
+      for (Squares<S>* of : {&by_a, &other}) of->carve(m.nvx, onPaths(m), arena);
+    inverse.carve(m.nvx, all, arena);
+  }
+  void prepare(const CompactImpl& m, bool derivatives, [[maybe_unused]] const Pairs& pairs) {
+    const std::ptrdiff_t n = m.nvx;
+    mass.prepare(n, onPaths(m), [&](int row, int column) { return n * column + row; });
+    if (!derivatives) return;
+    if constexpr (in_pairs<S>)
+      for (const auto& [of, below] : {std::pair(&by_a, Pairs::by_a), std::pair(&other, Pairs::q_below)})
+        of->prepare(n, onPaths(m), [&](int row, int column) { return pairs.placeOf(m, below, row, column) - below; });
+    inverse.prepare(n, all, [&](int row, int column) { return n * std::min(row, column) + std::max(row, column); });
+  }
+  const Squares<S>& ofPairs(typename Pairs::Number below) const { return below == Pairs::by_a ? by_a : other; }
+
+ private:
+  static auto onPaths(const CompactImpl& m) {
+    return [&m](int row, int column) { return std::max(row, column) < m.dof_end[static_cast<std::size_t>(std::min(row, column))]; };
+  }
+  static bool all(int, int) { return true; }
+};
+
+}  // namespace dyn::kernels
