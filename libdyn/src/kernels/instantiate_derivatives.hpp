@@ -107,8 +107,7 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b)
   const auto putInverse = [&](int result) {
     inverseOfMassMatrix(m, d.factors, s.product, Rows<S>{s.matrix, n});
     if (s.squares.inverse.empty()) {
-      for (std::ptrdiff_t k = 0; k < n; ++k)
-        for (std::ptrdiff_t i = k + 1; i < n; ++i) s.matrix[n * i + k] = s.matrix[n * k + i];
+      mirrorUpper<S>(Rows<S>{s.matrix, n}, m.nvx);
       results.put(result, s.matrix, n * n);
     } else {
       results.putSquares(result, s.squares.inverse, s.matrix, n * n);

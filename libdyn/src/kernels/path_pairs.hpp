@@ -50,8 +50,13 @@ class PathPairs {
 
   /// One of the matrices, column after column.
   void expand(const CompactImpl& m, Number below, S* matrix) const {
-    for (int column = 0; column < m.nvx; ++column)
-      for (int row = 0; row < m.nvx; ++row) *matrix++ = at(m, below, row, column);
+    const std::ptrdiff_t n = m.nvx;
+    std::fill_n(matrix, n * n, S(0));
+    for (int near = 0; near < m.nvx; ++near)
+      for (int far = near, end = m.dof_end[static_cast<std::size_t>(near)]; far < end; ++far) {
+        matrix[n * near + far] = at(m, below, far, near);
+        matrix[n * far + near] = at(m, below, near, far);
+      }
   }
 
  private:

@@ -100,13 +100,15 @@ class ForcesAbreast {
 };
 
 /// Neighbouring degrees of freedom, as many as Wide has lanes, on their paths to the root: calls along.operator()<Joint>(each) for joints of one
-/// shape, and each(visit) calls visit(F, i, idx_v, part, own) for these joints' bodies, children first: F, the neighbours' forces, are to be moved to
-/// the parent's origin, `part` is what of the neighbours is in the subtree of body i, and `own` has what the joint's own forces began with.
+/// shape, and each(visit) calls visit(F, i, idx_v, part, own, moves) for these joints' bodies, children first: F, the neighbours' forces, are to be
+/// moved to the parent's origin, if that is elsewhere (`moves`), `part` is what of the neighbours is in the subtree of body i, and `own` has what the
+/// joint's own forces began with.
 template <template <class> class Forces, Climbing climbing, class Wide, class S, class R, class Along>
 void forcesToRoot(const R& recursion, Along&& along) {
   constexpr int width = Part<Wide, S>::width;
   const auto& order = recursion.order;
   const int n = order.m.nvx;
+  const auto movesAt = [&](int i) { return !order.isRoot(i) && order.hasLever(i); };
   if constexpr (std::is_same_v<typename R::Scalar, Wide>) {
     // They are in lanes where they are: all of a subtree's one after the other at each joint.
     order.backward(passing(), [&]<class Joint>(const Joint&, int i, int iv) {
@@ -116,7 +118,7 @@ void forcesToRoot(const R& recursion, Along&& along) {
         Forces<Wide> own[Joint::nv];
         if constexpr (climbing == Climbing::yielding)
           for (int k = 0; k < Joint::nv; ++k) own[k] = reinterpret_cast<const Forces<Wide>&>(forces[iv + k]);
-        const bool moves = !order.isRoot(i) && order.hasLever(i);
+        const bool moves = movesAt(i);
         order.eachDof(iv, end, [&](int dof) { visit(reinterpret_cast<Forces<Wide>&>(forces[dof]), i, iv, Part<Wide, S>(dof, iv, end), own, moves); });
       });
     });
@@ -126,9 +128,7 @@ void forcesToRoot(const R& recursion, Along&& along) {
       order.climb(first, std::min(first + width, n), [&]<class Joint>(auto&& each) {
         along.template operator()<Joint>([&](auto&& visit) {
           Forces<Wide> F = forces.get();
-          const auto at = [&](int i, int iv) {
-            visit(F, i, iv, Part<Wide, S>(first, iv, order.dofEnd(i)), recursion.d.dof_force + iv, !order.isRoot(i) && order.hasLever(i));
-          };
+          const auto at = [&](int i, int iv) { visit(F, i, iv, Part<Wide, S>(first, iv, order.dofEnd(i)), recursion.d.dof_force + iv, movesAt(i)); };
           if (each(at)) forces.template leave<climbing>(F);
         });
       });

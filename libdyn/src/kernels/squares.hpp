@@ -73,7 +73,9 @@ struct MatrixSquares {
   Squares<S> by_a, other;  ///< of matrices in pairs
   Squares<S> inverse;      ///< of a symmetric one, of which there is what is on its diagonal and below
 
+  // Matrices of models with couplings are not written from where they are found.
   void carve(const CompactImpl& m, bool derivatives, Arena& arena) {
+    if (!m.couplings.empty()) return;
     mass.carve(m.nvx, onPaths(m), arena);
     if (!derivatives) return;
     if constexpr (in_pairs<S>)
@@ -81,6 +83,7 @@ struct MatrixSquares {
     inverse.carve(m.nvx, all, arena);
   }
   void prepare(const CompactImpl& m, bool derivatives, [[maybe_unused]] const Pairs& pairs) {
+    if (!m.couplings.empty()) return;
     const std::ptrdiff_t n = m.nvx;
     mass.prepare(n, onPaths(m), [&](int row, int column) { return n * column + row; });
     if (!derivatives) return;
