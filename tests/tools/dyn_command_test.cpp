@@ -149,6 +149,9 @@ TEST_CASE("bench measures what is asked for", "[command]") {
   std::string names;
   for (std::string line; std::getline(lines, line);) names += nlohmann::json::parse(line)["algorithm"].get<std::string>() + " ";
   CHECK(names == "rnea step_rk4 rnea rnea ");  // single, batches of doubles and floats
+  const Answer few = run("bench " + biped + " --only rnea --states 8 --json");
+  CHECK_THAT(few.out, containing("\"mode\":\"batch\",\"states\":8") && containing("\"mode\":\"single\",\"states\":256"));
+  CHECK(run("bench " + biped + " --states 0").code == 2);
   const Answer unknown = run("bench " + biped + " --only speed");
   CHECK(unknown.code == 2);
   CHECK_THAT(unknown.err, containing("speed") && containing("joint_jacobians"));

@@ -15,7 +15,7 @@ namespace {
 struct Options {
   ModelOptions model;
   bool json = false;
-  int threads = 1;
+  int states = state_count, threads = 1;
   std::string truth;
   std::vector<std::string> contacts, codegen, only;
 };
@@ -48,7 +48,7 @@ void choose(const std::vector<std::string>& only, std::vector<Entry>& entries) {
 
 void run(const Options& o) {
   const CompactModel model = o.model.compile();
-  Subjects subjects(model, constraintsOf(o, model));
+  Subjects subjects(model, constraintsOf(o, model), o.states);
   if (!o.truth.empty()) subjects.truth = readTruth(o.truth, model);
   std::vector<Entry> entries;
   addSingle(subjects, entries);
@@ -58,18 +58,18 @@ void run(const Options& o) {
   choose(o.only, entries);
   if (!o.json) std::printf("constraints (rows): %s\n", namesOf(subjects.constraints.set()).c_str());
   if (!o.json)
-    std::printf("%s, %d degrees of freedom, %d random states, median of 11%s\n%-32s %-8s %-8s %12s %20s %10s\n", model.name().c_str(), model.nv(),
-                state_count, o.truth.empty() ? "" : "; errors in units of roundoff, u", "algorithm", "scalar", "mode", "ns a state", "quartiles",
-                o.truth.empty() ? "" : "error");
+    std::printf("%s, %d degrees of freedom, %zu random states, batches of %d, median of 11%s\n%-32s %-8s %-8s %12s %20s %10s\n", model.name().c_str(),
+                model.nv(), subjects.states.size(), o.states, o.truth.empty() ? "" : "; errors in units of roundoff, u", "algorithm", "scalar",
+                "mode", "ns a state", "quartiles", o.truth.empty() ? "" : "error");
   for (const Entry& entry : entries) {
     try {
-      const benchmark::Quartiles t = measure(entry.round);
+      const benchmark::Quartiles t = measure(entry.round, entry.states);
       const ErrorSummary error = entry.error ? entry.error() : ErrorSummary();
       if (o.json) {
         nlohmann::ordered_json line = {{"robot", model.name()},  {"algorithm", entry.algorithm},
                                        {"scalar", entry.scalar}, {"mode", entry.mode},
-                                       {"ns", t.median},         {"ns_low", t.low},
-                                       {"ns_high", t.high}};
+                                       {"states", entry.states}, {"ns", t.median},
+                                       {"ns_low", t.low},        {"ns_high", t.high}};
         if (!std::isnan(error.most())) {
           line["error_u"] = error.most();
           line["rms_u"] = error.rms();
@@ -101,6 +101,7 @@ void addBench(CLI::App& app) {
       ->delimiter(',');
   sub->add_option("--codegen", o->codegen, "code generated for this model too: names of functions as dyn codegen knows them, or all")->delimiter(',');
   sub->add_option("--only", o->only, "algorithms to measure, as its lines name them")->delimiter(',');
+  sub->add_option("--states", o->states, "of a batch")->capture_default_str()->check(CLI::Range(1, 1024));
   sub->add_option("--threads", o->threads, "of batches")->capture_default_str()->check(CLI::Range(1, 256));
   sub->callback([o] { run(*o); });
 }

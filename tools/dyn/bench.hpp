@@ -16,13 +16,15 @@
 
 namespace dyn::tool {
 
-/// One line: how long `round` takes for each of the states that it goes through, and the errors at those of the truth.
+/// One line: how long `round` takes for each of the `states` that it goes through, and the errors at those of the truth.
 struct Entry {
   std::string algorithm, scalar, mode;
+  std::size_t states = 0;
   std::function<void()> round;
   std::function<ErrorSummary()> error;
 };
 
+/// Where nobody says how many.
 constexpr int state_count = 256;
 
 /// Of very large models derivatives are left out, and said to be: they take some twenty matrices of nv x nv.
@@ -30,9 +32,15 @@ inline Need needOf(const CompactModel& model) { return model.nv() <= 1000 ? Need
 
 /// Everything that is measured lives here.
 struct Subjects {
-  Subjects(const CompactModel& m, const ConstraintSet& set)
-      : model(m), states(randomStates(m, state_count, 1)), data(m, needOf(m)), constraints(set, needOf(m)), truth() {}
+  Subjects(const CompactModel& m, const ConstraintSet& set, int in_a_batch = state_count)
+      : model(m),
+        batch_states(in_a_batch),
+        states(randomStates(m, std::max(state_count, in_a_batch), 1)),
+        data(m, needOf(m)),
+        constraints(set, needOf(m)),
+        truth() {}
   const CompactModel& model;
+  int batch_states;
   std::vector<State> states;
   Data data;
   ConstraintData constraints;
@@ -46,8 +54,8 @@ void addBatch(Subjects& x, const char* scalar, int threads, std::vector<Entry>& 
 extern template void addBatch<double>(Subjects&, const char*, int, std::vector<Entry>&);
 extern template void addBatch<float>(Subjects&, const char*, int, std::vector<Entry>&);
 
-/// ns a state: quartiles of eleven repetitions of about 2 ms each.
-benchmark::Quartiles measure(const std::function<void()>& round);
+/// ns for each of the things, `count` of them, that a round goes through: quartiles of eleven repetitions of about 2 ms each.
+benchmark::Quartiles measure(const std::function<void()>& round, std::size_t count);
 
 /// Functions of this model as generated code, state by state and several states a call. Compiles them, or finds them in the cache.
 void addGenerated(Subjects& x, const std::vector<std::string>& functions, std::vector<Entry>& entries);

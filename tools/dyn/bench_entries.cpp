@@ -89,7 +89,7 @@ struct BatchSubject {
 
 }  // namespace
 
-benchmark::Quartiles measure(const std::function<void()>& round) {
+benchmark::Quartiles measure(const std::function<void()>& round, std::size_t count) {
   using Clock = std::chrono::steady_clock;
   constexpr int repetitions = 11;
   int rounds = 1;
@@ -102,14 +102,14 @@ benchmark::Quartiles measure(const std::function<void()>& round) {
       rounds = benchmark::roundsInSample(ns);
       continue;
     }
-    times.push_back(ns / (rounds * static_cast<double>(state_count)));
+    times.push_back(ns / (rounds * static_cast<double>(count)));
   }
   return benchmark::quartiles(times);
 }
 
 void addSingle(Subjects& x, std::vector<Entry>& entries) {
   const auto add = [&](const char* name, auto run) {
-    Entry entry{name, "double", "single", {}, {}};
+    Entry entry{name, "double", "single", x.states.size(), {}, {}};
     entry.round = [&x, run] {
       for (const State& s : x.states) run(x.model, x.data, s);
     };
@@ -183,10 +183,10 @@ void addSingle(Subjects& x, std::vector<Entry>& entries) {
 
 template <class T>
 void addBatch(Subjects& x, const char* scalar, int threads, std::vector<Entry>& entries) {
-  const auto subject = std::make_shared<BatchSubject<T>>(x.model, state_count, threads);
-  for (int k = 0; k < state_count; ++k) subject->set(k, x.states[static_cast<std::size_t>(k)]);
+  const auto subject = std::make_shared<BatchSubject<T>>(x.model, x.batch_states, threads);
+  for (int k = 0; k < x.batch_states; ++k) subject->set(k, x.states[static_cast<std::size_t>(k)]);
   const auto add = [&](const char* name, auto run) {
-    Entry entry{name, scalar, "batch", [&x, subject, run] { run(x.model, *subject); }, {}};
+    Entry entry{name, scalar, "batch", static_cast<std::size_t>(x.batch_states), [&x, subject, run] { run(x.model, *subject); }, {}};
     if constexpr (!std::is_void_v<decltype(run(x.model, *subject))>)
       entry.error = [&x, run, name, threads] {
         const auto n = static_cast<int>(x.truth.size());

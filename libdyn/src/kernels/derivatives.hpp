@@ -80,35 +80,6 @@ struct Subtree {
   }
 };
 
-/// Forces about its joint's origin that a degree of freedom's motion, and its variation, bring; on their way to the root, about the origins there.
-template <class S>
-struct DofForces {
-  Force<S> by_a;  ///< I s; in aba the articulated inertia's, / pivot
-  Vec3<S> lever;  ///< of by_a's on turning rates
-  Force<S> by_q, by_v;
-};
-
-/// The force among a degree of freedom's, which joints give way to as rows of the factors say.
-template <class S>
-const Force<S>& rowOf(const Force<S>& f) {
-  return f;
-}
-template <class S>
-const Force<S>& rowOf(const DofForces<S>& f) {
-  return f.by_a;
-}
-/// What a joint that moves by u along the degree of freedom of this row leaves of a force.
-template <class Wide, class T>
-void yield(Force<Wide>& F, const Force<T>& row, const Wide& u) {
-  F.linear -= u * cast<Wide>(row.linear);
-  F.angular -= u * cast<Wide>(row.angular);
-}
-/// What variations make of forces, by q and by v.
-template <class S>
-struct Below {
-  S q, v;
-};
-
 /// Force that each turning rate brings to a subtree whose joints are free to move.
 template <class S>
 struct CoriolisMap {
@@ -220,7 +191,7 @@ void carve(DerivativeWorkspace<S>& w, const CompactImpl& m, Arena& arena) {
     for (std::size_t k = 0; k < m.damping.size(); ++k) w.damping[k] = S(static_cast<Real<S>>(m.damping[k]));
   }
   if constexpr (in_pairs<S>) {
-    w.pairs.carve(m, arena);
+    w.pairs.carve(m, w.dof_force, arena);
   } else {
     for (PathMatrix<S>* matrix : {&w.by_q, &w.by_v, &w.by_a}) {
       arena.take(matrix->below, rows, m.nvx);

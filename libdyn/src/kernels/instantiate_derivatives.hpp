@@ -96,7 +96,7 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b)
   const auto putOnPaths = [&](int result, [[maybe_unused]] const PathMatrix<S>& from, [[maybe_unused]] typename Pairs::Number below) {
     if constexpr (in_pairs<S>) {
       const Squares<S>& squares = s.squares.ofPairs(below);
-      if (!squares.empty()) return results.putSquares(result, squares, d.pairs.begin() + below, n * n);
+      if (!squares.empty()) return results.putSquares(result, squares, d.pairs.begin(), n * n);
       d.pairs.expand(m, below, s.matrix);
     } else {
       std::fill(s.matrix, s.matrix + n * n, S(0));

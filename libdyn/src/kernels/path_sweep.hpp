@@ -44,8 +44,9 @@ class PathEntries<S, true> {
     void inertia(int k, const S& x) const { row[Pairs::numbers * k + Pairs::by_a] = x; }
     void below(int k, const Below<S>& x) const {
       row[Pairs::numbers * k + Pairs::q_below] = x.q;
-      row[Pairs::numbers * k + Pairs::v_below] = x.v;
+      belowByV(k, x.v);
     }
+    void belowByV(int k, const S& x) const { row[Pairs::numbers * k + Pairs::v_below] = x; }
     void rightByQ(int k, const S& x) const { row[Pairs::numbers * k + Pairs::q_right] = x; }
     void rightByV(int k, const S& x) const { row[Pairs::numbers * k + Pairs::v_right] = x; }
   };
@@ -210,6 +211,14 @@ void pathSweep(const R& recursion, DerivativeWorkspace<S>& d) {
       };
       if constexpr (Joint::is_free) {
         if (order.isRoot(i)) {
+          if constexpr (in_pairs<S>) {
+            // The others' pairs find the rest where it is.
+            if (part.first() >= iv + 6) {
+              for (int k = 0; k < 3; ++k) entries.belowByV(k, belowFlyingRoot(k, variations + iv, U, lever).v);
+              for (int k = 3; k < 6; ++k) entries.below(k, belowFlyingRoot(k, variations + iv, U, lever));
+              return;
+            }
+          }
           const auto columnOf = [](int k) { return UnitColumn<T>{k}; };
 #pragma GCC unroll 6
           for (int k = 0; k < 6; ++k) enter(k, columnOf(k), belowFlyingRoot(k, variations + iv, U, lever));

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <utility>
 
 namespace dyn::kernels {
 
@@ -69,9 +68,9 @@ class Squares {
 template <class S>
 struct MatrixSquares {
   using Pairs = PathPairs<S>;
-  Squares<S> mass;         ///< of a matrix whose columns follow one another, what paths connect
-  Squares<S> by_a, other;  ///< of matrices in pairs
-  Squares<S> inverse;      ///< of a symmetric one, of which there is what is on its diagonal and below
+  Squares<S> mass;      ///< of a matrix whose columns follow one another, what paths connect
+  Squares<S> pairs[3];  ///< of the matrices that these have, of each of which one number is by_a, q_below or v_below
+  Squares<S> inverse;   ///< of a symmetric one, of which there is what is on its diagonal and below
 
   // Matrices of models with couplings are not written from where they are found.
   void carve(const CompactImpl& m, bool derivatives, Arena& arena) {
@@ -79,20 +78,20 @@ struct MatrixSquares {
     mass.carve(m.nvx, onPaths(m), arena);
     if (!derivatives) return;
     if constexpr (in_pairs<S>)
-      for (Squares<S>* of : {&by_a, &other}) of->carve(m.nvx, onPaths(m), arena);
+      for (Squares<S>& of : pairs) of.carve(m.nvx, onPaths(m), arena);
     inverse.carve(m.nvx, all, arena);
   }
-  void prepare(const CompactImpl& m, bool derivatives, [[maybe_unused]] const Pairs& pairs) {
+  void prepare(const CompactImpl& m, bool derivatives, [[maybe_unused]] const Pairs& found) {
     if (!m.couplings.empty()) return;
     const std::ptrdiff_t n = m.nvx;
     mass.prepare(n, onPaths(m), [&](int row, int column) { return n * column + row; });
     if (!derivatives) return;
     if constexpr (in_pairs<S>)
-      for (const auto& [of, below] : {std::pair(&by_a, Pairs::by_a), std::pair(&other, Pairs::q_below)})
-        of->prepare(n, onPaths(m), [&](int row, int column) { return pairs.placeOf(m, below, row, column) - below; });
+      for (const auto below : {Pairs::by_a, Pairs::q_below, Pairs::v_below})
+        pairs[below].prepare(n, onPaths(m), [&](int row, int column) { return found.placeOf(m, below, row, column); });
     inverse.prepare(n, all, [&](int row, int column) { return n * std::min(row, column) + std::max(row, column); });
   }
-  const Squares<S>& ofPairs(typename Pairs::Number below) const { return below == Pairs::by_a ? by_a : other; }
+  const Squares<S>& ofPairs(typename Pairs::Number below) const { return pairs[below]; }
 
  private:
   static auto onPaths(const CompactImpl& m) {

@@ -55,7 +55,10 @@ std::string labelOf(const Line& line) {
 /// Derivatives in another way than the library's: run(state) writes them, w.r.t. q and v side by side, into what `out` gives.
 template <class Run, class Out>
 Entry derivativeEntry(Subjects& x, const char* algorithm, const std::string& mode, Run run, Out out) {
-  return {algorithm, "double", mode,
+  return {algorithm,
+          "double",
+          mode,
+          x.states.size(),
           [&x, run] {
             for (const State& s : x.states) run(s);
           },
@@ -219,7 +222,7 @@ Section algorithmSection(const std::vector<Specimen>& specimens, const AccuracyO
       if (!judged.contains(entry.algorithm)) continue;
       const ErrorSummary error = entry.error ? entry.error() : ErrorSummary();
       if (std::isnan(error.most())) continue;
-      const benchmark::Quartiles t = measure(entry.round);
+      const benchmark::Quartiles t = measure(entry.round, entry.states);
       lines.push_back({entry.algorithm, entry.scalar, entry.mode, t.median, t.low, t.high, error.most(), error.rms()});
     }
     if (!specimen.path.empty() && !options.instruction_sets.empty()) {

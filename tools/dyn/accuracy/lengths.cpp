@@ -35,10 +35,11 @@ Section lengthSection(const AccuracyOptions& options) {
     const std::optional<TruthSample> truth = small ? std::optional(Oracle(description, model).evaluate(s, false)) : std::nullopt;
     const auto add = [&](const char* name, const char* key, auto run) {
       const Eigen::VectorXd result = run();
-      const double ns = measure([&] {
-                          for (int k = 0; k < std::max(1, 1000 / n); ++k) run();
-                        }).median *
-                        state_count / std::max(1, 1000 / n);
+      const int calls = std::max(1, 1000 / n);
+      const auto round = [&] {
+        for (int k = 0; k < calls; ++k) run();
+      };
+      const double ns = measure(round, static_cast<std::size_t>(calls)).median;
       times.add(name, n, ns);
       double error = std::nan("");
       if (truth) {

@@ -105,10 +105,10 @@ std::vector<Function> functions() {
 /// ns a call, over motions of all angles.
 double nanoseconds(const Function& f, const std::vector<Motion<double>>& motions) {
   volatile double kept = 0;
-  const double ns = measure([&] {
-                      for (const Motion<double>& m : motions) kept = kept + f.call(m);
-                    }).median;
-  return ns * state_count / static_cast<double>(motions.size());
+  const auto round = [&] {
+    for (const Motion<double>& m : motions) kept = kept + f.call(m);
+  };
+  return measure(round, motions.size()).median;
 }
 
 }  // namespace
