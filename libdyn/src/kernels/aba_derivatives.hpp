@@ -37,7 +37,7 @@ void movingOutward(const Order& order, DerivativeWorkspace<S>& d, const S* v) {
   order.forward(passingAxes(order, w, w.w), [&]<class Joint>(const Joint& joint, int i, int iv, auto&& turning, auto&&... axes) {
     const Vec3<S>& wp = turning.get();
     const auto [R, s, omega] = moveAligned<S, Renewal::whole>(joint, order, i, d, v + iv, wp, axes...);
-    for (int k = 0; k < Joint::nv; ++k) w.dof[iv + k].S_ = joint.columnIn(R, k);
+    writeColumns(joint, R, w.dof + iv);
     w.beta[i] = velocityAcceleration(joint, order, i, R, wp, omega, s);
     turning.leave(omega);
   });
@@ -52,14 +52,15 @@ void articulatedInward(const Order& order, DerivativeWorkspace<S>& d, const S* t
   for (int& body : w.failed) body = 0;
   const auto articulated = passing(d.coriolis, w.IA, w.pA);
   order.backward(articulated, [&]<class Joint>(const Joint&, int i, int iv, auto&& coriolis, auto&& inertia, auto&& force) {
-    Subtree<S>& written = d.subtree[i];
-    writeMoving<Joint>(order, w, i, fext, written);
-    const auto own = [&]() -> const Subtree<S>& { return readAgain(order, written); };
+    Subtree<S>& own = d.subtree[i];
+    writeMomentum<Joint>(order, w, i, own.m);
+    const auto m = [&]() -> const SubtreeMomentum<S>& { return readAgain(order, own.m); };
+    own.f = movingForce(w, i, m(), fext);
+    own.K = turnedMoment(m(), w.w[i]);
     CoriolisMap<S>& map = d.coriolis[i];  // in memory: there are not enough registers for it and IA
-    coriolis.gather(coriolisMap(own().m.momentum.linear, own().K));
-    Force<S> pA = force.with(own().f);
-    const SubtreeMomentum<S>& m = own().m;
-    ArticulatedInertia<S> IA = inertia.with(ArticulatedInertia<S>::rigid(m.mass, m.h, m.I));
+    coriolis.gather(coriolisMap(m().momentum.linear, readAgain(order, own.K)));
+    Force<S> pA = force.with(readAgain(order, own.f));
+    ArticulatedInertia<S> IA = inertia.with(ArticulatedInertia<S>::rigid(m().mass, m().h, m().I));
     eliminateJoint<Joint>(order, w, IA, i, iv, [&](int k, const auto& column, const Force<S>& W, const S& inverse, const Force<S>& row) {
       const S y = tau[iv + k] - column.along(pA);
       w.dof[iv + k].y = inverse * y;

@@ -74,7 +74,7 @@ struct Subtree {
 
   Subtree& operator+=(const Subtree& x) {
     m += x.m;
-    K = K + x.K;
+    K += x.K;
     f += x.f;
     return *this;
   }
@@ -86,8 +86,8 @@ struct CoriolisMap {
   Mat3<S> linear, angular;
 
   CoriolisMap& operator+=(const CoriolisMap& x) {
-    linear = linear + x.linear;
-    angular = angular + x.angular;
+    linear += x.linear;
+    angular += x.angular;
     return *this;
   }
 };

@@ -61,9 +61,9 @@ class KeptFromChildren {
     return sum;
   }
   template <class Fill>
-  T gatherInPlace(Fill&& fill) const {
+  T gatherInParts(Fill&& fill) const {
     T own;
-    fill(own);
+    fill([&]<class Part>(Part T::*part, const Part& x) { own.*part = x; });
     return gather(own);
   }
   void give(const T& x) { kept_ = x; }

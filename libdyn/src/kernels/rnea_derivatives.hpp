@@ -52,15 +52,19 @@ JointMotion<S> moveAligned(const Joint& joint, const Order& order, int i, Deriva
   return {R, s, omega};
 }
 
-/// Of body i alone, which turns with w.w, but for its acceleration. fext: null, or external forces in the bodies' axes.
-template <class Joint, class T, class S, class Order>
-void writeMoving(const Order& order, const Workspace<S>& w, int i, const Force<T>* fext, Subtree<S>& own) {
+/// Of body i alone, which turns with w.w.
+template <class Joint, class S, class Order>
+void writeMomentum(const Order& order, const Workspace<S>& w, int i, SubtreeMomentum<S>& own) {
   const auto [mass, h, I] = alignedInertia<Joint>(order, w, i);
   const Vec3<S>& omega = w.w[i];
-  own.m = {mass, h, I, {cross(omega, h), I * omega}};
-  own.f = turnedMomentum(readAgain(order, own).m, omega);
-  own.K = turnedMoment(readAgain(order, own).m, omega);
-  if (fext) own.f -= inAlignedAxes(w, i, fext[i]);
+  own = {mass, h, I, {cross(omega, h), I * omega}};
+}
+/// What moves it but for its acceleration. fext: null, or external forces in the bodies' axes.
+template <class T, class S>
+Force<S> movingForce(const Workspace<S>& w, int i, const SubtreeMomentum<S>& own, const Force<T>* fext) {
+  Force<S> f = turnedMomentum(own, w.w[i]);
+  if (fext) f -= inAlignedAxes(w, i, fext[i]);
+  return f;
 }
 
 /// The parent's acceleration carried to where body i's joint is, but for what the parent's own turning adds; of a root as if gravity were an
@@ -88,7 +92,7 @@ void writeVariations(const Order& order, DerivativeWorkspace<S>& d, int i, int i
       const BodyIndex& x = order.index(i);
       more = subspaceTerms<S, Joint>(d.subspaces[x.batch], x.slot, k, w.R[i], v + iv, a + iv);
     }
-    d.dof[iv + k] = variationOf<Joint>(motion, more);
+    writeVariation<Joint>(variationOf<Joint>(motion, more), d.dof[iv + k]);
   }
 }
 
@@ -101,7 +105,7 @@ void derivativesOutward(const Order& order, DerivativeWorkspace<S>& d, const Vec
   order.forward(motion, [&]<class Joint>(const Joint& joint, int i, int iv, auto&& turning, auto&& accelerated, auto&&... axes) {
     const Vec3<S>& wp = turning.get();
     const auto [R, s, omega] = moveAligned<S, Renewal::from_columns>(joint, order, i, d, v + iv, wp, axes...);
-    for (int k = 0; k < Joint::nv; ++k) w.dof[iv + k].S_ = joint.columnIn(R, k);
+    writeColumns(joint, R, w.dof + iv);
     const Motion<S> carried = carriedAcceleration<Joint>(order, i, accelerated.get(), gravity), by_a = joint.timesIn(R, a + iv);
     Motion<S> acceleration = carried + velocityAcceleration(joint, order, i, R, wp, omega, s);
     if constexpr (Joint::has_linear) acceleration.linear += by_a.linear;
@@ -117,9 +121,13 @@ template <class Order, class S, class T = S>
 void derivativesInward(const Order& order, DerivativeWorkspace<S>& d, const Force<T>* fext = nullptr) {
   const Workspace<S>& w = order.w;
   order.backward(passing(d.subtree), [&]<class Joint>(const Joint&, int i, int iv, auto&& subtree) {
-    const Subtree<S>& all = subtree.gatherInPlace([&](Subtree<S>& own) {
-      writeMoving<Joint>(order, w, i, fext, own);
-      own.f += rigidForce(readAgain(order, own).m, w.acc[i]);
+    const Subtree<S>& all = subtree.gatherInParts([&](auto&& put) {
+      Unwritten<SubtreeMomentum<S>> own;
+      writeMomentum<Joint>(order, w, i, *own);
+      const auto m = [&]() -> const SubtreeMomentum<S>& { return readAgain(order, *own); };
+      put(&Subtree<S>::f, movingForce(w, i, m(), fext) + rigidForce(m(), w.acc[i]));
+      put(&Subtree<S>::K, turnedMoment(m(), w.w[i]));
+      put(&Subtree<S>::m, m());
     });
     if constexpr (Joint::is_free)
       if (order.isRoot(i)) return flyingForces(d.dof + iv, all, [&](int k, const DofForces<S>& x) { d.dof_force[iv + k] = x; });

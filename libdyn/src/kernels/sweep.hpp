@@ -68,19 +68,23 @@ class FromChildren {
   }
   /// What they gave. Of arrays that have zeros for the universe, which nobody gives anything: it is what leaves are given.
   const T& given() const { return array_[order_.isLeaf(i_) ? 0 : i_]; }
-  /// gather() of what fill(own) writes. Where packs stream nothing else is in its way to the array.
+  /// gather() of parts: fill(put) calls put(part, x) with each member of T. Where packs stream, the array is where a part is first written.
   template <class Fill>
-  const T& gatherInPlace(Fill&& fill) const {
+  const T& gatherInParts(Fill&& fill) const {
     if constexpr (Order::streams) {
-      Unwritten<T> room;
       T& sum = array_[i_];
-      T& own = order_.isLeaf(i_) ? sum : *room;
-      fill(own);
-      if (!order_.isLeaf(i_)) sum += readAgain(order_, own);
+      const bool leaf = order_.isLeaf(i_);
+      fill([&]<class Part>(Part T::*part, const Part& x) {
+        if (leaf) {
+          sum.*part = x;
+        } else {
+          sum.*part += x;
+        }
+      });
       return readAgain(order_, sum);
     } else {
       T own;
-      fill(own);
+      fill([&]<class Part>(Part T::*part, const Part& x) { own.*part = x; });
       return gather(own);
     }
   }

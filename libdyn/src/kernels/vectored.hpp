@@ -117,6 +117,7 @@ struct Mat3<Vectored> : Columns {
   friend Vec3<Vectored> operator*(const Mat3& m, const Vec3<Vectored>& v) { return timesVector(m.c, v.a); }
   friend Mat3 operator*(const Mat3& m, const Mat3& n) { return {timesVector(m.c, n.c[0]), timesVector(m.c, n.c[1]), timesVector(m.c, n.c[2])}; }
   friend Mat3 operator+(const Mat3& m, const Mat3& n) { return {m.c[0] + n.c[0], m.c[1] + n.c[1], m.c[2] + n.c[2]}; }
+  Mat3& operator+=(const Mat3& n) { return *this = *this + n; }
   friend Mat3 operator-(const Mat3& m, const Mat3& n) { return {m.c[0] - n.c[0], m.c[1] - n.c[1], m.c[2] - n.c[2]}; }
   friend Mat3 operator*(const Vectored& s, const Mat3& m) { return {inAll(s) * m.c[0], inAll(s) * m.c[1], inAll(s) * m.c[2]}; }
 };

@@ -57,6 +57,7 @@ struct Mat3 {
     for (int i = 0; i < 9; ++i) c.m[i] = a.m[i] + b.m[i];
     return c;
   }
+  Mat3& operator+=(const Mat3& b) { return *this = *this + b; }
   friend Mat3 operator-(const Mat3& a, const Mat3& b) {
     Mat3 c;
     for (int i = 0; i < 9; ++i) c.m[i] = a.m[i] - b.m[i];
