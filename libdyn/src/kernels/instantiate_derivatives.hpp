@@ -95,7 +95,7 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b)
   // Squares, where there are some, are brought into states' matrices at once.
   const auto putOnPaths = [&](int result, [[maybe_unused]] const PathMatrix<S>& from, [[maybe_unused]] typename Pairs::Number below) {
     if constexpr (in_pairs<S>) {
-      const Squares<S>& squares = s.squares.ofPairs(below);
+      const Squares<S>& squares = s.squares.pairs[below];
       if (!squares.empty()) return results.putSquares(result, squares, d.pairs.begin(), n * n);
       d.pairs.expand(m, below, s.matrix);
     } else {

@@ -69,7 +69,7 @@ template <class S>
 struct MatrixSquares {
   using Pairs = PathPairs<S>;
   Squares<S> mass;      ///< of a matrix whose columns follow one another, what paths connect
-  Squares<S> pairs[3];  ///< of the matrices that these have, of each of which one number is by_a, q_below or v_below
+  Squares<S> pairs[3];  ///< of the matrices that these have: by_a, and those of q_below and v_below
   Squares<S> inverse;   ///< of a symmetric one, of which there is what is on its diagonal and below
 
   // Matrices of models with couplings are not written from where they are found.
@@ -91,7 +91,6 @@ struct MatrixSquares {
         pairs[below].prepare(n, onPaths(m), [&](int row, int column) { return found.placeOf(m, below, row, column); });
     inverse.prepare(n, all, [&](int row, int column) { return n * std::min(row, column) + std::max(row, column); });
   }
-  const Squares<S>& ofPairs(typename Pairs::Number below) const { return pairs[below]; }
 
  private:
   static auto onPaths(const CompactImpl& m) {

@@ -147,14 +147,6 @@ DofVariation<S> variationOf(const DofMotion<S>& x, const SubspaceTerms<S>& more)
   return {velocity, acceleration, velocity + rate};
 }
 
-/// The parts that are not zero whatever the joint does: others keep memory's zeros.
-template <class Joint, class S>
-void writeVariation(const DofVariation<S>& x, DofVariation<S>& to) {
-  if constexpr (Joint::has_linear) to.velocity.linear = x.velocity.linear, to.rate.linear = x.rate.linear;
-  to.acceleration.linear = x.acceleration.linear;
-  if constexpr (Joint::has_angular)
-    to.velocity.angular = x.velocity.angular, to.acceleration.angular = x.acceleration.angular, to.rate.angular = x.rate.angular;
-}
 /// The same of a flying root, whose columns are the axes and which nothing moves before: `acceleration` is the world's, less gravity, `slide` and
 /// `omega` how it moves.
 template <class S, class Use>
@@ -164,6 +156,21 @@ void flyingVariations(const Vec3<S>& acceleration, const Vec3<S>& slide, const V
     const Vec3<S> back = -slides.col(k);
     use(k, DofVariation<S>{{}, {}, {turns.col(k), {}}});
     use(3 + k, DofVariation<S>{{back, {}}, {accelerates.col(k), {}}, {back, turns.col(k)}});
+  }
+}
+
+/// What variationOf gave, the parts that are not zero whatever the joint does: others keep memory's zeros, as those of writeColumns do.
+template <class Joint, class S>
+void writeVariation(const DofVariation<S>& x, DofVariation<S>& to) {
+  if constexpr (Joint::has_linear) {
+    to.velocity.linear = x.velocity.linear;
+    to.rate.linear = x.rate.linear;
+  }
+  to.acceleration.linear = x.acceleration.linear;
+  if constexpr (Joint::has_angular) {
+    to.velocity.angular = x.velocity.angular;
+    to.acceleration.angular = x.acceleration.angular;
+    to.rate.angular = x.rate.angular;
   }
 }
 
