@@ -108,6 +108,32 @@ TEST_CASE("derivatives of a batch of floats have the digits of floats", "[batch]
   checkAll<float>(compile(treeOf(registry(), {"free_flyer", "revolute", "universal", "spherical"}, 6, 3), registry()), 17, 1, 2, 1e-4, 1e-2);
 }
 
+TEST_CASE("derivatives of batches about flying roots, whatever their joints resist with", "[batch]") {
+  const bool armature = GENERATE(false, true), damping = GENERATE(false, true);
+  INFO("armature " << armature << ", damping " << damping);
+  Model description = randomTree(registry(), 11, 7);
+  description.bodies[1].joint = {};
+  description.bodies[1].joint.name = "base";
+  description.bodies[1].joint.type = "free_flyer";
+  Random random(8);
+  int parent = 0;
+  for (const char* type : {"free_flyer", "revolute", "prismatic", "spherical", "revolute", "spherical", "universal"}) {
+    JointDescription joint;
+    joint.name = "second" + std::to_string(parent);
+    joint.type = type;
+    joint.parameters = exampleParameters(registry().jointType(type, {}).info(), 3);
+    joint.placement = random.pose();
+    parent = description.addBody(joint.name + " body", parent, joint, random.inertia());
+  }
+  for (std::size_t i = 1; i < description.bodies.size(); ++i) {
+    BodyDescription& body = description.bodies[i];
+    const auto nv = static_cast<std::size_t>(degreesOfFreedom(body.joint, registry()));
+    if (armature) body.joint.armature.assign(nv, random.uniform(0, 0.2));
+    if (damping) body.joint.damping.assign(nv, random.uniform(0, 1));
+  }
+  checkAll<double>(compile(description, registry()), 10, 1, 4, 1e-12, 1e-9);
+}
+
 TEST_CASE("derivatives of batches with followers", "[batch]") {
   Model description = randomTree(registry(), 22, 4, true);
   addFollower(description);

@@ -56,41 +56,66 @@ void articulatedInward(const Order& order, DerivativeWorkspace<S>& d, const S* t
     writeMomentum<Joint>(order, w, i, own.m);
     const auto m = [&]() -> const SubtreeMomentum<S>& { return readAgain(order, own.m); };
     own.f = movingForce(w, i, m(), fext);
-    own.K = turnedMoment(m(), w.w[i]);
-    CoriolisMap<S>& map = d.coriolis[i];  // in memory: there are not enough registers for it and IA
-    coriolis.gather(coriolisMap(m().momentum.linear, readAgain(order, own.K)));
     Force<S> pA = force.with(readAgain(order, own.f));
     ArticulatedInertia<S> IA = inertia.with(ArticulatedInertia<S>::rigid(m().mass, m().h, m().I));
-    eliminateJoint<Joint>(order, w, IA, i, iv, [&](int k, const auto& column, const Force<S>& W, const S& inverse, const Force<S>& row) {
+    eliminateJoint<Joint>(order, w, IA, i, iv, [&](int k, const auto& column, const S& inverse, const Force<S>& row) {
       const S y = tau[iv + k] - column.along(pA);
       w.dof[iv + k].y = inverse * y;
       pA += y * row;
       d.factors.inverse[iv + k] = inverse;
-      const Vec3<S> lever = inverse * column.along(readAgain(order, map).linear, map.angular);
       d.dof_force[iv + k].by_a = row;
-      d.dof_force[iv + k].lever = lever;
-      map.linear = map.linear - outer(W.linear, lever);
-      map.angular = map.angular - outer(W.angular, lever);
+    });
+    if (!order.isRoot(i)) w.IA[i] = IA;
+    // After IA: there are not enough registers for both.
+    CoriolisMap<S> map = coriolis.with(coriolisMap(m().momentum.linear, turnedMoment(m(), w.w[i])));
+    withColumns<Joint>(order, w, i, iv, [&](const auto& column) {
+#pragma GCC unroll 6
+      for (int k = Joint::nv - 1; k >= 0; --k) {
+        const Force<S>& row = d.dof_force[iv + k].by_a;
+        const Vec3<S> torque = column(k).along(map.linear, map.angular);
+        d.dof_force[iv + k].lever = d.factors.inverse[iv + k] * torque;
+        map.linear = map.linear - outer(row.linear, torque);
+        map.angular = map.angular - outer(row.angular, torque);
+      }
     });
     if (order.isRoot(i)) return;
-    w.IA[i] = IA;
+    d.coriolis[i] = map;
     const auto left = [&]() -> const ArticulatedInertia<S>& { return readAgain(order, w.IA[i]); };
     pA += left() * w.beta[i];
     if (order.hasLever(i)) {
       const Vec3<S>& r = w.r[i];
-      coriolis.giveInPlace([&](CoriolisMap<S>& to) { moveMap(readAgain(order, map), left, r, d.shift_rate[i], to); });
+      coriolis.giveInPlace([&](CoriolisMap<S>& to) { moveMap(readAgain(order, d.coriolis[i]), left, r, d.shift_rate[i], to); });
       inertia.giveInPlace([&](ArticulatedInertia<S>& to) { to = left().shifted(r); });
       addCross(pA.angular, r, pA.linear);
     } else {
-      coriolis.give(readAgain(order, map));
+      coriolis.give(readAgain(order, d.coriolis[i]));
       inertia.give(left());
     }
     force.give(pA);
   });
 }
 
-/// Accelerations ddq, and with them the bodies' forces and the degrees of freedom's variations. Within a joint in the reverse order of
-/// elimination.
+/// What body i, its joint free to move, hands to its parent of each variation of the joint, but for what turning its force brings.
+template <class Joint, class S>
+void writeHandedOver(const Workspace<S>& w, const DerivativeWorkspace<S>& d, int i, int iv) {
+  const ArticulatedInertia<S>& IA = w.IA[i];
+  const CoriolisMap<S>& map = d.coriolis[i];
+  const auto with = [&](const Force<S>& f, [[maybe_unused]] const Vec3<S>& turning) {
+    if constexpr (!Joint::has_angular) {
+      return f;
+    } else {
+      return Force<S>{f.linear + map.linear * turning, f.angular + map.angular * turning};
+    }
+  };
+  for (int k = iv; k < iv + Joint::nv; ++k) {
+    const DofVariation<S>& x = d.dof[k];
+    d.dof_force[k].by_q = with(IA * x.acceleration, x.velocity.angular);
+    d.dof_force[k].by_v = with(Column<Joint, S>{x.rate}.force(IA), w.dof[k].S_.angular);
+  }
+}
+
+/// Accelerations ddq, and with them the bodies' forces, the degrees of freedom's variations, and what these hand over. Within a joint in the reverse
+/// order of elimination.
 template <class Order, class S>
 void acceleratingOutward(const Order& order, DerivativeWorkspace<S>& d, const S* v, S* ddq) {
   Workspace<S>& w = order.w;
@@ -108,39 +133,39 @@ void acceleratingOutward(const Order& order, DerivativeWorkspace<S>& d, const S*
     if constexpr (Joint::has_linear) slide = joint.timesIn(w.R[i], v + iv).linear;
     d.subtree[i].f += rigidForce(d.subtree[i].m, acc);
     writeVariations<Joint>(order, d, i, iv, order.parent(w.w, i), w.w[i], carried, slide, v, static_cast<const S*>(ddq));
+    if (!order.isRoot(i)) writeHandedOver<Joint>(w, d, i, iv);
     accelerated.leave(acc);
   });
 }
 
-/// What each column hands to its body's parent; by q the subtree's force turns, too.
+/// Forces of subtrees, into w.f, and by_q with what turning them brings.
 template <class Order, class S>
-void variationsInward(const Order& order, DerivativeWorkspace<S>& d) {
+void turningInward(const Order& order, DerivativeWorkspace<S>& d) {
   Workspace<S>& w = order.w;
   order.backward(passing(w.f), [&]<class Joint>(const Joint&, int i, int iv, auto&& force) {
     const Force<S>& f = force.gather(d.subtree[i].f);
     if (order.isRoot(i)) return;
-    const ArticulatedInertia<S>& IA = w.IA[i];
-    const CoriolisMap<S>& map = d.coriolis[i];
-    for (int m = 0; m < Joint::nv; ++m) {
-      const Motion<S>& s = w.dof[iv + m].S_;
-      const DofVariation<S>& x = d.dof[iv + m];
-      const auto handed = [&](const Motion<S>& acceleration, const Vec3<S>& turning) {
-        return IA * acceleration + Force<S>{map.linear * turning, map.angular * turning};
-      };
-      d.dof_force[iv + m].by_q = handed(x.acceleration, x.velocity.angular) + turnedOf<Joint>(s, f);
-      d.dof_force[iv + m].by_v = handed(x.rate, s.angular);
-    }
+    for (int k = iv; k < iv + Joint::nv; ++k) d.dof_force[k].by_q += turnedOf<Joint>(w.dof[k].S_, f);
     force.give({f.linear, f.angular + ofLever<S>(order, i, [&] { return cross(w.r[i], f.linear); })});
   });
 }
 
-/// What articulatedSweep has entered into by_q, below or right, of degree of freedom k and j of its subtree.
+/// Subtracts from what articulatedSweep has entered into by_q, right of the diagonal, of degree of freedom k and j of its subtree.
 template <class S>
-S& entryByQ(const CompactImpl& m, const DerivativeWorkspace<S>& d, typename PathPairs<S>::Number side, int k, int j) {
+void subtractRight(const CompactImpl& m, const DerivativeWorkspace<S>& d, int k, int j, const S& x) {
   if constexpr (in_pairs<S>) {
-    return d.pairs.row(j, m.dof_depth[static_cast<std::size_t>(k)])[side];
+    d.shares[j].at(m.dof_depth[static_cast<std::size_t>(k)])[ColumnShares<S>::by_q] -= d.factors.inverse[k] * x;
   } else {
-    return (side == PathPairs<S>::q_right ? d.by_q.right : d.by_q.below)[k][j];
+    d.by_q.right[k][j] -= x;
+  }
+}
+/// The entry of by_q below the diagonal of two of one joint's.
+template <class S>
+S& ownBelow(const CompactImpl& m, const DerivativeWorkspace<S>& d, int row, int column) {
+  if constexpr (in_pairs<S>) {
+    return d.pairs.at(m, PathPairs<S>::q_below, row, column);
+  } else {
+    return d.by_q.below[column][row];
   }
 }
 
@@ -158,11 +183,11 @@ void addSubspaceTorques(const R& recursion, const DerivativeWorkspace<S>& d) {
           S share(0);
           for (int l = std::max(k - iv, 0); l < Joint::nv; ++l) share += torque[l] * U[k][iv + l];
           if (k <= j) {
-            entryByQ<S>(order.m, d, PathPairs<S>::q_right, k, j) -= share;
+            subtractRight<S>(order.m, d, k, j, share);
           } else {
             // The joint's own after j, which products of factors take from their beginnings.
             share *= d.factors.inverse[k];
-            for (int other = k; other < order.dofEnd(i); ++other) entryByQ<S>(order.m, d, PathPairs<S>::q_below, j, other) += share * U[k][other];
+            for (int other = k; other < order.dofEnd(i); ++other) ownBelow<S>(order.m, d, other, j) += share * U[k][other];
           }
         });
       }
@@ -175,7 +200,7 @@ void abaDerivativesSweep(const R& r, Workspace<S>& w, DerivativeWorkspace<S>& d,
   movingOutward(r.order, r.d, r.in(v));
   articulatedInward(r.order, r.d, r.in(tau), fext);
   acceleratingOutward(r.order, r.d, r.in(v), r.out(ddq));
-  variationsInward(r.order, r.d);
+  turningInward(r.order, r.d);
   articulatedSweep<Wide>(r, d);
   addSubspaceTorques(r, d);
   r.failures(w.failed);
@@ -186,22 +211,63 @@ template <class Wide, class S>
 void accelerationBy(const CompactImpl& m, const TreeFactors<S>& factors, const PathMatrix<S>& by, const Rows<S>& out) {
   downTheTree<Wide, false>(m, factors, by.right, FromMinus<S>{by.below}, out);
 }
-/// The same of states in packs, some columns at a time into `out`, whose rows are one after the other: put(begin, count) is called for these.
-template <class S, class Put>
-void accelerationBy(const CompactImpl& m, const TreeFactors<S>& factors, const ProductScratch<S>& scratch, const PathPairs<S>& pairs,
-                    typename PathPairs<S>::Number below, S* out, Put&& put) {
-  inChains(m, factors, scratch, [&]<int columns>(const ChainProduct<S>& chain, int j) {
-    const std::ptrdiff_t n = m.nvx;
-    const S* right[columns];
-    for (int c = 0; c < columns; ++c) right[c] = pairs.row(j + c, 0) + PathPairs<S>::rightOf(below);
-    const auto rightOf = [&](int c, int depth) -> const S& { return right[c][PathPairs<S>::numbers * depth]; };
-    chain.template write<columns>(j, 0, rightOf, OtherSign<S, columns>(m, pairs, below, j), [=]<int rows>(const S(&sum)[columns][rows], int first) {
+/// Of the degrees of freedom on the path of column j, from the root on: those that take shares of derivatives. Its own joint's do so only of what
+/// damping and subspaces that vary say.
+inline int sharesOf(const CompactImpl& m, int j) {
+  const auto at = [](int k) { return static_cast<std::size_t>(k); };
+  const BodyIndex& x = m.index[at(m.dof_body[at(j)])];
+  const bool own = !m.damping.empty() || m.batches[at(x.batch)].shape == Shape::dense;
+  return own ? m.dof_depth[at(j)] + 1 : m.dof_depth[at(x.idx_v)];
+}
+/// From columns j and the next ones, n numbers each, what articulatedSweep has found below the diagonal, and of each whole joint.
+template <int columns, class S>
+void subtractBelow(const CompactImpl& m, const PathPairs<S>& pairs, typename PathPairs<S>::Number below, int j, S* out) {
+  using Pairs = PathPairs<S>;
+  const std::ptrdiff_t n = m.nvx;
+  const auto at = [](int k) { return static_cast<std::size_t>(k); };
+  const auto joint = [&](int dof) -> const BodyIndex& { return m.index[at(m.dof_body[at(dof)])]; };
+  int end = m.dof_end[at(j)];
+  if (joint(j).flying_root) {
+    // Of others, as DofForces says.
+    static_assert(6 % columns_abreast<S> == 0, "its columns are not together with others");
+    const bool by_q = below == Pairs::q_below, bare = !m.roots_have_armature;
+    const int others = joint(j).idx_v + 6, axis = j - joint(j).idx_v, first = by_q || bare ? std::max(3 - axis, 0) : 0;
+    for (int row = others; row < end && !(by_q && bare); ++row) {
+      const DofForces<S>& found = pairs.forces(row);
+      for (int c = first; c < columns; ++c) {
+        const int k = axis + c;
+        out[c * n + row] -= by_q ? found.lever[k - 3] : (k < 3 ? found.by_a.linear : found.by_a.angular)[k % 3];
+      }
+    }
+    end = others;
+  }
+  const int depth = m.dof_depth[at(j)];
+  const auto found = [&](int row) { return pairs.row(row, depth) + below; };
+  int row = joint(j).idx_v;
+  for (int count = 0; row < joint(j + columns - 1).idx_v; ++row) {
+    while (count < columns && joint(j + count).idx_v <= row) ++count;
+    const S* const x = found(row);
+    for (int c = 0; c < count; ++c) out[c * n + row] -= x[Pairs::numbers * c];
+  }
+  for (; row < end; ++row) {
+    const S* const x = found(row);
 #pragma GCC unroll 6
-      for (int c = 0; c < columns; ++c)
-#pragma GCC unroll 4
-        for (int r = 0; r < rows; ++r) out[c * n + first + r] = sum[c][r];
-    });
-    put(j, columns);
+    for (int c = 0; c < columns; ++c) out[c * n + row] -= x[Pairs::numbers * c];
+  }
+}
+/// Both of states in packs, some columns at a time into `out`, n numbers each: put(which, begin, count) is called for these, by q and by v in turn,
+/// so that the same rows of U go with them.
+template <class S, class Put>
+void accelerationsBy(const CompactImpl& m, const DerivativeWorkspace<S>& d, const ProductScratch<S>& scratch, S* out, Put&& put) {
+  using Shares = ColumnShares<S>;
+  using Pairs = PathPairs<S>;
+  inChains(m, d.factors, scratch, [&]<int columns>(const ChainProduct<S>& chain, int j) {
+    const int length = sharesOf(m, j + columns - 1);
+    for (const auto product : {Shares::by_q, Shares::by_v}) {
+      chain.template write<columns, Shares::products>(0, length, d.shares[j].at(0) + product, out, m.nvx);
+      subtractBelow<columns>(m, d.pairs, product == Shares::by_q ? Pairs::q_below : Pairs::v_below, j, out);
+      put(product, j, columns);
+    }
   });
 }
 

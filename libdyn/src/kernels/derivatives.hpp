@@ -1,6 +1,7 @@
 // Memory of the derivatives' recursions, and what joints whose subspace varies add to them.
 #pragma once
 
+#include "kernels/column_shares.hpp"
 #include "kernels/path_pairs.hpp"
 #include "kernels/vectored_bodies.hpp"
 // Specialisations come before what is made of them.
@@ -125,7 +126,7 @@ struct DerivativeWorkspace {
   // What recursions over bodies write. Those of single states have vectors in registers, and what they write is in `vectored`.
   DofVariation<S>* dof = nullptr;
   Vec3<S>* shift_rate = nullptr;       ///< velocity of each joint's origin relative to the parent's
-  Subtree<S>* subtree = nullptr;       ///< by body, about its joint's origin; in aba of the body alone
+  Subtree<S>* subtree = nullptr;       ///< by body, about its joint's origin; in aba of the body alone, K left out
   DofForces<S>* dof_force = nullptr;   ///< at the joint's own origin, until they climb
   CoriolisMap<S>* coriolis = nullptr;  ///< articulated, of what the children hand over [aba]
   Motion<S>* place = nullptr;          ///< [centroidal] from each joint's origin to the centre of mass, and its rate, aligned axes
@@ -134,9 +135,10 @@ struct DerivativeWorkspace {
   char* strips = nullptr;    ///< of single states, StripDerivatives where recursions are over strips
   StripArrays strip_arrays;  ///< what these leave to others
 
-  // What sweeps to the root find: matrices, or, of states in packs, pairs.
+  // What sweeps to the root find: matrices, or, of states in packs, pairs, and in aba right of the diagonals columns' shares.
   PathMatrix<S> by_q, by_v, by_a;
   PathPairs<S> pairs;
+  ColumnShares<S> shares;
   TreeFactors<S> factors;
   PathFactors<S> cholesky;
   S* damping = nullptr;  ///< by degree of freedom, with zeros after the last for whole packs; null where there is none
@@ -192,6 +194,7 @@ void carve(DerivativeWorkspace<S>& w, const CompactImpl& m, Arena& arena) {
   }
   if constexpr (in_pairs<S>) {
     w.pairs.carve(m, w.dof_force, arena);
+    w.shares.carve(m, arena);
   } else {
     for (PathMatrix<S>* matrix : {&w.by_q, &w.by_v, &w.by_a}) {
       arena.take(matrix->below, rows, m.nvx);

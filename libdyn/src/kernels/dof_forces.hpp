@@ -6,7 +6,9 @@
 
 namespace dyn::kernels {
 
-/// Forces about its joint's origin that a degree of freedom's motion, and its variation, bring; on their way to the root, about the origins there.
+/// Forces about its joint's origin that a degree of freedom's motion, and its variation, bring; on their way to the root, about the origins there. At
+/// a flying root, where they end, aba of states in packs leaves in their place what its columns make of them below the diagonals: by v that of each
+/// in by_a, by q that of its turning in lever; of a bare root's only by v that of its turning, as it makes nothing else of them.
 template <class S>
 struct DofForces {
   Force<S> by_a;  ///< I s; in aba the articulated inertia's, / pivot

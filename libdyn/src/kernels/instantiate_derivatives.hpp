@@ -114,13 +114,16 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b)
     }
     results.putFailures(w.failed);
   };
-  const auto putAcceleration = [&](int result, [[maybe_unused]] const PathMatrix<S>& by, [[maybe_unused]] typename Pairs::Number below) {
+  // Results 0 and 1.
+  const auto putAccelerations = [&] {
     if constexpr (in_pairs<S>) {
-      accelerationBy(m, d.factors, s.product, d.pairs, below, s.columns,
-                     [&](int begin, int count) { results.putPart(result, s.columns, count * n, begin * n, n * n); });
+      accelerationsBy(m, d, s.product, s.columns,
+                      [&](int result, int begin, int count) { results.putPart(result, s.columns, count * n, begin * n, n * n); });
     } else {
-      accelerationBy<S>(m, d.factors, by, Rows<S>{s.matrix, n});
-      results.put(result, s.matrix, n * n);
+      for (const int result : {0, 1}) {
+        accelerationBy<S>(m, d.factors, result == 0 ? d.by_q : d.by_v, Rows<S>{s.matrix, n});
+        results.put(result, s.matrix, n * n);
+      }
     }
   };
   switch (b.task) {
@@ -137,8 +140,7 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b)
       abaDerivativesSweep<S>(recursion(m, w, d), w, d, s.v, s.a, s.result);
       results.put(3, s.result, n);
       putInverse(2);
-      putAcceleration(0, d.by_q, Pairs::q_below);
-      return putAcceleration(1, d.by_v, Pairs::v_below);
+      return putAccelerations();
     case Task::minverse:
       treeFactors<S>(m, w, d);
       return putInverse(0);

@@ -14,18 +14,15 @@
 
 namespace dyn::kernels {
 
-/// Eliminates the degrees of freedom of body i, the last first: use(k, column, W, inverse, row) is called for each, W = IA s, inverse that of the
-/// pivot, row their product.
+/// Eliminates the degrees of freedom of body i, the last first: use(k, column, inverse, row) is called for each, inverse that of the pivot,
+/// row = inverse IA s.
 template <class Joint, class S, class Order, class Use>
 void eliminateJoint(const Order& order, Workspace<S>& w, ArticulatedInertia<S>& IA, int i, int iv, Use&& use) {
   if constexpr (Joint::is_free) {
     if (isBareRoot<Joint>(order, i)) {
       const AxesElimination<true, S> axes(order, IA, i, iv, w.failed);
 #pragma GCC unroll 6
-      for (int p = 0; p < 6; ++p) {
-        const Force<S> W = axes.column(p);
-        use(axes.axis(p), UnitColumn<S>{axes.axis(p)}, W, axes.inverse(p), axes.inverse(p) * W);
-      }
+      for (int p = 0; p < 6; ++p) use(axes.axis(p), UnitColumn<S>{axes.axis(p)}, axes.inverse(p), axes.inverse(p) * axes.column(p));
       return;
     }
   }
@@ -36,7 +33,7 @@ void eliminateJoint(const Order& order, Workspace<S>& w, ArticulatedInertia<S>& 
       const S pivot = column.along(W) + order.armature(iv + k), inverse = S(1) / pivot;
       noteVanishing(pivot, column, IA, i, w.failed);
       const Force<S> row = inverse * W;
-      use(k, column, W, inverse, row);
+      use(k, column, inverse, row);
       if (k > 0 || !order.isRoot(i)) IA.subtractSquare(W, inverse);
     }
   });
@@ -49,8 +46,7 @@ void articulatedFactors(const Order& order, Workspace<S>& w, Enter&& enter) {
   order.backward(passing(w.IA), [&]<class Joint>(const Joint&, int i, int iv, auto&& inertia) {
     const auto [mass, h, I] = alignedInertia<Joint>(order, w, i);
     ArticulatedInertia<S> IA = inertia.with(ArticulatedInertia<S>::rigid(mass, h, I));
-    eliminateJoint<Joint>(order, w, IA, i, iv,
-                          [&](int k, const auto&, const Force<S>&, const S& inverse, const Force<S>& row) { enter(iv + k, inverse, row); });
+    eliminateJoint<Joint>(order, w, IA, i, iv, [&](int k, const auto&, const S& inverse, const Force<S>& row) { enter(iv + k, inverse, row); });
     if (order.isRoot(i)) return;
     if (order.hasLever(i)) IA = IA.shifted(w.r[i]);
     inertia.give(IA);
@@ -89,17 +85,7 @@ void inverseOfMassMatrix(const CompactImpl& m, const TreeFactors<S>& factors, co
 template <class S>
 void inverseOfMassMatrix(const CompactImpl& m, const TreeFactors<S>& factors, const ProductScratch<S>& scratch, const Rows<S>& out) {
   inChains(m, factors, scratch, [&]<int columns>(const ChainProduct<S>& chain, int j) {
-    S* const down = out[j];
-    const std::ptrdiff_t n = out.stride;
-    const auto rightOf = [&](int c, int depth) -> const S& { return chain.factor(depth)[j + c]; };
-    chain.template write<columns>(
-        j, j, rightOf, [](auto& sum, int) { setZero(sum); },
-        [=]<int rows>(const S(&sum)[columns][rows], int first) {
-#pragma GCC unroll 6
-          for (int c = 0; c < columns; ++c)
-#pragma GCC unroll 4
-            for (int r = 0; r < rows; ++r) down[c * n + first + r] = sum[c][r];
-        });
+    chain.template write<columns, 1>(j, chain.pathOf(j + columns - 1), chain.template sharesOfU<columns>(j), out[j], out.stride);
   });
 }
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "kernels/dof_forces.hpp"
-#include "kernels/workspace.hpp"
+#include "kernels/tree_factors.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -18,7 +18,7 @@ inline constexpr bool in_pairs = lanes_of<S> > 1;
 template <class S>
 class PathPairs {
  public:
-  enum Number { by_a, q_below, v_below, q_right, v_right, numbers };
+  enum Number { by_a, q_below, v_below, q_right, v_right, numbers };  ///< those on the right of rnea; aba has ColumnShares
 
   /// `forces`: the degrees of freedom's.
   void carve(const CompactImpl& m, const DofForces<S>* forces, Arena& arena) {
@@ -27,7 +27,7 @@ class PathPairs {
     int used = 0;
     for (std::size_t k = 0; k < n; ++k) {
       if (rows_) rows_[k] = used;
-      used += numbers * lengthOf(m, k);
+      used += numbers * pathLength(m, static_cast<int>(k));
     }
     nothing_ = used;
     arena.take(first_, static_cast<std::size_t>(used) + 1);
@@ -35,6 +35,8 @@ class PathPairs {
   }
   /// Of degree of freedom `far` and the one on its path that has `depth` others before it, the next ones' following.
   S* row(int far, int depth) const { return first_ + rows_[far] + numbers * depth; }
+  /// Where those are that a flying root's columns have found something of.
+  const DofForces<S>& forces(int far) const { return reinterpret_cast<const DofForces<S>*>(first_ + forces_)[far]; }
 
   /// What there is on the other side of the diagonal.
   static constexpr Number rightOf(Number below) { return static_cast<Number>(below + (q_right - q_below)); }
@@ -71,17 +73,10 @@ class PathPairs {
   }
 
  private:
-  /// With all of its joint's.
-  static int lengthOf(const CompactImpl& m, std::size_t k) {
-    std::size_t last = k;
-    while (last + 1 < m.dof_body.size() && m.dof_body[last + 1] == m.dof_body[k]) ++last;
-    return m.dof_depth[last] + 1;
-  }
-
   /// Of the force that has that number along its own axes, number `axis` of it.
   int placeOfForce(Number number, int far, int axis) const {
-    const DofForces<S>& forces = reinterpret_cast<const DofForces<S>*>(first_ + forces_)[far];
-    const Force<S>& force = number == by_a ? forces.by_a : number == q_right ? forces.by_q : forces.by_v;
+    const DofForces<S>& of = forces(far);
+    const Force<S>& force = number == by_a ? of.by_a : number == q_right ? of.by_q : of.by_v;
     return static_cast<int>(&(axis < 3 ? force.linear : force.angular)[axis % 3] - first_);
   }
 

@@ -25,6 +25,9 @@ class PathEntries {
     /// Zeros outside the subtree.
     void rightByQ(int k, const Wide& x) const { part.store(x, entries.by_q_.right[iv + k]); }
     void rightByV(int k, const Wide& x) const { part.store(x, entries.by_v_.right[iv + k]); }
+    /// The same for products, which scale it by 1 / D.
+    void shareByQ(int k, const Wide& x) const { rightByQ(k, x); }
+    void shareByV(int k, const Wide& x) const { rightByV(k, x); }
   };
   template <class Wide>
   At<Wide> at(const CompactImpl&, const Part<Wide, S>& part, int iv) const {
@@ -37,10 +40,13 @@ class PathEntries {
 template <class S>
 class PathEntries<S, true> {
  public:
-  explicit PathEntries(const DerivativeWorkspace<S>& d) : pairs_(d.pairs) {}
+  explicit PathEntries(const DerivativeWorkspace<S>& d) : pairs_(d.pairs), shares_(d.shares), inverse_(d.factors.inverse) {}
   struct At {
     using Pairs = PathPairs<S>;
-    S* row;
+    using Shares = ColumnShares<S>;
+    S *row, *shares;
+    std::ptrdiff_t stride;
+    const S* inverse;  ///< 1 / D
     void inertia(int k, const S& x) const { row[Pairs::numbers * k + Pairs::by_a] = x; }
     void below(int k, const Below<S>& x) const {
       row[Pairs::numbers * k + Pairs::q_below] = x.q;
@@ -49,11 +55,19 @@ class PathEntries<S, true> {
     void belowByV(int k, const S& x) const { row[Pairs::numbers * k + Pairs::v_below] = x; }
     void rightByQ(int k, const S& x) const { row[Pairs::numbers * k + Pairs::q_right] = x; }
     void rightByV(int k, const S& x) const { row[Pairs::numbers * k + Pairs::v_right] = x; }
+    void shareByQ(int k, const S& x) const { shares[stride * k + Shares::by_q] = inverse[k] * x; }
+    void shareByV(int k, const S& x) const { shares[stride * k + Shares::by_v] = inverse[k] * x; }
   };
-  At at(const CompactImpl& m, const Part<S, S>& part, int iv) const { return {pairs_.row(part.first(), m.dof_depth[static_cast<std::size_t>(iv)])}; }
+  At at(const CompactImpl& m, const Part<S, S>& part, int iv) const {
+    const int depth = m.dof_depth[static_cast<std::size_t>(iv)];
+    const auto& column = shares_[part.first()];
+    return {pairs_.row(part.first(), depth), column.at(depth), column.stride, inverse_ + iv};
+  }
 
  private:
   const PathPairs<S> pairs_;
+  const ColumnShares<S> shares_;
+  const S* inverse_;
 };
 
 /// Joints on the way to the root hold, or they yield to the forces and hand over what is left.
@@ -302,19 +316,19 @@ void articulatedSweep(const R& recursion, DerivativeWorkspace<S>& d) {
       const ToParent<Wide, S, T> toParent(recursion, part, i);
       const auto entries = path.at(order.m, part, iv);
       // What is left of a force; leaves(k, f, x): where the joint moves by x along its k-th degree of freedom.
-      const auto giveWay = [&](Force<Wide> f, const auto& columnOf, auto&& leaves, auto&& enterRight) {
+      const auto giveWay = [&](Force<Wide> f, const auto& columnOf, auto&& leaves, auto&& enterShares) {
 #pragma GCC unroll 6
         for (int k = Joint::nv - 1; k >= 0; --k) {
           const Wide x = part.since(iv + Joint::nv, columnOf(k).along(f));
-          enterRight(k, x);
+          enterShares(k, x);
           leaves(k, f, x);
         }
         return f;
       };
-      const auto rightByQ = [&](int k, const Wide& x) { entries.rightByQ(k, x); };
+      const auto shareByQ = [&](int k, const Wide& x) { entries.shareByQ(k, x); };
       // Damping answers velocities with torques, of which joints on the way get what U says.
-      const auto rightByV = [&](int k, const Wide& x) {
-        entries.rightByV(k, damping ? x - loadPack<Wide>(damping + part.first()) * loadPack<Wide>(factors[iv + k] + part.first()) : x);
+      const auto shareByV = [&](int k, const Wide& x) {
+        entries.shareByV(k, damping ? x - loadPack<Wide>(damping + part.first()) * loadPack<Wide>(factors[iv + k] + part.first()) : x);
       };
       Force<Wide> U = F.by_a;
       Vec3<Wide> lever = F.lever;
@@ -338,13 +352,24 @@ void articulatedSweep(const R& recursion, DerivativeWorkspace<S>& d) {
             }
           }
           // Of all forces but its own axes', which leave their units, a bare root leaves nothing.
-          const bool nothing = bare && part.first() >= iv + 6;
+          const bool others = part.first() >= iv + 6, nothing = bare && others;
+          const auto below = [&](int k) {
+            return nothing ? Below<Wide>{Wide(0), k < 3 ? Wide(0) : lever[k - 3]} : belowFlyingRoot(k, variations + iv, U, lever);
+          };
+          if (in_pairs<S> && others) {
+            // As DofForces says.
+            for (int k = nothing ? 3 : 0; k < 6; ++k) {
+              const Below<Wide> x = below(k);
+              axisOf(F.by_a, k) = x.v;
+              if (!nothing && k >= 3) F.lever[k - 3] = x.q;
+            }
+          } else {
 #pragma GCC unroll 6
-          for (int k = 0; k < 6; ++k)
-            entries.below(k, nothing ? Below<Wide>{Wide(0), k < 3 ? Wide(0) : lever[k - 3]} : belowFlyingRoot(k, variations + iv, U, lever));
+            for (int k = 0; k < 6; ++k) entries.below(k, below(k));
+          }
           const auto leaves = [&](int k, Force<Wide>& f, const Wide& x) { yieldBefore(k, f, rowOf(own[k]), x); };
-          giveWay(F.by_q, columnOf, leaves, rightByQ);
-          giveWay(F.by_v, columnOf, leaves, rightByV);
+          giveWay(F.by_q, columnOf, leaves, shareByQ);
+          giveWay(F.by_v, columnOf, leaves, shareByV);
           return;
         }
       }
@@ -355,13 +380,13 @@ void articulatedSweep(const R& recursion, DerivativeWorkspace<S>& d) {
       F.by_a = U;
       F.lever = lever;
       const auto leaves = [&](int k, Force<Wide>& f, const Wide& x) { yield(f, rowOf(own[k]), x); };
-      const auto climb = [&](Force<Wide>& force, auto&& enterRight) {
-        Force<Wide> f = giveWay(force, columnOf, leaves, enterRight);
+      const auto climb = [&](Force<Wide>& force, auto&& enterShares) {
+        Force<Wide> f = giveWay(force, columnOf, leaves, enterShares);
         if (moves) toParent(f);
         force = f;
       };
-      climb(F.by_q, rightByQ);
-      climb(F.by_v, rightByV);
+      climb(F.by_q, shareByQ);
+      climb(F.by_v, shareByV);
     });
   });
 }

@@ -1,15 +1,13 @@
 // Products with the factors of M^-1 = U^T D^-1 U of many states at once, a pack of states being a number: what has come up the tree goes down again.
 #pragma once
 
-#include "kernels/path_pairs.hpp"
-#include "kernels/tile.hpp"
-#include "kernels/tree_factors.hpp"
+#include "kernels/column_shares.hpp"
+
+#include <algorithm>
 
 namespace dyn::kernels {
 
-/// Columns and rows that are written together: beside as many sums a number of U and the columns' shares fit into registers.
-template <class S>
-constexpr int columns_abreast = sizeof(S) == 64 ? 6 : 3;
+/// Rows that are written together.
 constexpr int rows_abreast = 4;
 
 /// Of rows_abreast rows each; the last one may have fewer.
@@ -24,7 +22,7 @@ struct ProductScratch {
   };
   Step* paths;    ///< chain by chain the path to the root of the last degree of freedom, root first
   int* reaching;  ///< chain by chain, by panel: how many on the path, from the root on, have some of its rows in their subtrees
-  S* shares;      ///< of each on a path right(k, j) / D(k), for some columns j
+  S* shares;      ///< of each on a path U(k, j) / D(k), for some columns j
 
   void carve(const CompactImpl& m, Arena& arena) {
     std::size_t steps = 0;
@@ -63,39 +61,47 @@ class ChainProduct {
   ChainProduct(const DofChain& chain, int rows, const S* inverse, const Step* path, const int* reaching, S* shares)
       : chain_(chain), rows_(rows), inverse_(inverse), path_(path), reaching_(reaching), shares_(shares) {}
 
-  /// The row of U of the one on the columns' paths that has `depth` others before it.
-  const S* factor(int depth) const { return path_[depth].U; }
-  /// Columns j and the next ones, with right(c, depth) of the c-th and what is on its path; rows from the panel on that has row `first`.
-  /// start(sum, row) says what the columns begin with from `row` on, take(sum, row) what they are.
-  template <int columns, class Right, class Start, class Take>
-  [[gnu::flatten]] void write(int j, int first, const Right right, const Start start, const Take take) const {
-    const int before = chain_.depth + j - chain_.begin, length = before + columns;
+  /// Degrees of freedom on the path of column j.
+  int pathOf(int j) const { return chain_.depth + j - chain_.begin + 1; }
+
+  /// Of the columns of U from j on, what each on their path takes of them.
+  template <int columns>
+  const S* sharesOfU(int j) const {
     const Step* const path = path_;
-    const S* const inverse = inverse_;
-    S* const shares = shares_;
-    for (int t = 0; t <= before; ++t) {
-      const S& scale = inverse[path[t].dof];
+    S* share = shares_;
+    for (int t = 0, length = pathOf(j + columns - 1); t < length; ++t, share += columns) {
+      const S scale = inverse_[path[t].dof];
+      const S* const U = path[t].U + j;
 #pragma GCC unroll 6
-      for (int c = 0; c < columns; ++c) shares[t * columns + c] = scale * right(c, t);
+      for (int c = 0; c < columns; ++c) share[c] = scale * U[c];
     }
-    // Later columns' own are not on the paths of those before.
-    for (int own = 1; own < columns; ++own) {
-      const int t = before + own;
-      const S& scale = inverse[path[t].dof];
-      for (int c = 0; c < columns; ++c) shares[t * columns + c] = c < own ? S(0) : scale * right(c, t);
-    }
+    return shares_;
+  }
+
+  /// Columns of which `length` on their path, from the root on, take shares, every `every`-th number from `shares` on; into columns that are `stride`
+  /// apart from `out` on, their rows from the panel on that has row `first`.
+  template <int columns, int every>
+  [[gnu::flatten]] void write(int first, int length, const S* const shares, S* const out, const std::ptrdiff_t stride) const {
+    const Step* const path = path_;
     const auto panel = [&]<int rows>(std::integral_constant<int, rows>, int row, int reaching) {
       S sum[columns][rows];
-      start(sum, row);
-      const S* share = shares;
-      for (int t = 0; t < reaching; ++t, share += columns) {
-        const S* const U = path[t].U + row;
+      const auto each = [&](auto&& use) {
 #pragma GCC unroll 4
         for (int r = 0; r < rows; ++r)
 #pragma GCC unroll 6
-          for (int c = 0; c < columns; ++c) sum[c][r] += share[c] * U[r];
+          for (int c = 0; c < columns; ++c) use(sum[c][r], c, r);
+      };
+      const auto at = [&](int t, auto&& use) {
+        const S *const share = shares + every * columns * t, *const U = path[t].U + row;
+        each([&](S& x, int c, int r) { use(x, share[every * c], U[r]); });
+      };
+      if (reaching == 0) {
+        each([](S& x, int, int) { x = S(0); });
+      } else {
+        at(0, [](S& x, const S& share, const S& u) { x = share * u; });
+        for (int t = 1; t < reaching; ++t) at(t, [](S& x, const S& share, const S& u) { x += share * u; });
       }
-      take(sum, row);
+      each([&](const S& x, int c, int r) { out[c * stride + row + r] = x; });
     };
     const int whole = rows_ / rows_abreast;
     for (int p = first / rows_abreast; p < whole; ++p)
@@ -119,46 +125,10 @@ void inChains(const CompactImpl& m, const TreeFactors<S>& f, const ProductScratc
   const int* reaching = scratch.reaching;
   for (const DofChain& chain : m.chains) {
     const ChainProduct<S> product(chain, m.nvx, f.inverse, path, reaching, scratch.shares);
-    inBlocks<columns_abreast<S>>(chain.begin, chain.end, [&](auto columns, int j) { use.template operator()<columns>(product, j); });
+    inColumns<S>(chain, [&](auto columns, int j) { use.template operator()<columns>(product, j); });
     path += scratch.lengthOf(chain);
     reaching += panelsOf(m.nvx);
   }
 }
-
-template <int columns, int rows, class S>
-void setZero(S (&sum)[columns][rows]) {
-#pragma GCC unroll 6
-  for (int c = 0; c < columns; ++c)
-#pragma GCC unroll 4
-    for (int r = 0; r < rows; ++r) sum[c][r] = S(0);
-}
-/// Columns from j on with the other sign of what pairs have below the diagonal, and of each whole joint.
-template <class S, int columns>
-class OtherSign {
- public:
-  OtherSign(const CompactImpl& m, const PathPairs<S>& pairs, typename PathPairs<S>::Number below, int j)
-      : pairs_(pairs), below_(below), depth_(m.dof_depth[static_cast<std::size_t>(j)]), end_(m.dof_end[static_cast<std::size_t>(j)]) {
-    for (int c = 0; c < columns; ++c) begin_[c] = m.index[static_cast<std::size_t>(m.dof_body[static_cast<std::size_t>(j + c)])].idx_v;
-  }
-  template <int rows>
-  void operator()(S (&sum)[columns][rows], int first) const {
-    if (first + rows <= begin_[0] || first >= end_) return setZero(sum);
-    const auto fill = [&](const auto& has) {
-#pragma GCC unroll 4
-      for (int r = 0; r < rows; ++r) {
-        const S* const numbers = pairs_.row(first + r, depth_) + below_;
-#pragma GCC unroll 6
-        for (int c = 0; c < columns; ++c) sum[c][r] = has(c, first + r) ? -numbers[PathPairs<S>::numbers * c] : S(0);
-      }
-    };
-    if (begin_[columns - 1] <= first && first + rows <= end_) return fill([](int, int) { return true; });
-    fill([&](int c, int row) { return begin_[c] <= row && row < end_; });
-  }
-
- private:
-  const PathPairs<S> pairs_;
-  const int below_, depth_, end_;
-  int begin_[columns];
-};
 
 }  // namespace dyn::kernels

@@ -15,6 +15,13 @@ void alongPath(const CompactImpl& m, int dof, Use&& use) {
   }
 }
 
+/// Of the degrees of freedom on the path from the root to `dof`, and what else its joint has.
+inline int pathLength(const CompactImpl& m, int dof) {
+  auto last = static_cast<std::size_t>(dof);
+  while (last + 1 < m.dof_body.size() && m.dof_body[last + 1] == m.dof_body[static_cast<std::size_t>(dof)]) ++last;
+  return m.dof_depth[last] + 1;
+}
+
 /// M = L^T D L with a unit triangular L, whose entries stand where a path to the root leads, and U = -L^-T, whose do so too: entry (k, i) is the
 /// force along degree of freedom k that a unit force along i of its subtree leaves, when all below k have given way.
 template <class S>
