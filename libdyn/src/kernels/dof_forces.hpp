@@ -16,6 +16,21 @@ struct DofForces {
   Force<S> by_q, by_v;
 };
 
+/// What others that climb past a degree of freedom take of its forces.
+template <class S>
+struct OwnForces {
+  Force<S> by_a;
+  Vec3<S> lever;
+};
+template <class S>
+OwnForces<S> ownOf(const DofForces<S>& f) {
+  return {f.by_a, f.lever};
+}
+template <class S>
+Force<S> ownOf(const Force<S>& f) {
+  return f;
+}
+
 /// The force among a degree of freedom's, which joints give way to as rows of the factors say.
 template <class S>
 const Force<S>& rowOf(const Force<S>& f) {
@@ -23,6 +38,10 @@ const Force<S>& rowOf(const Force<S>& f) {
 }
 template <class S>
 const Force<S>& rowOf(const DofForces<S>& f) {
+  return f.by_a;
+}
+template <class S>
+const Force<S>& rowOf(const OwnForces<S>& f) {
   return f.by_a;
 }
 /// What a joint that moves by u along the degree of freedom of this row leaves of a force.

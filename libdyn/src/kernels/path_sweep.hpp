@@ -130,9 +130,9 @@ void forcesToRoot(const R& recursion, Along&& along) {
       along.template operator()<Joint>([&](auto&& visit) {
         const int end = order.dofEnd(i);
         auto* const forces = recursion.d.dof_force;
-        Forces<Wide> own[Joint::nv];
+        decltype(ownOf(std::declval<Forces<Wide>>())) own[Joint::nv];
         if constexpr (climbing == Climbing::yielding)
-          for (int k = 0; k < Joint::nv; ++k) own[k] = reinterpret_cast<const Forces<Wide>&>(forces[iv + k]);
+          for (int k = 0; k < Joint::nv; ++k) own[k] = ownOf(reinterpret_cast<const Forces<Wide>&>(forces[iv + k]));
         const bool moves = movesAt(i);
         order.eachDof(iv, end, [&](int dof) { visit(reinterpret_cast<Forces<Wide>&>(forces[dof]), i, iv, Part<Wide, S>(dof, iv, end), own, moves); });
       });
@@ -353,19 +353,25 @@ void articulatedSweep(const R& recursion, DerivativeWorkspace<S>& d) {
           }
           // Of all forces but its own axes', which leave their units, a bare root leaves nothing.
           const bool others = part.first() >= iv + 6, nothing = bare && others;
-          const auto below = [&](int k) {
-            return nothing ? Below<Wide>{Wide(0), k < 3 ? Wide(0) : lever[k - 3]} : belowFlyingRoot(k, variations + iv, U, lever);
+          const auto enterBelow = [&](auto&& enter) {
+#pragma GCC unroll 6
+            for (int k = 0; k < 6; ++k) enter(k, belowFlyingRoot(k, variations + iv, U, lever));
           };
           if (in_pairs<S> && others) {
             // As DofForces says.
-            for (int k = nothing ? 3 : 0; k < 6; ++k) {
-              const Below<Wide> x = below(k);
-              axisOf(F.by_a, k) = x.v;
-              if (!nothing && k >= 3) F.lever[k - 3] = x.q;
+            if (nothing) {
+              F.by_a.angular = lever;
+            } else {
+              enterBelow([&](int k, const Below<Wide>& x) {
+                axisOf(F.by_a, k) = x.v;
+                if (k >= 3) F.lever[k - 3] = x.q;
+              });
             }
-          } else {
+          } else if (nothing) {
 #pragma GCC unroll 6
-            for (int k = 0; k < 6; ++k) entries.below(k, below(k));
+            for (int k = 0; k < 6; ++k) entries.below(k, {Wide(0), k < 3 ? Wide(0) : lever[k - 3]});
+          } else {
+            enterBelow([&](int k, const Below<Wide>& x) { entries.below(k, x); });
           }
           const auto leaves = [&](int k, Force<Wide>& f, const Wide& x) { yieldBefore(k, f, rowOf(own[k]), x); };
           giveWay(F.by_q, columnOf, leaves, shareByQ);
