@@ -43,20 +43,18 @@ void movingOutward(const Order& order, DerivativeWorkspace<S>& d, const S* v) {
   });
 }
 
-/// Factors of the elimination, the columns' beginnings, of each body what moves it but for its acceleration, and what of the accelerations the forces
-/// tau and the velocities say, into w.dof's y; then w.IA and d.coriolis have what each body is to its parent. w.failed tells lane by lane whether a
-/// pivot vanished.
+/// Factors of the elimination, the columns' beginnings, and what of the accelerations the forces tau and the velocities say, into w.dof's y; then
+/// w.IA, w.pA and d.coriolis have what each body, its joint free to move, is to its parent. w.failed tells lane by lane whether a pivot vanished.
 template <class Order, class S, class T>
 void articulatedInward(const Order& order, DerivativeWorkspace<S>& d, const S* tau, const Force<T>* fext) {
   Workspace<S>& w = order.w;
   for (int& body : w.failed) body = 0;
   const auto articulated = passing(d.coriolis, w.IA, w.pA);
   order.backward(articulated, [&]<class Joint>(const Joint&, int i, int iv, auto&& coriolis, auto&& inertia, auto&& force) {
-    Subtree<S>& own = d.subtree[i];
-    writeMomentum<Joint>(order, w, i, own.m);
-    const auto m = [&]() -> const SubtreeMomentum<S>& { return readAgain(order, own.m); };
-    own.f = movingForce(w, i, m(), fext);
-    Force<S> pA = force.with(readAgain(order, own.f));
+    SubtreeMomentum<S>& own = d.subtree[i].m;
+    writeMomentum<Joint>(order, w, i, own);
+    const auto m = [&]() -> const SubtreeMomentum<S>& { return readAgain(order, own); };
+    Force<S> pA = force.with(movingForce(w, i, m(), fext));
     ArticulatedInertia<S> IA = inertia.with(ArticulatedInertia<S>::rigid(m().mass, m().h, m().I));
     eliminateJoint<Joint>(order, w, IA, i, iv, [&](int k, const auto& column, const S& inverse, const Force<S>& row) {
       const S y = tau[iv + k] - column.along(pA);
@@ -65,7 +63,7 @@ void articulatedInward(const Order& order, DerivativeWorkspace<S>& d, const S* t
       d.factors.inverse[iv + k] = inverse;
       d.dof_force[iv + k].by_a = row;
     });
-    if (!order.isRoot(i)) w.IA[i] = IA;
+    if (needsRest<Joint>(order, i)) w.IA[i] = IA;
     // After IA: there are not enough registers for both.
     CoriolisMap<S> map = coriolis.with(coriolisMap(m().momentum.linear, turnedMoment(m(), w.w[i])));
     withColumns<Joint>(order, w, i, iv, [&](const auto& column) {
@@ -78,10 +76,13 @@ void articulatedInward(const Order& order, DerivativeWorkspace<S>& d, const S* t
         map.angular = map.angular - outer(row.angular, torque);
       }
     });
+    const auto left = [&]() -> const ArticulatedInertia<S>& { return readAgain(order, w.IA[i]); };
+    if (needsRest<Joint>(order, i)) {
+      pA += left() * w.beta[i];
+      w.pA[i] = pA;
+    }
     if (order.isRoot(i)) return;
     d.coriolis[i] = map;
-    const auto left = [&]() -> const ArticulatedInertia<S>& { return readAgain(order, w.IA[i]); };
-    pA += left() * w.beta[i];
     if (order.hasLever(i)) {
       const Vec3<S>& r = w.r[i];
       coriolis.giveInPlace([&](CoriolisMap<S>& to) { moveMap(readAgain(order, d.coriolis[i]), left, r, d.shift_rate[i], to); });
@@ -95,27 +96,27 @@ void articulatedInward(const Order& order, DerivativeWorkspace<S>& d, const S* t
   });
 }
 
-/// What body i, its joint free to move, hands to its parent of each variation of the joint, but for what turning its force brings.
+/// What body i, its joint free to move, hands to its parent of each variation of the joint, the force f through it being turned, too.
 template <class Joint, class S>
-void writeHandedOver(const Workspace<S>& w, const DerivativeWorkspace<S>& d, int i, int iv) {
+void writeHandedOver(const Workspace<S>& w, const DerivativeWorkspace<S>& d, int i, int iv, const Force<S>& f) {
   const ArticulatedInertia<S>& IA = w.IA[i];
   const CoriolisMap<S>& map = d.coriolis[i];
-  const auto with = [&](const Force<S>& f, [[maybe_unused]] const Vec3<S>& turning) {
+  const auto with = [&](const Force<S>& moved, [[maybe_unused]] const Vec3<S>& turning) {
     if constexpr (!Joint::has_angular) {
-      return f;
+      return moved;
     } else {
-      return Force<S>{f.linear + map.linear * turning, f.angular + map.angular * turning};
+      return Force<S>{moved.linear + map.linear * turning, moved.angular + map.angular * turning};
     }
   };
   for (int k = iv; k < iv + Joint::nv; ++k) {
     const DofVariation<S>& x = d.dof[k];
-    d.dof_force[k].by_q = with(IA * x.acceleration, x.velocity.angular);
+    d.dof_force[k].by_q = with(IA * x.acceleration, x.velocity.angular) + turnedOf<Joint>(w.dof[k].S_, f);
     d.dof_force[k].by_v = with(Column<Joint, S>{x.rate}.force(IA), w.dof[k].S_.angular);
   }
 }
 
-/// Accelerations ddq, and with them the bodies' forces, the degrees of freedom's variations, and what these hand over. Within a joint in the reverse
-/// order of elimination.
+/// Accelerations ddq, and with them the degrees of freedom's variations, and what these hand over; of subspaces that vary the force through the
+/// joint, into w.f. Within a joint in the reverse order of elimination.
 template <class Order, class S>
 void acceleratingOutward(const Order& order, DerivativeWorkspace<S>& d, const S* v, S* ddq) {
   Workspace<S>& w = order.w;
@@ -131,22 +132,13 @@ void acceleratingOutward(const Order& order, DerivativeWorkspace<S>& d, const S*
     });
     Vec3<S> slide{};
     if constexpr (Joint::has_linear) slide = joint.timesIn(w.R[i], v + iv).linear;
-    d.subtree[i].f += rigidForce(d.subtree[i].m, acc);
     writeVariations<Joint>(order, d, i, iv, order.parent(w.w, i), w.w[i], carried, slide, v, static_cast<const S*>(ddq));
-    if (!order.isRoot(i)) writeHandedOver<Joint>(w, d, i, iv);
+    if (needsRest<Joint>(order, i)) {
+      const Force<S> f = w.IA[i] * carried + w.pA[i];
+      if constexpr (Joint::has_bias) w.f[i] = f;
+      if (!order.isRoot(i)) writeHandedOver<Joint>(w, d, i, iv, f);
+    }
     accelerated.leave(acc);
-  });
-}
-
-/// Forces of subtrees, into w.f, and by_q with what turning them brings.
-template <class Order, class S>
-void turningInward(const Order& order, DerivativeWorkspace<S>& d) {
-  Workspace<S>& w = order.w;
-  order.backward(passing(w.f), [&]<class Joint>(const Joint&, int i, int iv, auto&& force) {
-    const Force<S>& f = force.gather(d.subtree[i].f);
-    if (order.isRoot(i)) return;
-    for (int k = iv; k < iv + Joint::nv; ++k) d.dof_force[k].by_q += turnedOf<Joint>(w.dof[k].S_, f);
-    force.give({f.linear, f.angular + ofLever<S>(order, i, [&] { return cross(w.r[i], f.linear); })});
   });
 }
 
@@ -200,7 +192,6 @@ void abaDerivativesSweep(const R& r, Workspace<S>& w, DerivativeWorkspace<S>& d,
   movingOutward(r.order, r.d, r.in(v));
   articulatedInward(r.order, r.d, r.in(tau), fext);
   acceleratingOutward(r.order, r.d, r.in(v), r.out(ddq));
-  turningInward(r.order, r.d);
   articulatedSweep<Wide>(r, d);
   addSubspaceTorques(r, d);
   r.failures(w.failed);
@@ -213,7 +204,7 @@ void accelerationBy(const CompactImpl& m, const TreeFactors<S>& factors, const P
 }
 /// Of the degrees of freedom on the path of column j, from the root on: those that take shares of derivatives. Its own joint's do so only of what
 /// damping and subspaces that vary say.
-inline int sharesOf(const CompactImpl& m, int j) {
+inline int countOfShares(const CompactImpl& m, int j) {
   const auto at = [](int k) { return static_cast<std::size_t>(k); };
   const BodyIndex& x = m.index[at(m.dof_body[at(j)])];
   const bool own = !m.damping.empty() || m.batches[at(x.batch)].shape == Shape::dense;
@@ -262,7 +253,7 @@ void accelerationsBy(const CompactImpl& m, const DerivativeWorkspace<S>& d, cons
   using Shares = ColumnShares<S>;
   using Pairs = PathPairs<S>;
   inChains(m, d.factors, scratch, [&]<int columns>(const ChainProduct<S>& chain, int j) {
-    const int length = sharesOf(m, j + columns - 1);
+    const int length = countOfShares(m, j + columns - 1);
     for (const auto product : {Shares::by_q, Shares::by_v}) {
       chain.template write<columns, Shares::products>(0, length, d.shares[j].at(0) + product, out, m.nvx);
       subtractBelow<columns>(m, d.pairs, product == Shares::by_q ? Pairs::q_below : Pairs::v_below, j, out);

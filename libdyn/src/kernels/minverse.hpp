@@ -14,6 +14,13 @@
 
 namespace dyn::kernels {
 
+/// Whether it is wanted what is left of body i when its joint gives way: the parent is handed it, or the force through a joint of varying subspace
+/// is made of it.
+template <class Joint, class Order>
+bool needsRest(const Order& order, int i) {
+  return Joint::has_bias || !order.isRoot(i);
+}
+
 /// Eliminates the degrees of freedom of body i, the last first: use(k, column, inverse, row) is called for each, inverse that of the pivot,
 /// row = inverse IA s.
 template <class Joint, class S, class Order, class Use>
@@ -34,7 +41,7 @@ void eliminateJoint(const Order& order, Workspace<S>& w, ArticulatedInertia<S>& 
       noteVanishing(pivot, column, IA, i, w.failed);
       const Force<S> row = inverse * W;
       use(k, column, inverse, row);
-      if (k > 0 || !order.isRoot(i)) IA.subtractSquare(W, inverse);
+      if (k > 0 || needsRest<Joint>(order, i)) IA.subtractSquare(W, inverse);
     }
   });
 }

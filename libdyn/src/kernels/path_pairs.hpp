@@ -38,9 +38,6 @@ class PathPairs {
   /// Where those are that a flying root's columns have found something of.
   const DofForces<S>& forces(int far) const { return reinterpret_cast<const DofForces<S>*>(first_ + forces_)[far]; }
 
-  /// What there is on the other side of the diagonal.
-  static constexpr Number rightOf(Number below) { return static_cast<Number>(below + (q_right - q_below)); }
-
   const S* begin() const { return first_; }
   /// From begin() on, where a sweep over rigid subtrees leaves what one of the matrices has in a row and a column; zeros where no path leads.
   int placeOf(const CompactImpl& m, Number below, int row, int column) const {
@@ -73,6 +70,8 @@ class PathPairs {
   }
 
  private:
+  /// What there is on the other side of the diagonal.
+  static constexpr Number rightOf(Number below) { return static_cast<Number>(below + (q_right - q_below)); }
   /// Of the force that has that number along its own axes, number `axis` of it.
   int placeOfForce(Number number, int far, int axis) const {
     const DofForces<S>& of = forces(far);

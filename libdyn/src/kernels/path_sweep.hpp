@@ -1,74 +1,12 @@
 // Matrices with entries for two degrees of freedom on one path to the root: forces of neighbours climb together, and stay in registers on their way.
 #pragma once
 
+#include "kernels/path_entries.hpp"
 #include "kernels/recursion.hpp"
-#include "kernels/subtree.hpp"
+
+#include <utility>
 
 namespace dyn::kernels {
-
-/// Where a sweep enters what it finds.
-template <class S, bool pairs = in_pairs<S>>
-class PathEntries {
- public:
-  explicit PathEntries(const DerivativeWorkspace<S>& d) : by_a_(d.by_a), by_q_(d.by_q), by_v_(d.by_v) {}
-  /// Of some neighbouring degrees of freedom, and a joint on their way whose first one is iv; k counts from there.
-  template <class Wide>
-  struct At {
-    const PathEntries& entries;
-    const Part<Wide, S>& part;
-    int iv;
-    void inertia(int k, const Wide& x) const { entries.by_a_.enterBelow(part, iv + k, x); }
-    void below(int k, const Below<Wide>& x) const {
-      entries.by_q_.enterBelow(part, iv + k, x.q);
-      entries.by_v_.enterBelow(part, iv + k, x.v);
-    }
-    /// Zeros outside the subtree.
-    void rightByQ(int k, const Wide& x) const { part.store(x, entries.by_q_.right[iv + k]); }
-    void rightByV(int k, const Wide& x) const { part.store(x, entries.by_v_.right[iv + k]); }
-    /// The same for products, which scale it by 1 / D.
-    void shareByQ(int k, const Wide& x) const { rightByQ(k, x); }
-    void shareByV(int k, const Wide& x) const { rightByV(k, x); }
-  };
-  template <class Wide>
-  At<Wide> at(const CompactImpl&, const Part<Wide, S>& part, int iv) const {
-    return {*this, part, iv};
-  }
-
- private:
-  const PathMatrix<S> by_a_, by_q_, by_v_;
-};
-template <class S>
-class PathEntries<S, true> {
- public:
-  explicit PathEntries(const DerivativeWorkspace<S>& d) : pairs_(d.pairs), shares_(d.shares), inverse_(d.factors.inverse) {}
-  struct At {
-    using Pairs = PathPairs<S>;
-    using Shares = ColumnShares<S>;
-    S *row, *shares;
-    std::ptrdiff_t stride;
-    const S* inverse;  ///< 1 / D
-    void inertia(int k, const S& x) const { row[Pairs::numbers * k + Pairs::by_a] = x; }
-    void below(int k, const Below<S>& x) const {
-      row[Pairs::numbers * k + Pairs::q_below] = x.q;
-      belowByV(k, x.v);
-    }
-    void belowByV(int k, const S& x) const { row[Pairs::numbers * k + Pairs::v_below] = x; }
-    void rightByQ(int k, const S& x) const { row[Pairs::numbers * k + Pairs::q_right] = x; }
-    void rightByV(int k, const S& x) const { row[Pairs::numbers * k + Pairs::v_right] = x; }
-    void shareByQ(int k, const S& x) const { shares[stride * k + Shares::by_q] = inverse[k] * x; }
-    void shareByV(int k, const S& x) const { shares[stride * k + Shares::by_v] = inverse[k] * x; }
-  };
-  At at(const CompactImpl& m, const Part<S, S>& part, int iv) const {
-    const int depth = m.dof_depth[static_cast<std::size_t>(iv)];
-    const auto& column = shares_[part.first()];
-    return {pairs_.row(part.first(), depth), column.at(depth), column.stride, inverse_ + iv};
-  }
-
- private:
-  const PathPairs<S> pairs_;
-  const ColumnShares<S> shares_;
-  const S* inverse_;
-};
 
 /// Joints on the way to the root hold, or they yield to the forces and hand over what is left.
 enum class Climbing { holding, yielding };
@@ -134,7 +72,9 @@ void forcesToRoot(const R& recursion, Along&& along) {
         if constexpr (climbing == Climbing::yielding)
           for (int k = 0; k < Joint::nv; ++k) own[k] = ownOf(reinterpret_cast<const Forces<Wide>&>(forces[iv + k]));
         const bool moves = movesAt(i);
-        order.eachDof(iv, end, [&](int dof) { visit(reinterpret_cast<Forces<Wide>&>(forces[dof]), i, iv, Part<Wide, S>(dof, iv, end), own, moves); });
+        const auto at = [&](int dof, const auto& part) { visit(reinterpret_cast<Forces<Wide>&>(forces[dof]), i, iv, part, own, moves); };
+        order.eachDof(iv, iv + Joint::nv, [&](int dof) { at(dof, Part<Wide, S>(dof, iv, end)); });
+        order.eachDof(iv + Joint::nv, end, [&](int dof) { at(dof, Descendant<S>(dof)); });
       });
     });
   } else {
@@ -186,11 +126,11 @@ Below<Wide> belowFlyingRoot(int k, const DofVariation<T>* changes, const Force<W
 // Below, one of the forces of degrees of freedom goes after the other: all at once they do not fit into registers.
 
 /// From body i's origin to its parent's.
-template <class Wide, class S, class T>
+template <class Wide, class Part, class T>
 class ToParent {
  public:
   template <class R>
-  ToParent(const R& recursion, const Part<Wide, S>& part, int i) : part_(part), lever_(recursion.order.w.r[i]), rate_(recursion.d.shift_rate[i]) {}
+  ToParent(const R& recursion, const Part& part, int i) : part_(part), lever_(recursion.order.w.r[i]), rate_(recursion.d.shift_rate[i]) {}
   void operator()(Force<Wide>& f) const { addCross(f.angular, part_.inside(cast<Wide>(lever_)), f.linear); }
   /// U, and its lever with it.
   void operator()(Force<Wide>& U, Vec3<Wide>& lever) const {
@@ -199,7 +139,7 @@ class ToParent {
   }
 
  private:
-  const Part<Wide, S>& part_;
+  const Part& part_;
   const Vec3<T>&lever_, &rate_;
 };
 
@@ -214,9 +154,9 @@ void pathSweep(const R& recursion, DerivativeWorkspace<S>& d) {
     const PathEntries<S> path(d);
     const DofFactor<T>* const dofs = order.w.dof;
     const DofVariation<T>* const variations = recursion.d.dof;
-    each([&](DofForces<Wide>& F, int i, int iv, const Part<Wide, S>& part, const auto*, const bool moves) {
+    each([&]<class P>(DofForces<Wide>& F, int i, int iv, const P& part, const auto*, const bool moves) {
       const auto entries = path.at(order.m, part, iv);
-      const ToParent<Wide, S, T> toParent(recursion, part, i);
+      const ToParent<Wide, P, T> toParent(recursion, part, i);
       const Force<Wide> U = F.by_a;
       const Vec3<Wide> lever = F.lever;
       const auto enter = [&](int k, const auto& column, const Below<Wide>& x) {
@@ -227,7 +167,7 @@ void pathSweep(const R& recursion, DerivativeWorkspace<S>& d) {
         if (order.isRoot(i)) {
           if constexpr (in_pairs<S>) {
             // The others' pairs find the rest where it is.
-            if (part.first() >= iv + 6) {
+            if (part.beyond(iv + 6)) {
               for (int k = 0; k < 3; ++k) entries.belowByV(k, belowFlyingRoot(k, variations + iv, U, lever).v);
               for (int k = 3; k < 6; ++k) entries.below(k, belowFlyingRoot(k, variations + iv, U, lever));
               return;
@@ -268,8 +208,8 @@ void pathSweep(const R& recursion, DerivativeWorkspace<S>& d) {
 }
 
 /// What degree of freedom k takes of the forces along it, which is row k of U but for the diagonal.
-template <class Wide, class S>
-Wide enterShare(const Part<Wide, S>& part, int k, const Wide& along, S* row) {
+template <class Part, class Wide, class S>
+Wide enterShare(const Part& part, int k, const Wide& along, S* row) {
   const Wide u = part.since(k + 1, along);
   part.store(u - part.at(k), row);
   return u;
@@ -282,7 +222,7 @@ void factorsSweep(const R& recursion, DerivativeWorkspace<S>& d) {
   forcesToRoot<Force, Climbing::yielding, Wide, S>(recursion, [&]<class Joint>(auto&& each) {
     const Rows<S> U = d.factors.U;
     const DofFactor<T>* const dofs = order.w.dof;
-    each([&](Force<Wide>& force, int i, int iv, const Part<Wide, S>& part, const auto* own, const bool moves) {
+    each([&]<class P>(Force<Wide>& force, int i, int iv, const P& part, const auto* own, const bool moves) {
       Force<Wide> F = force;
       const auto share = [&](int k, const auto& column) { return enterShare(part, iv + k, column.along(F), U[iv + k]); };
       if constexpr (Joint::is_free) {
@@ -293,7 +233,7 @@ void factorsSweep(const R& recursion, DerivativeWorkspace<S>& d) {
         }
       }
       for (int k = Joint::nv - 1; k >= 0; --k) yield(F, rowOf(own[k]), share(k, Column<Joint, T>{dofs[iv + k].S_}));
-      if (moves) ToParent<Wide, S, T>(recursion, part, i)(F);
+      if (moves) ToParent<Wide, P, T>(recursion, part, i)(F);
       force = F;
     });
   });
@@ -312,8 +252,8 @@ void articulatedSweep(const R& recursion, DerivativeWorkspace<S>& d) {
     const S* const damping = d.damping;
     const DofFactor<T>* const dofs = order.w.dof;
     const DofVariation<T>* const variations = recursion.d.dof;
-    each([&](DofForces<Wide>& F, int i, int iv, const Part<Wide, S>& part, const auto* own, const bool moves) {
-      const ToParent<Wide, S, T> toParent(recursion, part, i);
+    each([&]<class P>(DofForces<Wide>& F, int i, int iv, const P& part, const auto* own, const bool moves) {
+      const ToParent<Wide, P, T> toParent(recursion, part, i);
       const auto entries = path.at(order.m, part, iv);
       // What is left of a force; leaves(k, f, x): where the joint moves by x along its k-th degree of freedom.
       const auto giveWay = [&](Force<Wide> f, const auto& columnOf, auto&& leaves, auto&& enterShares) {
@@ -352,7 +292,7 @@ void articulatedSweep(const R& recursion, DerivativeWorkspace<S>& d) {
             }
           }
           // Of all forces but its own axes', which leave their units, a bare root leaves nothing.
-          const bool others = part.first() >= iv + 6, nothing = bare && others;
+          const bool others = part.beyond(iv + 6), nothing = bare && others;
           const auto enterBelow = [&](auto&& enter) {
 #pragma GCC unroll 6
             for (int k = 0; k < 6; ++k) enter(k, belowFlyingRoot(k, variations + iv, U, lever));

@@ -21,6 +21,7 @@ namespace dyn::kernels {
 template <class Wide, class S>
 class Part {
  public:
+  using Number = Wide;
   static constexpr int width = lanes_of<Wide> / lanes_of<S>;
   Part(int first, int begin, int end) : first_(first), end_(end), inside_(chosenFrom(begin)) {}
 
@@ -39,6 +40,8 @@ class Part {
   Wide since(int dof, const Wide& x) const { return choose(chosenFrom(dof), x); }
   /// 1 for `dof` itself.
   Wide at(int dof) const { return since(dof, Wide(1)) - since(dof + 1, Wide(1)); }
+  /// Whether none is before `dof`.
+  bool beyond(int dof) const { return first_ >= dof; }
   int first() const { return first_; }
 
  private:
@@ -72,6 +75,24 @@ class Part {
 
   int first_, end_;
   Chosen inside_;
+};
+
+/// The same of one degree of freedom that is in the subtree but not of its joint: nothing is left to ask.
+template <class S>
+class Descendant {
+ public:
+  using Number = S;
+  explicit Descendant(int first) : first_(first) {}
+  void store(const S& value, S* row) const { storePack(value, row + first_); }
+  const S& inside(const S& x) const { return x; }
+  const Vec3<S>& inside(const Vec3<S>& v) const { return v; }
+  const S& since(int, const S& x) const { return x; }
+  S at(int) const { return S(0); }
+  bool beyond(int) const { return true; }
+  int first() const { return first_; }
+
+ private:
+  int first_;
 };
 
 /// The sum of a pack's numbers, by halves.
@@ -115,8 +136,8 @@ template <class S>
 struct PathMatrix {
   Rows<S> below, right;
 
-  template <class Wide>
-  void enterBelow(const Part<Wide, S>& part, int k, const Wide& entries) const {
+  template <class Part>
+  void enterBelow(const Part& part, int k, const typename Part::Number& entries) const {
     part.store(part.inside(entries), below[k]);
   }
   /// When all have been entered. Nothing turns within a joint: for two of its own, enterBelow's entries hold on both sides of the diagonal.

@@ -49,13 +49,13 @@ struct Workspace {
   Motion<S>* v = nullptr;               ///< spatial velocity, body axes at its origin [velocities]
   Motion<S>* a = nullptr;               ///< spatial acceleration, same [accelerations]
   Vec3<S>* w = nullptr;                 ///< angular velocity: body axes in rnea and local_aba, aligned axes in aba
-  Force<S>* f = nullptr;                ///< what the children hand over [rnea]; force through the joint [aba's derivatives]
+  Force<S>* f = nullptr;                ///< what the children hand over [rnea]; force through joints of varying subspace [aba's derivatives]
   Mat3<S>* R = nullptr;                 ///< body axes in aligned axes [aligned]
   Mat3<S>* product = nullptr;           ///< the same as products of rotations left it [aligned, of an order that waits]
   Vec3<S>* r = nullptr;                 ///< from the parent's origin to the joint's, aligned axes [aligned]
   Motion<S>* beta = nullptr;            ///< velocity-dependent acceleration, axes as of w [aba]
   ArticulatedInertia<S>* IA = nullptr;  ///< what the children hand over, not of leaves [aba]
-  Force<S>* pA = nullptr;               ///< the same of bias forces [aba]
+  Force<S>* pA = nullptr;               ///< the same of bias forces [aba]; of both what is left of the body's own, its joint free [aba's derivatives]
   Motion<S>* acc = nullptr;             ///< classical acceleration, axes as of w
   S* mass = nullptr;                    ///< what the children hand over, as the next two [crba]; of the subtree [com]
   Vec3<S>* h = nullptr;                 ///< first moment about the joint's origin, aligned [crba]; of the subtree [com]
