@@ -126,7 +126,7 @@ struct DerivativeWorkspace {
   // What recursions over bodies write. Those of single states have vectors in registers, and what they write is in `vectored`.
   DofVariation<S>* dof = nullptr;
   Vec3<S>* shift_rate = nullptr;       ///< velocity of each joint's origin relative to the parent's
-  Subtree<S>* subtree = nullptr;       ///< by body, about its joint's origin; in aba of the body alone, K left out
+  Subtree<S>* subtree = nullptr;       ///< by body, about its joint's origin; in aba of the body alone, and of that m
   DofForces<S>* dof_force = nullptr;   ///< at the joint's own origin, until they climb
   CoriolisMap<S>* coriolis = nullptr;  ///< articulated, of what the children hand over [aba]
   Motion<S>* place = nullptr;          ///< [centroidal] from each joint's origin to the centre of mass, and its rate, aligned axes
