@@ -59,7 +59,7 @@ const double* jacobianCenterOfMass(const CompactModel& model, Data& data, Vector
   double* J = m.couplings.empty() ? d.Jcom : d.columns;
   kernels::Bodies<double>{m, d}.backward(kernels::passing(), [&]<class Joint>(const Joint& joint, int i, int iv) {
     // The subtree's mass and first moment about the joint's origin, world axes: a rate S moves its centre by (m S_lin + S_ang x h).
-    for (int k = 0; k < Joint::nv; ++k) {
+    for (int k = 0; k < kernels::nvOf(joint); ++k) {
       const Motion<double> S = joint.column(k);
       const Vec3<double> c = (1 / m.mass) * (d.mass[i] * (d.oM[i].R * S.linear) + cross(d.oM[i].R * S.angular, d.h[i]));
       for (int r = 0; r < 3; ++r) J[3 * (iv + k) + r] = c[r];

@@ -37,7 +37,7 @@ JointMotion<S> JointProbe::motion(const S* q, const S* v) const {
   evaluateJoint(type_, instance_, constants_.data(), q, v, pose, subspace, bias);
   JointMotion<S> result;
   result.pose = poseFromComponents<S>(instance_.shape, pose);
-  const kernels::Slot<S> slot{pose, subspace, 1, instance_.subspace, bias, 1};
+  const kernels::Slot<S> slot{pose, subspace, 1, instance_.subspace, bias, 1, instance_.nv};
   kernels::withShape<S>(instance_.shape, nv(), [&]<class Kernel>() {
     const Kernel kernel(slot);
     for (int k = 0; k < nv(); ++k) result.columns[k] = kernel.column(k);

@@ -8,8 +8,11 @@ namespace dyn {
 
 namespace {
 
-/// Best first.
-constexpr const char* modern[] = {"avx512", "avx2"};
+#ifndef DYN_INSTRUCTION_SETS
+#define DYN_INSTRUCTION_SETS ""
+#endif
+/// Whether libdyn was built for it. The baseline is in the library itself.
+bool built(const std::string& name) { return name == "baseline" || std::string(" " DYN_INSTRUCTION_SETS " ").find(" " + name + " ") != std::string::npos; }
 
 bool processorHas(const std::string& name) {
 #if defined(__x86_64__)
@@ -25,8 +28,8 @@ bool processorHas(const std::string& name) {
 InstructionSet choose() {
   const char* wanted = std::getenv("DYN_SIMD");
   if (wanted == nullptr || *wanted == '\0') {
-    for (const char* name : modern)
-      if (processorHas(name)) return {name, false};
+    for (const char* best : {"avx512", "avx2"})
+      if (processorHas(best) && built(best)) return {best, false};
     return {"baseline", false};
   }
   std::string name = wanted;
@@ -36,6 +39,8 @@ InstructionSet choose() {
   for (const char* known : {"scalar", "baseline", "avx2", "avx512"}) {
     if (name != known) continue;
     if (!processorHas(name)) throw Error(ErrorCode::argument, std::string("DYN_SIMD=") + wanted + ": this processor does not have it");
+    if (!built(name))
+      throw Error(ErrorCode::argument, std::string("DYN_SIMD=") + wanted + ": this libdyn is built without it; configure with -DDYN_INSTRUCTION_SETS=all");
     return {name, true};
   }
   throw Error(ErrorCode::argument,

@@ -138,7 +138,7 @@ void abaInward(const Order& order, Workspace<S>& w, const S* tau, const Force<S>
     Force<S> pA = force.with(own);
     // Eliminating one direction after the other is the factorisation: each updates IA, so the next pivot is read off it. At the joint's
     // origin, before the shift: the projection cancels, and what it leaves must not be lost under larger numbers.
-    constexpr int last = Joint::nv - 1;
+    const int last = nvOf<Joint>(order, i) - 1;
     if (isBareRoot<Joint>(order, i)) {
       if constexpr (Joint::is_free) eliminateBareRoot(order, IA, pA, tau + iv, i, iv, w);
     } else {
@@ -173,7 +173,7 @@ void abaSolve(const Order& order, Workspace<S>& w, const Vec3<S>& gravity, S* dd
   order.forward(passing(w.acc), [&]<class Joint>(const Joint&, int i, int iv, auto&& acceleration) {
     Motion<S> parent = acceleration.get();
     if (order.isRoot(i)) parent.linear = isFlyingRoot<Joint>(order, i) ? transposeTimes(w.rel[i].R, -gravity) : -gravity;
-    constexpr int last = Joint::nv - 1;
+    const int last = nvOf<Joint>(order, i) - 1;
     const S x = w.dof[iv + last].y - dot(parent, w.dof[iv + last].W);
     Motion<S> a = parent + w.beta[i];
     if (!order.isRoot(i)) a.linear += leverRate(order, i, parent.angular);

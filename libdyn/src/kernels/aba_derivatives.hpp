@@ -67,8 +67,9 @@ void articulatedInward(const Order& order, DerivativeWorkspace<S>& d, const S* t
     // After IA: there are not enough registers for both.
     CoriolisMap<S> map = coriolis.with(coriolisMap(m().momentum.linear, turnedMoment(m(), w.w[i])));
     withColumns<Joint>(order, w, i, iv, [&](const auto& column) {
+      const int last = nvOf<Joint>(order, i) - 1;
 #pragma GCC unroll 6
-      for (int k = Joint::nv - 1; k >= 0; --k) {
+      for (int k = last; k >= 0; --k) {
         const Force<S>& row = d.dof_force[iv + k].by_a;
         const Vec3<S> torque = column(k).along(map.linear, map.angular);
         d.dof_force[iv + k].lever = d.factors.inverse[iv + k] * torque;
@@ -97,8 +98,8 @@ void articulatedInward(const Order& order, DerivativeWorkspace<S>& d, const S* t
 }
 
 /// What body i, its joint free to move, hands to its parent of each variation of the joint, the force f through it being turned, too.
-template <class Joint, class S>
-void writeHandedOver(const Workspace<S>& w, const DerivativeWorkspace<S>& d, int i, int iv, const Force<S>& f) {
+template <class Joint, class Order, class S>
+void writeHandedOver(const Order& order, const Workspace<S>& w, const DerivativeWorkspace<S>& d, int i, int iv, const Force<S>& f) {
   const ArticulatedInertia<S>& IA = w.IA[i];
   const CoriolisMap<S>& map = d.coriolis[i];
   const auto with = [&](const Force<S>& moved, [[maybe_unused]] const Vec3<S>& turning) {
@@ -108,7 +109,7 @@ void writeHandedOver(const Workspace<S>& w, const DerivativeWorkspace<S>& d, int
       return Force<S>{moved.linear + map.linear * turning, moved.angular + map.angular * turning};
     }
   };
-  for (int k = iv; k < iv + Joint::nv; ++k) {
+  for (int k = iv; k < iv + nvOf<Joint>(order, i); ++k) {
     const DofVariation<S>& x = d.dof[k];
     d.dof_force[k].by_q = with(IA * x.acceleration, x.velocity.angular) + turnedOf<Joint>(w.dof[k].S_, f);
     d.dof_force[k].by_v = with(Column<Joint, S>{x.rate}.force(IA), w.dof[k].S_.angular);
@@ -124,7 +125,7 @@ void acceleratingOutward(const Order& order, DerivativeWorkspace<S>& d, const S*
     const Motion<S> carried = carriedAcceleration<Joint>(order, i, accelerated.get(), order.gravity());
     Motion<S> acc = carried + w.beta[i];
     withColumns<Joint>(order, w, i, iv, [&](const auto& column) {
-      for (int k = 0; k < Joint::nv; ++k) {
+      for (int k = 0; k < nvOf<Joint>(order, i); ++k) {
         const S x = w.dof[iv + k].y - dot(acc, d.dof_force[iv + k].by_a);
         ddq[iv + k] = x;
         column(k).addTo(acc, x);
@@ -136,7 +137,7 @@ void acceleratingOutward(const Order& order, DerivativeWorkspace<S>& d, const S*
     if (needsRest<Joint>(order, i)) {
       const Force<S> f = w.IA[i] * carried + w.pA[i];
       if constexpr (Joint::has_bias) w.f[i] = f;
-      if (!order.isRoot(i)) writeHandedOver<Joint>(w, d, i, iv, f);
+      if (!order.isRoot(i)) writeHandedOver<Joint>(order, w, d, i, iv, f);
     }
     accelerated.leave(acc);
   });
@@ -168,12 +169,12 @@ void addSubspaceTorques(const R& recursion, const DerivativeWorkspace<S>& d) {
   const Rows<S> U = d.factors.U;
   order.backward(passing(), [&]<class Joint>(const Joint&, int i, int iv) {
     if constexpr (Joint::has_bias)
-      for (int j = iv; j < iv + Joint::nv; ++j) {
-        S torque[Joint::nv];
-        for (int l = 0; l < Joint::nv; ++l) torque[l] = numberOf(subspaceTorque<Joint>(order, recursion.d, order.w.f[i], i, j - iv, l));
-        alongPath(order.m, iv + Joint::nv - 1, [&](int k) {
+      for (int j = iv; j < iv + nvOf<Joint>(order, i); ++j) {
+        S torque[most_nv<Joint>];
+        for (int l = 0; l < nvOf<Joint>(order, i); ++l) torque[l] = numberOf(subspaceTorque<Joint>(order, recursion.d, order.w.f[i], i, j - iv, l));
+        alongPath(order.m, iv + nvOf<Joint>(order, i) - 1, [&](int k) {
           S share(0);
-          for (int l = std::max(k - iv, 0); l < Joint::nv; ++l) share += torque[l] * U[k][iv + l];
+          for (int l = std::max(k - iv, 0); l < nvOf<Joint>(order, i); ++l) share += torque[l] * U[k][iv + l];
           if (k <= j) {
             subtractRight<S>(order.m, d, k, j, share);
           } else {

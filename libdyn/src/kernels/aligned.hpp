@@ -156,7 +156,7 @@ Motion<S> velocityAcceleration(const Joint& joint, const Order& order, int i, co
 /// The columns of a joint's motion subspace in aligned axes, into `dof`; of each the parts that its shape has.
 template <class S, class Joint>
 void writeColumns(const Joint& joint, const Mat3<S>& R, DofFactor<S>* dof) {
-  for (int k = 0; k < Joint::nv; ++k) {
+  for (int k = 0; k < nvOf(joint); ++k) {
     const Motion<S> s = joint.columnIn(R, k);
     if constexpr (Joint::has_linear) dof[k].S_.linear = s.linear;
     if constexpr (Joint::has_angular) dof[k].S_.angular = s.angular;

@@ -159,7 +159,7 @@ CentroidalState<double> centroidalOf(const StripRecursion<S>& r, const Centroida
     }
     at.leave(place);
     const auto here = StripWay<S>(order.m, i).here();
-    for (int k = 0; k < Joint::nv; ++k)
+    for (int k = 0; k < nvOf<Joint>(order, i); ++k)
       centroidalColumns(out, tree, place, d.subtree[i], w.dof[iv + k].S_, d.dof[iv + k], d.dof_force[iv + k],
                         [&](double* to, const Force<S>& f) { putSixes(here, f, [&](int lane) { return to + 6 * here.dof(lane, k); }); });
   });

@@ -108,7 +108,7 @@ CentroidalState<S> centroidalMap(const Order& order, const S* v, const Walk& wal
     const Vec3<S> h = moments.with(R * c.h);
     const Sym3<S> I = inertias.with(congruence(R, c.origin));
     if (!isFlyingRoot<Joint>(order, i))
-      for (int k = iv; k < iv + Joint::nv; ++k) w.dof[k].W = compositeForce<Joint>(w.dof[k].S_, m, h, I);
+      for (int k = iv; k < iv + nvOf<Joint>(order, i); ++k) w.dof[k].W = compositeForce<Joint>(w.dof[k].S_, m, h, I);
     if (!order.isRoot(i)) return giveComposite(order, i, inertias, moments, masses, m, h, I);
     w.mass[i] = m;
     w.h[i] = h;
@@ -139,7 +139,7 @@ CentroidalState<S> centroidalMap(const Order& order, const S* v, const Walk& wal
       here = y.get() - w.r[i];
     }
     y.leave(here);
-    for (int k = 0; k < Joint::nv; ++k) {
+    for (int k = 0; k < nvOf<Joint>(order, i); ++k) {
       const Force<S>& U = w.dof[iv + k].W;
       const Force<S> column{U.linear, U.angular - cross(here, U.linear)};
       walk.put(i, iv, k, column);

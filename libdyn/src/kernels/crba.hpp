@@ -72,8 +72,9 @@ void massMatrix(const Order& order, Workspace<S>& w, typename Order::Entries* M)
     auto at = order.entry(M, i, iv);
     if constexpr (Joint::is_free)
       if (order.isRoot(i)) return enterFlyingRoot(order, at, iv, mass, h, I);
-    Force<S> F[Joint::nv];
-    for (int k = 0; k < Joint::nv; ++k) {
+    Force<S> F[most_nv<Joint>];
+    const int nv = nvOf<Joint>(order, i);
+    for (int k = 0; k < nv; ++k) {
       const Motion<S>& column = w.dof[iv + k].S_;
       F[k] = compositeForce<Joint>(column, mass, h, I);
       for (int l = 0; l < k; ++l) at.enter(k, l, Column<Joint, S>{w.dof[iv + l].S_}.along(F[k]));
@@ -84,16 +85,16 @@ void massMatrix(const Order& order, Workspace<S>& w, typename Order::Entries* M)
     const auto stepAlong = [&](const auto& step) {
       if (step.hasLever()) {
         const Vec3<S> r = step.lever(w.r);
-        for (int k = 0; k < Joint::nv; ++k) addCross(F[k].angular, r, F[k].linear);
+        for (int k = 0; k < nv; ++k) addCross(F[k].angular, r, F[k].linear);
       }
       if (step.flyingRoot()) {
-        for (int k = 0; k < Joint::nv; ++k) step.enterFlying(k, F[k]);
+        for (int k = 0; k < nv; ++k) step.enterFlying(k, F[k]);
         return;
       }
       const auto enterAll = [&](auto value) {
         int l = 0;
         do {
-          for (int k = 0; k < Joint::nv; ++k) step.enter(k, l, value(step.column(w, l), F[k]));
+          for (int k = 0; k < nv; ++k) step.enter(k, l, value(step.column(w, l), F[k]));
         } while (++l < step.nv());
       };
       if (step.turnsOnly()) {
@@ -103,13 +104,13 @@ void massMatrix(const Order& order, Workspace<S>& w, typename Order::Entries* M)
       }
     };
     const auto turnAlong = [&](const Vec3<S>* lever, const Motion<S>& column, const auto& enter) {
-      for (int k = 0; k < Joint::nv; ++k) {
+      for (int k = 0; k < nv; ++k) {
         if (lever) addCross(F[k].angular, *lever, F[k].linear);
         enter(k, dot(column.angular, F[k].angular));
       }
     };
     const auto begin = [&] {
-      for (int k = 0; k < Joint::nv; ++k) F[k] = compositeForce<Joint>(w.dof[iv + k].S_, mass, h, I);
+      for (int k = 0; k < nv; ++k) F[k] = compositeForce<Joint>(w.dof[iv + k].S_, mass, h, I);
     };
     at.climb(begin, stepAlong, turnAlong);
   });

@@ -38,12 +38,11 @@ const Kernels* open(const std::string& name, std::string& problem) {
 
 const Kernels& choose() {
   const InstructionSet& set = instructionSet();
-  if (set.name == "scalar") return scalar;
-  if (set.name == "baseline") return baseline;
+  if (set.name == "baseline") return compiledTable();
   std::string problem;
   if (const Kernels* table = open(set.name, problem)) return *table;
   if (set.forced) throw Error(ErrorCode::argument, "DYN_SIMD=" + set.name + ": " + problem);
-  return baseline;
+  return compiledTable();
 }
 
 }  // namespace

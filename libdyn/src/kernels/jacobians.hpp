@@ -23,7 +23,7 @@ void jointJacobians(const Order& bodies, Workspace<S>& w, S* J) {
   bodies.forward(passing(), [&]<class Joint>(const Joint& joint, int i, int iv) {
     placeInWorld<lanes_of<S> == 1 ? Poses::in_parents_too : Poses::in_world>(joint, bodies, i, w);
     const SE3<S>& oM = w.oM[i];
-    for (int k = 0; k < Joint::nv; ++k) {
+    for (int k = 0; k < nvOf(joint); ++k) {
       Motion<S> column = joint.columnIn(oM.R, k);
       if constexpr (Joint::has_angular && Joint::has_linear) {
         column.linear += cross(oM.p, column.angular);
@@ -70,7 +70,7 @@ void walkSupports(const Bodies<S>& bodies, const Workspace<S>& w, const FramePoi
     withShape<S>(batch.shape, batch.nv, [&]<class Joint>() {
       const Slot<S> slot = bodies.slotOf(here, 0);
       const Joint joint(slot);
-      for (int k = 0; k < Joint::nv; ++k) column(i, k, joint.column(k));
+      for (int k = 0; k < nvOf(joint); ++k) column(i, k, joint.column(k));
       const SE3<S>& rel = w.rel[i];
       if (v) {
         const Motion<S> s = joint.times(v + x.idx_v);

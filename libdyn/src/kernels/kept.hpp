@@ -144,11 +144,11 @@ struct KeepingBodies : Bodies<S> {
   template <class Body, class Walk>
   void overRun(const Run& run, Body&& body, Walk&& walk) const {
     withShape<S>(run.shape, run.nv, [&]<class Joint>() DYN_RUN_LOOP {
-      const int v0 = this->index(run.first).idx_v;
+      const int v0 = this->index(run.first).idx_v, nv = nvOf<Joint>(*this, run.first);
       walk([&](int i, auto&... from) {
         const int k = i - run.first;
         const Slot<S> slot = this->slotOf(run, k);
-        body(Joint(slot), i, v0 + k * Joint::nv, from...);
+        body(Joint(slot), i, v0 + k * nv, from...);
       });
     });
   }

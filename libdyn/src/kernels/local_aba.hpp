@@ -99,7 +99,7 @@ void localAbaInward(const Order& order, Workspace<S>& w, const S* tau) {
       if constexpr (Joint::is_free) eliminateBareRoot(order, IA, f, tau + iv, i, iv, w);
       return;
     }
-    for (int k = 0; k < Joint::nv; ++k)
+    for (int k = 0; k < nvOf<Joint>(order, i); ++k)
       withOwnColumn<S>(joint, k, [&](const auto& column) {
         if (k > 0) {
           const DofFactor<S>& before = w.dof[iv + k - 1];
@@ -110,7 +110,7 @@ void localAbaInward(const Order& order, Workspace<S>& w, const S* tau) {
       });
     if (order.isRoot(i)) return;
     toParent([&](ArticulatedInertia<S>& left) {
-      left = leftInParentsAxes(joint, order, i, w.dof[iv + Joint::nv - 1], IA, f);
+      left = leftInParentsAxes(joint, order, i, w.dof[iv + nvOf<Joint>(order, i) - 1], IA, f);
       return f;
     });
   });
@@ -131,7 +131,7 @@ void localAbaSolve(const Order& order, Workspace<S>& w, const Vec3<S>& gravity, 
       if (turns) a.angular = transposeTimes(R, a.angular);
     });
     a += w.beta[i];
-    for (int k = Joint::nv - 1; k >= 0; --k)
+    for (int k = nvOf<Joint>(order, i) - 1; k >= 0; --k)
       withOwnColumn<S>(joint, k, [&](const auto& column) {
         const DofFactor<S>& dof = w.dof[iv + k];
         ddq[iv + k] = dof.y - dof.inverse * dot(a, dof.W);

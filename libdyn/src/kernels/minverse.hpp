@@ -34,7 +34,7 @@ void eliminateJoint(const Order& order, Workspace<S>& w, ArticulatedInertia<S>& 
     }
   }
   withColumns<Joint>(order, w, i, iv, [&](const auto& columns) {
-    for (int k = Joint::nv - 1; k >= 0; --k) {
+    for (int k = nvOf<Joint>(order, i) - 1; k >= 0; --k) {
       const auto column = columns(k);
       const Force<S> W = column.force(IA);
       const S pivot = column.along(W) + order.armature(iv + k), inverse = S(1) / pivot;

@@ -68,13 +68,14 @@ void forcesToRoot(const R& recursion, Along&& along) {
       along.template operator()<Joint>([&](auto&& visit) {
         const int end = order.dofEnd(i);
         auto* const forces = recursion.d.dof_force;
-        decltype(ownOf(std::declval<Forces<Wide>>())) own[Joint::nv];
+        decltype(ownOf(std::declval<Forces<Wide>>())) own[most_nv<Joint>];
         if constexpr (climbing == Climbing::yielding)
-          for (int k = 0; k < Joint::nv; ++k) own[k] = ownOf(reinterpret_cast<const Forces<Wide>&>(forces[iv + k]));
+          for (int k = 0; k < nvOf<Joint>(order, i); ++k) own[k] = ownOf(reinterpret_cast<const Forces<Wide>&>(forces[iv + k]));
         const bool moves = movesAt(i);
         const auto at = [&](int dof, const auto& part) { visit(reinterpret_cast<Forces<Wide>&>(forces[dof]), i, iv, part, own, moves); };
-        order.eachDof(iv, iv + Joint::nv, [&](int dof) { at(dof, Part<Wide, S>(dof, iv, end)); });
-        order.eachDof(iv + Joint::nv, end, [&](int dof) { at(dof, Descendant<S>(dof)); });
+        const int end_own = iv + nvOf<Joint>(order, i);
+        order.eachDof(iv, end_own, [&](int dof) { at(dof, Part<Wide, S>(dof, iv, end)); });
+        order.eachDof(end_own, end, [&](int dof) { at(dof, Descendant<S>(dof)); });
       });
     });
   } else {
@@ -184,7 +185,7 @@ void pathSweep(const R& recursion, DerivativeWorkspace<S>& d) {
         }
       }
       const auto columnOf = [&](int k) { return Column<Joint, T>{dofs[iv + k].S_}; };
-      for (int k = 0; k < Joint::nv; ++k) enter(k, columnOf(k), below<Joint>(variations[iv + k], columnOf(k).s, U, lever));
+      for (int k = 0; k < nvOf<Joint>(order, i); ++k) enter(k, columnOf(k), below<Joint>(variations[iv + k], columnOf(k).s, U, lever));
       if (moves) {
         Force<Wide> moved = U;
         Vec3<Wide> moved_lever = lever;
@@ -194,8 +195,9 @@ void pathSweep(const R& recursion, DerivativeWorkspace<S>& d) {
       }
       const auto right = [&](Force<Wide>& force, auto&& enterRight) {
         Force<Wide> f = force;
+        const int nv = nvOf<Joint>(order, i);
 #pragma GCC unroll 6
-        for (int k = 0; k < Joint::nv; ++k) enterRight(k, part.inside(columnOf(k).along(f)));
+        for (int k = 0; k < nv; ++k) enterRight(k, part.inside(columnOf(k).along(f)));
         if (moves) {
           toParent(f);
           force.angular = f.angular;
@@ -232,7 +234,7 @@ void factorsSweep(const R& recursion, DerivativeWorkspace<S>& d) {
           return;
         }
       }
-      for (int k = Joint::nv - 1; k >= 0; --k) yield(F, rowOf(own[k]), share(k, Column<Joint, T>{dofs[iv + k].S_}));
+      for (int k = nvOf<Joint>(order, i) - 1; k >= 0; --k) yield(F, rowOf(own[k]), share(k, Column<Joint, T>{dofs[iv + k].S_}));
       if (moves) ToParent<Wide, P, T>(recursion, part, i)(F);
       force = F;
     });
@@ -257,9 +259,10 @@ void articulatedSweep(const R& recursion, DerivativeWorkspace<S>& d) {
       const auto entries = path.at(order.m, part, iv);
       // What is left of a force; leaves(k, f, x): where the joint moves by x along its k-th degree of freedom.
       const auto giveWay = [&](Force<Wide> f, const auto& columnOf, auto&& leaves, auto&& enterShares) {
+        const int last = nvOf<Joint>(order, i) - 1;
 #pragma GCC unroll 6
-        for (int k = Joint::nv - 1; k >= 0; --k) {
-          const Wide x = part.since(iv + Joint::nv, columnOf(k).along(f));
+        for (int k = last; k >= 0; --k) {
+          const Wide x = part.since(iv + last + 1, columnOf(k).along(f));
           enterShares(k, x);
           leaves(k, f, x);
         }
@@ -320,8 +323,8 @@ void articulatedSweep(const R& recursion, DerivativeWorkspace<S>& d) {
         }
       }
       const auto columnOf = [&](int k) { return Column<Joint, T>{dofs[iv + k].S_}; };
-      for (int k = Joint::nv - 1; k >= 0; --k) yield(U, rowOf(own[k]), share(k, columnOf(k)));
-      for (int k = 0; k < Joint::nv; ++k) entries.below(k, below<Joint>(variations[iv + k], columnOf(k).s, U, lever));
+      for (int k = nvOf<Joint>(order, i) - 1; k >= 0; --k) yield(U, rowOf(own[k]), share(k, columnOf(k)));
+      for (int k = 0; k < nvOf<Joint>(order, i); ++k) entries.below(k, below<Joint>(variations[iv + k], columnOf(k).s, U, lever));
       if (moves) toParent(U, lever);
       F.by_a = U;
       F.lever = lever;

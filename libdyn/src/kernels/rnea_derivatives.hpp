@@ -16,15 +16,15 @@
 namespace dyn::kernels {
 
 template <class S, class Joint>
-SubspaceTerms<S> subspaceTerms(const SubspaceDerivatives<S>& dS, int slot, int m, const Mat3<S>& R, const S* v, const S* a) {
+SubspaceTerms<S> subspaceTerms(const SubspaceDerivatives<S>& dS, int nv, int slot, int m, const Mat3<S>& R, const S* v, const S* a) {
   SubspaceTerms<S> x;
   if constexpr (Joint::has_bias) {
     x.acceleration = dS.biasRate(m, slot);
-    for (int l = 0; l < Joint::nv; ++l) {
-      const Motion<S> along = dS.column(Joint::nv, m, l, slot);
+    for (int l = 0; l < nv; ++l) {
+      const Motion<S> along = dS.column(nv, m, l, slot);
       x.velocity += v[l] * along;
       x.acceleration += a[l] * along;
-      x.rate += v[l] * dS.column(Joint::nv, l, m, slot);
+      x.rate += v[l] * dS.column(nv, l, m, slot);
     }
     for (Motion<S>* term : {&x.velocity, &x.acceleration, &x.rate}) *term = {R * term->linear, R * term->angular};
   }
@@ -85,12 +85,12 @@ void writeVariations(const Order& order, DerivativeWorkspace<S>& d, int i, int i
   if constexpr (Joint::is_free)
     if (order.isRoot(i)) return flyingVariations(carried.linear, slide, omega, [&](int k, const DofVariation<S>& x) { d.dof[iv + k] = x; });
   const Motion<S> parent{carried.linear + leverAcceleration(order, i, wp), carried.angular};
-  for (int k = 0; k < Joint::nv; ++k) {
+  for (int k = 0; k < nvOf<Joint>(order, i); ++k) {
     const DofMotion<S> motion{w.dof[iv + k].S_, wp, omega, parent, slide};
     SubspaceTerms<S> more;
     if constexpr (Joint::has_bias) {
       const BodyIndex& x = order.index(i);
-      more = subspaceTerms<S, Joint>(d.subspaces[x.batch], x.slot, k, w.R[i], v + iv, a + iv);
+      more = subspaceTerms<S, Joint>(d.subspaces[x.batch], nvOf<Joint>(order, i), x.slot, k, w.R[i], v + iv, a + iv);
     }
     writeVariation<Joint>(variationOf<Joint>(motion, more), d.dof[iv + k]);
   }
@@ -132,7 +132,7 @@ void derivativesInward(const Order& order, DerivativeWorkspace<S>& d, const Forc
     if constexpr (Joint::is_free)
       if (order.isRoot(i)) return flyingForces(d.dof + iv, all, [&](int k, const DofForces<S>& x) { d.dof_force[iv + k] = x; });
     const auto again = [&]() -> const Subtree<S>& { return readAgain(order, all); };
-    for (int k = iv; k < iv + Joint::nv; ++k) writeForces<Joint>(w.dof[k].S_, d.dof[k], again, d.dof_force[k]);
+    for (int k = iv; k < iv + nvOf<Joint>(order, i); ++k) writeForces<Joint>(w.dof[k].S_, d.dof[k], again, d.dof_force[k]);
     if (order.isRoot(i)) return;
     if (order.hasLever(i)) {
       subtree.giveInPlace([&](Subtree<S>& at_parent) { move(again, w.r[i], d.shift_rate[i], at_parent); });
@@ -174,7 +174,7 @@ template <class Joint, class Order, class S>
 S subspaceTorque(const Order& order, const DerivativeWorkspace<S>& d, const Force<S>& f, int i, int m, int k) {
   const BodyIndex& x = order.index(i);
   const Mat3<S>& R = order.w.R[i];
-  const Motion<S> dS = d.subspaces[x.batch].column(Joint::nv, m, k, x.slot);
+  const Motion<S> dS = d.subspaces[x.batch].column(nvOf<Joint>(order, i), m, k, x.slot);
   return dot(Motion<S>{R * dS.linear, R * dS.angular}, f);
 }
 
@@ -193,8 +193,8 @@ void derivativesSweep(const R& recursion, DerivativeWorkspace<S>& d) {
   closeJoints(m, d);
   recursion.order.backward(passing(), [&]<class Joint>(const Joint&, int i, int iv) {
     if constexpr (Joint::has_bias)
-      for (int along = 0; along < Joint::nv; ++along)
-        for (int k = 0; k < Joint::nv; ++k)
+      for (int along = 0, nv = nvOf<Joint>(recursion.order, i); along < nv; ++along)
+        for (int k = 0; k < nv; ++k)
           addOwn(m, d, iv + k, iv + along, numberOf(subspaceTorque<Joint>(recursion.order, recursion.d, recursion.d.subtree[i].f, i, along, k)));
   });
   addLossDerivatives(m, [&](int matrix, int k, double x) { diagonal(m, d, matrix, k) += S(static_cast<Real<S>>(x)); });

@@ -25,6 +25,7 @@ struct Slot {
   const Real<S>* constant_subspace;  ///< dense_constant shapes: 6 numbers a column
   const S* bias;
   std::ptrdiff_t stride;
+  int nv;
 };
 
 template <class S>
@@ -197,13 +198,14 @@ struct Free {
   Motion<S> bias() const { return {}; }
 };
 
-/// Any pose with a subspace given in numbers, constant or not.
+/// Any pose with a subspace given in numbers, constant or not: of one column, or (`nv` 0) of as many as the slot says.
 template <class S, int NV, bool Varying>
 struct Dense {
   static constexpr int nv = NV;
   static constexpr bool moves_origin = true, has_linear = true, has_angular = true, has_bias = Varying, is_free = false, about_z = false;
   const Slot<S>& slot;
   explicit Dense(const Slot<S>& where) : slot(where) {}
+  int count() const { return NV > 0 ? NV : slot.nv; }
   Mat3<S> rotation() const { return loadMatrix(slot.pose, slot.stride); }
   Mat3<S> rotate(const Mat3<S>& E) const { return E * rotation(); }
   Vec3<S> translation() const { return loadVector(slot.pose + 9 * slot.stride, slot.stride); }
@@ -218,7 +220,7 @@ struct Dense {
   }
   Motion<S> times(const S* v) const {
     Motion<S> m = v[0] * column(0);
-    for (int k = 1; k < NV; ++k) m += v[k] * column(k);
+    for (int k = 1; k < count(); ++k) m += v[k] * column(k);
     return m;
   }
   Motion<S> timesIn(const Mat3<S>& E, const S* v) const {
@@ -230,30 +232,40 @@ struct Dense {
     return {E * m.linear, E * m.angular};
   }
   void project(const Force<S>& f, S* tau) const {
-    for (int k = 0; k < NV; ++k) tau[k] = dot(column(k), f);
+    for (int k = 0; k < count(); ++k) tau[k] = dot(column(k), f);
   }
   Motion<S> bias() const { return Varying ? load(slot.bias, slot.stride) : Motion<S>{}; }
 };
+
+/// Degrees of freedom of a joint: a constant, unless its shape counts them at run time.
+template <class Joint>
+int nvOf(const Joint& joint) {
+  if constexpr (Joint::nv > 0) {
+    return Joint::nv;
+  } else {
+    return joint.count();
+  }
+}
+/// The same of the joint that moves body i.
+template <class Joint, class Order>
+int nvOf(const Order& order, int i) {
+  if constexpr (Joint::nv > 0) {
+    return Joint::nv;
+  } else {
+    return order.nv(i);
+  }
+}
+/// The most that joints of this shape have.
+template <class Joint>
+constexpr int most_nv = Joint::nv > 0 ? Joint::nv : max_joint_nv;
 
 /// Hands a kernel over to the shape of a run: `kernel.template operator()<Shape>()`. The one dispatch of a run.
 /// Without `constants` there are no dense_constant shapes, without `varying` no dense ones.
 template <class S, bool constants = true, bool varying = true, class Kernel>
 void withShape(Shape shape, int nv, Kernel&& kernel) {
   [[maybe_unused]] const auto dense = [&]<bool varies>() {
-    switch (nv) {
-      case 1:
-        return kernel.template operator()<Dense<S, 1, varies>>();
-      case 2:
-        return kernel.template operator()<Dense<S, 2, varies>>();
-      case 3:
-        return kernel.template operator()<Dense<S, 3, varies>>();
-      case 4:
-        return kernel.template operator()<Dense<S, 4, varies>>();
-      case 5:
-        return kernel.template operator()<Dense<S, 5, varies>>();
-      default:
-        return kernel.template operator()<Dense<S, 6, varies>>();
-    }
+    if (nv == 1) return kernel.template operator()<Dense<S, 1, varies>>();
+    return kernel.template operator()<Dense<S, 0, varies>>();
   };
   switch (shape) {
     case Shape::revolute:

@@ -16,7 +16,7 @@ void stripFactorsSweep(const StripRecursion<S>& r, const Rows<double> U) {
   r.order.backward(passing(), [&]<class Joint>(const Joint&, int i, int iv) {
     const StripWay<S> way(r.order.m, i);
     const auto here = way.here();
-    for (int c = 0; c < Joint::nv; ++c) {
+    for (int c = 0; c < nvOf<Joint>(r.order, i); ++c) {
       double* column[strip_lanes];
       for (int lane = 0; lane < strip_lanes; ++lane) column[lane] = U.first + here.dof(lane, c);
       const auto enter = [&](const auto& step, int l, const S& u) {

@@ -149,7 +149,8 @@ void stripPathSweep(const StripRecursion<S>& r, const PathDerivatives& out) {
   const auto sweep = [&](auto with_M) {
     r.order.backward(passing(), [&]<class Joint>(const Joint&, int i, int iv) {
       StripPaths<S, with_M> paths(r.order.m, out, r.order.w, r.d, i);
-      for (int c = 0; c < Joint::nv; ++c) paths.enter(c, r.d.dof_force[iv + c], Joint::nv);
+      const int nv = nvOf<Joint>(r.order, i);
+      for (int c = 0; c < nv; ++c) paths.enter(c, r.d.dof_force[iv + c], nv);
     });
   };
   if (out.by_a) {

@@ -52,6 +52,7 @@ struct Strips {
     addToParent(array, i, value);
   }
   bool isLeaf(int i) const { return strip(i).leaf; }
+  int nv(int i) const { return strip(i).nv; }
   template <class T>
   static constexpr bool keeps = fits_registers<S, T>;
   /// To strip i from i - 1, which has all its parents, lane by lane.
@@ -125,7 +126,7 @@ struct Strips {
   Slot<S> slotOf(int i) const {
     const Strip& s = strip(i);
     const JointMemory<S>& b = w.joints[s.batch];
-    return {b.pose + s.slot, b.subspace ? b.subspace + s.slot : nullptr, b.stride, nullptr, b.bias ? b.bias + s.slot : nullptr, b.stride};
+    return {b.pose + s.slot, b.subspace ? b.subspace + s.slot : nullptr, b.stride, nullptr, b.bias ? b.bias + s.slot : nullptr, b.stride, s.nv};
   }
   template <class T>
   static T of(const StripParents& parents, const T* array) {

@@ -239,10 +239,10 @@ struct Bodies {
   void forward(std::tuple<T*...> arrays, Body&& body) const {
     for (const Run& run : m.runs)
       withShape<S>(run.shape, run.nv, [&]<class Joint>() DYN_RUN_LOOP {
-        const int v0 = index(run.first).idx_v;
+        const int v0 = index(run.first).idx_v, nv = nvOf<Joint>(*this, run.first);
         for (int k = 0; k < run.count; ++k) {
           const Slot<S> slot = slotOf(run, k);
-          std::apply([&](T*... x) { body(Joint(slot), run.first + k, v0 + k * Joint::nv, FromParent<Bodies, T>(*this, x, run.first + k)...); },
+          std::apply([&](T*... x) { body(Joint(slot), run.first + k, v0 + k * nv, FromParent<Bodies, T>(*this, x, run.first + k)...); },
                      arrays);
         }
       });
@@ -252,10 +252,10 @@ struct Bodies {
   void backward(std::tuple<T*...> arrays, Body&& body) const {
     for (auto run = m.runs.rbegin(); run != m.runs.rend(); ++run)
       withShape<S>(run->shape, run->nv, [&]<class Joint>() DYN_RUN_LOOP {
-        const int v0 = index(run->first).idx_v;
+        const int v0 = index(run->first).idx_v, nv = nvOf<Joint>(*this, run->first);
         for (int k = run->count - 1; k >= 0; --k) {
           const Slot<S> slot = slotOf(*run, k);
-          std::apply([&](T*... x) { body(Joint(slot), run->first + k, v0 + k * Joint::nv, FromChildren<Bodies, T>(*this, x, run->first + k)...); },
+          std::apply([&](T*... x) { body(Joint(slot), run->first + k, v0 + k * nv, FromChildren<Bodies, T>(*this, x, run->first + k)...); },
                      arrays);
         }
       });
@@ -277,9 +277,9 @@ struct Bodies {
       while (run->first > body) ++run;
       withShape<S>(run->shape, run->nv, [&]<class Joint>() DYN_RUN_LOOP {
         along.template operator()<Joint>([&](auto&& visit) {
-          const int run_first = run->first, v0 = index(run_first).idx_v;
+          const int run_first = run->first, v0 = index(run_first).idx_v, nv = nvOf<Joint>(*this, run_first);
           int i = body;
-          for (; i >= run_first; i = next(i)) visit(i, v0 + (i - run_first) * Joint::nv);
+          for (; i >= run_first; i = next(i)) visit(i, v0 + (i - run_first) * nv);
           body = i;
           return i > 0;
         });
@@ -292,14 +292,15 @@ struct Bodies {
     const int i = run.slot + k;
     if (run.shape == Shape::dense_constant) {
       const int offset = m.subspace_offset[static_cast<std::size_t>(run.first + k)];
-      return {b.pose + i, nullptr, 0, m.subspacesIn<Real<S>>().data() + offset, nullptr, b.stride};
+      return {b.pose + i, nullptr, 0, m.subspacesIn<Real<S>>().data() + offset, nullptr, b.stride, run.nv};
     }
-    return {b.pose + i, b.subspace ? b.subspace + i : nullptr, b.stride, nullptr, b.bias ? b.bias + i : nullptr, b.stride};
+    return {b.pose + i, b.subspace ? b.subspace + i : nullptr, b.stride, nullptr, b.bias ? b.bias + i : nullptr, b.stride, run.nv};
   }
 
   const BodyIndex& index(int i) const { return m.index[static_cast<std::size_t>(i)]; }
   int parentOf(int i) const { return index(i).parent; }
   int depth(int i) const { return index(i).depth; }
+  int nv(int i) const { return index(i).nv; }
   /// One past the last degree of freedom of body i's subtree.
   int dofEnd(int i) const { return m.dof_end[static_cast<std::size_t>(index(i).idx_v)]; }
   /// Of its parent's, and so the first one backward.

@@ -150,7 +150,7 @@ bool useStripsForDerivatives(const CompactImpl& m);
 /// What takes several numbers of one state of this model at once, for one of StripUses' algorithms, or null.
 const PackedKernels* packed(const CompactImpl& m, bool StripUses::*algorithm);
 
-/// In the library itself.
-extern const Kernels scalar, baseline;
+/// That of the flags which this table's sources are compiled with; in the library itself, what every processor of this architecture has.
+const Kernels& compiledTable();
 
 }  // namespace dyn::kernels

@@ -151,7 +151,7 @@ inline void massMatrixByColumns(const AlignedBodies& bodies, Workspace<Vectored>
     const Sym3<Vectored> I = inertias.with(own.Io);
     if constexpr (Joint::is_free)
       if (bodies.isRoot(i)) return enterFlyingRoot(bodies, bodies.entry(M, i, iv), iv, mass, h, I);
-    for (int k = 0; k < Joint::nv; ++k) w.dof[iv + k].W = compositeForce<Joint>(w.dof[iv + k].S_, mass, h, I);
+    for (int k = 0; k < nvOf<Joint>(bodies, i); ++k) w.dof[iv + k].W = compositeForce<Joint>(w.dof[iv + k].S_, mass, h, I);
     if (bodies.isRoot(i)) return;
     giveComposite(bodies, i, inertias, moments, masses, mass, h, I);
   });

@@ -1,4 +1,4 @@
-// The kernels of derivatives of one table, in a source of their own: they take compilers as long as all others.
+// Derivatives, factors and centroidal quantities of batches.
 #pragma once
 
 #include "kernels/aba_derivatives.hpp"
@@ -15,48 +15,6 @@
 #include <algorithm>
 
 namespace dyn::kernels {
-
-template <class Wide, class Panel>
-void addDerivatives(SingleKernels& k) {
-  using W = Workspace<double>;
-  using D = DerivativeWorkspace<double>;
-  if constexpr (lanes_of<Wide> == strip_lanes) {
-    k.stripBytes = [](const CompactImpl& m) { return scratchBytes<StripDerivatives<Wide>>(m); };
-    k.prepareStrips = [](const CompactImpl& m, char* scratch, D& d) {
-      auto& s = makeScratch<StripDerivatives<Wide>>(scratch, m);
-      s.w.R[0] = Mat3<Wide>::identity();
-      d.strips = scratch;
-      d.strip_arrays = s.arrays();
-    };
-  }
-  k.evaluateSubspaces = [](const CompactImpl& m, D& d, const double* q, const double* v) { evaluateSubspaceDerivatives(m, d, q, v); };
-  k.rneaDerivatives = [](const CompactImpl& m, W& w, D& d, const double* v, const double* a, const Force<double>* fext, const PathDerivatives& out) {
-    rneaDerivativesInPlace<Panel, Wide>(m, w, d, v, a, fext, out);
-  };
-  k.abaDerivatives = [](const CompactImpl& m, W& w, D& d, const double* v, const double* tau, const Force<double>* fext, double* ddq, double* by_q,
-                        double* by_v, double* inverse) {
-    kernels::abaDerivatives<Panel>(m, w, d, v, tau, fext, ddq, {by_q, by_v, inverse});
-    return w.failed[0];
-  };
-  k.centroidal = [](const CompactImpl& m, W& w, D& d, const double* v, const double* a, const CentroidalMaps<double>& out) {
-    return kernels::centroidal<Wide>(m, w, d, v, a, out);
-  };
-  k.coriolis = [](const CompactImpl& m, W& w, D& d, const double* v, const double* zeros) { coriolisMatrix<Panel>(m, w, d, v, zeros); };
-  k.factorTimes = [](const CompactImpl& m, D& d, FactorProduct product, double* x) { kernels::factorTimes<Wide>(m, d.cholesky, product, x); };
-  k.assemble = [](const CompactImpl& m, const PathMatrix<double>& from, double* out) { from.assemble<Panel>(m.dof_end, Rows<double>{out, m.nvx}); };
-  k.choleskyDecompose = [](const CompactImpl& m, D& d, const double* M) {
-    int failed = 0;
-    kernels::choleskyDecompose<Panel>(m, M, d.cholesky, &failed);
-    return failed;
-  };
-  k.treeFactors = [](const CompactImpl& m, W& w, D& d) {
-    kernels::treeFactors<Panel, Wide>(m, w, d);
-    return w.failed[0];
-  };
-  k.inverseOfMassMatrix = [](const CompactImpl& m, D& d, double* out) {
-    kernels::inverseOfMassMatrix<Panel>(m, d.factors, Rows<double>{out, m.nvx});
-  };
-}
 
 /// The tasks of centroidal quantities, joints asked.
 template <class S>

@@ -1,4 +1,4 @@
-// The kernels of one table: recursions for scalars S, and the way in and out of packs.
+// Batches: packs of states go through the recursions, and in and out of the caller's columns.
 #pragma once
 
 #include "kernels/aba.hpp"
@@ -18,39 +18,6 @@
 #include <algorithm>
 
 namespace dyn::kernels {
-
-// Those of derivatives are instantiated in another source (kernels/instantiate_derivatives.hpp), runDerivatives() too.
-template <class Wide, class Panel>
-void addDerivatives(SingleKernels& k);
-
-/// What a single state's degrees of freedom, or columns, are worked on in, side by side: Wide where subtrees are, most of them short;
-/// Panel where all of them are.
-template <class Wide, class Panel = Wide>
-SingleKernels singleKernels() {
-  using W = Workspace<double>;
-  SingleKernels k;
-  k.evaluate = [](const CompactImpl& m, W& w, const double* q, const double* v) { evaluateJoints(m, w, q, v); };
-  k.forwardKinematics = [](const CompactImpl& m, W& w, const double* v, const double* a) {
-    kernels::forwardKinematics(Bodies<double>{m, w}, w, v, a);
-  };
-  k.jointJacobians = [](const CompactImpl& m, W& w, double* J) { kernels::jointJacobians(Bodies<double>{m, w}, w, J); };
-  k.rnea = [](const CompactImpl& m, W& w, const double* v, const double* a, const Force<double>* fext, double* tau) {
-    const Bodies<double> bodies{m, w};
-    rneaOutward(bodies, w, v, a);
-    rneaInward(bodies, w, tau, fext);
-    addJointForces(m, v, a, tau);
-  };
-  k.massMatrix = [](const CompactImpl& m, W& w, double* M) { kernels::massMatrix(Bodies<double>{m, w}, w, M); };
-  k.articulate = [](const CompactImpl& m, W& w, const double* v, const double* tau, const Force<double>* fext) {
-    const Bodies<double> bodies{m, w};
-    abaOutward(bodies, w, v);
-    abaInward(bodies, w, tau, fext);
-  };
-  k.accelerate = [](const CompactImpl& m, W& w, const Vec3<double>& gravity, double* ddq) { abaSolve(Bodies<double>{m, w}, w, gravity, ddq); };
-  k.placeOutward = [](const CompactImpl& m, W& w, const double* v) { abaOutward(Bodies<double>{m, w}, w, v); };
-  addDerivatives<Wide, Panel>(k);
-  return k;
-}
 
 template <class S, class T = Real<S>>
 void runBlock(const CompactImpl& m, char* scratch, Block<T>& b) {

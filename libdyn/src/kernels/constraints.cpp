@@ -1,14 +1,15 @@
 // The kernels of constraints of one table.
-#pragma once
-
 #include "kernels/constrained_inverse.hpp"
 #include "kernels/constraint_recursions.hpp"
 #include "kernels/constraint_table.hpp"
 #include "kernels/delassus.hpp"
 #include "kernels/frame_rows.hpp"
 #include "kernels/strip_scratch.hpp"
+#include "kernels/table_parts.hpp"
 
 namespace dyn::kernels {
+
+namespace {
 
 template <class S>
 ConstrainedBodies<S> bodiesIn(const CompactImpl& m, void* memory) {
@@ -19,15 +20,15 @@ ConstrainedBodies<S> bodiesIn(const CompactImpl& m, void* memory) {
   }
 }
 
-/// Panel: what rows are worked on in, side by side, and Half where there are few; S: what bodies are in.
-template <class Panel, class Half, class S>
+/// Rows: what these are worked on in, side by side, and Half where there are few; S: what bodies are in.
+template <class Rows, class Half, class S>
 constexpr ConstraintRecursions constraintRecursions() {
   ConstraintRecursions k{};
   k.locate = [](const CompactImpl& m, void* memory, const PackedConstraints& c, const double* v, RowRates rates, ConstraintWorkspace& x) {
     locateChains(bodiesIn<S>(m, memory), c, v, rates, x);
   };
   k.sweep = [](const CompactImpl& m, void* memory, const PackedConstraints& c, bool eliminated, ConstraintWorkspace& x) {
-    constraintSweep<Panel, Half>(bodiesIn<S>(m, memory), c, eliminated, x);
+    constraintSweep<Rows, Half>(bodiesIn<S>(m, memory), c, eliminated, x);
   };
   k.yieldTo = [](const CompactImpl& m, void* memory, const PackedConstraints& c, Force<double>* F, const double* shares) {
     yieldToForces(bodiesIn<S>(m, memory), c, F, shares);
@@ -42,8 +43,8 @@ constexpr ConstraintRecursions constraintRecursions() {
   return k;
 }
 
-template <class Panel, class Half>
-ConstraintKernels singleConstraintKernels() {
+ConstraintKernels makeConstraintKernels() {
+  using Half = Wide;
   ConstraintKernels k{};
   k.layout = constraintLayoutStamp();
   k.single = constraintRecursions<Panel, Half, double>();
@@ -59,6 +60,14 @@ ConstraintKernels singleConstraintKernels() {
   k.invertConstrained = kernels::invertConstrained<Panel>;
   k.solveConstrained[0] = kernels::solveConstrained<Panel, 1>;
   k.solveConstrained[1] = kernels::solveConstrained<Panel, 2>;
+  if constexpr (joints_in_lanes) k.strips = constraintRecursions<Panel, Half, Wide>();
+  return k;
+}
+
+}  // namespace
+
+const ConstraintKernels& tableConstraints() {
+  static const ConstraintKernels k = makeConstraintKernels();
   return k;
 }
 

@@ -1,0 +1,35 @@
+// The derivatives of single states of one table.
+#include "kernels/aba_derivatives.hpp"
+#include "kernels/coriolis.hpp"
+#include "kernels/rnea_derivatives.hpp"
+#include "kernels/scratch.hpp"
+#include "kernels/table_parts.hpp"
+
+namespace dyn::kernels {
+
+void addDerivatives(SingleKernels& k) {
+  using W = Workspace<double>;
+  using D = DerivativeWorkspace<double>;
+  if constexpr (lanes_of<Wide> == strip_lanes) {
+    k.stripBytes = [](const CompactImpl& m) { return scratchBytes<StripDerivatives<Wide>>(m); };
+    k.prepareStrips = [](const CompactImpl& m, char* scratch, D& d) {
+      auto& s = makeScratch<StripDerivatives<Wide>>(scratch, m);
+      s.w.R[0] = Mat3<Wide>::identity();
+      d.strips = scratch;
+      d.strip_arrays = s.arrays();
+    };
+  }
+  k.evaluateSubspaces = [](const CompactImpl& m, D& d, const double* q, const double* v) { evaluateSubspaceDerivatives(m, d, q, v); };
+  k.rneaDerivatives = [](const CompactImpl& m, W& w, D& d, const double* v, const double* a, const Force<double>* fext, const PathDerivatives& out) {
+    rneaDerivativesInPlace<Panel, Wide>(m, w, d, v, a, fext, out);
+  };
+  k.abaDerivatives = [](const CompactImpl& m, W& w, D& d, const double* v, const double* tau, const Force<double>* fext, double* ddq, double* by_q,
+                        double* by_v, double* inverse) {
+    kernels::abaDerivatives<Panel>(m, w, d, v, tau, fext, ddq, {by_q, by_v, inverse});
+    return w.failed[0];
+  };
+  k.coriolis = [](const CompactImpl& m, W& w, D& d, const double* v, const double* zeros) { coriolisMatrix<Panel>(m, w, d, v, zeros); };
+  k.assemble = [](const CompactImpl& m, const PathMatrix<double>& from, double* out) { from.assemble<Panel>(m.dof_end, Rows<double>{out, m.nvx}); };
+}
+
+}  // namespace dyn::kernels
