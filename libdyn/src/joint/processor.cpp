@@ -12,7 +12,9 @@ namespace {
 #define DYN_INSTRUCTION_SETS ""
 #endif
 /// Whether libdyn was built for it. The baseline is in the library itself.
-bool built(const std::string& name) { return name == "baseline" || std::string(" " DYN_INSTRUCTION_SETS " ").find(" " + name + " ") != std::string::npos; }
+bool built(const std::string& name) {
+  return name == "baseline" || std::string(" " DYN_INSTRUCTION_SETS " ").find(" " + name + " ") != std::string::npos;
+}
 
 bool processorHas(const std::string& name) {
 #if defined(__x86_64__)
@@ -40,7 +42,8 @@ InstructionSet choose() {
     if (name != known) continue;
     if (!processorHas(name)) throw Error(ErrorCode::argument, std::string("DYN_SIMD=") + wanted + ": this processor does not have it");
     if (!built(name))
-      throw Error(ErrorCode::argument, std::string("DYN_SIMD=") + wanted + ": this libdyn is built without it; configure with -DDYN_INSTRUCTION_SETS=all");
+      throw Error(ErrorCode::argument,
+                  std::string("DYN_SIMD=") + wanted + ": this libdyn is built without it; configure with -DDYN_INSTRUCTION_SETS=all");
     return {name, true};
   }
   throw Error(ErrorCode::argument,

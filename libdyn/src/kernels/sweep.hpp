@@ -242,8 +242,7 @@ struct Bodies {
         const int v0 = index(run.first).idx_v, nv = nvOf<Joint>(*this, run.first);
         for (int k = 0; k < run.count; ++k) {
           const Slot<S> slot = slotOf(run, k);
-          std::apply([&](T*... x) { body(Joint(slot), run.first + k, v0 + k * nv, FromParent<Bodies, T>(*this, x, run.first + k)...); },
-                     arrays);
+          std::apply([&](T*... x) { body(Joint(slot), run.first + k, v0 + k * nv, FromParent<Bodies, T>(*this, x, run.first + k)...); }, arrays);
         }
       });
   }
@@ -255,8 +254,7 @@ struct Bodies {
         const int v0 = index(run->first).idx_v, nv = nvOf<Joint>(*this, run->first);
         for (int k = run->count - 1; k >= 0; --k) {
           const Slot<S> slot = slotOf(*run, k);
-          std::apply([&](T*... x) { body(Joint(slot), run->first + k, v0 + k * nv, FromChildren<Bodies, T>(*this, x, run->first + k)...); },
-                     arrays);
+          std::apply([&](T*... x) { body(Joint(slot), run->first + k, v0 + k * nv, FromChildren<Bodies, T>(*this, x, run->first + k)...); }, arrays);
         }
       });
   }

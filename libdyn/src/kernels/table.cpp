@@ -10,8 +10,8 @@
 namespace dyn::kernels {
 
 const Kernels& compiledTable() {
-  static const Kernels table{DYN_TABLE_NAME,      layoutStamp(),       singleKernels(), batchesOfDoubles(), batchesOfFloats(),
-                             &tableConstraints(), jointsInLanes(), vectored()};
+  static const Kernels table{DYN_TABLE_NAME,    layoutStamp(),       singleKernels(), batchesOfDoubles(),
+                             batchesOfFloats(), &tableConstraints(), jointsInLanes(), vectored()};
   return table;
 }
 

@@ -30,10 +30,10 @@ constexpr bool joints_in_lanes = false;
 
 // Each in the source of its name.
 SingleKernels singleKernels();
-void addDerivatives(SingleKernels& k);  ///< single_derivatives.cpp
-void addFactors(SingleKernels& k);      ///< single_factors.cpp
+void addDerivatives(SingleKernels& k);        ///< single_derivatives.cpp
+void addFactors(SingleKernels& k);            ///< single_factors.cpp
 const ConstraintKernels& tableConstraints();  ///< constraints.cpp
-PackedKernels jointsInLanes();  ///< strips.cpp; all null where packs are too narrow
+PackedKernels jointsInLanes();                ///< strips.cpp; all null where packs are too narrow
 PackedKernels vectored();
 BlockKernels<double> batchesOfDoubles();
 BlockKernels<float> batchesOfFloats();
