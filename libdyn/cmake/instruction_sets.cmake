@@ -1,22 +1,31 @@
-# DYN_INSTRUCTION_SETS: what kernels and plugins are compiled for beside the baseline, which every processor of this architecture has.
-#   all     avx2, avx512 and, for tests, scalar: what packages want
-#   native  the best that this machine's processor has: what a build for oneself wants, in half the time
-# Sets libdyn_plugin_instruction_sets, and DYN_SCALAR_TABLE to "scalar" if the kernels are wanted number by number, too.
+# DYN_INSTRUCTION_SETS says what kernels and plugins are compiled for beside the baseline, which every processor of this architecture has.
+#   all     avx2 and avx512, and the kernels number by number, for tests; packages are built so
+#   native  the best that this machine's processor has
+# Narrows libdyn_plugin_instruction_sets. DYN_KERNEL_SETS lists the modules of kernels, DYN_KERNEL_SET_NAMES is the same as text.
 set(DYN_INSTRUCTION_SETS all CACHE STRING "Instruction sets beside the baseline: all, or native")
 set_property(CACHE DYN_INSTRUCTION_SETS PROPERTY STRINGS all native)
-set(DYN_SCALAR_TABLE)
 if(DYN_INSTRUCTION_SETS STREQUAL "all")
-  set(DYN_SCALAR_TABLE scalar)
+  set(DYN_KERNEL_SETS ${libdyn_plugin_instruction_sets} scalar)
 elseif(DYN_INSTRUCTION_SETS STREQUAL "native")
-  # What the compiler takes the processor for says what it has.
+  # The compiler's macros tell what it takes this processor to have. As processorHas() in libdyn/src/joint/processor.cpp.
   execute_process(COMMAND ${CMAKE_CXX_COMPILER} -march=native -dM -E -x c++ /dev/null OUTPUT_VARIABLE macros ERROR_QUIET)
-  set(libdyn_plugin_instruction_sets)
-  if(macros MATCHES "__AVX512F__" AND macros MATCHES "__AVX512DQ__" AND macros MATCHES "__AVX512BW__" AND macros MATCHES "__AVX512VL__" AND
-     macros MATCHES "__AVX512CD__" AND macros MATCHES "__FMA__")
-    set(libdyn_plugin_instruction_sets avx512)
-  elseif(macros MATCHES "__AVX2__" AND macros MATCHES "__FMA__")
-    set(libdyn_plugin_instruction_sets avx2)
-  endif()
+  set(needed_avx2 AVX2 FMA)
+  set(needed_avx512 AVX512F AVX512DQ AVX512BW AVX512VL AVX512CD FMA)
+  set(best)
+  foreach(isa ${libdyn_plugin_instruction_sets})
+    set(has_all TRUE)
+    foreach(feature ${needed_${isa}})
+      if(NOT macros MATCHES "__${feature}__")
+        set(has_all FALSE)
+      endif()
+    endforeach()
+    if(has_all)
+      set(best ${isa})
+    endif()
+  endforeach()
+  set(libdyn_plugin_instruction_sets ${best})
+  set(DYN_KERNEL_SETS ${best})
 else()
   message(FATAL_ERROR "DYN_INSTRUCTION_SETS=${DYN_INSTRUCTION_SETS}: it is all or native")
 endif()
+list(JOIN DYN_KERNEL_SETS " " DYN_KERNEL_SET_NAMES)

@@ -1,12 +1,9 @@
 # libdyn_add_joint_plugin(NAME SOURCES... [OUTPUT_DIRECTORY DIR] [LINK_LIBRARIES LIBRARIES...]): a shared object of joint types, built as
 # libdyn wants it: NAME.so for every processor, and beside it avx2/NAME.so and avx512/NAME.so, which libdyn prefers where the processor
 # has them. Their targets are NAME_avx2 and NAME_avx512; libdyn_plugin_instruction_sets lists the suffixes.
-# Set it before this file is included to build for fewer.
-if(NOT DEFINED libdyn_plugin_instruction_sets)
-  set(libdyn_plugin_instruction_sets)
-  if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
-    set(libdyn_plugin_instruction_sets avx2 avx512)
-  endif()
+set(libdyn_plugin_instruction_sets)
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+  set(libdyn_plugin_instruction_sets avx2 avx512)
 endif()
 set(libdyn_options_avx2 -march=x86-64-v3)
 set(libdyn_options_avx512 -march=x86-64-v4)

@@ -8,13 +8,8 @@ namespace dyn {
 
 namespace {
 
-#ifndef DYN_INSTRUCTION_SETS
-#define DYN_INSTRUCTION_SETS ""
-#endif
-/// Whether libdyn was built for it. The baseline is in the library itself.
-bool built(const std::string& name) {
-  return name == "baseline" || std::string(" " DYN_INSTRUCTION_SETS " ").find(" " + name + " ") != std::string::npos;
-}
+/// Whether libdyn was built with kernels for it. The baseline's are in the library itself, CMake lists the others.
+bool built(const std::string& name) { return name == "baseline" || std::string(" " DYN_KERNEL_SETS " ").find(" " + name + " ") != std::string::npos; }
 
 bool processorHas(const std::string& name) {
 #if defined(__x86_64__)

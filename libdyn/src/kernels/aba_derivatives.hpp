@@ -168,13 +168,14 @@ void addSubspaceTorques(const R& recursion, const DerivativeWorkspace<S>& d) {
   const auto& order = recursion.order;
   const Rows<S> U = d.factors.U;
   order.backward(passing(), [&]<class Joint>(const Joint&, int i, int iv) {
+    const int nv = nvOf<Joint>(order, i);
     if constexpr (Joint::has_bias)
-      for (int j = iv; j < iv + nvOf<Joint>(order, i); ++j) {
+      for (int j = iv; j < iv + nv; ++j) {
         S torque[most_nv<Joint>];
-        for (int l = 0; l < nvOf<Joint>(order, i); ++l) torque[l] = numberOf(subspaceTorque<Joint>(order, recursion.d, order.w.f[i], i, j - iv, l));
-        alongPath(order.m, iv + nvOf<Joint>(order, i) - 1, [&](int k) {
+        for (int l = 0; l < nv; ++l) torque[l] = numberOf(subspaceTorque<Joint>(order, recursion.d, order.w.f[i], i, j - iv, l));
+        alongPath(order.m, iv + nv - 1, [&](int k) {
           S share(0);
-          for (int l = std::max(k - iv, 0); l < nvOf<Joint>(order, i); ++l) share += torque[l] * U[k][iv + l];
+          for (int l = std::max(k - iv, 0); l < nv; ++l) share += torque[l] * U[k][iv + l];
           if (k <= j) {
             subtractRight<S>(order.m, d, k, j, share);
           } else {

@@ -1,7 +1,6 @@
 // Batches: packs of states go through the recursions, and in and out of the caller's columns.
 #pragma once
 
-#include "kernels/aba.hpp"
 #include "kernels/block.hpp"
 #include "kernels/columns.hpp"
 #include "kernels/coupled_blocks.hpp"

@@ -20,15 +20,15 @@ ConstrainedBodies<S> bodiesIn(const CompactImpl& m, void* memory) {
   }
 }
 
-/// Rows: what these are worked on in, side by side, and Half where there are few; S: what bodies are in.
-template <class Rows, class Half, class S>
+/// S: the scalar of the bodies.
+template <class S>
 constexpr ConstraintRecursions constraintRecursions() {
   ConstraintRecursions k{};
   k.locate = [](const CompactImpl& m, void* memory, const PackedConstraints& c, const double* v, RowRates rates, ConstraintWorkspace& x) {
     locateChains(bodiesIn<S>(m, memory), c, v, rates, x);
   };
   k.sweep = [](const CompactImpl& m, void* memory, const PackedConstraints& c, bool eliminated, ConstraintWorkspace& x) {
-    constraintSweep<Rows, Half>(bodiesIn<S>(m, memory), c, eliminated, x);
+    constraintSweep<Panel, Wide>(bodiesIn<S>(m, memory), c, eliminated, x);
   };
   k.yieldTo = [](const CompactImpl& m, void* memory, const PackedConstraints& c, Force<double>* F, const double* shares) {
     yieldToForces(bodiesIn<S>(m, memory), c, F, shares);
@@ -44,23 +44,24 @@ constexpr ConstraintRecursions constraintRecursions() {
 }
 
 ConstraintKernels makeConstraintKernels() {
-  using Half = Wide;
   ConstraintKernels k{};
   k.layout = constraintLayoutStamp();
-  k.single = constraintRecursions<Panel, Half, double>();
-  k.placeFrames = kernels::placeFrames<Half>;
-  k.frameAccelerations = kernels::frameAccelerations<Half>;
-  k.delassusMatrix = kernels::delassusMatrix<Panel, Half>;
-  k.yieldToRows = kernels::yieldToRows<Panel, Half>;
-  k.rowsOfYielded = kernels::rowsOfYielded<Panel, Half>;
-  k.invertDelassus = kernels::invertDelassus<Panel, Half>;
-  k.timesRows = kernels::timesRows<Panel, Half>;
+  k.single = constraintRecursions<double>();
+  k.placeFrames = kernels::placeFrames<Wide>;
+  k.frameAccelerations = kernels::frameAccelerations<Wide>;
+  k.delassusMatrix = kernels::delassusMatrix<Panel, Wide>;
+  k.yieldToRows = kernels::yieldToRows<Panel, Wide>;
+  k.rowsOfYielded = kernels::rowsOfYielded<Panel, Wide>;
+  k.invertDelassus = kernels::invertDelassus<Panel, Wide>;
+  k.timesRows = kernels::timesRows<Panel, Wide>;
   k.pointColumns = kernels::pointColumns;
   k.rowDerivatives = kernels::rowDerivatives<Panel>;
   k.invertConstrained = kernels::invertConstrained<Panel>;
   k.solveConstrained[0] = kernels::solveConstrained<Panel, 1>;
   k.solveConstrained[1] = kernels::solveConstrained<Panel, 2>;
-  if constexpr (joints_in_lanes) k.strips = constraintRecursions<Panel, Half, Wide>();
+#if DYN_JOINTS_IN_LANES
+  k.strips = constraintRecursions<Wide>();
+#endif
   return k;
 }
 

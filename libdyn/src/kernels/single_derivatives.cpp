@@ -10,15 +10,15 @@ namespace dyn::kernels {
 void addDerivatives(SingleKernels& k) {
   using W = Workspace<double>;
   using D = DerivativeWorkspace<double>;
-  if constexpr (lanes_of<Wide> == strip_lanes) {
-    k.stripBytes = [](const CompactImpl& m) { return scratchBytes<StripDerivatives<Wide>>(m); };
-    k.prepareStrips = [](const CompactImpl& m, char* scratch, D& d) {
-      auto& s = makeScratch<StripDerivatives<Wide>>(scratch, m);
-      s.w.R[0] = Mat3<Wide>::identity();
-      d.strips = scratch;
-      d.strip_arrays = s.arrays();
-    };
-  }
+#if DYN_JOINTS_IN_LANES
+  k.stripBytes = [](const CompactImpl& m) { return scratchBytes<StripDerivatives<Wide>>(m); };
+  k.prepareStrips = [](const CompactImpl& m, char* scratch, D& d) {
+    auto& s = makeScratch<StripDerivatives<Wide>>(scratch, m);
+    s.w.R[0] = Mat3<Wide>::identity();
+    d.strips = scratch;
+    d.strip_arrays = s.arrays();
+  };
+#endif
   k.evaluateSubspaces = [](const CompactImpl& m, D& d, const double* q, const double* v) { evaluateSubspaceDerivatives(m, d, q, v); };
   k.rneaDerivatives = [](const CompactImpl& m, W& w, D& d, const double* v, const double* a, const Force<double>* fext, const PathDerivatives& out) {
     rneaDerivativesInPlace<Panel, Wide>(m, w, d, v, a, fext, out);

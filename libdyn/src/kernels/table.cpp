@@ -1,17 +1,12 @@
-// The table that this source, with the others of its kind, is compiled for.
+// The table of the instruction set that this source and the others of DYN_TABLE_SOURCES are compiled for.
 #include "kernels/table.hpp"
 
 #include "kernels/table_parts.hpp"
 
-#ifndef DYN_TABLE_NAME
-#define DYN_TABLE_NAME "baseline"
-#endif
-
 namespace dyn::kernels {
 
 const Kernels& compiledTable() {
-  static const Kernels table{DYN_TABLE_NAME,    layoutStamp(),       singleKernels(), batchesOfDoubles(),
-                             batchesOfFloats(), &tableConstraints(), jointsInLanes(), vectored()};
+  static const Kernels table{layoutStamp(), singleKernels(), batchesOfDoubles(), batchesOfFloats(), &tableConstraints(), jointsInLanes(), vectored()};
   return table;
 }
 

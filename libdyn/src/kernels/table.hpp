@@ -117,7 +117,6 @@ struct BlockKernels {
 };
 
 struct Kernels {
-  const char* name;
   std::size_t layout;
   SingleKernels single;
   BlockKernels<double> doubles;
@@ -150,7 +149,7 @@ bool useStripsForDerivatives(const CompactImpl& m);
 /// What takes several numbers of one state of this model at once, for one of StripUses' algorithms, or null.
 const PackedKernels* packed(const CompactImpl& m, bool StripUses::*algorithm);
 
-/// That of the flags which this table's sources are compiled with; in the library itself, what every processor of this architecture has.
+/// The table of the instruction set that its sources are compiled for. The library's own is for every processor of this architecture.
 const Kernels& compiledTable();
 
 }  // namespace dyn::kernels

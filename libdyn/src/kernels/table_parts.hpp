@@ -1,12 +1,10 @@
-// What a table is put together from. Each source of a table is compiled once for every instruction set, in the library itself for what every
-// processor has; the flags it is compiled with say how wide packs are.
+// The parts of a table of kernels. Each source of a table is compiled in the library, for every processor of this architecture, and again in a
+// module for each instruction set. The flags decide how wide packs are.
 #pragma once
 
 #include "kernels/table.hpp"
 
 #include <dyn_sdk/pack.hpp>
-
-#include <type_traits>
 
 namespace dyn::kernels {
 
@@ -17,23 +15,23 @@ using Floats = Pack<float>;
 using Doubles = double;
 using Floats = float;
 #endif
-/// A single state's degrees of freedom, or columns, are worked on side by side: in Panel where all of them are, in Wide where subtrees are, most of
-/// them short, and joints: limbs come in twos and fours, so four is enough.
+/// A single state's degrees of freedom, or columns, are worked on side by side. Panel takes all of them. Wide takes those of subtrees, most of which
+/// are short, and joints: four lanes are enough, because limbs come in twos and fours.
 using Panel = Doubles;
 #if defined(__AVX2__) && defined(__FMA__) && DYN_HAS_PACKS && !defined(DYN_SCALAR_TABLE)
 using Wide = Pack<double, xsimd::fma3<xsimd::avx2>>;
-constexpr bool joints_in_lanes = true;
+#define DYN_JOINTS_IN_LANES 1
 #else
 using Wide = Panel;
-constexpr bool joints_in_lanes = false;
+#define DYN_JOINTS_IN_LANES 0
 #endif
 
-// Each in the source of its name.
+// Each part is in the source of its name, or in the one named beside it.
 SingleKernels singleKernels();
 void addDerivatives(SingleKernels& k);        ///< single_derivatives.cpp
 void addFactors(SingleKernels& k);            ///< single_factors.cpp
 const ConstraintKernels& tableConstraints();  ///< constraints.cpp
-PackedKernels jointsInLanes();                ///< strips.cpp; all null where packs are too narrow
+PackedKernels jointsInLanes();                ///< strips.cpp; all null without DYN_JOINTS_IN_LANES, as those of vectored()
 PackedKernels vectored();
 BlockKernels<double> batchesOfDoubles();
 BlockKernels<float> batchesOfFloats();

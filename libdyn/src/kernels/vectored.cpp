@@ -1,17 +1,18 @@
 // Single states with vectors in registers, of one table.
 #include "kernels/table_parts.hpp"
 
-#if defined(__AVX2__) && defined(__FMA__)
+#if DYN_JOINTS_IN_LANES
 #include "kernels/vectored_kernels.hpp"
 #endif
 
 namespace dyn::kernels {
 
 PackedKernels vectored() {
-#if defined(__AVX2__) && defined(__FMA__)
-  if constexpr (joints_in_lanes) return vectoredKernels();
-#endif
+#if DYN_JOINTS_IN_LANES
+  return vectoredKernels();
+#else
   return {};
+#endif
 }
 
 }  // namespace dyn::kernels
