@@ -1,5 +1,6 @@
 #include "algorithm/batch_support.hpp"
 #include "algorithm/placement.hpp"
+#include "at.hpp"
 
 namespace dyn {
 
@@ -17,8 +18,6 @@ T* numbersOf(const BatchImpl<T>& d, const PackMemory& memory, int body, int stat
 namespace detail {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 template <class T>
 T* resultOf(BatchImpl<T>& d, BatchQuantity what, int states) {

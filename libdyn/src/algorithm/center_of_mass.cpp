@@ -1,5 +1,6 @@
 #include "algorithm/followers.hpp"
 #include "algorithm/sums.hpp"
+#include "at.hpp"
 #include "kernels/sweep.hpp"
 
 #include <dyn/algorithm/center_of_mass.hpp>
@@ -10,7 +11,6 @@
 namespace dyn::detail {
 
 namespace {
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Beside the sum that of what its roundings lost (Neumaier 1974): what bodies above and below the origin have may cancel.
 class CompensatedSum {

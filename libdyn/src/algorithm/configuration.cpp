@@ -1,4 +1,5 @@
 #include "algorithm/inputs.hpp"
+#include "at.hpp"
 #include "joint/coordinate.hpp"
 
 #include <dyn/algorithm/configuration.hpp>
@@ -10,8 +11,6 @@
 namespace dyn {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Calls f(type, batch, idx_q, idx_v) for every independent joint; joints whose coordinates follow one another share a call.
 template <class F>

@@ -1,6 +1,7 @@
 #include "algorithm/inputs.hpp"
 
 #include "algorithm/followers.hpp"
+#include "at.hpp"
 #include "kernels/evaluate.hpp"
 #include "kernels/losses.hpp"
 #include "kernels/table.hpp"
@@ -15,7 +16,6 @@
 namespace dyn {
 
 namespace {
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// x, or its copy in `place` if it lies in memory of results.
 const double* kept(const VectorView& x, const PackMemory& results, const PackMemory* more, double* place) {

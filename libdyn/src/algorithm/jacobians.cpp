@@ -3,6 +3,7 @@
 #include "algorithm/followers.hpp"
 #include "algorithm/inputs.hpp"
 #include "algorithm/placement.hpp"
+#include "at.hpp"
 #include "kernels/table.hpp"
 
 #include <dyn/algorithm/jacobians.hpp>
@@ -15,8 +16,6 @@ namespace {
 
 using kernels::seen;
 using kernels::Walk;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Their time derivative, where dS is the derivative of S in the body's axes.
 Motion<double> seenRate(const Walk<double>& walk, const Motion<double>& S, const Motion<double>& dS) {

@@ -1,5 +1,6 @@
 #include "algorithm/inputs.hpp"
 #include "algorithm/placement.hpp"
+#include "at.hpp"
 #include "kernels/table.hpp"
 
 #include <dyn/error.hpp>
@@ -9,8 +10,6 @@
 namespace dyn {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// What the last forwardKinematics found.
 const DataImpl& found(const char* function, const CompactModel& model, const Data& data) {

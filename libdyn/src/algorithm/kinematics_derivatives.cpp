@@ -1,6 +1,7 @@
 #include "algorithm/followers.hpp"
 #include "algorithm/inputs.hpp"
 #include "algorithm/placement.hpp"
+#include "at.hpp"
 #include "kernels/jacobians.hpp"
 #include "kernels/table.hpp"
 
@@ -9,8 +10,6 @@
 namespace dyn {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// How the motion of a body, seen from anything fixed to it, changes with one degree of freedom of a joint between it and the world, beside
 /// what turning it rigidly changes. In the axes of the joint's body, at its origin.

@@ -1,4 +1,5 @@
 #include "algorithm/inputs.hpp"
+#include "at.hpp"
 
 #include <dyn/algorithm/layout.hpp>
 #include <dyn/lie/so3.hpp>
@@ -10,32 +11,30 @@ namespace dyn::detail {
 
 namespace {
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 /// What a joint's coordinates are, as far as layouts differ.
-enum class Kind { free, spherical, planar, pair, plain };
+enum class JointKind { free, spherical, planar, pair, plain };
 
-Kind kindOf(const TypeBatch& batch) {
-  if (batch.shape == Shape::free && batch.nq == 7) return Kind::free;
-  if (batch.shape == Shape::spherical && batch.nq == 4) return Kind::spherical;
-  if (batch.shape == Shape::planar && batch.nq == 4) return Kind::planar;
-  if (batch.shape == Shape::revolute && batch.nq == 2) return Kind::pair;
-  return Kind::plain;
+JointKind kindOf(const TypeBatch& batch) {
+  if (batch.shape == Shape::free && batch.nq == 7) return JointKind::free;
+  if (batch.shape == Shape::spherical && batch.nq == 4) return JointKind::spherical;
+  if (batch.shape == Shape::planar && batch.nq == 4) return JointKind::planar;
+  if (batch.shape == Shape::revolute && batch.nq == 2) return JointKind::pair;
+  return JointKind::plain;
 }
 
 /// Coordinates that a joint has in the main part of another library's q.
-int widthOf(Kind kind, int nq, Layout layout) {
+int widthOf(JointKind kind, int nq, Layout layout) {
   if (layout == Layout::pinocchio) return nq;
   switch (kind) {
-    case Kind::free:
+    case JointKind::free:
       return layout == Layout::rbdl ? 6 : 7;
-    case Kind::spherical:
+    case JointKind::spherical:
       return layout == Layout::rbdl ? 3 : 4;
-    case Kind::planar:
+    case JointKind::planar:
       return 3;
-    case Kind::pair:
+    case JointKind::pair:
       return 1;
-    case Kind::plain:
+    case JointKind::plain:
       return nq;
   }
   return nq;
@@ -56,10 +55,10 @@ void eachJoint(const CompactImpl& m, Layout layout, F&& f) {
   for (int i = 1; i < m.bodies(); ++i) {
     const BodyIndex& x = m.index[at(i)];
     if (x.user_v < 0) continue;
-    const Kind kind = kindOf(m.batches[at(x.batch)]);
+    const JointKind kind = kindOf(m.batches[at(x.batch)]);
     f(kind, i, x, iq, iw);
     iq += widthOf(kind, x.nq, layout);
-    if (kind == Kind::free || kind == Kind::spherical) ++iw;
+    if (kind == JointKind::free || kind == JointKind::spherical) ++iw;
   }
 }
 
@@ -98,7 +97,8 @@ int layoutSize(const CompactModel& model, Layout layout) {
   const CompactImpl& m = model.impl();
   int quaternions = 0;
   if (layout == Layout::rbdl)
-    eachJoint(m, layout, [&](Kind kind, int, const BodyIndex&, int, int) { quaternions += kind == Kind::free || kind == Kind::spherical; });
+    eachJoint(m, layout,
+              [&](JointKind kind, int, const BodyIndex&, int, int) { quaternions += kind == JointKind::free || kind == JointKind::spherical; });
   return mainSize(m, layout) + quaternions;
 }
 
@@ -106,16 +106,16 @@ void toLayout(const CompactModel& model, Layout layout, VectorView q, VectorView
   checkSize("toLayout", "q", q, model.nq());
   checkSize("toLayout", "v", v, model.nv());
   checkConfiguration("q", model.impl(), q.data);
-  eachJoint(model.impl(), layout, [&](Kind kind, int, const BodyIndex& x, int iq, int iw) {
+  eachJoint(model.impl(), layout, [&](JointKind kind, int, const BodyIndex& x, int iq, int iw) {
     const double* qi = q.data + x.user_q;
     const double* vi = v.data + x.user_v;
     double* vo = v_out + x.user_v;
     std::copy(vi, vi + x.nv, vo);
-    if (layout == Layout::pinocchio || kind == Kind::plain) {
+    if (layout == Layout::pinocchio || kind == JointKind::plain) {
       std::copy(qi, qi + x.nq, q_out + iq);
-    } else if (kind == Kind::pair) {
+    } else if (kind == JointKind::pair) {
       q_out[iq] = std::atan2(qi[1], qi[0]);
-    } else if (kind == Kind::planar) {
+    } else if (kind == JointKind::planar) {
       q_out[iq] = qi[0];
       q_out[iq + 1] = qi[1];
       q_out[iq + 2] = std::atan2(qi[3], qi[2]);
@@ -123,16 +123,16 @@ void toLayout(const CompactModel& model, Layout layout, VectorView q, VectorView
       vo[0] = c * vi[0] - s * vi[1];
       vo[1] = s * vi[0] + c * vi[1];
     } else {
-      const double* quaternion = kind == Kind::free ? qi + 3 : qi;
+      const double* quaternion = kind == JointKind::free ? qi + 3 : qi;
       const Quaternion<double> r = Quaternion<double>{quaternion[0], quaternion[1], quaternion[2], quaternion[3]}.normalized();
       const bool position_last = layout == Layout::drake;
-      const int first = kind == Kind::free && !position_last ? iq + 3 : iq;
+      const int first = kind == JointKind::free && !position_last ? iq + 3 : iq;
       const QuaternionPlace p = quaternionPlace(layout, first, iw);
       q_out[p.x] = r.x;
       q_out[p.y] = r.y;
       q_out[p.z] = r.z;
       q_out[p.w] = r.w;
-      if (kind == Kind::free) {
+      if (kind == JointKind::free) {
         std::copy(qi, qi + 3, q_out + (position_last ? iq + 4 : iq));
         const Vec3<double> linear = r.matrix() * get(vi), angular = get(vi + 3);
         put(linear, position_last ? vo + 3 : vo);
@@ -149,18 +149,18 @@ void fromLayout(const CompactModel& model, Layout layout, VectorView q_other, Ve
   checkSize("fromLayout", "v", v_other, model.nv());
   const CompactImpl& m = model.impl();
   if (layout == Layout::pinocchio) checkConfiguration("q", m, q_other.data);
-  eachJoint(m, layout, [&](Kind kind, int body, const BodyIndex& x, int iq, int iw) {
+  eachJoint(m, layout, [&](JointKind kind, int body, const BodyIndex& x, int iq, int iw) {
     double* qi = q + x.user_q;
     double* vi = v + x.user_v;
     const double* vo = v_other.data + x.user_v;
     const double* qo = q_other.data;
     std::copy(vo, vo + x.nv, vi);
-    if (layout == Layout::pinocchio || kind == Kind::plain) {
+    if (layout == Layout::pinocchio || kind == JointKind::plain) {
       std::copy(qo + iq, qo + iq + x.nq, qi);
-    } else if (kind == Kind::pair) {
+    } else if (kind == JointKind::pair) {
       qi[0] = std::cos(qo[iq]);
       qi[1] = std::sin(qo[iq]);
-    } else if (kind == Kind::planar) {
+    } else if (kind == JointKind::planar) {
       const double c = std::cos(qo[iq + 2]), s = std::sin(qo[iq + 2]);
       qi[0] = qo[iq];
       qi[1] = qo[iq + 1];
@@ -170,15 +170,15 @@ void fromLayout(const CompactModel& model, Layout layout, VectorView q_other, Ve
       vi[1] = c * vo[1] - s * vo[0];
     } else {
       const bool position_last = layout == Layout::drake;
-      const int first = kind == Kind::free && !position_last ? iq + 3 : iq;
+      const int first = kind == JointKind::free && !position_last ? iq + 3 : iq;
       const QuaternionPlace p = quaternionPlace(layout, first, iw);
       const Quaternion<double> r = rotationOf(m, body, qo, p);
-      double* quaternion = kind == Kind::free ? qi + 3 : qi;
+      double* quaternion = kind == JointKind::free ? qi + 3 : qi;
       quaternion[0] = r.x;
       quaternion[1] = r.y;
       quaternion[2] = r.z;
       quaternion[3] = r.w;
-      if (kind == Kind::free) {
+      if (kind == JointKind::free) {
         const double* position = qo + (position_last ? iq + 4 : iq);
         std::copy(position, position + 3, qi);
         const Vec3<double> linear = get(position_last ? vo + 3 : vo), angular = get(position_last ? vo : vo + 3);

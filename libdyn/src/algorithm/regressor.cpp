@@ -1,5 +1,6 @@
 #include "algorithm/inputs.hpp"
 #include "algorithm/placement.hpp"
+#include "at.hpp"
 #include "kernels/jacobians.hpp"
 
 #include <dyn/algorithm/regressor.hpp>
@@ -10,8 +11,6 @@
 namespace dyn::detail {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Whether joint j is where its body's parameters are counted: a body may be moved by several of the user's joints.
 bool carriesBody(const CompactImpl& m, int j) { return m.index[at(m.body_of_joint[at(j)])].joint == j; }

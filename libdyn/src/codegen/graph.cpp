@@ -14,23 +14,6 @@
 
 namespace dyn {
 
-namespace {
-
-struct Key {
-  Operation operation;
-  std::uint32_t a, b, c, d;
-  bool operator==(const Key&) const = default;
-};
-struct KeyHash {
-  std::size_t operator()(const Key& k) const {
-    std::uint64_t h = static_cast<std::uint64_t>(k.operation);
-    for (const std::uint64_t x : {k.a, k.b, k.c, k.d}) h = (h ^ x) * 0x9e3779b97f4a7c15u, h ^= h >> 29;
-    return static_cast<std::size_t>(h);
-  }
-};
-
-}  // namespace
-
 OperationCounts Graph::count() const {
   OperationCounts out;
   for (const GraphNode& n : nodes) switch (n.operation) {
@@ -60,6 +43,19 @@ OperationCounts Graph::count() const {
 }
 
 struct GraphBuilder::Impl {
+  struct Key {
+    Operation operation;
+    std::uint32_t a, b, c, d;
+    bool operator==(const Key&) const = default;
+  };
+  struct KeyHash {
+    std::size_t operator()(const Key& k) const {
+      std::uint64_t h = static_cast<std::uint64_t>(k.operation);
+      for (const std::uint64_t x : {k.a, k.b, k.c, k.d}) h = (h ^ x) * 0x9e3779b97f4a7c15u, h ^= h >> 29;
+      return static_cast<std::size_t>(h);
+    }
+  };
+
   GraphBuilder* self;
   std::vector<GraphNode> nodes;
   std::unordered_map<Key, std::uint32_t, KeyHash> known;

@@ -1,5 +1,6 @@
 #include "codegen/schedule.hpp"
 
+#include "at.hpp"
 #include "codegen/minimum_cut.hpp"
 
 #include <algorithm>
@@ -28,7 +29,6 @@ bool goesAbreast(Operation o) {
 }
 
 constexpr NodesAbreast nobody{no_node, no_node, no_node, no_node};
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 bool isThere(const std::vector<GraphNode>& nodes, std::uint32_t node) { return arity(nodes[node].operation) == 0 || isTurn(nodes, node); }
 
 /// Chooses what is done at once: of all choices that for which operations, and what brings their arguments into lanes and their results out of

@@ -1,3 +1,4 @@
+#include "at.hpp"
 #include "codegen/schedule.hpp"
 #include "codegen/traced_bodies.hpp"
 #include "compile/compact_impl.hpp"
@@ -24,8 +25,6 @@ namespace dyn {
 namespace {
 
 using T = Traced;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// The recursions' memory in traced numbers, and the joints evaluated in them.
 class Tracer {

@@ -1,5 +1,6 @@
 #include "compile/constraints.hpp"
 
+#include "at.hpp"
 #include "compile/parameters.hpp"
 
 #include <algorithm>
@@ -13,11 +14,9 @@ namespace dyn {
 
 namespace {
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-class Packer {
+class ConstraintPacker {
  public:
-  Packer(const CompactModel& model, const JointRegistry* registry) : model_(model), m_(model.impl()), registry_(registry) {}
+  ConstraintPacker(const CompactModel& model, const JointRegistry* registry) : model_(model), m_(model.impl()), registry_(registry) {}
 
   PackedConstraints run(const std::vector<ConstraintDescription>& descriptions, const PackedConstraints* base) {
     std::set<std::string> names;
@@ -251,7 +250,7 @@ class Packer {
 
 PackedConstraints packConstraints(const CompactModel& model, const std::vector<ConstraintDescription>& descriptions, const JointRegistry* registry,
                                   const PackedConstraints* base) {
-  return Packer(model, registry).run(descriptions, base);
+  return ConstraintPacker(model, registry).run(descriptions, base);
 }
 
 void attachConstraints(const std::shared_ptr<CompactImpl>& compact, const std::vector<ConstraintDescription>& descriptions,

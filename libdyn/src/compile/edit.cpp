@@ -1,3 +1,4 @@
+#include "at.hpp"
 #include "compile/draft.hpp"
 #include "compile/parts.hpp"
 #include "joint/coordinate.hpp"
@@ -12,8 +13,6 @@
 namespace dyn {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Pose of one joint that is not made of others, at q.
 SE3<double> poseOf(const DraftBody& body, const double* q) {

@@ -1,3 +1,4 @@
+#include "at.hpp"
 #include "compile/parameters.hpp"
 #include "compile/parts.hpp"
 #include "joint/single.hpp"
@@ -13,8 +14,6 @@ namespace dyn {
 namespace {
 
 constexpr const char* universe = "universe";
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 Where whereOf(const JointDescription& joint, const std::string& name) {
   Where where = joint.where;

@@ -1,6 +1,7 @@
 #include "constraint/linearize.hpp"
 
 #include "algorithm/followers.hpp"
+#include "at.hpp"
 #include "kernels/constraint_table.hpp"
 #include "kernels/frame_rows.hpp"
 
@@ -14,8 +15,6 @@ namespace dyn {
 namespace {
 
 using Vec = Vec3<double>;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// angle / sine and its derivative by the cosine.
 struct Quotient {

@@ -1,6 +1,7 @@
 #include "constraint/rows.hpp"
 
 #include "algorithm/followers.hpp"
+#include "at.hpp"
 #include "kernels/constraint_table.hpp"
 #include "kernels/frame_rows.hpp"
 
@@ -9,8 +10,6 @@
 namespace dyn {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// The unit forces of rows on joints: use(row, place of a degree of freedom among those of the constraints' bodies, its share).
 template <class Use>

@@ -2,6 +2,7 @@
 
 #include "algorithm/external.hpp"
 #include "algorithm/followers.hpp"
+#include "at.hpp"
 #include "constraint/kkt.hpp"
 
 #include <dyn/algorithm/rnea.hpp>
@@ -12,9 +13,7 @@
 
 namespace dyn {
 
-namespace {
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-}  // namespace
+namespace {}  // namespace
 
 void checkConstraints(const char* algorithm, const CompactModel& model, const Data& data, const ConstraintData& constraints) {
   checkData(algorithm, model, data);

@@ -1,3 +1,4 @@
+#include "at.hpp"
 #include "geometry/queries.hpp"
 
 #include <algorithm>
@@ -5,8 +6,6 @@
 namespace dyn {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 bool collidesBySpheres(const GeometryImpl& m, const GeometryDataImpl& d, int pair) {
   if (sphereBound(m, d, pair) > 0) return false;

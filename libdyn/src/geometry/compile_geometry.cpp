@@ -1,4 +1,5 @@
 // From described volumes to compiled ones: which pairs are checked, what they need, and nothing else.
+#include "at.hpp"
 #include "geometry/geometry_impl.hpp"
 #include "geometry/load.hpp"
 
@@ -9,8 +10,6 @@
 namespace dyn {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 constexpr std::size_t most_pairs = std::size_t{1} << 24;
 /// From which on looking them up in FCL's tree is faster (measured: benchmarks/README.md): boxes that stand still, pairs that both move.

@@ -1,3 +1,4 @@
+#include "at.hpp"
 #include "geometry/manifold.hpp"
 #include "geometry/queries.hpp"
 
@@ -12,8 +13,6 @@
 namespace dyn {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 constexpr std::size_t most = 8;  ///< contacts of a pair of many pieces
 

@@ -1,3 +1,4 @@
+#include "at.hpp"
 #include "geometry/queries.hpp"
 
 #include <algorithm>
@@ -8,8 +9,6 @@ namespace dyn {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 Distance distanceOf(const GeometryImpl& m, const GeometryDataImpl& d, int pair, double beyond) {
   const PlacedPair p = placed(m, d, pair);

@@ -1,5 +1,7 @@
 #include "geometry/epa.hpp"
 
+#include "at.hpp"
+
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -8,9 +10,6 @@ namespace dyn {
 
 namespace {
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-constexpr double u = std::numeric_limits<double>::epsilon();
 constexpr int most_points = 160;
 constexpr int most_faces = 2 * most_points;
 constexpr int points_in_search = 96;  ///< then only downwards
@@ -42,7 +41,7 @@ class Polytope {
   bool begin(const Simplex& simplex, Vec3<double>& normal) {
     points_ = 0;
     for (int i = 0; i < simplex.count; ++i) add(simplex.points[i]);
-    const double flat = 100 * u * size_;
+    const double flat = 100 * epsilon * size_;
     // Each further point is the one found farthest from the flat through those before it.
     static const Vec3<double> directions[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}};
     Vec3<double> along;
@@ -111,7 +110,7 @@ class Polytope {
     see(from);
     for (int k = 0; k < visible_; ++k)
       for (const int next : face(seen_[k]).neighbour)
-        if (!face(next).visible && dot(face(next).normal, p.w) - face(next).distance > 4 * u * size_) see(next);
+        if (!face(next).visible && dot(face(next).normal, p.w) - face(next).distance > 4 * epsilon * size_) see(next);
     // The rim of what is seen, each side once; they must make one closed line.
     made_ = 0;
     for (int k = 0; k < visible_; ++k) {
@@ -223,7 +222,7 @@ void search(const Difference& difference, Polytope& polytope, double size, Penet
       out.depth = reach;
       out.normal = face.normal;
     }
-    if (reach - face.distance <= proof * std::fabs(reach) + 8 * u * size || !polytope.grow(f, p)) break;
+    if (reach - face.distance <= proof * std::fabs(reach) + 8 * epsilon * size || !polytope.grow(f, p)) break;
     f = polytope.points() < points_in_search ? polytope.nearestFace() : polytope.nearestNewFace();
   }
 }
@@ -243,8 +242,8 @@ void refine(const Difference& difference, double size, Penetration& out) {
     out.on_b = nearest.on_b - shift;
     const Vec3<double> normal = (-1 / norm(r.v)) * r.v;
     const double reach = dot(normal, difference.support(normal).w);
-    const bool settled = !(out.depth - reach > 4 * u * size);
-    if (!(reach <= out.depth + 4 * u * size)) return;
+    const bool settled = !(out.depth - reach > 4 * epsilon * size);
+    if (!(reach <= out.depth + 4 * epsilon * size)) return;
     out.depth = std::min(reach, out.depth);
     out.normal = normal;
     if (settled) return;

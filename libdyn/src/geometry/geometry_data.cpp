@@ -1,12 +1,11 @@
+#include "at.hpp"
 #include "geometry/queries.hpp"
 
 #include <dyn/algorithm/kinematics.hpp>
 
 namespace dyn {
 
-namespace {
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-}  // namespace
+namespace {}  // namespace
 
 GeometryDataImpl::GeometryDataImpl(const GeometryModel& geometry, int most_contacts) : model(geometry) {
   const GeometryImpl& m = geometry.impl();

@@ -7,7 +7,6 @@ namespace dyn {
 
 namespace {
 
-constexpr double u = std::numeric_limits<double>::epsilon();
 constexpr int most_iterations = 128;
 
 /// Weights of the point of a segment that is nearest to the origin.
@@ -59,7 +58,7 @@ bool nearestOfFour(const Difference::Point* p, double size, double* weight) {
     const Vec3<double>&a = p[f[0]].w, &b = p[f[1]].w, &c = p[f[2]].w, &d = p[f[3]].w;
     const Vec3<double> ab = b - a, ac = c - a, ad = d - a, n = cross(ab, ac);
     const double of_corner = dot(n, ad), of_origin = -dot(n, a);
-    const double rounding = 16 * u * size * (norm(ab) * norm(ac) + (norm(ab) + norm(ac)) * norm(ad));
+    const double rounding = 16 * epsilon * size * (norm(ab) * norm(ac) + (norm(ab) + norm(ac)) * norm(ad));
     if (std::fabs(of_corner) > rounding && of_corner * of_origin >= 0) continue;  // the origin is on the corner's side
     inside = false;
     double w[3];
@@ -123,7 +122,7 @@ GjkResult gjk(const Difference& difference, double beyond) {
   for (int k = 0; k < most_iterations; ++k) {
     const double v2 = dot(v, v);
     // As near to the origin as rounding lets one say.
-    if (v2 <= 100 * u * u * r.size * r.size) {
+    if (v2 <= 100 * epsilon * epsilon * r.size * r.size) {
       r.overlap = true;
       break;
     }
@@ -131,7 +130,7 @@ GjkResult gjk(const Difference& difference, double beyond) {
     r.size = std::max(r.size, norm(p.w));
     const double vw = dot(v, p.w);
     r.lower_bound = std::max(r.lower_bound, vw / std::sqrt(v2));
-    if (r.lower_bound > beyond || v2 - vw <= 8 * u * v2) break;
+    if (r.lower_bound > beyond || v2 - vw <= 8 * epsilon * v2) break;
     Simplex next = s;
     next.points[next.count++] = p;
     if (next.reduce(r.size)) {

@@ -8,6 +8,9 @@
 
 namespace dyn {
 
+/// Twice what rounding changes a number by, at most, relative to it.
+inline constexpr double epsilon = std::numeric_limits<double>::epsilon();
+
 /// Up to four points of a Minkowski difference, and the convex combination of them that is nearest to the origin.
 struct Simplex {
   Difference::Point points[4];

@@ -1,5 +1,7 @@
 #include "geometry/volume.hpp"
 
+#include "at.hpp"
+
 #include <algorithm>
 #include <numeric>
 #include <utility>
@@ -7,8 +9,6 @@
 namespace dyn {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 Bounds boundsOf(const Convex& c) {
   Bounds b;

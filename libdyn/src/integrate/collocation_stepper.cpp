@@ -2,6 +2,7 @@
 //   k_i = a(q (+) u_i, v_i),  v_i = v + h sum a_ij k_j,  u_i = h sum a_ij (du/dt)_j.
 // Newton's matrix takes du/dt for v, what is missing follows from iteration to iteration; its blocks are
 //   delta_ij 1 - h a_ij da/dv - h^2 (A^2)_ij da/dq.
+#include "at.hpp"
 #include "integrate/stepper.hpp"
 
 #include <Eigen/LU>
@@ -14,36 +15,34 @@ namespace dyn {
 
 namespace {
 
-constexpr int most_stages = 3;
+constexpr int most_collocation_stages = 3;
 
-struct Tableau {
+struct CollocationTableau {
   int stages;
-  std::array<std::array<double, most_stages>, most_stages> a;
-  std::array<double, most_stages> b, c;
+  std::array<std::array<double, most_collocation_stages>, most_collocation_stages> a;
+  std::array<double, most_collocation_stages> b, c;
 };
 
 const double sqrt6 = std::sqrt(6.0), sqrt15 = std::sqrt(15.0);
 
 // Hairer and Wanner 1996, tables IV.5.2 and IV.5.6.
-const Tableau midpoint{1, {{{0.5}}}, {1}, {0.5}};
-const Tableau gauss6{3,
-                     {{{5.0 / 36, 2.0 / 9 - sqrt15 / 15, 5.0 / 36 - sqrt15 / 30},
-                       {5.0 / 36 + sqrt15 / 24, 2.0 / 9, 5.0 / 36 - sqrt15 / 24},
-                       {5.0 / 36 + sqrt15 / 30, 2.0 / 9 + sqrt15 / 15, 5.0 / 36}}},
-                     {5.0 / 18, 4.0 / 9, 5.0 / 18},
-                     {0.5 - sqrt15 / 10, 0.5, 0.5 + sqrt15 / 10}};
-const Tableau radau5{3,
-                     {{{(88 - 7 * sqrt6) / 360, (296 - 169 * sqrt6) / 1800, (-2 + 3 * sqrt6) / 225},
-                       {(296 + 169 * sqrt6) / 1800, (88 + 7 * sqrt6) / 360, (-2 - 3 * sqrt6) / 225},
-                       {(16 - sqrt6) / 36, (16 + sqrt6) / 36, 1.0 / 9}}},
-                     {(16 - sqrt6) / 36, (16 + sqrt6) / 36, 1.0 / 9},
-                     {(4 - sqrt6) / 10, (4 + sqrt6) / 10, 1}};
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
+const CollocationTableau midpoint{1, {{{0.5}}}, {1}, {0.5}};
+const CollocationTableau gauss6{3,
+                                {{{5.0 / 36, 2.0 / 9 - sqrt15 / 15, 5.0 / 36 - sqrt15 / 30},
+                                  {5.0 / 36 + sqrt15 / 24, 2.0 / 9, 5.0 / 36 - sqrt15 / 24},
+                                  {5.0 / 36 + sqrt15 / 30, 2.0 / 9 + sqrt15 / 15, 5.0 / 36}}},
+                                {5.0 / 18, 4.0 / 9, 5.0 / 18},
+                                {0.5 - sqrt15 / 10, 0.5, 0.5 + sqrt15 / 10}};
+const CollocationTableau radau5{3,
+                                {{{(88 - 7 * sqrt6) / 360, (296 - 169 * sqrt6) / 1800, (-2 + 3 * sqrt6) / 225},
+                                  {(296 + 169 * sqrt6) / 1800, (88 + 7 * sqrt6) / 360, (-2 - 3 * sqrt6) / 225},
+                                  {(16 - sqrt6) / 36, (16 + sqrt6) / 36, 1.0 / 9}}},
+                                {(16 - sqrt6) / 36, (16 + sqrt6) / 36, 1.0 / 9},
+                                {(4 - sqrt6) / 10, (4 + sqrt6) / 10, 1}};
 
 class CollocationStepper : public CubicStepper {
  public:
-  CollocationStepper(Law& law, const Tableau& tableau)
+  CollocationStepper(Law& law, const CollocationTableau& tableau)
       : CubicStepper(law),
         tableau_(tableau),
         n_(law.model().nv()),
@@ -184,9 +183,9 @@ class CollocationStepper : public CubicStepper {
     return changed;
   }
 
-  const Tableau& tableau_;
+  const CollocationTableau& tableau_;
   int n_, size_;
-  std::array<std::array<double, most_stages>, most_stages> squared_{};
+  std::array<std::array<double, most_collocation_stages>, most_collocation_stages> squared_{};
   Eigen::MatrixXd k_;
   Eigen::MatrixXd turning_, next_turning_;  ///< du/dt less v, of the stages: bodies that turn about an axis that does
   Eigen::VectorXd residual_, change_, u_, rate_, q_, middle_v_;

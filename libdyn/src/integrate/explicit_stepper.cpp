@@ -9,34 +9,35 @@ namespace dyn {
 
 namespace {
 
-constexpr int most_stages = 7;
+constexpr int most_explicit_stages = 7;
 
-struct Tableau {
+struct ExplicitTableau {
   int stages;
-  std::array<std::array<double, most_stages>, most_stages> a;
-  std::array<double, most_stages> b, c;
-  std::array<double, most_stages> error;  ///< b less that of the embedded method; zero without
-  bool ends_at_last_stage;                ///< b is the last row of a: the last stage is the step's end
+  std::array<std::array<double, most_explicit_stages>, most_explicit_stages> a;
+  std::array<double, most_explicit_stages> b, c;
+  std::array<double, most_explicit_stages> error;  ///< b less that of the embedded method; zero without
+  bool ends_at_last_stage;                         ///< b is the last row of a: the last stage is the step's end
 };
 
-constexpr Tableau kutta{4, {{{}, {1.0 / 2}, {0, 1.0 / 2}, {0, 0, 1}}}, {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6}, {0, 1.0 / 2, 1.0 / 2, 1}, {}, false};
+constexpr ExplicitTableau kutta{4,    {{{}, {1.0 / 2}, {0, 1.0 / 2}, {0, 0, 1}}}, {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6}, {0, 1.0 / 2, 1.0 / 2, 1}, {},
+                                false};
 
 // Hairer, Norsett and Wanner 1993, table II.5.2.
-constexpr Tableau dormand_prince{7,
-                                 {{{},
-                                   {1.0 / 5},
-                                   {3.0 / 40, 9.0 / 40},
-                                   {44.0 / 45, -56.0 / 15, 32.0 / 9},
-                                   {19372.0 / 6561, -25360.0 / 2187, 64448.0 / 6561, -212.0 / 729},
-                                   {9017.0 / 3168, -355.0 / 33, 46732.0 / 5247, 49.0 / 176, -5103.0 / 18656},
-                                   {35.0 / 384, 0, 500.0 / 1113, 125.0 / 192, -2187.0 / 6784, 11.0 / 84}}},
-                                 {35.0 / 384, 0, 500.0 / 1113, 125.0 / 192, -2187.0 / 6784, 11.0 / 84, 0},
-                                 {0, 1.0 / 5, 3.0 / 10, 4.0 / 5, 8.0 / 9, 1, 1},
-                                 {71.0 / 57600, 0, -71.0 / 16695, 71.0 / 1920, -17253.0 / 339200, 22.0 / 525, -1.0 / 40},
-                                 true};
+constexpr ExplicitTableau dormand_prince{7,
+                                         {{{},
+                                           {1.0 / 5},
+                                           {3.0 / 40, 9.0 / 40},
+                                           {44.0 / 45, -56.0 / 15, 32.0 / 9},
+                                           {19372.0 / 6561, -25360.0 / 2187, 64448.0 / 6561, -212.0 / 729},
+                                           {9017.0 / 3168, -355.0 / 33, 46732.0 / 5247, 49.0 / 176, -5103.0 / 18656},
+                                           {35.0 / 384, 0, 500.0 / 1113, 125.0 / 192, -2187.0 / 6784, 11.0 / 84}}},
+                                         {35.0 / 384, 0, 500.0 / 1113, 125.0 / 192, -2187.0 / 6784, 11.0 / 84, 0},
+                                         {0, 1.0 / 5, 3.0 / 10, 4.0 / 5, 8.0 / 9, 1, 1},
+                                         {71.0 / 57600, 0, -71.0 / 16695, 71.0 / 1920, -17253.0 / 339200, 22.0 / 525, -1.0 / 40},
+                                         true};
 
 /// Weights of Dormand and Prince's stages for the state at theta, of fourth order (Hairer, Norsett and Wanner 1993, eq. II.6.20 and on).
-std::array<double, most_stages> dormandPrinceAt(double theta) {
+std::array<double, most_explicit_stages> dormandPrinceAt(double theta) {
   const double s = theta, blend = s * s * (3 - 2 * s), bump = s * s * (s - 1) * (s - 1);
   const auto& b = dormand_prince.b;
   return {blend * b[0] + s * (s - 1) * (s - 1) - bump * 5 * (2558722523 - 31403016 * s) / 11282082432,
@@ -50,7 +51,7 @@ std::array<double, most_stages> dormandPrinceAt(double theta) {
 
 class ExplicitStepper : public CubicStepper {
  public:
-  ExplicitStepper(Law& law, const Tableau& tableau, double tolerance)
+  ExplicitStepper(Law& law, const ExplicitTableau& tableau, double tolerance)
       : CubicStepper(law),
         tableau_(tableau),
         tolerance_(tolerance),
@@ -93,7 +94,7 @@ class ExplicitStepper : public CubicStepper {
 
  private:
   /// From the step's start by the first stages with these weights.
-  void advance(const Moment& from, const std::array<double, most_stages>& weights, int stages, Eigen::VectorXd& q, Eigen::VectorXd& v) {
+  void advance(const Moment& from, const std::array<double, most_explicit_stages>& weights, int stages, Eigen::VectorXd& q, Eigen::VectorXd& v) {
     bool first = true;
     for (int j = 0; j < stages; ++j) {
       const double w = h_ * weights[static_cast<std::size_t>(j)];
@@ -130,7 +131,7 @@ class ExplicitStepper : public CubicStepper {
     }
   }
 
-  const Tableau& tableau_;
+  const ExplicitTableau& tableau_;
   double tolerance_;
   Eigen::MatrixXd rates_, accelerations_;
   Eigen::VectorXd u_, v_, q_;

@@ -21,28 +21,28 @@ void write(std::string& out, double x) {
   out += '\n';
 }
 
-[[noreturn]] void refuse(const std::string& why) { throw Error(ErrorCode::syntax, "Simulator::resume: " + why); }
+[[noreturn]] void refuseText(const std::string& why) { throw Error(ErrorCode::syntax, "Simulator::resume: " + why); }
 
 class Reader {
  public:
   explicit Reader(const std::string& text) : in_(text) {}
   std::string word(const char* what) {
     std::string x;
-    if (!(in_ >> x)) refuse(std::string("the text ends before its ") + what);
+    if (!(in_ >> x)) refuseText(std::string("the text ends before its ") + what);
     return x;
   }
   double number(const char* what) {
     const std::string x = word(what);
     double value = 0;
     const auto [end, error] = std::from_chars(x.data(), x.data() + x.size(), value, std::chars_format::hex);
-    if (error != std::errc{} || end != x.data() + x.size() || !std::isfinite(value)) refuse(std::string(what) + ": '" + x + "' is no number");
+    if (error != std::errc{} || end != x.data() + x.size() || !std::isfinite(value)) refuseText(std::string(what) + ": '" + x + "' is no number");
     return value;
   }
   long count(const char* what) {
     const std::string x = word(what);
     long value = 0;
     const auto [end, error] = std::from_chars(x.data(), x.data() + x.size(), value);
-    if (error != std::errc{} || end != x.data() + x.size() || value < 0) refuse(std::string(what) + ": '" + x + "' is no count");
+    if (error != std::errc{} || end != x.data() + x.size() || value < 0) refuseText(std::string(what) + ": '" + x + "' is no count");
     return value;
   }
   void vector(const char* what, Eigen::VectorXd& out) {
@@ -54,7 +54,7 @@ class Reader {
   }
   void end() {
     std::string x;
-    if (in_ >> x) refuse("'" + x + "' after the end");
+    if (in_ >> x) refuseText("'" + x + "' after the end");
   }
 
  private:
@@ -85,20 +85,21 @@ void Simulator::resume(const std::string& saved) {
   const std::string found = in.word("heading");
   if (found != heading) {
     const bool other_version = found.rfind(family, 0) == 0;
-    refuse(other_version ? "it is a '" + found + "', this library reads '" + heading + "'; simulate from the start" : "this is no saved simulation");
+    refuseText(other_version ? "it is a '" + found + "', this library reads '" + heading + "'; simulate from the start"
+                             : "this is no saved simulation");
   }
   const std::string integrator = in.word("integrator"), own = infoOf(x.options.integrator).name;
-  if (integrator != own) refuse("saved by the integrator '" + integrator + "', this one is '" + own + "'");
+  if (integrator != own) refuseText("saved by the integrator '" + integrator + "', this one is '" + own + "'");
   const long steps = in.count("number of steps");
   const double dt = in.number("dt");
   Moment state(model());
   state.time = in.number("time");
   const double anchor = in.number("first time"), trial = in.number("step");
-  if (!(trial > 0)) refuse("its step is not positive");
+  if (!(trial > 0)) refuseText("its step is not positive");
   in.vector("q", state.q);
   in.vector("v", state.v);
   const long known = in.count("accelerations");
-  if (known > 1) refuse("accelerations are there or not, 1 or 0");
+  if (known > 1) refuseText("accelerations are there or not, 1 or 0");
   state.has_acceleration = known == 1;
   if (state.has_acceleration) in.vector("a", state.a);
   in.end();

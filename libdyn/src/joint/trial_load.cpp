@@ -53,7 +53,7 @@ Anatomy examine(const std::string& path) {
 /// The child's whole life. Reports one line: "" for opened or refused by dlopen, or what was thrown.
 [[noreturn]] void openInChild(const std::string& path, int report) {
   const auto say = [&](const char* text) {
-    if (write(report, text, std::strlen(text) + 1) < 0) _exit(1);
+    if (::write(report, text, std::strlen(text) + 1) < 0) _exit(1);
     _exit(0);
   };
   // The runtime's last words, and the plugin's, are not the user's business: the parent says what happened.

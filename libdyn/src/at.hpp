@@ -1,0 +1,10 @@
+// Indices are int, as the equations count; containers take std::size_t.
+#pragma once
+
+#include <cstddef>
+
+namespace dyn {
+
+constexpr std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+}  // namespace dyn
