@@ -45,7 +45,7 @@ void checkInertias(const Model& description, Findings& findings) {
   }
 }
 
-void run(const ModelOptions& o) {
+void runCheck(const ModelOptions& o) {
   Findings findings;
   for (const Error& e : urdf::check(o.path, o.urdfOptions())) findings.error(e.what());
   if (findings.errors() == 0) {
@@ -70,7 +70,7 @@ void addCheck(CLI::App& app) {
   CLI::App* sub = app.add_subcommand("check", "lints a model; exit code 1 on errors");
   auto o = std::make_shared<ModelOptions>();
   o->add(*sub);
-  sub->callback([o] { run(*o); });
+  sub->callback([o] { runCheck(*o); });
 }
 
 }  // namespace dyn::tool

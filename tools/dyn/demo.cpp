@@ -9,7 +9,7 @@ namespace dyn::tool {
 
 namespace {
 
-void run(const ModelOptions& o) {
+void runDemo(const ModelOptions& o) {
   const CompactModel model = o.compile();
   Data data(model, Need::mass_matrix);
   const State s = randomStates(model, 1, 7)[0];
@@ -32,7 +32,7 @@ void addDemo(CLI::App& app) {
   CLI::App* sub = app.add_subcommand("demo", "inverse dynamics, mass matrix and forward dynamics at a sample state");
   auto o = std::make_shared<ModelOptions>();
   o->add(*sub);
-  sub->callback([o] { run(*o); });
+  sub->callback([o] { runDemo(*o); });
 }
 
 }  // namespace dyn::tool

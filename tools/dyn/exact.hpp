@@ -1,19 +1,19 @@
 // Numbers of fifty digits: vectors, rotations, and poses as power series of time.
 #pragma once
 
+#include "exact_number.hpp"
+
 #include <dyn/spatial/vector3.hpp>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
-#include <boost/multiprecision/cpp_bin_float.hpp>
-#include <boost/multiprecision/eigen.hpp>
 
 #include <array>
 #include <vector>
 
 namespace dyn::tool {
 
-using Real = boost::multiprecision::number<boost::multiprecision::cpp_bin_float<50>, boost::multiprecision::et_off>;
+using Real = ExactNumber<50>;
 using Vec = Eigen::Matrix<Real, 3, 1>;
 using Mat = Eigen::Matrix<Real, 3, 3>;
 using VectorR = Eigen::Matrix<Real, Eigen::Dynamic, 1>;
@@ -60,7 +60,7 @@ struct Series {
 inline std::vector<long double> rounded(const MatrixR& x) {
   std::vector<long double> out;
   for (Eigen::Index i = 0; i < x.rows(); ++i)
-    for (Eigen::Index j = 0; j < x.cols(); ++j) out.push_back(x(i, j).template convert_to<long double>());
+    for (Eigen::Index j = 0; j < x.cols(); ++j) out.push_back(static_cast<long double>(x(i, j)));
   return out;
 }
 
@@ -70,6 +70,6 @@ inline VectorR exact(const Eigen::VectorXd& x) {
   return out;
 }
 
-inline double length(const Vec& x) { return x.norm().convert_to<double>(); }
+inline double length(const Vec& x) { return static_cast<double>(x.norm()); }
 
 }  // namespace dyn::tool

@@ -52,7 +52,7 @@ void printFrames(const CompactModel& model) {
   }
 }
 
-void run(const ModelOptions& o) {
+void runInfo(const ModelOptions& o) {
   const JointRegistry registry = o.registry();
   const Model description = o.description();
   const CompactModel model = dyn::compile(description, registry, o.compileOptions());
@@ -87,7 +87,7 @@ void addInfo(CLI::App& app) {
   CLI::App* sub = app.add_subcommand("info", "what a model is made of, and what the compiler made of it");
   auto o = std::make_shared<ModelOptions>();
   o->add(*sub);
-  sub->callback([o] { run(*o); });
+  sub->callback([o] { runInfo(*o); });
 }
 
 }  // namespace dyn::tool

@@ -174,8 +174,8 @@ struct Oracle::Impl {
       bound[i] = {up.force + (up.turn + up.w * up.w) * r + 2 * up.w * length(s) + length(ds), up.turn + up.w * length(w) + length(dw),
                   length(x[i].omega())};
       const double turning = bound[i].turn + bound[i].w * bound[i].w, com = length(j.com);
-      const double force = j.mass.convert_to<double>() * (bound[i].force + turning * com);
-      const double moment = j.inertia.norm().convert_to<double>() * turning;
+      const double force = static_cast<double>(j.mass) * (bound[i].force + turning * com);
+      const double moment = static_cast<double>(j.inertia.norm()) * turning;
       double lever = com;
       for (std::size_t k = i; k > 0; k = static_cast<std::size_t>(joints[k].parent)) {
         const Joint& on = joints[k];
@@ -347,7 +347,7 @@ TruthSample Oracle::evaluate(const State& state, bool derivatives) const {
   out.truth["rnea_scale"].assign(scale.begin(), scale.end());
   for (int i = 0; i < n; ++i) {
     double sum = 0;
-    for (int k = 0; k < n; ++k) sum += abs(Minv(i, k)).convert_to<double>() * (moved[static_cast<std::size_t>(k)] + std::abs(state.tau[k]));
+    for (int k = 0; k < n; ++k) sum += static_cast<double>(abs(Minv(i, k))) * (moved[static_cast<std::size_t>(k)] + std::abs(state.tau[k]));
     out.truth["aba_scale"].push_back(sum);
   }
   if (!derivatives) return out;
@@ -371,8 +371,8 @@ State Oracle::move(const State& start, double time, int steps) const {
   const Real h = Real(time) / Real(steps);
   for (int k = 0; k < steps; ++k) y = extrapolate<8>(y, h, [&](const VectorR& x) { return impl_->rate(x, nq); });
   State end = start;
-  for (int k = 0; k < nq; ++k) end.q[k] = y[k].convert_to<double>();
-  for (int k = 0; k < impl_->nv; ++k) end.v[k] = y[nq + k].convert_to<double>();
+  for (int k = 0; k < nq; ++k) end.q[k] = static_cast<double>(y[k]);
+  for (int k = 0; k < impl_->nv; ++k) end.v[k] = static_cast<double>(y[nq + k]);
   return end;
 }
 

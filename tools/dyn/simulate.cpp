@@ -97,14 +97,14 @@ struct SimulateOptions : ModelOptions {
 };
 
 /// On a terminal only.
-class Progress {
+class ProgressLine {
  public:
-  Progress(double from, double to) : from_(from), to_(to), shown_(isatty(STDERR_FILENO) != 0) {}
-  ~Progress() {
+  ProgressLine(double from, double to) : from_(from), to_(to), shown_(isatty(STDERR_FILENO) != 0) {}
+  ~ProgressLine() {
     if (shown_) std::fprintf(stderr, "\r\033[K");
   }
-  Progress(const Progress&) = delete;
-  Progress& operator=(const Progress&) = delete;
+  ProgressLine(const ProgressLine&) = delete;
+  ProgressLine& operator=(const ProgressLine&) = delete;
   void at(double t) {
     if (to_ <= from_) return;
     const int now = static_cast<int>(40 * (t - from_) / (to_ - from_));
@@ -184,7 +184,7 @@ void run(const SimulateOptions& o) {
   const double started = clock();
   std::optional<Error> failure;
   {
-    Progress progress(from, until);
+    ProgressLine progress(from, until);
     try {
       simulator.advance(until, times, [&](double t, const VectorResult& q, const VectorResult& v) {
         const double since = clock();

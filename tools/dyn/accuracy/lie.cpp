@@ -1,13 +1,12 @@
 // Functions of rotations and rigid motions against a hundred digits: power series of matrices, their inverses, and the arc tangent.
 #include "bench.hpp"
 #include "errors.hpp"
+#include "exact_number.hpp"
 #include "sections.hpp"
 
 #include <dyn/lie/se3.hpp>
 
 #include <Eigen/LU>
-#include <boost/multiprecision/cpp_bin_float.hpp>
-#include <boost/multiprecision/eigen.hpp>
 
 #include <algorithm>
 #include <functional>
@@ -17,7 +16,7 @@ namespace dyn::tool {
 
 namespace {
 
-using Real = boost::multiprecision::number<boost::multiprecision::cpp_bin_float<100>, boost::multiprecision::et_off>;
+using Real = ExactNumber<100>;
 template <int n>
 using Matrix = Eigen::Matrix<Real, n, n>;
 

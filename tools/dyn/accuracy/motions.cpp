@@ -16,7 +16,7 @@ namespace dyn::tool {
 
 namespace {
 
-struct Problem {
+struct MotionProblem {
   std::string name, about;
   CompactModel model;
   State start;
@@ -34,7 +34,7 @@ struct Point {
 };
 
 /// By the reference, in steps that are halved until their end stays where it is.
-void follow(const Oracle& oracle, Problem& problem) {
+void follow(const Oracle& oracle, MotionProblem& problem) {
   constexpr int most_steps = 1600;
   State before = oracle.move(problem.start, problem.time, 25);
   for (int steps = 50;; steps *= 2) {
@@ -46,7 +46,7 @@ void follow(const Oracle& oracle, Problem& problem) {
 }
 
 /// Nothing if the motion cannot be followed with such steps.
-std::optional<Point> measure(const Problem& problem, const SimulatorOptions& options, bool adaptive) {
+std::optional<Point> measureMotion(const MotionProblem& problem, const SimulatorOptions& options, bool adaptive) {
   Point point;
   point.h = adaptive ? options.tolerance : options.dt;
   std::vector<double> times;
@@ -79,19 +79,19 @@ std::optional<Point> measure(const Problem& problem, const SimulatorOptions& opt
   return point;
 }
 
-Problem falling(const Specimen& x) {
+MotionProblem falling(const Specimen& x) {
   const CompactModel& model = x.model;
   State start;
   // Off its neutral posture, so that all joints move.
   start.q = integrate(model, neutral(model), Eigen::VectorXd::Constant(model.nv(), 0.3));
   start.v = Eigen::VectorXd::Constant(model.nv(), 0.2);
-  Problem problem{model.name() + " falling", "from a bent posture, without torques or losses", model, start, 0.5, {}};
+  MotionProblem problem{model.name() + " falling", "from a bent posture, without torques or losses", model, start, 0.5, {}};
   follow(Oracle(x.description, model), problem);
   return problem;
 }
 
-std::vector<Problem> problemsOf(const std::vector<Specimen>& specimens, const JointRegistry& registry, bool quick) {
-  std::vector<Problem> out;
+std::vector<MotionProblem> problemsOf(const std::vector<Specimen>& specimens, const JointRegistry& registry, bool quick) {
+  std::vector<MotionProblem> out;
   const auto add = [&](const std::string& name, const std::string& about, const Model& description, const State& start, double time) {
     const CompactModel model = compile(description, registry);
     out.push_back({name, about, model, start, time, {}});
@@ -114,11 +114,11 @@ std::vector<Problem> problemsOf(const std::vector<Specimen>& specimens, const Jo
     // All cranks turn as one would with their inertia: the loop's motion is known without a loop.
     const Model description = fourBars(1), crank = fourBarsCrank(1);
     const CompactModel model = compile(description, registry), single = compile(crank, registry);
-    Problem one{"", "", single, {}, 10, {}};
+    MotionProblem one{"", "", single, {}, 10, {}};
     one.start.q = vector({0});
     one.start.v = vector({-1});
     follow(Oracle(crank, single), one);
-    Problem loop{"four-bar", "a closed loop, through positions where its bars are in line", model, {}, one.time, {}, one.uncertainty};
+    MotionProblem loop{"four-bar", "a closed loop, through positions where its bars are in line", model, {}, one.time, {}, one.uncertainty};
     loop.start.q = loop.end.q = neutral(model);
     loop.start.v = Eigen::VectorXd::Zero(model.nv());
     for (const JointRecord& joint : model.joints()) {
@@ -149,7 +149,7 @@ Section motionSection(const std::vector<Specimen>& specimens, const AccuracyOpti
   out.table.columns = {"problem",          "integrator",  "step or tolerance", "seconds",          "error",
                        "energy drift [J]", "evaluations", "factorizations",    "reference good to"};
   const JointRegistry registry = JointRegistry::standard();
-  for (const Problem& problem : problemsOf(specimens, registry, options.quick)) {
+  for (const MotionProblem& problem : problemsOf(specimens, registry, options.quick)) {
     std::fprintf(stderr, "dyn: motion of %s\n", problem.name.c_str());
     const auto label = [&](const char* what) { return benchmark::LineChart::Label{what, benchmark::Scale::logarithmic}; };
     benchmark::LineChart by_error(problem.name + ": " + problem.about, label("error of the final configuration [rad, m]"), label("seconds"));
@@ -160,7 +160,7 @@ Section motionSection(const std::vector<Specimen>& specimens, const AccuracyOpti
       for (int k = 0; k <= finest; ++k) {
         const SimulatorOptions simulation{
             .integrator = info.integrator, .dt = problem.time * std::ldexp(0.01, -k), .tolerance = std::pow(10.0, -3 - 1.25 * k)};
-        const std::optional<Point> point = measure(problem, simulation, info.adaptive);
+        const std::optional<Point> point = measureMotion(problem, simulation, info.adaptive);
         if (!point) continue;
         if (!anchor && info.integrator == Integrator::rk4) anchor = point;
         by_error.add(info.name, std::max(point->error, 1e-17), point->seconds);

@@ -1,0 +1,40 @@
+// Random spatial quantities of any scalar, and how near matrices are to one another.
+#pragma once
+
+#include "support/catch.hpp"
+#include "support/random_model.hpp"
+
+#include <dyn/spatial/eigen.hpp>
+
+#include <Eigen/LU>
+
+#include <limits>
+
+namespace dyn::test {
+
+template <class S>
+struct Sample {
+  explicit Sample(std::uint64_t seed) : random(seed) {}
+  Random random;
+  Vec3<S> vector() {
+    const Vec3<double> x = random.vector();
+    return {static_cast<S>(x.x), static_cast<S>(x.y), static_cast<S>(x.z)};
+  }
+  SE3<S> pose() { return {exp3(vector()), vector()}; }
+  Motion<S> motion() { return {vector(), vector()}; }
+  Force<S> force() { return {vector(), vector()}; }
+  Inertia<S> inertia() { return cast<S>(random.inertia()); }
+};
+
+template <class S>
+constexpr S tolerance = S(40) * std::numeric_limits<S>::epsilon();
+
+template <class S, int rows, int columns>
+S largestDifference(const Eigen::Matrix<S, rows, columns>& a, const Eigen::Matrix<S, rows, columns>& b) {
+  return (a - b).cwiseAbs().maxCoeff();
+}
+
+}  // namespace dyn::test
+
+// Evaluated first: of each kind of expression by itself compilers would make a difference and a maximum, of three scalars.
+#define CHECK_NEAR(a, b) CHECK(largestDifference((a).eval(), (b).eval()) < tolerance<S>)
