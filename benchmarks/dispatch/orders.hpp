@@ -53,7 +53,7 @@ struct Step {
 };
 template <class Body, class Joint>
 struct StepOf final : Step<Body> {
-  DYN_RUN_LOOP void run(Body& body, const Slot<double>& slot, int i, int iv) const override { body(Joint(slot), i, iv); }
+  DYN_FLATTEN __attribute__((noinline)) void run(Body& body, const Slot<double>& slot, int i, int iv) const override { body(Joint(slot), i, iv); }
 };
 
 struct Evaluation {
@@ -154,7 +154,7 @@ struct PerJointVariant : kernels::Bodies<double> {
   void visit(Body& body, int i) const {
     const BodyIndex& x = index(i);
     std::visit(
-        [&]<class Type>(const Type&) DYN_RUN_LOOP {
+        [&]<class Type>(const Type&) DYN_FLATTEN __attribute__((noinline)) {
           const Slot<double> slot = slotOf({Type::shape, Type::nv, i, 1, x.batch, x.slot}, 0);
           body(typename Type::Kernel(slot), i, x.idx_v);
         },
@@ -189,7 +189,7 @@ struct Monomorphic : kernels::Bodies<double> {
 
  private:
   template <class Body>
-  DYN_RUN_LOOP void others(Body& body, int from, int to, int step) const {
+  DYN_FLATTEN __attribute__((noinline)) void others(Body& body, int from, int to, int step) const {
     for (int i = from; i != to; i += step) run<Other>(body, i);
   }
   template <class Type, class Body>

@@ -1,11 +1,11 @@
-# DYN_INSTRUCTION_SETS says what kernels and plugins are compiled for beside the baseline, which every processor of this architecture has.
-#   all     avx2 and avx512, and the kernels number by number, for tests; packages are built so
+# DYN_INSTRUCTION_SETS says what kernels are compiled for, and plugins beside the baseline, which every processor of this architecture has.
+#   all     the baseline, avx2 and avx512, and the kernels number by number, for tests; packages are built so
 #   native  the best that this machine's processor has
 # Narrows libdyn_plugin_instruction_sets. DYN_KERNEL_SETS lists the modules of kernels, DYN_KERNEL_SET_NAMES is the same as text.
-set(DYN_INSTRUCTION_SETS all CACHE STRING "Instruction sets beside the baseline: all, or native")
+set(DYN_INSTRUCTION_SETS all CACHE STRING "Instruction sets: all, or native")
 set_property(CACHE DYN_INSTRUCTION_SETS PROPERTY STRINGS all native)
 if(DYN_INSTRUCTION_SETS STREQUAL "all")
-  set(DYN_KERNEL_SETS ${libdyn_plugin_instruction_sets} scalar)
+  set(DYN_KERNEL_SETS baseline ${libdyn_plugin_instruction_sets} scalar)
 elseif(DYN_INSTRUCTION_SETS STREQUAL "native")
   # The compiler's macros tell what it takes this processor to have. As processorHas() in libdyn/src/joint/processor.cpp.
   execute_process(COMMAND ${CMAKE_CXX_COMPILER} -march=native -dM -E -x c++ /dev/null OUTPUT_VARIABLE macros ERROR_QUIET)
@@ -25,6 +25,9 @@ elseif(DYN_INSTRUCTION_SETS STREQUAL "native")
   endforeach()
   set(libdyn_plugin_instruction_sets ${best})
   set(DYN_KERNEL_SETS ${best})
+  if(NOT best)
+    set(DYN_KERNEL_SETS baseline)
+  endif()
 else()
   message(FATAL_ERROR "DYN_INSTRUCTION_SETS=${DYN_INSTRUCTION_SETS}: it is all or native")
 endif()

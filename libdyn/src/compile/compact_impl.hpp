@@ -29,14 +29,11 @@ BodyConstants<To> broadcast(const BodyConstants<From>& c) {
 }
 
 /// A rotation that only exchanges axes, as placements are of joints about or along an axis of their parent's (canonicalise() turns joints' own
-/// frames so): its column k is unit vector (k + shift) mod 3, the last two of them its negative where it `flips`. Where it `tilts`, x and y are that
-/// but for their parts along z, and z but for theirs along x and y, the same with another sign: URDFs turn by 1.57079632679 where they mean a
-/// quarter.
+/// frames so): its column k is unit vector (k + shift) mod 3, the last two of them its negative where it `flips`.
 struct AxisExchange {
-  static constexpr double largest_tilt = 0x1p-27;  ///< half its square is less than rounding
-  std::int8_t shift = -1;                          ///< -1: it is another rotation
-  bool flips = false, tilts = false;
-  bool changesNothing() const { return shift == 0 && !flips && !tilts; }
+  std::int8_t shift = -1;  ///< -1: it is another rotation
+  bool flips = false;
+  bool changesNothing() const { return shift == 0 && !flips; }
 };
 
 /// Bookkeeping of a body, in a line of cache. idx_q and idx_v count all coordinates, coupled ones included ("expanded").

@@ -1,3 +1,4 @@
+#include "at.hpp"
 #include "compile/compact_impl.hpp"
 #include "compile/draft.hpp"
 
@@ -11,20 +12,14 @@ namespace dyn {
 
 namespace {
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-/// What R is, to the last bit, if it only exchanges axes, or tilts them as well.
+/// What R is, to the last bit, if it only exchanges axes.
 AxisExchange exchangeOf(const Mat3<double>& R) {
   for (std::int8_t shift = 0; shift < 3; ++shift)
     for (const bool flips : {false, true}) {
-      const int rows[] = {shift, (shift + 1) % 3, (shift + 2) % 3};
-      const double sign = flips ? -1 : 1, x = R(rows[0], 2), y = sign * R(rows[1], 2);
-      const bool tilts = x != 0 || y != 0;
-      const double expected[3][3] = {{1, 0, x}, {0, sign, sign * y}, {-sign * x, -sign * y, sign}};
-      bool exact = std::max(std::fabs(x), std::fabs(y)) <= AxisExchange::largest_tilt;
+      bool exact = true;
       for (int i = 0; i < 3; ++i)
-        for (int k = 0; k < 3; ++k) exact = exact && std::fabs(R(rows[i], k) - expected[i][k]) <= (tilts ? 0x1p-54 : 0);
-      if (exact) return {shift, flips, tilts};
+        for (int k = 0; k < 3; ++k) exact = exact && R(i, k) == (i == (k + shift) % 3 ? (flips && k > 0 ? -1 : 1) : 0);
+      if (exact) return {shift, flips};
     }
   return {};
 }
@@ -36,19 +31,18 @@ std::string namesOf(const StripUses& uses) {
   const std::pair<bool, const char*> all[] = {{uses.rnea, "rnea"},
                                               {uses.aba, "aba"},
                                               {uses.mass_matrix, "crba"},
-                                              {uses.inverse, "minverse"},
+                                              {uses.derivatives, "minverse"},
                                               {uses.derivatives, "rnea derivatives"},
-                                              {uses.centroidal_map, "ccrba"},
-                                              {uses.centroidal_derivatives, "centroidal derivatives"}};
+                                              {uses.centroidal_map, "ccrba"}};
   std::string names;
   for (const auto& [used, name] : all)
     if (used) names += (names.empty() ? "" : ", ") + std::string(name);
   return names;
 }
 
-class Packer {
+class ModelPacker {
  public:
-  Packer(Draft&& draft, const CompileOptions& options) : draft_(std::move(draft)), options_(options), out_(std::make_shared<CompactImpl>()) {}
+  ModelPacker(Draft&& draft, const CompileOptions& options) : draft_(std::move(draft)), options_(options), out_(std::make_shared<CompactImpl>()) {}
 
   std::shared_ptr<CompactImpl> run() {
     out_->name = draft_.name;
@@ -310,6 +304,6 @@ class Packer {
 
 }  // namespace
 
-std::shared_ptr<CompactImpl> pack(Draft&& draft, const CompileOptions& options) { return Packer(std::move(draft), options).run(); }
+std::shared_ptr<CompactImpl> pack(Draft&& draft, const CompileOptions& options) { return ModelPacker(std::move(draft), options).run(); }
 
 }  // namespace dyn

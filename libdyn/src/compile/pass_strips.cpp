@@ -1,3 +1,4 @@
+#include "at.hpp"
 #include "compile/compact_impl.hpp"
 #include "joint/processor.hpp"
 
@@ -17,8 +18,6 @@ PackMemory::PackMemory(std::size_t bytes) : bytes_(bytes + alignment), block_(ne
 }
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 class Planner {
  public:
@@ -255,22 +254,17 @@ class Planner {
     }
   }
   /// What the algorithms take, measured with and without strips (CompileOptions::strips) on the legged and two-armed robots of ../shared/models, on a
-  /// Zen 5: a strip and, where it counts, entering and leaving the lanes, in the time that one body takes. With the 16 registers of AVX2 what
-  /// a strip has of four bodies goes to memory and back, which costs the algorithms of many numbers a body most.
+  /// Zen 5: a strip and, for inverse dynamics, entering and leaving the lanes, in the time that one body takes. With the 16 registers of AVX2 what a
+  /// strip has of four bodies goes to memory and back, which costs the algorithms of many numbers a body.
   void judge() {
     const double joints = m_.bodies() - 1;
-    const auto pays = [&](double strip, double entry = 0) { return strip * plan_.count + entry < joints; };
-    const bool many_registers = instructionSet().name == "avx512";
     StripUses& uses = plan_.uses;
-    uses.rnea = pays(1.3, 2);
+    uses.rnea = 1.3 * plan_.count + 2 < joints;
     if (!uses.rnea) return;
+    const bool many_numbers = (instructionSet() == "avx512" ? 2.8 : 3.24) * plan_.count < joints;
     const auto varies = [](const TypeBatch& batch) { return batch.shape == Shape::dense; };
-    const bool constant = std::none_of(m_.batches.begin(), m_.batches.end(), varies);
-    uses.aba = pays(many_registers ? 2.4 : 3.24);
-    uses.derivatives = constant && pays(2.4);
-    uses.inverse = uses.derivatives && pays(2.8);  // in the memory of derivatives
-    uses.centroidal_map = pays(many_registers ? 2.95 : 3.24);
-    uses.centroidal_derivatives = uses.derivatives && pays(2.7, 3.7);
+    uses.aba = uses.centroidal_map = many_numbers;
+    uses.derivatives = many_numbers && std::none_of(m_.batches.begin(), m_.batches.end(), varies);
     // Its entries are one for each step of each joint's way up. Where limbs branch, as hands do, few lanes take a step together.
     uses.mass_matrix = lanesOnWays() > 3;
   }
@@ -368,7 +362,7 @@ class Planner {
 StripPlan seatStrips(const CompactImpl& m) { return Planner(m).seats(); }
 
 StripPlan planStrips(const CompactImpl& m) {
-  const bool packs = instructionSet().name == "avx2" || instructionSet().name == "avx512";
+  const bool packs = instructionSet() == "avx2" || instructionSet() == "avx512";
   if (!packs || !m.couplings.empty() || m.bodies() < 2) return {};
   for (const TypeBatch& batch : m.batches)
     if (batch.shape == Shape::dense_constant) return {};

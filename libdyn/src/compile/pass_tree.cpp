@@ -1,4 +1,5 @@
 // Passes that change which bodies there are and where: order, weld, canonicalise, inspect.
+#include "at.hpp"
 #include "compile/compact_impl.hpp"
 #include "compile/draft.hpp"
 
@@ -8,8 +9,6 @@
 namespace dyn {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Puts bodies into the order of `old_of_new` and renumbers every reference to them. -1 in new_of_old would be a lost body.
 void renumber(Draft& draft, const std::vector<int>& old_of_new) {
@@ -89,15 +88,14 @@ namespace {
 /// Less than what doubles tell apart in a rotation is no turn: URDFs say 1.5707963267948966 where they mean a quarter.
 long double settled(long double x) { return std::fabs(x) < 1e-16L ? 0 : x; }
 
-/// The one with R's z whose x is the next one of the parent's axes, if z is one of these, or next to it: it only exchanges axes, but for a tilt.
+/// The rotation with R's z that only exchanges axes, if z is one of the parent's.
 std::optional<Mat3<long double>> exchangeWithZ(const Mat3<long double>& R) {
   const Vec3<long double> z{settled(R(0, 2)), settled(R(1, 2)), settled(R(2, 2))};
   for (int k = 0; k < 3; ++k) {
     const int next = (k + 1) % 3;
-    if (std::max(std::fabs(z[next]), std::fabs(z[(k + 2) % 3])) > AxisExchange::largest_tilt) continue;
-    Vec3<long double> x = -z[next] * z;
-    x[next] += 1;
-    x = (1 / std::sqrt(dot(x, x))) * x;
+    if (z[next] != 0 || z[(k + 2) % 3] != 0) continue;
+    Vec3<long double> x{0, 0, 0};
+    x[next] = 1;
     const Vec3<long double> y = cross(z, x);
     return Mat3<long double>{{x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z}};
   }
@@ -112,8 +110,8 @@ void moveCore(JointInstance& joint, const SE3<long double>& X) {
 /// A body's described frame seen from its core frame.
 SE3<long double> describedInCore(const DraftBody& body) { return cast<long double>(body.instance.after); }
 
-/// Joints along or about z move alike in all frames turned about it: those are chosen in which placements exchange axes, but for a tilt, where there
-/// are such. Whether this is one.
+/// Joints along or about z move alike in all frames turned about it: those are chosen in which placements exchange axes, where there are such.
+/// Whether this is one.
 bool turnAboutAxis(DraftBody& body) {
   if (body.instance.shape != Shape::revolute && body.instance.shape != Shape::prismatic) return false;
   const Mat3<long double>& R = body.placement.R;

@@ -93,10 +93,8 @@ struct StripUses {
   bool rnea = false;  ///< if not, no other either
   bool aba = false;
   bool mass_matrix = false;
-  bool inverse = false;  ///< the factors of M^-1
-  bool derivatives = false;
+  bool derivatives = false;  ///< and the factors of M^-1
   bool centroidal_map = false;
-  bool centroidal_derivatives = false;
 };
 
 struct StripPlan {

@@ -8,8 +8,8 @@ namespace dyn {
 
 namespace {
 
-/// Whether libdyn was built with kernels for it. The baseline's are in the library itself, CMake lists the others.
-bool built(const std::string& name) { return name == "baseline" || std::string(" " DYN_KERNEL_SETS " ").find(" " + name + " ") != std::string::npos; }
+/// Whether libdyn was built with kernels for it, as CMake lists them.
+bool built(const std::string& name) { return std::string(" " DYN_KERNEL_SETS " ").find(" " + name + " ") != std::string::npos; }
 
 bool processorHas(const std::string& name) {
 #if defined(__x86_64__)
@@ -22,12 +22,13 @@ bool processorHas(const std::string& name) {
   return name == "scalar" || name == "baseline";
 }
 
-InstructionSet choose() {
+std::string choose() {
   const char* wanted = std::getenv("DYN_SIMD");
   if (wanted == nullptr || *wanted == '\0') {
-    for (const char* best : {"avx512", "avx2"})
-      if (processorHas(best) && built(best)) return {best, false};
-    return {"baseline", false};
+    for (const char* best : {"avx512", "avx2", "baseline"})
+      if (processorHas(best) && built(best)) return best;
+    throw Error(ErrorCode::argument,
+                "this libdyn is built for " DYN_KERNEL_SETS " alone, which this processor does not have; configure with -DDYN_INSTRUCTION_SETS=all");
   }
   std::string name = wanted;
 #if defined(__x86_64__)
@@ -39,7 +40,7 @@ InstructionSet choose() {
     if (!built(name))
       throw Error(ErrorCode::argument,
                   std::string("DYN_SIMD=") + wanted + ": this libdyn is built without it; configure with -DDYN_INSTRUCTION_SETS=all");
-    return {name, true};
+    return name;
   }
   throw Error(ErrorCode::argument,
               std::string("DYN_SIMD=") + wanted + " is not known; it is one of scalar, sse2 (baseline), avx2, avx512, or unset for the best");
@@ -47,8 +48,8 @@ InstructionSet choose() {
 
 }  // namespace
 
-const InstructionSet& instructionSet() {
-  static const InstructionSet chosen = choose();
+const std::string& instructionSet() {
+  static const std::string chosen = choose();
   return chosen;
 }
 

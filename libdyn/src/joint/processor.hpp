@@ -5,12 +5,8 @@
 
 namespace dyn {
 
-struct InstructionSet {
-  std::string name;  ///< "scalar", "baseline", "avx2" or "avx512"; the last two name folders and files made for them
-  bool forced;       ///< DYN_SIMD asks for it: what is not there is an error
-};
-
-/// What DYN_SIMD names, or else the best that this processor has. Throws Error(argument) for one that it has not.
-const InstructionSet& instructionSet();
+/// "scalar", "baseline", "avx2" or "avx512", the name of folders and files made for it: what DYN_SIMD asks for, or else the best that this processor
+/// has of those that libdyn is built for. Throws Error(argument) where there is none.
+const std::string& instructionSet();
 
 }  // namespace dyn

@@ -82,7 +82,7 @@ void checkInfo(const JointTypeInfo& info, const std::string& path) {
 std::map<const JointType*, const JointType*> builtForProcessor(const std::string& path, Trust trust, const std::vector<const JointType*>& joints) {
   std::error_code ignored;
   const std::filesystem::path file = std::filesystem::canonical(path, ignored);
-  const std::filesystem::path other = file.parent_path() / instructionSet().name / file.filename();
+  const std::filesystem::path other = file.parent_path() / instructionSet() / file.filename();
   if (!std::filesystem::exists(other, ignored)) return {};
   const dyn_plugin_descriptor& d = openPlugin(other.string(), trust);
   const auto fast_joints = typesOf<JointType>(d.joint_types, d.joint_type_count);

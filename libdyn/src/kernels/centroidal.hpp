@@ -135,56 +135,16 @@ CentroidalState<S> centroidalOf(const Order& bodies, DerivativeWorkspace<S>& d, 
   }
   return sum;
 }
-/// The same over strips, of a model with one root.
+/// Joints have been asked into w and, for more than Ag and momentum, how subspaces vary into d.
 template <class S>
-CentroidalState<double> centroidalOf(const StripRecursion<S>& r, const CentroidalMaps<double>& out) {
-  const auto& order = r.order;
-  const Workspace<S>& w = order.w;
-  DerivativeWorkspace<S>& d = r.d;
-  const Seat& seat = order.m.strips.seats[1];
-  const auto ofRoot = [&]<template <class> class T>(const T<S>* array) { return fromLane<T<double>, S>(array[seat.strip], seat.lane); };
-  const Subtree<double> whole = ofRoot(d.subtree);
-  const TreeRoot<double> root = treeRoot(order.m.index[1], ofRoot(w.rel), ofRoot(w.r), ofRoot(d.shift_rate), whole);
-  Motion<double> places[2];
-  CentroidalState<double> sum = centroidalState<double>(
-      order.m, [&](int) { return root; }, places);
-  const TreeAxes<double> axes = treeAxes(root.R, sum);
-  const TreeAxes<S> tree{cast<S>(axes.R), cast<S>(axes.force)};
-  const Motion<S> first{cast<S>(places[1].linear), cast<S>(places[1].angular)};
-  order.forward(passing(d.place), [&]<class Joint>(const Joint&, int i, int iv, auto&& at) {
-    Motion<S> place = first;
-    if (!order.isRoot(i)) {
-      const Motion<S>& parent = at.get();
-      place = {parent.linear - w.r[i], parent.angular - d.shift_rate[i]};
-    }
-    at.leave(place);
-    const auto here = StripWay<S>(order.m, i).here();
-    for (int k = 0; k < nvOf<Joint>(order, i); ++k)
-      centroidalColumns(out, tree, place, d.subtree[i], w.dof[iv + k].S_, d.dof[iv + k], d.dof_force[iv + k],
-                        [&](double* to, const Force<S>& f) { putSixes(here, f, [&](int lane) { return to + 6 * here.dof(lane, k); }); });
-  });
-  return sum;
-}
-
-/// Joints have been asked into w and, for more than Ag and momentum, how subspaces vary into d. Quad: in whose lanes strips may be.
-template <class Quad, class S>
 CentroidalState<S> centroidal(const CompactImpl& m, Workspace<S>& w, DerivativeWorkspace<S>& d, const S* v, const S* a,
                               const CentroidalMaps<S>& out) {
-  if (!out.rates()) {
-    const auto r = recursion(m, w, d);
-    return inNumbers<S>(centroidalMap(r.order, r.velocities(v), BodyMap<typename decltype(r)::Scalar>{r.out(out.Ag)}));
-  }
-  const auto over = [&]<class Recursion>(const Recursion& r) -> CentroidalState<S> {
-    derivativesOutward(r.order, r.d, Vec3<typename Recursion::Scalar>{}, r.velocities(v), r.accelerations(a));
-    derivativesInward(r.order, r.d);
-    if constexpr (Recursion::over_strips) {
-      return centroidalOf(r, out);
-    } else {
-      return inNumbers<S>(centroidalOf(r.order, r.d, {r.out(out.Ag), r.out(out.dAg), r.out(out.dh_dq), r.out(out.dhdot_dq), r.out(out.dhdot_dv)}));
-    }
-  };
-  // Lanes of one strip have one tree's axes.
-  return withRecursion<Quad>(m, w, d, m.strips.uses.centroidal_derivatives && m.tree_end[1] == m.bodies(), over);
+  const auto r = recursion(m, w, d);
+  using T = typename decltype(r)::Scalar;
+  if (!out.rates()) return inNumbers<S>(centroidalMap(r.order, r.velocities(v), BodyMap<T>{r.out(out.Ag)}));
+  derivativesOutward(r.order, r.d, Vec3<T>{}, r.velocities(v), r.accelerations(a));
+  derivativesInward(r.order, r.d);
+  return inNumbers<S>(centroidalOf(r.order, r.d, {r.out(out.Ag), r.out(out.dAg), r.out(out.dh_dq), r.out(out.dhdot_dq), r.out(out.dhdot_dv)}));
 }
 
 }  // namespace dyn::kernels

@@ -9,7 +9,7 @@ namespace dyn::kernels {
 
 /// The Delassus matrix from the shares of an eliminated sweep, all of it. O(dofs x rows^2).
 template <class Wide, class Half>
-__attribute__((flatten)) void delassusMatrix(const PackedConstraints& c, ConstraintWorkspace& x) {
+void delassusMatrix(const PackedConstraints& c, ConstraintWorkspace& x) {
   constexpr int tile = 4;
   const Rows<double> D{x.delassus, x.stride};
   // A few rows and a pack of columns at a time, above the diagonal, in registers through all degrees of freedom. Beyond a chain's rows its shares
@@ -33,7 +33,7 @@ __attribute__((flatten)) void delassusMatrix(const PackedConstraints& c, Constra
 
 /// Adds to x.yielded what degrees of freedom yield to forces of the rows. After an eliminated sweep. O(dofs x rows).
 template <class Wide, class Half>
-__attribute__((flatten)) void yieldToRows(const PackedConstraints& c, const double* lambda, ConstraintWorkspace& x) {
+void yieldToRows(const PackedConstraints& c, const double* lambda, ConstraintWorkspace& x) {
   for (const ConstrainedChain& chain : c.chains)
     inGroups<Wide, Half>(chain.row_begin, chain.row_end,
                          [&]<class P, int packs>(int first, std::type_identity<P>, std::integral_constant<int, packs>) {
@@ -51,7 +51,7 @@ __attribute__((flatten)) void yieldToRows(const PackedConstraints& c, const doub
 /// How x.yielded accelerates the rows: the Delassus matrix times forces, without the rounding of its entries, and what they cancel, before they make
 /// any row move. `out` has room for a pack. O(dofs x rows).
 template <class Wide, class Half>
-__attribute__((flatten)) void rowsOfYielded(const PackedConstraints& c, const ConstraintWorkspace& x, double* out) {
+void rowsOfYielded(const PackedConstraints& c, const ConstraintWorkspace& x, double* out) {
   inGroups<Wide, Half>(0, c.rows, [&]<class P, int packs>(int first, std::type_identity<P>, std::integral_constant<int, packs>) {
     constexpr int lanes = lanes_of<P>;
     P sum[packs];
@@ -211,7 +211,7 @@ class SmallInverse {
   Wide B_[most][packs];
 };
 template <class Small>
-__attribute__((flatten)) bool invertSmall(int rows, ConstraintWorkspace& x, double mu, const LeastPivot& least) {
+bool invertSmall(int rows, ConstraintWorkspace& x, double mu, const LeastPivot& least) {
   Small small(rows, x, mu);
   if (!small.run(rows, least)) return false;
   small.store(rows, x);
@@ -249,7 +249,7 @@ bool invertDelassus(int rows, ConstraintWorkspace& x, double mu, double toleranc
 
 /// out = A x for a symmetric matrix of rows. Behind the last one nothing is written: zeros stay, which a product that is not finite would not be.
 template <class Wide, class Half>
-__attribute__((flatten)) void timesRows(int rows, std::ptrdiff_t stride, const double* A, const double* x, double* out) {
+void timesRows(int rows, std::ptrdiff_t stride, const double* A, const double* x, double* out) {
   inPacks<Wide, Half>(0, rows, [&]<class P>(int first, std::type_identity<P>) {
     P even(0), odd(0);
     int k = 0;

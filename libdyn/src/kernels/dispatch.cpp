@@ -1,4 +1,4 @@
-// Which table: that of the instruction set chosen for this process, if it is installed.
+// Which table: that of the instruction set chosen for this process.
 #include "joint/processor.hpp"
 #include "kernels/constraint_table.hpp"
 
@@ -37,12 +37,11 @@ const Kernels* open(const std::string& name, std::string& problem) {
 }
 
 const Kernels& choose() {
-  const InstructionSet& set = instructionSet();
-  if (set.name == "baseline") return compiledTable();
+  const std::string& set = instructionSet();
   std::string problem;
-  if (const Kernels* table = open(set.name, problem)) return *table;
-  if (set.forced) throw Error(ErrorCode::argument, "DYN_SIMD=" + set.name + ": " + problem);
-  return compiledTable();
+  if (const Kernels* table = open(set, problem)) return *table;
+  throw Error(ErrorCode::file, "the kernels for " + set + " cannot be opened: " + problem + "; they are installed with the library",
+              {moduleFile(set), 0, ""});
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "kernels/dual_derivatives.hpp"
 
+#include "at.hpp"
 #include "joint/pose_components.hpp"
 #include "kernels/rnea_derivatives.hpp"
 
@@ -10,8 +11,6 @@ namespace dyn::kernels {
 using D = Dual<double>;
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 void copyValues(const double* from, std::ptrdiff_t count, D* to) {
   for (std::ptrdiff_t i = 0; i < count; ++i) to[i] = D(from[i], 0.0);

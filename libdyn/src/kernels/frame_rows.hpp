@@ -148,8 +148,8 @@ void putUnitForces(const PackedConstraints& all, const PackedFrameConstraint& c,
 
 /// Once chains have been located: frames, the rows' motion, and their unit forces for the sweep. O(constraints x chains above them).
 template <class P>
-__attribute__((flatten)) void placeFrames(const CompactImpl& m, const PackedConstraints& all, RowRates rates, FrameRows* frames,
-                                          const RowMotion& rows, ConstraintWorkspace& x) {
+void placeFrames(const CompactImpl& m, const PackedConstraints& all, RowRates rates, FrameRows* frames, const RowMotion& rows,
+                 ConstraintWorkspace& x) {
   for (int k = 0; const ConstrainedChain& chain : all.chains) {
     if (chain.gathers) std::fill_n(x.forceOf(k), x.components * x.forceStep(chain) + x.widest, 0.0);
     ++k;

@@ -1,5 +1,5 @@
 // What recursions in joints' own frames share. A joint about an axis of its parent's has a rotation of which four numbers are c, s, -s and c, and one
-// is 1 or -1: next to nothing is multiplied there, nor where the axis is so near to one of the parent's that squares of the angle round away.
+// is 1 or -1: next to nothing is multiplied there.
 #pragma once
 
 #include "kernels/levers.hpp"
@@ -7,39 +7,23 @@
 
 namespace dyn::kernels {
 
-/// AxisExchange{shift, flips} times Rz(c, s), from a joint's axes to its parent's; between them the tilt {1, 0, x; 0, 1, y; -x, -y, 1}, where there
-/// is one.
-template <class S, int shift, bool flips, bool tilts>
+/// AxisExchange{shift, flips} times Rz(c, s), from a joint's axes to its parent's.
+template <class S, int shift, bool flips>
 struct ExchangedTurn {
   static constexpr int x = shift, y = (shift + 1) % 3, z = (shift + 2) % 3;  ///< the parent's axes that x, y and z are before the joint moves
-  S c, s, tilt_x, tilt_y;
+  S c, s;
 
-  ExchangedTurn(const S& cosine, const S& sine, const Mat3<S>& placement) : c(cosine), s(sine) {
-    if constexpr (tilts) tilt_x = placement(x, 2), tilt_y = flips ? -placement(y, 2) : placement(y, 2);
-  }
+  ExchangedTurn(const S& cosine, const S& sine) : c(cosine), s(sine) {}
 
-  /// T Rz v, T being the tilt.
-  Vec3<S> turned(const Vec3<S>& v) const {
-    Vec3<S> w{c * v.x - s * v.y, s * v.x + c * v.y, v.z};
-    if constexpr (tilts) {
-      return {w.x + tilt_x * w.z, w.y + tilt_y * w.z, thirdOf(w.z, w.x, w.y)};
-    } else {
-      return w;
-    }
-  }
-  /// T Rz a Rz^T T^T.
+  /// Rz v.
+  Vec3<S> turned(const Vec3<S>& v) const { return {c * v.x - s * v.y, s * v.x + c * v.y, v.z}; }
+  /// Rz a Rz^T.
   Sym3<S> turned(const Sym3<S>& a) const {
     Sym3<S> b = turnedAboutZ(a.xx, a.xy, a.yy);
     b.xz = c * a.xz - s * a.yz;
     b.yz = s * a.xz + c * a.yz;
     b.zz = a.zz;
-    if constexpr (tilts) {
-      const S xx = b.xx + tilt_x * b.xz, xy = b.xy + tilt_x * b.yz, xz = b.xz + tilt_x * b.zz, yy = b.yy + tilt_y * b.yz, yz = b.yz + tilt_y * b.zz;
-      const S zx = thirdOf(b.xz, b.xx, b.xy), zy = thirdOf(b.yz, b.xy, b.yy), zz = thirdOf(b.zz, b.xz, b.yz);
-      return {xx + tilt_x * xz, xy + tilt_y * xz, zx + tilt_x * zz, yy + tilt_y * yz, zy + tilt_y * zz, thirdOf(zz, zx, zy)};
-    } else {
-      return b;
-    }
+    return b;
   }
 
   static Vec3<S> exchanged(const Vec3<S>& v) {
@@ -63,22 +47,9 @@ struct ExchangedTurn {
 
   friend Vec3<S> firstColumn(const Mat3<S>& A, const ExchangedTurn& R) {
     const Vec3<S> sine = R.s * A.col(y);
-    Vec3<S> sum = flips ? R.c * A.col(x) - sine : R.c * A.col(x) + sine;
-    if constexpr (tilts) {
-      const Vec3<S> third = (R.tilt_x * R.c + R.tilt_y * R.s) * A.col(z);
-      return flips ? sum + third : sum - third;
-    } else {
-      return sum;
-    }
+    return flips ? R.c * A.col(x) - sine : R.c * A.col(x) + sine;
   }
-  friend Vec3<S> lastColumn(const Mat3<S>& A, const ExchangedTurn& R) {
-    if constexpr (tilts) {
-      const Vec3<S> sum = A.col(z) + R.tilt_y * A.col(y);
-      return flips ? R.tilt_x * A.col(x) - sum : R.tilt_x * A.col(x) + sum;
-    } else {
-      return flips ? -A.col(z) : A.col(z);
-    }
-  }
+  friend Vec3<S> lastColumn(const Mat3<S>& A, const ExchangedTurn&) { return flips ? -A.col(z) : A.col(z); }
 
   friend Mat3<S> operator*(const Mat3<S>& A, const ExchangedTurn& R) {
     const Vec3<S> first = transposeTimes(R, A.row(0)), second = transposeTimes(R, A.row(1)), third = transposeTimes(R, A.row(2));
@@ -86,29 +57,13 @@ struct ExchangedTurn {
   }
   friend Vec3<S> operator*(const ExchangedTurn& R, const Vec3<S>& v) { return exchanged(R.turned(v)); }
   friend Sym3<S> congruence(const ExchangedTurn& R, const Sym3<S>& a) { return exchanged(R.turned(a)); }
-  friend Sym3<S> planarCongruence(const ExchangedTurn& R, const S& xx, const S& xy, const S& yy) {
-    Sym3<S> b = R.turnedAboutZ(xx, xy, yy);
-    if constexpr (tilts) {
-      b.xz = -(R.tilt_x * b.xx + R.tilt_y * b.xy);
-      b.yz = -(R.tilt_x * b.xy + R.tilt_y * b.yy);
-      b.zz = -(R.tilt_x * b.xz + R.tilt_y * b.yz);
-    }
-    return exchanged(b);
-  }
+  friend Sym3<S> planarCongruence(const ExchangedTurn& R, const S& xx, const S& xy, const S& yy) { return exchanged(R.turnedAboutZ(xx, xy, yy)); }
   friend Mat3<S> planarCongruence(const ExchangedTurn& R, const Vec3<S>& by_x, const Vec3<S>& by_y) {
     const Vec3<S> p = R.turned(R.c * by_x - R.s * by_y), q = R.turned(R.s * by_x + R.c * by_y);
-    Vec3<S> r{S(0), S(0), S(0)};
-    if constexpr (tilts) r = -(R.tilt_x * p + R.tilt_y * q);
-    return exchanged(Mat3<S>{{p.x, q.x, r.x, p.y, q.y, r.y, p.z, q.z, r.z}});
+    return exchanged(Mat3<S>{{p.x, q.x, S(0), p.y, q.y, S(0), p.z, q.z, S(0)}});
   }
   friend Vec3<S> transposeTimes(const ExchangedTurn& R, const Vec3<S>& v) {
-    Vec3<S> u{v[x], flips ? -v[y] : v[y], flips ? -v[z] : v[z]};
-    if constexpr (tilts) {
-      const S above = u.z + R.tilt_x * u.x + R.tilt_y * u.y;
-      u.x -= R.tilt_x * u.z;
-      u.y -= R.tilt_y * u.z;
-      u.z = above;
-    }
+    const Vec3<S> u{v[x], flips ? -v[y] : v[y], flips ? -v[z] : v[z]};
     return {R.c * u.x + R.s * u.y, R.c * u.y - R.s * u.x, u.z};
   }
 
@@ -118,8 +73,6 @@ struct ExchangedTurn {
     const S u = c * xx - s * xy, v = c * xy - s * yy, zero(0);
     return {c * u - s * v, s * u + c * v, zero, s * (s * xx + c * xy) + c * (s * xy + c * yy), zero, zero};
   }
-  /// Of T v.
-  S thirdOf(const S& vz, const S& vx, const S& vy) const { return vz - tilt_x * vx - tilt_y * vy; }
 };
 
 /// R {xx, xy, 0; xy, yy, 0; 0, 0, 0} R^T.
@@ -163,9 +116,8 @@ void withRotation([[maybe_unused]] const Joint& joint, [[maybe_unused]] const Or
     using S = std::remove_cvref_t<decltype(joint.c)>;
     const AxisExchange& exchange = order.index(i).exchange;
     const auto turn = [&]<int axis>() {
-      const auto by = [&]<bool flips, bool tilts>() { use(ExchangedTurn<S, axis, flips, tilts>(joint.c, joint.s, order.constants(i).placement.R)); };
-      if (exchange.tilts) return exchange.flips ? by.template operator()<true, true>() : by.template operator()<false, true>();
-      return exchange.flips ? by.template operator()<true, false>() : by.template operator()<false, false>();
+      if (exchange.flips) return use(ExchangedTurn<S, axis, true>(joint.c, joint.s));
+      return use(ExchangedTurn<S, axis, false>(joint.c, joint.s));
     };
     if (exchange.shift == 0) return turn.template operator()<0>();
     if (exchange.shift == 1) return turn.template operator()<1>();

@@ -143,7 +143,7 @@ struct KeepingBodies : Bodies<S> {
   /// Calls walk(step), step(i, from...) being body(joint, i, idx_v, from...).
   template <class Body, class Walk>
   void overRun(const Run& run, Body&& body, Walk&& walk) const {
-    withShape<S>(run.shape, run.nv, [&]<class Joint>() DYN_RUN_LOOP {
+    withShape<S>(run.shape, run.nv, [&]<class Joint>() {
       const int v0 = this->index(run.first).idx_v, nv = nvOf<Joint>(*this, run.first);
       walk([&](int i, auto&... from) {
         const int k = i - run.first;

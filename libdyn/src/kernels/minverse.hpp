@@ -63,7 +63,7 @@ void articulatedFactors(const Order& order, Workspace<S>& w, Enter&& enter) {
 /// The factors of M^-1, with joints in w. Quad: in whose lanes strips may be.
 template <class Wide, class Quad = Wide, class S>
 void treeFactors(const CompactImpl& m, Workspace<S>& w, DerivativeWorkspace<S>& d) {
-  withRecursion<Quad>(m, w, d, m.strips.uses.inverse, [&](const auto& r) {
+  withRecursion<Quad>(m, w, d, m.strips.uses.derivatives, [&](const auto& r) {
     using Recursion = std::remove_cvref_t<decltype(r)>;
     using T = typename Recursion::Scalar;
     columnsOutward(r.order, r.order.w);

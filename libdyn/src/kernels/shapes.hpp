@@ -259,27 +259,45 @@ int nvOf(const Order& order, int i) {
 template <class Joint>
 constexpr int most_nv = Joint::nv > 0 ? Joint::nv : max_joint_nv;
 
-/// Hands a kernel over to the shape of a run: `kernel.template operator()<Shape>()`. The one dispatch of a run.
+// All that is called for a run's shape is inlined there: steps are a few instructions each, where compilers count lines. Sanitized code is not, and
+// grows too much; nor is that on scalars whose operations are calls.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || defined(DYN_PLAIN_LOOPS)
+#define DYN_FLATTEN
+#else
+#define DYN_FLATTEN __attribute__((flatten))
+#endif
+
+template <class Joint, class Kernel>
+DYN_FLATTEN __attribute__((noinline)) void inOneFunction(Kernel& kernel) {
+  kernel.template operator()<Joint>();
+}
+template <class Joint, class Kernel>
+__attribute__((noinline)) void inCalls(Kernel& kernel) {
+  kernel.template operator()<Joint>();
+}
+
+/// Hands a kernel over to the shape of a run: `kernel.template operator()<Shape>()`. The one dispatch of a run. Shapes that robots have few of are
+/// not inlined as a whole, which takes compilers most of their time.
 /// Without `constants` there are no dense_constant shapes, without `varying` no dense ones.
 template <class S, bool constants = true, bool varying = true, class Kernel>
 void withShape(Shape shape, int nv, Kernel&& kernel) {
   [[maybe_unused]] const auto dense = [&]<bool varies>() {
-    if (nv == 1) return kernel.template operator()<Dense<S, 1, varies>>();
-    return kernel.template operator()<Dense<S, 0, varies>>();
+    if (nv == 1) return inOneFunction<Dense<S, 1, varies>>(kernel);
+    return inCalls<Dense<S, 0, varies>>(kernel);
   };
   switch (shape) {
     case Shape::revolute:
-      return kernel.template operator()<Revolute<S>>();
+      return inOneFunction<Revolute<S>>(kernel);
     case Shape::prismatic:
-      return kernel.template operator()<Prismatic<S>>();
+      return inOneFunction<Prismatic<S>>(kernel);
     case Shape::spherical:
-      return kernel.template operator()<Spherical<S>>();
+      return inOneFunction<Spherical<S>>(kernel);
     case Shape::translation:
-      return kernel.template operator()<Translation<S>>();
+      return inCalls<Translation<S>>(kernel);
     case Shape::planar:
-      return kernel.template operator()<Planar<S>>();
+      return inCalls<Planar<S>>(kernel);
     case Shape::free:
-      return kernel.template operator()<Free<S>>();
+      return inOneFunction<Free<S>>(kernel);
     case Shape::dense_constant:
     case Shape::dense:
       break;

@@ -10,7 +10,7 @@ void addFactors(SingleKernels& k) {
   using D = DerivativeWorkspace<double>;
   k.factorTimes = [](const CompactImpl& m, D& d, FactorProduct product, double* x) { kernels::factorTimes<Wide>(m, d.cholesky, product, x); };
   k.centroidal = [](const CompactImpl& m, W& w, D& d, const double* v, const double* a, const CentroidalMaps<double>& out) {
-    return kernels::centroidal<Wide>(m, w, d, v, a, out);
+    return kernels::centroidal(m, w, d, v, a, out);
   };
   k.choleskyDecompose = [](const CompactImpl& m, D& d, const double* M) {
     int failed = 0;

@@ -81,7 +81,7 @@ class ChainProduct {
   /// Columns of which `length` on their path, from the root on, take shares, every `every`-th number from `shares` on; into columns that are `stride`
   /// apart from `out` on, their rows from the panel on that has row `first`.
   template <int columns, int every>
-  [[gnu::flatten]] void write(int first, int length, const S* const shares, S* const out, const std::ptrdiff_t stride) const {
+  void write(int first, int length, const S* const shares, S* const out, const std::ptrdiff_t stride) const {
     const Step* const path = path_;
     const auto panel = [&]<int rows>(std::integral_constant<int, rows>, int row, int reaching) {
       S sum[columns][rows];

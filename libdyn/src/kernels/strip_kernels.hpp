@@ -1,4 +1,8 @@
 // Recursions over strips: the kernels for bodies, with four joints in the lanes of a pack.
+//
+// A second text wins 15 % on two robots, or goes. CompileOptions::strips = false shows what these win, as one body after the other against strips
+// (AVX-512, single states): HyQ and ANYmal take 1.46 and 1.47 times as long for rnea, 1.41 and 1.37 for aba, 1.42 and 1.48 for crba, 1.26 and 1.30
+// for minverse, 1.27 and 1.30 for the derivatives of rnea, 1.20 and 1.25 for ccrba; TALOS 1.33 for rnea, 1.13 for aba and 1.04 for the derivatives.
 #pragma once
 
 #include "kernels/aba.hpp"

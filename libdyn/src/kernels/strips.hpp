@@ -82,7 +82,7 @@ struct Strips {
   template <class Body, class... T>
   void forward(std::tuple<T*...> arrays, Body&& body) const {
     for (const StripRun& run : m.strips.runs)
-      withShape<S, false, varying>(run.shape, run.nv, [&]<class Joint>() DYN_RUN_LOOP {
+      withShape<S, false, varying>(run.shape, run.nv, [&]<class Joint>() {
         const auto step = [&](int i, auto&... from) {
           const Slot<S> slot = slotOf(i);
           body(Joint(slot), i, strip(i).dof, from...);
@@ -93,7 +93,7 @@ struct Strips {
   template <class Body, class... T>
   void backward(std::tuple<T*...> arrays, Body&& body) const {
     for (auto run = m.strips.runs.rbegin(); run != m.strips.runs.rend(); ++run)
-      withShape<S, false, varying>(run->shape, run->nv, [&]<class Joint>() DYN_RUN_LOOP {
+      withShape<S, false, varying>(run->shape, run->nv, [&]<class Joint>() {
         const auto step = [&](int i, auto&... from) {
           const Slot<S> slot = slotOf(i);
           body(Joint(slot), i, strip(i).dof, from...);

@@ -181,7 +181,7 @@ struct PathMatrix {
   }
   /// Square tiles on the diagonal, those below them that have entries, and their mirror images; none begins beyond `last_begin`.
   template <class Wide>
-  __attribute__((flatten)) void inTiles(const std::vector<int>& dof_end, int last_begin, Rows<S> out) const {
+  void inTiles(const std::vector<int>& dof_end, int last_begin, Rows<S> out) const {
     const Rows<S> across = right;
     constexpr int width = Part<Wide, S>::width;
     const int n = static_cast<int>(dof_end.size());
@@ -220,7 +220,7 @@ void inSquares(int n, Use&& use) {
 
 /// Completes a symmetric n x n matrix, whose rows have room for whole tiles, from its upper triangle.
 template <class Wide, class S>
-__attribute__((flatten)) void mirrorUpper(Rows<S> M, int n) {
+void mirrorUpper(Rows<S> M, int n) {
   constexpr int width = Part<Wide, S>::width;
   if constexpr (width > 1) {
     const auto onDiagonal = [&](int first) {

@@ -10,14 +10,6 @@
 
 namespace dyn::kernels {
 
-// The loop over a run is a function of its own for each shape, and all that it calls is inlined into it: steps are a few instructions
-// each, where compilers count lines. Sanitized code is not, and grows too much; nor is that on scalars whose operations are calls.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || defined(DYN_PLAIN_LOOPS)
-#define DYN_RUN_LOOP __attribute__((noinline))
-#else
-#define DYN_RUN_LOOP __attribute__((flatten, noinline))
-#endif
-
 // What bodies hand on in a sweep, each in an array by body: order.forward(passing(arrays...), body), and backward.
 
 template <class... T>
@@ -238,7 +230,7 @@ struct Bodies {
   template <class Body, class... T>
   void forward(std::tuple<T*...> arrays, Body&& body) const {
     for (const Run& run : m.runs)
-      withShape<S>(run.shape, run.nv, [&]<class Joint>() DYN_RUN_LOOP {
+      withShape<S>(run.shape, run.nv, [&]<class Joint>() {
         const int v0 = index(run.first).idx_v, nv = nvOf<Joint>(*this, run.first);
         for (int k = 0; k < run.count; ++k) {
           const Slot<S> slot = slotOf(run, k);
@@ -250,7 +242,7 @@ struct Bodies {
   template <class Body, class... T>
   void backward(std::tuple<T*...> arrays, Body&& body) const {
     for (auto run = m.runs.rbegin(); run != m.runs.rend(); ++run)
-      withShape<S>(run->shape, run->nv, [&]<class Joint>() DYN_RUN_LOOP {
+      withShape<S>(run->shape, run->nv, [&]<class Joint>() {
         const int v0 = index(run->first).idx_v, nv = nvOf<Joint>(*this, run->first);
         for (int k = run->count - 1; k >= 0; --k) {
           const Slot<S> slot = slotOf(*run, k);
@@ -273,7 +265,7 @@ struct Bodies {
     auto run = m.runs.rbegin();
     while (body > 0) {
       while (run->first > body) ++run;
-      withShape<S>(run->shape, run->nv, [&]<class Joint>() DYN_RUN_LOOP {
+      withShape<S>(run->shape, run->nv, [&]<class Joint>() {
         along.template operator()<Joint>([&](auto&& visit) {
           const int run_first = run->first, v0 = index(run_first).idx_v, nv = nvOf<Joint>(*this, run_first);
           int i = body;

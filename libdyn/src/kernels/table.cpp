@@ -3,15 +3,9 @@
 
 #include "kernels/table_parts.hpp"
 
-namespace dyn::kernels {
-
-const Kernels& compiledTable() {
+/// What dispatch.cpp asks a module for.
+extern "C" __attribute__((visibility("default"))) const dyn::kernels::Kernels* dyn_kernels() {
+  using namespace dyn::kernels;
   static const Kernels table{layoutStamp(), singleKernels(), batchesOfDoubles(), batchesOfFloats(), &tableConstraints(), jointsInLanes(), vectored()};
-  return table;
+  return &table;
 }
-
-}  // namespace dyn::kernels
-
-#ifdef DYN_KERNELS_MODULE
-extern "C" __attribute__((visibility("default"))) const dyn::kernels::Kernels* dyn_kernels() { return &dyn::kernels::compiledTable(); }
-#endif

@@ -137,7 +137,8 @@ constexpr std::size_t layoutStamp() {
   return stamp;
 }
 
-/// The one in use: the best that the processor has, or what DYN_SIMD asks for. Throws Error(argument) when that cannot be had.
+/// The one in use: the best that the processor has, or what DYN_SIMD asks for. Throws Error(argument) where that was not built, Error(file) where its
+/// module cannot be opened.
 const Kernels& active();
 
 /// Whether there are algorithms that take this model's joints in lanes.
@@ -148,8 +149,5 @@ bool useStripsForDerivatives(const CompactImpl& m);
 
 /// What takes several numbers of one state of this model at once, for one of StripUses' algorithms, or null.
 const PackedKernels* packed(const CompactImpl& m, bool StripUses::*algorithm);
-
-/// The table of the instruction set that its sources are compiled for. The library's own is for every processor of this architecture.
-const Kernels& compiledTable();
 
 }  // namespace dyn::kernels

@@ -276,7 +276,7 @@ inline Mat3<Vectored> turnZ(const Mat3<Vectored>& E, const Vectored& c, const Ve
 /// R times a placement's rotation. If that is an exchange of axes, R's columns are taken, which give the same numbers sooner: each shift is a case of
 /// its own, as columns are in registers.
 inline Mat3<Vectored> placedAxes(const Mat3<Vectored>& R, const Mat3<double>& placement, const AxisExchange& exchange) {
-  if (exchange.shift < 0 || exchange.tilts) return R * placement;
+  if (exchange.shift < 0) return R * placement;
   const Four sign = inAll(exchange.flips ? -1.0 : 1.0);
   if (exchange.shift == 0) return {R.c[0], sign * R.c[1], sign * R.c[2]};
   if (exchange.shift == 1) return {R.c[1], sign * R.c[2], sign * R.c[0]};

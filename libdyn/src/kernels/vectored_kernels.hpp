@@ -1,4 +1,7 @@
 // The recursions of one state on vectors in registers: the kernels for bodies, with memory of their own.
+//
+// The kernels on numbers, without strips, take 2.1 and 2.3 times as long for rnea (HyQ, ANYmal), 2.2 for aba and 2.4 for crba (SingleKernels in place
+// of `vectored` in packed(), dispatch.cpp).
 #pragma once
 
 #include "kernels/vectored_crba.hpp"

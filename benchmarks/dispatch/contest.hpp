@@ -1,0 +1,122 @@
+// The four algorithms over one way of dispatch. Each way is compiled in a source of its own: with the recursions inlined it takes compilers half a
+// minute.
+#pragma once
+
+#include "dispatch/dispatch.hpp"
+#include "dispatch/orders.hpp"
+#include "kernels/aba.hpp"
+#include "kernels/crba.hpp"
+#include "kernels/kinematics.hpp"
+#include "kernels/losses.hpp"
+#include "kernels/rnea.hpp"
+
+#include <dyn/error.hpp>
+
+#include <algorithm>
+
+namespace dyn::benchmark {
+
+struct Memory {
+  explicit Memory(const CompactModel& model) : compact(model), scene{model.impl(), w, {}, {}, {}} {
+    const CompactImpl& m = model.impl();
+    Arena count(nullptr);
+    carve(w, m, count);
+    block.resize(count.used() + Arena::alignment);
+    const auto address = reinterpret_cast<std::uintptr_t>(block.data());
+    Arena arena(block.data() + (Arena::alignment - address % Arena::alignment) % Arena::alignment);
+    carve(w, m, arena);
+    atRest(w);
+    tau.resize(static_cast<std::size_t>(m.nv));
+    ddq = tau;
+    M.resize(tau.size() * tau.size());
+    if (!m.couplings.empty())
+      throw Error(ErrorCode::argument, "profile: the model has joints that follow others; --mimic independent leaves them free");
+    scene.members.resize(static_cast<std::size_t>(m.bodies()));
+    scene.places.resize(scene.members.size());
+    scene.batched.resize(m.batches.size());
+    for (int i = 1; i < m.bodies(); ++i) add(i);
+  }
+
+  void add(int i) {
+    const CompactImpl& m = scene.m;
+    const BodyIndex& x = m.index[static_cast<std::size_t>(i)];
+    const TypeBatch& batch = m.batches[static_cast<std::size_t>(x.batch)];
+    const std::string name = batch.type->info().name;
+    AnyJoint& member = scene.members[static_cast<std::size_t>(i)];
+    if (!findMember(name, member, scene.batched[static_cast<std::size_t>(x.batch)]))
+      throw Error(ErrorCode::argument, "profile: joint type '" + name + "' is a plugin's, which a static variant cannot hold");
+    const JointMemory<double>& numbers = w.joints[x.batch];
+    scene.places[static_cast<std::size_t>(i)] = {batch.constants.data() + x.slot,
+                                                 batch.count,
+                                                 batch.constant_count,
+                                                 x.idx_q,
+                                                 x.idx_v,
+                                                 numbers.pose + x.slot,
+                                                 numbers.subspace ? numbers.subspace + x.slot : nullptr,
+                                                 numbers.bias ? numbers.bias + x.slot : nullptr,
+                                                 numbers.stride};
+    const bool flies = i == 1 && name == standard::FreeFlyer::name;
+    scene.flying_root = scene.flying_root || flies;
+    scene.uniform = scene.uniform && (flies || name == standard::Revolute::name);
+  }
+
+  CompactModel compact;
+  Workspace<double> w;
+  std::vector<char> block;
+  std::vector<double> tau, ddq, M;
+  Scene scene;
+};
+
+/// The four algorithms over one order; `passes` of an algorithm times what one pass costs are its dispatches.
+template <class Order>
+void addOrder(const std::shared_ptr<Memory>& memory, const char* name, int evaluation, int pass, std::vector<Contender>& out) {
+  Memory& x = *memory;
+  const CompactImpl& m = x.scene.m;
+  const auto order = std::make_shared<Order>(x.scene);
+  const auto add = [&](const char* algorithm, int passes, auto run, const double* result, std::size_t size) {
+    out.push_back({algorithm, name, evaluation + passes * pass,
+                   [memory, order, run](const double* q, const double* v, const double* a) { run(*memory, *order, q, v, a); }, result,
+                   static_cast<int>(size)});
+  };
+  add(
+      "fk", 1,
+      [](Memory& s, const Order& o, const double* q, const double*, const double*) {
+        o.evaluate(q, nullptr);
+        kernels::forwardKinematics(o, s.w, static_cast<const double*>(nullptr), static_cast<const double*>(nullptr));
+      },
+      reinterpret_cast<const double*>(x.w.oM), 12 * static_cast<std::size_t>(m.bodies()));
+  add(
+      "rnea", 2,
+      [](Memory& s, const Order& o, const double* q, const double* v, const double* a) {
+        o.evaluate(q, v);
+        kernels::rneaOutward(o, s.w, v, a);
+        kernels::rneaInward(o, s.w, s.tau.data());
+        kernels::addJointForces(s.scene.m, v, a, s.tau.data());
+      },
+      x.tau.data(), x.tau.size());
+  add(
+      "crba", 2,
+      [](Memory& s, const Order& o, const double* q, const double*, const double*) {
+        o.evaluate(q, nullptr);
+        kernels::massMatrix(o, s.w, s.M.data());
+      },
+      x.M.data(), x.M.size());
+  add(
+      "aba", 3,
+      [](Memory& s, const Order& o, const double* q, const double* v, const double* a) {
+        o.evaluate(q, v);
+        std::copy(a, a + s.scene.m.nv, s.tau.begin());
+        kernels::addLosses(s.scene.m, -1.0, v, s.tau.data());
+        kernels::abaOutward(o, s.w, v);
+        kernels::abaInward(o, s.w, s.tau.data());
+        kernels::abaSolve(o, s.w, o.gravity(), s.ddq.data());
+      },
+      x.ddq.data(), x.ddq.size());
+}
+
+extern template void addOrder<PerBatch>(const std::shared_ptr<Memory>&, const char*, int, int, std::vector<Contender>&);
+extern template void addOrder<PerJointVirtual>(const std::shared_ptr<Memory>&, const char*, int, int, std::vector<Contender>&);
+extern template void addOrder<PerJointVariant>(const std::shared_ptr<Memory>&, const char*, int, int, std::vector<Contender>&);
+extern template void addOrder<Monomorphic>(const std::shared_ptr<Memory>&, const char*, int, int, std::vector<Contender>&);
+
+}  // namespace dyn::benchmark
