@@ -3,6 +3,8 @@
 
 #include <dyn/parsers/urdf.hpp>
 
+#include <Eigen/Cholesky>
+
 using namespace dyn;
 using namespace dyn::test;
 

@@ -2,6 +2,9 @@
 #include "constraint/support.hpp"
 #include "support/registry.hpp"
 
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
 #include <algorithm>
 
 using namespace dyn;
