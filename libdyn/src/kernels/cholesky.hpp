@@ -114,7 +114,7 @@ void eliminate(const Pivots<S>& pivots, const PathFactors<S>& factors, int* fail
 /// Of M, n x n with room for a pack, symmetric. Notes in `failed`, lane by lane, the first degree of freedom, plus one, whose pivot is not
 /// above the rounding of what it was subtracted from. O(n depth^2).
 template <class Wide, class S>
-void choleskyDecompose(const CompactImpl& m, const S* M, PathFactors<S>& c, int* failed) {
+__attribute__((flatten)) void choleskyDecompose(const CompactImpl& m, const S* M, PathFactors<S>& c, int* failed) {
   const std::ptrdiff_t n = m.nvx;
   std::fill(failed, failed + lanes_of<S>, 0);
   // All of them first: what has just been stored in pieces is not at hand as a whole.

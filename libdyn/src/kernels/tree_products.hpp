@@ -30,7 +30,7 @@ struct FromMinus {
 /// U(k, i) / D(k) right(k, j). Of `upper` columns only i >= j, and packs' ends. Columns have room for a pack behind the last one. O(n^2 depth)
 /// at most.
 template <class Wide, bool upper, class S, class Begin>
-void downTheTree(const CompactImpl& m, const TreeFactors<S> f, const Rows<S> right, const Begin start, const Rows<S> out) {
+__attribute__((flatten)) void downTheTree(const CompactImpl& m, const TreeFactors<S> f, const Rows<S> right, const Begin start, const Rows<S> out) {
   constexpr int width = Part<Wide, S>::width;
   const auto endOf = [&](int dof) { return m.dof_end[static_cast<std::size_t>(dof)]; };
   for (const DofChain& chain : m.chains)
