@@ -114,9 +114,9 @@ void addOrder(const std::shared_ptr<Memory>& memory, const char* name, int evalu
       x.ddq.data(), x.ddq.size());
 }
 
-extern template void addOrder<PerBatch>(const std::shared_ptr<Memory>&, const char*, int, int, std::vector<Contender>&);
-extern template void addOrder<PerJointVirtual>(const std::shared_ptr<Memory>&, const char*, int, int, std::vector<Contender>&);
-extern template void addOrder<PerJointVariant>(const std::shared_ptr<Memory>&, const char*, int, int, std::vector<Contender>&);
-extern template void addOrder<Monomorphic>(const std::shared_ptr<Memory>&, const char*, int, int, std::vector<Contender>&);
+/// The ways that find a joint's code by a virtual call, a batch or a joint at a time.
+void addVirtualDispatch(const std::shared_ptr<Memory>& memory, std::vector<Contender>& out);
+/// Those that know all types: a variant, and, of models with revolute joints alone below their root, nothing to choose from.
+void addStaticDispatch(const std::shared_ptr<Memory>& memory, std::vector<Contender>& out);
 
 }  // namespace dyn::benchmark

@@ -2,7 +2,10 @@
 
 namespace dyn::benchmark {
 
-template void addOrder<PerJointVariant>(const std::shared_ptr<Memory>&, const char*, int, int, std::vector<Contender>&);
-template void addOrder<Monomorphic>(const std::shared_ptr<Memory>&, const char*, int, int, std::vector<Contender>&);
+void addStaticDispatch(const std::shared_ptr<Memory>& memory, std::vector<Contender>& out) {
+  const int joints = memory->scene.m.bodies() - 1;
+  addOrder<PerJointVariant>(memory, "static_variant", joints, joints, out);
+  if (memory->scene.uniform) addOrder<Monomorphic>(memory, "monomorphic", 0, 0, out);
+}
 
 }  // namespace dyn::benchmark

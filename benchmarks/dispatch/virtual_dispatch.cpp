@@ -2,7 +2,11 @@
 
 namespace dyn::benchmark {
 
-template void addOrder<PerBatch>(const std::shared_ptr<Memory>&, const char*, int, int, std::vector<Contender>&);
-template void addOrder<PerJointVirtual>(const std::shared_ptr<Memory>&, const char*, int, int, std::vector<Contender>&);
+void addVirtualDispatch(const std::shared_ptr<Memory>& memory, std::vector<Contender>& out) {
+  const CompactImpl& m = memory->scene.m;
+  const int joints = m.bodies() - 1, runs = static_cast<int>(m.runs.size()), types = static_cast<int>(m.batches.size());
+  addOrder<PerBatch>(memory, "virtual_per_batch", types, runs, out);
+  addOrder<PerJointVirtual>(memory, "virtual_per_joint", joints, joints, out);
+}
 
 }  // namespace dyn::benchmark

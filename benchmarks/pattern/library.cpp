@@ -1,5 +1,6 @@
 #include "pattern/library.hpp"
 
+#include "at.hpp"
 #include "compile/compact_impl.hpp"
 #include "kernels/losses.hpp"
 #include "pattern/joints.hpp"
@@ -14,8 +15,6 @@ namespace dyn::benchmark {
 namespace pattern {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Joint i moves body i; 0 is the universe.
 struct Library {

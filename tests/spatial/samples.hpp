@@ -36,5 +36,5 @@ S largestDifference(const Eigen::Matrix<S, rows, columns>& a, const Eigen::Matri
 
 }  // namespace dyn::test
 
-// Evaluated first: of each kind of expression by itself compilers would make a difference and a maximum, of three scalars.
+// Both sides are evaluated first: else compilers would make a difference and a maximum for each kind of expression, in three scalars.
 #define CHECK_NEAR(a, b) CHECK(largestDifference((a).eval(), (b).eval()) < tolerance<S>)

@@ -1,3 +1,4 @@
+#include "at.hpp"
 #include "codegen/names.hpp"
 #include "codegen/prelude.hpp"
 #include "codegen/schedule.hpp"
@@ -104,7 +105,6 @@ class Writer {
   }
   bool isConstant(std::uint32_t node) const { return nodes()[node].operation == Operation::constant; }
   const Unit& unitOf(std::uint32_t node) const { return schedule_.units[static_cast<std::size_t>(schedule_.places[node].unit)]; }
-  static std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
   /// Which values wait in memory, and where; in which order sines are taken.
   void plan() {

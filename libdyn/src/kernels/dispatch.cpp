@@ -1,4 +1,4 @@
-// Which table: that of the instruction set chosen for this process.
+// Opens the table of kernels for the instruction set that this process has chosen.
 #include "joint/processor.hpp"
 #include "kernels/constraint_table.hpp"
 

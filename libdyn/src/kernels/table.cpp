@@ -3,7 +3,7 @@
 
 #include "kernels/table_parts.hpp"
 
-/// What dispatch.cpp asks a module for.
+/// dispatch.cpp calls this function of the module that it opens.
 extern "C" __attribute__((visibility("default"))) const dyn::kernels::Kernels* dyn_kernels() {
   using namespace dyn::kernels;
   static const Kernels table{layoutStamp(), singleKernels(), batchesOfDoubles(), batchesOfFloats(), &tableConstraints(), jointsInLanes(), vectored()};
