@@ -235,3 +235,52 @@ TEST_CASE("random configurations lie within the limits, differ by seed and come 
   }
   CHECK(limited > 0);
 }
+
+TEST_CASE("random configurations are finite and within whatever limits there are", "[lie]") {
+  constexpr double none = std::numeric_limits<double>::infinity(), most = std::numeric_limits<double>::max();
+  struct Limits {
+    double lower, upper;
+  };
+  for (const Limits x : {Limits{4, none}, {-none, -7}, {-most, most}, {-1.5e308, 1.6e308}, {2e16, none}, {0.1, 0.1}, {-none, none}, {-0.3, 0.7}})
+    for (const char* type : {"free_flyer", "planar", "translation", "prismatic", "revolute"}) {
+      CAPTURE(type, x.lower, x.upper);
+      Model model;
+      JointDescription joint;
+      joint.name = "joint";
+      joint.type = type;
+      const bool one = std::string(type) == "prismatic" || std::string(type) == "revolute";
+      if (one) joint.parameters["axis"] = std::vector<double>{0, 0, 1};
+      const int positions = one ? 1 : std::string(type) == "planar" ? 2 : 3;
+      const std::size_t nq = one ? 1 : std::string(type) == "planar" ? 4 : std::string(type) == "translation" ? 3 : 7;
+      joint.limits.lower.assign(nq, -none);
+      joint.limits.upper.assign(nq, none);
+      joint.limits.lower[static_cast<std::size_t>(positions - 1)] = x.lower;
+      joint.limits.upper[static_cast<std::size_t>(positions - 1)] = x.upper;
+      model.addBody("body", 0, joint, {1, {}, {1, 0, 0, 1, 0, 1}});
+      const CompactModel m = compile(model, registry());
+      for (std::uint64_t seed = 0; seed < 100; ++seed) {
+        const Eigen::VectorXd q = randomConfiguration(m, seed);
+        REQUIRE(q.allFinite());
+        REQUIRE(q[positions - 1] >= x.lower);
+        REQUIRE(q[positions - 1] <= x.upper);
+      }
+    }
+}
+
+TEST_CASE("random rotations are even over their group", "[lie]") {
+  // The angle of an even rotation has the density (1 - cos angle) / pi, and its axis prefers no direction.
+  for (const char* type : {"spherical", "free_flyer"}) {
+    const CompactModel m = single(type);
+    constexpr int count = 20000;
+    Eigen::Vector4d fourths = Eigen::Vector4d::Zero();
+    Eigen::Matrix4d squares = Eigen::Matrix4d::Zero();
+    for (int k = 0; k < count; ++k) {
+      const Eigen::Vector4d x = randomConfiguration(m, static_cast<std::uint64_t>(k)).tail(4);
+      squares += x * x.transpose() / count;
+      fourths += x.array().pow(4).matrix() / count;
+    }
+    // Means over the sphere of x^2 and x^4 are 1/4 and 1/8; six deviations.
+    CHECK((squares - 0.25 * Eigen::Matrix4d::Identity()).cwiseAbs().maxCoeff() < 6 * std::sqrt(1.0 / 16 / count));
+    CHECK((fourths.array() - 0.125).abs().maxCoeff() < 6 * std::sqrt((7.0 / 128 - 1.0 / 64) / count));
+  }
+}

@@ -3,6 +3,7 @@
 #include "joint/coordinate.hpp"
 
 #include <dyn/algorithm/configuration.hpp>
+#include <dyn/lie/so3.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -122,25 +123,36 @@ void randomConfiguration(const CompactModel& model, std::uint64_t seed, double* 
   const CompactImpl& m = model.impl();
   std::mt19937_64 generator(seed);
   // mt19937_64 is the same everywhere; std::uniform_real_distribution is not.
-  const auto uniform = [&](double a, double b) { return a + (b - a) * (static_cast<double>(generator() >> 11) * 0x1p-53); };
+  const auto uniform = [&](double a, double b) {
+    const double share = static_cast<double>(generator() >> 11) * 0x1p-53;
+    return std::clamp((1 - share) * a + share * b, a, b);  // b - a may overflow
+  };
+  const auto within = [&](int coordinate, double reach) {
+    double lower = m.limits.lower[at(coordinate)], upper = m.limits.upper[at(coordinate)];
+    if (!std::isfinite(lower)) lower = std::isfinite(upper) ? std::min(-reach, upper - 1) : -reach;
+    if (!std::isfinite(upper)) upper = std::max(reach, lower + 1);
+    return uniform(lower, upper);
+  };
   neutral(model, q);
   for (int i = 1; i < m.bodies(); ++i) {
     const BodyIndex& x = m.index[at(i)];
     if (x.user_v < 0) continue;
     const TypeBatch& batch = m.batches[at(x.batch)];
     if (x.nq == x.nv) {
-      for (int k = 0; k < x.nq; ++k) {
-        double lower = m.limits.lower[at(x.user_q + k)], upper = m.limits.upper[at(x.user_q + k)];
-        if (!std::isfinite(lower)) lower = std::isfinite(upper) ? std::min(-M_PI, upper - 1) : -M_PI;
-        if (!std::isfinite(upper)) upper = std::max(M_PI, lower + 1);
-        q[x.user_q + k] = uniform(lower, upper);
-      }
+      for (int k = 0; k < x.nq; ++k) q[x.user_q + k] = within(x.user_q + k, M_PI);
       continue;
     }
     double v[max_joint_nv], from[max_joint_nq];
     const bool group_with_positions = batch.shape == Shape::free || batch.shape == Shape::planar;
     const int positions = group_with_positions ? (batch.shape == Shape::free ? 3 : 2) : 0;
     for (int k = 0; k < x.nv; ++k) v[k] = k < positions ? 0.0 : uniform(-M_PI, M_PI);
+    if (batch.shape == Shape::spherical || batch.shape == Shape::free) {
+      // Quaternions that are even over their sphere (Shoemake 1992, Graphics Gems III.6).
+      const double share = uniform(0, 1), first = std::sqrt(1 - share), second = std::sqrt(share);
+      const Vec3<double> w = log3(Quaternion<double>{first * std::sin(v[positions]), first * std::cos(v[positions]),
+                                                     second * std::sin(v[positions + 1]), second * std::cos(v[positions + 1])});
+      v[positions] = w.x, v[positions + 1] = w.y, v[positions + 2] = w.z;
+    }
     std::copy(q + x.user_q, q + x.user_q + x.nq, from);
     ConfigurationBatch<double> call;
     call.count = 1;
@@ -151,10 +163,7 @@ void randomConfiguration(const CompactModel& model, std::uint64_t seed, double* 
     call.v = v;
     call.q_out = q + x.user_q;
     batch.type->integrate(call);
-    for (int k = 0; k < positions; ++k) {
-      const double lower = m.limits.lower[at(x.user_q + k)], upper = m.limits.upper[at(x.user_q + k)];
-      q[x.user_q + k] = uniform(std::isfinite(lower) ? lower : -1, std::isfinite(upper) ? upper : 1);
-    }
+    for (int k = 0; k < positions; ++k) q[x.user_q + k] = within(x.user_q + k, 1);
   }
 }
 

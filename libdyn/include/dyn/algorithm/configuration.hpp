@@ -74,7 +74,8 @@ inline bool isNormalized(const CompactModel& model, const VectorArg& q, double t
   return detail::distanceFromSpace(model, q) <= tolerance;
 }
 
-/// Uniform within the limits; unlimited coordinates in [-pi, pi], unlimited positions of groups in [-1, 1], rotations anywhere.
+/// Uniform within the limits; unlimited coordinates in [-pi, pi], unlimited positions of groups in [-1, 1]; where there is one limit, within a
+/// range of at least 1 at it. Rotations are even over their group.
 /// The same seed gives the same configuration.
 inline Eigen::VectorXd randomConfiguration(const CompactModel& model, std::uint64_t seed) {
   Eigen::VectorXd q(model.nq());
