@@ -273,6 +273,7 @@ TEST_CASE("two free trees tied together keep their common momentum", "[constrain
   const auto axes = static_cast<ConstraintAxes>(GENERATE(0, 1, 2));
   ConstraintDescription tie = closeLoop("tie", "hand0", "hand1", {false, false, true, true, false, false});
   std::get<FrameConstraint>(tie.relation).axes = axes;
+  std::get<FrameConstraint>(tie.relation).has_target = axes != ConstraintAxes::LOCAL_WORLD_ALIGNED;
   ConstraintData c(ConstraintSet(model, {tie}));
   const State s = stateOf(model, 6);
   const ConstrainedMotion x = constraintDynamics(model, data, s.q, s.v, Eigen::VectorXd::Zero(model.nv()), c);
@@ -369,6 +370,10 @@ TEST_CASE("what makes no constraint is refused by name", "[constraint]") {
   CHECK_THAT(refused({coupleJoint(model.joints().back().name, {"mimic", model.joints()[2].name, {}})}), containing("none was given"));
   CHECK_THAT(refused({closeLoop("free", foot, "universe", {true, true, true, true, true, true})}), containing("all directions are free"));
   CHECK_THAT(refused({closeLoop("universal", foot, "universe", {false, false, false, true, true, false})}), containing("two rotations"));
+  // The frames' axis, which the error would be of, and the world's, which the rows are about, are two.
+  ConstraintDescription hinge = closeLoop("hinge", foot, "universe", {false, true, false, false, true, false});
+  std::get<FrameConstraint>(hinge.relation).axes = ConstraintAxes::LOCAL_WORLD_ALIGNED;
+  CHECK_THAT(refused({hinge}), containing("use LOCAL or OTHER"));
   ConstraintDescription soft = frameContact(foot);
   soft.baumgarte.velocity = -1;
   CHECK_THAT(refused({soft}), containing("negative"));

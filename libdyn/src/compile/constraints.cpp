@@ -87,6 +87,9 @@ class ConstraintPacker {
     const auto rotations = std::count(c.free.begin() + 3, c.free.end(), true);
     if (c.has_target && rotations == 2)
       refuse("two rotations are free: as a joint that has no angle to keep; free one (a hinge), all (a ball), or cut the mechanism elsewhere");
+    if (c.has_target && rotations == 1 && c.axes == ConstraintAxes::LOCAL_WORLD_ALIGNED)
+      refuse(
+          "one rotation is free about an axis of the world: a hinge that is kept in its place has its axis in one of its bodies; use LOCAL or OTHER");
     p.rows = static_cast<int>(std::count(c.free.begin(), c.free.end(), false));
     if (p.rows == 0) refuse("all directions are free");
     p.row = takeRows(p.rows);
