@@ -444,3 +444,66 @@ TEST_CASE("a chain of couplings described last to first compiles in one pass", "
   model.bodies.back().joint.coupling = {"mimic", "j0", {{"coefficients", std::vector<double>{0, 1}}}};
   CHECK_THROWS_WITH(compile(model, registry()), containing("circle"));
 }
+
+namespace {
+
+/// Two masters on the world, each with a follower, and a follower of the first follower.
+Model followers(const std::string& type = "revolute") {
+  Model m;
+  const auto joint = [&](const char* name, JointLimits limits, Coupling coupling = {}) {
+    JointDescription j;
+    j.name = name;
+    j.type = type;
+    j.parameters["axis"] = std::vector<double>{0, 0, 1};
+    j.limits = std::move(limits);
+    j.coupling = std::move(coupling);
+    return j;
+  };
+  const auto follow = [](const char* master, std::vector<double> coefficients) {
+    return Coupling{"mimic", master, {{"coefficients", std::move(coefficients)}}};
+  };
+  const Inertia<double> Y{1, {}, {1, 0, 0, 1, 0, 1}};
+  m.addBody("a", 0, joint("lead", {{-2}, {2}, {3}, {}}), Y);
+  m.addBody("b", 1, joint("follow", {{-1.5}, {0.5}, {4}, {}}, follow("lead", {0.1, -2})), Y);
+  m.addBody("c", 1, joint("last", {{-0.2}, {}, {}, {}}, follow("follow", {0, 0.5})), Y);
+  m.addBody("d", 0, joint("other", {}), Y);
+  m.addBody("e", 4, joint("curved", {{}, {0.25}, {}, {}}, follow("other", {0, 0, 1})), Y);
+  return m;
+}
+
+}  // namespace
+
+TEST_CASE("limits of joints that follow others are limits of those that lead", "[compile]") {
+  const CompactModel model = compile(followers(), registry());
+  const ModelLimits& limits = model.limits();
+  REQUIRE(model.nq() == 2);
+  // follow = 0.1 - 2 lead lies within [-0.4, 0.5], as last = follow / 2 may not be below -0.2.
+  CHECK(limits.lower[0] == approx(-0.2).epsilon(1e-15));
+  CHECK(limits.upper[0] == approx(0.25).epsilon(1e-15));
+  CHECK(limits.velocity[0] == approx(2.0).epsilon(1e-15));
+  // curved = other^2 <= 1/4.
+  CHECK(limits.lower[1] == approx(-0.5).epsilon(1e-14));
+  CHECK(limits.upper[1] == approx(0.5).epsilon(1e-14));
+  CHECK(model.report().warnings.empty());
+  for (std::uint64_t seed = 0; seed < 50; ++seed) {
+    const Eigen::VectorXd q = randomConfiguration(model, seed);
+    CHECK(std::abs(q[1]) <= 0.5);
+    CHECK(0.1 - 2 * q[0] <= 0.5 + 1e-15);
+    CHECK(0.05 - q[0] >= -0.2 - 1e-15);
+  }
+}
+
+TEST_CASE("limits of followers that cannot act are said", "[compile]") {
+  Model apart = followers();
+  apart.bodies[2].joint.limits = {{5}, {6}, {}, {}};
+  const CompactModel model = compile(apart, registry());
+  REQUIRE(model.report().warnings.size() == 1);
+  CHECK_THAT(model.report().warnings[0], containing("'follow', which follows 'lead', exclude"));
+  CHECK(model.limits().lower[0] == -2);
+  // One that turns without end has no position that could be limited.
+  Model turning = followers();
+  turning.bodies[4].joint.type = "continuous";
+  const CompactModel second = compile(turning, registry());
+  REQUIRE(second.report().warnings.size() == 1);
+  CHECK_THAT(second.report().warnings[0], containing("load it as an angle"));
+}

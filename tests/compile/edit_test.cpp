@@ -257,6 +257,32 @@ TEST_CASE("a joint with parts that follow others is held by itself", "[edit]") {
   CHECK_THROWS_WITH(reduce(hand(), registry(), {{"hand", {1, 2}}}), containing("1 coordinates"));
 }
 
+TEST_CASE("a held joint that follows another one, or a part of which does, is held where neutral has it", "[edit]") {
+  const auto following = [](double offset) { return Coupling{"mimic", "j0", {{"coefficients", std::vector<double>{offset, 0.3}}}}; };
+  Model with_part = append(arm(3), hand(), "link3"), whole_joint = arm(4);
+  std::get<std::vector<JointDescription>>(with_part.bodies.back().joint.parameters.at("parts"))[1].coupling = following(0.5);
+  whole_joint.bodies.back().joint.coupling = following(-0.8);
+  const std::string last = whole_joint.bodies.back().joint.name;
+  for (const auto& [model, joint] : {std::pair<const Model&, std::string>{with_part, "hand"}, {whole_joint, last}}) {
+    const CompactModel whole = compile(model, registry()), held = compile(reduce(model, registry(), {{joint, {}}}), registry());
+    Data wd(whole), hd(held);
+    forwardKinematics(whole, wd, neutral(whole));
+    forwardKinematics(held, hd, neutral(held));
+    const std::string& body = model.bodies.back().name;
+    CHECK(off(framePlacement(whole, wd, whole.frameId(body)), framePlacement(held, hd, held.frameId(body))) < 1e-14);
+  }
+  // Its own coordinate alone is the model's number; the other part stays where its leader, held too, has it.
+  const CompactModel whole = compile(with_part, registry()),
+                     held = compile(reduce(with_part, registry(), {{"hand", {0.7}}, {"j0", {0.4}}}), registry());
+  Eigen::VectorXd at = neutral(whole);
+  at[whole.joints()[static_cast<std::size_t>(whole.jointId("hand"))].idx_q] = 0.7;
+  at[whole.joints()[static_cast<std::size_t>(whole.jointId("j0"))].idx_q] = 0.4;
+  Data wd(whole), hd(held);
+  forwardKinematics(whole, wd, at);
+  forwardKinematics(held, hd, neutral(held));
+  CHECK(off(framePlacement(whole, wd, whole.frameId("palm")), framePlacement(held, hd, held.frameId("palm"))) < 1e-14);
+}
+
 TEST_CASE("keepOnly keeps what parts of a kept joint follow, and holds joints with such parts", "[edit]") {
   Model model = append(arm(3), hand(), "link3");
   std::get<std::vector<JointDescription>>(model.bodies.back().joint.parameters.at("parts"))[1].coupling.master = "j0";
@@ -270,13 +296,14 @@ TEST_CASE("keepOnly keeps what parts of a kept joint follow, and holds joints wi
   CHECK(compile(reduce(other, registry(), {{"hand", {0.5}}}), registry()).nv() == 2);
 }
 
-TEST_CASE("collisions that an appended model disables with its world are disabled with what carries it", "[edit]") {
+TEST_CASE("collisions that an appended model disables with its world are disabled with what hung there, not with what carries it", "[edit]") {
   Model tool = arm(6);
-  tool.disabled_collisions = {{"universe", "link0", "Adjacent"}, {"link1", "link2", "Never"}};
+  tool.addGeometry("mount", 0, {}, geometry::Sphere{0.1});
+  tool.disabled_collisions = {{"universe", "link2", "Adjacent"}, {"link1", "link2", "Never"}};
   const Model both = append(arm(5), tool, "tool", {}, "x_");
   REQUIRE(both.disabled_collisions.size() == 2);
-  CHECK(both.disabled_collisions[0].body == "link3");
-  CHECK(both.disabled_collisions[0].other == "x_link0");
+  CHECK(both.disabled_collisions[0].body == "x_mount");
+  CHECK(both.disabled_collisions[0].other == "x_link2");
   CHECK(both.disabled_collisions[1].body == "x_link1");
   CHECK(compile(both, registry()).report().warnings.empty());
 }
@@ -287,5 +314,5 @@ TEST_CASE("a disabled collision of a body that is not there is reported", "[edit
   const CompactModel compact = compile(model, registry());
   const auto& warnings = compact.report().warnings;
   REQUIRE(warnings.size() == 1);
-  CHECK_THAT(warnings[0], containing("no body 'nobody'"));
+  CHECK_THAT(warnings[0], containing("no body or volume 'nobody'"));
 }

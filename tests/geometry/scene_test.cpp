@@ -1,6 +1,8 @@
 // Which pairs are checked, and what is loaded for them.
 #include "geometry/scene.hpp"
 
+#include <dyn/compile/edit.hpp>
+#include <dyn/geometry/contact_finder.hpp>
 #include <dyn/parsers/srdf.hpp>
 #include <dyn/parsers/urdf.hpp>
 
@@ -61,12 +63,66 @@ TEST_CASE("pairs of one rigid body and of neighbours are left out, those with th
   CHECK(compileGeometry(compile(both, registry()), both).pairId("upper_ball", "scene/board") >= 0);
 }
 
-TEST_CASE("joints that are locked weld their bodies", "[geometry]") {
+TEST_CASE("which pairs are asked does not depend on the joints that are held", "[geometry]") {
   const Model description = arm();
+  const std::set<std::string> all = pairsOf(compileGeometry(compile(description, registry()), description));
   CompileOptions options;
-  options.lock = {{"elbow", {}}};
-  const CompactModel model = compile(description, registry(), options);
-  CHECK(pairsOf(compileGeometry(model, description)) == std::set<std::string>{"upper_ball table", "lower_ball table", "tool_ball table"});
+  for (const auto& joints : {std::vector<std::string>{"elbow"}, {"shoulder"}, {"flange"}, {"shoulder", "elbow"}, {"root", "shoulder", "flange"}}) {
+    options.lock.clear();
+    for (const std::string& joint : joints) options.lock.push_back({joint, {}});
+    CHECK(pairsOf(compileGeometry(compile(description, registry(), options), description)) == all);
+    const Model reduced = reduce(description, registry(), options.lock);
+    CHECK(pairsOf(compileGeometry(compile(reduced, registry()), reduced)) == all);
+  }
+}
+
+TEST_CASE("what an appended model disables with its world is still asked of what carries it", "[geometry]") {
+  Model tool = arm();
+  tool.disabled_collisions = {{"universe", "lower", "Adjacent"}};
+  const Model both = append(arm(), tool, "tool", {}, "x_");
+  const GeometryModel geometry = compileGeometry(compile(both, registry()), both);
+  CHECK(geometry.pairId("x_table", "x_lower_ball") == -1);
+  CHECK(geometry.pairId("tool_ball", "x_lower_ball") >= 0);
+  CHECK(geometry.pairId("table", "x_lower_ball") >= 0);
+}
+
+TEST_CASE("what held joints make collide is found, and makes no contact forces", "[geometry]") {
+  // The elbow is bent so far that the tool lies in the base; then all joints are held there.
+  const Model description = arm();
+  const CompactModel free = compile(description, registry());
+  const std::vector<double> bent{2 * M_PI / 3, 2 * M_PI / 3};
+  CompileOptions options;
+  options.lock = {{"shoulder", {bent[0]}}, {"elbow", {bent[1]}}};
+  const CompactModel held = compile(description, registry(), options);
+  const GeometryModel of_free = compileGeometry(free, description), of_held = compileGeometry(held, description);
+  Data free_data(free), held_data(held);
+  GeometryData free_geometry(of_free), held_geometry(of_held);
+  updateGeometryPlacements(free, free_data, of_free, free_geometry, Eigen::Map<const Eigen::VectorXd>(bent.data(), 2));
+  updateGeometryPlacements(held, held_data, of_held, held_geometry, Eigen::VectorXd(0));
+  const std::vector<int> found = computeCollisions(of_free, free_geometry);
+  CHECK(found == std::vector<int>{of_free.pairId("base_ball", "tool_ball")});
+  CHECK(computeCollisions(of_held, held_geometry) == found);
+  std::vector<ContactPoint> points;
+  geometryContacts(held, of_held)(VectorResult(nullptr, 0), points);
+  CHECK(points.empty());
+}
+
+TEST_CASE("what stands in the world beside a base is no neighbour of its first link", "[geometry]") {
+  // A link of the description's own for the world, as URDFs have it, carries a table and a pedestal; the base stands on the pedestal.
+  Model m;
+  const auto fixed = [](const char* name) { return jointOf(name, "fixed"); };
+  JointDescription shoulder = jointOf("shoulder", "revolute");
+  shoulder.parameters["axis"] = std::vector<double>{1, 0, 0};
+  m.addBody("world_link", 0, fixed("w"));
+  m.addBody("table", 1, fixed("t"));
+  m.addBody("pedestal", 1, fixed("p"));
+  m.addBody("base", 3, fixed("b"));
+  m.addBody("arm", 4, shoulder, {1, {}, {1, 0, 0, 1, 0, 1}});
+  m.addBody("cover", 5, fixed("c"));
+  for (int i = 1; i <= 6; ++i) m.addGeometry("of_" + m.bodies[static_cast<std::size_t>(i)].name, i, {}, g::Sphere{0.1});
+  const CompactModel model = compile(m, registry());
+  CHECK(pairsOf(compileGeometry(model, m)) == std::set<std::string>{"of_world_link of_arm", "of_world_link of_cover", "of_table of_arm",
+                                                                    "of_table of_cover", "of_pedestal of_arm", "of_pedestal of_cover"});
 }
 
 TEST_CASE("pairs are added and removed by the names of geometries and bodies", "[geometry]") {

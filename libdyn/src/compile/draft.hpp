@@ -66,7 +66,10 @@ void weld(Draft& draft);
 void canonicalise(Draft& draft);
 /// 5. Warnings for what would make the mass matrix singular everywhere: moving leaves without inertia.
 void inspect(Draft& draft);
-/// 6. The arrays that the recursions run over.
+/// 6. Limits of position and velocity of joints that follow others become limits of those that lead: what they follow there is a function of
+///    one coordinate, and where it has several ranges that are allowed the one nearest to 0 is meant.
+void passLimitsOn(Draft& draft);
+/// 7. The arrays that the recursions run over.
 std::shared_ptr<CompactImpl> pack(Draft&& draft, const CompileOptions& options);
 
 }  // namespace dyn

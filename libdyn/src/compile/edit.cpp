@@ -31,6 +31,7 @@ SE3<double> poseOf(const DraftBody& body, const double* q) {
 
 JointDescription rigidAt(const JointDescription& joint, const SE3<double>& pose) {
   JointDescription rigid;
+  rigid.held = joint.held;
   rigid.name = joint.name;
   rigid.where = joint.where;
   rigid.placement = joint.placement * pose;
@@ -49,17 +50,20 @@ std::unordered_map<std::string, int> carriersOf(const Model& model) {
 /// Makes joints rigid, and with them the joints and parts that follow them, but for those that are named to be held themselves.
 class Holder {
  public:
-  Holder(const Model& model, const JointRegistry& registry, const std::unordered_set<std::string>& named) : registry_(registry) {
+  Holder(const Model& model, const JointRegistry& registry, const std::vector<LockedJoint>& lock)
+      : model_(model), registry_(registry), carriers_(carriersOf(model)) {
+    for (const LockedJoint& l : lock)
+      if (!named_.emplace(l.joint, l.q).second) throw Error(ErrorCode::model, "is to be held twice; name it once", {"", 0, l.joint});
     for (std::size_t i = 1; i < model.bodies.size(); ++i) {
-      if (named.count(model.bodies[i].joint.name)) continue;
+      if (named_.count(model.bodies[i].joint.name)) continue;
       visitParts(model.bodies[i].joint, model.bodies[i].joint.name, [&](const JointDescription& joint, const std::string& name) {
         if (!joint.coupling.type.empty()) followers_[joint.coupling.master].push_back({static_cast<int>(i), name});
       });
     }
   }
 
-  /// Makes body `index` and what follows it rigid in `out`.
-  void hold(int index, const std::vector<double>& q, Model& out) const {
+  /// Makes body `index`, whose joint is named, and what follows it rigid in `out`.
+  void hold(int index, Model& out) const {
     std::unordered_set<std::string> held;
     std::vector<int> bodies{index};
     std::vector<std::string> open;
@@ -76,20 +80,31 @@ class Holder {
         if (std::find(bodies.begin(), bodies.end(), follower.body) == bodies.end()) bodies.push_back(follower.body);
       }
     }
-    Model alone;  // the joints with something to hold, each on the world, without what they follow beside
-    for (const int i : bodies) {
-      JointDescription joint = out.bodies[at(i)].joint;
-      joint.placement = {};
-      visitParts(joint, joint.name, [&](JointDescription& part, const std::string& name) {
-        if (!held.count(name) || !held.count(part.coupling.master)) part.coupling = {};
+    // The joints with something to hold, each on the world, and after them the joints that these follow.
+    const std::size_t with_something = bodies.size();
+    for (std::size_t k = 0; k < bodies.size(); ++k)
+      visitParts(out.bodies[at(bodies[k])].joint, "", [&](const JointDescription& part, const auto&) {
+        const auto found = carriers_.find(part.coupling.master);
+        if (found != carriers_.end() && std::find(bodies.begin(), bodies.end(), found->second) == bodies.end()) bodies.push_back(found->second);
       });
-      alone.addBody(out.bodies[at(i)].name, 0, joint);
+    Model alone;
+    for (std::size_t k = 0; k < bodies.size(); ++k) {
+      // What others of `lock` hold moves on in the model.
+      const BodyDescription& body = (k < with_something ? out : model_).bodies[at(bodies[k])];
+      JointDescription joint = body.joint;
+      joint.placement = {};
+      // A joint that is given coordinates of its own does not follow.
+      if (!numbersOf(joint.name).empty()) joint.coupling = {};
+      alone.addBody(body.name, 0, joint);
     }
     const Draft draft = resolve(alone, registry_);
-    const std::vector<SE3<double>> poses = posesOf(draft, q);
+    const std::vector<SE3<double>> poses = posesOf(draft);
+    bodies.resize(with_something);
     std::size_t next = 1;  // in the draft, which has a body for each joint that is not made of others
     for (const int i : bodies) {
       JointDescription& joint = out.bodies[at(i)].joint;
+      for (std::size_t k = next; k < draft.bodies.size() && draft.bodies[k].user_joint == draft.bodies[next].user_joint; ++k)
+        joint.held = joint.held || draft.bodies[k].instance.nv > 0;
       if (i != index) {
         holdParts(joint, joint.name, held, draft, poses, next);
         continue;
@@ -107,15 +122,22 @@ class Holder {
     std::string name;
   };
 
-  /// Poses of a draft's joints, each by itself: those of the first described joint at q (or neutral), followers where the couplings put them.
-  static std::vector<SE3<double>> posesOf(const Draft& draft, const std::vector<double>& q) {
+  /// The coordinates that a joint is to be held at; none: neutral, or where its coupling puts it.
+  const std::vector<double>& numbersOf(const std::string& joint) const {
+    static const std::vector<double> none;
+    const auto found = named_.find(joint);
+    return found == named_.end() ? none : found->second;
+  }
+
+  /// Poses of a draft's joints, each by itself: at its numbers or at neutral, followers where the couplings put them.
+  std::vector<SE3<double>> posesOf(const Draft& draft) const {
     std::vector<SE3<double>> poses(draft.bodies.size());
     std::vector<std::vector<double>> q_of(draft.bodies.size());
     std::vector<std::size_t> order;  // masters before followers
     for (std::size_t i = 1; i < draft.bodies.size(); ++i) order.push_back(i);
     const auto rank = [&](std::size_t i) { return draft.bodies[i].coupling ? draft.bodies[i].coupling->rank : 0; };
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return rank(a) < rank(b); });
-    std::size_t used = 0;
+    std::unordered_map<std::string, std::size_t> used;  // of the numbers of a described joint
     Coordinates coordinates;
     for (const std::size_t i : order) {
       const DraftBody& body = draft.bodies[i];
@@ -127,17 +149,20 @@ class Holder {
         const double x = coordinates.of(*master.type, master.constants.data(), 1, q_of[at(body.coupling->master)].data());
         body.coupling->type->evaluate(body.coupling->constants.data(), static_cast<int>(body.coupling->constants.size()), x, f);
         coordinates.set(*body.type, body.constants.data(), 1, f[0], q_of[i].data());
-      } else if (body.user_joint == 1 && !q.empty()) {
-        for (std::size_t k = 0; k < nq && used + k < q.size(); ++k) q_of[i][k] = q[used + k];
-        used += nq;
+      } else if (const std::vector<double>& q = numbersOf(body.user_name); !q.empty()) {
+        std::size_t& first = used[body.user_name];
+        for (std::size_t k = 0; k < nq && first + k < q.size(); ++k) q_of[i][k] = q[first + k];
+        first += nq;
       } else {
         neutralOf(*body.type, body.constants.data(), 1, q_of[i].data());
       }
       poses[i] = poseOf(body, q_of[i].data());
     }
-    if (used != q.size())
-      throw Error(ErrorCode::size, "to be held it needs " + std::to_string(used) + " coordinates, it was given " + std::to_string(q.size()),
-                  {"", 0, draft.bodies[1].user_name});
+    for (const auto& [joint, needed] : used)
+      if (needed != numbersOf(joint).size())
+        throw Error(ErrorCode::size,
+                    "to be held it needs " + std::to_string(needed) + " coordinates, it was given " + std::to_string(numbersOf(joint).size()),
+                    {"", 0, joint});
     return poses;
   }
 
@@ -168,7 +193,10 @@ class Holder {
       keep(*values, &JointInstance::nv);
   }
 
+  const Model& model_;
   const JointRegistry& registry_;
+  const std::unordered_map<std::string, int> carriers_;
+  std::unordered_map<std::string, std::vector<double>> named_;
   std::unordered_map<std::string, std::vector<Follower>> followers_;
 };
 
@@ -200,14 +228,11 @@ Model reduce(const Model& model, const JointRegistry& registry, const std::vecto
   Model out = model;
   std::unordered_map<std::string, int> by_name;
   for (std::size_t i = 1; i < model.bodies.size(); ++i) by_name[model.bodies[i].joint.name] = static_cast<int>(i);
-  std::unordered_set<std::string> named;
-  for (const LockedJoint& l : lock)
-    if (!named.insert(l.joint).second) throw Error(ErrorCode::model, "is to be held twice; name it once", {"", 0, l.joint});
-  const Holder holder(model, registry, named);
+  const Holder holder(model, registry, lock);
   for (const LockedJoint& l : lock) {
     const auto found = by_name.find(l.joint);
     if (found == by_name.end()) throw Error(ErrorCode::model, "is to be held, but the model has no such joint", {"", 0, l.joint});
-    holder.hold(found->second, l.q, out);
+    holder.hold(found->second, out);
   }
   return out;
 }
@@ -307,9 +332,17 @@ Model append(const Model& model, const Model& other, const std::string& at, cons
     rehang(g.body, g.placement);
     out.geometries.push_back(std::move(g));
   }
-  const std::string& carrier_name = out.bodies[static_cast<std::size_t>(carrier)].name;
-  const auto renamed = [&](const std::string& body) { return body == other.bodies[0].name ? carrier_name : prefix + body; };
-  for (const DisabledCollision& d : other.disabled_collisions) out.disabled_collisions.push_back({renamed(d.body), renamed(d.other), d.reason});
+  // What was disabled with the copy's world is disabled with the volumes that hung there, not with what carries them now.
+  const auto renamed = [&](const std::string& name) {
+    if (name != other.bodies[0].name) return std::vector<std::string>{prefix + name};
+    std::vector<std::string> volumes;
+    for (const GeometryDescription& g : other.geometries)
+      if (g.body == 0 && g.role == GeometryDescription::Role::collision) volumes.push_back(prefix + g.name);
+    return volumes;
+  };
+  for (const DisabledCollision& d : other.disabled_collisions)
+    for (const std::string& first : renamed(d.body))
+      for (const std::string& second : renamed(d.other)) out.disabled_collisions.push_back({first, second, d.reason});
   for (const std::string& note : other.notes) out.notes.push_back(note);
   return out;
 }

@@ -82,9 +82,9 @@ class Resolver {
     }
     for (const DisabledCollision& d : model_.disabled_collisions)
       for (const std::string& body : {d.body, d.other})
-        if (!bodies.count(body))
-          draft_.report.warnings.push_back("collisions of '" + d.body + "' and '" + d.other + "' are disabled, but there is no body '" + body +
-                                           "': that has no effect");
+        if (!bodies.count(body) && model_.findGeometry(body) < 0)
+          draft_.report.warnings.push_back("collisions of '" + d.body + "' and '" + d.other + "' are disabled, but there is no body or volume '" +
+                                           body + "': that has no effect");
     for (const FrameDescription& f : model_.frames)
       if (!bodies.emplace(f.name, 1).second) throw Error(ErrorCode::model, "two frames are called '" + f.name + "'; rename one");
   }

@@ -14,7 +14,10 @@ CompactModel compile(const Model& model, const JointRegistry& registry, const Co
   weld(draft);
   canonicalise(draft);
   inspect(draft);
+  passLimitsOn(draft);
   const std::shared_ptr<CompactImpl> compact = pack(std::move(draft), options);
+  for (const BodyDescription& body : reduced.bodies)
+    if (body.joint.held) compact->report.held.push_back(body.name);
   attachConstraints(compact, reduced.constraints, registry);
   return CompactModel(compact);
 }

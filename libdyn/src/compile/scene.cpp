@@ -142,7 +142,11 @@ Model keepForScene(const Model& model, const Scene& scene, std::vector<std::stri
     out.bodies.push_back(std::move(body));
   }
   // A body that is not there stays, too: compile() will say so.
-  const auto present = [&](const std::string& body) { return names.place(body) < 0 || kept[static_cast<std::size_t>(names.place(body))]; };
+  const auto present = [&](const std::string& name) {
+    const int geometry = model.findGeometry(name);
+    const int body = names.place(name) < 0 && geometry >= 0 ? model.geometries[static_cast<std::size_t>(geometry)].body : names.place(name);
+    return body < 0 || kept[static_cast<std::size_t>(body)];
+  };
   for (const DisabledCollision& d : model.disabled_collisions)
     if (present(d.body) && present(d.other)) out.disabled_collisions.push_back(d);
   for (const ConstraintDescription& constraint : model.constraints)

@@ -30,6 +30,7 @@ class Compiler {
 
   std::shared_ptr<const GeometryImpl> run() {
     collect();
+    groupBodies();
     choosePairs();
     applyNames();
     leaveOutMissing();
@@ -71,20 +72,21 @@ class Compiler {
     if (options_.pairs == GeometryOptions::Pairs::none) return;
     std::set<std::pair<int, int>> disabled;
     for (const DisabledCollision& d : description_.disabled_collisions) {
-      const int a = description_.findBody(d.body), b = description_.findBody(d.other);
-      if (a >= 0 && b >= 0) disabled.insert(std::minmax(a, b));
+      const std::vector<int> first = disabledBy(d.body), second = disabledBy(d.other);
+      for (const int a : first)
+        for (const int b : second) disabled.insert(std::minmax(a, b));
     }
     GeometryReport& report = out_->report;
     const int n = static_cast<int>(candidates_.size());
-    groupBodies();
     for (int a = 0; a < n; ++a) {
       for (int b = a + 1; b < n; ++b) {
         const Candidate &ca = candidates_[at(a)], &cb = candidates_[at(b)];
-        if (ca.joint == cb.joint) {
+        const int body_a = ca.description->body, body_b = cb.description->body;
+        if (group_[at(body_a)] == group_[at(body_b)]) {
           ++report.rigid;
-        } else if (adjacent(ca, cb)) {
+        } else if (neighbours(body_a, body_b) || neighbours(body_b, body_a)) {
           ++report.adjacent;
-        } else if (disabled.count(std::minmax(ca.description->body, cb.description->body))) {
+        } else if (disabled.count({a, b})) {
           ++report.disabled;
         } else {
           addPair({a, b});
@@ -100,28 +102,43 @@ class Compiler {
     pairs_.push_back(x);
   }
 
-  /// A joint connects their rigid bodies. What stands in the world is welded to it, but not to a robot's base that stands there too.
-  bool adjacent(const Candidate& a, const Candidate& b) const {
-    const int ga = group_[at(a.description->body)], gb = group_[at(b.description->body)];
-    return parent_[at(ga)] == gb || parent_[at(gb)] == ga;
+  /// A joint connects rigid bodies that these are of. Of what stands in the world only the body that carries the joint is the other's neighbour:
+  /// a table is welded to a robot's base that stands there too, and is not part of it. Nor is the world itself anybody's neighbour.
+  bool neighbours(int carrier, int carried) const {
+    const int joint_of = group_[at(carried)];
+    if (joint_of == 0) return false;
+    const int parent = description_.bodies[at(joint_of)].parent;
+    return group_[at(carrier)] == 0 ? carrier == parent && carrier != 0 : group_[at(carrier)] == group_[at(parent)];
   }
 
-  /// For each described body the first of those that it is welded to, itself if there is none before it, and for each such first body the
-  /// one that carries it by a joint; the universe carries none.
+  /// For each described body the first of those that it is welded to, by joints that have no freedom, the universe among them. Joints that are
+  /// held have: which pairs are asked does not depend on what is held.
   void groupBodies() {
     const std::vector<BodyDescription>& bodies = description_.bodies;
     group_.assign(bodies.size(), 0);
-    parent_.assign(bodies.size(), -1);
+    const std::unordered_set<std::string> held(model_.report().held.begin(), model_.report().held.end());
     const auto jointOf = [&](std::size_t body) {
       const int frame = model_.frameId(bodies[body].name);
       return frame < 0 ? -1 : model_.frames()[at(frame)].joint;
     };
     for (std::size_t i = 1; i < bodies.size(); ++i) {
-      const int p = bodies[i].parent;
-      const bool welded = p > 0 && jointOf(i) == jointOf(at(p));
-      group_[i] = welded ? group_[at(p)] : static_cast<int>(i);
-      if (!welded && p > 0) parent_[i] = group_[at(p)];
+      const auto p = at(bodies[i].parent);
+      const bool welded = jointOf(i) == (p == 0 ? 0 : jointOf(p)) && !held.count(bodies[i].name);
+      group_[i] = welded ? group_[p] : static_cast<int>(i);
     }
+  }
+  /// Whether it does in the description: held joints may keep it from that.
+  bool moves(const Candidate& c) const { return group_[at(c.description->body)] != 0; }
+
+  /// Candidates of the body of this name, or else the one that is called so.
+  std::vector<int> disabledBy(const std::string& name) const {
+    const int body = description_.findBody(name);
+    std::vector<int> found;
+    for (std::size_t i = 0; i < candidates_.size(); ++i) {
+      const GeometryDescription& g = *candidates_[i].description;
+      if (body >= 0 ? g.body == body : g.name == name) found.push_back(static_cast<int>(i));
+    }
+    return found;
   }
 
   std::vector<int> named(const std::string& name) const {
@@ -188,7 +205,7 @@ class Compiler {
       out_->index[c.description->name] = kept[i];
       out_->records.push_back({c.description->name, bodyOf(*c.description), c.joint, c.placement});
       out_->volumes.push_back(loader_.load(*c.description));
-      if (c.joint != 0) out_->moving.push_back(kept[i]);
+      if (moves(c)) out_->moving.push_back(kept[i]);
       unread.erase(uriOf(*c.description));
     }
     for (const auto& [a, b] : pairs_) out_->pairs.push_back({kept[at(a)], kept[at(b)]});
@@ -205,7 +222,7 @@ class Compiler {
     std::vector<bool> asked(out_->records.size());  // geometries that stand still and meet others by their boxes
     for (std::size_t p = 0; p < out_->pairs.size(); ++p) {
       const auto [a, b] = out_->pairs[p];
-      const bool moves_a = out_->records[at(a)].joint != 0, moves_b = out_->records[at(b)].joint != 0;
+      const bool moves_a = out_->moves(a), moves_b = out_->moves(b);
       if (!out_->volumes[at(a)]->bounded() || !out_->volumes[at(b)]->bounded() || (!moves_a && !moves_b)) {
         out_->unbounded.push_back(static_cast<int>(p));
       } else if (moves_a && moves_b) {
@@ -249,7 +266,7 @@ class Compiler {
   const Model& description_;
   const GeometryOptions& options_;
   VolumeLoader loader_;
-  std::vector<int> group_, parent_;
+  std::vector<int> group_;  ///< by described body
   std::vector<Candidate> candidates_;
   std::vector<std::pair<int, int>> pairs_;  ///< ascending
   std::shared_ptr<GeometryImpl> out_ = std::make_shared<GeometryImpl>();

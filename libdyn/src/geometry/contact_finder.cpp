@@ -56,6 +56,9 @@ class Finder {
     for (const int pair : nearPairs(m, d)) {
       if (sphereBound(m, d, pair) > margin_) continue;
       const PlacedPair p = placed(m, d, pair);
+      const auto [a, b] = m.pairs[at(pair)];
+      // Forces within one rigid body, of joints that are held, do nothing.
+      if (m.records[at(a)].joint == m.records[at(b)].joint) continue;
       if (!p.a.bounded() && !p.b.bounded()) continue;
       points_.clear();
       contacts(p.a, p.b, p.aMb, margin_, [&](const NearPieces& x) {

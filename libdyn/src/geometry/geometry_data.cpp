@@ -30,7 +30,7 @@ void GeometryDataImpl::place(int geometry, const SE3<double>& oMg) {
   center[at(geometry)] = oMg.act(volume.bounds().center());
   bounds[at(geometry)] = moved(volume.bounds(), oMg);
   if (margin > 0) bounds[at(geometry)].grow(margin);
-  if (moving && model.impl().records[at(geometry)].joint != 0) moving->place(geometry, bounds[at(geometry)]);
+  if (moving && model.impl().moves(geometry)) moving->place(geometry, bounds[at(geometry)]);
 }
 
 GeometryData::GeometryData(const GeometryModel& model, int contacts) {

@@ -7,6 +7,7 @@
 #include <dyn/geometry/collision.hpp>
 #include <dyn/geometry/distance.hpp>
 
+#include <algorithm>
 #include <memory>
 #include <unordered_map>
 #include <vector>
@@ -22,7 +23,7 @@ struct GeometryImpl {
   std::vector<int> pairs_of;                           ///< pairs whose first is a: from pairs_of[a] up to pairs_of[a + 1]
   int nv = 0;
 
-  std::vector<int> moving;  ///< geometries of joints that are not the universe
+  std::vector<int> moving;  ///< geometries that move in the description, ascending
   /// Boxes of what stands still and is bounded: side by side where they are few, in a tree where they are many; numbers are geometries.
   BoxArray still_boxes;
   std::unique_ptr<const Broadphase> still_tree;
@@ -32,6 +33,7 @@ struct GeometryImpl {
 
   GeometryReport report;
 
+  bool moves(int geometry) const { return std::binary_search(moving.begin(), moving.end(), geometry); }
   /// -1 if the two are not checked against each other.
   int pairOf(int a, int b) const;
 };

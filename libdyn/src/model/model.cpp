@@ -51,4 +51,10 @@ int Model::findJoint(const std::string& joint) const {
   return -1;
 }
 
+int Model::findGeometry(const std::string& geometry) const {
+  for (std::size_t i = 0; i < geometries.size(); ++i)
+    if (geometries[i].name == geometry && geometries[i].role == GeometryDescription::Role::collision) return static_cast<int>(i);
+  return -1;
+}
+
 }  // namespace dyn

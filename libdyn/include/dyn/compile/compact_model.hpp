@@ -30,9 +30,10 @@ struct FrameRecord {
 struct CompileReport {
   std::vector<std::string> passes;
   std::vector<std::string> warnings;
+  std::vector<std::string> held;  ///< bodies whose joint could move, and is rigid because it is held
 };
 
-/// Limits of the whole model; infinite where the description gives none.
+/// Limits of the whole model; infinite where the description gives none. Those of joints that follow others are within those of the leading ones.
 struct ModelLimits {
   std::vector<double> lower, upper;      ///< nq
   std::vector<double> velocity, effort;  ///< nv

@@ -14,8 +14,9 @@ struct LockedJoint {
 
 /// The model with these joints rigid: they become joints of type "fixed" at the pose they are held at, keep their names, bodies, frames
 /// and inertias, and lose limits, losses and armature, which rigid joints do not have. Joints that follow a held one are held where
-/// it puts them, unless they are named themselves, and so are parts that do. Throws Error(model) for a joint that does not exist or is
-/// named twice, Error(size) for a q of the wrong size.
+/// it puts them, unless they are named themselves, and so are parts that do. A held joint that follows another one, or a part of it that does, is
+/// held where neutral() has it; of a joint with such parts q has the numbers of the others alone. Throws Error(model) for a joint that does not exist
+/// or is named twice, Error(size) for a q of the wrong size.
 DYN_API Model reduce(const Model& model, const JointRegistry& registry, const std::vector<LockedJoint>& lock);
 
 /// The model with all joints rigid at neutral but those named in `keep` (and the joints they follow).

@@ -19,7 +19,7 @@ struct PairName {
 
 struct GeometryOptions {
   enum class Pairs {
-    all,  ///< but those of one rigid body, of bodies that a joint connects, and those that the description disables
+    all,  ///< but those of one rigid body, of neighbours, and those that the description disables
     none
   };
   enum class Missing { refuse, skip };
@@ -72,9 +72,10 @@ class DYN_API GeometryModel {
 };
 
 /// Collects the volumes of `description`, from which `model` was compiled, and the pairs of them to be checked; reads the files of those that
-/// a pair needs, each once. Bodies that joints of the model weld together are one. Throws Error(model) for volumes of no size, names used
-/// twice, bodies that the model does not have and more than 2^24 pairs, Error(argument) for pairs of unknown names, Error(file | syntax) for
-/// files that are missing or broken. O(n^2) in the number of geometries.
+/// a pair needs, each once. Bodies that fixed joints connect are one rigid body; a rigid body and the one that its joint hangs on are neighbours. Of
+/// what stands in the world only the body that the joint itself hangs on is. Joints that are held count as if they moved. Throws Error(model) for
+/// volumes of no size, names used twice, bodies that the model does not have and more than 2^24 pairs, Error(argument) for pairs of unknown names,
+/// Error(file | syntax) for files that are missing or broken. O(n^2) in the number of geometries.
 DYN_API GeometryModel compileGeometry(const CompactModel& model, const Model& description, const GeometryOptions& options = {});
 
 }  // namespace dyn

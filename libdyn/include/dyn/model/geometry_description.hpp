@@ -82,7 +82,7 @@ struct GeometryDescription {
   Where where{};
 };
 
-/// Two bodies whose geometry is not to be checked against each other, and why.
+/// Two bodies, or volumes by name, that are not to be checked against each other, and why.
 struct DisabledCollision {
   std::string body{}, other{};
   std::string reason{};

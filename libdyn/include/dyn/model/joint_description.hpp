@@ -44,6 +44,8 @@ struct JointDescription {
   std::vector<double> friction{};  ///< Coulomb [N m or N]
   std::vector<double> armature{};  ///< rotor inertia seen by the joint [kg m^2 or kg]
   Coupling coupling{};
+  /// Rigid only because reduce() holds it. Pairs of volumes to be checked are chosen as if it could move.
+  bool held = false;
   Where where{};  ///< where it was read, for messages
 };
 

@@ -49,6 +49,8 @@ struct DYN_API Model {
   /// Index of the body of that name, or of the body that the joint of that name carries; -1 if there is none.
   int findBody(const std::string& body) const;
   int findJoint(const std::string& joint) const;
+  /// Of collision; -1 likewise.
+  int findGeometry(const std::string& geometry) const;
 };
 
 }  // namespace dyn
