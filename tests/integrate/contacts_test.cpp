@@ -169,6 +169,25 @@ TEST_CASE("joints bounce off their limits, and rest at them while something push
     s.advance(2);
     CHECK(std::abs(s.q()[0] + 0.3) < 1e-9);
     CHECK(std::abs(s.v()[0]) < 1e-9);
+    CHECK(s.statistics().touched == 2);
+    CHECK(s.statistics().impacts == 0);
+  }
+  SECTION("within one long step, from both sides") {
+    // Free motion that goes through a limit and back again: v = 2 - 9 t.
+    const CompactModel model = stopped(-0.15, 0.15);
+    for (const Integrator integrator : {Integrator::dormand_prince, Integrator::gauss6})
+      for (const double way : {1.0, -1.0}) {
+        INFO(infoOf(integrator).name << ", " << way);
+        Simulator s(model, {.integrator = integrator, .dt = 0.45, .limits = true, .restitution = 0.5});
+        s.reset(Vector::Zero(1), Vector::Constant(1, 2 * way));
+        s.setController([way](double, const VectorResult&, const VectorResult&, VectorMap tau) { tau[0] = -9 * way; });
+        double farthest = 0;
+        std::vector<double> times;
+        for (int k = 1; k <= 100; ++k) times.push_back(0.0045 * k);
+        s.advance(0.45, times, [&](double, const VectorResult& q, const VectorResult&) { farthest = std::max(farthest, way * q[0]); });
+        CHECK(s.statistics().touched >= 1);
+        CHECK(farthest <= 0.15 + 1e-9);
+      }
   }
   SECTION("without being asked they pass them") {
     Simulator s(stopped(-0.3, 0.2), {.dt = 1e-3});

@@ -250,3 +250,26 @@ TEST_CASE("runs with friction are the same to the last byte, resumed ones too", 
     CHECK(whole.save() == other.save());
   }
 }
+
+TEST_CASE("a joint that stops and turns back within one step stops", "[joint_friction]") {
+  // 2 kg against 3 N, pushed by -4 + 8 t N: it stops, rests until the push is 3 N, and goes on.
+  const CompactModel model = compile(
+      [] {
+        Model m = tool::body("translation", 2, {}, {0.1, 0.1, 0.1}, 0);
+        m.bodies[1].joint.friction = {0, 3, 0};
+        return m;
+      }(),
+      registry());
+  // v = 1.2 - 3.5 t + 2 t^2 is zero at t1.
+  const double t1 = (3.5 - std::sqrt(3.5 * 3.5 - 4 * 2 * 1.2)) / 4, s = 1.5 - 7.0 / 8;
+  const double where = 1.2 * t1 - 1.75 * t1 * t1 + 2 * t1 * t1 * t1 / 3 + 2 * s * s * s / 3;
+  for (const Integrator integrator : {Integrator::dormand_prince, Integrator::rk4, Integrator::gauss6})
+    for (const double dt : {0.002, 0.05}) {
+      INFO(infoOf(integrator).name << ", " << dt);
+      Simulator x(model, {.integrator = integrator, .dt = dt});
+      x.reset(Vector::Zero(3), along(0, 1.2));
+      x.setController([](double t, const VectorResult&, const VectorResult&, VectorMap tau) { tau[1] = -4 + 8 * t; });
+      x.advance(1.5);
+      CHECK(std::abs(x.q()[1] - where) < 3 * dt * dt);
+    }
+}

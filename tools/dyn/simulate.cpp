@@ -215,7 +215,8 @@ void run(const SimulateOptions& o) {
     std::printf("momentum: linear changed by %.3g N s beyond gravity's, angular about the centre of mass by %.3g N m s\n", change.head<3>().norm(),
                 change.tail<3>().norm());
   }
-  if (s.impacts + s.contact_steps > 0) std::printf("contact: %ld impacts, %ld steps in touch\n", s.impacts, s.contact_steps);
+  if (s.impacts + s.contact_steps > 0)
+    std::printf("contact: %ld touched, %ld impacts with a rebound, %ld steps in touch\n", s.touched, s.impacts, s.contact_steps);
   if (s.inexact_contacts > 0) std::printf("of these %ld with forces that are not right to 1e-9 m/s\n", s.inexact_contacts);
   if (constraints.rows() > 0) std::printf("constraints: %d rows, error %.3g\n", constraints.rows(), simulator.constraintError());
   if (!o.save.empty()) replaceFile(o.save, simulator.save());

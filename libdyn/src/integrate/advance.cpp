@@ -37,10 +37,12 @@ int Simulator::advanceTo(double until, const double* times, std::size_t count, c
   std::size_t shown = 0;
   if (!observer) count = 0;
   while (shown < count && times[shown] == x.now.time) x.show(times[shown++], x.now.q.data(), x.now.v.data(), observer);
+  if (const int event = x.tellEvent(); event >= 0) return event;
+  x.checkSteps(until);
   while (x.now.time < until) {
-    double h = x.stepTowards(until);
-    const int event = x.events.empty() ? -1 : x.findEvent(h);
-    if (event >= 0) h = x.next.time - x.now.time;
+    const double planned = x.stepTowards(until);
+    const int event = x.events.empty() ? -1 : x.findEvent(planned);
+    const double h = x.next.time - x.now.time;
     for (; shown < count && times[shown] < x.next.time; ++shown) {
       x.between((times[shown] - x.now.time) / h, x.shown_q.data(), x.shown_v.data());
       x.show(times[shown], x.shown_q.data(), x.shown_v.data(), observer);

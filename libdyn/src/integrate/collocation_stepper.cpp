@@ -72,7 +72,7 @@ class CollocationStepper : public CubicStepper {
     k_ = from.a.replicate(1, tableau_.stages);
     turning_.setZero();
     next_turning_.setZero();
-    if (!solve(from)) return StepOutcome::unsolved;
+    if (const StepOutcome outcome = solve(from); outcome != StepOutcome::taken) return outcome;
     to.v = from.v;
     u_.setZero();
     for (int j = 0; j < tableau_.stages; ++j) {
@@ -87,29 +87,29 @@ class CollocationStepper : public CubicStepper {
  private:
   /// Iterates to where changes are rounding, with the matrix anew where they do not halve: first one state's derivatives for all stages, then
   /// each stage's own. Where loops are nearly singular those differ much.
-  bool solve(const Moment& from) {
+  StepOutcome solve(const Moment& from) {
     constexpr int most_iterations = 60;
     factorizeMiddle(from);
     double before = std::numeric_limits<double>::infinity();
     for (int i = 0; i < most_iterations; ++i) {
       ++law_.statistics.iterations;
       const double turned = evaluate(from);
-      if (!residual_.allFinite()) return false;
+      if (!residual_.allFinite()) return StepOutcome::not_finite;
       change_ = solver_.solve(residual_);
       const Eigen::Map<const Eigen::MatrixXd> change(change_.data(), n_, tableau_.stages);
       k_ -= change;
       const double size = std::max(turned, n_ > 0 ? h_ * change_.cwiseAbs().maxCoeff() : 0);
-      if (!std::isfinite(size)) return false;
+      if (!std::isfinite(size)) return StepOutcome::not_finite;
       const double scale = n_ > 0 ? std::max({from.v.cwiseAbs().maxCoeff(), h_ * k_.cwiseAbs().maxCoeff(), h_ * law_.cancelled}) : 0;
-      if (size <= 0x1p-52 * scale) return true;
+      if (size <= rounding(0x1p-52, scale)) return StepOutcome::taken;
       if (size > 0.5 * before) {
         // No better: rounding, if it is that small; otherwise the matrix is that of another state.
-        if (size <= 0x1p-40 * scale) return true;
+        if (size <= rounding(0x1p-40, scale)) return StepOutcome::taken;
         factorizeStages(from);
       }
       before = size;
     }
-    return false;
+    return StepOutcome::unsolved;
   }
 
   /// Of the state in the middle of the stages as they are now.

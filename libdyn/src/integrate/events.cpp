@@ -1,4 +1,7 @@
-// Zeros of functions of the state, looked for between the ends of a step.
+// Zeros of functions of the state, looked for within each step. One step may have several: the first ends it, those that happen at the same time are
+// told by further calls, and what happens later is found by the steps that follow.
+#include "at.hpp"
+#include "integrate/passing.hpp"
 #include "integrate/simulator_impl.hpp"
 
 #include <dyn/error.hpp>
@@ -10,56 +13,87 @@ void Simulator::setEvents(std::vector<Event> events) {
     if (!event.value) throw Error(ErrorCode::argument, "Simulator::setEvents: the event '" + event.name + "' has no function");
   impl_->events = std::move(events);
   impl_->signs.assign(impl_->events.size(), 0);
+  impl_->untold.clear();
+  impl_->untold.reserve(impl_->events.size());
+  impl_->event_looks.resize(impl_->events.size());
   impl_->readEvents(impl_->now, impl_->signs);
 }
 
-int Simulator::Impl::signOf(const Event& event, double t, const double* q, const double* v) const {
+double Simulator::Impl::valueOf(const Event& event, double t, const double* q, const double* v) const {
   double value = 0;
   const CompactModel& m = law.model();
   guardCallback(("the event '" + event.name + "'").c_str(), t, [&] { value = event.value(t, {q, m.nq()}, {v, m.nv()}); });
-  return (value > 0) - (value < 0);
+  return value;
 }
 
 void Simulator::Impl::readEvents(const Moment& at, std::vector<int>& sides) const {
-  for (std::size_t k = 0; k < events.size(); ++k) sides[k] = signOf(events[k], at.time, at.q.data(), at.v.data());
+  for (std::size_t k = 0; k < events.size(); ++k) {
+    const double value = valueOf(events[k], at.time, at.q.data(), at.v.data());
+    sides[k] = (value > 0) - (value < 0);
+  }
 }
 
-bool Simulator::Impl::happened(std::size_t k, int sign) const {
-  if (signs[k] == 0 || sign == signs[k]) return false;
+bool Simulator::Impl::counts(std::size_t k) const {
   return events[k].direction == Event::Direction::both || (signs[k] < 0) == (events[k].direction == Event::Direction::rising);
 }
 
-int Simulator::Impl::findEvent(double h) {
-  double earliest = 1;
-  int found = -1;
+double Simulator::Impl::onItsSide(std::size_t k, double t, const double* q, const double* v) const {
+  const double value = signs[k] * valueOf(events[k], t, q, v);
+  // To have come to zero is to have passed.
+  return value == 0 ? -std::numeric_limits<double>::denorm_min() : value;
+}
+
+double Simulator::Impl::firstChange(double h, std::size_t& which) {
+  for (int look = 0; look <= looks; ++look) {
+    const double share = shareOf(look);
+    if (look > 0 && look < looks) between(share, shown_q.data(), shown_v.data());
+    const Eigen::VectorXd &q = look == 0 ? now.q : look == looks ? next.q : shown_q, &v = look == 0 ? now.v : look == looks ? next.v : shown_v;
+    for (std::size_t k = 0; k < events.size(); ++k)
+      if (signs[k] != 0) event_looks[k][at(look)] = onItsSide(k, now.time + share * h, q.data(), v.data());
+  }
+  double earliest = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < events.size(); ++k) {
-    if (!happened(k, signOf(events[k], next.time, next.q.data(), next.v.data()))) continue;
-    // [low, high] keeps the sign before at low and the sign after at high.
-    double low = 0, high = 1;
-    while (high - low > 0x1p-45 && low < earliest) {
-      const double middle = 0.5 * (low + high);
-      const double t = now.time + middle * h;
-      between(middle, shown_q.data(), shown_v.data());
-      (happened(k, signOf(events[k], t, shown_q.data(), shown_v.data())) ? high : low) = middle;
-    }
-    if (found < 0 || high < earliest) {
-      earliest = high;
-      found = static_cast<int>(k);
-    }
+    // Of a change that does not count, only what comes back within the step matters.
+    if (signs[k] == 0 || (!counts(k) && event_looks[k].back() < 0)) continue;
+    const double share = firstNegative(event_looks[k], [&](double theta) {
+      between(theta, shown_q.data(), shown_v.data());
+      return onItsSide(k, now.time + theta * h, shown_q.data(), shown_v.data());
+    });
+    if (!(share < earliest)) continue;
+    earliest = share;
+    which = k;
   }
-  if (found < 0) return -1;
+  return earliest;
+}
+
+int Simulator::Impl::findEvent(double h) {
+  std::size_t first = 0;
+  double earliest = firstChange(h, first);
+  if (!(earliest <= 1)) return -1;
+  const auto changed = [&](std::size_t k) { return signs[k] != 0 && onItsSide(k, next.time, next.q.data(), next.v.data()) < 0; };
   // A speed that has come to zero is there, and not just past it.
-  if (h == cut && earliest > 1 - soon) return found;
-  // The step once more, as far as that. Its end is nearer the truth than the polynomial, which may be past the zero where it is not yet.
-  const auto k = static_cast<std::size_t>(found);
-  for (double more = 0x1p-45; earliest < 1; more *= 4) {
-    retake(earliest * h);
-    if (happened(k, signOf(events[k], next.time, next.q.data(), next.v.data()))) break;
-    earliest = std::min(1.0, earliest + more);
+  if (!(h == cut && earliest > 1 - soon)) {
+    // The step once more, as far as that. Its end is nearer the truth than the polynomial, which may be past the zero where it is not yet.
+    for (double more = 0x1p-45; earliest < 1; more *= 4) {
+      retake(earliest * h);
+      if (changed(first)) break;
+      earliest = std::min(1.0, earliest + more);
+    }
+    if (earliest == 1) retake(h);
+    whole_step = false;
   }
-  if (earliest == 1) retake(h);
-  whole_step = false;
-  return found;
+  untold.clear();
+  if (changed(first) && counts(first)) untold.push_back(static_cast<int>(first));
+  for (std::size_t k = 0; k < events.size(); ++k)
+    if (k != first && changed(k) && counts(k)) untold.push_back(static_cast<int>(k));
+  return tellEvent();
+}
+
+int Simulator::Impl::tellEvent() {
+  if (untold.empty()) return -1;
+  const int event = untold.front();
+  untold.erase(untold.begin());
+  return event;
 }
 
 }  // namespace dyn

@@ -1,9 +1,12 @@
 // Joints' own Coulomb friction. During a step it is a constant force, so that methods of any order have a smooth law: against the motion of a joint
 // that moves, and of one at rest what keeps it there, as far as friction can: found as forces of contacts are, at the level of velocities. A step
 // ends where a joint comes to rest; whether it stays there the next one finds.
+#include "at.hpp"
 #include "integrate/simulator_impl.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace dyn {
 
@@ -76,21 +79,41 @@ bool Simulator::Impl::markTurned(const Eigen::VectorXd& v) {
   return any(turned);
 }
 
+double Simulator::Impl::firstTurn() {
+  const auto& rubbing = unilateral->rubbing();
+  const std::size_t n = rubbing.size();
+  for (int look = 0; look <= looks; ++look) {
+    if (look < looks) between(shareOf(look), shown_q.data(), shown_v.data());
+    const Eigen::VectorXd& v = look < looks ? shown_v : next.v;
+    for (std::size_t k = 0; k < n; ++k) speeds[at(look) * n + k] = v[rubbing[k].dof];
+  }
+  double first = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < n; ++k) {
+    if (resting[k]) continue;
+    const int dof = rubbing[k].dof;
+    const double way = now.v[dof] > 0 ? 1 : -1;
+    Looks along;
+    for (int look = 0; look <= looks; ++look) along[at(look)] = way * speeds[at(look) * n + k];
+    along[0] = std::abs(now.v[dof]);
+    first = std::min(first, firstNegative(along, [&](double theta) {
+                       between(theta, shown_q.data(), shown_v.data());
+                       return way * shown_v[dof];
+                     }));
+  }
+  return first;
+}
+
 double Simulator::Impl::comeToRest(double h) {
-  while (markTurned(next.v)) {
+  if (!rubs()) return h;
+  for (double first = firstTurn(); first <= 1; first = firstTurn()) {
     const auto turnsBefore = [&](double theta) {
       between(theta, shown_q.data(), shown_v.data());
       return markTurned(shown_v);
     };
-    double low = 0, high = 1;
-    while (high - low > 0x1p-40) {
-      const double middle = 0.5 * (low + high);
-      (turnsBefore(middle) ? high : low) = middle;
-    }
     // Joints of one mechanism come to rest at once, but for rounding.
-    if (!turnsBefore(std::min(1.0, high + soon))) markTurned(next.v);
-    if (low > soon) {
-      cut = low * h;
+    if (!turnsBefore(std::min(1.0, first + soon)) && !turnsBefore(first)) markTurned(next.v);
+    if (first > soon) {
+      cut = first * h;
       stepBy(cut, now.time + cut);
       stopTurned();
       project();

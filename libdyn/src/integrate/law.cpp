@@ -21,10 +21,14 @@ Need withCouplings(const CompactModel& model, Need needs) { return model.impl().
 
 }  // namespace
 
+std::string number(double x) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.9g", x);
+  return text;
+}
+
 void refuseCallback(const char* callback, double t, const std::string& why) {
-  char time[32];
-  std::snprintf(time, sizeof time, "%.9g", t);
-  throw Error(ErrorCode::simulation, std::string(callback) + " threw at t = " + time + " s: " + why);
+  throw Error(ErrorCode::simulation, std::string(callback) + " threw at t = " + number(t) + " s: " + why);
 }
 
 Law::Law(const CompactModel& model, const ConstraintSet* constraints, Need needs)
@@ -51,12 +55,23 @@ Law::Law(const CompactModel& model, const ConstraintSet* constraints, Need needs
 void Law::callController(double t, const double* q, const double* v, double* tau) {
   VectorMap out(tau, model_.nv());
   out.setZero();
-  if (controller) guardCallback("the controller", t, [&] { controller(t, configuration(q), velocity(v), out); });
+  if (!controller) return;
+  guardCallback("the controller", t, [&] { controller(t, configuration(q), velocity(v), out); });
+  if (!fault.empty() || out.allFinite() || !atFiniteState(q, v)) return;
+  for (const JointRecord& joint : model_.joints())
+    for (int k = 0; k < joint.nv; ++k)
+      if (const double x = out[joint.idx_v + k]; !std::isfinite(x) && fault.empty())
+        fault = "at t = " + number(t) + " s the controller's tau[" + std::to_string(joint.idx_v + k) + "], of joint '" + joint.name + "', is " +
+                number(x);
 }
 
 void Law::callForces(double t, const double* q, const double* v) {
   for (Force<double>& f : fext_) f = Force<double>{};
   guardCallback("the function of forces", t, [&] { forces(t, configuration(q), velocity(v), fext_.data(), static_cast<int>(fext_.size())); });
+  const auto finite = [](const Vec3<double>& x) { return std::isfinite(x.x) && std::isfinite(x.y) && std::isfinite(x.z); };
+  for (std::size_t k = 0; k < fext_.size(); ++k)
+    if (fault.empty() && !(finite(fext_[k].linear) && finite(fext_[k].angular)) && atFiniteState(q, v))
+      fault = "at t = " + number(t) + " s the external force on joint '" + model_.joints()[k].name + "' is not finite";
 }
 
 const double* Law::acceleration(double t, const double* q, const double* v) {

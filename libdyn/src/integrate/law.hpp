@@ -11,6 +11,8 @@
 
 namespace dyn {
 
+/// For messages.
+std::string number(double x);
 [[noreturn]] void refuseCallback(const char* callback, double t, const std::string& why);
 
 /// Calls what is the user's: whatever it throws becomes Error(simulation) with its name and the time.
@@ -62,6 +64,8 @@ class Law {
   Eigen::VectorXd joint_friction;
   /// [m/s^2, rad/s^2] Accelerations that it cancels where joints rest: of what is left of them rounding counts by this.
   double cancelled = 0;
+  /// What a callback has given that is not finite, for a state that is, since this was cleared; else empty.
+  std::string fault;
 
  private:
   /// tau_: what callbacks apply.
@@ -69,6 +73,7 @@ class Law {
   void addFriction(const double* q, const double* v);
   void callController(double t, const double* q, const double* v, double* tau);
   void callForces(double t, const double* q, const double* v);
+  bool atFiniteState(const double* q, const double* v) const { return configuration(q).allFinite() && velocity(v).allFinite(); }
   /// Of the state that callBack() was last called for: tau_ is what it is there, before and after.
   void differentiateController(double t, const double* q, const double* v);
   VectorResult configuration(const double* q) const { return {q, model_.nq()}; }

@@ -6,19 +6,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <utility>
 
 namespace dyn {
 
 namespace {
-
-std::string number(double x) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.9g", x);
-  return text;
-}
 
 [[noreturn]] void refuse(const std::string& why) { throw Error(ErrorCode::argument, "Simulator: " + why); }
 
@@ -73,6 +66,7 @@ Simulator::Impl::Impl(const CompactModel& model, const ConstraintSet* set, const
   if (o.limits) contacts().watchLimits();
   if (!rubs()) return;
   for (std::vector<char>* marks : {&resting, &halted, &stopped, &turned}) marks->resize(contacts().rubbing().size());
+  speeds.resize((looks + 1) * contacts().rubbing().size());
 }
 
 Unilateral& Simulator::Impl::contacts() {
@@ -112,13 +106,17 @@ StepOutcome Simulator::Impl::stepOrPass(double h) {
 
 bool Simulator::Impl::attempt(double h, double until, std::string& why) {
   next.time = until;
+  law.fault.clear();
   try {
     holdJoints(h);
-    if (stepOrPass(h) == StepOutcome::taken) {
+    const StepOutcome outcome = stepOrPass(h);
+    if (outcome == StepOutcome::taken && law.fault.empty()) {
       settleJoints();
       return true;
     }
-    why = "it has equations that iterations do not solve; take shorter ones";
+    why = !law.fault.empty()                   ? law.fault
+          : outcome == StepOutcome::not_finite ? "what it leads to is not finite"
+                                               : "it has equations that iterations do not solve; take shorter ones";
   } catch (const Error& e) {
     // A callback's own failure is none of the step's.
     if (e.code() == ErrorCode::simulation) throw;
@@ -150,8 +148,8 @@ double Simulator::Impl::adaptiveStep(double most) {
     finite = taken && std::isfinite(error) && next.q.allFinite() && next.v.allFinite();
     const double factor = finite ? std::clamp(0.9 * std::pow(error, -0.2), 0.2, rejected ? 1.0 : 5.0) : 0.2;
     if (finite && error <= 1) {
-      // A step that only the end of the simulation cut short says little of the next.
-      if (!shortened || h * factor < trial) trial = h * factor;
+      // Of a step that was cut short only what the error itself asks for is remembered.
+      if (!shortened || factor < 1) trial = h * factor;
       return h;
     }
     trial = h * factor;
@@ -183,6 +181,9 @@ double Simulator::Impl::stepTowards(double until) {
   } else {
     // Times of whole steps are multiples, so that no rounding adds up.
     const double whole = anchor + static_cast<double>(steps + 1) * options.dt;
+    if (whole == now.time)
+      throw Error(ErrorCode::simulation, "at t = " + number(now.time) + " s a step of dt = " + number(options.dt) +
+                                             " s is less than what tells two times apart; take a longer one");
     const bool fits = whole <= until + slack * options.dt;
     h = fits ? options.dt : until - now.time;
     stepBy(h, !fits || std::abs(whole - until) <= slack * options.dt ? until : whole);
@@ -268,12 +269,20 @@ void Simulator::resetTo(VectorView q, VectorView v, double time) {
   impl_->start(std::move(x));
 }
 
+void Simulator::Impl::checkSteps(double until) const {
+  if (infoOf(options.integrator).adaptive || !((until - now.time) / options.dt > most_steps)) return;
+  throw Error(ErrorCode::argument, "Simulator::advance: from t = " + number(now.time) + " s to " + number(until) + " s there are " +
+                                       number((until - now.time) / options.dt) + " steps of " + number(options.dt) + " s: that would never end");
+}
+
 void Simulator::Impl::start(Moment from) {
   checkConfiguration("q", law.model().impl(), from.q.data());
   std::vector<int> sides(events.size());
   readEvents(from, sides);
   now = std::move(from);
   signs = std::move(sides);
+  untold.clear();
+  touching.clear();
   anchor = now.time;
   steps = 0;
   trial = options.dt;

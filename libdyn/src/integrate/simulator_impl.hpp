@@ -1,6 +1,7 @@
 // What a Simulator holds.
 #pragma once
 
+#include "integrate/passing.hpp"
 #include "integrate/stepper.hpp"
 #include "integrate/unilateral.hpp"
 
@@ -15,6 +16,8 @@ struct Simulator::Impl {
   static constexpr double slack = 1e-9;
   /// Of a step: joints that come to rest that soon rest from its beginning, so that steps do not become ever shorter.
   static constexpr double soon = 0x1p-20;
+  /// In one call of advance(): at a tenth of a microsecond each they take a day.
+  static constexpr double most_steps = 0x1p40;
 
   SimulatorOptions options;
   std::optional<ConstraintSet> constraints;
@@ -33,6 +36,7 @@ struct Simulator::Impl {
   Eigen::VectorXd contact_u, contact_v, shown_u;  ///< a contact step's way and velocity, in axes held at its start, and a part of the way
   std::vector<Unilateral::Gap> gaps_before, gaps_halfway, gaps_after;
   std::vector<std::int64_t> closing;
+  std::vector<std::int64_t> touching;  ///< what the last step touched
 
   // By Unilateral::rubbing().
   std::vector<char> resting;  ///< at the step's beginning, or so near to it that friction takes them for that
@@ -42,7 +46,11 @@ struct Simulator::Impl {
   double cut = 0;             ///< [s] of the step that ends where a joint comes to rest; 0 of others
 
   std::vector<Event> events;
-  std::vector<int> signs;  ///< of the events' functions at `now`; 0: no side is known
+  std::vector<int> signs;                         ///< of the events' functions at `now`; 0: no side is known
+  std::vector<int> untold;                        ///< events that have happened at `now`, beside those that have been told
+  std::vector<Looks> event_looks;                 ///< by event
+  std::vector<double> speeds;                     ///< of rubbing() at each look
+  std::array<Eigen::VectorXd, looks + 1> looked;  ///< configurations at each look
 
   Impl(const CompactModel& model, const ConstraintSet* constraints, const SimulatorOptions& options);
   Unilateral& contacts();
@@ -60,6 +68,8 @@ struct Simulator::Impl {
   /// A step to `next`; false, and why, if there is none.
   bool attempt(double h, double until, std::string& why);
   void stepBy(double h, double until);
+  /// Throws Error(argument) for more steps than any simulation takes.
+  void checkSteps(double until) const;
   double adaptiveStep(double most);
   bool rubs() const { return law.joint_friction.size() > 0; }
   bool restsAt(std::size_t rubbing, const Eigen::VectorXd& v) const;
@@ -75,6 +85,8 @@ struct Simulator::Impl {
   void stopTurned();
   /// `turned`: joints that move the one way at `now` and the other by v. Whether there are any.
   bool markTurned(const Eigen::VectorXd& v);
+  /// The share of the last step at which the first joint has turned; infinity if none does.
+  double firstTurn();
   /// After a smooth step of h: `next` where first a joint comes to rest within it; returns by how much.
   double comeToRest(double h);
   void project();
@@ -88,6 +100,10 @@ struct Simulator::Impl {
   /// This share of the contact step's way from now.q, and the velocity there.
   void glide(double share, double* q, double* v);
   double collide(double h, double speed);
+  /// The share of the last step at which a joint's limit is passed first; infinity if none is.
+  double firstLimit();
+  /// Counts what is touched now and was not before.
+  void countTouched(const std::vector<std::int64_t>& now_touching);
   double rest(double h);
   /// Of the closing ones.
   double lowestGap(double theta, double h);
@@ -97,11 +113,17 @@ struct Simulator::Impl {
   void show(double t, const double* q, const double* v, const Observer& observer) const;
   /// On which side of zero each event's function is.
   void readEvents(const Moment& at, std::vector<int>& sides) const;
-  /// Whether event k has come between the sign that it had at `now` and this one.
-  bool happened(std::size_t k, int sign) const;
-  int signOf(const Event& event, double t, const double* q, const double* v) const;
-  /// After a step of h: the first event in it, `next` then being just past it; -1 if there is none.
+  double valueOf(const Event& event, double t, const double* q, const double* v) const;
+  /// Whether leaving the side that event k is on at `now` is what it asks for.
+  bool counts(std::size_t k) const;
+  /// Its value, positive on that side and negative where it is left.
+  double onItsSide(std::size_t k, double t, const double* q, const double* v) const;
+  /// The share of the last step at which the first event leaves its side, and which; infinity if none does.
+  double firstChange(double h, std::size_t& which);
+  /// After a step of h: the first event in it, `next` then being just past it; -1 if there is none. The step may be shorter then even so.
   int findEvent(double h);
+  /// One of `untold`, which is told then; -1 if there is none.
+  int tellEvent();
 };
 
 }  // namespace dyn

@@ -4,6 +4,8 @@
 #include "integrate/chart.hpp"
 #include "integrate/law.hpp"
 
+#include <algorithm>
+#include <limits>
 #include <memory>
 
 namespace dyn {
@@ -19,8 +21,13 @@ struct Moment {
 
 enum class StepOutcome {
   taken,
+  not_finite,
   unsolved,  ///< the step's equations have no solution near, or iterations do not reach it
 };
+
+/// What rounding may leave of a number of this size, where numbers have this relative resolution; the smallest normal number at least, below which
+/// they have none.
+inline double rounding(double relative, double size) { return std::max(relative * size, std::numeric_limits<double>::min()); }
 
 class Stepper {
  public:

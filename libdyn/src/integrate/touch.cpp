@@ -1,5 +1,6 @@
 // Steps in which something touches: impacts are found in time and answered with an impulse; what stays in touch moves by steps at the level of
 // velocities (Moreau 1988; Stewart and Trinkle 1996), of first order.
+#include "at.hpp"
 #include "integrate/simulator_impl.hpp"
 
 #include <algorithm>
@@ -40,10 +41,50 @@ double Simulator::Impl::lowestGap(double theta, double h) {
   return lowest;
 }
 
+double Simulator::Impl::firstLimit() {
+  double first = std::numeric_limits<double>::infinity();
+  if (unilateral->limits() == 0) return first;
+  looked[0] = now.q;
+  for (int look = 1; look < looks; ++look) {
+    between(shareOf(look), shown_q.data(), shown_v.data());
+    looked[at(look)] = shown_q;
+  }
+  looked[looks] = next.q;
+  for (int k = 0; k < unilateral->limits(); ++k) {
+    Looks gaps;
+    for (int look = 0; look <= looks; ++look) gaps[at(look)] = unilateral->limitGap(k, looked[at(look)].data());
+    // What leaves a limit has not passed it.
+    const auto left = std::find_if(gaps.begin(), gaps.end(), [](double gap) { return gap >= 0; });
+    if (left == gaps.end()) continue;
+    std::fill(gaps.begin(), left, *left);
+    first = std::min(first, firstNegative(gaps, [&](double theta) {
+                       between(theta, shown_q.data(), shown_v.data());
+                       return unilateral->limitGap(k, shown_q.data());
+                     }));
+  }
+  return first;
+}
+
 double Simulator::Impl::touch(double h) {
   gaps_after = unilateral->look(next.time, next.q.data());
   // Most steps close nothing: the other two looks are for those that do.
-  if (std::none_of(gaps_after.begin(), gaps_after.end(), [](const Gap& gap) { return !(gap.value >= 0); })) return comeToRest(h);
+  const auto anyClosed = [&] { return std::any_of(gaps_after.begin(), gaps_after.end(), [](const Gap& gap) { return !(gap.value >= 0); }); };
+  // What is passed and left again within the step ends it where it is passed.
+  if (double share = anyClosed() ? 2 : firstLimit(); share <= 1) {
+    const double whole = h;
+    for (double more = 0x1p-30; share < 1 && !anyClosed(); more *= 4) {
+      share = std::min(1.0, share + more);
+      h = share * whole;
+      stepBy(h, now.time + h);
+      project();
+      whole_step = false;
+      gaps_after = unilateral->look(next.time, next.q.data());
+    }
+  }
+  if (!anyClosed()) {
+    touching.clear();
+    return comeToRest(h);
+  }
   gaps_before = unilateral->look(now.time, now.q.data());
   between(0.5, shown_q.data(), shown_v.data());
   gaps_halfway = unilateral->look(now.time + 0.5 * h, shown_q.data());
@@ -88,13 +129,23 @@ double Simulator::Impl::collide(double h, double speed) {
   const double* v = unilateral->impact(law, next.time, next.q.data(), next.v.data(), options.restitution);
   after_impact = VectorResult(v, next.v.size());
   has_impact = true;
+  closing.clear();
+  for (const Gap& gap : unilateral->look(next.time, next.q.data()))
+    if (gap.value <= near) closing.push_back(gap.key);
+  countTouched(closing);
   ++law.statistics.impacts;
   return part;
 }
 
+void Simulator::Impl::countTouched(const std::vector<std::int64_t>& now_touching) {
+  for (const std::int64_t key : now_touching)
+    if (std::find(touching.begin(), touching.end(), key) == touching.end()) ++law.statistics.touched;
+  touching = now_touching;
+}
+
 double Simulator::Impl::rest(double h) {
   // Adaptive steps may be long; these are of first order.
-  const double part = std::min(h, options.dt), end = part == h ? next.time : now.time + part;
+  const double part = h <= (1 + slack) * options.dt ? h : options.dt, end = part == h ? next.time : now.time + part;
   whole_step = whole_step && part == h;
   constexpr int most_rounds = 8;
   for (int round = 0; round < most_rounds; ++round) {
@@ -119,6 +170,7 @@ double Simulator::Impl::rest(double h) {
   checkFinite(next, part);
   project();
   ++law.statistics.contact_steps;
+  if (contact_step) countTouched(closing);
   return contact_step ? part : h;
 }
 

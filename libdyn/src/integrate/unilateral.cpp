@@ -75,8 +75,7 @@ const Unilateral::Gap* Unilateral::find(const std::vector<Gap>& gaps, std::int64
 const std::vector<Unilateral::Gap>& Unilateral::look(double t, const double* q) {
   gaps_.clear();
   points_.clear();
-  for (std::size_t k = 0; k < limits_.size(); ++k)
-    gaps_.push_back({-static_cast<std::int64_t>(k) - 1, limits_[k].upper ? limits_[k].bound - q[limits_[k].q] : q[limits_[k].q] - limits_[k].bound});
+  for (std::size_t k = 0; k < limits_.size(); ++k) gaps_.push_back({-static_cast<std::int64_t>(k) - 1, limitGap(static_cast<int>(k), q)});
   if (finder_) guardCallback("the finder of contacts", t, [&] { finder_({q, model_.nq()}, points_); });
   for (const ContactPoint& point : points_) gaps_.push_back({point.id, point.gap});
   return gaps_;

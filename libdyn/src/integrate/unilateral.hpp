@@ -26,6 +26,12 @@ class Unilateral {
 
   void watchLimits();
   void setFinder(ContactFinder finder) { finder_ = std::move(finder); }
+  int limits() const { return static_cast<int>(limits_.size()); }
+  /// That of a limit by number, as look() has it.
+  double limitGap(int limit, const double* q) const {
+    const Limit& x = limits_[static_cast<std::size_t>(limit)];
+    return x.upper ? x.bound - q[x.q] : q[x.q] - x.bound;
+  }
   bool watches() const { return !limits_.empty() || static_cast<bool>(finder_); }
 
   /// Contacts and limits by number: those of `gaps` in the same order as long as the finder tells of the same.

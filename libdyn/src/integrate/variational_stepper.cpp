@@ -80,7 +80,7 @@ class VariationalStepper : public CubicStepper {
     if (law_.constrained())
       start_jacobian_ = MatrixResult(detail::constraintJacobian(law_.model(), law_.data(), {from.q.data(), from.q.size()}, law_.constraints()),
                                      start_jacobian_.rows(), n_);
-    if (!solve(from, to)) return StepOutcome::unsolved;
+    if (const StepOutcome outcome = solve(from, to); outcome != StepOutcome::taken) return outcome;
     massMatrix(to.q);
     cholesky::decompose(law_.model(), law_.data());
     to.v = momentum_ + 0.5 * h * at_end_;
@@ -94,7 +94,7 @@ class VariationalStepper : public CubicStepper {
   MatrixResult massMatrix(const Eigen::VectorXd& q) { return crba(law_.model(), law_.data(), q); }
 
   /// M at the midpoint is the matrix: what it lacks is of the order of h.
-  bool solve(const Moment& from, Moment& to) {
+  StepOutcome solve(const Moment& from, Moment& to) {
     constexpr int most_iterations = 200;
     // Rounding: that of positions, which constraints look at, counts by the step's length.
     const double floor = law_.constrained() ? 0x1p-30 : 0x1p-40;
@@ -112,18 +112,18 @@ class VariationalStepper : public CubicStepper {
       if (law_.constrained()) constrain();
       const double size = n_ > 0 ? residual_.cwiseAbs().maxCoeff() : 0;
       const double scale = n_ > 0 ? std::max(xi_.cwiseAbs().maxCoeff(), h_ * law_.cancelled) : 0;
-      if (!residual_.allFinite()) return false;
-      const bool solved = size <= 0x1p-52 * scale || (size > 0.5 * before && size <= floor * scale + far_off);
+      if (!residual_.allFinite()) return StepOutcome::not_finite;
+      const bool solved = size <= rounding(0x1p-52, scale) || (size > 0.5 * before && size <= rounding(floor, scale) + far_off);
       // Constraints' forces are unknowns beside.
       if (!solved && !law_.constrained()) broyden_.improve(residual_);
       xi_ -= residual_;
       if (solved) break;
       no_better = size > before ? no_better + 1 : 0;
-      if (no_better == 5 || i + 1 == most_iterations) return false;
+      if (no_better == 5 || i + 1 == most_iterations) return StepOutcome::unsolved;
       before = size;
     }
     evaluate(from, to);
-    return true;
+    return StepOutcome::taken;
   }
 
   /// Changes the correction of xi and the momentum at the start by the forces that bring q1 to where the constraints hold. The matrix is that

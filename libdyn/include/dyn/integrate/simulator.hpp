@@ -59,6 +59,7 @@ struct SimulatorStatistics {
   long factorizations = 0;    ///< of implicit integrators' matrices
   long iterations = 0;        ///< of their equations
   long impacts = 0;           ///< answered with an impulse
+  long touched = 0;           ///< contacts and limits that came to be touched, with an impulse or without
   long contact_steps = 0;     ///< in which something stayed in touch
   long inexact_contacts = 0;  ///< of both those whose forces iterations did not bring to the tolerance: the last of them were taken
 };
@@ -93,7 +94,8 @@ class DYN_API Simulator {
   /// fly in axes that do not turn with them, and no longer than dt. What is inside of something is moved out over some steps, which gives it no
   /// speed. Contacts allocate where they come and go.
   void setContacts(ContactFinder finder);
-  /// Functions whose zeros end advance(). They are looked for between the ends of each step.
+  /// Functions whose zeros end advance(). They are looked for within each step, at seven places and where three of these tell of a zero between. Of
+  /// events at one time each is told once: the second by the next call, which takes no time.
   void setEvents(std::vector<Event> events);
 
   double time() const;
@@ -108,10 +110,11 @@ class DYN_API Simulator {
   const SimulatorStatistics& statistics() const;
 
   /// One step; of adaptive integrators the next that keeps the tolerance. Throws Error(simulation) naming time, joint and what is wrong: a
-  /// state that is not finite, a callback that throws, a step that collapses, equations without solution. The state is then that before.
+  /// state that is not finite, a callback that throws or gives what is not finite, a step that collapses or that time does not resolve, equations
+  /// without solution. The state is then that before.
   void step();
   /// To this time: whole steps, the last one as long as is left. Returns the index of the event that ended it sooner, or -1. Throws as step(),
-  /// and Error(argument) for a time before the present one.
+  /// and Error(argument) for a time before the present one, or more than 2^40 steps of dt away by a method of fixed steps.
   int advance(double until) { return advanceTo(until, nullptr, 0, nullptr); }
   /// The same, and shows the states at `times` (ascending, none before the present one), which do not change how steps are taken: states
   /// between the ends of a step come from its polynomial.
