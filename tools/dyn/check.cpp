@@ -1,5 +1,6 @@
 // dyn check: finds what is wrong or suspicious in a model. Exit code 1 when there are errors.
 #include "commands.hpp"
+#include "condition.hpp"
 #include "model_options.hpp"
 
 #include <cstdio>
@@ -28,12 +29,15 @@ class Findings {
 
 void checkMassMatrix(const CompactModel& model, Findings& findings) {
   Data data(model, Need::mass_matrix);
+  const Eigen::VectorXd q = neutral(model);
   try {
-    const Eigen::VectorXd q = neutral(model), zero = Eigen::VectorXd::Zero(model.nv());
+    const Eigen::VectorXd zero = Eigen::VectorXd::Zero(model.nv());
     aba(model, data, q, zero, zero);
   } catch (const Error& e) {
     findings.error(std::string("at the neutral configuration: ") + e.what());
+    return;
   }
+  if (const std::string warning = warningOfCondition(model, q); !warning.empty()) findings.warning("at the neutral configuration " + warning);
 }
 
 void checkInertias(const Model& description, Findings& findings) {

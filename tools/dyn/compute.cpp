@@ -1,11 +1,14 @@
 // dyn compute: states in, dynamics out, as JSON with the keys of the golden data.
 #include "commands.hpp"
+#include "condition.hpp"
 #include "contacts.hpp"
 #include "model_options.hpp"
 #include "states.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <functional>
+#include <iterator>
 #include <memory>
 #include <set>
 
@@ -227,6 +230,19 @@ struct Options {
   std::vector<std::string> only, frames, contacts;
 };
 
+/// Quantities that M^-1 is in.
+constexpr const char* by_inverse[] = {"aba", "Minv", "ddq_dq", "ddq_dv", "contact_ddq", "contact_lambda"};
+
+/// Of the first state where M is nearly singular.
+void warnOfCondition(const CompactModel& model, const std::vector<State>& states) {
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    const std::string warning = warningOfCondition(model, states[i].q);
+    if (warning.empty()) continue;
+    std::fprintf(stderr, "dyn: warning: at sample %zu %s\n", i, warning.c_str());
+    return;
+  }
+}
+
 void run(const Options& o) {
   const CompactModel model = o.model.compile();
   const std::vector<State> states = readStates(o.states, model);
@@ -265,6 +281,8 @@ void run(const Options& o) {
   }
   out += "]}\n";
   std::fputs(out.c_str(), stdout);
+  if (only.empty() || std::any_of(std::begin(by_inverse), std::end(by_inverse), [&](const char* key) { return only.count(key) > 0; }))
+    warnOfCondition(model, states);
   for (const std::string& key : only)
     if (out.find("\"" + key + "_error\"") != std::string::npos) {
       std::fprintf(stderr, "dyn: %s does not exist at some samples: it is null there, and %s_error says why\n", key.c_str(), key.c_str());

@@ -1,4 +1,5 @@
 #include "algorithm/inputs.hpp"
+#include "kernels/dense_factors.hpp"
 #include "kernels/evaluate.hpp"
 #include "kernels/table.hpp"
 
@@ -7,6 +8,9 @@
 #include <dyn/error.hpp>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
 
 namespace dyn::detail {
 
@@ -54,6 +58,57 @@ void choleskyTimes(const CompactModel& model, Data& data, Product product, const
   check("cholesky", model, data);
   checkShape("cholesky", "X", X, model.nv(), static_cast<int>(X.cols()));
   for (std::ptrdiff_t k = 0; k < X.cols(); ++k) times(model.impl(), data.impl(), product, X.column(k));
+}
+
+double conditionOfMassMatrix(const CompactModel& model, Data& data) {
+  const CompactImpl& m = model.impl();
+  DataImpl& d = data.impl();
+  const bool coupled = !m.couplings.empty();
+  checkData("conditionOfMassMatrix", model, data, coupled ? Need::mass_matrix : Need::derivatives);
+  const int n = m.nv;
+  if (n == 0) return 1;
+  if (coupled) {
+    int failed = 0;
+    std::copy(d.M, d.M + static_cast<std::ptrdiff_t>(n) * n, d.Mx);
+    kernels::factorDense(m, d.Mx, d.ax, &failed);
+    if (failed != 0) return std::numeric_limits<double>::infinity();
+  }
+  const auto entry = [&](int i, int j) { return d.M[static_cast<std::ptrdiff_t>(j) * n + i]; };
+  const auto scale = [&](int i) { return std::sqrt(entry(i, i)); };
+  double size = 0;
+  for (int j = 0; j < n; ++j) {
+    double sum = 0;
+    for (int i = 0; i < n; ++i) sum += std::abs(entry(i, j)) / (scale(i) * scale(j));
+    size = std::max(size, sum);
+  }
+  double *x = d.kept_a, *y = d.kept_tau;
+  const auto solve = [&](auto&& right) {  // y = D M^-1 D right, D the roots of the diagonal
+    for (int k = 0; k < n; ++k) y[k] = scale(k) * right(k);
+    if (coupled) {
+      kernels::solveDense(m, d.Mx, y);
+    } else {
+      times(m, d, Product::inverse, y);
+    }
+    for (int k = 0; k < n; ++k) y[k] *= scale(k);
+  };
+  const auto sum = [&] { return std::accumulate(y, y + n, 0.0, [](double total, double value) { return total + std::abs(value); }); };
+  // A vector that no column of the inverse is orthogonal to, and then the columns that rising sums lead to.
+  solve([&](int k) { return (k % 2 == 0 ? 1 : -1) * (1 + static_cast<double>(k) / std::max(n - 1, 1)); });
+  double inverse = 2 * sum() / (3 * n);
+  std::fill(x, x + n, 1.0 / n);
+  constexpr int most_columns = 5;
+  for (int k = 0; k < most_columns; ++k) {
+    solve([&](int i) { return x[i]; });
+    inverse = std::max(inverse, sum());
+    std::copy(y, y + n, d.kept_v);
+    solve([&](int i) { return d.kept_v[i] >= 0 ? 1.0 : -1.0; });
+    const auto larger = [](double a, double b) { return std::abs(a) < std::abs(b); };
+    const auto best = std::max_element(y, y + n, larger) - y;
+    if (std::abs(y[best]) <= std::inner_product(x, x + n, y, 0.0)) break;
+    std::fill(x, x + n, 0.0);
+    x[best] = 1;
+  }
+  return size * inverse;
 }
 
 const double* forwardDynamics(const CompactModel& model, Data& data, VectorView q, VectorView v, VectorView tau) {

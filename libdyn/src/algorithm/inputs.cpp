@@ -114,14 +114,6 @@ Inputs readInputs(const char* algorithm, const CompactModel& model, Data& data, 
   return {d.qx, v ? d.vx : d.zero, v ? d.ax : d.zero, user_q};
 }
 
-void refuseSingular(const char* algorithm, const std::string& joint) {
-  throw Error(ErrorCode::singular,
-              std::string(algorithm) +
-                  ": the mass matrix is singular here: what this joint moves has no inertia along its motion; give its bodies mass, give the "
-                  "joint armature, or lock it",
-              {"", 0, joint});
-}
-
 void refuseFollowers(const char* algorithm, const CompactImpl& m) {
   if (!m.couplings.empty())
     throw Error(ErrorCode::argument, std::string(algorithm) +
@@ -137,7 +129,7 @@ void refuseZero(const char* argument, const CompactImpl& m, int i) {
 
 void checkFactors(const char* algorithm, const CompactImpl& m, int failed_body, const double* q) {
   if (failed_body == 0 || (q && !kernels::allFinite(q, m.nqx))) return;
-  refuseSingular(algorithm, m.joints[static_cast<std::size_t>(m.index[static_cast<std::size_t>(failed_body)].joint)].name);
+  refuseSingular(algorithm, m, failed_body, q);
 }
 
 void checkConfiguration(const char* argument, const CompactImpl& m, const double* q) {

@@ -38,8 +38,8 @@ void checkConfiguration(const char* argument, const CompactImpl& m, const double
 /// Throws Error(argument) for a model with joints that follow others: the algorithm has columns for all joints at once, and theirs differ
 /// from frame to frame.
 void refuseFollowers(const char* algorithm, const CompactImpl& m);
-/// Throws Error(singular): the joint's pivot vanished.
-[[noreturn]] void refuseSingular(const char* algorithm, const std::string& joint);
+/// Throws Error(singular): the pivot of this body's joint vanished, or is not finite; says why, as far as q, expanded, or null, tells.
+[[noreturn]] void refuseSingular(const char* algorithm, const CompactImpl& m, int body, const double* q);
 
 /// Throws Error(singular) unless `failed_body` is 0. Not where q, expanded, if it is given, has NaN or infinity, which just spread.
 void checkFactors(const char* algorithm, const CompactImpl& m, int failed_body, const double* q = nullptr);

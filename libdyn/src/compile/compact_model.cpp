@@ -16,6 +16,7 @@ const std::vector<JointRecord>& CompactModel::joints() const { return impl_->joi
 const std::vector<FrameRecord>& CompactModel::frames() const { return impl_->frames; }
 const Vec3<double>& CompactModel::gravity() const { return impl_->gravity; }
 double CompactModel::mass() const { return impl_->mass; }
+bool CompactModel::follows() const { return !impl_->couplings.empty(); }
 const ModelLimits& CompactModel::limits() const { return impl_->limits; }
 const CompileReport& CompactModel::report() const { return impl_->report; }
 

@@ -13,6 +13,7 @@ namespace detail {
 enum class Product { inverse, mass_matrix, upper, transposed };
 DYN_API void choleskyDecompose(const CompactModel&, Data&);
 DYN_API void choleskyTimes(const CompactModel&, Data&, Product, const MatrixOut& X);
+DYN_API double conditionOfMassMatrix(const CompactModel&, Data&);
 DYN_API const double* forwardDynamics(const CompactModel&, Data&, VectorView q, VectorView v, VectorView tau);
 template <class T>
 MatrixOut columnsOf(T&& x) {
@@ -51,6 +52,12 @@ void Utv(const CompactModel& model, Data& data, T&& X) {
 }
 
 }  // namespace cholesky
+
+/// Condition of M by the factors of the last decompose(), of a model with joints that follow others by the M of the last crba(): how much of the
+/// accuracy of M is lost on the way to M^-1 and to accelerations. With 10^12 four digits of double are left, with 10^16 none. Each row and column is
+/// divided by the root of its diagonal entry first, so that units and sizes of bodies do not count. In the 1-norm, estimated from below, within a
+/// factor of three as a rule: Hager 1984, Higham 1988. O(n^2).
+inline double conditionOfMassMatrix(const CompactModel& model, Data& data) { return detail::conditionOfMassMatrix(model, data); }
 
 /// ddq = M^-1 (tau - C v - g - losses) through crba and the factors of M: what aba gives, at about twice the cost, and with errors that grow
 /// with the condition of M instead of staying at a few roundings. Leaves M and its factors for cholesky::solve.

@@ -56,6 +56,8 @@ class DYN_API CompactModel {
   const Vec3<double>& gravity() const;
   double mass() const;  ///< of everything that moves [kg]
   const ModelLimits& limits() const;
+  /// Whether joints follow others, and are not among the coordinates.
+  bool follows() const;
   const CompileReport& report() const;
   /// Bytes taken, by and large: what algorithms read, names, frames and limits.
   std::size_t bytes() const;
