@@ -11,6 +11,8 @@ namespace {
 enum Kind { sphere, box, capsule, cylinder, cone, hull, kinds };
 const char* const names[] = {"sphere", "box", "capsule", "cylinder", "cone", "hull"};
 
+double length(const Vec3<double>& x) { return std::sqrt(dot(x, x)); }
+
 /// Sides are of the given size, times or through powers of ten up to `ratio`.
 GeometryShape randomShape(int kind, Random& random, double size, double ratio = 0) {
   const auto side = [&] {
@@ -236,4 +238,71 @@ TEST_CASE("half-spaces are as far as the deepest point", "[geometry]") {
       CHECK(std::sqrt(dot(gap, gap)) < 1e-14);
     }
   }
+}
+
+TEST_CASE("normals of solids that nearly touch are those of the features that meet", "[distance]") {
+  // A small solid over a large floor, by gaps down to rounding: the normal is the floor's, however few digits the gap has.
+  Random random(31);
+  for (const double floor_size : {1.5, 30.0, 700.0})
+    for (const GeometryShape& small : {GeometryShape(g::Box{{0.2, 0.3, 0.1}}), GeometryShape(g::Cylinder{0.07, 0.3}), GeometryShape(g::Cone{0.1, 0.2}),
+                                       GeometryShape(g::Capsule{0.05, 0.2})})
+      for (const double gap : {1e-6, 1e-9, 1e-11, 1e-13, 1e-15, 0.0, -1e-13, -1e-10}) {
+        const SE3<double> tilted = random.pose();
+        TwoSolids s(g::Box{{floor_size, floor_size, 0.5}}, tilted, small);
+        const double half = std::holds_alternative<g::Box>(small)        ? 0.05
+                            : std::holds_alternative<g::Cylinder>(small) ? 0.15
+                            : std::holds_alternative<g::Cone>(small)     ? 0.1
+                                                                         : 0.15;
+        const SE3<double> on_floor{exp3(Vec3<double>{0, 0, random.uniform(-3, 3)}),
+                                   {random.uniform(-0.4, 0.4) * floor_size, random.uniform(-0.4, 0.4) * floor_size, 0.25 + half + gap}};
+        const Distance x = s.distance(tilted * on_floor);
+        const Vec3<double> up = tilted.R * Vec3<double>{0, 0, 1};
+        CAPTURE(floor_size, small.index(), gap, x.distance);
+        CHECK(length(x.normal - up) < 1e-10);
+        CHECK(std::abs(x.distance - gap) < 1e-14 * (10 + floor_size));
+      }
+}
+
+TEST_CASE("a cylinder or a cone that touches a box along its side is straight above it", "[distance]") {
+  Random random(32);
+  for (int k = 0; k < 300; ++k) {
+    const double radius = random.uniform(0.02, 0.3), long_side = random.uniform(0.1, 0.8);
+    const SE3<double> tilted = random.pose();
+    TwoSolids s(g::Box{{3, 2, 0.4}}, tilted, g::Cylinder{radius, long_side});
+    const double gap = std::array{0.0, 1e-14, -1e-14, 1e-12, 1e-10, -1e-11}[static_cast<std::size_t>(k % 6)];
+    // Lying: its axis along the box's x, turned about z.
+    const SE3<double> lying{exp3(Vec3<double>{0, 0, random.uniform(-3, 3)}) * exp3(Vec3<double>{0, M_PI / 2, 0}),
+                            {random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3), 0.2 + radius + gap}};
+    const Distance x = s.distance(tilted * lying);
+    CAPTURE(k, radius, long_side, gap, x.distance);
+    CHECK(length(x.normal - tilted.R * Vec3<double>{0, 0, 1}) < 1e-6);
+    CHECK(std::abs(x.distance - gap) < 1e-12);
+  }
+}
+
+TEST_CASE("nearest points are on both solids where the one's centre is the other's corner, end or tip", "[distance]") {
+  struct Case {
+    GeometryShape other;
+    Vec3<double> feature;
+  };
+  g::ConvexHull tetrahedron;
+  tetrahedron.points = {{0, 0, 0.4}, {0.3, 0, 0}, {-0.2, 0.2, 0}, {-0.2, -0.2, 0}};
+  const std::vector<Case> cases = {{g::Capsule{0.1, 0.6}, {0, 0, 0.3}},
+                                   {g::Box{{0.4, 0.6, 0.8}}, {0.2, 0.3, 0.4}},
+                                   {g::Cone{0.2, 0.5}, {0, 0, 0.25}},
+                                   {tetrahedron, {0, 0, 0.4}},
+                                   {g::Cylinder{0.2, 0.5}, {0.2, 0, 0.25}}};
+  for (const double radius : {0.0, 0.05})
+    for (const Case& c : cases) {
+      CAPTURE(radius, c.other.index());
+      // The sphere stands at the world's origin, and the other's feature lies there.
+      TwoSolids s(g::Sphere{radius}, {}, c.other);
+      const SE3<double> turned{exp3(Vec3<double>{0.3, -0.2, 0.5}), {}};
+      const Distance x = s.distance({turned.R, -(turned.R * c.feature)});
+      const double margin = std::holds_alternative<g::Capsule>(c.other) ? 0.1 : 0;
+      CHECK(std::abs(x.distance + radius + margin) < 1e-12);
+      CHECK(length(x.nearest_a) < radius + 1e-12);
+      CHECK(length(x.nearest_b) < margin + 1e-12);
+      CHECK(length((x.nearest_b - x.nearest_a) - x.distance * x.normal) < 1e-12);
+    }
 }

@@ -26,6 +26,36 @@ Separation fromHalfSpace(const Convex& a, const Convex& b, const SE3<double>& aM
   return s;
 }
 
+/// Of the solids' size: nearer to each other than this a difference of points has too few digits for a direction.
+constexpr double nearly = 0x1p-20;
+
+/// Whether the difference's nearest point says too little of the normal: it is rounding by and large, or how near it is has not been proved. The
+/// normal is off by sqrt(2 (1 - lower bound / distance)) at most.
+bool isUnsure(const GjkResult& found, double distance) {
+  return distance < nearly * found.size || (distance < found.size / 64 && distance - found.lower_bound > 1e-14 * distance);
+}
+
+/// A normal along which the solids are apart, as the corners of the last simplex have it, or its point that is nearest to the origin.
+Vec3<double> normalOfFeatures(const Difference& difference, const GjkResult& found) {
+  Vec3<double> best = (-1 / norm(found.v)) * found.v;
+  double least = dot(best, difference.support(best).w);
+  const auto offer = [&](const Vec3<double>& n) {
+    const double length = norm(n);
+    if (!(length > 0)) return;
+    for (const double way : {1 / length, -1 / length}) {
+      const double reach = dot(way * n, difference.support(way * n).w);
+      if (reach < least) least = reach, best = way * n;
+    }
+  };
+  const Difference::Point* p = found.simplex.points;
+  if (found.simplex.count == 3) offer(cross(p[1].w - p[0].w, p[2].w - p[0].w));
+  if (found.simplex.count == 2) {
+    const Vec3<double> side = p[1].w - p[0].w;
+    offer(found.v - (dot(found.v, side) / dot(side, side)) * side);
+  }
+  return best;
+}
+
 void take(const Penetration& p, Separation& s) {
   s.normal = p.normal;
   s.distance = -p.depth;
@@ -54,8 +84,10 @@ Separation separation(const Convex& a, const Convex& b, const SE3<double>& aMb, 
       return s;
     }
     take(epa(difference, found), s);
-  } else if (distance < found.size / 64 && distance - found.lower_bound > 1e-10 * found.size && distance <= beyond + margin) {
-    take(part(difference, found.size, (-1 / distance) * found.v), s);
+  } else if (distance <= beyond + margin && isUnsure(found, distance)) {
+    const Vec3<double> normal = normalOfFeatures(difference, found);
+    const bool parts = dot(normal, difference.support(normal).w) <= nearly * found.size;
+    take(parts ? part(difference, found.size, normal) : epa(difference, found), s);
   } else {
     s.normal = (-1 / distance) * found.v;
     s.distance = distance;
