@@ -17,7 +17,7 @@
 namespace dyn::benchmark {
 
 struct Memory {
-  explicit Memory(const CompactModel& model) : compact(model), scene{model.impl(), w, {}, {}, {}} {
+  explicit Memory(const CompactModel& model) : compact(model), scene{model.impl(), w, {}, {}, {}, false, true, {}} {
     const CompactImpl& m = model.impl();
     Arena count(nullptr);
     carve(w, m, count);
@@ -43,8 +43,11 @@ struct Memory {
     const TypeBatch& batch = m.batches[static_cast<std::size_t>(x.batch)];
     const std::string name = batch.type->info().name;
     AnyJoint& member = scene.members[static_cast<std::size_t>(i)];
-    if (!findMember(name, member, scene.batched[static_cast<std::size_t>(x.batch)]))
-      throw Error(ErrorCode::argument, "profile: joint type '" + name + "' is a plugin's, which a static variant cannot hold");
+    const JointType*& batched = scene.batched[static_cast<std::size_t>(x.batch)];
+    if (!findMember(name, member, batched)) {
+      scene.outside.insert(name);
+      batched = batch.type;
+    }
     const JointMemory<double>& numbers = w.joints[x.batch];
     scene.places[static_cast<std::size_t>(i)] = {batch.constants.data() + x.slot,
                                                  batch.count,
@@ -114,7 +117,7 @@ void addOrder(const std::shared_ptr<Memory>& memory, const char* name, int evalu
       x.ddq.data(), x.ddq.size());
 }
 
-/// The ways that find a joint's code by a virtual call, a batch or a joint at a time.
+/// The ways that find a joint's code by a virtual call, a batch or, of types that are known here, a joint at a time.
 void addVirtualDispatch(const std::shared_ptr<Memory>& memory, std::vector<Contender>& out);
 /// Those that know all types: a variant, and, of models with revolute joints alone below their root, nothing to choose from.
 void addStaticDispatch(const std::shared_ptr<Memory>& memory, std::vector<Contender>& out);

@@ -5,7 +5,7 @@
 
 namespace dyn::benchmark {
 
-/// Throws Error(argument) for a model with couplings, or with types that only plugins have: a closed set cannot hold them.
+/// Of a model with types that only plugins have the ways of a closed set are missing. Throws Error(argument) for a model with couplings.
 Contest dispatchContest(const CompactModel& model);
 
 }  // namespace dyn::benchmark

@@ -5,6 +5,8 @@
 #include "kernels/evaluate.hpp"
 
 #include <array>
+#include <set>
+#include <string>
 #include <type_traits>
 #include <vector>
 
@@ -20,6 +22,7 @@ struct Scene {
   std::vector<Place> places;                 ///< by body
   std::vector<const JointType*> batched;     ///< by batch
   bool flying_root = false, uniform = true;  ///< a free body on the world; all others (or all) revolute
+  std::set<std::string> outside;             ///< types that the closed set does not have
 };
 
 /// libdyn's own: one call a batch, one switch a run.

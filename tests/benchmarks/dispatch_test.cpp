@@ -52,5 +52,6 @@ TEST_CASE("four ways of dispatch give the same results, for every type of the cl
 
 TEST_CASE("what a closed set cannot hold is said", "[dispatch]") {
   const CompactModel model = compile(treeOf(registry(), {"revolute", "cam_follower"}, 5, 4), registry());
-  CHECK_THROWS_WITH(benchmark::dispatchContest(model), containing("'cam_follower'") && containing("variant"));
+  checkContest(model, 1);
+  CHECK_THAT(benchmark::dispatchContest(model).missing, containing("'cam_follower'") && containing("static_variant"));
 }

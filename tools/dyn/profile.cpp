@@ -106,8 +106,10 @@ void print(const CompactModel& model, const std::vector<Line>& lines, const Coun
     const Line* variant = find(lines, line.contender.algorithm, "static_variant");
     char range[32];
     std::snprintf(range, sizeof range, "%.0f .. %.0f", line.ns.low, line.ns.high);
-    std::printf("%-6s %-18s %10.1f %19s %12.2f %+14.1f %% ", line.contender.algorithm.c_str(), line.contender.dispatch.c_str(), line.ns.median, range,
-                line.ns.median / joints, 100 * (line.ns.median / variant->ns.median - 1));
+    char against[24] = "";
+    if (variant) std::snprintf(against, sizeof against, "%+.1f %%", 100 * (line.ns.median / variant->ns.median - 1));
+    std::printf("%-6s %-18s %10.1f %19s %12.2f %16s ", line.contender.algorithm.c_str(), line.contender.dispatch.c_str(), line.ns.median, range,
+                line.ns.median / joints, against);
     if (line.contender.dispatch == "library") {
       std::printf("%12s", "");
     } else {
