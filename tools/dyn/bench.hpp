@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,7 @@ namespace dyn::tool {
 /// One line: how long `round` takes for each of the `states` that it goes through, and the errors at those of the truth.
 struct Entry {
   std::string algorithm, scalar, mode;
+  Need need = Need::state;  ///< of the data that it is given
   std::size_t states = 0;
   std::function<void()> round;
   std::function<ErrorSummary()> error;
@@ -27,24 +29,29 @@ struct Entry {
 /// Where nobody says how many.
 constexpr int state_count = 256;
 
-/// Of very large models derivatives are left out, and said to be: they take some twenty matrices of nv x nv.
-inline Need needOf(const CompactModel& model) { return model.nv() <= 1000 ? Need::derivatives : Need::mass_matrix; }
-
-/// Everything that is measured lives here.
+/// Everything that is measured lives here. Data is made when the first entry asks for it, with what those that are left need: `needs`.
 struct Subjects {
   Subjects(const CompactModel& m, const ConstraintSet& set, int in_a_batch = state_count)
-      : model(m),
-        batch_states(in_a_batch),
-        states(randomStates(m, std::max(state_count, in_a_batch), 1)),
-        data(m, needOf(m)),
-        constraints(set, needOf(m)),
-        truth() {}
+      : model(m), batch_states(in_a_batch), states(randomStates(m, std::max(state_count, in_a_batch), 1)), constraint_set(set) {}
   const CompactModel& model;
   int batch_states;
   std::vector<State> states;
-  Data data;
-  ConstraintData constraints;
+  ConstraintSet constraint_set;
   std::vector<TruthSample> truth;
+  Need needs = Need::derivatives | Need::kinematics | Need::jacobians;  ///< everything, unless somebody says less
+
+  Data& data() {
+    if (!data_) data_.emplace(model, needs);
+    return *data_;
+  }
+  ConstraintData& constraints() {
+    if (!constraints_) constraints_.emplace(constraint_set, needs);
+    return *constraints_;
+  }
+
+ private:
+  std::optional<Data> data_;
+  std::optional<ConstraintData> constraints_;
 };
 
 /// Every algorithm, one state a call; and those that take batches, T being double or float.

@@ -53,7 +53,7 @@ void add(Subjects& x, const std::string& name, int lanes, std::vector<Entry>& en
   const CompiledFunction function = compileNative(x.model, {name}, options).functions()[0];
   const auto subject = std::make_shared<Subject>(function, x.states, lanes);
   const std::size_t groups = x.states.size() / static_cast<std::size_t>(lanes);
-  Entry entry{entryName(name), "double", lanes == 1 ? "codegen" : "codegen_batch", groups * static_cast<std::size_t>(lanes), {}, {}};
+  Entry entry{entryName(name), "double", lanes == 1 ? "codegen" : "codegen_batch", Need::state, groups * static_cast<std::size_t>(lanes), {}, {}};
   entry.round = [subject, groups] {
     for (std::size_t g = 0; g < groups; ++g) subject->run(g);
   };

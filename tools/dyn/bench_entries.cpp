@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <memory>
+#include <optional>
 
 namespace dyn::tool {
 
@@ -69,23 +70,29 @@ using Columns = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>;
 /// States as columns, and what is computed of them.
 template <class T>
 struct BatchSubject {
-  BasicBatchData<T> batch;
   Columns<T> q, v, a, tau;
 
   BatchSubject(const CompactModel& model, int states, int threads)
-      : batch(model, states, (model.nv() <= 200 ? Need::derivatives : Need::mass_matrix) | Need::mass_matrix | Need::kinematics | Need::jacobians,
-              threads),
-        q(model.nq(), states),
-        v(model.nv(), states),
-        a(v),
-        tau(v) {}
+      : q(model.nq(), states), v(model.nv(), states), a(v), tau(v), model_(model), threads_(threads) {}
+  /// Made when it is asked for first.
+  BasicBatchData<T>& batch(Need needs) {
+    if (!batch_) batch_.emplace(model_, static_cast<int>(q.cols()), needs, threads_);
+    return *batch_;
+  }
   void set(Eigen::Index k, const State& s) {
     q.col(k) = s.q.template cast<T>();
     v.col(k) = s.v.template cast<T>();
     a.col(k) = s.a.template cast<T>();
     tau.col(k) = s.tau.template cast<T>();
   }
+
+ private:
+  const CompactModel& model_;
+  int threads_;
+  std::optional<BasicBatchData<T>> batch_;
 };
+
+constexpr Need derivatives = Need::derivatives, mass_matrix = Need::mass_matrix;
 
 }  // namespace
 
@@ -108,86 +115,100 @@ benchmark::Quartiles measure(const std::function<void()>& round, std::size_t cou
 }
 
 void addSingle(Subjects& x, std::vector<Entry>& entries) {
-  const auto add = [&](const char* name, auto run) {
-    Entry entry{name, "double", "single", x.states.size(), {}, {}};
+  // Of those with followers aba goes through M.
+  const Need of_aba = x.model.follows() ? mass_matrix : Need::state;
+  const auto add = [&](const char* name, Need need, auto run) {
+    Entry entry{name, "double", "single", need, x.states.size(), {}, {}};
     entry.round = [&x, run] {
-      for (const State& s : x.states) run(x.model, x.data, s);
+      for (const State& s : x.states) run(x.model, x.data(), s);
     };
-    if constexpr (!std::is_void_v<decltype(run(x.model, x.data, x.states[0]))>)
+    if constexpr (!std::is_void_v<decltype(run(x.model, x.data(), x.states[0]))>)
       entry.error = [&x, run, name] {
         ErrorSummary errors;
-        for (const TruthSample& sample : x.truth) addErrors(sample, name, numbersOf(run(x.model, x.data, sample.state)), 0x1p-53, errors);
+        for (const TruthSample& sample : x.truth) addErrors(sample, name, numbersOf(run(x.model, x.data(), sample.state)), 0x1p-53, errors);
         return errors;
       };
     entries.push_back(std::move(entry));
   };
-  add("forward_kinematics", [](auto& m, auto& d, auto& s) { forwardKinematics(m, d, s.q); });
-  add("forward_kinematics_1", [](auto& m, auto& d, auto& s) { forwardKinematics(m, d, s.q, s.v); });
-  add("forward_kinematics_2", [](auto& m, auto& d, auto& s) { forwardKinematics(m, d, s.q, s.v, s.a); });
-  add("rnea", [](auto& m, auto& d, auto& s) { return rnea(m, d, s.q, s.v, s.a); });
-  add("nle", [](auto& m, auto& d, auto& s) { return nonLinearEffects(m, d, s.q, s.v); });
-  add("gravity", [](auto& m, auto& d, auto& s) { return generalizedGravity(m, d, s.q); });
-  add("crba", [](auto& m, auto& d, auto& s) { return crba(m, d, s.q); });
-  add("aba", [](auto& m, auto& d, auto& s) { return aba(m, d, s.q, s.v, s.tau); });
-  add("joint_jacobians", [](auto& m, auto& d, auto& s) { computeJointJacobians(m, d, s.q); });
-  add("rnea_derivatives", [](auto& m, auto& d, auto& s) {
+  add("forward_kinematics", Need::state, [](auto& m, auto& d, auto& s) { forwardKinematics(m, d, s.q); });
+  add("forward_kinematics_1", Need::state, [](auto& m, auto& d, auto& s) { forwardKinematics(m, d, s.q, s.v); });
+  add("forward_kinematics_2", Need::state, [](auto& m, auto& d, auto& s) { forwardKinematics(m, d, s.q, s.v, s.a); });
+  add("rnea", Need::state, [](auto& m, auto& d, auto& s) { return rnea(m, d, s.q, s.v, s.a); });
+  add("nle", Need::state, [](auto& m, auto& d, auto& s) { return nonLinearEffects(m, d, s.q, s.v); });
+  add("gravity", Need::state, [](auto& m, auto& d, auto& s) { return generalizedGravity(m, d, s.q); });
+  add("crba", mass_matrix, [](auto& m, auto& d, auto& s) { return crba(m, d, s.q); });
+  add("aba", of_aba, [](auto& m, auto& d, auto& s) { return aba(m, d, s.q, s.v, s.tau); });
+  add("joint_jacobians", Need::state, [](auto& m, auto& d, auto& s) { computeJointJacobians(m, d, s.q); });
+  add("rnea_derivatives", derivatives, [](auto& m, auto& d, auto& s) {
     const RneaDerivatives by = computeRNEADerivatives(m, d, s.q, s.v, s.a);
     return Both{by.dtau_dq, by.dtau_dv};
   });
-  add("aba_derivatives", [](auto& m, auto& d, auto& s) {
+  add("aba_derivatives", derivatives, [](auto& m, auto& d, auto& s) {
     const AbaDerivatives by = computeABADerivatives(m, d, s.q, s.v, s.tau);
     return Both{by.ddq_dq, by.ddq_dv};
   });
   // Differences of one side, with which derivatives are compared: as many calls as there are directions.
   const auto step = std::make_shared<Eigen::VectorXd>();
-  add("rnea_finite_differences",
+  add("rnea_finite_differences", Need::state,
       [step](auto& m, auto& d, auto& s) { differences(m, s, *step, [&](auto& q, auto& v, auto& a) { rnea(m, d, q, v, a); }); });
-  add("aba_finite_differences",
+  add("aba_finite_differences", of_aba,
       [step](auto& m, auto& d, auto& s) { differences(m, s, *step, [&](auto& q, auto& v, auto& a) { aba(m, d, q, v, a); }); });
   // n^3 numbers: for models of some dozens of degrees of freedom.
   if (x.model.nv() <= 100) {
-    const auto second = std::make_shared<SecondDerivativeData>(x.model);
-    add("rnea_second_derivatives", [second](auto& m, auto& d, auto& s) { computeRNEASecondOrderDerivatives(m, d, *second, s.q, s.v, s.a); });
+    const auto second = std::make_shared<std::optional<SecondDerivativeData>>();
+    add("rnea_second_derivatives", derivatives, [second](auto& m, auto& d, auto& s) {
+      if (!*second) second->emplace(m);
+      computeRNEASecondOrderDerivatives(m, d, **second, s.q, s.v, s.a);
+    });
   }
-  add("minverse", [](auto& m, auto& d, auto& s) { return computeMinverse(m, d, s.q); });
-  add("cholesky_decompose", [](auto& m, auto& d, auto&) { cholesky::decompose(m, d); });
-  add("cholesky_solve", [step](auto& m, auto& d, auto& s) {
+  add("minverse", derivatives, [](auto& m, auto& d, auto& s) { return computeMinverse(m, d, s.q); });
+  add("cholesky_decompose", derivatives, [](auto& m, auto& d, auto&) { cholesky::decompose(m, d); });
+  add("cholesky_solve", derivatives, [step](auto& m, auto& d, auto& s) {
     *step = s.tau;
     cholesky::solve(m, d, *step);
   });
-  add("forward_dynamics_cholesky", [](auto& m, auto& d, auto& s) { return forwardDynamics(m, d, s.q, s.v, s.tau); });
-  add("ccrba", [](auto& m, auto& d, auto& s) { ccrba(m, d, s.q, s.v); });
-  add("centroidal_derivatives", [](auto& m, auto& d, auto& s) { computeCentroidalDynamicsDerivatives(m, d, s.q, s.v, s.a); });
-  add("kinematics_derivatives", [](auto& m, auto& d, auto& s) { computeForwardKinematicsDerivatives(m, d, s.q, s.v, s.a); });
-  add("coriolis", [](auto& m, auto& d, auto& s) { computeCoriolisMatrix(m, d, s.q, s.v); });
-  add("torque_regressor", [](auto& m, auto& d, auto& s) { computeJointTorqueRegressor(m, d, s.q, s.v, s.a); });
-  add("center_of_mass_jacobian", [](auto& m, auto& d, auto& s) { jacobianCenterOfMass(m, d, s.q); });
-  ConstraintData& c = x.constraints;
-  add("constraint_dynamics", [&c](auto& m, auto& d, auto& s) { constraintDynamics(m, d, s.q, s.v, s.tau, c); });
-  add("constraint_dynamics_kkt", [&c](auto& m, auto& d, auto& s) { constraintDynamics(m, d, s.q, s.v, s.tau, c, ConstraintMethod::kkt); });
-  add("constraint_dynamics_derivatives", [&c](auto& m, auto& d, auto& s) { computeConstraintDynamicsDerivatives(m, d, s.q, s.v, s.tau, c); });
-  add("impulse", [&c](auto& m, auto& d, auto& s) { impulseDynamics(m, d, s.q, s.v, 0.0, c); });
+  add("forward_dynamics_cholesky", derivatives, [](auto& m, auto& d, auto& s) { return forwardDynamics(m, d, s.q, s.v, s.tau); });
+  add("ccrba", derivatives, [](auto& m, auto& d, auto& s) { ccrba(m, d, s.q, s.v); });
+  add("centroidal_derivatives", derivatives, [](auto& m, auto& d, auto& s) { computeCentroidalDynamicsDerivatives(m, d, s.q, s.v, s.a); });
+  add("kinematics_derivatives", derivatives, [](auto& m, auto& d, auto& s) { computeForwardKinematicsDerivatives(m, d, s.q, s.v, s.a); });
+  add("coriolis", derivatives, [](auto& m, auto& d, auto& s) { computeCoriolisMatrix(m, d, s.q, s.v); });
+  add("torque_regressor", derivatives, [](auto& m, auto& d, auto& s) { computeJointTorqueRegressor(m, d, s.q, s.v, s.a); });
+  add("center_of_mass_jacobian", Need::state, [](auto& m, auto& d, auto& s) { jacobianCenterOfMass(m, d, s.q); });
+  add("constraint_dynamics", derivatives, [&x](auto& m, auto& d, auto& s) { constraintDynamics(m, d, s.q, s.v, s.tau, x.constraints()); });
+  add("constraint_dynamics_kkt", derivatives,
+      [&x](auto& m, auto& d, auto& s) { constraintDynamics(m, d, s.q, s.v, s.tau, x.constraints(), ConstraintMethod::kkt); });
+  add("constraint_dynamics_derivatives", derivatives,
+      [&x](auto& m, auto& d, auto& s) { computeConstraintDynamicsDerivatives(m, d, s.q, s.v, s.tau, x.constraints()); });
+  add("impulse", derivatives, [&x](auto& m, auto& d, auto& s) { impulseDynamics(m, d, s.q, s.v, 0.0, x.constraints()); });
   // Steps a second are 1e9 over these. Steps so short that the motion goes nowhere.
   for (const IntegratorInfo& info : integrators()) {
     if (info.adaptive || (info.implicit && x.model.nv() > 100)) continue;
-    try {
-      const auto simulator = std::make_shared<Simulator>(ConstraintSet(x.model, {}), SimulatorOptions{.integrator = info.integrator, .dt = 1e-9});
-      simulator->reset(x.states[0].q, x.states[0].v);
-      add(("step_" + std::string(info.name)).c_str(), [simulator](auto&, auto&, auto&) { simulator->step(); });
-    } catch (const Error&) {
-      continue;  // a model with joints that follow others, for the variational one
-    }
+    if (info.integrator == Integrator::variational && x.model.follows()) continue;
+    const auto simulator = std::make_shared<std::optional<Simulator>>();
+    add(("step_" + std::string(info.name)).c_str(), Need::state, [simulator, &x, integrator = info.integrator](auto&, auto&, auto&) {
+      if (!*simulator) {
+        simulator->emplace(ConstraintSet(x.model, {}), SimulatorOptions{.integrator = integrator, .dt = 1e-9});
+        (*simulator)->reset(x.states[0].q, x.states[0].v);
+      }
+      (*simulator)->step();
+    });
   }
-  add("make_data", [](auto& m, auto&, auto&) { const Data made(m); });
+  add("make_data", Need::state, [](auto& m, auto&, auto&) { const Data made(m); });
 }
 
 template <class T>
 void addBatch(Subjects& x, const char* scalar, int threads, std::vector<Entry>& entries) {
   const auto subject = std::make_shared<BatchSubject<T>>(x.model, x.batch_states, threads);
   for (int k = 0; k < x.batch_states; ++k) subject->set(k, x.states[static_cast<std::size_t>(k)]);
-  const auto add = [&](const char* name, auto run) {
-    Entry entry{name, scalar, "batch", static_cast<std::size_t>(x.batch_states), [&x, subject, run] { run(x.model, *subject); }, {}};
-    if constexpr (!std::is_void_v<decltype(run(x.model, *subject))>)
+  const auto add = [&](const char* name, Need need, auto run) {
+    Entry entry{name,
+                scalar,
+                "batch",
+                need,
+                static_cast<std::size_t>(x.batch_states),
+                [&x, subject, run] { run(x.model, *subject, subject->batch(x.needs)); },
+                {}};
+    if constexpr (!std::is_void_v<decltype(run(x.model, *subject, subject->batch(x.needs)))>)
       entry.error = [&x, run, name, threads] {
         const auto n = static_cast<int>(x.truth.size());
         if (n == 0) return ErrorSummary();
@@ -198,8 +219,8 @@ void addBatch(Subjects& x, const char* scalar, int threads, std::vector<Entry>& 
         rounded.v = few.v.template cast<double>();
         rounded.a = few.a.template cast<double>();
         rounded.tau = few.tau.template cast<double>();
-        const auto result = run(x.model, few);
-        const auto in_double = run(x.model, rounded);
+        const auto result = run(x.model, few, few.batch(x.needs));
+        const auto in_double = run(x.model, rounded, rounded.batch(x.needs));
         ErrorSummary errors;
         for (int k = 0; k < n; ++k) {
           TruthSample sample = x.truth[static_cast<std::size_t>(k)];
@@ -210,27 +231,27 @@ void addBatch(Subjects& x, const char* scalar, int threads, std::vector<Entry>& 
       };
     entries.push_back(std::move(entry));
   };
-  add("forward_kinematics", [](auto& m, auto& d) { forwardKinematics(m, d.batch, d.q); });
-  add("forward_kinematics_1", [](auto& m, auto& d) { forwardKinematics(m, d.batch, d.q, d.v); });
-  add("forward_kinematics_2", [](auto& m, auto& d) { forwardKinematics(m, d.batch, d.q, d.v, d.a); });
-  add("rnea", [](auto& m, auto& d) { return rnea(m, d.batch, d.q, d.v, d.a); });
-  add("nle", [](auto& m, auto& d) { return nonLinearEffects(m, d.batch, d.q, d.v); });
-  add("gravity", [](auto& m, auto& d) { return generalizedGravity(m, d.batch, d.q); });
-  add("crba", [](auto& m, auto& d) { return crba(m, d.batch, d.q); });
-  add("aba", [](auto& m, auto& d) { return aba(m, d.batch, d.q, d.v, d.tau); });
-  add("joint_jacobians", [](auto& m, auto& d) { computeJointJacobians(m, d.batch, d.q); });
-  add("rnea_derivatives", [](auto& m, auto& d) {
-    const auto by = computeRNEADerivatives(m, d.batch, d.q, d.v, d.a);
+  add("forward_kinematics", Need::kinematics, [](auto& m, auto& s, auto& d) { forwardKinematics(m, d, s.q); });
+  add("forward_kinematics_1", Need::kinematics, [](auto& m, auto& s, auto& d) { forwardKinematics(m, d, s.q, s.v); });
+  add("forward_kinematics_2", Need::kinematics, [](auto& m, auto& s, auto& d) { forwardKinematics(m, d, s.q, s.v, s.a); });
+  add("rnea", Need::state, [](auto& m, auto& s, auto& d) { return rnea(m, d, s.q, s.v, s.a); });
+  add("nle", Need::state, [](auto& m, auto& s, auto& d) { return nonLinearEffects(m, d, s.q, s.v); });
+  add("gravity", Need::state, [](auto& m, auto& s, auto& d) { return generalizedGravity(m, d, s.q); });
+  add("crba", mass_matrix, [](auto& m, auto& s, auto& d) { return crba(m, d, s.q); });
+  add("aba", Need::state, [](auto& m, auto& s, auto& d) { return aba(m, d, s.q, s.v, s.tau); });
+  add("joint_jacobians", Need::jacobians, [](auto& m, auto& s, auto& d) { computeJointJacobians(m, d, s.q); });
+  add("rnea_derivatives", derivatives, [](auto& m, auto& s, auto& d) {
+    const auto by = computeRNEADerivatives(m, d, s.q, s.v, s.a);
     return BothOfStates{by.dtau_dq, by.dtau_dv};
   });
-  add("aba_derivatives", [](auto& m, auto& d) {
-    const auto by = computeABADerivatives(m, d.batch, d.q, d.v, d.tau);
+  add("aba_derivatives", derivatives, [](auto& m, auto& s, auto& d) {
+    const auto by = computeABADerivatives(m, d, s.q, s.v, s.tau);
     return BothOfStates{by.ddq_dq, by.ddq_dv};
   });
-  add("minverse", [](auto& m, auto& d) { return computeMinverse(m, d.batch, d.q); });
-  add("ccrba", [](auto& m, auto& d) { ccrba(m, d.batch, d.q, d.v); });
-  add("centroidal_derivatives", [](auto& m, auto& d) { computeCentroidalDynamicsDerivatives(m, d.batch, d.q, d.v, d.a); });
-  add("coriolis", [](auto& m, auto& d) { computeCoriolisMatrix(m, d.batch, d.q, d.v); });
+  add("minverse", derivatives, [](auto& m, auto& s, auto& d) { return computeMinverse(m, d, s.q); });
+  add("ccrba", derivatives, [](auto& m, auto& s, auto& d) { ccrba(m, d, s.q, s.v); });
+  add("centroidal_derivatives", derivatives, [](auto& m, auto& s, auto& d) { computeCentroidalDynamicsDerivatives(m, d, s.q, s.v, s.a); });
+  add("coriolis", derivatives, [](auto& m, auto& s, auto& d) { computeCoriolisMatrix(m, d, s.q, s.v); });
 }
 
 template void addBatch<double>(Subjects&, const char*, int, std::vector<Entry>&);

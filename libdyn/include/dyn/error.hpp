@@ -20,6 +20,7 @@ enum class ErrorCode {
   singular,    ///< a mass matrix that is singular at the given configuration
   compiler,    ///< a compiler that is not there, fails or takes too long
   closure,     ///< constraints that no configuration near the given one keeps
+  memory,      ///< more memory than the machine has
   simulation,  ///< a motion that cannot go on: a state that is not finite, steps that collapse, a callback that throws
 };
 

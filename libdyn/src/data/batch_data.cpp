@@ -1,4 +1,5 @@
 #include "data/batch_impl.hpp"
+#include "data/room.hpp"
 
 #include <dyn/error.hpp>
 
@@ -23,6 +24,11 @@ BasicBatchData<T>::BasicBatchData(const CompactModel& model, int capacity, Need 
   d.failures.resize(static_cast<std::size_t>(threads));
   const bool coupled = !m.couplings.empty();  // then forward dynamics goes through M
   const kernels::Room room{has(needs, Need::mass_matrix) || coupled, has(needs, Need::jacobians), has(needs, Need::derivatives)};
+  const double wide = m.nv, states = capacity;
+  const double matrices = has(needs, Need::derivatives) ? 4 * wide + 24 : has(needs, Need::mass_matrix) ? wide : 0;
+  checkRoom(
+      "BatchData of " + std::to_string(capacity) + " states of a model with " + std::to_string(m.nv) + " degrees of freedom",
+      sizeof(T) * states * wide * (4 + matrices + (has(needs, Need::jacobians) ? 6 : 0)) + threads * static_cast<double>(d.kernels->bytes(m, room)));
   for (int i = 0; i < threads; ++i) {
     d.scratch.emplace_back(d.kernels->bytes(m, room));
     d.kernels->prepare(m, room, d.scratch.back().data());

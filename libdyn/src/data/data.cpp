@@ -1,4 +1,5 @@
 #include "data/data_impl.hpp"
+#include "data/room.hpp"
 #include "kernels/table.hpp"
 
 #include <algorithm>
@@ -67,9 +68,10 @@ void carveKept(DataImpl& d, const CompactImpl& m, Arena& arena) {
 
 /// Memory of zeros for what carve(arena) asks for.
 template <class Carve>
-PackMemory memoryFor(const Carve& carve) {
+PackMemory memoryFor(const CompactImpl& m, const Carve& carve) {
   Arena count(nullptr);
   carve(count);
+  checkRoom("Data of a model with " + std::to_string(m.nv) + " degrees of freedom", static_cast<double>(count.used()));
   PackMemory memory(count.used());
   Arena arena(memory.data());
   carve(arena);
@@ -85,8 +87,8 @@ Data::Data(const CompactModel& model, Need needs) : impl_(std::make_unique<DataI
   impl_->keep = std::make_shared<CompactModel>(model);
   impl_->needs = has(needs, Need::derivatives) ? needs | Need::mass_matrix : needs;
   impl_->dual.resize(m.batches.size());
-  impl_->block = memoryFor([&](Arena& arena) { carveAll(*impl_, m, arena); });
-  impl_->kept = memoryFor([&](Arena& arena) { carveKept(*impl_, m, arena); });
+  impl_->block = memoryFor(m, [&](Arena& arena) { carveAll(*impl_, m, arena); });
+  impl_->kept = memoryFor(m, [&](Arena& arena) { carveKept(*impl_, m, arena); });
   atRest<double>(*impl_);
   const kernels::PackedKernels* packed[2] = {};
   const auto want = [&](bool StripUses::*algorithm) {

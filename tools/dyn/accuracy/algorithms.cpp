@@ -58,6 +58,7 @@ Entry derivativeEntry(Subjects& x, const char* algorithm, const std::string& mod
   return {algorithm,
           "double",
           mode,
+          Need::derivatives,
           x.states.size(),
           [&x, run] {
             for (const State& s : x.states) run(s);
@@ -80,7 +81,7 @@ Entry byDifferences(Subjects& x, bool forward_dynamics, double h) {
   const auto out = std::make_shared<Eigen::MatrixXd>(n, 2 * n);
   const auto run = [&x, forward_dynamics, h, n, out](const State& s) {
     const auto f = [&](const Eigen::VectorXd& q, const Eigen::VectorXd& v) {
-      return Eigen::VectorXd(forward_dynamics ? aba(x.model, x.data, q, v, s.tau) : rnea(x.model, x.data, q, v, s.a));
+      return Eigen::VectorXd(forward_dynamics ? aba(x.model, x.data(), q, v, s.tau) : rnea(x.model, x.data(), q, v, s.a));
     };
     const Eigen::VectorXd here = f(s.q, s.v);
     Eigen::VectorXd step = Eigen::VectorXd::Zero(n);
