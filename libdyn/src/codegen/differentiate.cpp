@@ -58,15 +58,15 @@ void partials(const GraphNode& n, const Traced& x, const Traced* a, Traced* out)
       out[0] = select(a[0] < 0, -1, 1);
       return;
     case Operation::select_less:
-      out[0] = out[1] = 0;
-      out[2] = select(a[0] < a[1], 1, 0);
-      out[3] = select(a[0] < a[1], 0, 1);
-      return;
+      return;  // no factors: zero times what the other branch has may be no number
   }
 }
 
 /// The graph once more in a builder, with all values at hand.
 struct Replayed {
+  /// Of a selection: whether it takes its third argument.
+  TracedCondition conditionOf(const GraphNode& n) const { return values[n.argument[0]] < values[n.argument[1]]; }
+
   GraphBuilder builder;
   std::vector<Traced> in, values;
   explicit Replayed(const Graph& g) : values(g.nodes.size()) {
@@ -103,12 +103,28 @@ void addScaled(Changes& to, const Changes& from, const Traced& factor) {
   to = std::move(sum);
 }
 
+/// Column by column those of the branch that is taken.
+Changes selected(const TracedCondition& condition, const Changes& yes, const Changes& no) {
+  Changes out;
+  auto a = yes.begin(), b = no.begin();
+  while (a != yes.end() || b != no.end()) {
+    const bool of_yes = a != yes.end() && (b == no.end() || a->first <= b->first), of_no = b != no.end() && (a == yes.end() || b->first <= a->first);
+    const int column = of_yes ? a->first : b->first;
+    out.emplace_back(column, select(condition, of_yes ? (a++)->second : Traced(0), of_no ? (b++)->second : Traced(0)));
+  }
+  return out;
+}
+
 JacobianGraph forward(const Graph& g) {
   Replayed r(g);
   std::vector<Changes> changes(g.nodes.size());
   for (std::size_t i = 0; i < g.nodes.size(); ++i) {
     const GraphNode& n = g.nodes[i];
     if (n.operation == Operation::input) changes[i] = {{static_cast<int>(n.argument[0]), Traced(1)}};
+    if (n.operation == Operation::select_less) {
+      changes[i] = selected(r.conditionOf(n), changes[n.argument[2]], changes[n.argument[3]]);
+      continue;
+    }
     Traced by[4];
     r.partialsOf(g, i, by);
     for (int k = 0; k < arity(n.operation); ++k) addScaled(changes[i], changes[n.argument[k]], by[k]);
@@ -125,13 +141,53 @@ JacobianGraph forward(const Graph& g) {
   return out;
 }
 
+/// Whether a node is reached by branches that are taken: always, or where a number is above zero.
+class Reached {
+ public:
+  explicit Reached(std::size_t nodes) : always_(nodes, 0), number_(nodes) {}
+  void mark(std::size_t node) { always_[node] = 1; }
+  /// `by` leads to `node`.
+  void lead(std::size_t by, std::size_t node) { add(node, always_[by] != 0, number_[by]); }
+  void leadIf(const TracedCondition& condition, std::size_t by, std::size_t node) {
+    add(node, false, select(condition, always_[by] ? Traced(1) : number_[by], Traced(0)));
+  }
+  /// share * factor, but zero where the node is not reached, whatever the factor is there.
+  Traced product(std::size_t node, const Traced& share, const Traced& factor) const {
+    const Traced plain = share * factor;
+    return always_[node] || !factor.recorder ? plain : select(Traced(0) < number_[node], plain, Traced(0));
+  }
+
+ private:
+  void add(std::size_t node, bool always, const Traced& number) {
+    if (always) always_[node] = 1;
+    if (!always_[node]) number_[node] += number;
+  }
+  std::vector<char> always_;
+  std::vector<Traced> number_;
+};
+
 /// Shares of all nodes in what `share` starts with, handed from the last node to the first.
 void handBack(const Graph& g, const Replayed& r, std::vector<Traced>& share) {
+  Reached reached(g.nodes.size());
+  for (const std::uint32_t output : g.outputs) reached.mark(output);
   for (std::size_t i = g.nodes.size(); i-- > 0;) {
+    const GraphNode& n = g.nodes[i];
     if (isZero(share[i])) continue;
+    if (n.operation == Operation::select_less) {
+      const TracedCondition condition = r.conditionOf(n);
+      const std::uint32_t yes = n.argument[2], no = n.argument[3];
+      share[yes] += select(condition, share[i], Traced(0));
+      reached.leadIf(condition, i, yes);
+      share[no] += select(condition, Traced(0), share[i]);
+      reached.leadIf(!condition, i, no);
+      continue;
+    }
     Traced by[4];
     r.partialsOf(g, i, by);
-    for (int k = 0; k < arity(g.nodes[i].operation); ++k) share[g.nodes[i].argument[k]] += share[i] * by[k];
+    for (int k = 0; k < arity(n.operation); ++k) {
+      share[n.argument[k]] += reached.product(i, share[i], by[k]);
+      reached.lead(i, n.argument[k]);
+    }
   }
 }
 
@@ -186,6 +242,10 @@ Graph directional(const Graph& graph) {
   for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
     const GraphNode& n = graph.nodes[i];
     if (n.operation == Operation::input) change[i] = direction[n.argument[0]];
+    if (n.operation == Operation::select_less) {
+      change[i] = select(r.conditionOf(n), change[n.argument[2]], change[n.argument[3]]);
+      continue;
+    }
     Traced by[4];
     r.partialsOf(graph, i, by);
     for (int k = 0; k < arity(n.operation); ++k)

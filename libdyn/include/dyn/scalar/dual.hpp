@@ -55,11 +55,17 @@ struct Dual {
   Dual& operator*=(const Dual& b) { return *this = *this * b; }
   Dual& operator/=(const Dual& b) { return *this = *this / b; }
 
-  friend bool operator<(const Dual& a, const Dual& b) { return a.v < b.v; }
-  friend bool operator>(const Dual& a, const Dual& b) { return b.v < a.v; }
-  friend bool operator<=(const Dual& a, const Dual& b) { return a.v <= b.v; }
-  friend bool operator>=(const Dual& a, const Dual& b) { return b.v <= a.v; }
-  friend bool operator==(const Dual& a, const Dual& b) { return a.v == b.v; }
+  // What comparing the values gives: a mask, where these are many.
+  friend auto operator<(const Dual& a, const Dual& b) { return a.v < b.v; }
+  friend auto operator>(const Dual& a, const Dual& b) { return a.v > b.v; }
+  friend auto operator<=(const Dual& a, const Dual& b) { return a.v <= b.v; }
+  friend auto operator>=(const Dual& a, const Dual& b) { return a.v >= b.v; }
+  friend auto operator==(const Dual& a, const Dual& b) { return a.v == b.v; }
+  template <class Mask>
+    requires(!std::is_same_v<Mask, bool>)
+  friend Dual select(const Mask& condition, const Dual& a, const Dual& b) {
+    return {select(condition, a.v, b.v), select(condition, a.d, b.d)};
+  }
 
   friend Dual sin(const Dual& a) {
     T s, c;
@@ -94,7 +100,7 @@ struct Dual {
     using std::atan2;
     return {atan2(y.v, x.v), (x.v * y.d - y.v * x.d) / (x.v * x.v + y.v * y.v)};
   }
-  friend Dual abs(const Dual& a) { return a.v < T(0) ? -a : a; }
+  friend Dual abs(const Dual& a) { return select(a.v < T(0), -a, a); }
 };
 
 template <class T>
