@@ -294,3 +294,87 @@ TEST_CASE("options of contacts that make no sense are refused", "[contact][error
   CHECK_THROWS_WITH(geometryContacts(model, geometry, {.margin = NAN}), containing("margin is"));
   CHECK_THROWS_WITH(geometryContacts(model, geometry, {.pairs = {{{"floor", "bal"}, 0.1}}}), containing("no pair is of 'floor' and 'bal'"));
 }
+
+TEST_CASE("a ball comes back from its impact whatever its size, its speed and the step", "[contact_finder]") {
+  // Lengths by 2^k, times by 2^(k/2): the same motion. From 5 m a step goes farther than the ball is told of.
+  for (const int k : {0, -24, -9, 7, 30})
+    for (const bool plate : {false, true}) {
+      CAPTURE(k, plate);
+      const double length = std::ldexp(1.0, k), time = std::exp2(0.5 * k), radius = 0.06 * length, height = 5.3 * length;
+      Model model = plate ? onFloor(g::Box{{4 * length, 4 * length, 0.002 * length}}) : onFloor();
+      if (plate) model.geometries[0].placement.p = {0, 0, -0.001 * length};
+      addBall(model, "ball", radius, 2, {0, 0, 0});
+      World world(model, {}, {.dt = 2e-3 * time, .restitution = 0.5});
+      Vector q = neutral(world.model);
+      q[2] = height + radius;
+      world.simulator.reset(q, Vector::Zero(6));
+      const double fall = std::sqrt(2 * height / gravity);
+      world.simulator.advance(1.5 * fall);
+      CHECK(world.simulator.statistics().impacts == 1);
+      CHECK(std::abs((world.simulator.q()[2] - radius) / height - 0.25) < 2e-3);
+      CHECK(std::abs(world.simulator.v()[2]) < 2e-3 * gravity * fall);
+    }
+}
+
+TEST_CASE("no body passes another unseen", "[contact_finder]") {
+  SECTION("a marble and a sheet of metal, by steps of any length") {
+    for (const double speed : {3.0, 40.0, 900.0})
+      for (const double dt : {1e-4, 3e-3})
+        for (const Integrator integrator : {Integrator::rk4, Integrator::semi_implicit_euler, Integrator::dormand_prince}) {
+          CAPTURE(speed, dt, infoOf(integrator).name);
+          Model model = onFloor(g::Box{{2, 2, 0.0005}}, {});
+          addBall(model, "marble", 0.003, 0.01, {0, 0, 0});
+          World world(model, {}, {.integrator = integrator, .dt = dt});
+          Vector q = neutral(world.model), v = Vector::Zero(6);
+          q[2] = 0.7;
+          v[2] = -speed;
+          world.simulator.reset(q, v);
+          world.simulator.advance(2 / speed);
+          CHECK(std::abs(world.simulator.q()[2] - 0.00325) < 1e-6);
+        }
+  }
+  SECTION("two that fly against each other") {
+    Model model = onFloor(g::HalfSpace{{0, 0, 1}, -100}, {});
+    addBall(model, "left", 0.01, 1, {0, 0, 0});
+    addBox(model, "right", {0.02, 0.02, 0.02}, 1, {0, 0, 0});
+    World world(model, {.friction = 0}, {.dt = 5e-3, .restitution = 1});
+    Vector q = neutral(world.model), v = Vector::Zero(12);
+    const auto first = [&](const char* joint) { return world.model.joints()[static_cast<std::size_t>(world.model.jointId(joint))]; };
+    q[first("left_joint").idx_q] = -3;
+    q[first("right_joint").idx_q] = 4;
+    v[first("left_joint").idx_v] = 310;
+    v[first("right_joint").idx_v] = -170;
+    world.simulator.reset(q, v);
+    world.simulator.advance(0.1);
+    CHECK(std::abs(world.velocityOf("left_joint")[0] + 170) < 1e-6);
+    CHECK(std::abs(world.velocityOf("right_joint")[0] - 310) < 1e-6);
+  }
+  SECTION("a rod that whirls and a thin pole") {
+    Model model = onFloor(g::Cylinder{0.002, 1}, {});
+    model.geometries[0].placement.p = {0.4, 0, 0};
+    addBox(model, "rod", {0.9, 0.01, 0.01}, 1, {0, 0, 0});
+    World world(model, {.friction = 0}, {.dt = 4e-3, .restitution = 1});
+    Vector q = neutral(world.model), v = Vector::Zero(6);
+    q[5] = std::sin(0.5), q[6] = std::cos(0.5);  // turned by 1 rad
+    v[5] = -150;
+    world.simulator.reset(q, v);
+    world.simulator.advance(0.012);
+    CHECK(world.simulator.statistics().impacts >= 1);
+    CHECK(world.velocityOf("rod_joint")[5] > -149);
+    CHECK(world.simulator.energy() == approx(0.5 * (0.81 + 1e-4) / 12 * 150 * 150).epsilon(1e-5));  // by steps of 0.6 rad
+  }
+}
+
+TEST_CASE("a stone that comes down again within one step of an adaptive method bounces", "[contact_finder]") {
+  Model model = onFloor();
+  addBall(model, "stone", 0.05, 1, {0, 0, 0});
+  World world(model, {}, {.integrator = Integrator::dormand_prince, .dt = 0.5, .restitution = 1});
+  Vector q = neutral(world.model), v = Vector::Zero(6);
+  q[2] = 0.05 + 1e-6;
+  v[2] = 6;
+  world.simulator.reset(q, v);
+  const double before = world.simulator.energy();
+  world.simulator.advance(5);
+  CHECK(world.simulator.statistics().impacts == 4);
+  CHECK(world.simulator.energy() == approx(before).epsilon(1e-7));
+}

@@ -122,3 +122,19 @@ TEST_CASE("nothing falls asleep unasked, or while it only turns back", "[islands
   CHECK_THROWS_WITH(s.island(1), containing("island 1 of 1"));
   CHECK_THROWS_WITH(s.advance(1), containing("time goes forward"));
 }
+
+TEST_CASE("what has touched something before does not fall asleep in the air", "[islands]") {
+  // A ball that bounces: at the top it is slower than the sleep's speed for 0.02 s, longer than the sleep's time.
+  IslandSimulator s(tool::body("translation", 1, {}, {0.1, 0.1, 0.1}, 9.81), registry(), {}, {.dt = 1e-3, .restitution = 0.5}, {true, 0.1, 0.015});
+  REQUIRE(s.count() == 1);
+  Simulator& ball = s.island(0);
+  ball.setContacts(pointsOnPlane(ball.model(), {"body"}));
+  ball.reset(Vector(Eigen::Vector3d(0, 0, 0.2)), Vector::Zero(3));
+  s.advance(0.33);  // at the top after the first bounce: 0.2 s down, 0.1 s up
+  REQUIRE(ball.statistics().impacts == 1);
+  CHECK(!s.asleep(0));
+  CHECK(ball.q()[2] > 0.03);
+  s.advance(3);
+  CHECK(s.asleep(0));
+  CHECK(std::abs(ball.q()[2]) < 1e-6);
+}

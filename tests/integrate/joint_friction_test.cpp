@@ -203,7 +203,7 @@ TEST_CASE("a robot that friction holds stays where it has come to rest, by every
   Model description = randomTree(registry(), 12, 3);
   const CompactModel plain = compile(description, registry());
   for (BodyDescription& body : description.bodies) {
-    const int id = plain.jointId(body.joint.name);
+    const int id = plain.findJoint(body.joint.name);
     if (id > 0) body.joint.friction.assign(static_cast<std::size_t>(plain.joints()[static_cast<std::size_t>(id)].nv), 1000);
   }
   const CompactModel model = compile(description, registry());

@@ -74,14 +74,7 @@ struct SimulateOptions : ModelOptions {
     ContactFinder plane;
     if (!ground.empty()) plane = pointsOnPlane(model, ground, {0, 0, 1}, height, friction);
     if (!touching) return plane;
-    const int first = static_cast<int>(ground.size());
-    ContactFinder touch = geometryContacts(model, compileGeometry(model, description, volumes.geometry()), {.friction = friction});
-    if (!plane) return touch;
-    return [plane, touch, first](const VectorResult& q, std::vector<ContactPoint>& found) {
-      touch(q, found);
-      for (ContactPoint& point : found) point.id += first;
-      plane(q, found);
-    };
+    return together(plane, geometryContacts(model, compileGeometry(model, description, volumes.geometry()), {.friction = friction}));
   }
 
   /// Times of states to keep, the first and the last among them.

@@ -54,7 +54,7 @@ class Compiler {
       Candidate c{&g, 0, g.placement};
       if (g.body > 0) {
         const std::string& body = bodyOf(g);
-        const int frame = model_.frameId(body);
+        const int frame = model_.findFrame(body);
         if (frame < 0)
           throw Error(ErrorCode::model,
                       "geometry '" + g.name + "': the compiled model has no body '" + body + "'; it was made from another description", g.where);
@@ -118,7 +118,7 @@ class Compiler {
     group_.assign(bodies.size(), 0);
     const std::unordered_set<std::string> held(model_.report().held.begin(), model_.report().held.end());
     const auto jointOf = [&](std::size_t body) {
-      const int frame = model_.frameId(bodies[body].name);
+      const int frame = model_.findFrame(bodies[body].name);
       return frame < 0 ? -1 : model_.frames()[at(frame)].joint;
     };
     for (std::size_t i = 1; i < bodies.size(); ++i) {

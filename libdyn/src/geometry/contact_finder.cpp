@@ -27,9 +27,8 @@ class Finder {
   Finder(const CompactModel& model, const GeometryModel& geometry, const GeometryContactOptions& options)
       : model_(model), geometry_(geometry), margin_(options.margin), data_(model), placed_(geometry, 0) {
     if (!(margin_ >= 0) || !std::isfinite(margin_)) refuse("the margin is " + std::to_string(margin_) + "; it is a number that is not negative");
-    placed_.impl().margin = margin_;
     for (const GeometryRecord& r : geometry.geometries()) {
-      const int frame = r.joint == 0 ? 0 : model.frameId(r.body);
+      const int frame = r.joint == 0 ? 0 : model.findFrame(r.body);
       if (frame < 0) refuse("the model has no frame of the body '" + r.body + "' that '" + r.name + "' is on");
       frames_.push_back(frame);
       in_frame_.push_back(r.joint == 0 ? r.placement : model.frames()[at(frame)].placement.inverse() * r.placement);
@@ -49,19 +48,21 @@ class Finder {
     for (const PairFriction& p : options.pairs) setFriction(p);
   }
 
-  void find(const VectorResult& q, std::vector<ContactPoint>& found) {
-    updateGeometryPlacements(model_, data_, geometry_, placed_, VectorArg(q.data(), q.size()));
+  void find(const VectorResult& q, double reach, std::vector<ContactPoint>& found) {
     const GeometryImpl& m = geometry_.impl();
     GeometryDataImpl& d = placed_.impl();
+    const double within = std::max(margin_, reach);
+    d.margin = within;
+    updateGeometryPlacements(model_, data_, geometry_, placed_, VectorArg(q.data(), q.size()));
     for (const int pair : nearPairs(m, d)) {
-      if (sphereBound(m, d, pair) > margin_) continue;
+      if (sphereBound(m, d, pair) > within) continue;
       const PlacedPair p = placed(m, d, pair);
       const auto [a, b] = m.pairs[at(pair)];
       // Forces within one rigid body, of joints that are held, do nothing.
       if (m.records[at(a)].joint == m.records[at(b)].joint) continue;
       if (!p.a.bounded() && !p.b.bounded()) continue;
       points_.clear();
-      contacts(p.a, p.b, p.aMb, margin_, [&](const NearPieces& x) {
+      contacts(p.a, p.b, p.aMb, within, [&](const NearPieces& x) {
         Separation s = x.s;
         s.on_a -= x.center;
         s.on_b -= x.center;
@@ -70,7 +71,7 @@ class Finder {
         const std::int64_t first = first_of_pair + ids.count() * p.b.pieces() * x.number[0] + ids.count() * x.number[1];
         for (int k = 0; k < touching.count; ++k) {
           const TouchingPoint& t = touching.points[k];
-          if (t.gap <= margin_) points_.push_back({x.center + t.on_a, s.normal, t.gap, first + t.id});
+          if (t.gap <= within) points_.push_back({x.center + t.on_a, s.normal, t.gap, first + t.id});
         }
         return true;
       });
@@ -79,7 +80,76 @@ class Finder {
     }
   }
 
+  Approach look(const VectorResult& q, const MatrixResult& velocities, double seconds) {
+    const GeometryImpl& m = geometry_.impl();
+    GeometryDataImpl& d = placed_.impl();
+    const auto states = static_cast<std::size_t>(velocities.cols());
+    motions_.resize(states * m.records.size());
+    double fastest = 0;
+    for (std::size_t k = 0; k < states; ++k) {
+      const auto column = static_cast<Eigen::Index>(k);
+      forwardKinematics(model_, data_, VectorArg(q.data(), q.size()), VectorArg(velocities.col(column).data(), velocities.rows()));
+      for (const int g : m.moving) {
+        PieceMotion& x = motions_[k * m.records.size() + at(g)];
+        x = motionOf(g);
+        fastest = std::max(fastest, norm(x.centre) + x.turning);
+      }
+    }
+    // Two of them may come towards each other.
+    d.margin = 1.25 * fastest * seconds;
+    updateGeometryPlacements(model_, data_, geometry_, placed_);
+    Approach out;
+    for (const int pair : nearPairs(m, d)) {
+      const auto [a, b] = m.pairs[at(pair)];
+      if (m.records[at(a)].joint == m.records[at(b)].joint) continue;
+      const PlacedPair p = placed(m, d, pair);
+      if (p.a.empty() || p.b.empty() || (!p.a.bounded() && !p.b.bounded())) continue;
+      double fastest_of_pair = 0;  // whatever the normal is
+      for (std::size_t k = 0; k < states; ++k) {
+        const PieceMotion &x = motions_[k * m.records.size() + at(a)], &y = motions_[k * m.records.size() + at(b)];
+        fastest_of_pair = std::max(fastest_of_pair, norm(y.centre - x.centre) + x.turning + y.turning);
+      }
+      const double within = 1.25 * fastest_of_pair * seconds;
+      if (sphereBound(m, d, pair) > within) continue;
+      const Separation s = nearest(p.a, p.b, p.aMb, within);
+      if (!(s.distance < within)) continue;
+      const Vec3<double> normal = p.oMa.R * s.normal;
+      double speed = 0;
+      for (std::size_t k = 0; k < states; ++k) {
+        const PieceMotion &x = motions_[k * m.records.size() + at(a)], &y = motions_[k * m.records.size() + at(b)];
+        speed = std::max(speed, dot(normal, x.centre - y.centre) + x.turning + y.turning);
+      }
+      out.add(s.distance, speed, seconds, roomOf(p.a) + roomOf(p.b));
+    }
+    // Whoever touches something may be thrown at something else.
+    out.reach = std::max(out.reach, 4 * fastest * seconds);
+    return out;
+  }
+
  private:
+  /// Of a volume: the velocity of the centre of its bounding sphere in the world, and how fast its points move about that at most.
+  struct PieceMotion {
+    Vec3<double> centre;
+    double turning = 0;
+  };
+  PieceMotion motionOf(int g) const {
+    const GeometryRecord& r = geometry_.geometries()[at(g)];
+    const Volume& volume = *geometry_.impl().volumes[at(g)];
+    if (r.joint == 0) return {};
+    const Motion<double> v = jointVelocity(model_, data_, r.joint, ReferenceFrame::LOCAL_WORLD_ALIGNED);
+    const Vec3<double> centre =
+        jointPlacement(model_, data_, r.joint).R * (volume.bounded() ? r.placement.act(volume.bounds().center()) : r.placement.p);
+    // What is round about its centre turns in itself.
+    const double radius = !volume.bounded() ? 0 : volume.single() ? volume.radius() - volume.piece(0).margin : volume.radius();
+    return {v.linear + cross(v.angular, centre), norm(v.angular) * std::max(radius, 0.0)};
+  }
+  /// Half of the least that it measures.
+  static double roomOf(const Volume& volume) {
+    if (!volume.bounded()) return std::numeric_limits<double>::infinity();
+    const Vec3<double> half = volume.bounds().half();
+    return std::min({half.x, half.y, half.z});
+  }
+
   /// Those of each two pieces follow those of the two before.
   struct PairIds {
     std::int64_t first;
@@ -161,13 +231,15 @@ class Finder {
   std::vector<double> friction_;       ///< by pair
   std::vector<PairIds> ids_;           ///< by pair
   std::vector<Found> points_;
+  std::vector<PieceMotion> motions_;  ///< by velocity, then geometry; what stands still at rest
 };
 
 }  // namespace
 
 ContactFinder geometryContacts(const CompactModel& model, const GeometryModel& geometry, const GeometryContactOptions& options) {
   const auto finder = std::make_shared<Finder>(model, geometry, options);
-  return [finder](const VectorResult& q, std::vector<ContactPoint>& found) { finder->find(q, found); };
+  return {[finder](const VectorResult& q, double reach, std::vector<ContactPoint>& found) { finder->find(q, reach, found); },
+          [finder](const VectorResult& q, const MatrixResult& velocities, double seconds) { return finder->look(q, velocities, seconds); }};
 }
 
 }  // namespace dyn

@@ -29,7 +29,7 @@ struct IslandSimulator::Impl {
     if (v.size() == 0) return true;
     if (!(v.cwiseAbs().maxCoeff() <= sleep.speed)) return false;
     // What lies on the ground accelerates only in the eyes of the smooth law: there its speed alone tells.
-    if (x.simulator.statistics().contact_steps > 0) return true;
+    if (x.simulator.touches()) return true;
     return x.simulator.acceleration().cwiseAbs().maxCoeff() * sleep.time <= sleep.speed;
   }
 
@@ -78,7 +78,7 @@ const std::vector<std::string>& IslandSimulator::report() const { return impl_->
 int IslandSimulator::islandOf(const std::string& name) const {
   for (std::size_t k = 0; k < impl_->islands.size(); ++k) {
     const CompactModel& model = impl_->islands[k].simulator.model();
-    if (name != "universe" && (model.jointId(name) > 0 || model.frameId(name) > 0)) return static_cast<int>(k);
+    if (name != "universe" && (model.findJoint(name) > 0 || model.findFrame(name) > 0)) return static_cast<int>(k);
   }
   return -1;
 }

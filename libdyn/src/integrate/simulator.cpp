@@ -234,6 +234,7 @@ double Simulator::time() const { return impl_->now.time; }
 VectorResult Simulator::q() const { return {impl_->now.q.data(), impl_->now.q.size()}; }
 VectorResult Simulator::v() const { return {impl_->now.v.data(), impl_->now.v.size()}; }
 const SimulatorStatistics& Simulator::statistics() const { return impl_->law.statistics; }
+bool Simulator::touches() const { return impl_->contact_step; }
 double Simulator::energy() { return impl_->law.energy(impl_->now.q.data(), impl_->now.v.data()); }
 double Simulator::constraintError() { return impl_->law.constraintError(impl_->now.q.data(), impl_->now.v.data()); }
 VectorResult Simulator::acceleration() {
@@ -283,6 +284,7 @@ void Simulator::Impl::start(Moment from) {
   signs = std::move(sides);
   untold.clear();
   touching.clear();
+  contact_step = false;
   anchor = now.time;
   steps = 0;
   trial = options.dt;

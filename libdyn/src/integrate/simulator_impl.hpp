@@ -35,8 +35,9 @@ struct Simulator::Impl {
   Eigen::VectorXd after_impact;
   Eigen::VectorXd contact_u, contact_v, shown_u;  ///< a contact step's way and velocity, in axes held at its start, and a part of the way
   std::vector<Unilateral::Gap> gaps_before, gaps_halfway, gaps_after;
-  std::vector<std::int64_t> closing;
-  std::vector<std::int64_t> touching;  ///< what the last step touched
+  std::vector<std::int64_t> closing, closing_pairs;  ///< contacts, and the frames of each
+  std::vector<std::int64_t> lost;                    ///< of the latter those of which some are called otherwise at the step's beginning
+  std::vector<std::int64_t> touching;                ///< what the last step touched
 
   // By Unilateral::rubbing().
   std::vector<char> resting;  ///< at the step's beginning, or so near to it that friction takes them for that
@@ -51,6 +52,7 @@ struct Simulator::Impl {
   std::vector<Looks> event_looks;                 ///< by event
   std::vector<double> speeds;                     ///< of rubbing() at each look
   std::array<Eigen::VectorXd, looks + 1> looked;  ///< configurations at each look
+  Eigen::MatrixXd velocities;                     ///< at now, at each look and at next
 
   Impl(const CompactModel& model, const ConstraintSet* constraints, const SimulatorOptions& options);
   Unilateral& contacts();
@@ -100,8 +102,13 @@ struct Simulator::Impl {
   /// This share of the contact step's way from now.q, and the velocity there.
   void glide(double share, double* q, double* v);
   double collide(double h, double speed);
+  /// Where corners of two bodies lie upon each other their contacts may have other names in poses that hardly differ: then all of the pair take part.
+  void findLost(const std::vector<Unilateral::Gap>& seen);
   /// The share of the last step at which a joint's limit is passed first; infinity if none is.
   double firstLimit();
+  /// The share at which a contact is closed first, by conservative advancement (Mirtich 1996, sec. 2.3): as long as nothing can touch, on to the
+  /// state where something may; infinity if there is none. `near`: whether something touches or is too near to say.
+  double firstContact(double h, bool& near);
   /// Counts what is touched now and was not before.
   void countTouched(const std::vector<std::int64_t>& now_touching);
   double rest(double h);

@@ -12,11 +12,7 @@ namespace {
 
 using Gap = Unilateral::Gap;
 
-/// The gap of the same contact at another time; if the finder did not tell of it then, it was as far open as it is closed now.
-double gapOf(const std::vector<Gap>& gaps, const Gap& like) {
-  const Gap* same = Unilateral::find(gaps, like.key);
-  return same ? same->value : std::abs(like.value);
-}
+bool has(const std::vector<std::int64_t>& keys, std::int64_t key) { return std::find(keys.begin(), keys.end(), key) != keys.end(); }
 
 }  // namespace
 
@@ -37,7 +33,7 @@ double Simulator::Impl::lowestGap(double theta, double h) {
   between(theta, shown_q.data(), shown_v.data());
   double lowest = std::numeric_limits<double>::infinity();
   for (const Gap& gap : unilateral->look(now.time + theta * h, shown_q.data()))
-    if (std::find(closing.begin(), closing.end(), gap.key) != closing.end()) lowest = std::min(lowest, gap.value);
+    if (has(closing, gap.key)) lowest = std::min(lowest, gap.value);
   return lowest;
 }
 
@@ -65,14 +61,54 @@ double Simulator::Impl::firstLimit() {
   return first;
 }
 
+double Simulator::Impl::firstContact(double h, bool& near) {
+  constexpr double infinity = std::numeric_limits<double>::infinity(), arrived = 0x1p-30;
+  constexpr int most_looks = 256;
+  near = true;
+  if (!unilateral->looksAhead()) return infinity;
+  // Steps of adaptive methods may be long: what happens within them is not between the velocities at their ends.
+  const int samples = infoOf(options.integrator).adaptive ? looks : 1;
+  velocities.resize(now.v.size(), samples + 1);
+  velocities.col(0) = now.v;
+  for (int k = 1; k < samples; ++k) {
+    between(static_cast<double>(k) / samples, shown_q.data(), shown_v.data());
+    velocities.col(k) = shown_v;
+  }
+  velocities.col(samples) = next.v;
+  double share = 0;
+  for (int look = 0; look < most_looks; ++look) {
+    if (look > 0) between(share, shown_q.data(), shown_v.data());
+    const double left = (1 - share) * h;
+    const Approach x = unilateral->approach(now.time + share * h, look == 0 ? now.q.data() : shown_q.data(), velocities, left);
+    if (look == 0) {
+      unilateral->setReach(x.reach);
+      near = x.touches;
+    }
+    const double clear = look == 0 ? x.clear : std::min(x.clear, x.soonest);
+    if (clear >= left) return infinity;
+    share += clear / h;
+    if (clear < arrived * h) return std::min(share, 1.0);
+  }
+  near = true;
+  return infinity;
+}
+
 double Simulator::Impl::touch(double h) {
+  const double whole = h;
+  bool near = true;
+  double share = unilateral->hasFinder() ? firstContact(h, near) : std::numeric_limits<double>::infinity();
+  if (share > 1 && !near && unilateral->limits() == 0) {
+    touching.clear();
+    return comeToRest(h);
+  }
   gaps_after = unilateral->look(next.time, next.q.data());
-  // Most steps close nothing: the other two looks are for those that do.
   const auto anyClosed = [&] { return std::any_of(gaps_after.begin(), gaps_after.end(), [](const Gap& gap) { return !(gap.value >= 0); }); };
-  // What is passed and left again within the step ends it where it is passed.
-  if (double share = anyClosed() ? 2 : firstLimit(); share <= 1) {
-    const double whole = h;
-    for (double more = 0x1p-30; share < 1 && !anyClosed(); more *= 4) {
+  if (share > 1 && !anyClosed()) share = firstLimit();
+  // What is passed within the step ends it where it is passed.
+  if (share < 1) {
+    bool first = true;
+    for (double more = 0x1p-30; first || (share < 1 && !anyClosed()); more *= 4) {
+      first = false;
       share = std::min(1.0, share + more);
       h = share * whole;
       stepBy(h, now.time + h);
@@ -89,20 +125,35 @@ double Simulator::Impl::touch(double h) {
   between(0.5, shown_q.data(), shown_v.data());
   gaps_halfway = unilateral->look(now.time + 0.5 * h, shown_q.data());
   closing.clear();
+  closing_pairs.clear();
   bool impact = false;
   double speed = 0;
   for (const Gap& gap : gaps_after) {
     if (gap.value >= 0) continue;
-    // Gaps as parabolas of time: with what speed this one closes, and how soon it would be closed again after a rebound.
-    const double start = gapOf(gaps_before, gap), half = gapOf(gaps_halfway, gap);
-    const double a = 4 * (gap.value - 2 * half + start) / (h * h), v = (gap.value - start) / h - 0.5 * a * h;
-    const double closing_speed = std::sqrt(std::max(0.0, v * v - 2 * a * start));
+    // Gaps as parabolas of time: with what speed this one closes, and how soon it would be closed again after a rebound. Those that the finder
+    // does not know at all three times by their velocities.
+    const Gap *at_start = Unilateral::find(gaps_before, gap.key), *at_half = Unilateral::find(gaps_halfway, gap.key);
+    double start = 1, a = 0, closing_speed = 0;
+    if (at_start && at_half) {
+      start = at_start->value;
+      a = 4 * (gap.value - 2 * at_half->value + start) / (h * h);
+      const double v = (gap.value - start) / h - 0.5 * a * h;
+      closing_speed = std::sqrt(std::max(0.0, v * v - 2 * a * start));
+    } else {
+      unilateral->look(next.time, next.q.data());
+      closing_speed = std::max(0.0, unilateral->closingSpeed(gap.key, next.q.data(), next.v.data()));
+      a = (closing_speed - unilateral->closingSpeed(gap.key, next.q.data(), now.v.data())) / h;
+    }
     // A rebound that is over within a step is none: that contact rests.
-    const bool rebounds = start > 0 && options.restitution * closing_speed > std::abs(a) * std::min(h, options.dt);
+    const bool rebounds = start > 0 && options.restitution * closing_speed > std::abs(a) * std::min(whole, options.dt);
     if (impact && !rebounds) continue;
-    if (rebounds && !impact) closing.clear();
+    if (rebounds && !impact) {
+      closing.clear();
+      closing_pairs.clear();
+    }
     impact = impact || rebounds;
     closing.push_back(gap.key);
+    closing_pairs.push_back(gap.pair);
     speed = std::max(speed, closing_speed);
   }
   return impact ? collide(h, speed) : rest(h);
@@ -122,7 +173,7 @@ double Simulator::Impl::collide(double h, double speed) {
   const double rested = comeToRest(part);
   if (rested < part) return rested;
   // All that are as near as makes no difference take part.
-  const double near = 1e-6 * h * speed;
+  const double near = 1e-6 * options.dt * speed;
   unilateral->look(next.time, next.q.data());
   unilateral->choose([&](const Gap& gap) { return gap.value <= near; });
   if (!unilateral->anyChosen()) return part;
@@ -139,8 +190,14 @@ double Simulator::Impl::collide(double h, double speed) {
 
 void Simulator::Impl::countTouched(const std::vector<std::int64_t>& now_touching) {
   for (const std::int64_t key : now_touching)
-    if (std::find(touching.begin(), touching.end(), key) == touching.end()) ++law.statistics.touched;
+    if (!has(touching, key)) ++law.statistics.touched;
   touching = now_touching;
+}
+
+void Simulator::Impl::findLost(const std::vector<Gap>& seen) {
+  lost.clear();
+  for (std::size_t k = 0; k < closing.size(); ++k)
+    if (Unilateral::find(seen, closing[k]) == nullptr) lost.push_back(closing_pairs[k]);
 }
 
 double Simulator::Impl::rest(double h) {
@@ -149,8 +206,8 @@ double Simulator::Impl::rest(double h) {
   whole_step = whole_step && part == h;
   constexpr int most_rounds = 8;
   for (int round = 0; round < most_rounds; ++round) {
-    unilateral->look(now.time, now.q.data());
-    unilateral->choose([&](const Gap& gap) { return std::find(closing.begin(), closing.end(), gap.key) != closing.end(); }, resting);
+    findLost(unilateral->look(now.time, now.q.data()));
+    unilateral->choose([&](const Gap& gap) { return has(closing, gap.key) || has(lost, gap.pair); }, resting);
     if (!unilateral->anyChosen()) break;  // the finder told of it only further on: the next step will see it
     contact_v = VectorResult(unilateral->step(law, now.time, now.q.data(), now.v.data(), part), next.v.size());
     contact_u = unilateral->displacement();
@@ -161,7 +218,10 @@ double Simulator::Impl::rest(double h) {
     contact_step = true;
     const std::size_t known = closing.size();
     for (const Gap& gap : unilateral->look(end, next.q.data()))
-      if (gap.value < 0 && std::find(closing.begin(), closing.end(), gap.key) == closing.end()) closing.push_back(gap.key);
+      if (gap.value < 0 && !has(closing, gap.key)) {
+        closing.push_back(gap.key);
+        closing_pairs.push_back(gap.pair);
+      }
     // Nor does friction turn a joint's motion around.
     const bool turns = markTurned(next.v);
     for (std::size_t k = 0; turns && k < turned.size(); ++k) resting[k] = resting[k] || turned[k];

@@ -4,6 +4,7 @@
 
 #include <dyn/algorithm/aba.hpp>
 #include <dyn/algorithm/configuration.hpp>
+#include <dyn/algorithm/kinematics.hpp>
 #include <dyn/algorithm/rnea.hpp>
 #include <dyn/error.hpp>
 
@@ -75,10 +76,39 @@ const Unilateral::Gap* Unilateral::find(const std::vector<Gap>& gaps, std::int64
 const std::vector<Unilateral::Gap>& Unilateral::look(double t, const double* q) {
   gaps_.clear();
   points_.clear();
-  for (std::size_t k = 0; k < limits_.size(); ++k) gaps_.push_back({-static_cast<std::int64_t>(k) - 1, limitGap(static_cast<int>(k), q)});
-  if (finder_) guardCallback("the finder of contacts", t, [&] { finder_({q, model_.nq()}, points_); });
-  for (const ContactPoint& point : points_) gaps_.push_back({point.id, point.gap});
+  for (std::size_t k = 0; k < limits_.size(); ++k)
+    gaps_.push_back({-static_cast<std::int64_t>(k) - 1, limitGap(static_cast<int>(k), q), -static_cast<std::int64_t>(k) - 1});
+  if (finder_) guardCallback("the finder of contacts", t, [&] { finder_({q, model_.nq()}, points_, reach_); });
+  for (const ContactPoint& point : points_) gaps_.push_back({point.id, point.gap, (static_cast<std::int64_t>(point.frame) << 32) + point.other});
   return gaps_;
+}
+
+Approach Unilateral::approach(double t, const double* q, const Eigen::MatrixXd& velocities, double seconds) {
+  Approach out;
+  guardCallback("the finder of contacts", t, [&] {
+    out = finder_.approach({q, model_.nq()}, {velocities.data(), velocities.rows(), velocities.cols()}, seconds);
+  });
+  return out;
+}
+
+double Unilateral::closingSpeed(std::int64_t key, const double* q, const double* v) {
+  const auto found = std::find_if(gaps_.begin(), gaps_.end(), [key](const Gap& gap) { return gap.key == key; });
+  if (found == gaps_.end()) return 0;
+  const auto gap = static_cast<std::size_t>(found - gaps_.begin());
+  const ContactPoint* p = pointOf(gap);
+  if (p == nullptr) {
+    const double rate = v[model_.joints()[static_cast<std::size_t>(model_.jointId(limits_[gap].joint))].idx_v];
+    return limits_[gap].upper ? rate : -rate;
+  }
+  forwardKinematics(model_, data_, VectorResult(q, model_.nq()), VectorResult(v, model_.nv()));
+  const auto frameAt = [&](int frame) { return frame == 0 ? SE3<double>{} : framePlacement(model_, data_, frame); };
+  const Vec3<double> x = frameAt(p->frame).act(p->point), normal = frameAt(p->other).R * p->normal;
+  const auto velocityAt = [&](int frame) {
+    if (frame == 0) return Vec3<double>{};
+    const Motion<double> m = frameVelocity(model_, data_, frame, ReferenceFrame::LOCAL_WORLD_ALIGNED);
+    return m.linear + cross(m.angular, x - frameAt(frame).p);
+  };
+  return dot(normal, velocityAt(p->other) - velocityAt(p->frame)) / std::sqrt(dot(normal, normal));
 }
 
 const ContactPoint* Unilateral::pointOf(std::size_t gap) const { return gap < limits_.size() ? nullptr : &points_[gap - limits_.size()]; }

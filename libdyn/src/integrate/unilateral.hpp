@@ -36,11 +36,20 @@ class Unilateral {
 
   /// Contacts and limits by number: those of `gaps` in the same order as long as the finder tells of the same.
   struct Gap {
-    std::int64_t key;  ///< the same from call to call
-    double value;      ///< [m, rad]
+    std::int64_t key;   ///< the same from call to call
+    double value;       ///< [m, rad]
+    std::int64_t pair;  ///< the same for all contacts of two frames
   };
   /// That of the same contact; null if there is none.
   static const Gap* find(const std::vector<Gap>& gaps, std::int64_t key);
+  /// See ContactFinder. Of one that does not look ahead nothing is known.
+  bool hasFinder() const { return static_cast<bool>(finder_); }
+  bool looksAhead() const { return finder_.looksAhead(); }
+  Approach approach(double t, const double* q, const Eigen::MatrixXd& velocities, double seconds);
+  /// [m] What is farther away need not be looked at from now on.
+  void setReach(double reach) { reach_ = reach; }
+  /// How fast the contact that look() has seen last under this key closes at q and v; of one that it has not seen 0.
+  double closingSpeed(std::int64_t key, const double* q, const double* v);
   /// At q; a view of what the next call overwrites.
   const std::vector<Gap>& look(double t, const double* q);
 
@@ -119,6 +128,7 @@ class Unilateral {
   std::vector<Limit> limits_;
   std::vector<Rubbing> rubbing_;
   ContactFinder finder_;
+  double reach_ = 0;
   std::vector<ContactPoint> points_;
   std::vector<Gap> gaps_;                      ///< of limits, then of points
   std::vector<std::size_t> chosen_, resting_;  ///< of gaps, of rubbing

@@ -19,7 +19,7 @@ struct PairFriction {
 struct GeometryContactOptions {
   double friction = 0.8;                 ///< coefficient, of pairs that `pairs` does not name
   std::vector<PairFriction> pairs = {};  ///< later ones win
-  double margin = 0.01;                  ///< [m] volumes farther apart are not told of
+  double margin = 0.01;                  ///< [m] volumes farther apart are told of only where they may come together within the step
 };
 
 /// Contacts of all pairs of `geometry`: where two solids face each other the corners of what they share, of faces, sides and rims, not their

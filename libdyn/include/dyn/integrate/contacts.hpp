@@ -6,7 +6,10 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace dyn {
@@ -22,9 +25,48 @@ struct ContactPoint {
   double friction = 0;    ///< coefficient
 };
 
-/// Appends the points that are near enough to matter. Called several times a step; a function of q alone. The library's own keep scratch, which
-/// copies of one share: a finder of its own for each thread.
-using ContactFinder = std::function<void(VectorResult q, std::vector<ContactPoint>& found)>;
+/// What a step of a simulation may bring together.
+struct DYN_API Approach {
+  double clear = std::numeric_limits<double>::infinity();    ///< [s] for which nothing that is apart now comes to touch
+  double soonest = std::numeric_limits<double>::infinity();  ///< [s] the same of what `touches` speaks of
+  double reach = 0;                                          ///< [m] no two things come nearer to each other than by this within the step
+  bool touches = false;                                      ///< something is so near that the step's end tells more than its beginning
+
+  /// Two things that are `gap` [m] apart and come nearer at no more than `speed` [m/s] in the next `seconds`. By `room` [m] the one may be in the
+  /// other before it is seen on the far side.
+  void add(double gap, double speed, double seconds, double room);
+};
+
+/// What tells a simulation what touches. Made of a function that appends the points that are near enough to matter, a function of q alone; or, as
+/// the library's own, of one that is told how far away things may matter, and one that says for how long nothing can touch: then nothing is passed
+/// unseen, whatever its speed. Called several times a step. The library's own keep scratch, which copies of one share: a finder of its own for each
+/// thread.
+class DYN_API ContactFinder {
+ public:
+  /// `reach` [m]: what is farther away need not be told of.
+  using Find = std::function<void(VectorResult q, double reach, std::vector<ContactPoint>& found)>;
+  /// Velocities, nv rows, that occur in the next `seconds`: bounds of the motion are made of them.
+  using Look = std::function<Approach(VectorResult q, MatrixResult velocities, double seconds)>;
+
+  ContactFinder() = default;
+  template <class F>
+    requires std::is_invocable_v<F&, VectorResult, std::vector<ContactPoint>&>
+  ContactFinder(F find)  // NOLINT: a function is one
+      : find_([find = std::move(find)](const VectorResult& q, double, std::vector<ContactPoint>& found) mutable { find(q, found); }) {}
+  ContactFinder(Find find, Look look) : find_(std::move(find)), look_(std::move(look)) {}
+
+  explicit operator bool() const { return static_cast<bool>(find_); }
+  void operator()(const VectorResult& q, std::vector<ContactPoint>& found, double reach = 0) const { find_(q, reach, found); }
+  bool looksAhead() const { return static_cast<bool>(look_); }
+  Approach approach(const VectorResult& q, const MatrixResult& velocities, double seconds) const { return look_(q, velocities, seconds); }
+
+ private:
+  Find find_;
+  Look look_;
+};
+
+/// What either of two finders tells.
+DYN_API ContactFinder together(const ContactFinder& a, const ContactFinder& b);
 
 /// Origins of these frames above the plane normal . x = height of the world [m]. Throws Error(argument) for a frame that is not there, a
 /// normal without direction, a height that is not finite, a friction that is negative or not finite.

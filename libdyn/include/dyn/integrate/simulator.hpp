@@ -108,6 +108,8 @@ class DYN_API Simulator {
   /// Largest error of constraints with a target [m, rad].
   double constraintError();
   const SimulatorStatistics& statistics() const;
+  /// Whether something stayed in touch during the last step: a contact or a limit.
+  bool touches() const;
 
   /// One step; of adaptive integrators the next that keeps the tolerance. Throws Error(simulation) naming time, joint and what is wrong: a
   /// state that is not finite, a callback that throws or gives what is not finite, a step that collapses or that time does not resolve, equations
