@@ -69,7 +69,8 @@ TEST_CASE("accelerations and forces that are computed together are those of each
 
 TEST_CASE("poses, velocities and accelerations are not read out of another model's data", "[kinematics][error]") {
   const CompactModel model = compile(randomTree(registry(), 300, 1), registry()), small = compile(randomTree(registry(), 2, 1), registry());
-  const Data data(small);
+  Data data(small);
+  forwardKinematics(small, data, neutral(small));
   const int joint = model.njoints() - 1, frame = static_cast<int>(model.frames().size()) - 1;
   const auto of = [](const char* function) { return containing(std::string(function) + ": data was made for another model"); };
   CHECK_THROWS_WITH(jointPlacement(model, data, joint), of("jointPlacement"));
@@ -85,4 +86,52 @@ TEST_CASE("poses, velocities and accelerations are not read out of another model
   // A copy of the model is the same model.
   const CompactModel copy = small;  // NOLINT: what is tested
   CHECK(jointPlacement(copy, data, 1).R.m[0] == jointPlacement(small, data, 1).R.m[0]);
+}
+
+TEST_CASE("what no call has computed yet is refused, and not zero", "[kinematics]") {
+  const CompactModel model = compile(randomTree(registry(), 6, 2, true), registry());
+  Random random(2);
+  const Eigen::VectorXd q = integrate(model, neutral(model), random.vector(model.nv(), 0.8)), v = random.vector(model.nv(), 1);
+  Data data(model, Need::derivatives);
+  Eigen::MatrixXd J(6, model.nv());
+  CHECK_THROWS_WITH(framePlacement(model, data, 1), containing("has no poses yet; call forwardKinematics(model, data, q) first"));
+  CHECK_THROWS_WITH(getFrameJacobian(model, data, 1, ReferenceFrame::LOCAL, J), containing("no poses yet"));
+  CHECK_THROWS_WITH(getJointJacobian(model, data, 1, ReferenceFrame::LOCAL, J), containing("no poses yet"));
+  forwardKinematics(model, data, q);
+  framePlacement(model, data, 1);
+  CHECK_THROWS_WITH(frameVelocity(model, data, 1, ReferenceFrame::LOCAL), containing("no velocities yet; call forwardKinematics(model, data, q, v)"));
+  forwardKinematics(model, data, q, v);
+  frameVelocity(model, data, 1, ReferenceFrame::LOCAL);
+  CHECK_THROWS_WITH(jointAcceleration(model, data, 1, ReferenceFrame::LOCAL), containing("no accelerations yet"));
+  CHECK_THROWS_WITH(frameClassicalAcceleration(model, data, 1, ReferenceFrame::LOCAL), containing("no accelerations yet"));
+  // Jacobians place bodies, and leave velocities where they are; another pass of positions does not.
+  computeJointJacobians(model, data, q);
+  frameVelocity(model, data, 1, ReferenceFrame::LOCAL);
+  forwardKinematics(model, data, q);
+  CHECK_THROWS_WITH(frameVelocity(model, data, 1, ReferenceFrame::LOCAL), containing("no velocities yet"));
+  Data fresh(model);
+  computeFrameJacobian(model, fresh, q, 1, ReferenceFrame::LOCAL, J);
+  framePlacement(model, fresh, 1);
+  BatchData batch(model, 3, Need::kinematics);
+  CHECK_THROWS_WITH(framePlacement(model, batch, 1, 0), containing("no poses yet"));
+  forwardKinematics(model, batch, Eigen::MatrixXd(q.replicate(1, 3)));
+  framePlacement(model, batch, 1, 0);
+  CHECK_THROWS_WITH(frameVelocity(model, batch, 1, 0, ReferenceFrame::LOCAL), containing("no velocities yet"));
+}
+
+TEST_CASE("a name that is not there is told with those that are like it", "[kinematics]") {
+  Model description;
+  JointDescription joint;
+  joint.type = "spherical";
+  for (const char* name : {"left_elbow", "right_elbow", "neck"}) {
+    joint.name = name;
+    description.addBody(std::string(name) + "_link", 0, joint, {1, {}, {1, 0, 0, 1, 0, 1}});
+  }
+  const CompactModel model = compile(description, registry());
+  CHECK(model.findJoint("neck") == 3);
+  CHECK(model.findFrame("nick") == -1);
+  CHECK_THROWS_WITH(model.jointId("nick"), containing("the model has no joint 'nick'; did you mean 'neck'?"));
+  CHECK_THROWS_WITH(model.frameId("Left_Elbow_Link"), containing("did you mean 'left_elbow_link'"));
+  CHECK_THROWS_WITH(model.jointId("elbow"), containing("'left_elbow' or 'right_elbow'?"));
+  CHECK_THROWS_WITH(model.frameId("camera"), containing("the model has no frame 'camera'") && !containing("mean"));
 }

@@ -21,7 +21,7 @@ Vector pick(const CompactModel& whole, const CompactModel& part, const Vector& x
   Vector out(configuration ? part.nq() : part.nv());
   for (const JointRecord& joint : part.joints()) {
     if (joint.nv == 0) continue;
-    const JointRecord& same = whole.joints()[static_cast<std::size_t>(whole.jointId(joint.name))];
+    const JointRecord& same = whole.joints()[static_cast<std::size_t>(whole.findJoint(joint.name))];
     if (configuration) {
       out.segment(joint.idx_q, joint.nq) = x.segment(same.idx_q, same.nq);
     } else {
@@ -45,7 +45,7 @@ TEST_CASE("an island without outputs is left out, and the other one moves as it 
   options.scene.outputs = {"tool"};
   const CompactModel whole = compile(description, registry()), part = compile(description, registry(), options);
   CHECK(part.nv() < whole.nv());
-  CHECK(part.jointId("other/j0") < 0);
+  CHECK(part.findJoint("other/j0") < 0);
   CHECK(reports(part, "scene: 9 of 17 bodies left out, 1 of 2 frames"));
   CHECK_FALSE(reports(whole, "scene:"));
   Random random(5);
@@ -70,7 +70,7 @@ TEST_CASE("what is tied to an output stays", "[scene]") {
   const auto kept = [&](const Scene& scene) {
     CompileOptions options;
     options.scene = scene;
-    return compile(description, registry(), options).jointId("other/j0") >= 0;
+    return compile(description, registry(), options).findJoint("other/j0") >= 0;
   };
   CHECK_FALSE(kept({{"tool"}, {}, true}));
   CHECK(kept({{"other/tool"}, {}, true}));
@@ -91,7 +91,7 @@ TEST_CASE("without dynamics only what carries an output stays, and it stands whe
   Data all(whole), some(part);
   forwardKinematics(whole, all, q);
   forwardKinematics(part, some, pick(whole, part, q, true));
-  const SE3<double> a = framePlacement(whole, all, whole.frameId("b2")), b = framePlacement(part, some, part.frameId("b2"));
+  const SE3<double> a = framePlacement(whole, all, whole.findFrame("b2")), b = framePlacement(part, some, part.findFrame("b2"));
   for (int k = 0; k < 9; ++k) CHECK(std::abs(a.R.m[k] - b.R.m[k]) < 1e-14);
   for (int k = 0; k < 3; ++k) CHECK(std::abs(a.p[k] - b.p[k]) < 1e-13);
 }

@@ -168,6 +168,7 @@ TEST_CASE("vectors of wrong sizes are named with what they have and what is want
   CHECK_THROWS_WITH(computeFrameJacobian(model, data, one, 0, ReferenceFrame::LOCAL, J), containing("3 x 1") && containing("6 x 1"));
   Data other(read(robot(linkText("a"))));
   CHECK_THROWS_WITH(rnea(model, other, one, one, one), containing("another model"));
+  forwardKinematics(model, data, one);
   CHECK_THROWS_WITH(framePlacement(model, data, 99), containing("99"));
 }
 

@@ -224,7 +224,7 @@ TEST_CASE("a reduced model moves as the full one with those joints held", "[prop
   Subject s(full, static_cast<std::uint64_t>(seed));
   std::vector<LockedJoint> lock;
   for (const int j : {2, 5, 6}) {
-    const int id = s.model.jointId("j" + std::to_string(j));
+    const int id = s.model.findJoint("j" + std::to_string(j));
     if (id < 0) continue;  // a fixed joint
     const JointRecord& r = s.model.joints()[static_cast<std::size_t>(id)];
     lock.push_back({r.name, std::vector<double>(s.q.data() + r.idx_q, s.q.data() + r.idx_q + r.nq)});

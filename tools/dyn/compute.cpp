@@ -253,7 +253,7 @@ void run(const Options& o) {
   }
   std::vector<int> frames;
   for (const std::string& name : o.frames) {
-    frames.push_back(model.frameId(name));
+    frames.push_back(model.findFrame(name));
     if (frames.back() < 0) throw Error(ErrorCode::argument, "--frames " + name + ": the model has no such frame; `dyn info` lists them");
   }
   Need need = Need::mass_matrix;

@@ -314,7 +314,7 @@ Oracle::Oracle(const Model& description, const CompactModel& model) : impl_(std:
       j.inertia.col(r) = vec(column);
     }
     if (j.kind == Kind::fixed) continue;
-    const int id = model.jointId(body.joint.name);
+    const int id = model.findJoint(body.joint.name);
     if (id < 0) refuse("finds no joint of this name in the compiled model");
     const JointRecord& record = model.joints()[static_cast<std::size_t>(id)];
     j.q = record.idx_q;

@@ -109,6 +109,7 @@ void batchKinematics(const CompactModel& model, BasicBatchData<T>& data, StatesV
     d.kernels->run(m, d.scratch[at(t)].data(), block);
     if (block.not_finite) f.note(first, 0, count);
   });
+  d.stage = a.given ? KinematicsStage::accelerations : v.given ? KinematicsStage::velocities : KinematicsStage::poses;
   fail("forwardKinematics", m, failure, q);
 }
 
@@ -152,8 +153,9 @@ Motion<T> motionOfFrame(const CompactModel& model, const BatchImpl<T>& d, const 
 }
 
 template <class T>
-const BatchImpl<T>& withKinematics(const char* function, const CompactModel& model, const BasicBatchData<T>& data) {
+const BatchImpl<T>& withKinematics(const char* function, const CompactModel& model, const BasicBatchData<T>& data, KinematicsStage stage) {
   detail::checkBatchData(function, model, data.impl(), Need::kinematics, "kinematics");
+  checkStage(function, data.impl().stage, stage);
   return data.impl();
 }
 
@@ -162,15 +164,17 @@ const BatchImpl<T>& withKinematics(const char* function, const CompactModel& mod
 template <class T>
 SE3<T> framePlacement(const CompactModel& model, const BasicBatchData<T>& data, int frame, int state) {
   const PointOnBody point = frameOnBody(model, frame);
-  return poseOfBody(withKinematics("framePlacement", model, data), point.body, state) * cast<T>(point.placement);
+  return poseOfBody(withKinematics("framePlacement", model, data, KinematicsStage::poses), point.body, state) * cast<T>(point.placement);
 }
 template <class T>
 Motion<T> frameVelocity(const CompactModel& model, const BasicBatchData<T>& data, int frame, int state, ReferenceFrame reference) {
-  return motionOfFrame(model, withKinematics("frameVelocity", model, data), data.impl().velocities, frame, state, reference);
+  return motionOfFrame(model, withKinematics("frameVelocity", model, data, KinematicsStage::velocities), data.impl().velocities, frame, state,
+                       reference);
 }
 template <class T>
 Motion<T> frameAcceleration(const CompactModel& model, const BasicBatchData<T>& data, int frame, int state, ReferenceFrame reference) {
-  return motionOfFrame(model, withKinematics("frameAcceleration", model, data), data.impl().accelerations, frame, state, reference);
+  return motionOfFrame(model, withKinematics("frameAcceleration", model, data, KinematicsStage::accelerations), data.impl().accelerations, frame,
+                       state, reference);
 }
 
 template SE3<double> framePlacement(const CompactModel&, const BatchData&, int, int);

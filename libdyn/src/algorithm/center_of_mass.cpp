@@ -1,6 +1,7 @@
 #include "algorithm/followers.hpp"
 #include "algorithm/sums.hpp"
 #include "at.hpp"
+#include "kernels/kinematics.hpp"
 #include "kernels/sweep.hpp"
 
 #include <dyn/algorithm/center_of_mass.hpp>
@@ -37,8 +38,7 @@ CenterOfMass sumCenterOfMass(const CompactImpl& m, const DataImpl& d, bool v, bo
     const Vec3<double> local = d.v[i].linear + cross(d.v[i].angular, c.com);
     sum.velocity += share * (d.oM[i].R * local);
     if (!a) continue;
-    const Motion<double>& acc = d.a[i];
-    sum.acceleration += share * (d.oM[i].R * (acc.linear + cross(acc.angular, c.com) + cross(d.v[i].angular, local)));
+    sum.acceleration += share * (d.oM[i].R * kernels::pointAcceleration(d.origin[i], d.a[i].angular, d.v[i].angular, c.com));
   }
   return sum;
 }

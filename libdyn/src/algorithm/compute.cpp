@@ -123,6 +123,7 @@ ComputedViews compute(const CompactModel& model, Data& data, Quantity what, Vect
   }
   if (order > 0 || (order == 0 && !has(what, Q::joint_jacobians))) {
     k.forwardKinematics(m, d, order > 0 ? in.v : nullptr, order > 1 ? in.a : nullptr);
+    d.stage = order > 1 ? KinematicsStage::accelerations : order > 0 ? KinematicsStage::velocities : KinematicsStage::poses;
     ++passes.kinematics;
   }
   sums(m, d, what, order, in.v, out);

@@ -87,6 +87,15 @@ void checkData(const char* algorithm, const CompactModel& model, const Data& dat
   if (need != Need::state && !has(d.needs, need)) refuseWithout(algorithm, need);
 }
 
+void checkStage(const char* function, KinematicsStage found, KinematicsStage wanted) {
+  if (found >= wanted) return;
+  static constexpr const char* names[] = {"", "poses", "velocities", "accelerations", "derivatives of its kinematics"};
+  static constexpr const char* calls[] = {"", "forwardKinematics(model, data, q)", "forwardKinematics(model, data, q, v)",
+                                          "forwardKinematics(model, data, q, v, a)", "computeForwardKinematicsDerivatives(model, data, q, v, a)"};
+  throw Error(ErrorCode::argument, std::string(function) + ": the data has no " + names[static_cast<std::size_t>(wanted)] + " yet; call " +
+                                       calls[static_cast<std::size_t>(wanted)] + " first");
+}
+
 void keepArguments(Data& data, const Arguments& arguments, const PackMemory* more) {
   DataImpl& d = data.impl();
   const auto keep = [&](VectorView* x, int size, double* place) {

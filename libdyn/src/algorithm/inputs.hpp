@@ -19,6 +19,9 @@ void checkShape(const char* algorithm, const char* name, const MatrixOut& x, int
 /// Throws Error(argument) when data was made for another model, or without what the algorithm needs.
 void checkData(const char* algorithm, const CompactModel& model, const Data& data, Need need = Need::state);
 
+/// Throws Error(argument) naming the call that brings kinematics to where `function` reads them.
+void checkStage(const char* function, KinematicsStage found, KinematicsStage wanted);
+
 /// Those that a call has.
 struct Arguments {
   VectorView *q = nullptr, *v = nullptr, *a = nullptr, *tau = nullptr;

@@ -26,7 +26,10 @@ Motion<double> seenRate(const Walk<double>& walk, const Motion<double>& S, const
 }
 
 /// d.rel and d.oM of joints that have been evaluated.
-void place(const CompactImpl& m, DataImpl& d) { kernels::active().single.forwardKinematics(m, d, nullptr, nullptr); }
+void place(const CompactImpl& m, DataImpl& d) {
+  kernels::active().single.forwardKinematics(m, d, nullptr, nullptr);
+  d.stage = std::max(d.stage, KinematicsStage::poses);
+}
 
 /// Columns of the expanded coordinates, folded, into the user's.
 void keepColumns(const kernels::Followers<double>& followers, const double* expanded, const MatrixOut& user) {
@@ -69,6 +72,7 @@ const double* jointJacobians(const CompactModel& model, Data& data, VectorView q
   DataImpl& d = data.impl();
   evaluateJoints(m, d, in.q, nullptr);
   kernels::active().single.jointJacobians(m, d, d.J);
+  d.stage = std::max(d.stage, KinematicsStage::poses);
   return d.J;
 }
 
@@ -115,12 +119,14 @@ void jacobianTimeVariation(const CompactModel& model, Data& data, VectorView q, 
 
 void getJointJacobian(const CompactModel& model, Data& data, int joint, ReferenceFrame reference, const MatrixOut& J) {
   checkData("getJointJacobian", model, data);
+  checkStage("getJointJacobian", data.impl().stage, KinematicsStage::poses);
   checkShape("getJointJacobian", "J", J, 6, model.nv());
   writeJacobian(model.impl(), data.impl(), jointOnBody(model, joint), reference, J);
 }
 
 void getFrameJacobian(const CompactModel& model, Data& data, int frame, ReferenceFrame reference, const MatrixOut& J) {
   checkData("getFrameJacobian", model, data);
+  checkStage("getFrameJacobian", data.impl().stage, KinematicsStage::poses);
   checkShape("getFrameJacobian", "J", J, 6, model.nv());
   writeJacobian(model.impl(), data.impl(), frameOnBody(model, frame), reference, J);
 }

@@ -12,8 +12,9 @@ namespace dyn {
 namespace {
 
 /// What the last forwardKinematics found.
-const DataImpl& found(const char* function, const CompactModel& model, const Data& data) {
+const DataImpl& found(const char* function, const CompactModel& model, const Data& data, KinematicsStage stage) {
   checkData(function, model, data);
+  checkStage(function, data.impl().stage, stage);
   return data.impl();
 }
 
@@ -33,13 +34,10 @@ Motion<double> accelerationOf(const PointOnBody& x, const DataImpl& d, Reference
 
 Motion<double> classicalAccelerationOf(const char* function, const CompactModel& model, const Data& data, const PointOnBody& x,
                                        ReferenceFrame reference) {
-  const DataImpl& d = found(function, model, data);
+  const DataImpl& d = found(function, model, data, KinematicsStage::accelerations);
   if (reference == ReferenceFrame::WORLD)
     throw Error(ErrorCode::argument, std::string(function) + ": an origin's acceleration has no WORLD form; use LOCAL or LOCAL_WORLD_ALIGNED");
-  const Motion<double> v = x.placement.actInv(d.v[x.body]);
-  Motion<double> a = x.placement.actInv(d.a[x.body]);
-  a.linear += cross(v.angular, v.linear);
-  return express(a, d.oM[x.body] * x.placement, reference);
+  return express(originAccelerationOf(x, d), d.oM[x.body] * x.placement, reference);
 }
 
 }  // namespace
@@ -64,33 +62,34 @@ void forwardKinematics(const CompactModel& model, Data& data, VectorView q, cons
   DataImpl& d = data.impl();
   evaluateJoints(m, d, in.q, v ? in.v : nullptr);
   kernels::active().single.forwardKinematics(m, d, v ? in.v : nullptr, a ? in.a : nullptr);
+  d.stage = a ? KinematicsStage::accelerations : v ? KinematicsStage::velocities : KinematicsStage::poses;
 }
 
 }  // namespace detail
 
 SE3<double> jointPlacement(const CompactModel& model, const Data& data, int joint) {
-  const DataImpl& d = found("jointPlacement", model, data);
+  const DataImpl& d = found("jointPlacement", model, data, KinematicsStage::poses);
   const PointOnBody x = jointOnBody(model, joint);
   return d.oM[x.body] * x.placement;
 }
 SE3<double> framePlacement(const CompactModel& model, const Data& data, int frame) {
-  const DataImpl& d = found("framePlacement", model, data);
+  const DataImpl& d = found("framePlacement", model, data, KinematicsStage::poses);
   const PointOnBody x = frameOnBody(model, frame);
   return d.oM[x.body] * x.placement;
 }
 
 Motion<double> jointVelocity(const CompactModel& model, const Data& data, int joint, ReferenceFrame reference) {
-  return velocityOf(jointOnBody(model, joint), found("jointVelocity", model, data), reference);
+  return velocityOf(jointOnBody(model, joint), found("jointVelocity", model, data, KinematicsStage::velocities), reference);
 }
 Motion<double> frameVelocity(const CompactModel& model, const Data& data, int frame, ReferenceFrame reference) {
-  return velocityOf(frameOnBody(model, frame), found("frameVelocity", model, data), reference);
+  return velocityOf(frameOnBody(model, frame), found("frameVelocity", model, data, KinematicsStage::velocities), reference);
 }
 
 Motion<double> jointAcceleration(const CompactModel& model, const Data& data, int joint, ReferenceFrame reference) {
-  return accelerationOf(jointOnBody(model, joint), found("jointAcceleration", model, data), reference);
+  return accelerationOf(jointOnBody(model, joint), found("jointAcceleration", model, data, KinematicsStage::accelerations), reference);
 }
 Motion<double> frameAcceleration(const CompactModel& model, const Data& data, int frame, ReferenceFrame reference) {
-  return accelerationOf(frameOnBody(model, frame), found("frameAcceleration", model, data), reference);
+  return accelerationOf(frameOnBody(model, frame), found("frameAcceleration", model, data, KinematicsStage::accelerations), reference);
 }
 
 Motion<double> jointClassicalAcceleration(const CompactModel& model, const Data& data, int joint, ReferenceFrame reference) {

@@ -90,12 +90,14 @@ void forwardKinematicsDerivatives(const CompactModel& model, Data& data, VectorV
   std::copy_n(coupled ? d.vx : v.data, m.nvx, d.kinematics_v);
   std::copy_n(coupled ? d.ax : a.data, m.nvx, d.kinematics_a);
   kernels::active().single.evaluateSubspaces(m, d.derivatives, expanded_q, d.kinematics_v);
+  d.stage = KinematicsStage::derivatives;
 }
 
 void motionDerivatives(const CompactModel& model, Data& data, Subject subject, int id, ReferenceFrame reference, const MatrixOut* v_dq,
                        const MatrixOut* v_dv, const MatrixOut* a_dq, const MatrixOut* a_dv, const MatrixOut* a_da) {
   const char* algorithm = a_dq ? "getAccelerationDerivatives" : "getVelocityDerivatives";
   checkData(algorithm, model, data, Need::derivatives);
+  checkStage(algorithm, data.impl().stage, KinematicsStage::derivatives);
   const std::pair<const char*, const MatrixOut*> outputs[] = {{"v_dq", v_dq}, {"v_dv", v_dv}, {"a_dq", a_dq}, {"a_dv", a_dv}, {"a_da", a_da}};
   for (const auto& [name, matrix] : outputs)
     if (matrix) checkShape(algorithm, name, *matrix, 6, model.nv());

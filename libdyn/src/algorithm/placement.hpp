@@ -2,6 +2,7 @@
 #pragma once
 
 #include "data/data_impl.hpp"
+#include "kernels/kinematics.hpp"
 
 #include <dyn/algorithm/kinematics.hpp>
 
@@ -15,6 +16,13 @@ struct PointOnBody {
 /// Throw Error(argument) for a number out of range.
 PointOnBody frameOnBody(const CompactModel& model, int frame);
 PointOnBody jointOnBody(const CompactModel& model, int joint);
+
+/// Of a point that is fixed to a body, in its own axes: its acceleration, and the body's angular one.
+inline Motion<double> originAccelerationOf(const PointOnBody& x, const DataImpl& d) {
+  const Vec3<double>& angular = d.a[x.body].angular;
+  const Vec3<double> there = kernels::pointAcceleration(d.origin[x.body], angular, d.v[x.body].angular, x.placement.p);
+  return {transposeTimes(x.placement.R, there), transposeTimes(x.placement.R, angular)};
+}
 
 /// A motion given in the frame's axes at its origin, expressed as asked.
 template <class T>

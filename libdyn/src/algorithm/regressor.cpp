@@ -65,10 +65,11 @@ const double* jointTorqueRegressor(const CompactModel& model, Data& data, Vector
   for (int j = 1; j < model.njoints(); ++j) {
     if (!carriesBody(m, j)) continue;
     const PointOnBody point = jointOnBody(model, j);
-    const Motion<double> vj = point.placement.actInv(d.v[point.body]), aj = point.placement.actInv(d.a[point.body]);
+    const Motion<double> aj = originAccelerationOf(point, d);
+    const Vec3<double> w = transposeTimes(point.placement.R, d.v[point.body].angular);
     const Mat3<double> R = d.oM[point.body].R * point.placement.R;
     Force<double> columns[10];
-    forceColumns(classical(vj, aj) - transposeTimes(R, m.gravity), vj.angular, aj.angular, columns);
+    forceColumns(aj.linear - transposeTimes(R, m.gravity), w, aj.angular, columns);
     for (int p = 0; p < 10; ++p) {
       double* column = d.regressor + nv * (10 * (j - 1) + p);
       double* out = coupled ? expanded : column;

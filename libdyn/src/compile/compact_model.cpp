@@ -1,6 +1,8 @@
 #include "compile/compact_impl.hpp"
+#include "near_names.hpp"
 
 #include <dyn/compile/compact_model.hpp>
+#include <dyn/error.hpp>
 
 #include <utility>
 
@@ -26,6 +28,13 @@ int indexOf(const Records& records, const std::string& name) {
   for (std::size_t i = 0; i < records.size(); ++i)
     if (records[i].name == name) return static_cast<int>(i);
   return -1;
+}
+
+template <class Records>
+int idOf(const char* kind, const Records& records, const std::string& name) {
+  const int id = indexOf(records, name);
+  if (id >= 0) return id;
+  throw Error(ErrorCode::argument, "the model has no " + std::string(kind) + " '" + name + "'" + nearNames(name, namesOf(records)));
 }
 }  // namespace
 
@@ -54,7 +63,9 @@ std::size_t CompactModel::bytes() const {
   return sum;
 }
 
-int CompactModel::jointId(const std::string& name) const { return indexOf(impl_->joints, name); }
-int CompactModel::frameId(const std::string& name) const { return indexOf(impl_->frames, name); }
+int CompactModel::findJoint(const std::string& name) const { return indexOf(impl_->joints, name); }
+int CompactModel::findFrame(const std::string& name) const { return indexOf(impl_->frames, name); }
+int CompactModel::jointId(const std::string& name) const { return idOf("joint", impl_->joints, name); }
+int CompactModel::frameId(const std::string& name) const { return idOf("frame", impl_->frames, name); }
 
 }  // namespace dyn

@@ -2,6 +2,7 @@
 
 #include "at.hpp"
 #include "compile/parameters.hpp"
+#include "near_names.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -54,13 +55,13 @@ class ConstraintPacker {
   }
 
   int frame(const std::string& name) const {
-    const int id = model_.frameId(name);
-    if (id < 0) refuse("the model has no body or frame '" + name + "'");
+    const int id = model_.findFrame(name);
+    if (id < 0) refuse("the model has no body or frame '" + name + "'" + nearNames(name, namesOf(model_.frames())));
     return id;
   }
   int joint(const std::string& name) const {
-    const int id = model_.jointId(name);
-    if (id <= 0) refuse("the model has no moving joint '" + name + "'");
+    const int id = model_.findJoint(name);
+    if (id <= 0) refuse("the model has no moving joint '" + name + "'" + nearNames(name, namesOf(model_.joints())));
     return id;
   }
   int takeRows(int count) {

@@ -1,6 +1,7 @@
 // The memory behind BatchData: scratch for each thread, results of each kind.
 #pragma once
 
+#include "data/kinematics_stage.hpp"
 #include "data/workers.hpp"
 #include "kernels/table.hpp"
 
@@ -90,11 +91,12 @@ struct BatchImpl {
   std::vector<detail::Failure> failures;    ///< a thread each, of the call that is under way
   std::vector<ExpandedStates<T>> expanded;  ///< a thread each, for models with couplings
 
-  std::vector<T> tau, nle, gravity, ddq;        ///< nv numbers a state
-  std::vector<T> J;                             ///< 6 * nv numbers a state
-  StateMatrices<T> M;                           ///< of Need::mass_matrix
-  StateMatrices<T> by_q, by_v, by_a;            ///< of Need::derivatives
-  std::vector<T> maps[4];                       ///< 6 * nv numbers a state, of the same
+  std::vector<T> tau, nle, gravity, ddq;  ///< nv numbers a state
+  std::vector<T> J;                       ///< 6 * nv numbers a state
+  StateMatrices<T> M;                     ///< of Need::mass_matrix
+  StateMatrices<T> by_q, by_v, by_a;      ///< of Need::derivatives
+  std::vector<T> maps[4];                 ///< 6 * nv numbers a state, of the same
+  KinematicsStage stage = KinematicsStage::nothing;
   PackMemory poses, velocities, accelerations;  ///< by block of `lanes` states, then body, number, state
 
   int blocks() const { return (capacity + kernels->lanes - 1) / kernels->lanes; }

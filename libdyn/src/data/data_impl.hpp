@@ -1,6 +1,7 @@
 // The arena behind Data: one block, carved into arrays. Each field: meaning, frame, writer.
 #pragma once
 
+#include "data/kinematics_stage.hpp"
 #include "kernels/derivatives.hpp"
 
 #include <dyn/data/data.hpp>
@@ -18,6 +19,8 @@ struct DualMemory {
 };
 
 struct DataImpl : Workspace<double> {
+  KinematicsStage stage = KinematicsStage::nothing;
+
   const CompactImpl* model = nullptr;
   std::shared_ptr<const void> keep;  ///< the model lives as long as its data
   Need needs = Need::state;

@@ -48,6 +48,7 @@ struct Workspace {
   SE3<S>* oM = nullptr;                 ///< pose in the world [world placements]
   Motion<S>* v = nullptr;               ///< spatial velocity, body axes at its origin [velocities]
   Motion<S>* a = nullptr;               ///< spatial acceleration, same [accelerations]
+  Vec3<S>* origin = nullptr;            ///< acceleration of the origin itself, same axes [accelerations; not in batches]
   Vec3<S>* w = nullptr;                 ///< angular velocity: body axes in rnea and local_aba, aligned axes in aba
   Force<S>* f = nullptr;                ///< what the children hand over [rnea]; force through joints of varying subspace [aba's derivatives]
   Mat3<S>* R = nullptr;                 ///< body axes in aligned axes [aligned]
@@ -161,6 +162,7 @@ void carve(Workspace<S>& w, const CompactImpl& m, Arena& arena) {
   arena.take(w.oM, n);
   arena.take(w.v, n);
   arena.take(w.a, n);
+  arena.take(w.origin, n);
 }
 
 /// What every pass takes for granted of the universe.
@@ -169,6 +171,7 @@ void atRest(Workspace<S>& w) {
   w.rel[0] = w.oM[0] = SE3<S>{};
   w.R[0] = Mat3<S>::identity();
   w.v[0] = w.a[0] = {};
+  w.origin[0] = {};
   w.w[0] = {};
   w.IA[0] = {};
 }

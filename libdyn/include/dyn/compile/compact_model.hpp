@@ -50,9 +50,12 @@ class DYN_API CompactModel {
   int njoints() const;
   const std::vector<JointRecord>& joints() const;
   const std::vector<FrameRecord>& frames() const;
-  /// Index of a joint or frame by name, -1 if there is none.
+  /// Index of a joint or frame by name. Throws Error(argument) with the names that are like it if there is none.
   int jointId(const std::string& name) const;
   int frameId(const std::string& name) const;
+  /// The same; -1 if there is none.
+  int findJoint(const std::string& name) const;
+  int findFrame(const std::string& name) const;
   const Vec3<double>& gravity() const;
   double mass() const;  ///< of everything that moves [kg]
   const ModelLimits& limits() const;

@@ -1,0 +1,19 @@
+// Names that one may have meant, for messages.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace dyn {
+
+/// "; did you mean 'left_hand' or 'left_hand_2'?" of at most three that are a few letters away from `name`, else "".
+std::string nearNames(const std::string& name, const std::vector<std::string>& all);
+
+template <class Records>
+std::vector<std::string> namesOf(const Records& records) {
+  std::vector<std::string> names;
+  for (const auto& record : records) names.push_back(record.name);
+  return names;
+}
+
+}  // namespace dyn
