@@ -244,8 +244,8 @@ TEST_CASE("normals of solids that nearly touch are those of the features that me
   // A small solid over a large floor, by gaps down to rounding: the normal is the floor's, however few digits the gap has.
   Random random(31);
   for (const double floor_size : {1.5, 30.0, 700.0})
-    for (const GeometryShape& small : {GeometryShape(g::Box{{0.2, 0.3, 0.1}}), GeometryShape(g::Cylinder{0.07, 0.3}), GeometryShape(g::Cone{0.1, 0.2}),
-                                       GeometryShape(g::Capsule{0.05, 0.2})})
+    for (const GeometryShape& small : {GeometryShape(g::Box{{0.2, 0.3, 0.1}}), GeometryShape(g::Cylinder{0.07, 0.3}),
+                                       GeometryShape(g::Cone{0.1, 0.2}), GeometryShape(g::Capsule{0.05, 0.2})})
       for (const double gap : {1e-6, 1e-9, 1e-11, 1e-13, 1e-15, 0.0, -1e-13, -1e-10}) {
         const SE3<double> tilted = random.pose();
         TwoSolids s(g::Box{{floor_size, floor_size, 0.5}}, tilted, small);
@@ -295,14 +295,18 @@ TEST_CASE("nearest points are on both solids where the one's centre is the other
   for (const double radius : {0.0, 0.05})
     for (const Case& c : cases) {
       CAPTURE(radius, c.other.index());
-      // The sphere stands at the world's origin, and the other's feature lies there.
-      TwoSolids s(g::Sphere{radius}, {}, c.other);
-      const SE3<double> turned{exp3(Vec3<double>{0.3, -0.2, 0.5}), {}};
-      const Distance x = s.distance({turned.R, -(turned.R * c.feature)});
+      // The sphere stands at the world's origin, and the other's feature lies there; then the other way round.
+      const SE3<double> turned{exp3(Vec3<double>{0.3, -0.2, 0.5}), {}}, there{turned.R, -(turned.R * c.feature)};
       const double margin = std::holds_alternative<g::Capsule>(c.other) ? 0.1 : 0;
-      CHECK(std::abs(x.distance + radius + margin) < 1e-12);
-      CHECK(length(x.nearest_a) < radius + 1e-12);
-      CHECK(length(x.nearest_b) < margin + 1e-12);
-      CHECK(length((x.nearest_b - x.nearest_a) - x.distance * x.normal) < 1e-12);
+      for (const bool sphere_first : {true, false}) {
+        TwoSolids s(sphere_first ? GeometryShape(g::Sphere{radius}) : c.other, sphere_first ? SE3<double>{} : there,
+                    sphere_first ? c.other : GeometryShape(g::Sphere{radius}));
+        const Distance x = s.distance(sphere_first ? there : SE3<double>{});
+        const Vec3<double>&of_sphere = sphere_first ? x.nearest_a : x.nearest_b, &of_other = sphere_first ? x.nearest_b : x.nearest_a;
+        CHECK(std::abs(x.distance + radius + margin) < 1e-12);
+        CHECK(length(of_sphere) < radius + 1e-12);
+        CHECK(length(of_other) < margin + 1e-12);
+        CHECK(length((x.nearest_b - x.nearest_a) - x.distance * x.normal) < 1e-12);
+      }
     }
 }

@@ -117,9 +117,9 @@ GjkResult gjk(const Difference& difference, double beyond) {
   s.points[0] = difference.support(-v);
   s.weight[0] = 1;
   s.count = 1;
-  v = s.points[0].w;
   // The other side, too: the first point may be the origin itself.
-  r.size = std::max(norm(v), norm(difference.support(v).w));
+  r.size = std::max(norm(s.points[0].w), norm(difference.support(v).w));
+  v = s.points[0].w;
   for (int k = 0; k < most_iterations; ++k) {
     const double v2 = dot(v, v);
     // As near to the origin as rounding lets one say.
