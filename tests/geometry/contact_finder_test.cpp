@@ -378,3 +378,39 @@ TEST_CASE("a stone that comes down again within one step of an adaptive method b
   CHECK(world.simulator.statistics().impacts == 4);
   CHECK(world.simulator.energy() == approx(before).epsilon(1e-7));
 }
+
+TEST_CASE("floors of several solids are floors, and what stands on them is not stopped at their seams", "[contact_finder]") {
+  // Three slabs side by side, the last turned: a box slides over them without friction; then the slabs are the box's, and the floor is one.
+  for (const double speed : {0.3, 1.7})
+    for (const double start : {-0.7, -0.6871, -0.6604}) {
+      CAPTURE(speed, start);
+      Model model;
+      model.gravity = {0, 0, -gravity};
+      model.addGeometry("west", 0, {Mat3<double>::identity(), {-1, 0, -0.2}}, g::Box{{1.2, 2, 0.4}});
+      model.addGeometry("middle", 0, {Mat3<double>::identity(), {0.1, 0, -0.15}}, g::Box{{1, 2, 0.3}});
+      model.addGeometry("east", 0, {Mat3<double>{{0, -1, 0, 1, 0, 0, 0, 0, 1}}, {1.1, 0, -0.1}}, g::Box{{2, 1, 0.2}});
+      addBox(model, "box", {0.15, 0.15, 0.1}, 1, {0, 0, 0});
+      World world(model, {.friction = 0}, {.dt = 1e-3});
+      Vector q = neutral(world.model), v = Vector::Zero(6);
+      q[0] = start, q[2] = 0.05;
+      v[0] = speed;
+      world.simulator.reset(q, v);
+      const double time = 1.9 / speed;
+      world.simulator.advance(time);
+      CHECK(std::abs(world.simulator.q()[0] - (start + 1.9)) < 1e-6);
+      CHECK(std::abs(world.simulator.q()[2] - 0.05) < 1e-6);
+    }
+  // A wall on a floor still stops it.
+  Model model;
+  model.gravity = {0, 0, -gravity};
+  model.addGeometry("floor", 0, {Mat3<double>::identity(), {0, 0, -0.2}}, g::Box{{4, 2, 0.4}});
+  model.addGeometry("wall", 0, {Mat3<double>::identity(), {1, 0, 0.5}}, g::Box{{0.2, 2, 1}});
+  addBox(model, "box", {0.15, 0.15, 0.1}, 1, {0, 0, 0});
+  World world(model, {.friction = 0}, {.dt = 1e-3});
+  Vector q = neutral(world.model), v = Vector::Zero(6);
+  q[2] = 0.05;
+  v[0] = 1.3;
+  world.simulator.reset(q, v);
+  world.simulator.advance(2);
+  CHECK(std::abs(world.simulator.q()[0] - (0.9 - 0.075)) < 1e-6);
+}

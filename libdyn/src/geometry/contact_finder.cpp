@@ -33,6 +33,8 @@ class Finder {
       frames_.push_back(frame);
       in_frame_.push_back(r.joint == 0 ? r.placement : model.frames()[at(frame)].placement.inverse() * r.placement);
     }
+    of_joint_.resize(model.joints().size());
+    for (std::size_t g = 0; g < geometry.geometries().size(); ++g) of_joint_[at(geometry.geometries()[g].joint)].push_back(static_cast<int>(g));
     checkFriction(options.friction);
     friction_.assign(geometry.pairs().size(), options.friction);
     std::vector<int> corners;
@@ -76,6 +78,7 @@ class Finder {
         return true;
       });
       if (!p.a.single() || !p.b.single()) thinOut();
+      if (isCovered(pair, p)) continue;
       for (const Found& x : points_) found.push_back(contact(pair, p, x));
     }
   }
@@ -127,6 +130,39 @@ class Finder {
   }
 
  private:
+  /// Whether what has been found of a pair is a seam's: right before the surface that it is on lies another volume of the same body, which shares
+  /// that surface. Neither of the two alone would be touched there.
+  bool isCovered(int pair, const PlacedPair& p) const {
+    if (points_.empty()) return false;
+    Vec3<double> middle, normal;
+    for (const Found& x : points_) {
+      middle += (1.0 / static_cast<double>(points_.size())) * (x.on_a + 0.5 * x.gap * x.normal);
+      normal += x.normal;
+    }
+    const double length = norm(normal);
+    if (!(length > 0)) return false;
+    const Vec3<double> at_middle = p.oMa.act(middle), away = (1 / length) * (p.oMa.R * normal);
+    const auto [a, b] = geometry_.impl().pairs[at(pair)];
+    return covers(a, b, at_middle, away) || covers(b, a, at_middle, -away);
+  }
+  /// Whether a point just before the surface of geometry `of`, against `other`, is in another volume of the body of `of` that meets `other`, too.
+  bool covers(int of, int other, const Vec3<double>& point, const Vec3<double>& outwards) const {
+    const GeometryImpl& m = geometry_.impl();
+    const GeometryDataImpl& d = placed_.impl();
+    const int joint = m.records[at(of)].joint;
+    static const Volume probe = Volume::solid(Convex{});
+    for (const int g : of_joint_[at(joint)]) {
+      const Volume& volume = *m.volumes[at(g)];
+      if (g == of || !volume.bounded() || m.pairOf(g, other) < 0) continue;
+      const double size = std::min(volume.radius(), m.volumes[at(of)]->bounded() ? m.volumes[at(of)]->radius() : volume.radius());
+      const Vec3<double> before = point + 1e-4 * size * outwards;
+      if (norm(before - d.center[at(g)]) > volume.radius() + size) continue;
+      const SE3<double> there{Mat3<double>::identity(), d.placement[at(g)].actInv(before)};
+      if (nearest(volume, probe, there, size).distance < 1e-5 * size) return true;
+    }
+    return false;
+  }
+
   /// Of a volume: the velocity of the centre of its bounding sphere in the world, and how fast its points move about that at most.
   struct PieceMotion {
     Vec3<double> centre;
@@ -231,7 +267,8 @@ class Finder {
   std::vector<double> friction_;       ///< by pair
   std::vector<PairIds> ids_;           ///< by pair
   std::vector<Found> points_;
-  std::vector<PieceMotion> motions_;  ///< by velocity, then geometry; what stands still at rest
+  std::vector<std::vector<int>> of_joint_;  ///< geometries, by joint
+  std::vector<PieceMotion> motions_;        ///< by velocity, then geometry; what stands still at rest
 };
 
 }  // namespace
