@@ -295,3 +295,8 @@ TEST_CASE("memory of a batch grows as its states", "[batch]") {
   const auto bytes = [&](int n) { return static_cast<double>(BatchData(model, n, Need::kinematics).bytes()); };
   CHECK(bytes(20000) - bytes(10000) == approx(bytes(30000) - bytes(20000)).epsilon(1e-3));
 }
+
+TEST_CASE("a batch that no machine has the memory for is refused with how much it takes", "[batch]") {
+  const CompactModel model = compile(randomTree(registry(), 20, 1), registry());
+  CHECK_THROWS_WITH(BatchData(model, std::numeric_limits<int>::max(), Need::derivatives), containing("takes") && containing("GB of memory"));
+}

@@ -5,6 +5,7 @@
 
 #include <cstdio>
 #include <exception>
+#include <new>
 
 namespace {
 
@@ -46,6 +47,9 @@ int run(int argc, char** argv) {
     return app.exit(e) == 0 ? 0 : 2;
   } catch (const dyn::Error& e) {
     std::fprintf(stderr, "dyn: %s\n", e.what());
+    return 1;
+  } catch (const std::bad_alloc&) {
+    std::fputs("dyn: memory ran out; ask for less: a part of the model, fewer states, or fewer algorithms (--only)\n", stderr);
     return 1;
   } catch (const std::exception& e) {
     std::fprintf(stderr, "dyn: %s\n", e.what());
