@@ -38,7 +38,10 @@ CenterOfMass sumCenterOfMass(const CompactImpl& m, const DataImpl& d, bool v, bo
     const Vec3<double> local = d.v[i].linear + cross(d.v[i].angular, c.com);
     sum.velocity += share * (d.oM[i].R * local);
     if (!a) continue;
-    sum.acceleration += share * (d.oM[i].R * kernels::pointAcceleration(d.origin[i], d.a[i].angular, d.v[i].angular, c.com));
+    const int p = m.index[at(i)].parent;
+    const Vec3<double> parent = p == 0 ? Vec3<double>{} : d.origin[p];
+    d.origin[i] = transposeTimes(d.rel[i].R, parent + kernels::beyondOrigin(d.a[p].angular, d.v[p].angular, d.rel[i].p)) + d.sliding[i];
+    sum.acceleration += share * (d.oM[i].R * (d.origin[i] + kernels::beyondOrigin(d.a[i].angular, d.v[i].angular, c.com)));
   }
   return sum;
 }

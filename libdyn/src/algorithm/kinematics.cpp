@@ -37,7 +37,7 @@ Motion<double> classicalAccelerationOf(const char* function, const CompactModel&
   const DataImpl& d = found(function, model, data, KinematicsStage::accelerations);
   if (reference == ReferenceFrame::WORLD)
     throw Error(ErrorCode::argument, std::string(function) + ": an origin's acceleration has no WORLD form; use LOCAL or LOCAL_WORLD_ALIGNED");
-  return express(originAccelerationOf(x, d), d.oM[x.body] * x.placement, reference);
+  return express(originAccelerationOf(model.impl(), x, d), d.oM[x.body] * x.placement, reference);
 }
 
 }  // namespace

@@ -17,10 +17,15 @@ struct PointOnBody {
 PointOnBody frameOnBody(const CompactModel& model, int frame);
 PointOnBody jointOnBody(const CompactModel& model, int joint);
 
-/// Of a point that is fixed to a body, in its own axes: its acceleration, and the body's angular one.
-inline Motion<double> originAccelerationOf(const PointOnBody& x, const DataImpl& d) {
+/// Of a point that is fixed to a body, in its own axes: its acceleration, and the body's angular one. O(depth).
+inline Motion<double> originAccelerationOf(const CompactImpl& m, const PointOnBody& x, const DataImpl& d) {
+  Vec3<double> sum;  // in the world
+  for (int i = x.body; i > 0; i = m.index[static_cast<std::size_t>(i)].parent) {
+    const int p = m.index[static_cast<std::size_t>(i)].parent;
+    sum += d.oM[p].R * kernels::beyondOrigin(d.a[p].angular, d.v[p].angular, d.rel[i].p) + d.oM[i].R * d.sliding[i];
+  }
   const Vec3<double>& angular = d.a[x.body].angular;
-  const Vec3<double> there = kernels::pointAcceleration(d.origin[x.body], angular, d.v[x.body].angular, x.placement.p);
+  const Vec3<double> there = transposeTimes(d.oM[x.body].R, sum) + kernels::beyondOrigin(angular, d.v[x.body].angular, x.placement.p);
   return {transposeTimes(x.placement.R, there), transposeTimes(x.placement.R, angular)};
 }
 

@@ -65,7 +65,7 @@ const double* jointTorqueRegressor(const CompactModel& model, Data& data, Vector
   for (int j = 1; j < model.njoints(); ++j) {
     if (!carriesBody(m, j)) continue;
     const PointOnBody point = jointOnBody(model, j);
-    const Motion<double> aj = originAccelerationOf(point, d);
+    const Motion<double> aj = originAccelerationOf(m, point, d);
     const Vec3<double> w = transposeTimes(point.placement.R, d.v[point.body].angular);
     const Mat3<double> R = d.oM[point.body].R * point.placement.R;
     Force<double> columns[10];

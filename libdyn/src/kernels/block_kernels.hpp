@@ -37,7 +37,7 @@ void runBlock(const CompactImpl& m, char* scratch, Block<T>& b) {
       out.oM[0] = {};
       if (b.velocities) out.v = static_cast<Motion<S>*>(b.velocities);
       if (b.accelerations) out.a = static_cast<Motion<S>*>(b.accelerations);
-      out.origin = nullptr;
+      out.sliding = nullptr;
       kernels::forwardKinematics<Poses::in_world>(bodies, out, b.velocities ? s.v : nullptr, b.accelerations ? s.a : nullptr);
       b.not_finite = !allFinite(reinterpret_cast<const S*>(out.oM), 12 * static_cast<std::ptrdiff_t>(m.bodies()));
       return;

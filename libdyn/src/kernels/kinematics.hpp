@@ -6,10 +6,10 @@
 
 namespace dyn::kernels {
 
-/// The acceleration of a point of a body by that of its origin.
+/// By how much a point of a body accelerates beyond the body's origin.
 template <class S>
-Vec3<S> pointAcceleration(const Vec3<S>& origin, const Vec3<S>& angular, const Vec3<S>& w, const Vec3<S>& point) {
-  return origin + cross(angular, point) + cross(w, cross(w, point));
+Vec3<S> beyondOrigin(const Vec3<S>& angular, const Vec3<S>& w, const Vec3<S>& point) {
+  return cross(angular, point) + cross(w, cross(w, point));
 }
 
 /// Whether body i's rotation in the world is brought back to the rotations. Poses have no inertias to turn: it is enough that long chains do
@@ -71,12 +71,11 @@ void placeInWorld(const Joint& joint, const Order& order, int i, Workspace<S>& w
   }
 }
 
-/// w.oM, and w.rel if that is wanted; with v both, and w.v; with a, w.a, and w.origin if it is there. Each of the two accelerations has what the
-/// other lacks by w x v: computed apart, neither loses digits by a speed of which it is free.
+/// w.oM, and w.rel if that is wanted; with v both, and w.v; with a, w.a, and w.sliding if it is there. Of spatial accelerations w x v is a part,
+/// whose rounding would stay where the origin's own are wanted: those are summed up from w.sliding, see originAcceleration().
 template <Poses poses = Poses::in_parents_too, class S, class Order>
 void forwardKinematics(const Order& order, Workspace<S>& w, const S* v, const S* a) {
   w.v[0] = w.a[0] = {};
-  if (w.origin) w.origin[0] = {};
   order.forward(passing(), [&]<class Joint>(const Joint& joint, int i, int iv) {
     if (!v) return placeInWorld<poses>(joint, order, i, w);
     const SE3<S> rel = placedInParent<S>(joint, order.constants(i).placement);
@@ -88,12 +87,11 @@ void forwardKinematics(const Order& order, Workspace<S>& w, const S* v, const S*
     if (!a) return;
     Motion<S> ds = joint.times(a + iv);
     if constexpr (Joint::has_bias) ds += joint.bias();
-    const Vec3<S> own = ds.linear;
-    ds += carried.cross(s);
-    w.a[i] = rel.actInv(order.parent(w.a, i)) + ds;
-    if (w.origin == nullptr) return;
-    const Vec3<S> from = pointAcceleration(order.parent(w.origin, i), order.parent(w.a, i).angular, order.parent(w.v, i).angular, rel.p);
-    w.origin[i] = transposeTimes(rel.R, from) + own + cross(carried.angular + carried.angular + s.angular, s.linear);
+    // Hinges do not slide.
+    if constexpr (!Joint::about_z) {
+      if (w.sliding) w.sliding[i] = ds.linear + cross(carried.angular + carried.angular + s.angular, s.linear);
+    }
+    w.a[i] = rel.actInv(order.parent(w.a, i)) + (ds + carried.cross(s));
   });
 }
 

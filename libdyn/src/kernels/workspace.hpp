@@ -48,7 +48,8 @@ struct Workspace {
   SE3<S>* oM = nullptr;                 ///< pose in the world [world placements]
   Motion<S>* v = nullptr;               ///< spatial velocity, body axes at its origin [velocities]
   Motion<S>* a = nullptr;               ///< spatial acceleration, same [accelerations]
-  Vec3<S>* origin = nullptr;            ///< acceleration of the origin itself, same axes [accelerations; not in batches]
+  Vec3<S>* sliding = nullptr;           ///< what the joint itself accelerates the origin by, same axes [accelerations; not in batches]
+  Vec3<S>* origin = nullptr;            ///< scratch: accelerations of origins
   Vec3<S>* w = nullptr;                 ///< angular velocity: body axes in rnea and local_aba, aligned axes in aba
   Force<S>* f = nullptr;                ///< what the children hand over [rnea]; force through joints of varying subspace [aba's derivatives]
   Mat3<S>* R = nullptr;                 ///< body axes in aligned axes [aligned]
@@ -162,6 +163,7 @@ void carve(Workspace<S>& w, const CompactImpl& m, Arena& arena) {
   arena.take(w.oM, n);
   arena.take(w.v, n);
   arena.take(w.a, n);
+  arena.take(w.sliding, n);
   arena.take(w.origin, n);
 }
 
@@ -171,7 +173,6 @@ void atRest(Workspace<S>& w) {
   w.rel[0] = w.oM[0] = SE3<S>{};
   w.R[0] = Mat3<S>::identity();
   w.v[0] = w.a[0] = {};
-  w.origin[0] = {};
   w.w[0] = {};
   w.IA[0] = {};
 }
