@@ -5,7 +5,7 @@
 
 namespace dyn::benchmark {
 
-/// Of a model with types that only plugins have the ways of a closed set are missing. Throws Error(argument) for a model with couplings.
+/// Where a model has types that only plugins bring, the ways that need a closed set are missing. Throws Error(argument) for a model with couplings.
 Contest dispatchContest(const CompactModel& model);
 
 }  // namespace dyn::benchmark

@@ -17,7 +17,7 @@ struct PointOnBody {
 PointOnBody frameOnBody(const CompactModel& model, int frame);
 PointOnBody jointOnBody(const CompactModel& model, int joint);
 
-/// Of a point that is fixed to a body, in its own axes: its acceleration, and the body's angular one. O(depth).
+/// The acceleration of a point that is fixed to a body, and the body's angular one, in the point's axes. O(depth).
 inline Motion<double> originAccelerationOf(const CompactImpl& m, const PointOnBody& x, const DataImpl& d) {
   Vec3<double> sum;  // in the world
   for (int i = x.body; i > 0; i = m.index[static_cast<std::size_t>(i)].parent) {

@@ -97,7 +97,7 @@ const std::string& jointOf(const CompactImpl& m, int body) { return m.joints[at(
 
 void refuseSingular(const char* algorithm, const CompactImpl& m, int body, const double* q) {
   const BodyIndex& index = m.index[at(body)];
-  // What a body's pivot is made of is what is below it.
+  // The pivot of a body is made of all that hangs on it.
   double mass = 0, inertia = 0;
   for (int i = body; i < m.tree_end[at(body)]; ++i) {
     const BodyConstants<double>& c = m.constants[at(i)];

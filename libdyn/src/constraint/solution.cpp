@@ -13,8 +13,6 @@
 
 namespace dyn {
 
-namespace {}  // namespace
-
 void checkConstraints(const char* algorithm, const CompactModel& model, const Data& data, const ConstraintData& constraints) {
   checkData(algorithm, model, data);
   if (&constraints.set().model().impl() != &model.impl())

@@ -5,8 +5,6 @@
 
 namespace dyn {
 
-namespace {}  // namespace
-
 GeometryDataImpl::GeometryDataImpl(const GeometryModel& geometry, int most_contacts) : model(geometry) {
   const GeometryImpl& m = geometry.impl();
   const std::size_t n = m.records.size();

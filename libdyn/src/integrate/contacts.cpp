@@ -59,7 +59,6 @@ void Approach::add(double gap, double speed, double seconds, double room) {
   if (!(gap < speed * seconds)) return;
   const double time = gap / speed;
   if (time < 0x1p-10 * seconds && speed * seconds < 0.5 * room) {
-    touches = true;
     soonest = std::min(soonest, std::max(time, 0.0));
   } else {
     clear = std::min(clear, std::max(time, 0.0));
@@ -78,7 +77,7 @@ ContactFinder together(const ContactFinder& a, const ContactFinder& b) {
   if (!a.looksAhead() || !b.looksAhead()) return {find, nullptr};
   return {find, [a, b](const VectorResult& q, const MatrixResult& velocities, double seconds) {
             const Approach x = a.approach(q, velocities, seconds), y = b.approach(q, velocities, seconds);
-            return Approach{std::min(x.clear, y.clear), std::min(x.soonest, y.soonest), std::max(x.reach, y.reach), x.touches || y.touches};
+            return Approach{std::min(x.clear, y.clear), std::min(x.soonest, y.soonest), std::max(x.reach, y.reach)};
           }};
 }
 

@@ -44,13 +44,10 @@ double Simulator::Impl::onItsSide(std::size_t k, double t, const double* q, cons
 }
 
 double Simulator::Impl::firstChange(double h, std::size_t& which) {
-  for (int look = 0; look <= looks; ++look) {
-    const double share = shareOf(look);
-    if (look > 0 && look < looks) between(share, shown_q.data(), shown_v.data());
-    const Eigen::VectorXd &q = look == 0 ? now.q : look == looks ? next.q : shown_q, &v = look == 0 ? now.v : look == looks ? next.v : shown_v;
+  lookWithin();
+  for (int look = 0; look <= looks; ++look)
     for (std::size_t k = 0; k < events.size(); ++k)
-      if (signs[k] != 0) event_looks[k][at(look)] = onItsSide(k, now.time + share * h, q.data(), v.data());
-  }
+      if (signs[k] != 0) event_looks[k][at(look)] = onItsSide(k, now.time + shareOf(look) * h, looked_q[at(look)].data(), looked_v[at(look)].data());
   double earliest = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < events.size(); ++k) {
     // Of a change that does not count, only what comes back within the step matters.
@@ -82,7 +79,6 @@ int Simulator::Impl::findEvent(double h) {
     if (earliest == 1) retake(h);
     whole_step = false;
   }
-  untold.clear();
   if (changed(first) && counts(first)) untold.push_back(static_cast<int>(first));
   for (std::size_t k = 0; k < events.size(); ++k)
     if (k != first && changed(k) && counts(k)) untold.push_back(static_cast<int>(k));

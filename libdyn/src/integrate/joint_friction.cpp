@@ -81,20 +81,14 @@ bool Simulator::Impl::markTurned(const Eigen::VectorXd& v) {
 
 double Simulator::Impl::firstTurn() {
   const auto& rubbing = unilateral->rubbing();
-  const std::size_t n = rubbing.size();
-  for (int look = 0; look <= looks; ++look) {
-    if (look < looks) between(shareOf(look), shown_q.data(), shown_v.data());
-    const Eigen::VectorXd& v = look < looks ? shown_v : next.v;
-    for (std::size_t k = 0; k < n; ++k) speeds[at(look) * n + k] = v[rubbing[k].dof];
-  }
+  lookWithin();
   double first = std::numeric_limits<double>::infinity();
-  for (std::size_t k = 0; k < n; ++k) {
+  for (std::size_t k = 0; k < rubbing.size(); ++k) {
     if (resting[k]) continue;
     const int dof = rubbing[k].dof;
     const double way = now.v[dof] > 0 ? 1 : -1;
     Looks along;
-    for (int look = 0; look <= looks; ++look) along[at(look)] = way * speeds[at(look) * n + k];
-    along[0] = std::abs(now.v[dof]);
+    for (int look = 0; look <= looks; ++look) along[at(look)] = way * looked_v[at(look)][dof];
     first = std::min(first, firstNegative(along, [&](double theta) {
                        between(theta, shown_q.data(), shown_v.data());
                        return way * shown_v[dof];

@@ -63,10 +63,11 @@ Simulator::Impl::Impl(const CompactModel& model, const ConstraintSet* set, const
       shown_u(model.nv()) {
   detail::neutral(model, now.q.data());
   now.v.setZero();
+  looked_q.fill(now.q);
+  looked_v.fill(now.v);
   if (o.limits) contacts().watchLimits();
   if (!rubs()) return;
   for (std::vector<char>* marks : {&resting, &halted, &stopped, &turned}) marks->resize(contacts().rubbing().size());
-  speeds.resize((looks + 1) * contacts().rubbing().size());
 }
 
 Unilateral& Simulator::Impl::contacts() {
@@ -171,6 +172,7 @@ void Simulator::Impl::project() {
 
 double Simulator::Impl::stepTowards(double until) {
   double h = 0;
+  untold.clear();
   contact_step = has_impact = false;
   cut = 0;
   std::fill(halted.begin(), halted.end(), 0);

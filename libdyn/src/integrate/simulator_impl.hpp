@@ -47,12 +47,11 @@ struct Simulator::Impl {
   double cut = 0;             ///< [s] of the step that ends where a joint comes to rest; 0 of others
 
   std::vector<Event> events;
-  std::vector<int> signs;                         ///< of the events' functions at `now`; 0: no side is known
-  std::vector<int> untold;                        ///< events that have happened at `now`, beside those that have been told
-  std::vector<Looks> event_looks;                 ///< by event
-  std::vector<double> speeds;                     ///< of rubbing() at each look
-  std::array<Eigen::VectorXd, looks + 1> looked;  ///< configurations at each look
-  Eigen::MatrixXd velocities;                     ///< at now, at each look and at next
+  std::vector<int> signs;                                     ///< of the events' functions at `now`; 0: no side is known
+  std::vector<int> untold;                                    ///< events that have happened at `now`, beside those that have been told
+  std::vector<Looks> event_looks;                             ///< by event
+  std::array<Eigen::VectorXd, looks + 1> looked_q, looked_v;  ///< the state at each look
+  Eigen::MatrixXd velocities;                                 ///< at now, at each look and at next
 
   Impl(const CompactModel& model, const ConstraintSet* constraints, const SimulatorOptions& options);
   Unilateral& contacts();
@@ -95,6 +94,8 @@ struct Simulator::Impl {
   /// Throws Error(simulation); h is the step that led there, 0 if none did.
   void checkFinite(const Moment& x, double h) const;
 
+  /// The last step's states at all looks.
+  void lookWithin();
   /// The state at the share theta of the last step.
   void between(double theta, double* q, double* v);
   /// After a smooth step of h to `next`: `next` as contacts and limits let it be; returns by how much.

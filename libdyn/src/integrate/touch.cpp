@@ -29,6 +29,14 @@ void Simulator::Impl::between(double theta, double* q, double* v) {
   glide(theta, q, v);
 }
 
+void Simulator::Impl::lookWithin() {
+  looked_q[0] = now.q;
+  looked_v[0] = now.v;
+  for (int look = 1; look < looks; ++look) between(shareOf(look), looked_q[at(look)].data(), looked_v[at(look)].data());
+  looked_q[looks] = next.q;
+  looked_v[looks] = next.v;
+}
+
 double Simulator::Impl::lowestGap(double theta, double h) {
   between(theta, shown_q.data(), shown_v.data());
   double lowest = std::numeric_limits<double>::infinity();
@@ -40,15 +48,10 @@ double Simulator::Impl::lowestGap(double theta, double h) {
 double Simulator::Impl::firstLimit() {
   double first = std::numeric_limits<double>::infinity();
   if (unilateral->limits() == 0) return first;
-  looked[0] = now.q;
-  for (int look = 1; look < looks; ++look) {
-    between(shareOf(look), shown_q.data(), shown_v.data());
-    looked[at(look)] = shown_q;
-  }
-  looked[looks] = next.q;
+  lookWithin();
   for (int k = 0; k < unilateral->limits(); ++k) {
     Looks gaps;
-    for (int look = 0; look <= looks; ++look) gaps[at(look)] = unilateral->limitGap(k, looked[at(look)].data());
+    for (int look = 0; look <= looks; ++look) gaps[at(look)] = unilateral->limitGap(k, looked_q[at(look)].data());
     // What leaves a limit has not passed it.
     const auto left = std::find_if(gaps.begin(), gaps.end(), [](double gap) { return gap >= 0; });
     if (left == gaps.end()) continue;
@@ -82,7 +85,7 @@ double Simulator::Impl::firstContact(double h, bool& near) {
     const Approach x = unilateral->approach(now.time + share * h, look == 0 ? now.q.data() : shown_q.data(), velocities, left);
     if (look == 0) {
       unilateral->setReach(x.reach);
-      near = x.touches;
+      near = std::isfinite(x.soonest);
     }
     const double clear = look == 0 ? x.clear : std::min(x.clear, x.soonest);
     if (clear >= left) return infinity;

@@ -25,22 +25,22 @@ struct ContactPoint {
   double friction = 0;    ///< coefficient
 };
 
-/// What a step of a simulation may bring together.
+/// An Approach says what a step of a simulation may bring together.
 struct DYN_API Approach {
-  double clear = std::numeric_limits<double>::infinity();    ///< [s] for which nothing that is apart now comes to touch
-  double soonest = std::numeric_limits<double>::infinity();  ///< [s] the same of what `touches` speaks of
-  double reach = 0;                                          ///< [m] no two things come nearer to each other than by this within the step
-  bool touches = false;                                      ///< something is so near that the step's end tells more than its beginning
+  double clear =
+      std::numeric_limits<double>::infinity();  ///< [s] Nothing that is apart now comes to touch before this, but for what `soonest` counts.
+  /// [s] The same of what is so near that the step's end tells more than its beginning; infinity where nothing is.
+  double soonest = std::numeric_limits<double>::infinity();
+  double reach = 0;  ///< [m] No two things come nearer to each other than by this within the step.
 
   /// Two things that are `gap` [m] apart and come nearer at no more than `speed` [m/s] in the next `seconds`. By `room` [m] the one may be in the
   /// other before it is seen on the far side.
   void add(double gap, double speed, double seconds, double room);
 };
 
-/// What tells a simulation what touches. Made of a function that appends the points that are near enough to matter, a function of q alone; or, as
-/// the library's own, of one that is told how far away things may matter, and one that says for how long nothing can touch: then nothing is passed
-/// unseen, whatever its speed. Called several times a step. The library's own keep scratch, which copies of one share: a finder of its own for each
-/// thread.
+/// A finder tells a simulation what touches; it is called several times a step. A function of q that appends the points that are near enough to
+/// matter is one. The library's own finders are told how far away things may matter, and say for how long nothing can touch: then no body passes
+/// another unseen, whatever its speed. They keep scratch that their copies share, so each thread needs a finder of its own.
 class DYN_API ContactFinder {
  public:
   /// `reach` [m]: what is farther away need not be told of.
@@ -65,7 +65,7 @@ class DYN_API ContactFinder {
   Look look_;
 };
 
-/// What either of two finders tells.
+/// The finder that tells what either of two tells.
 DYN_API ContactFinder together(const ContactFinder& a, const ContactFinder& b);
 
 /// Origins of these frames above the plane normal . x = height of the world [m]. Throws Error(argument) for a frame that is not there, a
