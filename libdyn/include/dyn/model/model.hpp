@@ -49,7 +49,7 @@ struct DYN_API Model {
   /// Index of the body of that name, or of the body that the joint of that name carries; -1 if there is none.
   int findBody(const std::string& body) const;
   int findJoint(const std::string& joint) const;
-  /// Of collision; -1 likewise.
+  /// Index of the collision geometry of that name; -1 if there is none.
   int findGeometry(const std::string& geometry) const;
 };
 

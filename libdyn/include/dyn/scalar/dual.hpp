@@ -55,7 +55,7 @@ struct Dual {
   Dual& operator*=(const Dual& b) { return *this = *this * b; }
   Dual& operator/=(const Dual& b) { return *this = *this / b; }
 
-  // What comparing the values gives: a mask, where these are many.
+  // A comparison gives what comparing the values gives: a mask where they are many.
   friend auto operator<(const Dual& a, const Dual& b) { return a.v < b.v; }
   friend auto operator>(const Dual& a, const Dual& b) { return a.v > b.v; }
   friend auto operator<=(const Dual& a, const Dual& b) { return a.v <= b.v; }
