@@ -60,18 +60,17 @@ struct Member {
     for (int k = 0; k < poseSize(shape); ++k) at.pose[k * at.stride] = pose[k];
     if constexpr (shape == Shape::dense) {
       Motion<double> S[Author::nv];
-      const auto map = [&c](const auto* y) { return Author::pose(y, c); };
       if constexpr (sdk::HasSubspace<Author>) {
         Author::subspace(x, c, S);
       } else {
-        for (int k = 0; k < Author::nv; ++k) S[k] = sdk::subspaceColumn<Author::nv>(map, x, k);
+        for (int k = 0; k < Author::nv; ++k) S[k] = sdk::derivedColumn<Author>(x, c, k);
       }
       for (int k = 0; k < Author::nv; ++k) write(S[k], at.subspace + 6 * k * at.stride, at.stride);
       if (v == nullptr) return;
       if constexpr (sdk::HasBias<Author>) {
         write(Author::bias(x, v + at.idx_v, c), at.bias, at.stride);
       } else {
-        write(sdk::poseRates<Author::nv>(map, x, v + at.idx_v).bias, at.bias, at.stride);
+        write(sdk::derivedRates<Author>(x, v + at.idx_v, c).bias, at.bias, at.stride);
       }
     }
   }

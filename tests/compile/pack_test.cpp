@@ -35,6 +35,8 @@ class Rails final : public JointType {
   void integrate(const ConfigurationBatch<double>&) const noexcept override {}
   void difference(const ConfigurationBatch<double>&) const noexcept override {}
   void normalize(const ConfigurationBatch<double>&) const noexcept override {}
+  void rates(const ConfigurationBatch<Dual<double>>&) const noexcept override {}
+  bool rates(const ConfigurationBatch<Traced>&) const noexcept override { return false; }
 
  private:
   template <class S>

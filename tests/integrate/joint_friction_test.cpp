@@ -200,13 +200,13 @@ TEST_CASE("a robot whose joints have friction lies on the ground until nothing m
 }
 
 TEST_CASE("a robot that friction holds stays where it has come to rest, by every method", "[joint_friction]") {
-  Model description = randomTree(registry(), 12, 3);
-  const CompactModel plain = compile(description, registry());
+  Model description = randomTree(groups(), 12, 3);
+  const CompactModel plain = compile(description, groups());
   for (BodyDescription& body : description.bodies) {
     const int id = plain.findJoint(body.joint.name);
     if (id > 0) body.joint.friction.assign(static_cast<std::size_t>(plain.joints()[static_cast<std::size_t>(id)].nv), 1000);
   }
-  const CompactModel model = compile(description, registry());
+  const CompactModel model = compile(description, groups());
   Random random(3);
   const Vector q = integrate(model, neutral(model), random.vector(model.nv(), 0.5)), v = random.vector(model.nv(), 0.5);
   for (const IntegratorInfo& info : integrators()) {

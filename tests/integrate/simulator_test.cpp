@@ -18,7 +18,7 @@ bool sameBytes(const VectorResult& a, const Vector& b) { return a.size() == b.si
 struct Tree {
   CompactModel model;
   Vector q, v;
-  explicit Tree(int bodies = 12, std::uint64_t seed = 3) : model(compile(randomTree(registry(), bodies, seed), registry())) {
+  explicit Tree(int bodies = 12, std::uint64_t seed = 3) : model(compile(randomTree(groups(), bodies, seed), groups())) {
     Random random(seed);
     q = integrate(model, neutral(model), random.vector(model.nv(), 0.5));
     v = random.vector(model.nv(), 0.5);

@@ -47,7 +47,7 @@ TEST_CASE("the robot of every example folder loads and its forward dynamics inve
     const Eigen::VectorXd tau = rnea(model, data, q, v, a);
     CHECK((Eigen::VectorXd(aba(model, data, q, v, tau)) - a).norm() < 1e-10);
   }
-  CHECK(robots == 4);
+  CHECK(robots == 5);
 }
 
 TEST_CASE("a rail that turns once around closes, and its arcs are circles", "[examples]") {

@@ -53,7 +53,7 @@ TEST_CASE("derivatives of a graph with selections are those of the branch that i
   Data data(model, Need::derivatives);
   const Eigen::Vector3d v(0.4, -0.7, 0.3), a(0.2, 0.1, -0.5);
   const TracedFunction traced = trace(model, "rnea");
-  for (const Eigen::Vector3d q : {Eigen::Vector3d(-0.4, 0.1, 0.2), Eigen::Vector3d(-1.3, 0.9, 0.2), Eigen::Vector3d(0.8, 0.7, -0.2)}) {
+  for (const Eigen::Vector3d& q : {Eigen::Vector3d(-0.4, 0.1, 0.2), Eigen::Vector3d(-1.3, 0.9, 0.2), Eigen::Vector3d(0.8, 0.7, -0.2)}) {
     CAPTURE(q.transpose());
     std::vector<double> in;
     for (const Eigen::Vector3d& x : {Eigen::Vector3d(q), v, a}) in.insert(in.end(), x.begin(), x.end());

@@ -77,15 +77,23 @@ inline Model randomTree(const JointRegistry& registry, int n, std::uint64_t seed
   return model;
 }
 
-/// Adds a revolute joint, "follower", that follows one of the model's revolute joints; its body is "followed".
+/// Adds a revolute joint, "follower", that follows one of the model's revolute joints, or a new one if it has none; its body is "followed".
 inline void addFollower(Model& model, const std::string& number = "", const std::vector<double>& coefficients = {0.1, 2}) {
   JointDescription follower;
   follower.name = "follower" + number;
   follower.type = "revolute";
   follower.parameters["axis"] = std::vector<double>{0, 1, 0};
+  std::string master;
   for (const BodyDescription& b : model.bodies)
-    if (b.joint.type == "revolute") follower.coupling = {"mimic", b.joint.name, {{"coefficients", coefficients}}};
-  REQUIRE(!follower.coupling.master.empty());
+    if (b.joint.type == "revolute") master = b.joint.name;
+  if (master.empty()) {
+    JointDescription joint;
+    joint.name = master = "master";
+    joint.type = "revolute";
+    joint.parameters = follower.parameters;
+    model.addBody("turned", 2, joint, Random(8).inertia());
+  }
+  follower.coupling = {"mimic", master, {{"coefficients", coefficients}}};
   model.addBody("followed" + number, 3, follower, Random(9).inertia());
 }
 

@@ -10,4 +10,15 @@ inline const JointRegistry& registry() {
   return r;
 }
 
+/// Its joints but those whose configuration space is no group, which the variational integrator refuses; no couplings.
+inline const JointRegistry& groups() {
+  static const JointRegistry r = [] {
+    JointRegistry all;
+    for (const JointType* type : registry().jointTypes())
+      if (!(type->info().closed_forms & own_rates)) all.add(*type);
+    return all;
+  }();
+  return r;
+}
+
 }  // namespace dyn::test

@@ -6,7 +6,7 @@
 
 #define DYN_PLUGIN_MAGIC 0x64796e6au /* "dynj" */
 /* Raised whenever JointType, CouplingType or a struct they use changes. */
-#define DYN_PLUGIN_ABI_VERSION 5u
+#define DYN_PLUGIN_ABI_VERSION 6u
 
 /* Sizes of everything that crosses, folded into one number by the compiler that built the plugin. */
 struct dyn_plugin_stamp {

@@ -35,29 +35,29 @@ struct PosePart {
   }
 };
 
-/// Column k of S at q for a joint with nq = nv and v = dq/dt. `pose` maps n scalars of any kind to an SE3 of that kind.
+/// The velocity in the moving frame when the N coordinates change at dq. `pose` maps N scalars of any kind to an SE3 of that kind.
 template <int N, class S, class Pose>
-Motion<S> subspaceColumn(const Pose& pose, const S* q, int k) {
+Motion<S> poseVelocity(const Pose& pose, const S* q, const S* dq) {
   using D = Dual<S>;
   D qd[N];
-  for (int i = 0; i < N; ++i) qd[i] = D(q[i], S(i == k ? 1 : 0));
+  for (int i = 0; i < N; ++i) qd[i] = D(q[i], dq[i]);
   const SE3<D> X = pose(qd);
   const PosePart<S> X0(X, [](const D& a) { return a.v; }), X1(X, [](const D& a) { return a.d; });
   return {X0.inAxes(X1.p), X0.turning(X1)};
 }
 
-/// Pose, S v and (dS/dt) v along q(t) with dq/dt = v.
+/// Pose, velocity and its derivative in the moving frame along q(t).
 template <class S>
 struct PoseRates {
   SE3<S> pose;
   Motion<S> velocity, bias;
 };
 template <int N, class S, class Pose>
-PoseRates<S> poseRates(const Pose& pose, const S* q, const S* v) {
+PoseRates<S> poseRates(const Pose& pose, const S* q, const S* dq, const S* ddq) {
   using D = Dual<S>;
   using DD = Dual<D>;
   DD qd[N];
-  for (int i = 0; i < N; ++i) qd[i] = DD(D(q[i], v[i]), D(v[i], S(0)));
+  for (int i = 0; i < N; ++i) qd[i] = DD(D(q[i], dq[i]), D(dq[i], ddq[i]));
   const SE3<DD> X = pose(qd);
   const PosePart<S> X0(X, [](const DD& a) { return a.v.v; }), X1(X, [](const DD& a) { return a.v.d; }), X2(X, [](const DD& a) { return a.d.d; });
   return {X0.pose(), {X0.inAxes(X1.p), X0.turning(X1)}, {X0.inAxes(X2.p) + X1.inAxes(X1.p), X0.turning(X2)}};

@@ -1,6 +1,7 @@
 // From an author's class to the virtual interface: loops over the batch, closed forms where the author has them, derived ones elsewhere.
 #pragma once
 
+#include <dyn_sdk/configuration.hpp>
 #include <dyn_sdk/joint_plugin.hpp>
 #include <dyn_sdk/pack.hpp>
 
@@ -22,26 +23,24 @@ template <class A>
 concept HasSubspace = requires(const double* q, const Constants& c, Motion<double>* S) { A::subspace(q, c, S); };
 template <class A>
 concept HasBias = requires(const double* q, const double* v, const Constants& c) { A::bias(q, v, c); };
-/// The author replaced the flat configuration space of the base class.
-template <class A>
-inline constexpr bool has_configuration = requires { sizeof(decltype(&A::integrate)); };
 
 template <class Author>
 class JointTypeOf final : public JointType {
  public:
   static constexpr int nv = Author::nv, nq = Author::nq;
   static constexpr bool is_dense = Author::shape == Shape::dense;
+  using Space = Configuration<Author>;
   static_assert(nq >= nv && nv >= 0 && nv <= max_joint_nv && nq <= max_joint_nq, "1 to 6 degrees of freedom, at most 7 coordinates");
-  static_assert(has_configuration<Author> || nq == nv, "a joint with more coordinates than velocities needs its own integrate & co.");
-  static_assert(!is_dense || nq == nv, "a dense joint has v = dq/dt");
+  static_assert(!is_dense || !Space::curved || !Author::branch_free || HasRates<Author>,
+                "branch_free with its own integrate: write rates(q, v, c, dq), dq/dt without branches, as integrate has some");
 
   const JointTypeInfo& info() const noexcept override {
     static constexpr JointTypeInfo description{Author::name,
                                                Author::summary,
                                                Author::structure,
                                                (!is_dense || HasSubspace<Author> ? closed_subspace : 0u) |
-                                                   (!is_dense || HasBias<Author> ? closed_bias : 0u) |
-                                                   (has_configuration<Author> ? closed_configuration : 0u),
+                                                   (!is_dense || HasBias<Author> ? closed_bias : 0u) | (Space::own ? closed_configuration : 0u) |
+                                                   (is_dense && Space::curved ? own_rates : 0u),
                                                Author::parameters.data(),
                                                static_cast<int>(Author::parameters.size())};
     return description;
@@ -80,47 +79,61 @@ class JointTypeOf final : public JointType {
   }
 
   void neutral(const ConfigurationBatch<double>& b) const noexcept override {
-    for (int i = 0; i < b.count; ++i) {
+    for (int i = 0; i < b.count * b.lanes; ++i) {
       double q[nq + 1] = {};
-      Author::neutral(q);
+      Space::neutral(constantsOf(b, i), q);
       store<nq>(q, b.q_out, b.q_stride, i);
     }
   }
 
   void integrate(const ConfigurationBatch<double>& b) const noexcept override {
-    for (int i = 0; i < b.count; ++i) {
+    for (int i = 0; i < b.count * b.lanes; ++i) {
+      const Constants c = constantsOf(b, i);
       double q[nq + 1], v[nv + 1], out[nq + 1];
       load<nq>(b.q0, b.q_stride, i, q);
       load<nv>(b.v, b.v_stride, i, v);
       if (b.q_out) {
-        Author::integrate(q, v, out);
+        Space::integrate(q, v, c, out);
         store<nq>(out, b.q_out, b.q_stride, i);
       }
-      if (b.J_q) jacobians(b, i, q, v, &Author::dIntegrate);
+      if (!b.J_q) continue;
+      double Jq[nv * nv + 1], Jv[nv * nv + 1];
+      Space::dIntegrate(q, v, c, Jq, Jv);
+      storeJacobians(Jq, Jv, b, i);
     }
   }
 
   void difference(const ConfigurationBatch<double>& b) const noexcept override {
-    for (int i = 0; i < b.count; ++i) {
+    for (int i = 0; i < b.count * b.lanes; ++i) {
+      const Constants c = constantsOf(b, i);
       double q0[nq + 1], q1[nq + 1], out[nv + 1];
       load<nq>(b.q0, b.q_stride, i, q0);
       load<nq>(b.q1, b.q_stride, i, q1);
       if (b.v_out) {
-        Author::difference(q0, q1, out);
+        Space::difference(q0, q1, c, out);
         store<nv>(out, b.v_out, b.v_stride, i);
       }
-      if (b.J_q) jacobians(b, i, q0, q1, &Author::dDifference);
+      if (!b.J_q) continue;
+      double J0[nv * nv + 1], J1[nv * nv + 1];
+      Space::dDifference(q0, q1, c, J0, J1);
+      storeJacobians(J0, J1, b, i);
     }
   }
 
   void normalize(const ConfigurationBatch<double>& b) const noexcept override {
-    for (int i = 0; i < b.count; ++i) {
+    for (int i = 0; i < b.count * b.lanes; ++i) {
       double q[nq + 1];
       load<nq>(b.q0, b.q_stride, i, q);
-      const double distance = Author::normalize(q);
+      const double distance = Space::normalize(constantsOf(b, i), q);
       if (b.q_out) store<nq>(q, b.q_out, b.q_stride, i);
       if (b.v_out) b.v_out[i] = distance;
     }
+  }
+
+  void rates(const ConfigurationBatch<Dual<double>>& b) const noexcept override { evaluateRates(b); }
+  bool rates([[maybe_unused]] const ConfigurationBatch<Traced>& b) const noexcept override {
+    if constexpr (Author::branch_free) evaluateRates(b);
+    return Author::branch_free;
   }
 
  private:
@@ -150,17 +163,26 @@ class JointTypeOf final : public JointType {
     for (int k = 0; k < N; ++k) write(in[k], base + k * stride + i);
   }
 
-  static void jacobians(const ConfigurationBatch<double>& b, int i, const double* x, const double* y,
-                        void (*author)(const double*, const double*, double*, double*)) {
-    double Jq[nv * nv + 1], Jv[nv * nv + 1];
-    author(x, y, Jq, Jv);
-    store<nv * nv>(Jq, b.J_q, b.j_stride, i);
-    store<nv * nv>(Jv, b.J_v, b.j_stride, i);
+  static void storeJacobians(const double* first, const double* second, const ConfigurationBatch<double>& b, int i) {
+    store<nv * nv>(first, b.J_q, b.j_stride, i);
+    store<nv * nv>(second, b.J_v, b.j_stride, i);
+  }
+
+  template <class S>
+  static void evaluateRates([[maybe_unused]] const ConfigurationBatch<S>& b) {
+    if constexpr (is_dense)
+      for (int i = 0; i < b.count * b.lanes; ++i) {
+        S q[nq + 1], v[nv + 1], dq[nq + 1];
+        load<nq>(b.q0, b.q_stride, i, q);
+        load<nv>(b.v, b.v_stride, i, v);
+        Space::rates(q, v, constantsOf(b, i), dq);
+        store<nq>(dq, b.q_out, b.q_stride, i);
+      }
   }
 
   /// Of item i, or of the joint whose lanes are items i and on.
-  template <class T>
-  static Constants constantsOf(const JointBatch<T>& b, int i) {
+  template <class Batch>
+  static Constants constantsOf(const Batch& b, int i) {
     return {b.constants + i / b.lanes, b.constants_stride, b.constant_count};
   }
 
@@ -194,7 +216,8 @@ class JointTypeOf final : public JointType {
       const bool subspace = !HasSubspace<Author> || requires(const S* q, const C& c, Motion<S>* m) { Author::subspace(q, c, m); };
       const bool bias = !HasBias<Author> || requires(const S* q, const C& c) { Author::bias(q, q, c); };
       const bool coordinates = HasPose<Author> || requires(const S* q, const C& c, S* p) { Author::coordinates(q, c, p); };
-      return pose && subspace && bias && coordinates;
+      const bool rates = !HasRates<Author> || requires(const S* q, const C& c, S* dq) { Author::rates(q, q, c, dq); };
+      return pose && subspace && bias && coordinates && rates;
     }
   }();
 
@@ -254,7 +277,7 @@ class JointTypeOf final : public JointType {
   template <class S, class T, class C>
   static void derivedAlongOne(const JointBatch<T>& b, int i, const S* q, const C& c) {
     const S one(1);
-    const PoseRates<S> along = poseRates<1>([&c](const auto* x) { return Author::pose(x, c); }, q, &one);
+    const PoseRates<S> along = derivedRates<Author>(q, &one, c);
     storePose(along.pose, b, i);
     storeMotion(along.velocity, b.subspace, b.stride, i);
     if (!b.v || !b.bias) return;
@@ -264,13 +287,12 @@ class JointTypeOf final : public JointType {
 
   template <class S, class T, class C>
   static void dense(const JointBatch<T>& b, int i, const S* q, const C& c) {
-    const auto pose = [&c](const auto* x) { return Author::pose(x, c); };
     if (b.subspace) {
       Motion<S> columns[nv];
       if constexpr (HasSubspace<Author>) {
         Author::subspace(q, c, columns);
       } else {
-        for (int k = 0; k < nv; ++k) columns[k] = subspaceColumn<nv>(pose, q, k);
+        for (int k = 0; k < nv; ++k) columns[k] = derivedColumn<Author>(q, c, k);
       }
       for (int k = 0; k < nv; ++k) storeMotion(columns[k], b.subspace + 6 * k * b.stride, b.stride, i);
     }
@@ -280,7 +302,7 @@ class JointTypeOf final : public JointType {
       if constexpr (HasBias<Author>) {
         storeMotion(Author::bias(q, static_cast<const S*>(v), c), b.bias, b.stride, i);
       } else {
-        storeMotion(poseRates<nv>(pose, q, static_cast<const S*>(v)).bias, b.bias, b.stride, i);
+        storeMotion(derivedRates<Author>(q, static_cast<const S*>(v), c).bias, b.bias, b.stride, i);
       }
     }
   }

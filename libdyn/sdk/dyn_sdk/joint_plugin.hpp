@@ -10,54 +10,32 @@
 //     };
 //     DYN_EXPORT_JOINTS(CamFollower)
 //
-// Optional members, detected by name; what is missing is derived (nq = nv, v = dq/dt then):
-//     branch_free = true          pose map, subspace and bias have no branches on q: they are computed for packs of joints or states
+// Optional members, detected by name; what is missing is derived:
+//     branch_free = true          pose map, subspace, bias and rates have no branches on q: they are computed for packs of joints or states
 //     shape, check(args, instance, refuse), constantCount(args), constants(args, out)
 //     coordinates(q, c, pose)     the core's pose components in the order of its Shape, for shapes other than dense
 //     subspace(q, c, S)           S for dense shapes, column after column
 //     bias(q, v, c)               (dS/dt) v
-//     neutral(q), integrate(q, v, out), difference(q0, q1, v), dIntegrate(q, v, Jq, Jv), dDifference(q0, q1, J0, J1),
-//     normalize(q) -> distance from the configuration space before
-// Jacobians are nv x nv, row-major.
+//
+// Without more, q is a vector and v = dq/dt. A joint whose q is something else, as a unit vector is, says what, with or without the argument c:
+//     neutral(c, q), normalize(c, q) -> distance from the configuration space before
+//     integrate(q, v, c, out)     q (+) v: where the joint is after one second of v; a template over the scalar
+//     difference(q0, q1, c, v)    the v with q0 (+) v = q1
+// and, where these are at hand in closed form,
+//     rates(q, v, c, dq)          dq/dt, a template over the scalar; dense shapes that are branch_free need it
+//     dIntegrate(q, v, c, Jq, Jv), dDifference(q0, q1, c, J0, J1)     nv x nv, row-major
 #pragma once
 
-#include <dyn_sdk/derive.hpp>
+#include <dyn_sdk/constants.hpp>
 #include <dyn_sdk/stamp.hpp>
 
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <exception>
 #include <vector>
 
 namespace dyn::sdk {
-
-/// A joint's constants as the author sees them: c[k], wherever they lie.
-class Constants {
- public:
-  Constants(const double* base, std::ptrdiff_t stride, int count) : base_(base), stride_(stride), count_(count) {}
-  double operator[](int k) const { return base_[k * stride_]; }
-  int size() const { return count_; }
-
- private:
-  const double* base_;
-  std::ptrdiff_t stride_;
-  int count_;
-};
-
-/// The constants of neighbouring joints, a pack for each number. An author whose functions take `const auto& c`, and say S(c[k]) where a
-/// number of theirs is meant, gets these, too, and is computed for joints of different parameters at once.
-template <class S>
-class PackConstants {
- public:
-  PackConstants(const double* base, std::ptrdiff_t stride, int count) : base_(base), stride_(stride), count_(count) {}
-  S operator[](int k) const { return S::load(base_ + k * stride_); }
-  int size() const { return count_; }
-
- private:
-  const double* base_;
-  std::ptrdiff_t stride_;
-  int count_;
-};
 
 /// Numbers that a parameter of this kind is; a list is as long as a model makes it.
 constexpr int numberCount(ParameterKind kind) { return kind == ParameterKind::number ? 1 : kind == ParameterKind::vector3 ? 3 : 0; }
@@ -160,33 +138,6 @@ struct Joint {
   }
   static bool check(const ParameterArgument*, JointInstance&, const Refusal&) { return true; }
   static constexpr std::array<ParameterSpec, 0> parameters{};
-
-  // The flat configuration space q in R^n, v = dq/dt. A joint with a space of its own hides all of these. (That they are templates
-  // is how an author's plain functions are told from them.)
-  static void neutral(double* q) {
-    for (int k = 0; k < NQ; ++k) q[k] = 0;
-  }
-  template <class S>
-  static void integrate(const S* q, const S* v, S* out) {
-    for (int k = 0; k < NV; ++k) out[k] = q[k] + v[k];
-  }
-  static void difference(const double* q0, const double* q1, double* v) {
-    for (int k = 0; k < NV; ++k) v[k] = q1[k] - q0[k];
-  }
-  static void dIntegrate(const double*, const double*, double* Jq, double* Jv) {
-    diagonal(1, Jq);
-    diagonal(1, Jv);
-  }
-  static void dDifference(const double*, const double*, double* J0, double* J1) {
-    diagonal(-1, J0);
-    diagonal(1, J1);
-  }
-  static double normalize(double*) { return 0; }
-
- private:
-  static void diagonal(double value, double* J) {
-    for (int k = 0; k < NV * NV; ++k) J[k] = k % (NV + 1) == 0 ? value : 0.0;
-  }
 };
 
 }  // namespace dyn::sdk

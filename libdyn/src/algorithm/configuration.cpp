@@ -21,10 +21,8 @@ void eachJoint(const CompactImpl& m, F&& f) {
     for (int k = 0; k < batch.count; k += together ? batch.count : 1) {
       const BodyIndex& x = m.index[at(batch.bodies[at(k)])];
       if (x.user_v < 0) continue;
-      ConfigurationBatch<double> call;
+      ConfigurationBatch<double> call = batch.placeOf(k).question();
       call.count = together ? batch.count : 1;
-      call.constants = batch.constants.data() + k;
-      call.constants_stride = batch.count;
       call.q_stride = call.v_stride = call.j_stride = together ? batch.count : 1;
       f(batch, call, x.user_q, x.user_v);
     }
@@ -41,11 +39,7 @@ void blockDiagonal(const char* algorithm, const CompactImpl& m, ArgumentPosition
       const BodyIndex& x = m.index[at(batch.bodies[at(k)])];
       if (x.user_v < 0) continue;
       double Jq[36], Jv[36];
-      ConfigurationBatch<double> call;
-      call.count = 1;
-      call.constants = batch.constants.data() + k;
-      call.constants_stride = batch.count;
-      call.q_stride = call.v_stride = call.j_stride = 1;
+      ConfigurationBatch<double> call = batch.placeOf(k).question();
       call.J_q = Jq;
       call.J_v = Jv;
       evaluate(batch, call, x.user_q, x.user_v);
@@ -113,7 +107,7 @@ double distanceFromSpace(const CompactModel& model, VectorView q) {
     const BodyIndex& x = m.index[at(i)];
     if (x.user_v < 0 || x.nq == x.nv) continue;
     const TypeBatch& batch = m.batches[at(x.batch)];
-    const double distance = normalizeJoint(*batch.type, batch.constants.data() + x.slot, batch.count, q.data + x.user_q, nullptr);
+    const double distance = normalizeJoint(batch.placeOf(x.slot), q.data + x.user_q, nullptr);
     if (!(distance <= worst)) worst = distance;  // NaN stays
   }
   return worst;
@@ -154,11 +148,7 @@ void randomConfiguration(const CompactModel& model, std::uint64_t seed, double* 
       v[positions] = w.x, v[positions + 1] = w.y, v[positions + 2] = w.z;
     }
     std::copy(q + x.user_q, q + x.user_q + x.nq, from);
-    ConfigurationBatch<double> call;
-    call.count = 1;
-    call.q_stride = call.v_stride = 1;
-    call.constants = batch.constants.data() + x.slot;
-    call.constants_stride = batch.count;
+    ConfigurationBatch<double> call = batch.placeOf(x.slot).question();
     call.q0 = from;
     call.v = v;
     call.q_out = q + x.user_q;

@@ -11,7 +11,7 @@ namespace dyn {
 inline double coordinateOf(const CompactImpl& m, int body, Coordinates& coordinates, const double* q) {
   const BodyIndex& x = m.index[static_cast<std::size_t>(body)];
   const TypeBatch& batch = m.batches[static_cast<std::size_t>(x.batch)];
-  return batch.adds ? *q : coordinates.of(*batch.type, batch.constants.data() + x.slot, batch.count, q);
+  return batch.adds ? *q : coordinates.of(batch.placeOf(x.slot), q);
 }
 inline void setCoordinate(const CompactImpl& m, int body, Coordinates& coordinates, double value, double* q) {
   const BodyIndex& x = m.index[static_cast<std::size_t>(body)];
@@ -19,7 +19,7 @@ inline void setCoordinate(const CompactImpl& m, int body, Coordinates& coordinat
   if (batch.adds) {
     *q = value;
   } else {
-    coordinates.set(*batch.type, batch.constants.data() + x.slot, batch.count, value, q);
+    coordinates.set(batch.placeOf(x.slot), value, q);
   }
 }
 

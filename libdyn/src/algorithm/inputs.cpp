@@ -132,7 +132,8 @@ void refuseFollowers(const char* algorithm, const CompactImpl& m) {
 
 void refuseZero(const char* argument, const CompactImpl& m, int i) {
   throw Error(ErrorCode::argument,
-              std::string(argument) + ": the quaternion or (cos, sin) pair of a joint is zero, which is no rotation; neutral() gives the identity",
+              std::string(argument) +
+                  ": the quaternion, (cos, sin) pair or unit vector of a joint is zero, which stands for no rotation; neutral() gives the identity",
               {"", 0, m.joints[at(m.index[at(i)].joint)].name});
 }
 
@@ -147,7 +148,7 @@ void checkConfiguration(const char* argument, const CompactImpl& m, const double
     if (x.user_v < 0 || x.nq == x.nv) continue;
     const TypeBatch& batch = m.batches[at(x.batch)];
     double normal[max_joint_nq];
-    normalizeJoint(*batch.type, batch.constants.data() + x.slot, batch.count, q + x.user_q, normal);
+    normalizeJoint(batch.placeOf(x.slot), q + x.user_q, normal);
     if (std::any_of(normal, normal + x.nq, [](double c) { return std::isnan(c); }) && kernels::allFinite(q + x.user_q, x.nq))
       refuseZero(argument, m, i);
   }
@@ -179,8 +180,11 @@ void evaluateSubspaceRates(const CompactImpl& m, DataImpl& d, const double* q, c
     if (batch.shape != Shape::dense) continue;
     for (int k = 0; k < batch.count; ++k) {
       const BodyIndex& x = m.index[at(batch.bodies[at(k)])];
-      for (int c = 0; c < batch.nq; ++c) memory.q[c * batch.count + k] = {q[x.idx_q + c], v[x.idx_v + c]};
+      for (int c = 0; c < batch.nq; ++c) memory.q[c * batch.count + k] = q[x.idx_q + c];
+      for (int c = 0; c < batch.nv; ++c) memory.subspace[c * batch.count + k] = v[x.idx_v + c];
     }
+    kernels::coordinateRates(batch, 0, batch.count, 1, memory.q, memory.subspace, memory.pose);
+    for (int i = 0; i < batch.nq * batch.count; ++i) memory.q[i].d = memory.pose[i].v;
     JointBatch<Dual<double>> call;
     call.count = batch.count;
     call.constants = batch.constants.data();

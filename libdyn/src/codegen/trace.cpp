@@ -93,14 +93,18 @@ class Tracer {
         std::vector<T> in(q + x.idx_q, q + x.idx_q + batch.nq);
         in.insert(in.end(), v + x.idx_v, v + x.idx_v + batch.nv);
         const std::vector<T> entries = replay<T>(changes.graph, in);
+        const auto place = [&](int row, int along) -> T& {
+          return row < 6 * batch.nv ? out.columns[(6 * batch.nv * along + row) * out.stride + k]
+                                    : out.bias[(6 * along + row - 6 * batch.nv) * out.stride + k];
+        };
+        const std::vector<T> rates = batch.curved ? ratesOf(batch, k, in) : std::vector<T>();
+        for (int along = 0; along < batch.nv && batch.curved; ++along)
+          for (int row = 0; row < 6 * batch.nv + 6; ++row) place(row, along) = T(0);
         for (std::size_t e = 0; e < entries.size(); ++e) {
-          const int row = changes.sparsity.row[e], along = changes.sparsity.column[e];
-          if (along >= batch.nq) continue;  // by v nothing is asked
-          if (row < 6 * batch.nv) {
-            out.columns[(6 * batch.nv * along + row) * out.stride + k] = entries[e];
-          } else {
-            out.bias[(6 * along + row - 6 * batch.nv) * out.stride + k] = entries[e];
-          }
+          const int row = changes.sparsity.row[e], coordinate = changes.sparsity.column[e];
+          if (coordinate >= batch.nq) continue;  // by v nothing is asked
+          if (!batch.curved) place(row, coordinate) = entries[e];
+          for (int along = 0; along < batch.nv && batch.curved; ++along) place(row, along) += rates[at(batch.nq * along + coordinate)] * entries[e];
         }
       }
     }
@@ -132,8 +136,24 @@ class Tracer {
       for (int c = 0; c < batch.nv && v; ++c) v_of[at(c * batch.count + k)] = v[x.idx_v + c];
     }
   }
+  /// dq/dt of joint k for each of its unit velocities, one after the other; `in` begins with its q.
+  static std::vector<T> ratesOf(const TypeBatch& batch, int k, const std::vector<T>& in) {
+    std::vector<T> rates(at(batch.nq * batch.nv)), unit(at(batch.nv));
+    ConfigurationBatch<T> call = batch.placeOf(k).question<T>();
+    call.q0 = in.data();
+    call.v = unit.data();
+    for (int along = 0; along < batch.nv; ++along) {
+      std::fill(unit.begin(), unit.end(), T(0));
+      unit[at(along)] = T(1);
+      call.q_out = rates.data() + batch.nq * along;
+      if (!batch.type->rates(call)) refuse(batch);
+    }
+    return rates;
+  }
   static void ask(const TypeBatch& batch, const JointBatch<T>& call) {
-    if (batch.type->kinematics(call)) return;
+    if (!batch.type->kinematics(call)) refuse(batch);
+  }
+  [[noreturn]] static void refuse(const TypeBatch& batch) {
     throw Error(ErrorCode::joint_type, std::string("type '") + batch.type->info().name +
                                            "' cannot be traced: its plugin has pose maps with branches on q. Write them with select() and set "
                                            "branch_free = true in the type, then build the plugin again");

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "compile/strips.hpp"
+#include "joint/coordinate.hpp"
 
 #include <dyn/compile/compact_model.hpp>
 #include <dyn/joint/joint_type.hpp>
@@ -60,13 +61,16 @@ struct TypeBatch {
   const JointType* type = nullptr;
   const JointType* fast = nullptr;  ///< the same type built for this processor, or `type`; for poses, subspaces and biases
   Shape shape = Shape::dense;
-  bool adds = false;  ///< coordinates are numbers that velocities are added to, zeros where it is neutral
+  bool adds = false;    ///< coordinates are numbers that velocities are added to, zeros where it is neutral
+  bool curved = false;  ///< of a dense shape: v is not dq/dt
   int nq = 0, nv = 0, count = 0;
   std::vector<int> bodies;
   std::vector<int> q_index, v_index;  ///< of each one's first coordinates
   bool contiguous = false;            ///< coordinates are in q as the type reads them, so that they need no gathering
   int constant_count = 0;
   std::vector<double> constants;  ///< component-major, stride = count
+
+  JointPlace placeOf(int slot) const { return {type, constants.data() + slot, constant_count, count}; }
 };
 
 /// Bodies that follow one another depth first and belong to one batch: one kernel call a pass.

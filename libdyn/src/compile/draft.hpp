@@ -2,6 +2,8 @@
 // Poses and inertias are composed in long double, so that what pack() stores has been rounded once.
 #pragma once
 
+#include "joint/coordinate.hpp"
+
 #include <dyn/compile/compile.hpp>
 
 #include <optional>
@@ -39,6 +41,8 @@ struct DraftBody {
   std::vector<double> constants;
   SE3<long double> placement;  ///< pose of the joint in the parent's frame
   std::optional<DraftCoupling> coupling;
+
+  JointPlace place() const { return {type, constants.data(), instance.constant_count}; }
 };
 
 struct DraftFrame {

@@ -146,15 +146,15 @@ class Holder {
       if (body.coupling) {
         const DraftBody& master = draft.bodies[at(body.coupling->master)];
         double f[4];
-        const double x = coordinates.of(*master.type, master.constants.data(), 1, q_of[at(body.coupling->master)].data());
+        const double x = coordinates.of(master.place(), q_of[at(body.coupling->master)].data());
         body.coupling->type->evaluate(body.coupling->constants.data(), static_cast<int>(body.coupling->constants.size()), x, f);
-        coordinates.set(*body.type, body.constants.data(), 1, f[0], q_of[i].data());
+        coordinates.set(body.place(), f[0], q_of[i].data());
       } else if (const std::vector<double>& q = numbersOf(body.user_name); !q.empty()) {
         std::size_t& first = used[body.user_name];
         for (std::size_t k = 0; k < nq && first + k < q.size(); ++k) q_of[i][k] = q[first + k];
         first += nq;
       } else {
-        neutralOf(*body.type, body.constants.data(), 1, q_of[i].data());
+        neutralOf(body.place(), q_of[i].data());
       }
       poses[i] = poseOf(body, q_of[i].data());
     }

@@ -162,6 +162,7 @@ class ModelPacker {
         batch.fast = b.fast;
         batch.shape = made.shape;
         batch.adds = !(batch.type->info().closed_forms & closed_configuration);
+        batch.curved = (batch.type->info().closed_forms & own_rates) != 0;
         batch.nq = made.nq;
         batch.nv = made.nv;
         batch.constant_count = made.constant_count;

@@ -81,6 +81,21 @@ void checkMassMatrix(const CompactModel& model, Data& data, const State& s, Wors
   worst.compare(M, columns, show("q", s.q));
 }
 
+/// dtau/dq and dtau/dv of rnea, which know how S and its bias change, against differences.
+void checkDerivatives(const CompactModel& model, Data& data, const State& s, Worst& by_q, Worst& by_v) {
+  const auto& found = computeRNEADerivatives(model, data, s.q, s.v, s.a);
+  const Eigen::MatrixXd dtau_dq = found.dtau_dq, dtau_dv = found.dtau_dv;
+  for (int k = 0; k < model.nv(); ++k) {
+    const Eigen::VectorXd unit = Eigen::VectorXd::Unit(model.nv(), k);
+    const Eigen::VectorXd along_q =
+        derivativeAtZero([&](double h) { return Eigen::VectorXd(rnea(model, data, integrate(model, s.q, Eigen::VectorXd(h * unit)), s.v, s.a)); });
+    const Eigen::VectorXd along_v =
+        derivativeAtZero([&](double h) { return Eigen::VectorXd(rnea(model, data, s.q, Eigen::VectorXd(s.v + h * unit), s.a)); });
+    by_q.compare(dtau_dq.col(k), along_q, s.where());
+    by_v.compare(dtau_dv.col(k), along_v, s.where());
+  }
+}
+
 /// dE/dt = v . tau along a motion that starts with v and a.
 void checkEnergy(const CompactModel& model, Data& data, const State& s, Worst& worst) {
   const Eigen::VectorXd tau = rnea(model, data, s.q, s.v, s.a);
@@ -98,19 +113,23 @@ void checkDynamics(const JointType& type, const Parameters& parameters, const Jo
   Random random(seed);
   Worst inverse("dynamics: rnea undoes aba", 1e-9), mass("dynamics: columns of M are differences of rnea", 1e-10);
   Worst energy("dynamics: dE/dt = v . tau", 1e-8);
+  Worst by_q("dynamics: derivatives of rnea by q (differences)", 1e-8), by_v("dynamics: derivatives of rnea by v (differences)", 1e-8);
   const JointRegistry extended = including(type, registry);
   for (int i = 0; i < 3; ++i) {
     const CompactModel model = sandwich(type, parameters, extended, random);
-    Data data(model, Need::mass_matrix);
+    Data data(model, Need::mass_matrix | Need::derivatives);
     const Eigen::VectorXd q = integrate(model, neutral(model), random.vector(model.nv(), 1.2));
     const State s{q, random.vector(model.nv(), 1), random.vector(model.nv(), 1)};
     checkInverse(model, data, s, inverse);
     checkMassMatrix(model, data, s, mass);
     checkEnergy(model, data, s, energy);
+    checkDerivatives(model, data, s, by_q, by_v);
   }
   inverse.into(findings);
   mass.into(findings);
   energy.into(findings);
+  by_q.into(findings);
+  by_v.into(findings);
 }
 
 }  // namespace dyn::conformance

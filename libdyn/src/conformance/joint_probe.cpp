@@ -29,7 +29,7 @@ JointProbe::JointProbe(const JointType& type, const Parameters& parameters)
   type.constants(arguments_.data(), constants_.data());
 }
 
-bool JointProbe::flat() const { return nq() == nv() && (instance_.shape == Shape::dense || (type_.info().closed_forms & closed_configuration) == 0); }
+bool JointProbe::flat() const { return (type_.info().closed_forms & (instance_.shape == Shape::dense ? own_rates : closed_configuration)) == 0; }
 
 template <class S>
 JointMotion<S> JointProbe::motion(const S* q, const S* v) const {
@@ -48,18 +48,23 @@ JointMotion<S> JointProbe::motion(const S* q, const S* v) const {
 template JointMotion<double> JointProbe::motion(const double*, const double*) const;
 template JointMotion<Dual<double>> JointProbe::motion(const Dual<double>*, const Dual<double>*) const;
 
-ConfigurationBatch<double> JointProbe::batch() const {
-  ConfigurationBatch<double> b;
-  b.count = 1;
-  b.constants = constants_.data();
-  b.constants_stride = 1;
-  b.q_stride = b.v_stride = b.j_stride = 1;
-  return b;
+JointPlace JointProbe::place() const { return {&type_, constants_.data(), instance_.constant_count}; }
+
+Eigen::VectorXd JointProbe::rates(const Eigen::VectorXd& q, const Eigen::VectorXd& v) const {
+  if (flat()) return v;
+  const std::vector<Dual<double>> q0(q.begin(), q.end()), u(v.begin(), v.end());
+  std::vector<Dual<double>> dq(static_cast<std::size_t>(nq()));
+  ConfigurationBatch<Dual<double>> b = place().question<Dual<double>>();
+  b.q0 = q0.data();
+  b.v = u.data();
+  b.q_out = dq.data();
+  type_.rates(b);
+  return Eigen::VectorXd::NullaryExpr(nq(), [&](Eigen::Index i) { return dq[static_cast<std::size_t>(i)].v; });
 }
 
 Eigen::VectorXd JointProbe::neutral() const {
   Eigen::VectorXd q(nq());
-  ConfigurationBatch<double> b = batch();
+  ConfigurationBatch<double> b = place().question();
   b.q_out = q.data();
   type_.neutral(b);
   return q;
@@ -67,7 +72,7 @@ Eigen::VectorXd JointProbe::neutral() const {
 
 Eigen::VectorXd JointProbe::integrate(const Eigen::VectorXd& q, const Eigen::VectorXd& v) const {
   Eigen::VectorXd out(nq());
-  ConfigurationBatch<double> b = batch();
+  ConfigurationBatch<double> b = place().question();
   b.q0 = q.data();
   b.v = v.data();
   b.q_out = out.data();
@@ -77,7 +82,7 @@ Eigen::VectorXd JointProbe::integrate(const Eigen::VectorXd& q, const Eigen::Vec
 
 Eigen::VectorXd JointProbe::difference(const Eigen::VectorXd& q0, const Eigen::VectorXd& q1) const {
   Eigen::VectorXd out(nv());
-  ConfigurationBatch<double> b = batch();
+  ConfigurationBatch<double> b = place().question();
   b.q0 = q0.data();
   b.q1 = q1.data();
   b.v_out = out.data();
@@ -87,7 +92,7 @@ Eigen::VectorXd JointProbe::difference(const Eigen::VectorXd& q0, const Eigen::V
 
 JointProbe::Jacobians JointProbe::dIntegrate(const Eigen::VectorXd& q, const Eigen::VectorXd& v) const {
   std::vector<double> first(squareSize(nv())), second(squareSize(nv()));
-  ConfigurationBatch<double> b = batch();
+  ConfigurationBatch<double> b = place().question();
   b.q0 = q.data();
   b.v = v.data();
   b.J_q = first.data();
@@ -98,7 +103,7 @@ JointProbe::Jacobians JointProbe::dIntegrate(const Eigen::VectorXd& q, const Eig
 
 JointProbe::Jacobians JointProbe::dDifference(const Eigen::VectorXd& q0, const Eigen::VectorXd& q1) const {
   std::vector<double> first(squareSize(nv())), second(squareSize(nv()));
-  ConfigurationBatch<double> b = batch();
+  ConfigurationBatch<double> b = place().question();
   b.q0 = q0.data();
   b.q1 = q1.data();
   b.J_q = first.data();
@@ -109,7 +114,7 @@ JointProbe::Jacobians JointProbe::dDifference(const Eigen::VectorXd& q0, const E
 
 Eigen::VectorXd JointProbe::normalize(const Eigen::VectorXd& q, double& distance) const {
   Eigen::VectorXd out(nq());
-  ConfigurationBatch<double> b = batch();
+  ConfigurationBatch<double> b = place().question();
   b.q0 = q.data();
   b.q_out = out.data();
   b.v_out = &distance;

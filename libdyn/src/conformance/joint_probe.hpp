@@ -2,6 +2,7 @@
 #pragma once
 
 #include "compile/parameters.hpp"
+#include "joint/coordinate.hpp"
 #include "joint/pose_components.hpp"
 #include "kernels/shapes.hpp"
 
@@ -28,7 +29,7 @@ class JointProbe {
   const std::vector<double>& constants() const { return constants_; }
   int nq() const { return instance_.nq; }
   int nv() const { return instance_.nv; }
-  /// v = dq/dt: the coordinates can be differentiated by themselves.
+  /// v = dq/dt.
   bool flat() const;
 
   /// v may be null.
@@ -39,6 +40,8 @@ class JointProbe {
 
   Eigen::VectorXd neutral() const;
   Eigen::VectorXd integrate(const Eigen::VectorXd& q, const Eigen::VectorXd& v) const;
+  /// dq/dt for velocities v, of types with rates of their own and those with v = dq/dt.
+  Eigen::VectorXd rates(const Eigen::VectorXd& q, const Eigen::VectorXd& v) const;
   Eigen::VectorXd difference(const Eigen::VectorXd& q0, const Eigen::VectorXd& q1) const;
   /// By the first and by the second argument.
   struct Jacobians {
@@ -50,7 +53,7 @@ class JointProbe {
   Eigen::VectorXd normalize(const Eigen::VectorXd& q, double& distance) const;
 
  private:
-  ConfigurationBatch<double> batch() const;
+  JointPlace place() const;
 
   const JointType& type_;
   CheckedParameters checked_;

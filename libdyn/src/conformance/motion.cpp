@@ -72,14 +72,14 @@ std::vector<Dual<double>> dualOf(const Eigen::VectorXd& q, const Eigen::VectorXd
   return x;
 }
 
-/// For v = dq/dt only: the kinematics call with duals differentiates exactly.
+/// Where dq/dt is known: the kinematics call with duals differentiates exactly.
 void checkDual(const JointProbe& joint, const std::vector<Eigen::VectorXd>& samples, Findings& findings) {
   Worst check("subspace: S is the velocity of the pose (duals)", 1e-12), value("kinematics with duals has the same values", 1e-14);
   for (const Eigen::VectorXd& q : samples) {
     const JointMotion<double> plain = joint.motion(q);
     const Eigen::MatrixXd S = subspaceOf(plain, joint.nv());
     for (int k = 0; k < joint.nv(); ++k) {
-      const std::vector<Dual<double>> qd = dualOf(q, Eigen::VectorXd::Unit(joint.nv(), k));
+      const std::vector<Dual<double>> qd = dualOf(q, joint.rates(q, Eigen::VectorXd::Unit(joint.nv(), k)));
       const SE3<Dual<double>> X = joint.motion<Dual<double>>(qd.data(), nullptr).pose;
       Mat3<double> R, dR;
       for (int i = 0; i < 9; ++i) {
@@ -100,7 +100,7 @@ void checkBias(const JointProbe& joint, const std::vector<Eigen::VectorXd>& samp
   Worst check("bias is (dS/dt) v", 1e-12);
   for (const Eigen::VectorXd& q : samples) {
     const Eigen::VectorXd v = random.vector(joint.nv(), 2);
-    const std::vector<Dual<double>> qd = dualOf(q, v), vd = dualOf(v, Eigen::VectorXd::Zero(joint.nv()));
+    const std::vector<Dual<double>> qd = dualOf(q, joint.rates(q, v)), vd = dualOf(v, Eigen::VectorXd::Zero(joint.nv()));
     const JointMotion<Dual<double>> moving = joint.motion(qd.data(), vd.data());
     Column expected = Column::Zero();
     for (int k = 0; k < joint.nv(); ++k)
@@ -204,7 +204,7 @@ void checkMotion(const JointProbe& joint, std::uint64_t seed, Findings& findings
   checkPose(joint, samples, findings);
   if (joint.nv() == 0) return;
   checkSubspace(joint, samples, findings);
-  if (joint.flat()) checkDual(joint, samples, findings);
+  if (joint.flat() || joint.instance().shape == Shape::dense) checkDual(joint, samples, findings);
   if (joint.instance().shape == Shape::dense) checkBias(joint, samples, random, findings);
   checkNeutral(joint, findings);
   checkClamps(joint, random, findings);

@@ -31,11 +31,7 @@ void eachShare(const CompactImpl& m, const PackedConstraints& c, const double* q
 void differenceOf(const CompactImpl& m, int body, const double* from, const double* to, double* v, double* J_from, double* J_to) {
   const BodyIndex& x = m.index[at(body)];
   const TypeBatch& batch = m.batches[at(x.batch)];
-  ConfigurationBatch<double> b;
-  b.count = 1;
-  b.constants = batch.constants.data() + x.slot;
-  b.constants_stride = batch.count;
-  b.q_stride = b.v_stride = b.j_stride = 1;
+  ConfigurationBatch<double> b = batch.placeOf(x.slot).question();
   b.q0 = from;
   b.q1 = to;
   b.v_out = v;

@@ -31,14 +31,14 @@ Chart::Chart(const CompactModel& model) : model_(model) {
     for (int k = 0; k < batch.count; ++k) {
       const BodyIndex& x = m.index[static_cast<std::size_t>(batch.bodies[static_cast<std::size_t>(k)])];
       if (x.user_v < 0) continue;
-      const Joint joint{batch.type, batch.constants.data() + k, batch.count, x.user_q, x.user_v, x.nv, slidingAndTurning(batch.shape)};
+      const Joint joint{batch.placeOf(k), x.user_q, x.user_v, x.nv, slidingAndTurning(batch.shape)};
       if (batch.adds) {
         added_.push_back({x.user_q, x.user_v, x.nv});
         continue;
       }
       turned_.push_back(joint);
-      // One coordinate's exponential along itself has derivative one, however it is written.
-      if (x.nv > 1) curved_.push_back(joint);
+      // A rotation about one axis has v as the rate of its chart; what a dense joint's is, its type alone knows.
+      if (x.nv > 1 || batch.shape == Shape::dense) curved_.push_back(joint);
     }
   std::sort(added_.begin(), added_.end(), [](const Run& a, const Run& b) { return a.q < b.q; });
   std::vector<Run> joined;
@@ -53,34 +53,19 @@ Chart::Chart(const CompactModel& model) : model_(model) {
   added_ = std::move(joined);
 }
 
-ConfigurationBatch<double> Chart::callOf(const Joint& joint) {
-  ConfigurationBatch<double> call;
-  call.count = 1;
-  call.constants = joint.constants;
-  call.constants_stride = joint.constants_stride;
-  call.q_stride = call.v_stride = call.j_stride = 1;
-  return call;
-}
-
 ConfigurationBatch<double> Chart::callOf(const Joint& joint, Blocks& blocks) {
-  ConfigurationBatch<double> call = callOf(joint);
+  ConfigurationBatch<double> call = joint.place.question();
   call.J_q = blocks.by_q;
   call.J_v = blocks.by_v;
   return call;
 }
 
-void Chart::neutralOf(const Joint& joint, double* q) {
-  ConfigurationBatch<double> call = callOf(joint);
-  call.q_out = q;
-  joint.type->neutral(call);
-}
-
 void Chart::pointOf(const Joint& joint, const double* q0, const double* u, double* q) {
-  ConfigurationBatch<double> call = callOf(joint);
+  ConfigurationBatch<double> call = joint.place.question();
   call.q0 = q0;
   call.v = u;
   call.q_out = q;
-  joint.type->integrate(call);
+  joint.place.type->integrate(call);
 }
 
 void Chart::add(const double* q0, const double* u, double* q) const {
@@ -100,7 +85,7 @@ void Chart::rate(const double* q0, const double* q, const double* v, double* du)
     ConfigurationBatch<double> call = callOf(joint, blocks);
     call.q0 = q0 + joint.q;
     call.q1 = q + joint.q;
-    joint.type->difference(call);
+    joint.place.type->difference(call);
     multiply(blocks.by_v, joint.nv, false, v + joint.v, du + joint.v);
   }
 }
@@ -130,17 +115,17 @@ void Chart::midpointMaps(const double* u, double* momentum, const double* force,
     Blocks end, middle;
     double start_q[max_joint_nq], end_q[max_joint_nq], half[max_joint_nv];
     // About neutral: between positions far off the step would be lost in their rounding.
-    neutralOf(joint, start_q);
+    neutralOf(joint.place, start_q);
     pointOf(joint, start_q, u + joint.v, end_q);
     ConfigurationBatch<double> log = callOf(joint, end);
     log.q0 = start_q;
     log.q1 = end_q;
-    joint.type->difference(log);
+    joint.place.type->difference(log);
     for (int k = 0; k < joint.nv; ++k) half[k] = 0.5 * u[joint.v + k];
     ConfigurationBatch<double> exp = callOf(joint, middle);
     exp.q0 = start_q;
     exp.v = half;
-    joint.type->integrate(exp);
+    joint.place.type->integrate(exp);
     double *p = momentum + joint.v, *start = at_start + joint.v, *stop = at_end + joint.v;
     multiply(middle.by_q, joint.nv, true, p, p);
     multiply(end.by_v, joint.nv, true, p, p);

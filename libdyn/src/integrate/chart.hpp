@@ -30,19 +30,15 @@ class Chart {
 
  private:
   struct Joint {
-    const JointType* type;
-    const double* constants;
-    std::ptrdiff_t constants_stride;
+    JointPlace place;
     int q, v, nv, linear;  ///< the first `linear` velocities are in axes that the others turn
   };
   struct Run {
     int q, v, count;
   };
   struct Blocks;
-  static ConfigurationBatch<double> callOf(const Joint& joint);
   static ConfigurationBatch<double> callOf(const Joint& joint, Blocks& blocks);
   /// Of one joint's coordinates.
-  static void neutralOf(const Joint& joint, double* q);
   static void pointOf(const Joint& joint, const double* q0, const double* u, double* q);
   void add(const double* q0, const double* u, double* q) const;
 

@@ -21,6 +21,11 @@ const SimulatorOptions& checked(const CompactModel& model, const SimulatorOption
   if (!(options.tolerance > 0)) refuse("the tolerance is " + number(options.tolerance) + "; it must be positive");
   if (options.integrator == Integrator::variational && !model.impl().couplings.empty())
     refuse("the integrator 'variational' takes no joints that follow others; load them as independent ones, or use implicit_midpoint");
+  if (options.integrator == Integrator::variational)
+    for (const TypeBatch& batch : model.impl().batches)
+      if (batch.curved)
+        refuse(std::string("the integrator 'variational' takes no joints whose velocities are not rates of their coordinates, as those of type '") +
+               batch.type->info().name + "' are not; use implicit_midpoint");
   return options;
 }
 

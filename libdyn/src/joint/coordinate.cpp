@@ -2,60 +2,48 @@
 
 namespace dyn {
 
-namespace {
-
-ConfigurationBatch<double> one(const double* constants, std::ptrdiff_t stride) {
-  ConfigurationBatch<double> b;
-  b.count = 1;
-  b.constants = constants;
-  b.constants_stride = stride;
-  b.q_stride = b.v_stride = 1;
-  return b;
-}
-
-}  // namespace
-
-void neutralOf(const JointType& type, const double* constants, std::ptrdiff_t stride, double* q) {
-  ConfigurationBatch<double> b = one(constants, stride);
+void neutralOf(const JointPlace& joint, double* q) {
+  ConfigurationBatch<double> b = joint.question();
   b.q_out = q;
-  type.neutral(b);
+  joint.type->neutral(b);
 }
 
-Coordinates::Coordinates() : batch_(one(nullptr, 0)) {}
+Coordinates::Coordinates() : batch_(JointPlace{}.question()) {}
 
-void Coordinates::startAtNeutral(const JointType& type, const double* constants, std::ptrdiff_t stride) {
-  batch_.constants = constants;
-  batch_.constants_stride = stride;
+void Coordinates::startAtNeutral(const JointPlace& joint) {
+  batch_.constants = joint.constants;
+  batch_.constant_count = joint.constant_count;
+  batch_.constants_stride = joint.stride;
   batch_.q_out = neutral_;
   batch_.q0 = batch_.q1 = batch_.v = batch_.v_out = nullptr;
-  type.neutral(batch_);
+  joint.type->neutral(batch_);
   batch_.q_out = nullptr;
   batch_.q0 = neutral_;
 }
 
-double Coordinates::of(const JointType& type, const double* constants, std::ptrdiff_t stride, const double* q) {
+double Coordinates::of(const JointPlace& joint, const double* q) {
   double value = 0;
-  startAtNeutral(type, constants, stride);
+  startAtNeutral(joint);
   batch_.q1 = q;
   batch_.v_out = &value;
-  type.difference(batch_);
+  joint.type->difference(batch_);
   return value;
 }
 
-void Coordinates::set(const JointType& type, const double* constants, std::ptrdiff_t stride, double value, double* q) {
-  startAtNeutral(type, constants, stride);
+void Coordinates::set(const JointPlace& joint, double value, double* q) {
+  startAtNeutral(joint);
   batch_.v = &value;
   batch_.q_out = q;
-  type.integrate(batch_);
+  joint.type->integrate(batch_);
 }
 
-double normalizeJoint(const JointType& type, const double* constants, std::ptrdiff_t stride, const double* q, double* out) {
+double normalizeJoint(const JointPlace& joint, const double* q, double* out) {
   double distance = 0;
-  ConfigurationBatch<double> b = one(constants, stride);
+  ConfigurationBatch<double> b = joint.question();
   b.q0 = q;
   b.q_out = out;
   b.v_out = &distance;
-  type.normalize(b);
+  joint.type->normalize(b);
   return distance;
 }
 

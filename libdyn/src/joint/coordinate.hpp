@@ -6,24 +6,42 @@
 
 namespace dyn {
 
-// All of one joint, whose constants lie `stride` apart.
+/// A joint and where its constants are: number c at constants[c * stride].
+struct JointPlace {
+  const JointType* type = nullptr;
+  const double* constants = nullptr;
+  int constant_count = 0;
+  std::ptrdiff_t stride = 1;
 
-void neutralOf(const JointType& type, const double* constants, std::ptrdiff_t stride, double* q);
+  /// To ask one question of this joint alone: the arrays are still to be set.
+  template <class S = double>
+  ConfigurationBatch<S> question() const {
+    ConfigurationBatch<S> b;
+    b.count = 1;
+    b.constants = constants;
+    b.constant_count = constant_count;
+    b.constants_stride = stride;
+    b.q_stride = b.v_stride = b.j_stride = 1;
+    return b;
+  }
+};
+
+void neutralOf(const JointPlace& joint, double* q);
 /// The same question to joint after joint: to clear what it is asked with takes longer than most answers.
 class Coordinates {
  public:
   Coordinates();
-  double of(const JointType& type, const double* constants, std::ptrdiff_t stride, const double* q);
-  void set(const JointType& type, const double* constants, std::ptrdiff_t stride, double value, double* q);
+  double of(const JointPlace& joint, const double* q);
+  void set(const JointPlace& joint, double value, double* q);
 
  private:
-  void startAtNeutral(const JointType& type, const double* constants, std::ptrdiff_t stride);
+  void startAtNeutral(const JointPlace& joint);
 
   ConfigurationBatch<double> batch_;
   double neutral_[max_joint_nq];
 };
 
 /// q brought onto the configuration space in `out` (may be null); returns its distance from there before.
-double normalizeJoint(const JointType& type, const double* constants, std::ptrdiff_t stride, const double* q, double* out);
+double normalizeJoint(const JointPlace& joint, const double* q, double* out);
 
 }  // namespace dyn

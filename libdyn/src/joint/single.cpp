@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <vector>
 
 namespace dyn {
@@ -21,13 +22,15 @@ Answer answerOf(const JointType& type, const JointInstance& instance, const std:
   return out;
 }
 
-bool alike(const double* a, const double* b, int count) {
-  double size = 0, apart = 0;
-  for (int k = 0; k < count; ++k) {
-    size = std::max(size, std::abs(a[k]));
-    apart = std::max(apart, std::abs(a[k] - b[k]));
-  }
-  return apart <= 1e-6 * size;
+double largest(const double* a, int count) {
+  return std::accumulate(a, a + count, 0.0, [](double size, double x) { return std::max(size, std::abs(x)); });
+}
+
+/// Apart by what rounding of numbers of this scale leaves where numbers cancel.
+bool alike(const double* a, const double* b, int count, double scale) {
+  double apart = 0;
+  for (int k = 0; k < count; ++k) apart = std::max(apart, std::abs(a[k] - b[k]));
+  return apart <= 1e-6 * largest(a, count) + 1e-13 * scale;
 }
 
 }  // namespace
@@ -37,18 +40,17 @@ bool moveAlike(const JointType& one, const JointType& other, const ParameterArgu
   one.constants(arguments, first.data());
   other.constants(arguments, second.data());
   double neutral[max_joint_nq], q[max_joint_nq], v[max_joint_nv];
-  neutralOf(one, first.data(), 1, neutral);
+  const JointPlace joint{&one, first.data(), instance.constant_count};
+  neutralOf(joint, neutral);
   for (int k = 0; k < max_joint_nv; ++k) v[k] = 0.3 - 0.08 * k;
-  ConfigurationBatch<double> b;
-  b.count = 1;
-  b.constants = first.data();
-  b.constants_stride = b.q_stride = b.v_stride = 1;
+  ConfigurationBatch<double> b = joint.question();
   b.q0 = neutral;
   b.v = v;
   b.q_out = q;
   one.integrate(b);
   const Answer a = answerOf(one, instance, first, q, v), c = answerOf(other, instance, second, q, v);
-  return alike(a.pose, c.pose, 12) && alike(a.subspace, c.subspace, 6 * max_joint_nv) && alike(a.bias, c.bias, 6);
+  const double scale = largest(a.pose, 12);
+  return alike(a.pose, c.pose, 12, scale) && alike(a.subspace, c.subspace, 6 * max_joint_nv, scale) && alike(a.bias, c.bias, 6, scale);
 }
 
 }  // namespace dyn

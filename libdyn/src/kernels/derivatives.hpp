@@ -2,6 +2,7 @@
 #pragma once
 
 #include "kernels/column_shares.hpp"
+#include "kernels/evaluate.hpp"
 #include "kernels/path_pairs.hpp"
 #include "kernels/vectored_bodies.hpp"
 // Specialisations come before what is made of them.
@@ -231,17 +232,20 @@ void evaluateSubspaceDerivatives(const CompactImpl& m, DerivativeWorkspace<S>& w
     call.pose = dual_v + batch.nv * items;
     call.subspace = call.pose + 12 * items;
     call.bias = call.subspace + 6 * batch.nv * items;
-    for (int along = 0; along < batch.nv; ++along) {
+    const auto spread = [&](const S* from, int BodyIndex::*first, int size, Dual<double>* to) {
       for (int k = 0; k < batch.count; ++k) {
-        const BodyIndex& x = m.index[at(batch.bodies[at(k)])];
-        const auto spread = [&](const S* from, int size, Dual<double>* to, int direction) {
-          for (int c = 0; c < size; ++c)
-            for (int l = 0; l < lanes; ++l)
-              to[c * items + k * lanes + l] = {static_cast<double>(reinterpret_cast<const T*>(from + c)[l]), c == direction ? 1.0 : 0.0};
-        };
-        spread(q + x.idx_q, batch.nq, dual_q, along);
-        spread(v + x.idx_v, batch.nv, dual_v, -1);
+        const S* joint = from + m.index[at(batch.bodies[at(k)])].*first;
+        for (int c = 0; c < size; ++c)
+          for (int l = 0; l < lanes; ++l) to[c * items + k * lanes + l] = static_cast<double>(reinterpret_cast<const T*>(joint + c)[l]);
       }
+    };
+    spread(q, &BodyIndex::idx_q, batch.nq, dual_q);
+    spread(v, &BodyIndex::idx_v, batch.nv, dual_v);
+    for (int along = 0; along < batch.nv; ++along) {
+      // How q changes is written where the results come later.
+      for (int c = 0; c < batch.nv; ++c) std::fill_n(call.subspace + c * items, items, Dual<double>(c == along ? 1.0 : 0.0));
+      coordinateRates(batch, 0, batch.count, lanes, dual_q, call.subspace, call.pose);
+      for (std::ptrdiff_t i = 0; i < batch.nq * items; ++i) dual_q[i] = {dual_q[i].v, call.pose[i].v};
       batch.type->kinematics(call);
       const auto keep = [&](const Dual<double>* from, int size, S* to) {
         T* numbers = reinterpret_cast<T*>(to);

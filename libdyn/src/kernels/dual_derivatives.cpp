@@ -69,8 +69,19 @@ void setChange(const CompactImpl& m, const Workspace<double>& w, const Derivativ
   call.pose = pose_out;
   call.subspace = subspace;
   call.bias = bias;
+  D moving_q[max_joint_nq], unit[max_joint_nv], dq[max_joint_nq];
+  const auto ratesAlong = [&](int direction) {
+    for (int c = 0; c < x.nv; ++c) unit[c] = c == direction ? 1.0 : 0.0;
+    coordinateRates(batch, x.slot, 1, 1, moving_q, unit, dq);
+  };
+  if (sign != 0) {
+    for (int c = 0; c < x.nq; ++c) moving_q[c] = q[x.idx_q + c];
+    ratesAlong(k);
+    for (int c = 0; c < x.nq; ++c) moving_q[c].d = dq[c].v;
+  }
   for (int along = 0; along < x.nv; ++along) {
-    for (int c = 0; c < x.nq && sign != 0; ++c) twice_q[c] = Dual<D>(D(q[x.idx_q + c], c == along ? 1.0 : 0.0), D(c == k ? 1.0 : 0.0, 0.0));
+    if (sign != 0) ratesAlong(along);
+    for (int c = 0; c < x.nq && sign != 0; ++c) twice_q[c] = Dual<D>(D(moving_q[c].v, dq[c].v), D(moving_q[c].d, dq[c].d));
     for (int c = 0; c < x.nv && sign != 0; ++c) twice_v[c] = Dual<D>(D(v[x.idx_v + c], 0.0), D(0.0, 0.0));
     if (sign != 0) batch.type->kinematics(call);
     for (int c = 0; c < 6 * x.nv; ++c) twice.columns[(6 * x.nv * along + c) * twice.stride + x.slot].d = sign != 0 ? subspace[c].d.d : 0.0;

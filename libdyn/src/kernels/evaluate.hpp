@@ -3,6 +3,8 @@
 
 #include "kernels/workspace.hpp"
 
+#include <algorithm>
+
 namespace dyn::kernels {
 
 /// Whether all numbers are finite: x - x is zero for those, and NaN for all others.
@@ -17,6 +19,24 @@ bool allFinite(const S* x, std::ptrdiff_t n) {
 template <class S>
 bool posesFinite(const TypeBatch& batch, const JointMemory<S>& memory) {
   return batch.nq == batch.nv || allFinite(memory.pose, poseSize(batch.shape) * memory.stride);
+}
+
+/// dq/dt at q for velocities v, of `count` joints of a batch from slot `first` on with `lanes` states each, one item after another. The
+/// derivatives of q and v are followed.
+inline void coordinateRates(const TypeBatch& batch, int first, int count, int lanes, const Dual<double>* q, const Dual<double>* v, Dual<double>* dq) {
+  const std::ptrdiff_t items = static_cast<std::ptrdiff_t>(count) * lanes;
+  if (!batch.curved) {
+    std::copy_n(v, batch.nv * items, dq);
+    return;
+  }
+  ConfigurationBatch<Dual<double>> call = batch.placeOf(first).question<Dual<double>>();
+  call.count = count;
+  call.lanes = lanes;
+  call.q_stride = call.v_stride = items;
+  call.q0 = q;
+  call.v = v;
+  call.q_out = dq;
+  batch.type->rates(call);
 }
 
 /// Asks a type for what a batch's memory is for; q: the first of its coordinates, read where they are unless they have been gathered;

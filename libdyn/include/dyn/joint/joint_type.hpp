@@ -36,6 +36,7 @@ enum ClosedForm : std::uint32_t {
   closed_subspace = 1,
   closed_bias = 2,
   closed_configuration = 4,
+  own_rates = 8,  ///< of a dense shape: v is not dq/dt, rates() tells what is
 };
 
 enum class Structure : std::int32_t {
@@ -79,11 +80,13 @@ struct JointBatch {
   S* bias = nullptr;      ///< 6 components, null unless dense and v is given
 };
 
-/// Configuration-space functions of one batch, component c of joint i at [c * stride + i]. Which arrays are set depends on the function.
+/// Configuration-space functions of one batch, laid out as a JointBatch is. Which arrays are set depends on the function.
 template <class S>
 struct ConfigurationBatch {
   int count = 0;
+  int lanes = 1;
   const double* constants = nullptr;
+  int constant_count = 0;
   std::ptrdiff_t constants_stride = 0;
   std::ptrdiff_t q_stride = 0, v_stride = 0, j_stride = 0;
   const S* q0 = nullptr;
@@ -120,6 +123,11 @@ class JointType {
   virtual void difference(const ConfigurationBatch<double>& batch) const noexcept = 0;
   /// q_out = q0 brought back onto the configuration space; v_out[0] = distance from it before.
   virtual void normalize(const ConfigurationBatch<double>& batch) const noexcept = 0;
+
+  /// q_out = dq/dt at q0 for velocities v. Asked of types with own_rates only.
+  virtual void rates(const ConfigurationBatch<Dual<double>>& batch) const noexcept = 0;
+  /// False if it cannot be traced; then nothing is written.
+  virtual bool rates(const ConfigurationBatch<Traced>& batch) const noexcept = 0;
 
  protected:
   ~JointType() = default;  // owned by the plugin, never deleted through this interface
