@@ -68,7 +68,7 @@ class CollocationStepper : public CubicStepper {
 
   StepOutcome step(double h, Moment& from, Moment& to) override {
     h_ = h;
-    accelerationAt(from);
+    accelerationAt(law_, from);
     k_ = from.a.replicate(1, tableau_.stages);
     turning_.setZero();
     next_turning_.setZero();

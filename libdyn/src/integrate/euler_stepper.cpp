@@ -11,7 +11,7 @@ class EulerStepper : public CubicStepper {
 
   StepOutcome step(double h, Moment& from, Moment& to) override {
     h_ = h;
-    accelerationAt(from);
+    accelerationAt(law_, from);
     u_ = from.a;
     addTurning(law_.model().impl(), from.v.data(), u_.data());
     to.v = from.v + h * u_;

@@ -64,7 +64,7 @@ class ExplicitStepper : public CubicStepper {
   StepOutcome step(double h, Moment& from, Moment& to) override {
     h_ = h;
     rates_.col(0) = from.v;
-    accelerations_.col(0) = VectorResult(accelerationAt(from), from.v.size());
+    accelerations_.col(0) = VectorResult(accelerationAt(law_, from), from.v.size());
     for (int i = 1; i < tableau_.stages; ++i) {
       const bool last = tableau_.ends_at_last_stage && i + 1 == tableau_.stages;
       Eigen::VectorXd &q = last ? to.q : q_, &v = last ? to.v : v_;

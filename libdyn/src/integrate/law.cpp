@@ -179,8 +179,23 @@ void Law::derivatives(double t, const double* q, const double* v, MatrixMap by_q
   by_v.noalias() += MatrixResult(dtau, n, n).lazyProduct(tau_by_v_);
 }
 
+double Law::speed(const double* q, const double* v) {
+  return std::sqrt(std::max(0.0, detail::kineticEnergy(model_, data_, {q, model_.nq()}, {v, model_.nv()})));
+}
+
 double Law::energy(const double* q, const double* v) {
   return detail::kineticEnergy(model_, data_, {q, model_.nq()}, {v, model_.nv()}) + detail::potentialEnergy(model_, data_, {q, model_.nq()});
+}
+
+double Law::power(double t, const double* q, const double* v) {
+  const double given = velocity(v).dot(VectorResult(applied(t, q, v), model_.nv()));
+  // Losses are what is odd in v of the forces that a motion needs.
+  const auto needed = [&](const double* velocities) {
+    return velocity(v).dot(
+        VectorResult(detail::rnea(model_, data_, {q, model_.nq()}, {velocities, model_.nv()}, {zero_.data(), model_.nv()}, nullptr, 0), model_.nv()));
+  };
+  moved_v_ = -velocity(v);
+  return given - 0.5 * (needed(v) - needed(moved_v_.data()));
 }
 
 double Law::constraintError(const double* q, const double* v) {

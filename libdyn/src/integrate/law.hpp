@@ -44,7 +44,11 @@ class Law {
   /// tau += what the model's own law of friction takes away at this velocity, so that it has none.
   void undoFriction(const double* q, const double* v, double* tau);
 
+  /// [sqrt(J)] of velocities v at q: the root of their kinetic energy.
+  double speed(const double* q, const double* v);
   double energy(const double* q, const double* v);
+  /// [W] Of what is applied, less losses: the rate of energy().
+  double power(double t, const double* q, const double* v);
   double constraintError(const double* q, const double* v);
   /// q and v onto what the constraints allow. False if q does not get there.
   bool project(double* q, double* v);

@@ -65,7 +65,8 @@ Simulator::Impl::Impl(const CompactModel& model, const ConstraintSet* set, const
       after_impact(model.nv()),
       contact_u(model.nv()),
       contact_v(model.nv()),
-      shown_u(model.nv()) {
+      shown_u(model.nv()),
+      change(model.nv()) {
   detail::neutral(model, now.q.data());
   now.v.setZero();
   looked_q.fill(now.q);
@@ -197,6 +198,7 @@ double Simulator::Impl::stepTowards(double until) {
     whole_step = fits;
   }
   project();
+  if (hasStrayed(h)) h = followBranch(h);
   return unilateral && unilateral->watches() ? touch(h) : comeToRest(h);
 }
 
@@ -215,6 +217,7 @@ void Simulator::Impl::retake(double h) {
 
 void Simulator::Impl::commit() {
   std::swap(now, next);
+  now_closed = options.project && law.constrained();
   if (has_impact) {
     now.v = after_impact;
     now.has_acceleration = false;
@@ -289,6 +292,7 @@ void Simulator::Impl::start(Moment from) {
   readEvents(from, sides);
   now = std::move(from);
   signs = std::move(sides);
+  now_closed = false;
   untold.clear();
   touching.clear();
   contact_step = false;

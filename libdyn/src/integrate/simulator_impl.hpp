@@ -37,6 +37,7 @@ struct Simulator::Impl {
   std::vector<Unilateral::Gap> gaps_before, gaps_halfway, gaps_after;
   std::vector<std::int64_t> closing, closing_pairs;  ///< contacts, and the frames of each
   std::vector<std::int64_t> lost;                    ///< of the latter those of which some are called otherwise at the step's beginning
+  bool now_closed = false;                           ///< `now` has been projected, so that loops are closed and its velocity keeps them so
   std::vector<std::int64_t> touching;                ///< what the last step touched
 
   // By Unilateral::rubbing().
@@ -51,6 +52,7 @@ struct Simulator::Impl {
   std::vector<int> untold;                                    ///< events that have happened at `now`, beside those that have been told
   std::vector<Looks> event_looks;                             ///< by event
   std::array<Eigen::VectorXd, looks + 1> looked_q, looked_v;  ///< the state at each look
+  Eigen::VectorXd change;                                     ///< of the velocity in a step
   Eigen::MatrixXd velocities;                                 ///< at now, at each look and at next
 
   Impl(const CompactModel& model, const ConstraintSet* constraints, const SimulatorOptions& options);
@@ -91,6 +93,11 @@ struct Simulator::Impl {
   /// After a smooth step of h: `next` where first a joint comes to rest within it; returns by how much.
   double comeToRest(double h);
   void project();
+  /// Whether a smooth step of h, which has been projected, left the branch that the loops moved along: where branches meet, a step may end on
+  /// another. Accelerations at its ends do not explain how its velocity changed then.
+  bool hasStrayed(double h);
+  /// The step in a part so short that it keeps to the branch; returns its length.
+  double followBranch(double h);
   /// Throws Error(simulation); h is the step that led there, 0 if none did.
   void checkFinite(const Moment& x, double h) const;
 

@@ -19,6 +19,9 @@ struct Moment {
   explicit Moment(const CompactModel& model) : q(model.nq()), v(model.nv()), a(model.nv()) {}
 };
 
+/// The law's accelerations there, computed unless they are known.
+const double* accelerationAt(Law& law, Moment& x);
+
 enum class StepOutcome {
   taken,
   not_finite,
@@ -57,8 +60,6 @@ class CubicStepper : public Stepper {
   void between(double theta, Moment& from, Moment& to, double* q, double* v) override;
 
  protected:
-  const double* accelerationAt(Moment& x);
-
   Law& law_;
   Chart chart_;
   double h_ = 0;  ///< the last step

@@ -76,7 +76,7 @@ class VariationalStepper : public CubicStepper {
 
   StepOutcome step(double h, Moment& from, Moment& to) override {
     h_ = h;
-    accelerationAt(from);
+    accelerationAt(law_, from);
     if (law_.constrained())
       start_jacobian_ = MatrixResult(detail::constraintJacobian(law_.model(), law_.data(), {from.q.data(), from.q.size()}, law_.constraints()),
                                      start_jacobian_.rows(), n_);
