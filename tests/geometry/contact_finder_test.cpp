@@ -2,6 +2,7 @@
 #include "geometry/scene.hpp"
 
 #include <dyn/algorithm/center_of_mass.hpp>
+#include <dyn/algorithm/centroidal.hpp>
 #include <dyn/geometry/contact_finder.hpp>
 #include <dyn/integrate/simulator.hpp>
 
@@ -413,4 +414,64 @@ TEST_CASE("floors of several solids are floors, and what stands on them is not s
   world.simulator.reset(q, v);
   world.simulator.advance(2);
   CHECK(std::abs(world.simulator.q()[0] - (0.9 - 0.075)) < 1e-6);
+}
+
+// Pushing bodies apart changes positions at constant joint velocities. A chain that moves has another momentum then, so chains start at rest here.
+TEST_CASE("bodies that overlap from the start are pushed apart without a gain of momentum or energy", "[geometry][contacts]") {
+  const auto turned = [](double x, double y, double z) { return exp3(Vec3<double>{x, y, z}); };
+  const auto place = [](Model& model, const char* body, const SE3<double>& at) {
+    for (BodyDescription& b : model.bodies)
+      if (b.name == body) b.joint.placement = at;
+  };
+  for (const int scene : {0, 1, 2})
+    for (const bool moving : {false, true}) {
+      if (moving && scene == 1) continue;
+      for (const double dt : {1e-2, 1e-3}) {
+        Model model;
+        model.gravity = {};
+        if (scene == 0) {  // boxes, turned, of masses that differ
+          addBox(model, "a", {0.3, 0.2, 0.4}, 2, {});
+          addBox(model, "b", {0.2, 0.5, 0.1}, 0.3, {});
+          addBox(model, "c", {0.2, 0.2, 0.2}, 5, {});
+          place(model, "a", {turned(0.3, -0.4, 0.8), {}});
+          place(model, "b", {turned(-0.5, 0.2, 0.1), {0.17, 0.02, 0.05}});
+          place(model, "c", {turned(0.1, 0.9, -0.3), {-0.1, 0.17, 0.02}});
+        } else if (scene == 1) {  // a chain that flies, and a ball in its way
+          const int first = addBox(model, "a", {0.4, 0.1, 0.1}, 1, {});
+          JointDescription hinge = jointOf("hinge", "revolute", {Mat3<double>::identity(), {0.3, 0, 0}});
+          hinge.parameters["axis"] = std::vector<double>{0, 0.6, 0.8};
+          const int second = model.addBody("b", first, hinge, {0.6, {0.2, 0, 0}, {1e-3, 0, 0, 9e-3, 0, 9e-3}});
+          model.addGeometry("b", second, {Mat3<double>::identity(), {0.2, 0, 0}}, g::Capsule{0.05, 0.3});
+          addBall(model, "c", 0.1, 0.4, {0.45, 0.02, 0.09});
+        } else {  // a rod across two balls
+          addSolid(model, "a", g::Cylinder{0.05, 0.8}, 1, {0.054, 0.054, 0.00125}, {});
+          addBall(model, "b", 0.1, 3, {0.11, 0.03, 0.3});
+          addBall(model, "c", 0.1, 0.5, {-0.12, 0, -0.2});
+          place(model, "a", {turned(0.2, 0.1, 0), {}});
+        }
+        for (const bool friction : {false, true}) {
+          World world(model, {.friction = friction ? 0.6 : 0.0}, {.integrator = Integrator::semi_implicit_euler, .dt = dt});
+          Vector v = Vector::Zero(world.model.nv());
+          if (moving)
+            for (Eigen::Index k = 0; k < v.size(); ++k) v[k] = 0.2 * std::sin(1.7 * static_cast<double>(k) + 0.3);
+          world.simulator.reset(neutral(world.model), v);
+          Data data(world.model, Need::derivatives);
+          const auto momentum = [&] { return Eigen::Matrix<double, 6, 1>(ccrba(world.model, data, world.simulator.q(), world.simulator.v()).hg); };
+          const Eigen::Matrix<double, 6, 1> before = momentum();
+          const double energy = world.simulator.energy();
+          INFO("scene " << scene << ", moving " << moving << ", dt " << dt << ", friction " << friction);
+          bool touched = false;
+          double gained = 0, most = energy;
+          while (world.simulator.time() < 0.5) {
+            world.simulator.step();
+            touched = touched || world.simulator.touches();
+            gained = std::max(gained, (momentum() - before).head(moving ? 3 : 6).cwiseAbs().maxCoeff());
+            most = std::max(most, world.simulator.energy());
+          }
+          CHECK(touched);
+          CHECK(gained < 1e-12);
+          CHECK(most <= energy + 1e-12);
+        }
+      }
+    }
 }

@@ -268,6 +268,16 @@ TEST_CASE("events of one time, and events before one that others have, are each 
   CHECK(std::abs(s.time() - top - wide) < 1e-9);
 }
 
+TEST_CASE("a step tells nothing of what happened before it", "[simulator][event]") {
+  const CompactModel stone = compile(tool::body("translation", 1, {}, {0.1, 0.1, 0.1}, 9.81), registry());
+  const auto early = [](double t, const VectorResult&, const VectorResult&) { return t - 0.1; };
+  Simulator s(stone, {.integrator = Integrator::rk4, .dt = 0.003});
+  s.setEvents({{"one", early}, {"the other", early}});
+  REQUIRE(s.advance(2) == 0);
+  s.step();
+  CHECK(s.advance(0.2) == -1);
+}
+
 TEST_CASE("what damping brings to rest stays there, however small its speed becomes", "[simulator]") {
   // Speeds reach the smallest numbers there are after 0.36 s.
   Model wheel = tool::body("revolute", 1, {}, {0.01, 0.01, 0.01}, 0);
