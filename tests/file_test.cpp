@@ -59,6 +59,57 @@ TEST_CASE("a link planted where a temporary would be is not written through", "[
   CHECK_FALSE(fs::is_symlink(path));
 }
 
+TEST_CASE("what is no regular file is written into and stays what it is", "[file]") {
+  const Folder folder;
+  const std::string pipe = (folder.path / "pipe").string();
+  REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+  std::string got;
+  checkReplaceable(pipe);
+  std::thread reader([&] { got = textOf(pipe); });
+  replaceFile(pipe, "through it");
+  reader.join();
+  CHECK(got == "through it");
+  CHECK(fs::is_fifo(pipe));
+  CHECK_THROWS_WITH(replaceFile("/dev/full", std::string(10000, 'x')), containing("/dev/full") && containing("No space left"));
+  CHECK(fs::is_character_file("/dev/full"));
+  replaceFile("/dev/null", "x");
+  CHECK(fs::is_character_file("/dev/null"));
+}
+
+TEST_CASE("links stay links, and the files behind them keep their modes and owners", "[file]") {
+  const Folder folder;
+  const std::string file = folder.write("file", "old");
+  fs::permissions(file, fs::perms::owner_read | fs::perms::owner_write | fs::perms::group_read);
+  fs::create_directory(folder.path / "elsewhere");
+  const fs::path first = folder.path / "elsewhere" / "first", second = folder.path / "second", dangling = folder.path / "dangling";
+  fs::create_symlink("../file", first);
+  fs::create_symlink(first, second);
+  const bool root = geteuid() == 0;
+  if (root) REQUIRE(chown(file.c_str(), 12345, 54321) == 0);
+  replaceFile(second, "new");
+  CHECK(fs::is_symlink(second));
+  CHECK(fs::is_symlink(first));
+  CHECK(textOf(file) == "new");
+  struct stat s {};
+  REQUIRE(stat(file.c_str(), &s) == 0);
+  CHECK((s.st_mode & 07777) == 0640);
+  if (root) CHECK((s.st_uid == 12345 && s.st_gid == 54321));
+  fs::create_symlink("made", dangling);
+  replaceFile(dangling, "made");
+  CHECK(textOf(folder.path / "made") == "made");
+  CHECK(fs::is_symlink(dangling));
+  CHECK(std::distance(fs::directory_iterator(folder.path), {}) == 5);
+}
+
+TEST_CASE("a file that nobody may write is not replaced, by root either", "[file]") {
+  const Folder folder;
+  const std::string file = folder.write("file", "old");
+  fs::permissions(file, fs::perms::owner_read);
+  CHECK_THROWS_WITH(replaceFile(file, "new"), containing("read-only") && containing("chmod"));
+  CHECK_THROWS_WITH(checkReplaceable(file), containing("read-only"));
+  CHECK(textOf(file) == "old");
+}
+
 TEST_CASE("threads that replace one file at once each do, whole", "[file]") {
   const Folder folder;
   const std::string path = (folder.path / "out").string();

@@ -2,6 +2,7 @@
 #include <dyn/file.hpp>
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -15,7 +16,41 @@ namespace dyn {
 
 namespace {
 
-/// A new file beside `path`, with the rights of any new file: whatever lies there under its name, a link that someone planted too, is not touched.
+[[noreturn]] void cannotWrite(const std::string& path, const std::string& why) {
+  throw Error(ErrorCode::file, "cannot be written: " + why, {path, 0, ""});
+}
+[[noreturn]] void cannotWrite(const std::string& path) { cannotWrite(path, std::strerror(errno)); }
+
+/// What a path to write to means.
+struct Target {
+  std::string file;    ///< behind all links
+  bool there = false;  ///< a file that is replaced
+  bool whole = true;   ///< by another in its place; no regular file is, nor one that a process has open under a name of its own, as /dev/stdout
+  struct stat before {};
+};
+
+/// Throws Error(file) for folders, and for files whose modes forbid writing, which root may do.
+Target targetOf(const std::string& path) {
+  Target out;
+  out.file = path;
+  for (int links = 0; links < 40; ++links) {
+    std::error_code error;
+    const std::filesystem::path next = std::filesystem::read_symlink(out.file, error);
+    if (error) break;
+    if (out.file.starts_with("/proc/")) break;  // the link of a descriptor leads to what no path need lead to
+    out.file = (std::filesystem::path(out.file).parent_path() / next).string();
+  }
+  out.there = stat(out.file.c_str(), &out.before) == 0;
+  if (!out.there) return out;
+  if (S_ISDIR(out.before.st_mode)) cannotWrite(path, "it is a folder");
+  out.whole = S_ISREG(out.before.st_mode) && !out.file.starts_with("/proc/");
+  if (S_ISREG(out.before.st_mode) && (out.before.st_mode & (S_IWUSR | S_IWGRP | S_IWOTH)) == 0)
+    cannotWrite(path, "it is read-only; run chmod u+w on it, or give another name");
+  if (faccessat(AT_FDCWD, out.file.c_str(), W_OK, AT_EACCESS) != 0) cannotWrite(path);
+  return out;
+}
+
+/// A new file beside another, with the rights of any new file: whatever lies there under its name, a link that someone planted too, is not touched.
 /// -1 if there can be none.
 int makeBeside(const std::string& path, std::string& name) {
   static std::atomic<unsigned> count{0};
@@ -27,19 +62,30 @@ int makeBeside(const std::string& path, std::string& name) {
   return file;
 }
 
-bool writeAndClose(int file, const std::string& content) {
+bool writeAll(int file, const std::string& content) {
   for (std::size_t done = 0; done < content.size();) {
     const ssize_t n = write(file, content.data() + done, content.size() - done);
     if (n < 0 && errno == EINTR) continue;
-    if (n < 0) {
-      const int why = errno;
-      close(file);
-      errno = why;
-      return false;
-    }
+    if (n < 0) return false;
     done += static_cast<std::size_t>(n);
   }
-  return close(file) == 0;
+  return true;
+}
+
+/// Closes it whatever has happened; false with the first reason if something has.
+bool finish(int file, bool well) {
+  const int why = errno;
+  const bool closed = close(file) == 0;
+  if (!well) errno = why;
+  return well && closed;
+}
+
+/// Into what is no regular file, or must stay the file that it is.
+void writeInto(const Target& target, const std::string& path, const std::string& content) {
+  int file;
+  do file = open(target.file.c_str(), O_WRONLY | O_CLOEXEC | (S_ISREG(target.before.st_mode) ? O_TRUNC : 0));
+  while (file < 0 && errno == EINTR);
+  if (file < 0 || !finish(file, writeAll(file, content))) cannotWrite(path);
 }
 
 }  // namespace
@@ -64,22 +110,33 @@ std::string readFile(const std::string& path, std::uintmax_t largest) {
 }
 
 void checkReplaceable(const std::string& path) {
-  std::error_code error;
-  if (std::filesystem::is_directory(path, error)) throw Error(ErrorCode::file, "cannot be written: it is a folder", {path, 0, ""});
+  const Target target = targetOf(path);
+  if (!target.whole) return;
   std::string temporary;
-  const int file = makeBeside(path, temporary);
-  if (file < 0) throw Error(ErrorCode::file, std::string("cannot be written: ") + std::strerror(errno), {path, 0, ""});
+  const int file = makeBeside(target.file, temporary);
+  if (file < 0) cannotWrite(path);
   close(file);
   std::remove(temporary.c_str());
 }
 
 void replaceFile(const std::string& path, const std::string& content) {
+  const Target target = targetOf(path);
+  if (!target.whole) return writeInto(target, path, content);
   std::string temporary;
-  const int file = makeBeside(path, temporary);
-  if (file >= 0 && writeAndClose(file, content) && std::rename(temporary.c_str(), path.c_str()) == 0) return;
+  const int file = makeBeside(target.file, temporary);
+  if (file < 0) cannotWrite(path);
+  // A file of another user stays theirs: where this process cannot give one away, it writes into that which is there.
+  const bool theirs = target.there && (target.before.st_uid != geteuid() || target.before.st_gid != getegid());
+  if (theirs && fchown(file, target.before.st_uid, target.before.st_gid) != 0) {
+    close(file);
+    std::remove(temporary.c_str());
+    return writeInto(target, path, content);
+  }
+  const bool written = (!target.there || fchmod(file, target.before.st_mode & 07777) == 0) && writeAll(file, content) && fsync(file) == 0;
+  if (finish(file, written) && std::rename(temporary.c_str(), target.file.c_str()) == 0) return;
   const std::string why = std::strerror(errno);
-  if (file >= 0) std::remove(temporary.c_str());
-  throw Error(ErrorCode::file, "cannot be written: " + why, {path, 0, ""});
+  std::remove(temporary.c_str());
+  cannotWrite(path, why);
 }
 
 }  // namespace dyn

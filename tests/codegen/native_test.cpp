@@ -2,6 +2,7 @@
 #include "support/random_model.hpp"
 #include "support/registry.hpp"
 #include "support/shared.hpp"
+#include "support/skip.hpp"
 #include "support/traced.hpp"
 
 #include <dyn/codegen/differentiate.hpp>
@@ -280,10 +281,7 @@ TEST_CASE("a compiler is run where the program ignores its children's end, and C
 }
 
 TEST_CASE("processes that compile the same at once both get it, and leave one entry", "[codegen]") {
-  if (!fs::exists(DYN_BINARY_DIR "/bin/dyn")) {
-    WARN("skipped: the command dyn is not built");
-    return;
-  }
+  if (!fs::exists(DYN_BINARY_DIR "/bin/dyn")) DYN_SKIP("the command dyn is not built");
   const CompilerCache cache;
   const std::string command = "LIBDYN_CACHE='" + cache.path.string() +
                               "' '" DYN_BINARY_DIR "/bin/dyn' codegen '" DYN_SOURCE_DIR

@@ -3,6 +3,7 @@
 #include "support/catch.hpp"
 #include "support/random_model.hpp"
 #include "support/registry.hpp"
+#include "support/skip.hpp"
 
 #include <dyn/algorithm/batch_derivatives.hpp>
 #include <dyn/spatial/eigen.hpp>
@@ -270,10 +271,7 @@ TEST_CASE("a batch of a model without motion has results without rows", "[batch]
 }
 
 TEST_CASE("no batch allocates after it is made", "[batch]") {
-  if (!tool::canCountAllocations()) {
-    WARN("skipped: a sanitizer owns malloc in this build");
-    return;
-  }
+  if (!tool::canCountAllocations()) DYN_SKIP("a sanitizer owns malloc in this build");
   Model description = randomTree(registry(), 25, 5, true);
   if (GENERATE(false, true)) addFollower(description);
   const CompactModel model = compile(description, registry());

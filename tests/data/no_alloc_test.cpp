@@ -2,6 +2,7 @@
 #include "support/catch.hpp"
 #include "support/random_model.hpp"
 #include "support/shared.hpp"
+#include "support/skip.hpp"
 
 #include <dyn/parsers/urdf.hpp>
 
@@ -20,10 +21,7 @@ long allocationsOf(F&& f) {
 }  // namespace
 
 TEST_CASE("the watch sees an allocation by Eigen", "[no_alloc]") {
-  if (!tool::canCountAllocations()) {
-    WARN("skipped: a sanitizer owns malloc in this build");
-    return;
-  }
+  if (!tool::canCountAllocations()) DYN_SKIP("a sanitizer owns malloc in this build");
   double* volatile keep = nullptr;
   CHECK(allocationsOf([&] {
           Eigen::VectorXd x(100);

@@ -2,6 +2,7 @@
 #include "data/workers.hpp"
 
 #include "support/catch.hpp"
+#include "support/skip.hpp"
 
 #include <dyn/error.hpp>
 
@@ -17,10 +18,7 @@ using namespace dyn;
 using namespace dyn::test;
 
 TEST_CASE("more threads than the system gives are an error that says how many there are", "[data][error]") {
-  if (!tool::canCountAllocations()) {
-    WARN("skipped: a sanitizer ends the process when memory does");
-    return;
-  }
+  if (!tool::canCountAllocations()) DYN_SKIP("a sanitizer ends the process when memory does");
   rlimit before{};
   getrlimit(RLIMIT_AS, &before);
   long pages = 0;

@@ -1,5 +1,6 @@
 // Broken files: an Error that says what and where, within seconds and bounded memory; long chains do not use up the stack.
 #include "support/folder.hpp"
+#include "support/skip.hpp"
 
 #include <dyn/dyn.hpp>
 #include <dyn/parsers/urdf.hpp>
@@ -145,10 +146,7 @@ TEST_CASE("a circle of 30000 mimics, and what hangs on it, is said once", "[faul
 
 TEST_CASE("numbers are read the same under a locale with decimal commas", "[fault]") {
   const std::string before = std::setlocale(LC_ALL, nullptr);
-  if (!std::setlocale(LC_ALL, "de_DE.UTF-8") && !std::setlocale(LC_ALL, "de_DE")) {
-    WARN("skipped: the locale de_DE is not installed");
-    return;
-  }
+  if (!std::setlocale(LC_ALL, "de_DE.UTF-8") && !std::setlocale(LC_ALL, "de_DE")) DYN_SKIP("the locale de_DE is not installed");
   const Model model = urdf::parse(robot(linkText("a", "0.5", "0.25")), "robot.urdf");
   std::setlocale(LC_ALL, before.c_str());
   CHECK(model.bodies[1].inertia.mass == 0.5);

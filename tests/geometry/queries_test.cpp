@@ -1,5 +1,6 @@
 // Nothing that collides is missed, distances are those of the nearest parts, batches and derivatives are those of single states.
 #include "geometry/scene.hpp"
+#include "support/skip.hpp"
 
 #include <alloc_guard.hpp>
 
@@ -173,10 +174,7 @@ TEST_CASE("a mesh's distance is that of its nearest triangle, voxels' that of th
 }
 
 TEST_CASE("asking about a scene with a few moving bodies allocates nothing", "[geometry][no_alloc]") {
-  if (!tool::canCountAllocations()) {
-    WARN("skipped: a sanitizer owns malloc in this build");
-    return;
-  }
+  if (!tool::canCountAllocations()) DYN_SKIP("a sanitizer owns malloc in this build");
   const Model description = clutter(8, 40, 2);
   const CompactModel model = compile(description, registry());
   const GeometryModel geometry = compileGeometry(model, description);

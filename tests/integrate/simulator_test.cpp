@@ -1,6 +1,7 @@
 // What a user of the simulator relies on: times, states between steps, events, saved and resumed runs, errors that leave the state alone.
 #include "integrate/problems.hpp"
 #include "support/random_model.hpp"
+#include "support/skip.hpp"
 
 #include <dyn/algorithm/jacobians.hpp>
 #include <dyn/parsers/urdf.hpp>
@@ -27,6 +28,19 @@ struct Tree {
 
 Vector pull(const VectorResult& q, const VectorResult& v) { return -0.3 * v - 0.1 * Vector::Ones(v.size()) * q[0]; }
 void controller(double, const VectorResult& q, const VectorResult& v, VectorMap tau) { tau = pull(q, v); }
+
+/// A saved simulation without its last line, and with one that fits.
+std::string bodyOf(const std::string& saved) { return saved.substr(0, saved.rfind("end ")); }
+std::string sealed(const std::string& body) {
+  std::string out = body + "end ";
+  for (std::uint64_t h : {std::uint64_t(14695981039346656037u), std::uint64_t(0x9e3779b97f4a7c15u)}) {
+    for (const char c : body) h = (h ^ static_cast<unsigned char>(c)) * 1099511628211u;
+    char digits[17];
+    std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(h ^ (h >> 31)));
+    out += digits;
+  }
+  return out + "\n";
+}
 
 CompactModel pendulum() { return compile(tool::pendulum(1), registry()); }
 
@@ -130,14 +144,28 @@ TEST_CASE("what was not saved here is refused, and the simulator stays as it was
   };
   refused("", "heading");
   refused("something else", "no saved simulation");
-  refused("libdyn-simulation-1" + saved.substr(saved.find(' ')), "this library reads 'libdyn-simulation-2'");
-  refused(saved.substr(0, saved.size() / 2), "");
-  refused(saved + " 1", "after the end");
+  refused("libdyn-simulation-1" + saved.substr(saved.find(' ')), "this library reads 'libdyn-simulation-3'");
+  for (std::size_t size = 30; size < saved.size(); ++size) refused(saved.substr(0, size), "cut short");
+  refused(saved + " 1", "cut short");
+  for (std::size_t at = saved.find('\n') + 1; at < saved.size(); ++at)
+    for (int bit = 0; bit < 8; ++bit) {
+      std::string flipped = saved;
+      flipped[at] = static_cast<char>(flipped[at] ^ (1 << bit));
+      CHECK_THROWS_AS(s.resume(flipped), Error);
+    }
+  refused(sealed(bodyOf(saved) + "1\n"), "after the end");
+  // As many coordinates, other numbers.
+  Model other = tool::pendulum(1);
+  other.gravity = {0, 0, -9};
+  refused(Simulator(compile(other, registry()), {}).save(), "another model");
+  std::string far = bodyOf(saved);
+  far.replace(far.find("\n0\n"), 3, "\n9223372036854775807\n");
+  refused(sealed(far), "steps of");
   refused(Simulator(model, {.integrator = Integrator::radau5}).save(), "radau5");
   refused(Simulator(compile(tool::pendulum(2), registry()), {}).save(), "q has 2 numbers, the model's 1");
-  std::string broken = saved;
-  broken.replace(broken.find("0x") == std::string::npos ? broken.rfind('\n', broken.size() - 2) + 1 : broken.find("0x"), 1, "x");
-  refused(broken, "");
+  std::string broken = bodyOf(saved);
+  broken.replace(broken.find("p-"), 1, "x");
+  refused(sealed(broken), "is no number");
   s.setEvents({{"late", [](double t, const VectorResult&, const VectorResult&) {
                   if (t > 1) throw std::runtime_error("too late");
                   return 1.0;
@@ -150,11 +178,11 @@ TEST_CASE("what was not saved here is refused, and the simulator stays as it was
 TEST_CASE("a saved rotation of length zero is refused before anything is taken of it", "[simulator]") {
   const CompactModel top = compile(tool::heavyTop(), registry());
   Simulator s(top, {});
-  const std::string sound = s.save(), unit = "\n4\n0p+0\n0p+0\n0p+0\n1p+0\n";
-  std::string zero = sound;
+  const std::string sound = s.save(), body = bodyOf(sound), unit = "\n4\n0p+0\n0p+0\n0p+0\n1p+0\n";
+  std::string zero = body;
   REQUIRE(zero.find(unit) != std::string::npos);
   zero.replace(zero.find(unit), unit.size(), "\n4\n0p+0\n0p+0\n0p+0\n0p+0\n");
-  CHECK_THROWS_WITH(s.resume(zero), containing("no rotation"));
+  CHECK_THROWS_WITH(s.resume(sealed(zero)), containing("no rotation"));
   CHECK(s.save() == sound);
 }
 
@@ -476,10 +504,7 @@ TEST_CASE("a motion that cannot go on names time and joint, and leaves the state
 }
 
 TEST_CASE("no step allocates", "[simulator][no_alloc]") {
-  if (!dyn::tool::canCountAllocations()) {
-    WARN("skipped: a sanitizer owns malloc in this build");
-    return;
-  }
+  if (!dyn::tool::canCountAllocations()) DYN_SKIP("a sanitizer owns malloc in this build");
   const Tree tree(25, 4);
   const Mechanism loop = fourBars(2);
   const auto check = [](Simulator& s, const std::string& name) {

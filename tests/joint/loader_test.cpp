@@ -1,5 +1,6 @@
 // Shared objects that are wrong in every way known: each is an Error that names the file, and the registry stays as it was.
 #include "support/folder.hpp"
+#include "support/skip.hpp"
 
 #include <dyn/compile/compile.hpp>
 
@@ -94,6 +95,32 @@ TEST_CASE("a static constructor that throws, or ends the process") {
   std::thread([] { dyn::JointRegistry().load(bad("sound.so"), dyn::Trust::any); }).join();
 }
 
+TEST_CASE("whatever runs as a file is opened is tried first, and must come to an end") {
+  requireRefused(bad("exits_in_constructor.so"), {"static constructor", "ended the process"});
+  requireRefused(bad("exits_while_linked.so"), {"cannot be loaded"});
+  requireRefused(bad("never_ends_loading.so"), {"do not end within 10 s"});
+}
+
+TEST_CASE("a plugin that has small numbers flushed to zero changes nothing for its host, and it is said") {
+  dyn::JointRegistry registry;
+  registry.load(bad("flushes_to_zero.so"), dyn::Trust::any);
+  volatile double smallest = 0x1p-1022, half = 0.5;
+  CHECK(smallest * half == 0x1p-1023);
+  CHECK(registry.plugins().at(0).remark.find("-ffast-math") != std::string::npos);
+  registry.load(bad("sound.so"), dyn::Trust::any);
+  CHECK(registry.plugins().at(1).remark.empty());
+}
+
+TEST_CASE("a file in folders that others can exchange is loaded as it was when it was judged", "[trust]") {
+  const Folder open;
+  const fs::path inner = open.path / "inner";
+  const std::string file = open.copy("sound.so", fs::path("inner") / "sound.so").string();
+  fs::permissions(open.path, fs::perms::all);
+  dyn::JointRegistry registry;
+  registry.load(file);
+  CHECK_NOTHROW(registry.jointType("sound_slider"));
+}
+
 TEST_CASE("an entry point that throws, or is missing, or describes nothing") {
   requireRefused(bad("throws_in_entry.so"), {"threw while describing itself", "not today"});
   requireRefused(bad("exports_nothing.so"), {"exports no dyn_plugin_descriptor_v1"});
@@ -160,10 +187,7 @@ TEST_CASE("a link that others can replace is refused, wherever on the way it lie
 }
 
 TEST_CASE("files and folders of another user are refused", "[trust]") {
-  if (geteuid() != 0) {
-    WARN("skipped: only root can give files away");
-    return;
-  }
+  if (geteuid() != 0) DYN_SKIP("only root can give files away");
   const Folder folder, elsewhere;
   const fs::path file = folder.copy("sound.so"), link = elsewhere.path / "link.so";
   fs::create_symlink(file, link);

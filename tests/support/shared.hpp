@@ -1,7 +1,8 @@
-// Reference data beside the project. Tests that need it skip, with a message, where it is not.
+// Reference data beside the project. Tests that need it are skipped where it is not, and fail where DYN_SHARED or DYN_REQUIRE_SHARED=1 says that it
+// is.
 #pragma once
 
-#include "support/catch.hpp"
+#include "support/skip.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -12,11 +13,13 @@
 
 namespace dyn::test {
 
-/// DYN_SHARED, or ../shared beside the sources; empty if neither is there.
+/// DYN_SHARED, or ../shared beside the sources; empty if that is not there.
 inline std::string sharedFolder() {
   const char* given = std::getenv("DYN_SHARED");
   const std::filesystem::path folder = given ? std::filesystem::path(given) : std::filesystem::path(DYN_SOURCE_DIR) / ".." / "shared";
-  return std::filesystem::is_directory(folder) ? std::filesystem::canonical(folder).string() : std::string();
+  if (std::filesystem::is_directory(folder)) return std::filesystem::canonical(folder).string();
+  if (given) FAIL("DYN_SHARED=" << given << " is no folder");
+  return "";
 }
 
 inline nlohmann::json readJson(const std::string& path) {
@@ -28,8 +31,8 @@ inline nlohmann::json readJson(const std::string& path) {
 }  // namespace dyn::test
 
 /// Leaves the test case when the reference data is absent.
-#define DYN_NEEDS_SHARED()                                                         \
-  if (dyn::test::sharedFolder().empty()) {                                         \
-    WARN("skipped: no reference data (set DYN_SHARED to the folder that has it)"); \
-    return;                                                                        \
+#define DYN_NEEDS_SHARED()                                                                                        \
+  if (dyn::test::sharedFolder().empty()) {                                                                        \
+    dyn::test::noteSkipped("no reference data (set DYN_SHARED to the folder that has it)", "DYN_REQUIRE_SHARED"); \
+    return;                                                                                                       \
   }

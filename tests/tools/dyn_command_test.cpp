@@ -1,5 +1,6 @@
 // Every subcommand of dyn: exit codes, messages, on good and on broken input.
 #include "command.hpp"
+#include "support/skip.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -114,10 +115,7 @@ TEST_CASE("check reports all errors of a file and exits with 1; a sound robot ex
 }
 
 TEST_CASE("where the output is lost the exit code says so", "[command]") {
-  if (!fs::exists("/dev/full")) {
-    WARN("skipped: there is no /dev/full");
-    return;
-  }
+  if (!fs::exists("/dev/full")) DYN_SKIP("there is no /dev/full");
   const Folder folder;
   const fs::path err = folder.path / "err";
   for (const std::string& what : {"info '" + biped + "'", std::string("plugin list"), std::string("info --help")}) {
@@ -183,6 +181,36 @@ TEST_CASE("a type that crashes or never ends is named with the checks that it wa
   CHECK_THAT(a.out, containing("never_ends, seed 1") && containing("FAILED  motion") && containing("no end within 2 s"));
   CHECK_THAT(a.out, containing("crashes, seed 1") && containing("crashed: Aborted"));
   CHECK_THAT(a.out, containing("sound_after_them, seed 3") && containing("2 checks failed"));
+}
+
+TEST_CASE("a plugin that throws, ends its host, never loads, or changes arithmetic fails its check and says so", "[command]") {
+  const auto check = [](const std::string& name) {
+    return run("plugin check '" DYN_BINARY_DIR "/bad_plugins/" + name + ".so' --any-plugin --time-limit 2");
+  };
+  const Answer throws = check("throws_in_pose");
+  CHECK(throws.code == 1);
+  CHECK_THAT(throws.err, containing("'throws_in_pose'") && containing("the table ends at 0.1"));
+  CHECK_THAT(throws.out, containing("FAILED") && containing("1 types"));
+  const Answer ends = check("ends_only_its_host");
+  CHECK(ends.code == 1);
+  CHECK_THAT(ends.out, containing("FAILED  loading") && containing("ended the process"));
+  const Answer never = check("never_ends_loading");
+  CHECK(never.code == 1);
+  CHECK_THAT(never.out, containing("FAILED  loading") && containing("no end within 2 s"));
+  const Answer flushes = check("flushes_to_zero");
+  CHECK(flushes.code == 1);
+  CHECK_THAT(flushes.out, containing("FAILED  loading") && containing("-ffast-math") && containing("1 checks failed"));
+}
+
+TEST_CASE("a joint type whose function throws ends the command with its name, and with exit code 1", "[command]") {
+  const Folder folder;
+  const std::string robot = folder.write("robot.urdf", R"(<robot name="r"><link name="a"/><link name="b"/>
+    <joint name="j" type="prismatic"><parent link="a"/><child link="b"/><axis xyz="1 0 0"/><limit lower="0.2" upper="0.4" effort="1" velocity="1"/></joint>
+    <libdyn><joint name="j" type="throws_in_pose"/></libdyn></robot>)");
+  const std::string states = folder.write("states.json", R"({"samples":[{"q":[0.3],"v":[0],"a":[0],"tau":[0]}]})");
+  const Answer a = run("compute " + robot + " --any-plugin --plugin '" DYN_BINARY_DIR "/bad_plugins/throws_in_pose.so' --states " + states);
+  CHECK(a.code == 1);
+  CHECK_THAT(a.err, containing("'throws_in_pose'") && containing("the table ends at 0.1"));
 }
 
 TEST_CASE("profile names the four ways of dispatch, and draws them", "[command]") {

@@ -55,7 +55,7 @@ Quantity ofMass(const char* key, Compute compute) {
 }
 
 const std::vector<Quantity>& quantities() {
-  constexpr Need derivatives = Need::derivatives;
+  constexpr Need matrices = Need::derivatives;
   static const std::vector<Quantity> all = {
       plain("rnea", [](auto& m, auto& d, auto& s) { return rnea(m, d, s.q, s.v, s.a); }),
       plain("nle", [](auto& m, auto& d, auto& s) { return nonLinearEffects(m, d, s.q, s.v); }),
@@ -63,33 +63,33 @@ const std::vector<Quantity>& quantities() {
       plain("M", [](auto& m, auto& d, auto& s) { return crba(m, d, s.q); }),
       regular("aba", [](auto& m, auto& d, auto& s) { return aba(m, d, s.q, s.v, s.tau); }),
       regular(
-          "Minv", [](auto& m, auto& d, auto& s) { return computeMinverse(m, d, s.q); }, derivatives),
+          "Minv", [](auto& m, auto& d, auto& s) { return computeMinverse(m, d, s.q); }, matrices),
       plain(
-          "dtau_dq", [](auto& m, auto& d, auto& s) { return computeRNEADerivatives(m, d, s.q, s.v, s.a).dtau_dq; }, derivatives),
+          "dtau_dq", [](auto& m, auto& d, auto& s) { return computeRNEADerivatives(m, d, s.q, s.v, s.a).dtau_dq; }, matrices),
       plain(
-          "dtau_dv", [](auto& m, auto& d, auto& s) { return computeRNEADerivatives(m, d, s.q, s.v, s.a).dtau_dv; }, derivatives),
+          "dtau_dv", [](auto& m, auto& d, auto& s) { return computeRNEADerivatives(m, d, s.q, s.v, s.a).dtau_dv; }, matrices),
       regular(
-          "ddq_dq", [](auto& m, auto& d, auto& s) { return computeABADerivatives(m, d, s.q, s.v, s.tau).ddq_dq; }, derivatives),
+          "ddq_dq", [](auto& m, auto& d, auto& s) { return computeABADerivatives(m, d, s.q, s.v, s.tau).ddq_dq; }, matrices),
       regular(
-          "ddq_dv", [](auto& m, auto& d, auto& s) { return computeABADerivatives(m, d, s.q, s.v, s.tau).ddq_dv; }, derivatives),
+          "ddq_dv", [](auto& m, auto& d, auto& s) { return computeABADerivatives(m, d, s.q, s.v, s.tau).ddq_dv; }, matrices),
       plain(
-          "coriolis_matrix", [](auto& m, auto& d, auto& s) { return computeCoriolisMatrix(m, d, s.q, s.v); }, derivatives),
+          "coriolis_matrix", [](auto& m, auto& d, auto& s) { return computeCoriolisMatrix(m, d, s.q, s.v); }, matrices),
       regular(
-          "hg", [](auto& m, auto& d, auto& s) { return ccrba(m, d, s.q, s.v).hg; }, derivatives),
+          "hg", [](auto& m, auto& d, auto& s) { return ccrba(m, d, s.q, s.v).hg; }, matrices),
       regular(
-          "Ag", [](auto& m, auto& d, auto& s) { return ccrba(m, d, s.q, s.v).Ag; }, derivatives),
+          "Ag", [](auto& m, auto& d, auto& s) { return ccrba(m, d, s.q, s.v).Ag; }, matrices),
       regular(
-          "dAg", [](auto& m, auto& d, auto& s) { return computeCentroidalMomentumTimeVariation(m, d, s.q, s.v, s.a).dAg; }, derivatives),
+          "dAg", [](auto& m, auto& d, auto& s) { return computeCentroidalMomentumTimeVariation(m, d, s.q, s.v, s.a).dAg; }, matrices),
       regular(
-          "dhg", [](auto& m, auto& d, auto& s) { return computeCentroidalMomentumTimeVariation(m, d, s.q, s.v, s.a).dhg; }, derivatives),
+          "dhg", [](auto& m, auto& d, auto& s) { return computeCentroidalMomentumTimeVariation(m, d, s.q, s.v, s.a).dhg; }, matrices),
       regular(
-          "dhg_dq", [](auto& m, auto& d, auto& s) { return computeCentroidalDynamicsDerivatives(m, d, s.q, s.v, s.a).dhg_dq; }, derivatives),
+          "dhg_dq", [](auto& m, auto& d, auto& s) { return computeCentroidalDynamicsDerivatives(m, d, s.q, s.v, s.a).dhg_dq; }, matrices),
       regular(
-          "dhgdot_dq", [](auto& m, auto& d, auto& s) { return computeCentroidalDynamicsDerivatives(m, d, s.q, s.v, s.a).dhgdot_dq; }, derivatives),
+          "dhgdot_dq", [](auto& m, auto& d, auto& s) { return computeCentroidalDynamicsDerivatives(m, d, s.q, s.v, s.a).dhgdot_dq; }, matrices),
       regular(
-          "dhgdot_dv", [](auto& m, auto& d, auto& s) { return computeCentroidalDynamicsDerivatives(m, d, s.q, s.v, s.a).dhgdot_dv; }, derivatives),
+          "dhgdot_dv", [](auto& m, auto& d, auto& s) { return computeCentroidalDynamicsDerivatives(m, d, s.q, s.v, s.a).dhgdot_dv; }, matrices),
       regular(
-          "dhgdot_da", [](auto& m, auto& d, auto& s) { return computeCentroidalDynamicsDerivatives(m, d, s.q, s.v, s.a).dhgdot_da; }, derivatives),
+          "dhgdot_da", [](auto& m, auto& d, auto& s) { return computeCentroidalDynamicsDerivatives(m, d, s.q, s.v, s.a).dhgdot_da; }, matrices),
       ofMass("com", [](auto& m, auto& d, auto& s) { return centerOfMass(m, d, s.q).position; }),
       ofMass("vcom", [](auto& m, auto& d, auto& s) { return centerOfMass(m, d, s.q, s.v).velocity; }),
       ofMass("acom", [](auto& m, auto& d, auto& s) { return centerOfMass(m, d, s.q, s.v, s.a).acceleration; }),

@@ -3,7 +3,10 @@
 
 #include <dyn/error.hpp>
 
+#include <unistd.h>
+
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <new>
 
@@ -58,10 +61,26 @@ int run(int argc, char** argv) {
   return 0;
 }
 
+/// Set once main() ends the process; until then only what it has loaded can.
+bool ending = false;
+
+void reportForeignEnd() {
+  if (ending) return;
+  std::fputs("dyn: code that it loaded ended the process; `dyn plugin check FILE.so` says of what\n", stderr);
+  _exit(1);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  std::atexit(reportForeignEnd);
+  // What a plugin's functions throw has been said where it was caught.
+  std::set_terminate([] {
+    std::fputs("dyn: an exception reached where none may be thrown; the process ends\n", stderr);
+    _exit(1);
+  });
   const int code = run(argc, argv);
+  ending = true;
   // What was printed may have got no further than a buffer: whoever reads the exit code is to know that the disk was full.
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
   std::fputs("dyn: not all of the output could be written\n", stderr);

@@ -23,6 +23,7 @@ void list() {
   for (const PluginRecord& plugin : registry.plugins()) {
     if (plugin.problem.empty()) {
       std::printf("loaded %s\n", plugin.path.c_str());
+      if (!plugin.remark.empty()) std::printf("  but %s\n", plugin.remark.c_str());
     } else {
       std::printf("not loaded: %s\n", plugin.problem.c_str());
     }

@@ -18,6 +18,7 @@
 #include <cstring>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <memory>
 
 namespace dyn::tool {
@@ -108,7 +109,8 @@ struct Report {
   bool late = false;  ///< a group took longer than it may
 };
 
-Report readReport(int pipe, double time_limit) {
+/// Up to its end, or up to "=" and this number.
+Report readReport(int pipe, double time_limit, int last = std::numeric_limits<int>::max()) {
   Report report;
   std::string text;
   while (true) {
@@ -124,11 +126,22 @@ Report readReport(int pipe, double time_limit) {
     for (std::size_t end; (end = text.find('\n')) != std::string::npos; text.erase(0, end + 1)) {
       if (text[0] == '=') {
         report.failures = std::atoi(text.c_str() + 1);
+        if (report.failures == last) return report;
       } else {
         report.group = text.substr(0, end);
       }
     }
   }
+}
+
+std::string howItEnded(const CheckOptions& o, const Report& report, int status) {
+  if (report.late) {
+    char seconds[32];
+    std::snprintf(seconds, sizeof seconds, "%g", o.time_limit);
+    return std::string("no end within ") + seconds + " s (--time-limit)";
+  }
+  if (WIFSIGNALED(status)) return std::string("crashed: ") + strsignal(WTERMSIG(status));
+  return "code of it ended the process";
 }
 
 /// Runs checks in a process of their own, which a type may crash or never leave. Returns how many failed; -1 if they did not end, which is said.
@@ -157,15 +170,7 @@ int checkInChild(const CheckOptions& o, const Check& check) {
   do waited = waitpid(child, &status, 0);
   while (waited < 0 && errno == EINTR);
   if (report.failures >= 0) return report.failures;
-  std::string how = "the process ended";
-  if (report.late) {
-    char seconds[32];
-    std::snprintf(seconds, sizeof seconds, "%g", o.time_limit);
-    how = std::string("no end within ") + seconds + " s (--time-limit)";
-  } else if (waited == child && WIFSIGNALED(status)) {
-    how = std::string("crashed: ") + strsignal(WTERMSIG(status));
-  }
-  std::printf("  FAILED  %s\n          %s\n", report.group.c_str(), how.c_str());
+  std::printf("  FAILED  %s\n          %s\n", report.group.c_str(), howItEnded(o, report, waited == child ? status : 0).c_str());
   return -1;
 }
 
@@ -186,29 +191,34 @@ int checkType(const Type& type, const CheckOptions& o, const Check& check) {
   return failures;
 }
 
-void run(const CheckOptions& o) {
+void check(const CheckOptions& o, const Progress& progress) {
   const Trust trust = o.any_plugin ? Trust::any : Trust::owner_only;
   // Of this file alone: an older build of it in the path would have its types.
   unsetenv("DYN_PLUGIN_PATH");
   JointRegistry registry = JointRegistry::standard(trust);
   registry.load(o.file, trust);
   const PluginRecord& record = recordOf(registry, o.file);
+  progress("=0");
   const AllocationCount allocations = canCountAllocations() ? AllocationCount(allocationCount) : AllocationCount();
   if (!canCountAllocations()) std::printf("allocations are not counted in this build\n");
 
   int types = 0, failures = 0;
+  if (!record.remark.empty()) {
+    ++failures;
+    std::printf("  FAILED  loading\n          %s\n", record.remark.c_str());
+  }
   for (const std::string& name : record.types) {
     if (!o.type.empty() && name != o.type) continue;
     ++types;
     for (const JointType* type : registry.jointTypes())
       if (name == type->info().name)
-        failures += checkType(*type, o, [&](const JointType& t, const Parameters& p, std::uint64_t seed, const Progress& progress) {
-          return checkJointType(t, p, registry, seed, allocations, progress);
+        failures += checkType(*type, o, [&](const JointType& t, const Parameters& p, std::uint64_t seed, const Progress& group) {
+          return checkJointType(t, p, registry, seed, allocations, group);
         });
     for (const CouplingType* type : registry.couplingTypes())
       if (name == type->info().name)
-        failures += checkType(*type, o, [&](const CouplingType& t, const Parameters& p, std::uint64_t seed, const Progress& progress) {
-          progress("coupling");
+        failures += checkType(*type, o, [&](const CouplingType& t, const Parameters& p, std::uint64_t seed, const Progress& group) {
+          group("coupling");
           return checkCouplingType(t, p, seed, allocations);
         });
   }
@@ -219,6 +229,41 @@ void run(const CheckOptions& o) {
   }
   std::printf("%d types, %d checks failed\n", types, failures);
   if (failures > 0) throw ExitCode{1};
+}
+
+/// In a process of its own, which must say that it has come to its end: code that a plugin runs may end it, with any exit code.
+void run(const CheckOptions& o) {
+  int ends[2];
+  std::fflush(stdout);
+  if (pipe2(ends, O_CLOEXEC) != 0) throw Error(ErrorCode::file, std::string("no pipe for the checks: ") + std::strerror(errno));
+  const pid_t child = fork();
+  if (child < 0) throw Error(ErrorCode::file, std::string("no process for the checks: ") + std::strerror(errno));
+  if (child == 0) {
+    const auto say = [&](const char* line) {
+      if (write(ends[1], (std::string(line) + "\n").c_str(), std::strlen(line) + 1) < 0) _exit(1);
+    };
+    try {
+      check(o, say);
+    } catch (...) {  // what it says is main()'s to print
+      say("=1");
+      throw;
+    }
+    say("=1");
+    return;
+  }
+  close(ends[1]);
+  // "=0": it is loaded, and from there on each group of checks has its own time; "=1": it is done.
+  Report report = readReport(ends[0], o.time_limit, 0);
+  if (report.failures == 0) report = readReport(ends[0], 1e6, 1);
+  close(ends[0]);
+  if (report.late) kill(child, SIGKILL);
+  int status = 0;
+  pid_t waited;
+  do waited = waitpid(child, &status, 0);
+  while (waited < 0 && errno == EINTR);
+  if (report.failures == 1 && waited == child && WIFEXITED(status)) throw ExitCode{WEXITSTATUS(status)};
+  std::printf("  FAILED  loading %s\n          %s\n", o.file.c_str(), howItEnded(o, report, waited == child ? status : 0).c_str());
+  throw ExitCode{1};
 }
 
 }  // namespace

@@ -24,6 +24,20 @@ concept HasSubspace = requires(const double* q, const Constants& c, Motion<doubl
 template <class A>
 concept HasBias = requires(const double* q, const double* v, const Constants& c) { A::bias(q, v, c); };
 
+/// Runs an author's functions, which must not throw: whoever calls cannot do without their answer. What they throw ends the process, and is said.
+template <class Call>
+void neverThrowing(const char* type, const Call& call) noexcept {
+  try {
+    call();
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "joint type '%s': one of its functions threw: %s\n", type, e.what());
+    std::terminate();
+  } catch (...) {
+    std::fprintf(stderr, "joint type '%s': one of its functions threw something that is no std::exception\n", type);
+    std::terminate();
+  }
+}
+
 template <class Author>
 class JointTypeOf final : public JointType {
  public:
@@ -64,31 +78,33 @@ class JointTypeOf final : public JointType {
       for (int k = 0; k < Author::constantCount(args); ++k) out[k] = std::numeric_limits<double>::quiet_NaN();
   }
 
-  void kinematics(const JointBatch<double>& batch) const noexcept override { evaluate(batch); }
-  void kinematics(const JointBatch<float>& batch) const noexcept override { evaluate(batch); }
+  void kinematics(const JointBatch<double>& batch) const noexcept override {
+    neverThrowing(Author::name, [&] { evaluate(batch); });
+  }
+  void kinematics(const JointBatch<float>& batch) const noexcept override {
+    neverThrowing(Author::name, [&] { evaluate(batch); });
+  }
   void kinematics(const JointBatch<Dual<double>>& batch) const noexcept override {
-    for (int i = 0; i < batch.count * batch.lanes; ++i) evaluateAt<Dual<double>>(batch, i, constantsOf(batch, i));
+    neverThrowing(Author::name, [&] { evaluateEach<Dual<double>>(batch); });
   }
   void kinematics(const JointBatch<Dual<Dual<double>>>& batch) const noexcept override {
-    for (int i = 0; i < batch.count * batch.lanes; ++i) evaluateAt<Dual<Dual<double>>>(batch, i, constantsOf(batch, i));
+    neverThrowing(Author::name, [&] { evaluateEach<Dual<Dual<double>>>(batch); });
   }
   bool kinematics([[maybe_unused]] const JointBatch<Traced>& batch) const noexcept override {
-    if constexpr (Author::branch_free)
-      for (int i = 0; i < batch.count; ++i) evaluateAt<Traced>(batch, i, constantsOf(batch, i));
+    if constexpr (Author::branch_free) neverThrowing(Author::name, [&] { evaluateEach<Traced>(batch); });
     return Author::branch_free;
   }
 
   void neutral(const ConfigurationBatch<double>& b) const noexcept override {
-    for (int i = 0; i < b.count * b.lanes; ++i) {
+    eachItem(b, [&](int i, const Constants& c) {
       double q[nq + 1] = {};
-      Space::neutral(constantsOf(b, i), q);
+      Space::neutral(c, q);
       store<nq>(q, b.q_out, b.q_stride, i);
-    }
+    });
   }
 
   void integrate(const ConfigurationBatch<double>& b) const noexcept override {
-    for (int i = 0; i < b.count * b.lanes; ++i) {
-      const Constants c = constantsOf(b, i);
+    eachItem(b, [&](int i, const Constants& c) {
       double q[nq + 1], v[nv + 1], out[nq + 1];
       load<nq>(b.q0, b.q_stride, i, q);
       load<nv>(b.v, b.v_stride, i, v);
@@ -96,16 +112,15 @@ class JointTypeOf final : public JointType {
         Space::integrate(q, v, c, out);
         store<nq>(out, b.q_out, b.q_stride, i);
       }
-      if (!b.J_q) continue;
+      if (!b.J_q) return;
       double Jq[nv * nv + 1], Jv[nv * nv + 1];
       Space::dIntegrate(q, v, c, Jq, Jv);
       storeJacobians(Jq, Jv, b, i);
-    }
+    });
   }
 
   void difference(const ConfigurationBatch<double>& b) const noexcept override {
-    for (int i = 0; i < b.count * b.lanes; ++i) {
-      const Constants c = constantsOf(b, i);
+    eachItem(b, [&](int i, const Constants& c) {
       double q0[nq + 1], q1[nq + 1], out[nv + 1];
       load<nq>(b.q0, b.q_stride, i, q0);
       load<nq>(b.q1, b.q_stride, i, q1);
@@ -113,26 +128,28 @@ class JointTypeOf final : public JointType {
         Space::difference(q0, q1, c, out);
         store<nv>(out, b.v_out, b.v_stride, i);
       }
-      if (!b.J_q) continue;
+      if (!b.J_q) return;
       double J0[nv * nv + 1], J1[nv * nv + 1];
       Space::dDifference(q0, q1, c, J0, J1);
       storeJacobians(J0, J1, b, i);
-    }
+    });
   }
 
   void normalize(const ConfigurationBatch<double>& b) const noexcept override {
-    for (int i = 0; i < b.count * b.lanes; ++i) {
+    eachItem(b, [&](int i, const Constants& c) {
       double q[nq + 1];
       load<nq>(b.q0, b.q_stride, i, q);
-      const double distance = Space::normalize(constantsOf(b, i), q);
+      const double distance = Space::normalize(c, q);
       if (b.q_out) store<nq>(q, b.q_out, b.q_stride, i);
       if (b.v_out) b.v_out[i] = distance;
-    }
+    });
   }
 
-  void rates(const ConfigurationBatch<Dual<double>>& b) const noexcept override { evaluateRates(b); }
+  void rates(const ConfigurationBatch<Dual<double>>& b) const noexcept override {
+    neverThrowing(Author::name, [&] { evaluateRates(b); });
+  }
   bool rates([[maybe_unused]] const ConfigurationBatch<Traced>& b) const noexcept override {
-    if constexpr (Author::branch_free) evaluateRates(b);
+    if constexpr (Author::branch_free) neverThrowing(Author::name, [&] { evaluateRates(b); });
     return Author::branch_free;
   }
 
@@ -163,6 +180,12 @@ class JointTypeOf final : public JointType {
     for (int k = 0; k < N; ++k) write(in[k], base + k * stride + i);
   }
 
+  template <class Each>
+  static void eachItem(const ConfigurationBatch<double>& b, const Each& each) noexcept {
+    neverThrowing(Author::name, [&] {
+      for (int i = 0; i < b.count * b.lanes; ++i) each(i, constantsOf(b, i));
+    });
+  }
   static void storeJacobians(const double* first, const double* second, const ConfigurationBatch<double>& b, int i) {
     store<nv * nv>(first, b.J_q, b.j_stride, i);
     store<nv * nv>(second, b.J_v, b.j_stride, i);
@@ -200,7 +223,13 @@ class JointTypeOf final : public JointType {
       }
     }
 #endif
-    for (int i = 0; i < items; ++i) evaluateAt<double>(b, i, constantsOf(b, i));
+    evaluateEach<double>(b);
+  }
+
+  /// Number by number, computed with S.
+  template <class S, class T>
+  static void evaluateEach(const JointBatch<T>& b) {
+    for (int i = 0; i < b.count * b.lanes; ++i) evaluateAt<S>(b, i, constantsOf(b, i));
   }
 
 #if DYN_HAS_PACKS

@@ -1,5 +1,7 @@
 #include "codegen/cache.hpp"
 
+#include "digest.hpp"
+
 #include <dyn/error.hpp>
 #include <dyn/file.hpp>
 
@@ -8,8 +10,6 @@
 
 #include <cerrno>
 #include <chrono>
-#include <cstdint>
-#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 
@@ -21,17 +21,19 @@ namespace fs = std::filesystem;
 
 [[noreturn]] void fail(const fs::path& path, const std::string& why) { throw Error(ErrorCode::file, why, {path.string(), 0, ""}); }
 
-std::uint64_t fnv(const std::string& text, std::uint64_t h) {
-  for (const char c : text) h = (h ^ static_cast<unsigned char>(c)) * 1099511628211u;
-  return h ^ (h >> 31);
+fs::path named(const std::string& given) {
+  if (!given.empty()) return given;
+  if (const char* own = secure_getenv("LIBDYN_CACHE"); own && *own) return own;
+  if (const char* xdg = secure_getenv("XDG_CACHE_HOME"); xdg && *xdg) return fs::path(xdg) / "libdyn";
+  if (const char* home = secure_getenv("HOME"); home && *home) return fs::path(home) / ".cache" / "libdyn";
+  throw Error(ErrorCode::file, "there is no place for compiled functions: set LIBDYN_CACHE or HOME, or name a folder");
 }
 
+/// Without a slash at its end, which would make a link the folder behind it.
 fs::path folderOf(const std::string& given) {
-  if (!given.empty()) return given;
-  if (const char* own = std::getenv("LIBDYN_CACHE"); own && *own) return own;
-  if (const char* xdg = std::getenv("XDG_CACHE_HOME"); xdg && *xdg) return fs::path(xdg) / "libdyn";
-  if (const char* home = std::getenv("HOME"); home && *home) return fs::path(home) / ".cache" / "libdyn";
-  throw Error(ErrorCode::file, "there is no place for compiled functions: set LIBDYN_CACHE or HOME, or name a folder");
+  fs::path folder = fs::absolute(named(given));
+  while (!folder.has_filename() && folder.has_relative_path()) folder = folder.parent_path();
+  return folder;
 }
 
 /// Workshops of processes that were ended amid their work. No compiler takes a day.
@@ -45,38 +47,28 @@ void removeLeftOver(const fs::path& folder) {
   }
 }
 
-/// Whether it belongs to this user and nobody else can write it.
-bool trusted(const fs::path& path, mode_t kind) {
+/// Whether it is a folder, and no link to one, that belongs to this user and that nobody else can write.
+bool trusted(const fs::path& folder) {
   struct stat s {};
-  return lstat(path.c_str(), &s) == 0 && (s.st_mode & S_IFMT) == kind && s.st_uid == geteuid() && (s.st_mode & (S_IWGRP | S_IWOTH)) == 0;
+  return lstat(folder.c_str(), &s) == 0 && S_ISDIR(s.st_mode) && s.st_uid == geteuid() && (s.st_mode & (S_IWGRP | S_IWOTH)) == 0;
 }
 
 }  // namespace
-
-std::string digest(const std::string& text) {
-  char out[33];
-  std::snprintf(out, sizeof out, "%016llx%016llx", static_cast<unsigned long long>(fnv(text, 14695981039346656037u)),
-                static_cast<unsigned long long>(fnv(text, 0x9e3779b97f4a7c15u)));
-  return out;
-}
 
 ObjectCache::ObjectCache(const std::string& given) : folder_(folderOf(given)) {
   std::error_code error;
   const bool made = fs::create_directories(folder_, error);
   if (error) fail(folder_, "cannot be made, to keep compiled functions in: " + error.message());
   if (made) fs::permissions(folder_, fs::perms::owner_all, error);
-  if (!trusted(folder_, S_IFDIR))
-    fail(folder_, "is refused as a cache of compiled functions: it must be a folder of yours that nobody else can write");
+  if (!trusted(folder_)) fail(folder_, "is refused as a cache of compiled functions: it must be a folder of yours that nobody else can write");
 }
 
-std::string ObjectCache::find(const std::string& key) const {
-  const fs::path object = folder_ / (key + ".so"), sum = folder_ / (key + ".sum");
-  if (!trusted(object, S_IFREG) || !trusted(sum, S_IFREG)) return "";
-  try {
-    return digest(readFile(object.string())) == readFile(sum.string()) ? object.string() : "";
-  } catch (const Error&) {
-    return "";  // taken away meanwhile
-  }
+std::optional<OpenFile> ObjectCache::find(const std::string& key) const {
+  OpenFile object((folder_ / (key + ".so")).string());
+  const OpenFile sum((folder_ / (key + ".sum")).string());
+  const auto mine = [](const OpenFile& file) { return file.problem().empty() && file.ownedByUser() && file.untrusted("").empty(); };
+  if (!mine(object) || !mine(sum) || digest(object.content()) != sum.content()) return std::nullopt;
+  return object;
 }
 
 fs::path ObjectCache::workshop() const {
@@ -86,7 +78,7 @@ fs::path ObjectCache::workshop() const {
   return pattern;
 }
 
-std::string ObjectCache::enter(const std::string& key, const fs::path& object) const {
+void ObjectCache::enter(const std::string& key, const fs::path& object) const {
   const fs::path sum = object.parent_path() / "sum", place = folder_ / (key + ".so");
   replaceFile(sum, digest(readFile(object.string())));
   std::error_code error;
@@ -96,7 +88,6 @@ std::string ObjectCache::enter(const std::string& key, const fs::path& object) c
   fs::rename(object, place, error);
   if (!error) fs::rename(sum, folder_ / (key + ".sum"), error);
   if (error) fail(place, "cannot be written: " + error.message());
-  return place.string();
 }
 
 }  // namespace dyn

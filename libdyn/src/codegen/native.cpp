@@ -1,5 +1,6 @@
 #include "codegen/cache.hpp"
 #include "codegen/process.hpp"
+#include "digest.hpp"
 #include "joint/loader.hpp"
 
 #include <dyn/codegen/native.hpp>
@@ -38,7 +39,7 @@ std::string uniformEntry(const TracedFunction& f) {
 /// The words of a command. CC may have several, as in a makefile: "ccache gcc".
 std::vector<std::string> compilerOf(const NativeOptions& options) {
   if (!options.compiler.empty()) return {options.compiler};
-  const char* given = std::getenv("CC");
+  const char* given = secure_getenv("CC");
   std::istringstream text(given != nullptr ? given : "");
   std::vector<std::string> words{std::istream_iterator<std::string>(text), {}};
   return words.empty() ? std::vector<std::string>{"cc"} : words;
@@ -86,8 +87,8 @@ class Workshop {
   const fs::path path;
 };
 
-std::string compileSource(const ObjectCache& cache, const std::string& key, const std::string& text, const std::vector<std::string>& command,
-                          const TracedFunction& f, const NativeOptions& options) {
+OpenFile compileSource(const ObjectCache& cache, const std::string& key, const std::string& text, const std::vector<std::string>& command,
+                       const TracedFunction& f, const NativeOptions& options) {
   const Workshop workshop(cache);
   const fs::path source = workshop.path / "code.c", object = workshop.path / "code.so";
   std::ofstream file(source);
@@ -102,7 +103,9 @@ std::string compileSource(const ObjectCache& cache, const std::string& key, cons
                                          std::to_string(options.seconds) + " s; allow more (NativeOptions::seconds), or compile with -O1");
   if (!r.started || r.exit_code != 0 || !fs::exists(object))
     throw Error(ErrorCode::compiler, "'" + f.name + "' was not compiled by " + command[0] + ": " + r.output.substr(0, 2000));
-  return cache.enter(key, object);
+  cache.enter(key, object);
+  if (auto entry = cache.find(key)) return std::move(*entry);
+  throw Error(ErrorCode::compiler, "'" + f.name + "' was compiled, but is not what was entered into the cache of compiled functions");
 }
 
 CompiledFunction make(const TracedFunction& f, const ObjectCache& cache, const NativeOptions& options) {
@@ -127,16 +130,15 @@ CompiledFunction make(const TracedFunction& f, const ObjectCache& cache, const N
   impl->inputs = f.inputs;
   impl->outputs = f.outputs;
   impl->plain = options.lanes == 1 && !options.single_precision;
-  std::string object = cache.find(key);
-  impl->cached = !object.empty();
-  void* symbol = impl->cached ? openFunction(object, "dyn_call") : nullptr;
+  const std::optional<OpenFile> found = cache.find(key);
+  void* symbol = found ? openFunction(*found, "dyn_call") : nullptr;
+  impl->cached = symbol != nullptr;
   if (symbol == nullptr) {
-    impl->cached = false;
     if (options.progress) options.progress("compiling " + f.name + ", " + std::to_string(operations) + " operations");
-    object = compileSource(cache, key, text, command, f, options);
+    const OpenFile object = compileSource(cache, key, text, command, f, options);
     symbol = openFunction(object, "dyn_call");
+    if (symbol == nullptr) throw Error(ErrorCode::compiler, "'" + f.name + "' was compiled but cannot be loaded", {object.path(), 0, ""});
   }
-  if (symbol == nullptr) throw Error(ErrorCode::compiler, "'" + f.name + "' was compiled but cannot be loaded", {object, 0, ""});
   impl->code = reinterpret_cast<void (*)(const void* const*, void* const*)>(symbol);
   return CompiledFunction(std::move(impl));
 }

@@ -1,5 +1,6 @@
 // How a type answers the calls themselves, whatever the numbers mean.
 #include "conformance/checks.hpp"
+#include "floating_point.hpp"
 
 #include <cstring>
 #include <thread>
@@ -225,6 +226,7 @@ void checkConstants(const JointProbe& joint, Findings& findings) {
 }  // namespace
 
 void checkCalls(const JointProbe& joint, std::uint64_t seed, const AllocationCount& allocations, Findings& findings) {
+  const FloatingPointEnvironment kept;
   checkConstants(joint, findings);
   BatchCalls own(joint, false, seed), shared(joint, true, seed), poisoned(joint, false, seed);
   own.run();
@@ -243,6 +245,8 @@ void checkCalls(const JointProbe& joint, std::uint64_t seed, const AllocationCou
     poisoned.run();
     verdict("NaN in one joint of a batch leaves the others alone", poisoned.samePoseExcept(2, own), "another joint's pose changed", findings);
   }
+  verdict("the floating-point environment stays as it is", keepsSmallNumbers() && std::fegetround() == FE_TONEAREST,
+          "a call changed how numbers are rounded, or has small ones flushed to zero", findings);
   checkThreads(joint, seed, own, findings);
   if (!allocations) return;
   const long before = allocations();

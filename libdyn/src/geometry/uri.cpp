@@ -19,7 +19,7 @@ std::string existing(const fs::path& path) {
 
 /// Folders of an environment variable, separated by colons.
 void addFrom(const char* variable, const char* below, std::vector<fs::path>& folders) {
-  const char* value = std::getenv(variable);
+  const char* value = secure_getenv(variable);
   if (value == nullptr) return;
   const std::string text = value;
   for (std::size_t first = 0; first <= text.size();) {

@@ -1,4 +1,5 @@
 // A simulation's time, state and step as text: numbers in hexadecimal, which loses nothing and no locale changes.
+#include "digest.hpp"
 #include "integrate/simulator_impl.hpp"
 
 #include <dyn/error.hpp>
@@ -12,7 +13,7 @@ namespace dyn {
 namespace {
 
 constexpr const char* family = "libdyn-simulation-";
-constexpr const char* heading = "libdyn-simulation-2";
+constexpr const char* heading = "libdyn-simulation-3";
 
 void write(std::string& out, double x) {
   char text[64];
@@ -61,11 +62,41 @@ class Reader {
   std::istringstream in_;
 };
 
+/// Of all that its motion follows from.
+std::string digestOf(const CompactModel& model) {
+  const CompactImpl& m = model.impl();
+  std::string text;
+  const auto put = [&](const double* x, std::size_t count) {
+    for (std::size_t k = 0; k < count; ++k) write(text, x[k]);
+  };
+  static_assert(sizeof(BodyConstants<double>) % sizeof(double) == 0);
+  for (const JointRecord& joint : m.joints)
+    text += joint.name + ' ' + joint.type + ' ' + std::to_string(joint.idx_q) + ' ' + std::to_string(joint.idx_v) + '\n';
+  for (const BodyConstants<double>& body : m.constants) put(reinterpret_cast<const double*>(&body), sizeof body / sizeof(double));
+  for (const TypeBatch& batch : m.batches) put(batch.constants.data(), batch.constants.size());
+  for (const PackedCoupling& coupling : m.couplings) put(coupling.constants.data(), coupling.constants.size());
+  for (const std::vector<double>* numbers : {&m.subspaces, &m.damping, &m.friction, &m.armature, &m.limits.lower, &m.limits.upper})
+    put(numbers->data(), numbers->size());
+  put(&m.gravity.x, 3);
+  return digest(text);
+}
+
+constexpr const char* seal = "end ";
+
+/// The text before the last line, which says what its digest is.
+std::string unsealed(const std::string& text) {
+  const std::size_t last = text.rfind(seal);
+  if (last == std::string::npos || last == 0 || text[last - 1] != '\n') refuseText("it was cut short: its last line is missing");
+  std::string body = text.substr(0, last), line = text.substr(last);
+  if (line != seal + digest(body) + '\n') refuseText("it was changed or cut short since it was saved: its last line does not fit what is before it");
+  return body;
+}
+
 }  // namespace
 
 std::string Simulator::save() const {
   const Impl& x = *impl_;
-  std::string out = std::string(heading) + ' ' + infoOf(x.options.integrator).name + '\n' + std::to_string(x.steps) + '\n';
+  std::string out = std::string(heading) + ' ' + infoOf(x.options.integrator).name + '\n' + digestOf(model()) + '\n' + std::to_string(x.steps) + '\n';
   const auto put = [&](const Eigen::VectorXd& values) {
     out += std::to_string(values.size()) + '\n';
     for (const double value : values) write(out, value);
@@ -76,20 +107,24 @@ std::string Simulator::save() const {
   // Accelerations that the last step has left are those of its own evaluation, to the last bit.
   out += x.now.has_acceleration ? "1\n" : "0\n";
   if (x.now.has_acceleration) put(x.now.a);
-  return out;
+  out += x.now_closed ? "1\n" : "0\n";
+  return out + seal + digest(out) + '\n';
 }
 
 void Simulator::resume(const std::string& saved) {
   Impl& x = *impl_;
-  Reader in(saved);
-  const std::string found = in.word("heading");
+  const std::string found = Reader(saved).word("heading");
   if (found != heading) {
     const bool other_version = found.rfind(family, 0) == 0;
     refuseText(other_version ? "it is a '" + found + "', this library reads '" + heading + "'; simulate from the start"
                              : "this is no saved simulation");
   }
+  const std::string text = unsealed(saved);
+  Reader in(text);
+  in.word("heading");
   const std::string integrator = in.word("integrator"), own = infoOf(x.options.integrator).name;
   if (integrator != own) refuseText("saved by the integrator '" + integrator + "', this one is '" + own + "'");
+  const std::string saved_model = in.word("model");
   const long steps = in.count("number of steps");
   const double dt = in.number("dt");
   Moment state(model());
@@ -102,9 +137,16 @@ void Simulator::resume(const std::string& saved) {
   if (known > 1) refuseText("accelerations are there or not, 1 or 0");
   state.has_acceleration = known == 1;
   if (state.has_acceleration) in.vector("a", state.a);
+  const long closed = in.count("projection");
+  if (closed > 1) refuseText("what it moves has been projected or not, 1 or 0");
   in.end();
+  if (saved_model != digestOf(model()))
+    throw Error(ErrorCode::argument, "Simulator::resume: it was saved of another model, or of this one with other numbers; simulate from the start");
+  if (!infoOf(x.options.integrator).adaptive && !(std::abs(anchor + static_cast<double>(steps) * dt - state.time) <= Impl::slack * dt))
+    refuseText("its time is not where " + std::to_string(steps) + " steps of " + dyn::number(dt) + " s from " + dyn::number(anchor) + " s lead");
   x.start(std::move(state));
   x.trial = trial;
+  x.now_closed = closed == 1;
   // Whole steps of another length have a grid of their own, from here on.
   if (dt != x.options.dt) return;
   x.anchor = anchor;

@@ -1,5 +1,6 @@
 #include "joint/loader.hpp"
 
+#include "floating_point.hpp"
 #include "joint/trial_load.hpp"
 
 #include <dyn_sdk/stamp.hpp>
@@ -7,10 +8,6 @@
 #include <boost/dll/runtime_symbol_info.hpp>
 #include <boost/dll/shared_library.hpp>
 
-#include <sys/stat.h>
-#include <unistd.h>
-
-#include <cerrno>
 #include <cstring>
 #include <deque>
 #include <filesystem>
@@ -24,15 +21,19 @@ namespace fs = std::filesystem;
 
 [[noreturn]] void refuse(const std::string& path, const std::string& why) { throw Error(ErrorCode::plugin, why, {path, 0, ""}); }
 
-/// Refuses a file or folder that anyone but this process's user and root could have made or can replace.
-void requireOwned(const fs::path& p, const std::string& path) {
-  struct stat s {};
-  const auto untrusted = [&](const std::string& why, const char* cure) {
-    refuse(path, "refused: '" + p.string() + "' " + why + "; " + cure + ", or load it with Trust::any");
-  };
-  if (stat(p.c_str(), &s) != 0) untrusted(std::string("cannot be looked at: ") + std::strerror(errno), "make it readable");
-  if ((s.st_mode & (S_IWGRP | S_IWOTH)) != 0) untrusted("can be written by its group or by everyone", "run chmod go-w on it");
-  if (s.st_uid != geteuid() && s.st_uid != 0) untrusted("belongs to another user, number " + std::to_string(s.st_uid), "copy it");
+constexpr const char* or_any = ", or load it with Trust::any";
+
+/// Looked for as the library is loaded, when a relative name still leads there.
+const fs::path library_folder = [] {
+  std::error_code error;
+  return fs::canonical(boost::dll::symbol_location_ptr(reinterpret_cast<const void*>(&openPlugin)).string(), error).parent_path();
+}();
+
+/// A build of the standard plugin, which comes with the library and is as much to be trusted.
+bool partOfLibrary(const fs::path& file) { return file.filename() == "dyn_standard.so" && file.string().starts_with(builtinPluginDirectory() + "/"); }
+
+void requireTrusted(const std::string& problem, const std::string& path) {
+  if (!problem.empty()) refuse(path, "refused: " + problem);
 }
 
 /// The folder of each link on the way must be owned, too: who writes one says what is loaded.
@@ -46,7 +47,7 @@ void checkLinks(const fs::path& way, const std::string& path) {
       continue;
     }
     if (error) refuse(path, "refused: '" + next.string() + "' cannot be looked at: " + error.message());
-    requireOwned(walked, path);
+    requireTrusted(untrustedFolder(walked.string(), or_any), path);
     fs::path rest = walked / target;
     while (++part != way.end()) rest /= *part;
     return checkLinks(rest, path);
@@ -81,21 +82,26 @@ boost::dll::shared_library& keep(boost::dll::shared_library library) {
 
 }  // namespace
 
-const dyn_plugin_descriptor& openPlugin(const std::string& path, Trust trust) {
+OpenedPlugin openPlugin(const std::string& path, Trust trust) {
   std::error_code error;
-  const fs::path file = fs::canonical(path, error);
+  const fs::path canonical = fs::canonical(path, error);
   if (error) refuse(path, "cannot find the plugin: " + error.message());
-  if (!fs::is_regular_file(file)) refuse(path, "is not a file");
+  const OpenFile file(canonical.string());
+  if (!file.problem().empty()) refuse(path, file.problem());
   if (trust == Trust::owner_only) {
     checkLinks(fs::absolute(path), path);
-    requireOwned(file.parent_path(), path);
-    requireOwned(file, path);
+    requireTrusted(untrustedFolder(canonical.parent_path().string(), or_any), path);
+    requireTrusted(file.untrusted(or_any), path);
   }
 
   boost::dll::shared_library opened;
-  std::string reason = trialLoad(file.string());
+  std::string remark;
+  std::string reason = partOfLibrary(canonical) ? "" : trialLoad(file);
   if (reason.empty()) try {
-      opened.load(file.string(), load_mode);
+      const FloatingPointEnvironment kept;
+      opened.load(file.nameForLoader(), load_mode);
+      if (!keepsSmallNumbers())
+        remark = "as it is loaded, it has the thread flush small numbers to zero (undone): link it without -ffast-math and -Ofast";
     } catch (const std::exception& e) {
       reason = e.what();
     }
@@ -112,19 +118,16 @@ const dyn_plugin_descriptor& openPlugin(const std::string& path, Trust trust) {
   }
   if (descriptor == nullptr) refuse(path, "describes nothing");
   compareStamps(descriptor->stamp, path);
-  return *descriptor;
+  return {*descriptor, remark};
 }
 
-void* openFunction(const std::string& path, const std::string& name) {
+void* openFunction(const OpenFile& file, const std::string& name) {
   boost::dll::fs::error_code error;
-  boost::dll::shared_library opened(path, load_mode, error);
+  boost::dll::shared_library opened(file.nameForLoader(), load_mode, error);
   if (error || !opened.has(name)) return nullptr;
   return reinterpret_cast<void*>(&keep(std::move(opened)).get<void()>(name));
 }
 
-std::string builtinPluginDirectory() {
-  const fs::path library = boost::dll::symbol_location_ptr(reinterpret_cast<const void*>(&openPlugin)).string();
-  return (fs::path(library).parent_path() / "libdyn" / "plugins").string();
-}
+std::string builtinPluginDirectory() { return (library_folder / "libdyn" / "plugins").string(); }
 
 }  // namespace dyn

@@ -23,7 +23,7 @@ bool processorHas(const std::string& name) {
 }
 
 std::string choose() {
-  const char* wanted = std::getenv("DYN_SIMD");
+  const char* wanted = secure_getenv("DYN_SIMD");
   if (wanted == nullptr || *wanted == '\0') {
     for (const char* best : {"avx512", "avx2", "baseline"})
       if (processorHas(best) && built(best)) return best;

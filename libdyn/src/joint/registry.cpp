@@ -84,7 +84,7 @@ std::map<const JointType*, const JointType*> builtForProcessor(const std::string
   const std::filesystem::path file = std::filesystem::canonical(path, ignored);
   const std::filesystem::path other = file.parent_path() / instructionSet() / file.filename();
   if (!std::filesystem::exists(other, ignored)) return {};
-  const dyn_plugin_descriptor& d = openPlugin(other.string(), trust);
+  const dyn_plugin_descriptor& d = openPlugin(other.string(), trust).descriptor;
   const auto fast_joints = typesOf<JointType>(d.joint_types, d.joint_type_count);
   for (const JointType* type : fast_joints) checkInfo(type->info(), other.string());
   std::map<const JointType*, const JointType*> result;
@@ -104,12 +104,13 @@ std::map<const JointType*, const JointType*> builtForProcessor(const std::string
 }  // namespace
 
 void JointRegistry::Impl::add(const std::string& path, Trust trust) {
-  const dyn_plugin_descriptor& d = openPlugin(path, trust);
+  const OpenedPlugin opened = openPlugin(path, trust);
+  const dyn_plugin_descriptor& d = opened.descriptor;
   const auto new_joints = typesOf<JointType>(d.joint_types, d.joint_type_count);
   const auto new_couplings = typesOf<CouplingType>(d.coupling_types, d.coupling_type_count);
   for (const JointType* type : new_joints) checkInfo(type->info(), path);
   for (const CouplingType* type : new_couplings) checkInfo(type->info(), path);
-  PluginRecord record{path, {}, {}};
+  PluginRecord record{path, {}, {}, opened.remark};
   for (const JointType* type : new_joints) record.types.emplace_back(type->info().name);
   for (const CouplingType* type : new_couplings) record.types.emplace_back(type->info().name);
   if (record.types.empty()) throw Error(ErrorCode::plugin, "exports no joint types", {path, 0, ""});
@@ -144,7 +145,7 @@ JointRegistry& JointRegistry::operator=(const JointRegistry& other) {
 JointRegistry JointRegistry::standard(Trust trust) {
   JointRegistry registry;
   registry.loadDirectory(builtinPluginDirectory(), trust);
-  if (const char* path = std::getenv("DYN_PLUGIN_PATH")) {
+  if (const char* path = secure_getenv("DYN_PLUGIN_PATH")) {
     std::stringstream folders(path);
     for (std::string folder; std::getline(folders, folder, ':');)
       if (!folder.empty()) registry.loadDirectory(folder, trust);
@@ -171,7 +172,7 @@ void JointRegistry::loadDirectory(const std::string& directory, Trust trust) {
   for (const auto& entry : std::filesystem::directory_iterator(directory, error))
     if (entry.path().extension() == ".so") files.push_back(entry.path().string());
   if (error) {
-    impl_->plugins.push_back({directory, {}, "cannot read the folder: " + error.message()});
+    impl_->plugins.push_back({directory, {}, directory + ": cannot read the folder: " + error.message(), {}});
     return;
   }
   std::sort(files.begin(), files.end());
@@ -179,7 +180,7 @@ void JointRegistry::loadDirectory(const std::string& directory, Trust trust) {
     try {
       impl_->add(file, trust);
     } catch (const Error& problem) {
-      impl_->plugins.push_back({file, {}, problem.what()});
+      impl_->plugins.push_back({file, {}, problem.what(), {}});
     }
   }
 }

@@ -1,47 +1,51 @@
 // Opens the table of kernels for the instruction set that this process has chosen.
 #include "joint/processor.hpp"
 #include "kernels/constraint_table.hpp"
+#include "trusted_file.hpp"
 
 #include <dyn/error.hpp>
 
 #include <dlfcn.h>
 
+#include <filesystem>
 #include <string>
 
 namespace dyn::kernels {
 
 namespace {
 
-/// Modules lie in libdyn/kernels beside the library. They are never closed.
-std::string moduleFile(const std::string& name) {
+/// Modules lie in libdyn/kernels beside the library, which is looked for as it is loaded: its name may be relative, and the process may go to another
+/// folder later.
+const std::string module_folder = [] {
   Dl_info where;
-  if (dladdr(reinterpret_cast<const void*>(&moduleFile), &where) == 0 || where.dli_fname == nullptr) return "";
-  const std::string library = where.dli_fname;
-  const std::size_t slash = library.rfind('/');
-  return (slash == std::string::npos ? "." : library.substr(0, slash)) + "/libdyn/kernels/" + name + ".so";
-}
+  std::error_code error;
+  if (dladdr(reinterpret_cast<const void*>(&active), &where) == 0 || where.dli_fname == nullptr) return std::string();
+  return (std::filesystem::canonical(where.dli_fname, error).parent_path() / "libdyn" / "kernels").string();
+}();
 
-const Kernels* open(const std::string& name, std::string& problem) {
-  void* library = dlopen(moduleFile(name).c_str(), RTLD_NOW | RTLD_LOCAL);
+/// They are never closed.
+const Kernels* open(const OpenFile& module, std::string& problem) {
+  problem = !module.problem().empty() ? module.problem() : module.untrusted("");
+  if (!problem.empty()) return nullptr;
+  void* library = dlopen(module.nameForLoader().c_str(), RTLD_NOW | RTLD_LOCAL);
   if (library == nullptr) {
     problem = dlerror();
     return nullptr;
   }
   const auto entry = reinterpret_cast<const Kernels* (*)()>(dlsym(library, "dyn_kernels"));
   const Kernels* table = entry ? entry() : nullptr;
-  if (table == nullptr || table->layout != layoutStamp() || table->constraints->layout != constraintLayoutStamp()) {
-    problem = moduleFile(name) + " belongs to another libdyn";
-    return nullptr;
-  }
-  return table;
+  if (table != nullptr && table->layout == layoutStamp() && table->constraints->layout == constraintLayoutStamp()) return table;
+  problem = "it belongs to another libdyn";
+  return nullptr;
 }
 
 const Kernels& choose() {
   const std::string& set = instructionSet();
+  const OpenFile module(module_folder + "/" + set + ".so");
   std::string problem;
-  if (const Kernels* table = open(set, problem)) return *table;
-  throw Error(ErrorCode::file, "the kernels for " + set + " cannot be opened: " + problem + "; they are installed with the library",
-              {moduleFile(set), 0, ""});
+  if (const Kernels* table = open(module, problem)) return *table;
+  throw Error(ErrorCode::file, "the kernels for " + set + " cannot be loaded: " + problem + "; they are installed with the library",
+              {module.path(), 0, ""});
 }
 
 }  // namespace

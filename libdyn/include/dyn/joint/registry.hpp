@@ -18,6 +18,7 @@ struct PluginRecord {
   std::string path;
   std::vector<std::string> types;  ///< names of joint and coupling types; empty if it failed
   std::string problem;             ///< why it was not loaded; empty if it was
+  std::string remark;              ///< what is wrong with it though it was; else empty
 };
 
 /// Name -> type. Reading is safe from several threads; loading is not.

@@ -1,0 +1,26 @@
+// What tells one text from another, and a whole one from one that was changed or cut short. It is no protection against those who mean to.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace dyn {
+
+/// FNV-1a, of 64 bits (Fowler, Noll, Vo), with its digits mixed once more.
+constexpr std::uint64_t fnv(std::string_view text, std::uint64_t h) {
+  for (const char c : text) h = (h ^ static_cast<unsigned char>(c)) * 1099511628211u;
+  return h ^ (h >> 31);
+}
+
+/// Sixteen hexadecimal digits each of two hashes of the text.
+inline std::string digest(std::string_view text) {
+  std::string out;
+  for (const std::uint64_t start : {std::uint64_t(14695981039346656037u), std::uint64_t(0x9e3779b97f4a7c15u)}) {
+    const std::uint64_t hash = fnv(text, start);
+    for (int digit = 15; digit >= 0; --digit) out += "0123456789abcdef"[hash >> (4 * digit) & 15];
+  }
+  return out;
+}
+
+}  // namespace dyn

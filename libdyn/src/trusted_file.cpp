@@ -1,0 +1,102 @@
+#include "trusted_file.hpp"
+
+#include <dyn/error.hpp>
+
+#include <dlfcn.h>
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <utility>
+
+namespace dyn {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Whoever owns the file of this library decides already what the process does. Looked up as the library is loaded, when its name still leads there.
+const uid_t library_owner = [] {
+  Dl_info where;
+  struct stat s {};
+  const bool found = dladdr(reinterpret_cast<const void*>(&untrustedFolder), &where) != 0 && stat(where.dli_fname, &s) == 0;
+  return found ? s.st_uid : 0;
+}();
+
+bool trustedOwner(uid_t owner) { return owner == 0 || owner == geteuid() || owner == library_owner; }
+
+std::string judge(const struct stat& s, const std::string& name, const char* cure) {
+  const std::string who = "'" + name + "' ";
+  if ((s.st_mode & (S_IWGRP | S_IWOTH)) != 0) return who + "can be written by its group or by everyone; run chmod go-w on it" + cure;
+  if (!trustedOwner(s.st_uid)) return who + "belongs to another user, number " + std::to_string(s.st_uid) + "; copy it" + cure;
+  return "";
+}
+
+/// Whether nobody but trusted owners can put another file in this one's place: every folder up to the root belongs to those, and others can write at
+/// most where they can take away only what is theirs, as in /tmp.
+bool fixed(const fs::path& file) {
+  for (fs::path folder = file.parent_path();; folder = folder.parent_path()) {
+    struct stat s {};
+    if (lstat(folder.c_str(), &s) != 0 || !S_ISDIR(s.st_mode) || !trustedOwner(s.st_uid)) return false;
+    if ((s.st_mode & (S_IWGRP | S_IWOTH)) != 0 && (s.st_mode & S_ISVTX) == 0) return false;
+    if (folder == folder.root_path()) return true;
+  }
+}
+
+}  // namespace
+
+OpenFile::OpenFile(const std::string& path) : path_(path) {
+  // Without waiting: opening a pipe that nobody writes to would.
+  do descriptor_ = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  while (descriptor_ < 0 && errno == EINTR);
+  struct stat s {};
+  if (descriptor_ < 0 || fstat(descriptor_, &s) != 0) {
+    problem_ = std::string("cannot be opened: ") + std::strerror(errno);
+  } else if (!S_ISREG(s.st_mode)) {
+    problem_ = "is not a file";
+  }
+}
+
+OpenFile::~OpenFile() {
+  if (descriptor_ >= 0) close(descriptor_);
+}
+
+OpenFile::OpenFile(OpenFile&& other) noexcept
+    : path_(std::move(other.path_)), problem_(std::move(other.problem_)), descriptor_(std::exchange(other.descriptor_, -1)) {}
+
+std::string OpenFile::untrusted(const char* cure) const {
+  struct stat s {};
+  fstat(descriptor_, &s);
+  return judge(s, path_, cure);
+}
+
+bool OpenFile::ownedByUser() const {
+  struct stat s {};
+  return fstat(descriptor_, &s) == 0 && s.st_uid == geteuid();
+}
+
+std::string OpenFile::content() const {
+  std::string text;
+  char chunk[1 << 16];
+  for (off_t at = 0;;) {
+    const ssize_t n = pread(descriptor_, chunk, sizeof chunk, at);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) throw Error(ErrorCode::file, std::string("cannot be read: ") + std::strerror(errno), {path_, 0, ""});
+    if (n == 0) return text;
+    text.append(chunk, static_cast<std::size_t>(n));
+    at += n;
+  }
+}
+
+std::string OpenFile::nameForLoader() const { return fixed(path_) ? path_ : "/proc/self/fd/" + std::to_string(descriptor_); }
+
+std::string untrustedFolder(const std::string& path, const char* cure) {
+  struct stat s {};
+  if (stat(path.c_str(), &s) != 0) return "'" + path + "' cannot be looked at: " + std::strerror(errno) + "; make it readable" + cure;
+  return judge(s, path, cure);
+}
+
+}  // namespace dyn
