@@ -1,5 +1,7 @@
 #include "extension.hpp"
 
+#include <dyn/lie/so3.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -76,7 +78,18 @@ JointDescription readPart(const Document& document, const XMLElement& e, int dep
 
 }  // namespace
 
-SE3<double> poseOf(const Document& document, const XMLElement& e) { return poseOf(document, e, "xyz", "rpy"); }
+SE3<double> poseOf(const Document& document, const XMLElement& e) {
+  SE3<double> X = poseOf(document, e, "xyz", "rpy");
+  if (!e.Attribute("quat_xyzw")) return X;
+  if (e.Attribute("rpy")) document.fail(e, std::string("<") + e.Name() + "> has both rpy and quat_xyzw; give one of them");
+  const std::vector<double> q = document.numbers(e, "quat_xyzw");
+  if (q.size() != 4) document.fail(e, "quat_xyzw must be four numbers x y z w of length 1");
+  const Quaternion<long double> turn{q[0], q[1], q[2], q[3]};
+  const long double length = std::sqrt(turn.x * turn.x + turn.y * turn.y + turn.z * turn.z + turn.w * turn.w);
+  if (!(std::fabs(length - 1) < 1e-3L)) document.fail(e, "quat_xyzw must be four numbers x y z w of length 1");
+  X.R = cast<double>(turn.matrix());
+  return X;
+}
 
 Extensions readExtensions(const Document& document, const Outline& outline) {
   Extensions extensions;

@@ -1,9 +1,11 @@
 #include "validate.hpp"
 
+#include "extension.hpp"
+#include "vocabulary.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <map>
 #include <unordered_set>
 
 namespace dyn::urdf {
@@ -24,7 +26,7 @@ class Validator {
     for (const XMLElement* link : out_.links) guarded([&] { checkLink(*link); });
     for (const XMLElement* joint : out_.joints) guarded([&] { checkJoint(*joint); });
     for (const XMLElement* joint : out_.joints) guarded([&] { checkMimic(*joint); });
-    reportIgnored();
+    noteUnread(d_);
     return std::move(out_);
   }
 
@@ -85,10 +87,7 @@ class Validator {
   }
 
   void checkOrigin(const XMLElement& parent) const {
-    const XMLElement* e = parent.FirstChildElement("origin");
-    if (e == nullptr) return;
-    for (const char* attribute : {"xyz", "rpy"})
-      if (e->Attribute(attribute)) d_.vector3(*e, attribute);
+    if (const XMLElement* e = parent.FirstChildElement("origin")) poseOf(d_, *e);
   }
 
   void checkLink(const XMLElement& link) const {
@@ -156,6 +155,9 @@ class Validator {
       const double lower = d_.number(*limit, "lower", 0), upper = d_.number(*limit, "upper", 0);
       if (lower > upper && (type == "revolute" || type == "prismatic"))
         d_.fail(*limit, "joint '" + name + "': its lower limit is above its upper one");
+      const bool bounded = type == "revolute" || type == "prismatic", given = limit->Attribute("lower") || limit->Attribute("upper");
+      note(*limit, bounded && !given, "joint '" + name + "': its <limit> has neither lower nor upper, so that its range is zero");
+      note(*limit, type == "continuous" && given, "joint '" + name + "' (continuous): lower and upper in its <limit> are ignored");
       for (const char* attribute : {"effort", "velocity"})
         note(*limit, d_.number(*limit, attribute, 0) < 0, "joint '" + name + "': its " + attribute + " limit is negative");
     } else if (type == "revolute" || type == "prismatic") {
@@ -181,33 +183,6 @@ class Validator {
       note(*mimic, at != nullptr && path.size() == 1, "joint '" + name + "' mimics '" + master + "', which mimics another joint itself");
       if (path.count(at)) d_.fail(*at, "joint '" + master + "' mimics itself through a circle of mimics");
     }
-  }
-
-  /// Every tag that no pass reads is said once, with how often and where first.
-  void reportIgnored() const {
-    static const std::map<std::string, std::unordered_set<std::string>> read = {
-        {"robot", {"link", "joint", "libdyn"}},
-        {"link", {"inertial", "collision", "visual", "collision_checking"}},
-        {"joint", {"origin", "parent", "child", "axis", "limit", "dynamics", "mimic"}},
-        {"inertial", {"origin", "mass", "inertia"}}};
-    std::map<std::string, std::pair<int, int>> ignored;  // tag -> count, first line
-    const auto scan = [&](const XMLElement& parent) {
-      const auto known = read.find(parent.Name());
-      for (const XMLElement* e = parent.FirstChildElement(); e; e = e->NextSiblingElement()) {
-        if (known == read.end() || known->second.count(e->Name())) continue;
-        auto& [count, line] = ignored[std::string("<") + e->Name() + "> in <" + parent.Name() + ">"];
-        if (count++ == 0) line = e->GetLineNum();
-      }
-    };
-    scan(d_.robot());
-    for (const XMLElement* link : out_.links) {
-      scan(*link);
-      if (const XMLElement* inertial = link->FirstChildElement("inertial")) scan(*inertial);
-    }
-    for (const XMLElement* joint : out_.joints) scan(*joint);
-    for (const auto& [tag, seen] : ignored)
-      d_.notes().push_back("ignored: " + tag + ", " + std::to_string(seen.first) + (seen.first == 1 ? " time" : " times") + ", first at line " +
-                           std::to_string(seen.second));
   }
 
   const Document& d_;

@@ -196,6 +196,53 @@ TEST_CASE("ignored tags are reported once each", "[parser]") {
   CHECK(gazebo == 1);
 }
 
+TEST_CASE("what of a file nothing reads is said, wherever it stands", "[parser]") {
+  const auto noted = [](const std::string& text, const std::string& word) {
+    const Model model = urdf::parse(text, "robot.urdf");
+    INFO(word);
+    CHECK(std::any_of(model.notes.begin(), model.notes.end(), [&](const std::string& note) { return note.find(word) != std::string::npos; }));
+  };
+  const std::string two = "<link name=\"a\"/><link name=\"b\"/>";
+  const auto joint = [&](const std::string& type, const std::string& inside, const std::string& attributes = "") {
+    return "<robot name=\"r\">" + two + "<joint name=\"j\" type=\"" + type + "\"" + attributes + "><parent link=\"a\"/><child link=\"b\"/>" + inside +
+           "</joint></robot>";
+  };
+  const std::string limit = "<limit lower=\"-1\" upper=\"1\" effort=\"1\" velocity=\"1\"/>";
+  noted(joint("revolute", limit + "<dynamics><friction>2</friction></dynamics>"), "<friction> in <dynamics>");
+  noted(joint("revolute", limit + "<dynamics fricton=\"2\"/>"), "attribute fricton of <dynamics>");
+  noted(joint("revolute", limit + limit), "<limit> in <joint> after the first");
+  noted(joint("revolute", limit, " mode=\"fast\""), "attribute mode of <joint>");
+  noted(joint("revolute", "<limit effort=\"1\" velocity=\"1\"/>"), "range is zero");
+  noted(joint("continuous", limit), "(continuous): lower and upper");
+  noted(joint("prismatic", limit + "<axis xyz=\"0 0 1\" unit=\"mm\"/>"), "attribute unit of <axis>");
+  const auto link = [](const std::string& inside) { return "<robot name=\"r\"><link name=\"a\">" + inside + "</link></robot>"; };
+  noted(link("<collision><geometry><box size=\"1 1 1\"/><box size=\"2 2 2\"/></geometry></collision>"), "<box> in <geometry> after the first");
+  noted(link("<collision><pose xyz=\"1 0 0\"/><geometry><sphere radius=\"1\"/></geometry></collision>"), "<pose> in <collision>");
+  noted(link("<inertial><mass value=\"1\" unit=\"g\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\"/></inertial>"), "attribute unit of <mass>");
+  // Pictures are nobody's business.
+  CHECK(urdf::parse(link("<visual><geometry><box size=\"1 1 1\"/></geometry><material name=\"red\"/></visual>"), "robot.urdf").notes.empty());
+}
+
+TEST_CASE("an origin may be turned by a quaternion", "[parser]") {
+  const auto pose = [](const std::string& origin) {
+    return urdf::parse(
+               "<robot name=\"r\"><link name=\"a\"/><link name=\"b\"/><joint name=\"j\" type=\"fixed\"><parent link=\"a\"/>"
+               "<child link=\"b\"/><origin xyz=\"1 2 3\" " +
+                   origin + "/></joint></robot>",
+               "robot.urdf")
+        .bodies.back()
+        .joint.placement;
+  };
+  // A third of a turn about (1, 1, 1) takes x to y, y to z, z to x.
+  const SE3<double> X = pose("quat_xyzw=\"0.5 0.5 0.5 0.5\"");
+  const double cyclic[9] = {0, 0, 1, 1, 0, 0, 0, 1, 0};
+  for (int i = 0; i < 9; ++i) CHECK(X.R.m[i] == approx(cyclic[i]).margin(1e-15));
+  CHECK(X.p.y == 2);
+  CHECK_THROWS_WITH(pose("quat_xyzw=\"0 0 0 1\" rpy=\"0 0 1\""), containing("both rpy and quat_xyzw"));
+  CHECK_THROWS_WITH(pose("quat_xyzw=\"0 0 0 2\""), containing("length 1"));
+  CHECK_THROWS_WITH(pose("quat_xyzw=\"0 0 1\""), containing("four numbers"));
+}
+
 TEST_CASE("losses of the description act in the dynamics, unless they are switched off", "[parser]") {
   const std::string text =
       robot(linkText("a") + linkText("b") +

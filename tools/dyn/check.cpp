@@ -54,7 +54,7 @@ void runCheck(const ModelOptions& o) {
   for (const Error& e : urdf::check(o.path, o.urdfOptions())) findings.error(e.what());
   if (findings.errors() == 0) {
     try {
-      const Model description = o.description();
+      const Model description = o.read();
       for (const std::string& note : description.notes) findings.warning(note);
       const CompactModel model = o.compile(description);
       for (const std::string& warning : model.report().warnings) findings.warning(warning);

@@ -1,5 +1,7 @@
 #include "model_options.hpp"
 
+#include <cstdio>
+
 namespace dyn::tool {
 
 void ModelOptions::add(CLI::App& app) {
@@ -39,7 +41,17 @@ urdf::Options ModelOptions::urdfOptions() const {
   return options;
 }
 
-Model ModelOptions::description() const { return urdf::load(path, urdfOptions()); }
+Model ModelOptions::read() const { return urdf::load(path, urdfOptions()); }
+
+Model ModelOptions::description() const {
+  Model description = read();
+  printNotes(description);
+  return description;
+}
+
+void printNotes(const Model& description) {
+  for (const std::string& note : description.notes) std::fprintf(stderr, "dyn: note: %s\n", note.c_str());
+}
 
 CompileOptions ModelOptions::compileOptions() const {
   CompileOptions options;

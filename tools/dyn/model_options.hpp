@@ -26,10 +26,15 @@ struct ModelOptions {
   void add(CLI::App& app);
   JointRegistry registry() const;
   urdf::Options urdfOptions() const;
+  Model read() const;
+  /// The same, and prints its notes.
   Model description() const;
   CompileOptions compileOptions() const;
   CompactModel compile(const Model& described) const { return dyn::compile(described, registry(), compileOptions()); }
   CompactModel compile() const { return compile(description()); }
 };
+
+/// To standard error, where they are in nobody's data.
+void printNotes(const Model& description);
 
 }  // namespace dyn::tool

@@ -12,9 +12,10 @@ void VolumeOptions::add(CLI::App& app) {
 }
 
 Model VolumeOptions::description(const ModelOptions& robot) const {
-  Model description = robot.description();
+  Model description = robot.read();
   if (!srdf.empty()) srdf::load(srdf, description);
   if (!scene.empty()) description = append(description, urdf::load(scene), "universe", {}, "scene/");
+  printNotes(description);
   return description;
 }
 

@@ -176,19 +176,22 @@ class Compiler {
   void leaveOutMissing() {
     const std::vector<bool> need = needed();
     std::string all;
+    const GeometryDescription* first = nullptr;
     std::vector<bool> missing(candidates_.size());
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
       const GeometryDescription& g = *candidates_[i].description;
       if (!need[i] || loader_.available(g)) continue;
       missing[i] = true;
       out_->report.missing.push_back("'" + g.name + "': " + uriOf(g));
+      if (!first) first = &g;
       all += (all.empty() ? "" : ", ") + out_->report.missing.back();
     }
     if (all.empty()) return;
     if (options_.missing == GeometryOptions::Missing::refuse)
       throw Error(ErrorCode::file,
                   std::to_string(out_->report.missing.size()) + " geometries have files that are not there: " + all +
-                      "; name the packages' folders (GeometryOptions::packages, --package, ROS_PACKAGE_PATH), or skip what is missing");
+                      "; name the packages' folders (GeometryOptions::packages, --package, ROS_PACKAGE_PATH), or skip what is missing",
+                  first->where);
     std::erase_if(pairs_, [&](const auto& x) { return missing[at(x.first)] || missing[at(x.second)]; });
   }
 

@@ -1,5 +1,6 @@
 #include "geometry/files.hpp"
 
+#include <charconv>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
@@ -29,6 +30,22 @@ void addFrom(const char* variable, const char* below, std::vector<fs::path>& fol
   }
 }
 
+/// Of a URI: %20 is a blank (RFC 3986, sec. 2.1). What is no such code stays.
+std::string decoded(const std::string& text) {
+  std::string out;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    unsigned value = 0;
+    const char* digits = text.data() + i + 1;
+    if (text[i] == '%' && i + 2 < text.size() && std::from_chars(digits, digits + 2, value, 16).ptr == digits + 2) {
+      out += static_cast<char>(value);
+      i += 2;
+    } else {
+      out += text[i];
+    }
+  }
+  return out;
+}
+
 std::string inPackages(const std::string& rest, const std::vector<std::string>& packages) {
   std::vector<fs::path> folders(packages.begin(), packages.end());
   addFrom("ROS_PACKAGE_PATH", "", folders);
@@ -51,7 +68,7 @@ std::string inPackages(const std::string& rest, const std::vector<std::string>& 
 std::string resolveUri(const std::string& uri, const std::vector<std::string>& packages, const std::string& beside) {
   for (const std::string scheme : {"package://", "model://"})
     if (uri.starts_with(scheme)) return inPackages(uri.substr(scheme.size()), packages);
-  if (uri.starts_with("file://")) return existing(uri.substr(7));
+  if (uri.starts_with("file://")) return existing(decoded(uri.substr(7)));
   const fs::path path(uri);
   return existing(path.is_absolute() ? path : fs::path(beside).parent_path() / path);
 }

@@ -1,0 +1,104 @@
+#include "vocabulary.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace dyn::urdf {
+
+namespace {
+
+using tinyxml2::XMLElement;
+using Names = std::vector<std::string>;
+
+struct Element {
+  Names attributes;
+  Names once;  ///< children of which the first counts
+  Names any;   ///< children that may be there several times
+};
+
+const std::map<std::string, Element>& vocabulary() {
+  const Element origin{{"xyz", "rpy", "quat_xyzw"}, {}, {}};
+  static const std::map<std::string, Element> all = {
+      {"robot", {{"name", "version"}, {}, {"link", "joint", "libdyn"}}},
+      {"link", {{"name"}, {"inertial"}, {"collision", "visual", "collision_checking"}}},
+      {"inertial", {{}, {"origin", "mass", "inertia"}, {}}},
+      {"origin", origin},
+      {"mass", {{"value"}, {}, {}}},
+      {"inertia", {{"ixx", "ixy", "ixz", "iyy", "iyz", "izz"}, {}, {}}},
+      {"collision", {{"name"}, {"origin", "geometry"}, {}}},
+      {"geometry", {{}, {"box", "sphere", "cylinder", "mesh", "capsule", "cone", "plane", "octree"}, {}}},
+      {"box", {{"size"}, {}, {}}},
+      {"sphere", {{"radius"}, {}, {}}},
+      {"cylinder", {{"radius", "length"}, {}, {}}},
+      {"capsule", {{"radius", "length"}, {}, {}}},
+      {"cone", {{"radius", "length"}, {}, {}}},
+      {"plane", {{"normal", "offset"}, {}, {}}},
+      {"mesh", {{"filename", "scale"}, {}, {}}},
+      {"octree", {{"filename"}, {}, {}}},
+      {"joint", {{"name", "type"}, {"origin", "parent", "child", "axis", "limit", "dynamics", "mimic"}, {}}},
+      {"parent", {{"link"}, {}, {}}},
+      {"child", {{"link"}, {}, {}}},
+      {"axis", {{"xyz"}, {}, {}}},
+      {"limit", {{"lower", "upper", "effort", "velocity"}, {}, {}}},
+      {"dynamics", {{"damping", "friction"}, {}, {}}},
+      {"mimic", {{"joint", "multiplier", "offset"}, {}, {}}}};
+  return all;
+}
+
+bool has(const Names& names, const char* name) { return std::find(names.begin(), names.end(), name) != names.end(); }
+
+class Scan {
+ public:
+  explicit Scan(const Document& document) : d_(document) {}
+
+  void run() {
+    // With a stack: what is not understood may be nested as deep as it likes, but is not entered.
+    std::vector<const XMLElement*> left{&d_.robot()};
+    while (!left.empty()) {
+      const XMLElement& e = *left.back();
+      left.pop_back();
+      const Element& known = vocabulary().at(e.Name());
+      attributes(e, known);
+      Names seen;
+      for (const XMLElement* child = e.FirstChildElement(); child; child = child->NextSiblingElement()) {
+        const bool once = has(known.once, child->Name());
+        if (!once && !has(known.any, child->Name())) {
+          // An unknown shape is said with the volume that it leaves out.
+          if (std::strcmp(e.Name(), "geometry") != 0) count(std::string("<") + child->Name() + "> in <" + e.Name() + ">", *child);
+        } else if (once && has(seen, child->Name())) {
+          count(std::string("<") + child->Name() + "> in <" + e.Name() + "> after the first", *child);
+        } else {
+          seen.emplace_back(child->Name());
+          if (vocabulary().count(child->Name())) left.push_back(child);
+        }
+      }
+    }
+    for (const auto& [what, found] : unread_)
+      d_.notes().push_back("ignored: " + what + ", " + std::to_string(found.first) + (found.first == 1 ? " time" : " times") + ", first at line " +
+                           std::to_string(found.second));
+  }
+
+ private:
+  void attributes(const XMLElement& e, const Element& known) {
+    for (const tinyxml2::XMLAttribute* a = e.FirstAttribute(); a; a = a->Next())
+      if (!has(known.attributes, a->Name()) && std::strncmp(a->Name(), "xmlns", 5) != 0)
+        count(std::string("attribute ") + a->Name() + " of <" + e.Name() + ">", e);
+  }
+  void count(const std::string& what, const XMLElement& at) {
+    auto& [times, line] = unread_[what];
+    line = times++ == 0 ? at.GetLineNum() : std::min(line, at.GetLineNum());
+  }
+
+  const Document& d_;
+  std::map<std::string, std::pair<int, int>> unread_;  ///< what -> how often, first line
+};
+
+}  // namespace
+
+void noteUnread(const Document& document) { Scan(document).run(); }
+
+}  // namespace dyn::urdf
