@@ -101,8 +101,8 @@ class Validator {
     if (inertia == nullptr) d_.fail(*inertial, "link '" + name + "': <inertial> has no <inertia>");
     const double m = d_.number(*mass, "value");
     if (m < 0) d_.fail(*mass, "link '" + name + "': its mass is negative");
-    const double xx = d_.number(*inertia, "ixx"), xy = d_.number(*inertia, "ixy", 0), xz = d_.number(*inertia, "ixz", 0);
-    const double yy = d_.number(*inertia, "iyy"), yz = d_.number(*inertia, "iyz", 0), zz = d_.number(*inertia, "izz");
+    double xx = d_.number(*inertia, "ixx"), xy = d_.number(*inertia, "ixy", 0), xz = d_.number(*inertia, "ixz", 0);
+    double yy = d_.number(*inertia, "iyy"), yz = d_.number(*inertia, "iyz", 0), zz = d_.number(*inertia, "izz");
     // Positive semi-definite by its principal minors, up to the rounding of numbers written with a few digits, and up to what is
     // rounding beside the same body's inertia about the link's origin.
     note(*inertial, m == 0 && (xx != 0 || yy != 0 || zz != 0), "link '" + name + "': it has an inertia but no mass");
@@ -110,7 +110,10 @@ class Validator {
     const double scale = std::max({std::fabs(xx), std::fabs(yy), std::fabs(zz), std::fabs(xy), std::fabs(xz), std::fabs(yz)});
     const XMLElement* origin = inertial->FirstChildElement("origin");
     const Vec3<double> com = origin && origin->Attribute("xyz") ? d_.vector3(*origin, "xyz") : Vec3<double>{};
-    const double slack = 1e-6 * scale + 1e-15 * m * dot(com, com);
+    if (scale == 0) return;
+    // Of the largest, so that no product of three is beyond the range of numbers.
+    for (double* moment : {&xx, &yy, &zz, &xy, &xz, &yz}) *moment /= scale;
+    const double slack = 1e-6 + 1e-15 * m * dot(com, com) / scale;
     const double minors[] = {(xx + slack) * (yy + slack) - xy * xy, (xx + slack) * (zz + slack) - xz * xz, (yy + slack) * (zz + slack) - yz * yz};
     const double determinant =
         (xx + slack) * ((yy + slack) * (zz + slack) - yz * yz) - xy * (xy * (zz + slack) - yz * xz) + xz * (xy * yz - (yy + slack) * xz);

@@ -223,6 +223,21 @@ TEST_CASE("what of a file nothing reads is said, wherever it stands", "[parser]"
   CHECK(urdf::parse(link("<visual><geometry><box size=\"1 1 1\"/></geometry><material name=\"red\"/></visual>"), "robot.urdf").notes.empty());
 }
 
+TEST_CASE("an inertia that no body has is refused at every scale", "[parser]") {
+  const auto load = [](const std::string& exponent, const std::string& mantissa) {
+    const std::string one = "\"1" + exponent + "\"";
+    return urdf::parse("<robot name=\"r\"><link name=\"a\"><inertial><mass value=\"1\"/><inertia ixx=" + one + " iyy=" + one + " izz=" + one +
+                           " ixy=\"" + mantissa + exponent + "\"/></inertial></link></robot>",
+                       "robot.urdf");
+  };
+  for (const char* exponent : {"", "e150", "e300", "e-150", "e-300"}) {
+    INFO(exponent);
+    CHECK_THROWS_WITH(load(exponent, "100"), containing("not positive semi-definite"));
+    CHECK_THROWS_WITH(load(exponent, "1.01"), containing("not positive semi-definite"));
+    CHECK_NOTHROW(load(exponent, "0.4"));
+  }
+}
+
 TEST_CASE("an origin may be turned by a quaternion", "[parser]") {
   const auto pose = [](const std::string& origin) {
     return urdf::parse(

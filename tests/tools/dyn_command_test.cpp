@@ -213,6 +213,33 @@ TEST_CASE("a joint type whose function throws ends the command with its name, an
   CHECK_THAT(a.err, containing("'throws_in_pose'") && containing("the table ends at 0.1"));
 }
 
+TEST_CASE("what is not finite is an error wherever it comes up, and names itself", "[command]") {
+  const Folder folder;
+  const std::string ball = "<collision><geometry><sphere radius=\"0.5\"/></geometry></collision>";
+  const std::string robot =
+      folder.write("far.urdf", "<robot name=\"far\"><link name=\"a\">" + ball + "</link><link name=\"m\"/><link name=\"b\">" + ball +
+                                   "</link><joint name=\"x\" type=\"prismatic\"><parent link=\"a\"/><child link=\"m\"/></joint>"
+                                   "<joint name=\"y\" type=\"prismatic\"><parent link=\"m\"/><child link=\"b\"/></joint></robot>");
+  const std::string far = folder.write("far.json", R"({"samples":[{"q":[0,1]},{"q":[1e200,1e200]}]})");
+  const Answer apart = run("collide " + robot + " --states " + far);
+  CHECK(apart.code == 1);
+  CHECK_THAT(apart.err, containing("state 1") && containing("minimum") && containing("not finite"));
+  const std::string huge =
+      folder.write("huge.urdf", R"(<robot name="h"><link name="a"><collision><geometry><box size="1e200 1 1"/></geometry></collision></link>
+    </robot>)");
+  const Answer box = run("collide " + robot + " --scene " + huge);
+  CHECK(box.code == 1);
+  CHECK_THAT(box.err, containing("1e+200 m") && containing("huge.urdf:1"));
+  const std::string heavy =
+      folder.write("heavy.urdf", R"(<robot name="h"><link name="a"/><link name="b"><inertial><origin xyz="0 0 1e160"/><mass value="1e160"/>
+    <inertia ixx="1" iyy="1" izz="1"/></inertial></link><joint name="j" type="revolute"><parent link="a"/><child link="b"/><axis xyz="1 0 0"/>
+    <limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>)");
+  const Answer moved = run("simulate " + heavy + " --time 0.01");
+  CHECK(moved.code == 1);
+  CHECK_THAT(moved.err, containing("not finite"));
+  CHECK(moved.out.find("nan") == std::string::npos);
+}
+
 TEST_CASE("profile names the four ways of dispatch, and draws them", "[command]") {
   const Folder folder;
   const std::string picture = (folder.path / "p.svg").string();

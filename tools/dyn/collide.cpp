@@ -8,6 +8,7 @@
 #include <dyn/parsers/srdf.hpp>
 
 #include <cstdio>
+#include <limits>
 #include <map>
 #include <memory>
 #include <set>
@@ -77,7 +78,11 @@ Json answer(const CollideOptions& o, const GeometryModel& geometry, GeometryData
     for (const Distance& x : computeDistances(geometry, data)) out["distances"].push_back(json(geometry, x));
   }
   const Distance least = computeMinimumDistance(geometry, data);
-  out["minimum"] = least.pair < 0 ? Json(nullptr) : json(geometry, least);
+  // Pairs that are all further apart than numbers reach are not none.
+  if (least.pair < 0 && !geometry.pairs().empty())
+    out["minimum"] = std::numeric_limits<double>::infinity();
+  else
+    out["minimum"] = least.pair < 0 ? Json(nullptr) : json(geometry, least);
   return out;
 }
 
@@ -90,7 +95,9 @@ void collide(const CollideOptions& o, const Model& description) {
   out["states"] = Json::array();
   const auto at = [&](const Eigen::VectorXd& q) {
     robot.move(q);
-    out["states"].push_back(answer(o, robot.geometry, robot.placed));
+    Json found = answer(o, robot.geometry, robot.placed);
+    requireFinite(found, "state " + std::to_string(out["states"].size()));
+    out["states"].push_back(std::move(found));
   };
   if (o.states.empty()) {
     at(neutral(robot.model));

@@ -189,7 +189,7 @@ Json describe(const CompactModel& model, const std::string& root) {
   return out;
 }
 
-/// Writes JSON with 17 significant digits. Results that are not finite have no JSON form; they name their sample.
+/// Writes JSON with 17 significant digits.
 void print(const Json& value, std::string& out) {
   if (value.is_object()) {
     const char* separator = "{";
@@ -213,15 +213,6 @@ void print(const Json& value, std::string& out) {
   } else {
     out += value.dump();
   }
-}
-
-bool allFinite(const Json& value) {
-  if (value.is_number_float()) return std::isfinite(value.get<double>());
-  if (value.is_structured()) {
-    for (const Json& entry : value)
-      if (!allFinite(entry)) return false;
-  }
-  return true;
 }
 
 struct Options {
@@ -274,8 +265,7 @@ void run(const Options& o) {
     for (const ContactQuantity& quantity : contactQuantities())
       if (!o.contacts.empty() && (only.empty() || only.count(quantity.key))) quantity.write(model, data, contacts, s, sample);
     for (std::size_t f = 0; f < frames.size(); ++f) writeFrame(model, data, s, frames[f], "frame" + std::to_string(f) + "_", sample);
-    if (!allFinite(sample))
-      throw Error(ErrorCode::argument, "sample " + std::to_string(i) + ": a result is not finite (overflow, or a zero quaternion?)");
+    requireFinite(sample, "sample " + std::to_string(i));
     out += i ? ",\n" : "\n";
     print(sample, out);
   }

@@ -172,6 +172,13 @@ void run(const SimulateOptions& o) {
   std::optional<Momentum> before;
   if (floating) before.emplace(model, data, simulator);
   Trajectory trajectory(model);
+  const auto energyOf = [&](const auto& q, const auto& v) {
+    const double energy = computeKineticEnergy(model, data, q, v) + computePotentialEnergy(model, data, q);
+    if (!std::isfinite(energy))
+      throw Error(ErrorCode::simulation, "the energy is not finite: numbers of the model or of the state are beyond their range");
+    return energy;
+  };
+  energyOf(simulator.q(), simulator.v());
   const auto clock = [] { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); };
   double watched = 0;
   const double started = clock();
@@ -181,7 +188,7 @@ void run(const SimulateOptions& o) {
     try {
       simulator.advance(until, times, [&](double t, const VectorResult& q, const VectorResult& v) {
         const double since = clock();
-        trajectory.add(t, q, v, computeKineticEnergy(model, data, q, v) + computePotentialEnergy(model, data, q));
+        trajectory.add(t, q, v, energyOf(q, v));
         progress.at(t);
         watched += clock() - since;
       });

@@ -12,6 +12,25 @@
 namespace dyn::tool {
 
 namespace {
+/// Its key, "key[3]" in an array; empty if all are finite.
+std::string notFinite(const Json& value, const std::string& name) {
+  if (value.is_number_float()) return std::isfinite(value.get<double>()) ? "" : name;
+  if (!value.is_structured()) return "";
+  std::size_t k = 0;
+  for (const auto& [key, entry] : value.items()) {
+    const std::string inner = value.is_array() ? name + "[" + std::to_string(k++) + "]" : name.empty() ? key : name + "." + key;
+    if (std::string found = notFinite(entry, inner); !found.empty()) return found;
+  }
+  return "";
+}
+}  // namespace
+
+void requireFinite(const Json& results, const std::string& of) {
+  if (const std::string name = notFinite(results, ""); !name.empty())
+    throw Error(ErrorCode::argument, of + ": " + name + " is not finite (numbers beyond their range, or a zero quaternion?)");
+}
+
+namespace {
 
 Eigen::VectorXd readVector(const nlohmann::json& sample, const char* key, int size, const Where& where, std::size_t index, bool required,
                            bool& given) {

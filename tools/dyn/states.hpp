@@ -26,6 +26,9 @@ inline Json flat(const Eigen::Ref<const Eigen::MatrixXd>& M) {
   return rows;
 }
 
+/// Results that are not finite have no JSON form. Throws Error(argument) that names the first of them, and says of what it is.
+void requireFinite(const Json& results, const std::string& of);
+
 struct State {
   Eigen::VectorXd q, v, a, tau;
   bool has_v = false, has_a = false, has_tau = false;

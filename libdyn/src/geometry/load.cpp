@@ -15,15 +15,31 @@ namespace {
   throw Error(ErrorCode::model, "geometry '" + g.name + "': " + why, g.where);
 }
 
+/// Lengths [m] whose products in the search for nearest points are numbers still.
+constexpr double smallest = 1e-75, largest = 1e75;
+
+std::string text(double x) {
+  char out[32];
+  std::snprintf(out, sizeof out, "%.6g", x);
+  return out;
+}
+
 void needPositive(const GeometryDescription& g, const char* what, double x) {
-  if (!(x > 0) || !std::isfinite(x)) refuse(g, std::string("its ") + what + " is " + std::to_string(x) + ", not a positive length");
+  if (!(x > 0) || !std::isfinite(x)) refuse(g, std::string("its ") + what + " is " + text(x) + ", not a positive length");
+  if (x < smallest || x > largest) refuse(g, std::string("its ") + what + " is " + text(x) + " m; lengths are between 1e-75 m and 1e75 m");
+}
+
+/// A length that may be zero.
+void needLength(const GeometryDescription& g, const char* what, double x) {
+  if (x != 0) needPositive(g, what, x);
 }
 
 bool finite(const Vec3<double>& x) { return std::isfinite(x.x) && std::isfinite(x.y) && std::isfinite(x.z); }
+bool within(const Vec3<double>& x) { return std::fabs(x.x) <= largest && std::fabs(x.y) <= largest && std::fabs(x.z) <= largest; }
 
 void needFinite(const GeometryDescription& g, const std::vector<Vec3<double>>& points) {
   for (const Vec3<double>& x : points)
-    if (!finite(x)) refuse(g, "it has a point that is not finite");
+    if (!within(x)) refuse(g, "it has a point that is not finite, or more than 1e75 m away");
 }
 
 Convex convex(Core core, const Vec3<double>& half, double margin = 0) {
@@ -52,7 +68,7 @@ Volume fromTriangles(const GeometryDescription& g, const geometry::TriangleMesh&
 }
 
 Volume compiled(const GeometryDescription& g, const geometry::Sphere& s) {
-  if (!(s.radius >= 0) || !std::isfinite(s.radius)) refuse(g, "its radius is negative or not finite");
+  needLength(g, "radius", s.radius);
   return Volume::solid(convex(Core::point, {}, s.radius));
 }
 Volume compiled(const GeometryDescription& g, const geometry::Box& b) {
@@ -61,7 +77,7 @@ Volume compiled(const GeometryDescription& g, const geometry::Box& b) {
 }
 Volume compiled(const GeometryDescription& g, const geometry::Capsule& s) {
   needPositive(g, "radius", s.radius);
-  if (!(s.length >= 0) || !std::isfinite(s.length)) refuse(g, "its length is negative or not finite");
+  needLength(g, "length", s.length);
   return Volume::solid(convex(Core::segment, {0, 0, 0.5 * s.length}, s.radius));
 }
 Volume compiled(const GeometryDescription& g, const geometry::Cylinder& s) { return round(g, Core::cylinder, s.radius, s.length); }
@@ -101,7 +117,8 @@ bool VolumeLoader::available(const GeometryDescription& g) const { return uriOf(
 
 std::shared_ptr<const Volume> VolumeLoader::load(const GeometryDescription& g) {
   const SE3<double>& X = g.placement;
-  if (!finite(X.p) || !finite(X.R.row(0)) || !finite(X.R.row(1)) || !finite(X.R.row(2))) refuse(g, "its placement is not finite");
+  if (!within(X.p) || !finite(X.R.row(0)) || !finite(X.R.row(1)) || !finite(X.R.row(2)))
+    refuse(g, "its placement is not finite, or more than 1e75 m away");
   return std::visit(
       [&](const auto& shape) -> std::shared_ptr<const Volume> {
         using Shape = std::decay_t<decltype(shape)>;
