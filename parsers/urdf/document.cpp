@@ -10,6 +10,9 @@ namespace dyn::urdf {
 
 namespace {
 
+/// Of those below a blank XML has tab and the ends of lines only (XML 1.0, sec. 2.2).
+bool isControl(unsigned long c) { return c < 0x20 && c != '\t' && c != '\n' && c != '\r'; }
+
 bool isSpace(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 
 enum class Parsed { number, underflow, wrong };
@@ -57,7 +60,7 @@ bool standsForNothing(const std::string& text, std::size_t i) {
   const char* first = text.data() + i + (hexadecimal ? 3 : 2);
   const auto [end, error] = std::from_chars(first, text.data() + text.size(), code, hexadecimal ? 16 : 10);
   if (end == first || end == text.data() + text.size() || *end != ';') return false;
-  return error != std::errc() || code == 0 || (code >= 0xd800 && code < 0xe000) || code > 0x10ffff;
+  return error != std::errc() || isControl(code) || (code >= 0xd800 && code < 0xe000) || code > 0x10ffff;
 }
 
 }  // namespace
@@ -71,6 +74,8 @@ Document::Document(const std::string& text, std::string file) : file_(std::move(
     refuse("is not a text (or not UTF-8): it has a zero byte", lineOf(text, zero));
   for (std::size_t i = 0, length = 1; i < text.size(); i += length) {
     length = characterAt(text, i);
+    if (isControl(static_cast<unsigned char>(text[i])))
+      refuse("is not XML: it has the control character " + std::to_string(int(text[i])) + ", which a terminal would obey", lineOf(text, i));
     if (length == 0) refuse("is not UTF-8 (Latin-1, perhaps); save it as UTF-8", lineOf(text, i));
   }
   for (std::size_t i = text.find("&#"); i != std::string::npos; i = text.find("&#", i + 2))

@@ -8,6 +8,7 @@
 
 #include <alloc_guard.hpp>
 #include <sys/resource.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
@@ -34,6 +35,30 @@ TEST_CASE("more threads than the system gives are an error that says how many th
   }
   setrlimit(RLIMIT_AS, &before);
   CHECK_THAT(message, containing("2000 threads are asked for") && containing("ask for fewer"));
+}
+
+TEST_CASE("a child of fork() has threads of its own from its first call on, and ends without its parent's", "[data]") {
+  Workers workers(3);
+  const auto sum = [&] {
+    std::array<int, 3> done{};
+    workers.run([&](int i) { done[static_cast<std::size_t>(i)] = i + 1; });
+    return done[0] + done[1] + done[2];
+  };
+  CHECK(sum() == 6);
+  for (const bool calls : {true, false}) {
+    const pid_t child = fork();
+    if (child == 0) {
+      alarm(20);
+      bool right = true;
+      for (int k = 0; calls && k < 50; ++k) right = right && sum() == 6;
+      workers.~Workers();
+      _exit(right ? 0 : 1);
+    }
+    int status = -1;
+    REQUIRE(waitpid(child, &status, 0) == child);
+    CHECK((WIFEXITED(status) && WEXITSTATUS(status) == 0));
+    CHECK(sum() == 6);
+  }
 }
 
 TEST_CASE("what work throws is thrown again when all are done, and the threads go on", "[data][error]") {

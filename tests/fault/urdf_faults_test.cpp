@@ -223,6 +223,14 @@ TEST_CASE("what of a file nothing reads is said, wherever it stands", "[parser]"
   CHECK(urdf::parse(link("<visual><geometry><box size=\"1 1 1\"/></geometry><material name=\"red\"/></visual>"), "robot.urdf").notes.empty());
 }
 
+TEST_CASE("characters that a terminal would obey are refused, however they are written", "[fault]") {
+  for (const char* escape : {"\x1b", "&#27;", "&#x1B;", "\x07"}) {
+    INFO(escape);
+    CHECK_THROWS_WITH(urdf::parse(std::string("<robot name=\"r\"><link name=\"a") + escape + "[31m\"/></robot>", "robot.urdf"),
+                      containing("robot.urdf:1") && containing("is not XML"));
+  }
+}
+
 TEST_CASE("an inertia that no body has is refused at every scale", "[parser]") {
   const auto load = [](const std::string& exponent, const std::string& mantissa) {
     const std::string one = "\"1" + exponent + "\"";

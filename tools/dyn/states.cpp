@@ -5,6 +5,7 @@
 #include <dyn/file.hpp>
 
 #include <cmath>
+#include <cstdint>
 #include <iostream>
 #include <random>
 #include <sstream>
@@ -55,9 +56,15 @@ Eigen::VectorXd readVector(const nlohmann::json& sample, const char* key, int si
 }
 
 std::string readAll(const std::string& path) {
-  if (path != "-") return readFile(path);
+  constexpr std::uintmax_t most = std::uintmax_t{1} << 30;
+  if (path != "-") return readFile(path, most);
   std::ostringstream text;
-  text << std::cin.rdbuf();
+  char chunk[1 << 16];
+  for (std::uintmax_t size = 0; std::cin.read(chunk, sizeof chunk) || std::cin.gcount() > 0;) {
+    text.write(chunk, std::cin.gcount());
+    if ((size += static_cast<std::uintmax_t>(std::cin.gcount())) > most)
+      throw Error(ErrorCode::file, "is larger than 1024 MB, the most that is read of states", {"standard input", 0, ""});
+  }
   return text.str();
 }
 

@@ -56,10 +56,12 @@ bool trusted(const fs::path& folder) {
 }  // namespace
 
 ObjectCache::ObjectCache(const std::string& given) : folder_(folderOf(given)) {
-  std::error_code error;
-  const bool made = fs::create_directories(folder_, error);
-  if (error) fail(folder_, "cannot be made, to keep compiled functions in: " + error.message());
-  if (made) fs::permissions(folder_, fs::perms::owner_all, error);
+  fs::path made;
+  for (const fs::path& part : folder_) {
+    made /= part;
+    if (mkdir(made.c_str(), 0700) != 0 && !fs::exists(made))
+      fail(made, std::string("cannot be made, to keep compiled functions in: ") + std::strerror(errno));
+  }
   if (!trusted(folder_)) fail(folder_, "is refused as a cache of compiled functions: it must be a folder of yours that nobody else can write");
 }
 

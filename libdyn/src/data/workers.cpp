@@ -2,26 +2,52 @@
 
 #include <dyn/error.hpp>
 
+#include <pthread.h>
+
 #include <string>
 #include <utility>
 
 namespace dyn {
 
-Workers::Workers(int count) {
+namespace {
+
+std::atomic<unsigned> forks{0};
+
+/// Counts the forks that lead to this process.
+unsigned forksSoFar() {
+  static const int watched = pthread_atfork(nullptr, nullptr, [] { forks.fetch_add(1, std::memory_order_relaxed); });
+  static_cast<void>(watched);
+  return forks.load(std::memory_order_relaxed);
+}
+
+}  // namespace
+
+Workers::Workers(int count) : forks_(forksSoFar()) { launch(count); }
+
+Workers::~Workers() { end(); }
+
+void Workers::launch(int count) {
   try {
     threads_.reserve(static_cast<std::size_t>(count) - 1);
     for (int i = 1; i < count; ++i) threads_.emplace_back([this, i] { serve(i); });
   } catch (const std::exception& e) {
     const int there_are = this->count();
     end();
+    threads_.clear();
     throw Error(ErrorCode::argument, std::to_string(count) + " threads are asked for, and the system gives " + std::to_string(there_are) +
                                          " of them; ask for fewer (" + e.what() + ")");
   }
 }
 
-Workers::~Workers() { end(); }
+bool Workers::inherited() const { return !threads_.empty() && forks.load(std::memory_order_relaxed) != forks_; }
 
 void Workers::end() {
+  if (inherited()) {
+    // There is nothing to wait for, and no way to say so to the objects that stand for threads: they are left where they are.
+    new std::vector<std::thread>(std::move(threads_));
+    threads_.clear();
+    return;
+  }
   stop_ = true;
   round_.fetch_add(1, std::memory_order_release);
   round_.notify_all();
@@ -29,6 +55,15 @@ void Workers::end() {
 }
 
 void Workers::start(Call call, const void* context) {
+  if (inherited()) {
+    const int before = count();
+    end();
+    round_ = 0;
+    busy_ = 0;
+    failed_ = false;
+    forks_ = forksSoFar();
+    launch(before);
+  }
   call_ = call;
   context_ = context;
   if (!threads_.empty()) {

@@ -1,4 +1,5 @@
-// Threads that wait for work: started once, woken by each call, without locks or memory of their own in between.
+// Threads that wait for work: started once, woken by each call, without locks or memory of their own in between. A child of fork() has none of its
+// parent's threads: its first call starts its own.
 #pragma once
 
 #include <atomic>
@@ -29,7 +30,10 @@ class Workers {
   void start(Call call, const void* context);
   void serve(int i);
   void work(int i) noexcept;
+  void launch(int count);
   void end();
+  /// Made in a process of which this one is a child.
+  bool inherited() const;
 
   std::vector<std::thread> threads_;
   std::atomic<unsigned> round_{0};
@@ -39,6 +43,7 @@ class Workers {
   const void* context_ = nullptr;
   std::atomic<bool> failed_{false};
   std::exception_ptr error_;  ///< of the first to fail
+  unsigned forks_;            ///< how many there had been when the threads were started
 };
 
 }  // namespace dyn

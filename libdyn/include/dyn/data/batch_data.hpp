@@ -10,7 +10,7 @@ struct BatchImpl;
 
 /// Scratch and results for 1 to `capacity` states of one model, in double or float; a call with none throws Error(size). All memory is taken
 /// when it is made; it grows as the number of states. One batch is for one caller at a time; the threads it starts are its own. Results are the
-/// same bits whatever their number.
+/// same bits whatever their number. In a child of fork(), which has none of its parent's threads, the first call starts as many, and allocates.
 template <class T>
 class DYN_API BasicBatchData {
  public:

@@ -17,6 +17,7 @@
 
 namespace dyn {
 
+/// For one caller at a time. In a child of fork(), which has none of its parent's threads, the first call starts as many, and allocates.
 class DYN_API DataPool {
  public:
   /// Throws Error(argument) unless threads is positive, or if the system gives fewer.
