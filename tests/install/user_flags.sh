@@ -38,6 +38,15 @@ for compiler in "${variants[@]%% *}"; do echo "$compiler"; done | sort -u | whil
     { echo "a user who asks $compiler for warnings gets some" >&2; exit 1; }
 done
 
+# What lays out containers in another way is refused as it is compiled, by its name.
+for macro in _GLIBCXX_DEBUG _GLIBCXX_USE_CXX11_ABI=0; do
+  if g++ -std=c++20 -fsyntax-only "-D$macro" "$source/tests/install/user/main.cpp" "${headers[@]}" 2>"$work/refusal"; then
+    echo "a program with $macro compiles, and would crash" >&2
+    exit 1
+  fi
+  grep -q "${macro%=*}.* libdyn" "$work/refusal" || { echo "nothing says that $macro is wrong:" >&2; cat "$work/refusal" >&2; exit 1; }
+done
+
 expected=
 runs=0
 for i in "${!variants[@]}"; do

@@ -3,6 +3,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include <unistd.h>
+
+#include <csignal>
 #include <fstream>
 
 using namespace dyn::test;
@@ -82,6 +85,40 @@ TEST_CASE("simulate writes what it passed through, and says what was kept", "[co
   CHECK(falls.code == 0);
 }
 
+namespace {
+/// Whether the process has a handler for the signal.
+bool handles(pid_t process, int signal) {
+  std::ifstream status("/proc/" + std::to_string(process) + "/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.rfind("SigCgt:", 0) == 0) return (std::stoull(line.substr(7), nullptr, 16) >> (signal - 1) & 1) != 0;
+  return false;
+}
+}  // namespace
+
+TEST_CASE("a simulation that is interrupted writes what it has come to", "[command][simulate]") {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const Folder folder;
+    const std::string out = (folder.path / "out.csv").string(), save = (folder.path / "saved").string();
+    const pid_t child = fork();
+    if (child == 0) {
+      alarm(60);
+      if (!freopen("/dev/null", "w", stdout)) _exit(1);
+      execl(DYN_BINARY_DIR "/bin/dyn", "dyn", "simulate", DYN_SOURCE_DIR "/models/four_bar.urdf", "--time", "100000", "--every", "0.5", "--out",
+            out.c_str(), "--save", save.c_str(), static_cast<char*>(nullptr));
+      _exit(1);
+    }
+    while (!handles(child, signal) && waitpid(child, nullptr, WNOHANG) == 0) usleep(1000);
+    kill(child, signal);
+    int status = 0;
+    REQUIRE(waitpid(child, &status, 0) == child);
+    REQUIRE(WIFEXITED(status));
+    CHECK(WEXITSTATUS(status) == 128 + signal);
+    CHECK_THAT(textOf(out), containing("t,"));
+    CHECK_THAT(textOf(save), containing("libdyn-simulation-3"));
+    CHECK(std::distance(fs::directory_iterator(folder.path), {}) == 2);
+  }
+}
+
 TEST_CASE("simulate lets bodies touch by their volumes", "[command][simulate]") {
   const Folder folder;
   const std::string table = (folder.path / "table.urdf").string(), arm = "simulate " DYN_SOURCE_DIR "/models/arm.urdf --root free_flyer --time 1 ";
@@ -131,6 +168,10 @@ TEST_CASE("simulate refuses what makes no sense, and keeps what there was of a m
   fails(biped + " --state " + broken.string(), "not finite");
   // Speeds whose squares no double holds.
   std::ofstream(broken) << R"({"samples":[{"q":[0.1,0.1,0.1,0.1,0.1,0.1,0.1],"v":[1e160,1e160,1e160,1e160,1e160,1e160,1e160]}]})";
+  fails(DYN_SOURCE_DIR "/models/arm.urdf --state " + broken.string() + " --out " + out.string(), "the energy is not finite");
+  CHECK_FALSE(fs::exists(out));
+  // And speeds that grow so large.
+  std::ofstream(broken) << R"({"samples":[{"q":[0.1,0.1,0.1,0.1,0.1,0.1,0.1],"v":[1e100,1e100,1e100,1e100,1e100,1e100,1e100]}]})";
   fails(DYN_SOURCE_DIR "/models/arm.urdf --state " + broken.string() + " --out " + out.string(), "t = ");
   const std::string kept = textOf(out);
   CHECK(std::count(kept.begin(), kept.end(), '\n') == 2);  // names and the first state

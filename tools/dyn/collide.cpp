@@ -1,5 +1,7 @@
 // dyn collide: which volumes of a robot and its surroundings touch, how far the others are apart, and which pairs need no asking.
 #include "commands.hpp"
+#include "interrupt.hpp"
+#include "progress.hpp"
 #include "states.hpp"
 #include "volume_options.hpp"
 
@@ -99,12 +101,17 @@ void collide(const CollideOptions& o, const Model& description) {
     requireFinite(found, "state " + std::to_string(out["states"].size()));
     out["states"].push_back(std::move(found));
   };
+  const Interruption interruption;
   if (o.states.empty()) {
     at(neutral(robot.model));
   } else {
-    for (const State& s : readStates(o.states, robot.model)) at(s.q);
+    for (const State& s : readStates(o.states, robot.model)) {
+      if (interruption) break;
+      at(s.q);
+    }
   }
   std::printf("%s\n", out.dump(2).c_str());
+  interruption.end();
 }
 
 /// Pairs of links by what sampling says of them. Pairs with the world are the scene's and not the robot's.
@@ -120,8 +127,12 @@ void learn(const CollideOptions& o, const Model& description) {
   };
   std::map<std::pair<std::string, std::string>, int> collisions;
   for (std::size_t p = 0; p < geometry.pairs().size(); ++p) collisions[bodies(static_cast<int>(p))] = 0;
-  for (int k = 0; k < o.learn; ++k) {
-    robot.move(randomConfiguration(robot.model, o.seed + static_cast<std::uint64_t>(k)));
+  const Interruption interruption;
+  int tried = 0;
+  ProgressLine progress(0, o.learn, "configurations");
+  for (; tried < o.learn && !interruption; ++tried) {
+    progress.at(tried);
+    robot.move(randomConfiguration(robot.model, o.seed + static_cast<std::uint64_t>(tried)));
     std::set<std::pair<std::string, std::string>> hit;
     for (const int pair : computeCollisions(geometry, robot.placed)) hit.insert(bodies(pair));
     for (const auto& pair : hit) ++collisions[pair];
@@ -129,7 +140,7 @@ void learn(const CollideOptions& o, const Model& description) {
   std::vector<DisabledCollision> found = description.disabled_collisions;
   int always = 0, never = 0;
   for (const auto& [pair, count] : collisions) {
-    if (pair.first == "universe" || pair.second == "universe" || (count != 0 && count != o.learn)) continue;
+    if (pair.first == "universe" || pair.second == "universe" || (count != 0 && count != tried)) continue;
     found.push_back({pair.first, pair.second, count == 0 ? "Never" : "Always"});
     ++(count == 0 ? never : always);
   }
@@ -138,7 +149,8 @@ void learn(const CollideOptions& o, const Model& description) {
   } else {
     srdf::write(o.out, robot.model.name(), found);
   }
-  std::fprintf(stderr, "%d configurations: of %zu pairs of links %d always collide and %d never do\n", o.learn, collisions.size(), always, never);
+  std::fprintf(stderr, "%d configurations: of %zu pairs of links %d always collide and %d never do\n", tried, collisions.size(), always, never);
+  interruption.end();
 }
 
 void run(const CollideOptions& o) {

@@ -102,76 +102,98 @@ const PluginRecord& recordOf(const JointRegistry& registry, const std::string& f
 
 using Progress = std::function<void(const char*)>;
 
-/// What a child process reported: a line for each group of checks that it began, and at last "=" and how many failed.
+/// What a child process reported: a line for each group of checks that it began, and "=" and a number at the end of each part of its work.
 struct Report {
   std::string group;
-  int failures = -1;  ///< -1: it did not get that far
+  int number = -1;    ///< the last of those; -1: it did not get that far
   bool late = false;  ///< a group took longer than it may
 };
 
-/// Up to its end, or up to "=" and this number.
-Report readReport(int pipe, double time_limit, int last = std::numeric_limits<int>::max()) {
-  Report report;
-  std::string text;
-  while (true) {
-    pollfd ready{pipe, POLLIN, 0};
-    const int n = poll(&ready, 1, static_cast<int>(time_limit * 1000));
-    if (n < 0 && errno == EINTR) continue;
-    char buffer[512];
-    const ssize_t size = n > 0 ? read(pipe, buffer, sizeof buffer) : 0;
-    if (size < 0 && errno == EINTR) continue;
-    report.late = n == 0;
-    if (size <= 0) return report;
-    text.append(buffer, static_cast<std::size_t>(size));
-    for (std::size_t end; (end = text.find('\n')) != std::string::npos; text.erase(0, end + 1)) {
-      if (text[0] == '=') {
-        report.failures = std::atoi(text.c_str() + 1);
-        if (report.failures == last) return report;
-      } else {
-        report.group = text.substr(0, end);
+/// A process of its own, which what it runs may crash or never leave, or end with any exit code.
+class Child {
+ public:
+  Child() {
+    std::fflush(stdout);
+    if (pipe2(ends_, O_CLOEXEC) != 0) throw Error(ErrorCode::file, std::string("no pipe for the checks: ") + std::strerror(errno));
+    process_ = fork();
+    if (process_ < 0) throw Error(ErrorCode::file, std::string("no process for the checks: ") + std::strerror(errno));
+    if (!here()) close(ends_[1]);
+  }
+  Child(const Child&) = delete;
+  Child& operator=(const Child&) = delete;
+
+  /// Whether this is that process.
+  bool here() const { return process_ == 0; }
+  void say(const std::string& line) const {
+    if (write(ends_[1], (line + "\n").c_str(), line.size() + 1) < 0) _exit(1);
+  }
+  /// What it says up to its end, or up to "=" and this number; no line may take longer.
+  Report listen(double time_limit, int last = std::numeric_limits<int>::max()) {
+    Report report;
+    while (true) {
+      for (std::size_t end; (end = text_.find('\n')) != std::string::npos;) {
+        const std::string line = text_.substr(0, end);
+        text_.erase(0, end + 1);
+        if (line[0] != '=') {
+          report.group = line;
+        } else if ((report.number = std::atoi(line.c_str() + 1)) == last) {
+          return report;
+        }
       }
+      pollfd ready{ends_[0], POLLIN, 0};
+      const int n = poll(&ready, 1, static_cast<int>(time_limit * 1000));
+      if (n < 0 && errno == EINTR) continue;
+      char buffer[512];
+      const ssize_t size = n > 0 ? read(ends_[0], buffer, sizeof buffer) : 0;
+      if (size < 0 && errno == EINTR) continue;
+      report.late = n == 0;
+      if (size <= 0) return report;
+      text_.append(buffer, static_cast<std::size_t>(size));
     }
   }
-}
+  /// Its exit status as waitpid() tells it; 0 if others have asked before.
+  int end(const Report& report) const {
+    close(ends_[0]);
+    if (report.late) kill(process_, SIGKILL);
+    int status = 0;
+    pid_t waited;
+    do waited = waitpid(process_, &status, 0);
+    while (waited < 0 && errno == EINTR);
+    return waited == process_ ? status : 0;
+  }
 
-std::string howItEnded(const CheckOptions& o, const Report& report, int status) {
+ private:
+  int ends_[2];
+  pid_t process_;
+  std::string text_;  ///< of the line that has begun
+};
+
+void printUnended(const CheckOptions& o, const Report& report, int status, const std::string& what) {
+  std::string how = "code of it ended the process";
   if (report.late) {
     char seconds[32];
     std::snprintf(seconds, sizeof seconds, "%g", o.time_limit);
-    return std::string("no end within ") + seconds + " s (--time-limit)";
+    how = std::string("no end within ") + seconds + " s (--time-limit)";
+  } else if (WIFSIGNALED(status)) {
+    how = std::string("crashed: ") + strsignal(WTERMSIG(status));
   }
-  if (WIFSIGNALED(status)) return std::string("crashed: ") + strsignal(WTERMSIG(status));
-  return "code of it ended the process";
+  std::printf("  FAILED  %s\n          %s\n", what.c_str(), how.c_str());
 }
 
-/// Runs checks in a process of their own, which a type may crash or never leave. Returns how many failed; -1 if they did not end, which is said.
+/// Returns how many checks failed; -1 if they did not end, which is said.
 template <class Check>
 int checkInChild(const CheckOptions& o, const Check& check) {
-  int ends[2];
-  std::fflush(stdout);
-  if (pipe2(ends, O_CLOEXEC) != 0) throw Error(ErrorCode::file, std::string("no pipe for the checks: ") + std::strerror(errno));
-  const pid_t child = fork();
-  if (child < 0) throw Error(ErrorCode::file, std::string("no process for the checks: ") + std::strerror(errno));
-  if (child == 0) {
-    const auto say = [&](const std::string& line) {
-      if (write(ends[1], (line + "\n").c_str(), line.size() + 1) < 0) _exit(1);
-    };
-    const int failures = printFindings(check([&](const char* group) { say(group); }));
+  Child child;
+  if (child.here()) {
+    const int failures = printFindings(check([&](const char* group) { child.say(group); }));
     std::fflush(stdout);
-    say("=" + std::to_string(failures));
+    child.say("=" + std::to_string(failures));
     _exit(0);
   }
-  close(ends[1]);
-  const Report report = readReport(ends[0], o.time_limit);
-  close(ends[0]);
-  if (report.late) kill(child, SIGKILL);
-  int status = 0;
-  pid_t waited;
-  do waited = waitpid(child, &status, 0);
-  while (waited < 0 && errno == EINTR);
-  if (report.failures >= 0) return report.failures;
-  std::printf("  FAILED  %s\n          %s\n", report.group.c_str(), howItEnded(o, report, waited == child ? status : 0).c_str());
-  return -1;
+  const Report report = child.listen(o.time_limit);
+  const int status = child.end(report);
+  if (report.number < 0) printUnended(o, report, status, report.group);
+  return report.number;
 }
 
 /// Each round has another seed: other parameters (unless given), other configurations. Returns how many checks failed. The first that does not
@@ -191,14 +213,15 @@ int checkType(const Type& type, const CheckOptions& o, const Check& check) {
   return failures;
 }
 
-void check(const CheckOptions& o, const Progress& progress) {
+template <class Loaded>
+void check(const CheckOptions& o, const Loaded& loaded) {
   const Trust trust = o.any_plugin ? Trust::any : Trust::owner_only;
   // Of this file alone: an older build of it in the path would have its types.
   unsetenv("DYN_PLUGIN_PATH");
   JointRegistry registry = JointRegistry::standard(trust);
   registry.load(o.file, trust);
   const PluginRecord& record = recordOf(registry, o.file);
-  progress("=0");
+  loaded();
   const AllocationCount allocations = canCountAllocations() ? AllocationCount(allocationCount) : AllocationCount();
   if (!canCountAllocations()) std::printf("allocations are not counted in this build\n");
 
@@ -231,38 +254,26 @@ void check(const CheckOptions& o, const Progress& progress) {
   if (failures > 0) throw ExitCode{1};
 }
 
-/// In a process of its own, which must say that it has come to its end: code that a plugin runs may end it, with any exit code.
+/// In a process that must say that it has come to its end.
 void run(const CheckOptions& o) {
-  int ends[2];
-  std::fflush(stdout);
-  if (pipe2(ends, O_CLOEXEC) != 0) throw Error(ErrorCode::file, std::string("no pipe for the checks: ") + std::strerror(errno));
-  const pid_t child = fork();
-  if (child < 0) throw Error(ErrorCode::file, std::string("no process for the checks: ") + std::strerror(errno));
-  if (child == 0) {
-    const auto say = [&](const char* line) {
-      if (write(ends[1], (std::string(line) + "\n").c_str(), std::strlen(line) + 1) < 0) _exit(1);
-    };
+  constexpr int loaded = 0, done = 1;
+  Child child;
+  const auto say = [&](int part) { child.say("=" + std::to_string(part)); };
+  if (child.here()) {
     try {
-      check(o, say);
+      check(o, [&] { say(loaded); });
     } catch (...) {  // what it says is main()'s to print
-      say("=1");
+      say(done);
       throw;
     }
-    say("=1");
-    return;
+    return say(done);
   }
-  close(ends[1]);
-  // "=0": it is loaded, and from there on each group of checks has its own time; "=1": it is done.
-  Report report = readReport(ends[0], o.time_limit, 0);
-  if (report.failures == 0) report = readReport(ends[0], 1e6, 1);
-  close(ends[0]);
-  if (report.late) kill(child, SIGKILL);
-  int status = 0;
-  pid_t waited;
-  do waited = waitpid(child, &status, 0);
-  while (waited < 0 && errno == EINTR);
-  if (report.failures == 1 && waited == child && WIFEXITED(status)) throw ExitCode{WEXITSTATUS(status)};
-  std::printf("  FAILED  loading %s\n          %s\n", o.file.c_str(), howItEnded(o, report, waited == child ? status : 0).c_str());
+  Report report = child.listen(o.time_limit, loaded);
+  // From there on each group of checks has its own time.
+  if (report.number == loaded) report = child.listen(1e6, done);
+  const int status = child.end(report);
+  if (report.number == done && WIFEXITED(status)) throw ExitCode{WEXITSTATUS(status)};
+  printUnended(o, report, status, "loading " + o.file);
   throw ExitCode{1};
 }
 

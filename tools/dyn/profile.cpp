@@ -2,6 +2,7 @@
 #include "commands.hpp"
 #include "counters.hpp"
 #include "model_options.hpp"
+#include "progress.hpp"
 #include "states.hpp"
 
 #include <dispatch/dispatch.hpp>
@@ -52,8 +53,10 @@ void addLibrary(const CompactModel& model, const std::shared_ptr<Data>& data, co
 void measure(std::vector<Line>& lines, const std::vector<State>& states, Counters& counters) {
   using Clock = std::chrono::steady_clock;
   const std::size_t n = lines.size();
+  ProgressLine progress(0, repetitions, "repetitions");
   for (int repetition = -1; repetition < repetitions; ++repetition)
     for (std::size_t k = 0; k < n; ++k) {
+      if (k == 0) progress.at(std::max(repetition, 0));
       Line& line = lines[(k + static_cast<std::size_t>(repetition + 1)) % n];
       const auto once = [&] {
         for (const State& s : states) line.contender.run(s.q.data(), s.v.data(), s.a.data());

@@ -1,13 +1,13 @@
 // dyn simulate: a robot's motion through time, what it keeps on the way, and how fast it was computed.
 #include "commands.hpp"
 #include "contacts.hpp"
+#include "interrupt.hpp"
+#include "progress.hpp"
 #include "trajectory.hpp"
 #include "volume_options.hpp"
 
 #include <dyn/file.hpp>
 #include <dyn/geometry/contact_finder.hpp>
-
-#include <unistd.h>
 
 #include <chrono>
 #include <cmath>
@@ -89,31 +89,6 @@ struct SimulateOptions : ModelOptions {
   }
 };
 
-/// On a terminal only.
-class ProgressLine {
- public:
-  ProgressLine(double from, double to) : from_(from), to_(to), shown_(isatty(STDERR_FILENO) != 0) {}
-  ~ProgressLine() {
-    if (shown_) std::fprintf(stderr, "\r\033[K");
-  }
-  ProgressLine(const ProgressLine&) = delete;
-  ProgressLine& operator=(const ProgressLine&) = delete;
-  void at(double t) {
-    if (to_ <= from_) return;
-    const int now = static_cast<int>(40 * (t - from_) / (to_ - from_));
-    if (!shown_ || now == bars_) return;
-    bars_ = now;
-    const std::string bar(static_cast<std::size_t>(now), '#');
-    std::fprintf(stderr, "\r[%-40s] %g s", bar.c_str(), t);
-    std::fflush(stderr);
-  }
-
- private:
-  double from_, to_;
-  bool shown_;
-  int bars_ = -1;
-};
-
 /// A free body on the world, all others on it: momentum changes by gravity alone, if nothing else acts.
 bool floats(const CompactModel& model) {
   int roots = 0;
@@ -183,10 +158,12 @@ void run(const SimulateOptions& o) {
   double watched = 0;
   const double started = clock();
   std::optional<Error> failure;
+  const Interruption interruption;
   {
-    ProgressLine progress(from, until);
+    ProgressLine progress(from, until, "s");
     try {
       simulator.advance(until, times, [&](double t, const VectorResult& q, const VectorResult& v) {
+        if (interruption) throw Error(ErrorCode::simulation, "interrupted");  // the states so far are kept
         const double since = clock();
         trajectory.add(t, q, v, energyOf(q, v));
         progress.at(t);
@@ -222,6 +199,7 @@ void run(const SimulateOptions& o) {
   if (!o.save.empty()) replaceFile(o.save, simulator.save());
   if (!o.out.empty()) trajectory.write(o.out);
   if (!o.plot.empty()) trajectory.plot(o.plot);
+  interruption.end();
   if (failure) throw *failure;
 }
 

@@ -56,6 +56,17 @@ std::string shapeProblem(const JointInstance& joint) {
   return "it names no shape";
 }
 
+/// Says of refused parameters that they may have been made up.
+JointProbe probe(const JointType& type, const Parameters& example) {
+  try {
+    return JointProbe(type, example);
+  } catch (const Error& e) {
+    throw Error(e.code(), std::string(e.what()) +
+                              " (made up from the schema, unless given: a parameter that does not take every value has an `example` "
+                              "in its ParameterSpec, or is named, as in --parameters name=1,2)");
+  }
+}
+
 }  // namespace
 
 }  // namespace conformance
@@ -69,7 +80,7 @@ std::vector<ConformanceFinding> checkJointType(const JointType& type, const Para
     guarded(name, findings, checks);
   };
   group("parameters", [&] {
-    const JointProbe joint(type, example);
+    const JointProbe joint = probe(type, example);
     const std::string problem = shapeProblem(joint.instance());
     if (!problem.empty()) throw Error(ErrorCode::parameter, problem);
     findings.push_back({"parameters are accepted", true, 0, 0, "nq = " + std::to_string(joint.nq()) + ", nv = " + std::to_string(joint.nv())});

@@ -1,0 +1,43 @@
+// Ctrl-C and TERM: what was computed is kept and written before the command ends, with exit code 130 or 143. A second one ends it at once.
+#pragma once
+
+#include "commands.hpp"
+
+#include <csignal>
+
+namespace dyn::tool {
+
+/// As long as it lives; one at a time.
+class Interruption {
+ public:
+  Interruption() {
+    came() = 0;
+    struct sigaction act {};
+    act.sa_handler = [](int signal) { came() = signal; };
+    act.sa_flags = static_cast<int>(SA_RESETHAND);
+    sigaction(SIGINT, &act, &before_int_);
+    sigaction(SIGTERM, &act, &before_term_);
+  }
+  ~Interruption() {
+    sigaction(SIGINT, &before_int_, nullptr);
+    sigaction(SIGTERM, &before_term_, nullptr);
+  }
+  Interruption(const Interruption&) = delete;
+  Interruption& operator=(const Interruption&) = delete;
+
+  explicit operator bool() const { return came() != 0; }
+  /// Throws ExitCode if there was one; for when all is written.
+  void end() const {
+    if (*this) throw ExitCode{128 + came()};
+  }
+
+ private:
+  static volatile std::sig_atomic_t& came() {
+    static volatile std::sig_atomic_t signal = 0;
+    return signal;
+  }
+  struct sigaction before_int_ {
+  }, before_term_{};
+};
+
+}  // namespace dyn::tool
