@@ -7,6 +7,7 @@
 
 #include <csignal>
 #include <fstream>
+#include <iostream>
 
 using namespace dyn::test;
 
@@ -86,8 +87,10 @@ TEST_CASE("simulate writes what it passed through, and says what was kept", "[co
 }
 
 namespace {
-/// Whether the process has a handler for the signal.
+/// Whether the process is dyn, and no copy of this one any more, and has a handler for the signal.
 bool handles(pid_t process, int signal) {
+  std::error_code error;
+  if (fs::read_symlink("/proc/" + std::to_string(process) + "/exe", error).filename() != "dyn") return false;
   std::ifstream status("/proc/" + std::to_string(process) + "/status");
   for (std::string line; std::getline(status, line);)
     if (line.rfind("SigCgt:", 0) == 0) return (std::stoull(line.substr(7), nullptr, 16) >> (signal - 1) & 1) != 0;
@@ -99,6 +102,8 @@ TEST_CASE("a simulation that is interrupted writes what it has come to", "[comma
   for (const int signal : {SIGINT, SIGTERM}) {
     const Folder folder;
     const std::string out = (folder.path / "out.csv").string(), save = (folder.path / "saved").string();
+    std::cout.flush();
+    std::fflush(nullptr);
     const pid_t child = fork();
     if (child == 0) {
       alarm(60);
