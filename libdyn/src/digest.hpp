@@ -1,4 +1,4 @@
-// What tells one text from another, and a whole one from one that was changed or cut short. It is no protection against those who mean to.
+// A digest tells one text from another, and a whole text from one that was changed or cut short by accident. It does not protect against forgery.
 #pragma once
 
 #include <cstdint>

@@ -21,7 +21,7 @@ namespace {
 }
 [[noreturn]] void cannotWrite(const std::string& path) { cannotWrite(path, std::strerror(errno)); }
 
-/// What a path to write to means.
+/// Tells where a path to write to leads, and how that is written.
 struct Target {
   std::string file;    ///< behind all links
   bool there = false;  ///< a file that is replaced

@@ -18,12 +18,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Whoever owns the file of this library decides already what the process does. Looked up as the library is loaded, when its name still leads there.
-const uid_t library_owner = [] {
+const fs::path library_file = [] {
   Dl_info where;
+  std::error_code error;
+  const bool found = dladdr(reinterpret_cast<const void*>(&libraryFile), &where) != 0 && where.dli_fname != nullptr;
+  return found ? fs::canonical(where.dli_fname, error) : fs::path();
+}();
+
+/// Whoever owns the file of this library decides already what the process does.
+const uid_t library_owner = [] {
   struct stat s {};
-  const bool found = dladdr(reinterpret_cast<const void*>(&untrustedFolder), &where) != 0 && stat(where.dli_fname, &s) == 0;
-  return found ? s.st_uid : 0;
+  return stat(library_file.c_str(), &s) == 0 ? s.st_uid : 0;
 }();
 
 bool trustedOwner(uid_t owner) { return owner == 0 || owner == geteuid() || owner == library_owner; }
@@ -48,6 +53,8 @@ bool fixed(const fs::path& file) {
 
 }  // namespace
 
+const fs::path& libraryFile() { return library_file; }
+
 OpenFile::OpenFile(const std::string& path) : path_(path) {
   // Without waiting: opening a pipe that nobody writes to would.
   do descriptor_ = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
@@ -61,11 +68,14 @@ OpenFile::OpenFile(const std::string& path) : path_(path) {
 }
 
 OpenFile::~OpenFile() {
-  if (descriptor_ >= 0) close(descriptor_);
+  if (descriptor_ >= 0 && !stays_open_) close(descriptor_);
 }
 
 OpenFile::OpenFile(OpenFile&& other) noexcept
-    : path_(std::move(other.path_)), problem_(std::move(other.problem_)), descriptor_(std::exchange(other.descriptor_, -1)) {}
+    : path_(std::move(other.path_)),
+      problem_(std::move(other.problem_)),
+      descriptor_(std::exchange(other.descriptor_, -1)),
+      stays_open_(other.stays_open_) {}
 
 std::string OpenFile::untrusted(const char* cure) const {
   struct stat s {};
@@ -91,7 +101,10 @@ std::string OpenFile::content() const {
   }
 }
 
-std::string OpenFile::nameForLoader() const { return fixed(path_) ? path_ : "/proc/self/fd/" + std::to_string(descriptor_); }
+std::string OpenFile::nameForLoader() const {
+  stays_open_ = stays_open_ || !fixed(path_);
+  return stays_open_ ? "/proc/self/fd/" + std::to_string(descriptor_) : path_;
+}
 
 std::string untrustedFolder(const std::string& path, const char* cure) {
   struct stat s {};

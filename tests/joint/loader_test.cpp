@@ -119,6 +119,9 @@ TEST_CASE("a file in folders that others can exchange is loaded as it was when i
   dyn::JointRegistry registry;
   registry.load(file);
   CHECK_NOTHROW(registry.jointType("sound_slider"));
+  // Another one is another one, whatever number its descriptor would have.
+  registry.load(open.copy("never_ends_or_crashes.so", fs::path("inner") / "other.so").string());
+  CHECK_NOTHROW(registry.jointType("sound_after_them"));
 }
 
 TEST_CASE("an entry point that throws, or is missing, or describes nothing") {

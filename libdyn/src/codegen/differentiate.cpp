@@ -64,7 +64,7 @@ void partials(const GraphNode& n, const Traced& x, const Traced* a, Traced* out)
 
 /// The graph once more in a builder, with all values at hand.
 struct Replayed {
-  /// Of a selection: whether it takes its third argument.
+  /// Says whether a selection takes its third argument.
   TracedCondition conditionOf(const GraphNode& n) const { return values[n.argument[0]] < values[n.argument[1]]; }
 
   GraphBuilder builder;

@@ -163,7 +163,7 @@ class Finder {
     return false;
   }
 
-  /// Of a volume: the velocity of the centre of its bounding sphere in the world, and how fast its points move about that at most.
+  /// The velocity of the centre of a volume's bounding sphere in the world, and how fast its points move about that at most.
   struct PieceMotion {
     Vec3<double> centre;
     double turning = 0;
@@ -175,7 +175,7 @@ class Finder {
     const Motion<double> v = jointVelocity(model_, data_, r.joint, ReferenceFrame::LOCAL_WORLD_ALIGNED);
     const Vec3<double> centre =
         jointPlacement(model_, data_, r.joint).R * (volume.bounded() ? r.placement.act(volume.bounds().center()) : r.placement.p);
-    // What is round about its centre turns in itself.
+    // A solid that is round about its centre covers the same points as it turns.
     const double radius = !volume.bounded() ? 0 : volume.single() ? volume.radius() - volume.piece(0).margin : volume.radius();
     return {v.linear + cross(v.angular, centre), norm(v.angular) * std::max(radius, 0.0)};
   }

@@ -26,7 +26,7 @@ Separation fromHalfSpace(const Convex& a, const Convex& b, const SE3<double>& aM
   return s;
 }
 
-/// Of the solids' size: nearer to each other than this a difference of points has too few digits for a direction.
+/// This is a share of the solids' size. Where they are nearer to each other, a difference of points has too few digits for a direction.
 constexpr double nearly = 0x1p-20;
 
 /// Whether the difference's nearest point says too little of the normal: it is rounding by and large, or how near it is has not been proved. The

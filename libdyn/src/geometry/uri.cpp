@@ -30,7 +30,7 @@ void addFrom(const char* variable, const char* below, std::vector<fs::path>& fol
   }
 }
 
-/// Of a URI: %20 is a blank (RFC 3986, sec. 2.1). What is no such code stays.
+/// Decodes a URI, in which %20 is a blank (RFC 3986, sec. 2.1). What is no such code stays.
 std::string decoded(const std::string& text) {
   std::string out;
   for (std::size_t i = 0; i < text.size(); ++i) {

@@ -5,7 +5,6 @@
 
 #include <dyn_sdk/stamp.hpp>
 
-#include <boost/dll/runtime_symbol_info.hpp>
 #include <boost/dll/shared_library.hpp>
 
 #include <cstring>
@@ -22,12 +21,6 @@ namespace fs = std::filesystem;
 [[noreturn]] void refuse(const std::string& path, const std::string& why) { throw Error(ErrorCode::plugin, why, {path, 0, ""}); }
 
 constexpr const char* or_any = ", or load it with Trust::any";
-
-/// Looked for as the library is loaded, when a relative name still leads there.
-const fs::path library_folder = [] {
-  std::error_code error;
-  return fs::canonical(boost::dll::symbol_location_ptr(reinterpret_cast<const void*>(&openPlugin)).string(), error).parent_path();
-}();
 
 /// A build of the standard plugin, which comes with the library and is as much to be trusted.
 bool partOfLibrary(const fs::path& file) { return file.filename() == "dyn_standard.so" && file.string().starts_with(builtinPluginDirectory() + "/"); }
@@ -128,6 +121,6 @@ void* openFunction(const OpenFile& file, const std::string& name) {
   return reinterpret_cast<void*>(&keep(std::move(opened)).get<void()>(name));
 }
 
-std::string builtinPluginDirectory() { return (library_folder / "libdyn" / "plugins").string(); }
+std::string builtinPluginDirectory() { return (libraryFile().parent_path() / "libdyn" / "plugins").string(); }
 
 }  // namespace dyn

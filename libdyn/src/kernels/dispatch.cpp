@@ -7,23 +7,13 @@
 
 #include <dlfcn.h>
 
-#include <filesystem>
 #include <string>
 
 namespace dyn::kernels {
 
 namespace {
 
-/// Modules lie in libdyn/kernels beside the library, which is looked for as it is loaded: its name may be relative, and the process may go to another
-/// folder later.
-const std::string module_folder = [] {
-  Dl_info where;
-  std::error_code error;
-  if (dladdr(reinterpret_cast<const void*>(&active), &where) == 0 || where.dli_fname == nullptr) return std::string();
-  return (std::filesystem::canonical(where.dli_fname, error).parent_path() / "libdyn" / "kernels").string();
-}();
-
-/// They are never closed.
+/// Modules lie in libdyn/kernels beside the library, and are never closed.
 const Kernels* open(const OpenFile& module, std::string& problem) {
   problem = !module.problem().empty() ? module.problem() : module.untrusted("");
   if (!problem.empty()) return nullptr;
@@ -41,7 +31,7 @@ const Kernels* open(const OpenFile& module, std::string& problem) {
 
 const Kernels& choose() {
   const std::string& set = instructionSet();
-  const OpenFile module(module_folder + "/" + set + ".so");
+  const OpenFile module((libraryFile().parent_path() / "libdyn" / "kernels" / (set + ".so")).string());
   std::string problem;
   if (const Kernels* table = open(module, problem)) return *table;
   throw Error(ErrorCode::file, "the kernels for " + set + " cannot be loaded: " + problem + "; they are installed with the library",

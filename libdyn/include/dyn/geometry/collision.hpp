@@ -29,8 +29,8 @@ DYN_API const std::vector<Contact>& computeContacts(const GeometryModel& geometr
 
 struct GeometryBatchImpl;
 
-/// What computeCollisions of many states needs: for each thread a Data and a GeometryData. In a child of fork() the first call starts its threads
-/// anew.
+/// Holds what computeCollisions of many states needs: for each thread a Data and a GeometryData. In a child of fork() the first call starts its
+/// threads anew.
 class DYN_API GeometryBatch {
  public:
   /// Throws Error(argument) unless capacity and threads are positive.
