@@ -31,6 +31,7 @@ struct Target {
 
 /// Throws Error(file) for folders, and for files whose modes forbid writing, which root may do.
 Target targetOf(const std::string& path) {
+  if (path.empty()) throw Error(ErrorCode::file, "the name of a file to write is empty");
   Target out;
   out.file = path;
   for (int links = 0; links < 40; ++links) {
@@ -91,6 +92,7 @@ void writeInto(const Target& target, const std::string& path, const std::string&
 }  // namespace
 
 std::string readFile(const std::string& path, std::uintmax_t largest) {
+  if (path.empty()) throw Error(ErrorCode::file, "the name of a file to read is empty");
   const Where where{path, 0, ""};
   std::error_code error;
   const auto status = std::filesystem::status(path, error);

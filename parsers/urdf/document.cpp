@@ -117,7 +117,7 @@ std::vector<double> Document::numbers(const tinyxml2::XMLElement& e, const char*
         break;
       case Parsed::underflow:
         notes_.push_back("line " + std::to_string(e.GetLineNum()) + ": " + described() + " is too small for a double and became " +
-                         std::to_string(x));
+                         (x == 0 ? "0" : "one of fewer digits"));
         break;
       case Parsed::wrong:
         fail(e, described() + ": '" + std::string(p, last) + "' is not a finite number (decimal point, no unit)", ErrorCode::syntax);

@@ -8,44 +8,6 @@ using namespace dyn::test;
 
 namespace fs = std::filesystem;
 
-TEST_CASE("help is there for every subcommand, and a wrong command line exits with 2", "[command]") {
-  for (const char* sub : {"", "accuracy", "info", "check", "codegen", "collide", "compute", "demo", "bench", "profile", "plugin", "plugin list",
-                          "plugin check", "plugin new", "simulate"}) {
-    const Answer a = run(std::string(sub) + " --help");
-    INFO(sub << a.err);
-    CHECK(a.code == 0);
-    CHECK_THAT(a.out, containing("--help"));
-  }
-  const std::vector<std::string> wrong = {"",
-                                          "fly",
-                                          "info",
-                                          "info " + biped + " --order backwards",
-                                          "compute x.urdf",
-                                          "compute x.urdf --states x.json --only rnea,fly",
-                                          "codegen x.urdf --functions fly",
-                                          "codegen x.urdf --functions rnea --lanes 3",
-                                          "plugin",
-                                          "plugin check",
-                                          "bench x.urdf --unknown-option",
-                                          "accuracy --instruction-sets mmx"};
-  for (const std::string& line : wrong) {
-    const Answer a = run(line);
-    INFO(line);
-    CHECK(a.code == 2);
-    CHECK(!a.err.empty());
-    CHECK(a.out.empty());
-  }
-}
-
-TEST_CASE("a word that is no subcommand is named, with those that there are", "[command]") {
-  const Answer a = run("fly robot.urdf"), b = run("plugin fly");
-  CHECK(a.code == 2);
-  CHECK_THAT(a.err, containing("'fly'") && containing("info, ") && containing("simulate"));
-  CHECK(b.code == 2);
-  CHECK_THAT(b.err, containing("'fly'") && containing("list, ") && !containing("simulate"));
-  CHECK(run("fly --help").code == 0);
-}
-
 TEST_CASE("a robot that cannot be read exits with 1 and says file and reason, in every subcommand", "[command]") {
   const Folder folder;
   const std::string broken = folder.write("broken.urdf", "<robot name='r'>\n<link name='a'/>\n<link name='a'/>\n</robot>\n");

@@ -3,11 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include <unistd.h>
-
-#include <csignal>
 #include <fstream>
-#include <iostream>
 
 using namespace dyn::test;
 
@@ -86,44 +82,6 @@ TEST_CASE("simulate writes what it passed through, and says what was kept", "[co
   CHECK(falls.code == 0);
 }
 
-namespace {
-/// Whether the process is dyn, and no copy of this one any more, and has a handler for the signal.
-bool handles(pid_t process, int signal) {
-  std::error_code error;
-  if (fs::read_symlink("/proc/" + std::to_string(process) + "/exe", error).filename() != "dyn") return false;
-  std::ifstream status("/proc/" + std::to_string(process) + "/status");
-  for (std::string line; std::getline(status, line);)
-    if (line.rfind("SigCgt:", 0) == 0) return (std::stoull(line.substr(7), nullptr, 16) >> (signal - 1) & 1) != 0;
-  return false;
-}
-}  // namespace
-
-TEST_CASE("a simulation that is interrupted writes what it has come to", "[command][simulate]") {
-  for (const int signal : {SIGINT, SIGTERM}) {
-    const Folder folder;
-    const std::string out = (folder.path / "out.csv").string(), save = (folder.path / "saved").string();
-    std::cout.flush();
-    std::fflush(nullptr);
-    const pid_t child = fork();
-    if (child == 0) {
-      alarm(60);
-      if (!freopen("/dev/null", "w", stdout)) _exit(1);
-      execl(DYN_BINARY_DIR "/bin/dyn", "dyn", "simulate", DYN_SOURCE_DIR "/models/four_bar.urdf", "--time", "100000", "--every", "0.5", "--out",
-            out.c_str(), "--save", save.c_str(), static_cast<char*>(nullptr));
-      _exit(1);
-    }
-    while (!handles(child, signal) && waitpid(child, nullptr, WNOHANG) == 0) usleep(1000);
-    kill(child, signal);
-    int status = 0;
-    REQUIRE(waitpid(child, &status, 0) == child);
-    REQUIRE(WIFEXITED(status));
-    CHECK(WEXITSTATUS(status) == 128 + signal);
-    CHECK_THAT(textOf(out), containing("t,"));
-    CHECK_THAT(textOf(save), containing("libdyn-simulation-3"));
-    CHECK(std::distance(fs::directory_iterator(folder.path), {}) == 2);
-  }
-}
-
 TEST_CASE("simulate lets bodies touch by their volumes", "[command][simulate]") {
   const Folder folder;
   const std::string table = (folder.path / "table.urdf").string(), arm = "simulate " DYN_SOURCE_DIR "/models/arm.urdf --root free_flyer --time 1 ";
@@ -148,12 +106,12 @@ TEST_CASE("simulate refuses what makes no sense, and keeps what there was of a m
   };
   fails(biped + " --dt 0", "must be positive", 2);
   fails(biped + " --dt=-1", "must be positive", 2);
-  fails(biped + " --dt nan", "must be positive", 2);
-  fails(biped + " --time=-1", "not negative", 2);
-  fails(biped + " --time inf", "not negative", 2);
+  fails(biped + " --dt nan", "is no number", 2);
+  fails(biped + " --time=-1", "must be 0 or more", 2);
+  fails(biped + " --time inf", "must be 0 or more", 2);
   fails(biped + " --integrator leapfrog", "leapfrog", 2);
   fails(biped + " --out trajectory.txt", ".csv or .json", 2);
-  fails(biped + " --every 1e-12", "keep fewer");
+  fails(biped + " --every 1e-12", "larger --every");
   fails(biped + " --every=-0.1", "--every", 2);
   fails(biped + " --tolerance=-1", "tolerance", 2);
   fails(biped + " --ground nowhere", "no frame 'nowhere'");

@@ -4,6 +4,7 @@
 #include "commands.hpp"
 #include "contacts.hpp"
 #include "model_options.hpp"
+#include "options.hpp"
 
 #include <cmath>
 #include <memory>
@@ -111,8 +112,8 @@ void addBench(CLI::App& app) {
       ->delimiter(',');
   sub->add_option("--codegen", o->codegen, "code generated for this model too: names of functions as dyn codegen knows them, or all")->delimiter(',');
   sub->add_option("--only", o->only, "algorithms to measure, as its lines name them")->delimiter(',');
-  sub->add_option("--states", o->states, "of a batch")->capture_default_str()->check(CLI::Range(1, 1024));
-  sub->add_option("--threads", o->threads, "of batches")->capture_default_str()->check(CLI::Range(1, 256));
+  sub->add_option("--states", o->states, "of a batch")->capture_default_str()->check(inRange(1, 1024));
+  sub->add_option("--threads", o->threads, "of batches")->capture_default_str()->check(inRange(1, 256));
   sub->callback([o] { run(*o); });
 }
 

@@ -1,10 +1,12 @@
 // dyn collide: which volumes of a robot and its surroundings touch, how far the others are apart, and which pairs need no asking.
 #include "commands.hpp"
 #include "interrupt.hpp"
+#include "options.hpp"
 #include "progress.hpp"
 #include "states.hpp"
 #include "volume_options.hpp"
 
+#include <dyn/file.hpp>
 #include <dyn/geometry/collision.hpp>
 #include <dyn/geometry/distance.hpp>
 #include <dyn/parsers/srdf.hpp>
@@ -32,8 +34,8 @@ struct CollideOptions : ModelOptions {
     app.add_option("--states", states, "JSON with {\"samples\":[{\"q\":[...]}, ...]}; - for standard input; without it the neutral configuration");
     app.add_flag("--distances", all_distances, "distances of all pairs, not only the least");
     app.add_option("--learn", learn, "sample so many configurations and write an SRDF of the pairs of links that always or never collide")
-        ->check(CLI::PositiveNumber);
-    app.add_option("--out", out, "where --learn writes; without it on standard output");
+        ->check(inRange(1, 1e9));
+    app.add_option("--out", out, "where --learn writes; without it on standard output")->check(fileName());
     app.add_option("--seed", seed, "of --learn")->capture_default_str();
   }
 };
@@ -116,6 +118,7 @@ void collide(const CollideOptions& o, const Model& description) {
 
 /// Pairs of links by what sampling says of them. Pairs with the world are the scene's and not the robot's.
 void learn(const CollideOptions& o, const Model& description) {
+  if (!o.out.empty()) checkReplaceable(o.out);
   Robot robot(o, description);
   const GeometryModel& geometry = robot.geometry;
   const std::vector<GeometryRecord>& records = geometry.geometries();

@@ -2,6 +2,7 @@
 #include "commands.hpp"
 #include "condition.hpp"
 #include "contacts.hpp"
+#include "interrupt.hpp"
 #include "model_options.hpp"
 #include "states.hpp"
 
@@ -257,7 +258,8 @@ void run(const Options& o) {
   head["samples"] = Json::array();
   print(head, out);
   out.resize(out.size() - 2);  // the samples follow one by one: "]}" comes last
-  for (std::size_t i = 0; i < states.size(); ++i) {
+  const Interruption interruption;
+  for (std::size_t i = 0; i < states.size() && !interruption; ++i) {
     const State& s = states[i];
     Json sample = {{"q", flat(s.q)}, {"v", flat(s.v)}, {"a", flat(s.a)}, {"tau", flat(s.tau)}};
     for (const Quantity& quantity : quantities())
@@ -271,6 +273,7 @@ void run(const Options& o) {
   }
   out += "]}\n";
   std::fputs(out.c_str(), stdout);
+  interruption.end();
   if (only.empty() || std::any_of(std::begin(by_inverse), std::end(by_inverse), [&](const char* key) { return only.count(key) > 0; }))
     warnOfCondition(model, states);
   for (const std::string& key : only)

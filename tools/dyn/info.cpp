@@ -56,7 +56,7 @@ void runInfo(const ModelOptions& o) {
   const JointRegistry registry = o.registry();
   const Model description = o.description();
   const CompactModel model = dyn::compile(description, registry, o.compileOptions());
-  std::printf("%s: %d joints, nq %d, nv %d, %zu frames, %.17g kg\n", model.name().c_str(), model.njoints() - 1, model.nq(), model.nv(),
+  std::printf("%s: %d joints, nq %d, nv %d, %zu frames, %.6g kg\n", model.name().c_str(), model.njoints() - 1, model.nq(), model.nv(),
               model.frames().size(), model.mass());
   std::printf("\nplugins\n");
   for (const PluginRecord& p : registry.plugins()) {

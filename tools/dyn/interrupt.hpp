@@ -1,8 +1,12 @@
-// Ctrl-C and TERM: what was computed is kept and written before the command ends, with exit code 130 or 143. A second one ends it at once.
+// Ctrl-C and TERM: what was computed is kept and written before the command ends, with exit code 130 or 143. The user is told so; a second signal
+// ends it at once.
 #pragma once
 
 #include "commands.hpp"
 
+#include <unistd.h>
+
+#include <cerrno>
 #include <csignal>
 
 namespace dyn::tool {
@@ -13,7 +17,13 @@ class Interruption {
   Interruption() {
     came() = 0;
     struct sigaction act {};
-    act.sa_handler = [](int signal) { came() = signal; };
+    act.sa_handler = [](int signal) {
+      came() = signal;
+      constexpr char text[] = "\ndyn: interrupted; it writes what it has and ends, once more ends it at once\n";
+      const int error = errno;
+      [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, text, sizeof text - 1);
+      errno = error;
+    };
     act.sa_flags = static_cast<int>(SA_RESETHAND);
     sigaction(SIGINT, &act, &before_int_);
     sigaction(SIGTERM, &act, &before_term_);
@@ -25,7 +35,9 @@ class Interruption {
   Interruption(const Interruption&) = delete;
   Interruption& operator=(const Interruption&) = delete;
 
-  explicit operator bool() const { return came() != 0; }
+  explicit operator bool() const { return pending(); }
+  /// Whether the one that lives has come.
+  static bool pending() { return came() != 0; }
   /// Throws ExitCode if there was one; for when all is written.
   void end() const {
     if (*this) throw ExitCode{128 + came()};

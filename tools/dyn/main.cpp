@@ -1,5 +1,6 @@
 // The command dyn. Exit codes: 0 done, 1 the model, the input or the answer is wrong, or the output is lost, 2 the command line is wrong.
 #include "commands.hpp"
+#include "options.hpp"
 
 #include <dyn/error.hpp>
 
@@ -28,6 +29,7 @@ bool explainUnknown(const CLI::App& app) {
 int run(int argc, char** argv) {
   CLI::App app{"Kinematics and dynamics of robots; joints come from plugins."};
   app.require_subcommand(1);
+  app.failure_message(dyn::tool::refusal);
   dyn::tool::addInfo(app);
   dyn::tool::addCheck(app);
   dyn::tool::addCodegen(app);

@@ -1,11 +1,13 @@
 #include "model_options.hpp"
 
+#include "options.hpp"
+
 #include <cstdio>
 
 namespace dyn::tool {
 
 void ModelOptions::add(CLI::App& app) {
-  app.add_option("MODEL", path, "URDF file")->required();
+  app.add_option("MODEL", path, "URDF file")->required()->check(fileName());
   app.add_option("--root", root, "joint between the world and the root link: fixed, free_flyer, or any joint type that needs no parameters")
       ->capture_default_str();
   app.add_option("--mimic", mimic, "mimic joints move on their own, or follow their masters")

@@ -1,5 +1,6 @@
 // dyn plugin check: the conformance kit on every type of a shared object. Exit code 1 on a failure.
 #include "alloc_guard.hpp"
+#include "options.hpp"
 #include "plugin.hpp"
 
 #include <dyn/conformance/conformance.hpp>
@@ -282,13 +283,13 @@ void run(const CheckOptions& o) {
 void addPluginCheck(CLI::App& plugin) {
   CLI::App* sub = plugin.add_subcommand("check", "runs the conformance checks on every type of a shared object; exit code 1 on a failure");
   auto o = std::make_shared<CheckOptions>();
-  sub->add_option("FILE", o->file, "the shared object")->required();
+  sub->add_option("FILE", o->file, "the shared object")->check(fileName())->required();
   sub->add_option("--type", o->type, "this type only");
   sub->add_option("--parameters", o->parameters, "name=1,2,3: instead of the parameters made up from the schema (repeatable)");
   sub->add_option("--seed", o->seed, "of the first round")->capture_default_str();
-  sub->add_option("--rounds", o->rounds, "rounds per type, each with another seed")->check(CLI::Range(1, 1000))->capture_default_str();
+  sub->add_option("--rounds", o->rounds, "rounds per type, each with another seed")->check(inRange(1, 1000))->capture_default_str();
   sub->add_option("--time-limit", o->time_limit, "of a group of checks [s]; each type is checked in a process of its own")
-      ->check(CLI::Range(0.001, 1e6))
+      ->check(inRange(0.001, 1e6))
       ->capture_default_str();
   sub->add_flag("--any-plugin", o->any_plugin, "load plugins that others can write, too");
   sub->callback([o] { run(*o); });

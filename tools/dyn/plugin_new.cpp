@@ -137,7 +137,7 @@ void writeFile(const fs::path& path, std::string text, const std::string& name) 
 
 void create(const std::string& name, const std::string& directory) {
   if (!isIdentifier(name))
-    throw Error(ErrorCode::argument, "'" + name + "' cannot name a joint type: use letters, digits and _, no digit first, no keyword of C++");
+    throw CLI::ValidationError("NAME", "'" + name + "' cannot name a joint type: use letters, digits and _, no digit first, no keyword of C++");
   const JointRegistry registry = JointRegistry::standard();
   for (const PluginRecord& plugin : registry.plugins())
     if (std::find(plugin.types.begin(), plugin.types.end(), name) != plugin.types.end())

@@ -2,8 +2,11 @@
 #include "commands.hpp"
 #include "counters.hpp"
 #include "model_options.hpp"
+#include "options.hpp"
 #include "progress.hpp"
 #include "states.hpp"
+
+#include <dyn/file.hpp>
 
 #include <dispatch/dispatch.hpp>
 #include <report/bar_chart.hpp>
@@ -125,6 +128,7 @@ void print(const CompactModel& model, const std::vector<Line>& lines, const Coun
 }
 
 void run(const Options& o) {
+  if (!o.plot.empty()) checkReplaceable(o.plot);
   const CompactModel model = o.model.compile();
   const benchmark::Contest contest = benchmark::dispatchContest(model);
   std::vector<Line> lines;
@@ -160,7 +164,7 @@ void addProfile(CLI::App& app) {
   auto o = std::make_shared<Options>();
   o->model.add(*sub);
   sub->add_flag("--json", o->json, "one JSON object a line");
-  sub->add_option("--plot", o->plot, "draw the result into this SVG file");
+  sub->add_option("--plot", o->plot, "draw the result into this SVG file")->check(fileName({".svg"}, "pictures"));
   sub->callback([o] { run(*o); });
 }
 

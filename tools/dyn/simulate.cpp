@@ -2,12 +2,15 @@
 #include "commands.hpp"
 #include "contacts.hpp"
 #include "interrupt.hpp"
+#include "options.hpp"
 #include "progress.hpp"
 #include "trajectory.hpp"
 #include "volume_options.hpp"
 
 #include <dyn/file.hpp>
 #include <dyn/geometry/contact_finder.hpp>
+
+#include <report/svg.hpp>
 
 #include <chrono>
 #include <cmath>
@@ -21,15 +24,6 @@ namespace {
 
 constexpr std::size_t most_numbers = 1u << 28;  ///< of a trajectory that is kept in memory: 2 GiB
 
-/// An option's number must be finite and hold to the rule, which its error tells.
-CLI::Validator finite(bool (*holds)(double), const char* rule) {
-  const auto why = [holds, rule](const std::string& text) {
-    double x = 0;
-    return CLI::detail::lexical_cast(text, x) && std::isfinite(x) && holds(x) ? std::string() : text + " " + rule;
-  };
-  return {why, ""};
-}
-
 struct SimulateOptions : ModelOptions {
   std::string integrator = "rk4", state, out, plot, save, resume;
   std::vector<std::string> contacts, ground;
@@ -38,33 +32,29 @@ struct SimulateOptions : ModelOptions {
   bool limits = false, touching = false;
 
   void add(CLI::App& app) {
-    const CLI::Validator positive = finite([](double x) { return x > 0; }, "must be positive");
-    const CLI::Validator not_negative = finite([](double x) { return x >= 0; }, "must be not negative");
     ModelOptions::add(app);
-    app.add_option("--time", time, "seconds to simulate")->check(not_negative)->capture_default_str();
-    app.add_option("--dt", dt, "seconds of a step; of the adaptive integrator the first one tried")->check(positive)->capture_default_str();
+    app.add_option("--time", time, "seconds to simulate")->check(notNegative())->capture_default_str();
+    app.add_option("--dt", dt, "seconds of a step; of the adaptive integrator the first one tried")->check(positive())->capture_default_str();
     std::vector<std::string> names;
     for (const IntegratorInfo& info : integrators()) names.emplace_back(info.name);
     app.add_option("--integrator", integrator, "method")->check(CLI::IsMember(names))->capture_default_str();
-    app.add_option("--tolerance", tolerance, "of the adaptive integrator: error of a step [m, rad]")->check(positive)->capture_default_str();
-    app.add_option("--state", state, "JSON file whose first sample is where to start; otherwise at neutral and at rest");
+    app.add_option("--tolerance", tolerance, "of the adaptive integrator: error of a step [m, rad]")->check(positive())->capture_default_str();
+    app.add_option("--state", state, "JSON file whose first sample is where to start; otherwise at neutral and at rest")->check(fileName());
     app.add_option("--contacts", contacts, "hold FRAME:3d (a point) or FRAME:6d where it is (repeatable)")->delimiter(',');
     app.add_option("--ground", ground, "frames whose origins touch the ground, a plane with z up (repeatable)")->delimiter(',');
     app.add_option("--ground-height", height, "z of the ground [m]")->capture_default_str();
     app.add_flag("--touching", touching, "bodies touch each other, and what --scene puts around them, by their collision volumes");
     volumes.add(app);
     for (const char* option : {"--scene", "--srdf", "--package", "--skip-missing"}) app.get_option(option)->needs("--touching");
-    app.add_option("--friction", friction, "of contacts")->capture_default_str();
+    app.add_option("--friction", friction, "of contacts")->check(notNegative())->capture_default_str();
     app.add_flag("--limits", limits, "joints stop at their limits of position");
-    app.add_option("--restitution", restitution, "of impacts of contacts and with limits, 0 to 1")
-        ->check(CLI::Range(0.0, 1.0))
-        ->capture_default_str();
+    app.add_option("--restitution", restitution, "of impacts of contacts and with limits")->check(inRange(0, 1))->capture_default_str();
     app.add_option("--every", every, "seconds between the states of --out and --plot; without it a thousand of them, but no more than steps")
-        ->check(not_negative);
-    app.add_option("--out", out, "trajectory, .csv or .json");
-    app.add_option("--plot", plot, "picture of the configuration over time, SVG");
-    app.add_option("--save", save, "write where the simulation ended, without loss");
-    app.add_option("--resume", resume, "go on from there")->excludes("--state");
+        ->check(notNegative());
+    app.add_option("--out", out, "trajectory, .csv or .json")->check(fileName({".csv", ".json"}, "trajectories"));
+    app.add_option("--plot", plot, "picture of the configuration over time, SVG")->check(fileName({".svg"}, "pictures"));
+    app.add_option("--save", save, "write where the simulation ended, without loss")->check(fileName());
+    app.add_option("--resume", resume, "go on from there")->check(fileName())->excludes("--state");
   }
 
   ConstraintSet constraints(const CompactModel& model) const { return {ConstraintSet(model), readContacts(contacts)}; }
@@ -81,7 +71,7 @@ struct SimulateOptions : ModelOptions {
   std::vector<double> times(double from, std::size_t numbers_a_state) const {
     const double step = every > 0 ? every : std::max(dt, time / 1000), count = std::ceil(time / step - 1e-9);
     if (count * static_cast<double>(numbers_a_state) > static_cast<double>(most_numbers))
-      throw Error(ErrorCode::argument, "--every " + std::to_string(step) + ": so many states take more than 2 GiB; keep fewer");
+      throw Error(ErrorCode::argument, "with a state every " + benchmark::shortNumber(step) + " s they take more than 2 GiB; give a larger --every");
     std::vector<double> all;
     for (long k = 0; k < static_cast<long>(count); ++k) all.push_back(from + static_cast<double>(k) * step);
     all.push_back(from + time);
@@ -127,7 +117,6 @@ void start(const SimulateOptions& o, Simulator& simulator, const ConstraintSet& 
 }
 
 void run(const SimulateOptions& o) {
-  if (!o.out.empty()) checkTrajectoryFile(o.out);
   for (const std::string& path : {o.out, o.plot, o.save})
     if (!path.empty()) checkReplaceable(path);
   const Model description = o.volumes.description(o);

@@ -3,8 +3,6 @@
 #include <dyn/error.hpp>
 #include <dyn/file.hpp>
 
-#include <CLI/CLI.hpp>
-
 #include <report/line_chart.hpp>
 
 #include <algorithm>
@@ -14,10 +12,6 @@
 namespace dyn::tool {
 
 namespace {
-
-bool endsWith(const std::string& text, const std::string& end) {
-  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
 
 /// In the fewest digits that read back to the same number, whatever the locale.
 void append(std::string& out, double x) {
@@ -44,11 +38,6 @@ std::string field(const std::string& text) {
 }
 
 }  // namespace
-
-void checkTrajectoryFile(const std::string& path) {
-  if (!endsWith(path, ".csv") && !endsWith(path, ".json"))
-    throw CLI::ValidationError("--out " + path, "trajectories are written to a file that ends in .csv or .json");
-}
 
 void Trajectory::add(double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v, double energy) {
   times_.push_back(t);
@@ -97,10 +86,7 @@ Json Trajectory::json() const {
   return out;
 }
 
-void Trajectory::write(const std::string& path) const {
-  checkTrajectoryFile(path);
-  replaceFile(path, endsWith(path, ".csv") ? csv() : json().dump(1) + '\n');
-}
+void Trajectory::write(const std::string& path) const { replaceFile(path, path.ends_with(".csv") ? csv() : json().dump(1) + '\n'); }
 
 void Trajectory::plot(const std::string& path) const {
   benchmark::LineChart chart(model_.name() + ": configuration over time", {"t [s]"}, {"q [rad, m]"});

@@ -33,7 +33,4 @@ class Trajectory {
   std::vector<Eigen::VectorXd> q_, v_;
 };
 
-/// Throws CLI::ValidationError unless the file's ending is one that write() knows.
-void checkTrajectoryFile(const std::string& path);
-
 }  // namespace dyn::tool

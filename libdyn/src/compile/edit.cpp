@@ -52,8 +52,10 @@ class Holder {
  public:
   Holder(const Model& model, const JointRegistry& registry, const std::vector<LockedJoint>& lock)
       : model_(model), registry_(registry), carriers_(carriersOf(model)) {
-    for (const LockedJoint& l : lock)
+    for (const LockedJoint& l : lock) {
+      if (l.joint.empty()) throw Error(ErrorCode::argument, "a joint to hold has no name");
       if (!named_.emplace(l.joint, l.q).second) throw Error(ErrorCode::model, "is to be held twice; name it once", {"", 0, l.joint});
+    }
     for (std::size_t i = 1; i < model.bodies.size(); ++i) {
       if (named_.count(model.bodies[i].joint.name)) continue;
       visitParts(model.bodies[i].joint, model.bodies[i].joint.name, [&](const JointDescription& joint, const std::string& name) {

@@ -1,6 +1,7 @@
 #include "constraint/kkt.hpp"
 #include "constraint/solution.hpp"
 #include "kernels/constraint_table.hpp"
+#include "number_text.hpp"
 
 #include <dyn/algorithm/configuration.hpp>
 #include <dyn/constraint/assembly.hpp>
@@ -91,7 +92,7 @@ void assemble(const CompactModel& model, Data& data, const VectorOut& q, Constra
   int constraint = 0;
   while (c.set.firstRow(constraint) + c.set.rows(constraint) <= worst) ++constraint;
   throw Error(ErrorCode::closure, "assemble: constraint '" + c.set.description(constraint).name + "' cannot be closed from here: an error of " +
-                                      std::to_string(found.error) + " is left after " + std::to_string(found.iterations) +
+                                      number(found.error) + " is left after " + std::to_string(found.iterations) +
                                       " steps; start from a guess nearer to the closed mechanism");
 }
 

@@ -1,5 +1,6 @@
 #include "constraint/kkt.hpp"
 #include "constraint/solution.hpp"
+#include "number_text.hpp"
 
 #include <dyn/algorithm/aba.hpp>
 #include <dyn/constraint/dynamics.hpp>
@@ -77,7 +78,7 @@ ConstrainedViews impulseDynamics(const CompactModel& model, Data& data, VectorVi
   const char* algorithm = "impulseDynamics";
   checkConstraints(algorithm, model, data, constraints);
   if (!(restitution >= 0 && restitution <= 1))
-    throw Error(ErrorCode::argument, "impulseDynamics: restitution is " + std::to_string(restitution) + ", it must be between 0 and 1");
+    throw Error(ErrorCode::argument, "impulseDynamics: restitution is " + number(restitution) + ", it must be between 0 and 1");
   const CompactImpl& m = model.impl();
   DataImpl& d = data.impl();
   ConstraintDataImpl& c = constraints.impl();

@@ -1,6 +1,7 @@
 #include "at.hpp"
 #include "geometry/manifold.hpp"
 #include "geometry/queries.hpp"
+#include "number_text.hpp"
 
 #include <dyn/algorithm/kinematics.hpp>
 #include <dyn/geometry/contact_finder.hpp>
@@ -19,14 +20,14 @@ constexpr std::size_t most = 8;  ///< contacts of a pair of many pieces
 [[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::argument, "geometryContacts: " + what); }
 
 void checkFriction(double friction) {
-  if (!(friction >= 0) || !std::isfinite(friction)) refuse("friction is " + std::to_string(friction) + "; it is a number that is not negative");
+  if (!(friction >= 0) || !std::isfinite(friction)) refuse("friction is " + number(friction) + "; it is a number that is not negative");
 }
 
 class Finder {
  public:
   Finder(const CompactModel& model, const GeometryModel& geometry, const GeometryContactOptions& options)
       : model_(model), geometry_(geometry), margin_(options.margin), data_(model), placed_(geometry, 0) {
-    if (!(margin_ >= 0) || !std::isfinite(margin_)) refuse("the margin is " + std::to_string(margin_) + "; it is a number that is not negative");
+    if (!(margin_ >= 0) || !std::isfinite(margin_)) refuse("the margin is " + number(margin_) + "; it is a number that is not negative");
     for (const GeometryRecord& r : geometry.geometries()) {
       const int frame = r.joint == 0 ? 0 : model.findFrame(r.body);
       if (frame < 0) refuse("the model has no frame of the body '" + r.body + "' that '" + r.name + "' is on");

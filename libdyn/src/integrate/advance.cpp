@@ -1,5 +1,6 @@
 // From time to time: steps, the states shown between them, the event that ends them.
 #include "integrate/simulator_impl.hpp"
+#include "number_text.hpp"
 
 #include <dyn/error.hpp>
 
@@ -14,9 +15,8 @@ void checkTimes(double from, double to, const double* times, std::size_t count) 
   double before = from;
   for (std::size_t k = 0; k < count; ++k) {
     if (!(times[k] >= before) || !(times[k] <= to))
-      throw Error(ErrorCode::argument, "Simulator::advance: time " + std::to_string(k) + " is " + std::to_string(times[k]) +
-                                           " s; times ascend from the present one, " + std::to_string(from) + " s, to the last, " +
-                                           std::to_string(to) + " s");
+      throw Error(ErrorCode::argument, "Simulator::advance: time " + std::to_string(k) + " is " + number(times[k]) +
+                                           " s; times ascend from the present one, " + number(from) + " s, to the last, " + number(to) + " s");
     before = times[k];
   }
 }
@@ -31,8 +31,7 @@ void Simulator::Impl::show(double t, const double* q, const double* v, const Obs
 int Simulator::advanceTo(double until, const double* times, std::size_t count, const Observer& observer) {
   Impl& x = *impl_;
   if (!std::isfinite(until) || until < x.now.time)
-    throw Error(ErrorCode::argument,
-                "Simulator::advance: to t = " + std::to_string(until) + " s, but it is " + std::to_string(x.now.time) + " s: time goes forward");
+    throw Error(ErrorCode::argument, "Simulator::advance: to t = " + number(until) + " s, but it is " + number(x.now.time) + " s: time goes forward");
   checkTimes(x.now.time, until, times, count);
   std::size_t shown = 0;
   if (!observer) count = 0;

@@ -1,6 +1,7 @@
 // Closed loops can go on in several ways from where all their bars are in line, or nearly so: there a step may end on another branch of the motion
 // than it began on, with a velocity and an energy that nothing has given it. Such steps are taken again in parts.
 #include "integrate/simulator_impl.hpp"
+#include "number_text.hpp"
 
 #include <dyn/error.hpp>
 

@@ -1,3 +1,5 @@
+#include "number_text.hpp"
+
 #include <dyn/algorithm/kinematics.hpp>
 #include <dyn/error.hpp>
 #include <dyn/integrate/contacts.hpp>
@@ -14,8 +16,8 @@ ContactFinder pointsOnPlane(const CompactModel& model, const std::vector<std::st
   const double length = std::sqrt(dot(normal, normal));
   if (!(length > 0) || !std::isfinite(length)) throw Error(ErrorCode::argument, "pointsOnPlane: the normal has no direction");
   if (!(friction >= 0) || !std::isfinite(friction))
-    throw Error(ErrorCode::argument, "pointsOnPlane: friction is " + std::to_string(friction) + "; it is a number that is not negative");
-  if (!std::isfinite(height)) throw Error(ErrorCode::argument, "pointsOnPlane: the height is " + std::to_string(height) + "; it must be finite");
+    throw Error(ErrorCode::argument, "pointsOnPlane: friction is " + number(friction) + "; it is a number that is not negative");
+  if (!std::isfinite(height)) throw Error(ErrorCode::argument, "pointsOnPlane: the height is " + number(height) + "; it must be finite");
   std::vector<ContactPoint> points;
   for (const std::string& name : frames) {
     ContactPoint point;

@@ -1,3 +1,5 @@
+#include "number_text.hpp"
+
 #include <dyn/error.hpp>
 #include <dyn/integrate/islands.hpp>
 
@@ -96,7 +98,7 @@ void IslandSimulator::advance(double until) {
   Impl& x = *impl_;
   if (!std::isfinite(until) || until < x.time)
     throw Error(ErrorCode::argument,
-                "IslandSimulator::advance: to t = " + std::to_string(until) + " s, but it is " + std::to_string(x.time) + " s: time goes forward");
+                "IslandSimulator::advance: to t = " + number(until) + " s, but it is " + number(x.time) + " s: time goes forward");
   while (x.time < until) {
     const double next = x.sleep.allowed ? std::min(until, x.time + 0.1 * x.sleep.time) : until;
     for (Impl::Island& island : x.islands) {

@@ -1,6 +1,7 @@
 #include "integrate/law.hpp"
 
 #include "algorithm/inputs.hpp"
+#include "number_text.hpp"
 
 #include <dyn/algorithm/aba.hpp>
 #include <dyn/algorithm/center_of_mass.hpp>
@@ -11,7 +12,6 @@
 #include <dyn/error.hpp>
 
 #include <cmath>
-#include <cstdio>
 
 namespace dyn {
 
@@ -20,12 +20,6 @@ namespace {
 Need withCouplings(const CompactModel& model, Need needs) { return model.impl().couplings.empty() ? needs : needs | Need::mass_matrix; }
 
 }  // namespace
-
-std::string number(double x) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.9g", x);
-  return text;
-}
 
 void refuseCallback(const char* callback, double t, const std::string& why) {
   throw Error(ErrorCode::simulation, std::string(callback) + " threw at t = " + number(t) + " s: " + why);

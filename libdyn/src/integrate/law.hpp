@@ -11,8 +11,6 @@
 
 namespace dyn {
 
-/// For messages.
-std::string number(double x);
 [[noreturn]] void refuseCallback(const char* callback, double t, const std::string& why);
 
 /// Calls what is the user's: whatever it throws becomes Error(simulation) with its name and the time.

@@ -1,6 +1,7 @@
 // A simulation's time, state and step as text: numbers in hexadecimal, which loses nothing and no locale changes.
 #include "digest.hpp"
 #include "integrate/simulator_impl.hpp"
+#include "number_text.hpp"
 
 #include <dyn/error.hpp>
 

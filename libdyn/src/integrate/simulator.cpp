@@ -1,5 +1,6 @@
 #include "algorithm/inputs.hpp"
 #include "integrate/simulator_impl.hpp"
+#include "number_text.hpp"
 
 #include <dyn/algorithm/configuration.hpp>
 #include <dyn/error.hpp>

@@ -7,6 +7,8 @@
 
 #include <boost/dll/shared_library.hpp>
 
+#include <dlfcn.h>
+
 #include <cstring>
 #include <deque>
 #include <filesystem>
@@ -73,6 +75,14 @@ boost::dll::shared_library& keep(boost::dll::shared_library library) {
   return all.back();
 }
 
+/// Why dlopen() has failed last, without the name that it was given.
+std::string loaderSays(const std::string& name) {
+  const char* text = dlerror();
+  std::string why = text != nullptr ? text : "the loader gives no reason";
+  if (why.starts_with(name + ": ")) why.erase(0, name.size() + 2);
+  return why;
+}
+
 }  // namespace
 
 OpenedPlugin openPlugin(const std::string& path, Trust trust) {
@@ -92,9 +102,13 @@ OpenedPlugin openPlugin(const std::string& path, Trust trust) {
   std::string reason = partOfLibrary(canonical) ? "" : trialLoad(file);
   if (reason.empty()) try {
       const FloatingPointEnvironment kept;
-      opened.load(file.nameForLoader(), load_mode);
-      if (!keepsSmallNumbers())
+      boost::dll::fs::error_code failed;
+      opened.load(file.nameForLoader(), load_mode, failed);
+      if (failed) {
+        reason = loaderSays(file.nameForLoader());
+      } else if (!keepsSmallNumbers()) {
         remark = "as it is loaded, it has the thread flush small numbers to zero (undone): link it without -ffast-math and -Ofast";
+      }
     } catch (const std::exception& e) {
       reason = e.what();
     }

@@ -1,11 +1,13 @@
 // dyn accuracy: what speed costs in digits, as one page.
 #include "commands.hpp"
+#include "interrupt.hpp"
 #include "problems.hpp"
 #include "sections.hpp"
 
 #include <dyn/error.hpp>
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 
 namespace dyn::tool {
@@ -45,15 +47,19 @@ void run(const AccuracyOptions& o) {
   std::vector<Section> peers;
   if (!o.peers.empty()) peers = peerSections(o.peers);
   Page page("libdyn: speed against error");
-  page.add(algorithmSection(specimens, o));
-  page.add(motionSection(specimens, o));
-  page.add(driftSection(o));
-  page.add(lengthSection(o));
-  page.add(distanceSection(o));
-  page.add(lieSection(o));
+  const Interruption interruption;
+  const std::function<Section()> sections[] = {[&] { return algorithmSection(specimens, o); },
+                                               [&] { return motionSection(specimens, o); },
+                                               [&] { return driftSection(o); },
+                                               [&] { return lengthSection(o); },
+                                               [&] { return distanceSection(o); },
+                                               [&] { return lieSection(o); }};
+  for (const auto& section : sections)
+    if (!interruption) page.add(section());
   for (Section& section : peers) page.add(std::move(section));
   page.write(o.out);
   std::printf("%s/index.html\n%s/report.json\n", o.out.c_str(), o.out.c_str());
+  interruption.end();
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 #include "bench.hpp"
+#include "interrupt.hpp"
 #include "oracle.hpp"
 #include "sections.hpp"
 
@@ -192,6 +193,7 @@ Section algorithmSection(const std::vector<Specimen>& specimens, const AccuracyO
   out.table.columns = {"model",      "algorithm",     "mode",          "ns a state",          "quartile 1",
                        "quartile 3", "error max [u]", "error rms [u]", "digits a microsecond"};
   for (const Specimen& specimen : specimens) {
+    if (Interruption::pending()) break;
     const CompactModel& model = specimen.model;
     std::fprintf(stderr, "dyn: algorithms of %s\n", model.name().c_str());
     Subjects subjects(model, ConstraintSet(model, {}));

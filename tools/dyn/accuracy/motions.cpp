@@ -1,3 +1,4 @@
+#include "interrupt.hpp"
 #include "oracle.hpp"
 #include "problems.hpp"
 #include "sections.hpp"
@@ -130,7 +131,7 @@ std::vector<MotionProblem> problemsOf(const std::vector<Specimen>& specimens, co
     out.push_back(std::move(loop));
   }
   for (const Specimen& x : specimens)
-    if (!quick && !x.path.empty() && x.model.nv() <= 20) out.push_back(falling(x));
+    if (!quick && !Interruption::pending() && !x.path.empty() && x.model.nv() <= 20) out.push_back(falling(x));
   return out;
 }
 
@@ -150,6 +151,7 @@ Section motionSection(const std::vector<Specimen>& specimens, const AccuracyOpti
                        "energy drift [J]", "evaluations", "factorizations",    "reference good to"};
   const JointRegistry registry = JointRegistry::standard();
   for (const MotionProblem& problem : problemsOf(specimens, registry, options.quick)) {
+    if (Interruption::pending()) break;
     std::fprintf(stderr, "dyn: motion of %s\n", problem.name.c_str());
     const auto label = [&](const char* what) { return benchmark::LineChart::Label{what, benchmark::Scale::logarithmic}; };
     benchmark::LineChart by_error(problem.name + ": " + problem.about, label("error of the final configuration [rad, m]"), label("seconds"));

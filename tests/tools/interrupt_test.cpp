@@ -1,0 +1,79 @@
+// Ctrl-C and TERM while dyn works.
+#include "command.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <csignal>
+
+using namespace dyn::test;
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Whether the process is dyn, and no copy of this one any more, and has a handler for the signal.
+bool handles(pid_t process, int signal) {
+  std::error_code error;
+  if (fs::read_symlink("/proc/" + std::to_string(process) + "/exe", error).filename() != "dyn") return false;
+  std::ifstream status("/proc/" + std::to_string(process) + "/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.rfind("SigCgt:", 0) == 0) return (std::stoull(line.substr(7), nullptr, 16) >> (signal - 1) & 1) != 0;
+  return false;
+}
+
+/// The exit code of dyn with these arguments, which a signal reaches once it has a handler for it.
+int interrupted(const std::vector<std::string>& arguments, int signal, const std::string& out) {
+  std::vector<char*> argv{const_cast<char*>("dyn")};
+  for (const std::string& word : arguments) argv.push_back(const_cast<char*>(word.c_str()));
+  argv.push_back(nullptr);
+  const pid_t child = fork();
+  if (child == 0) {
+    alarm(120);
+    const int file = open(out.c_str(), O_WRONLY | O_CREAT, 0600);
+    if (file < 0 || dup2(file, STDOUT_FILENO) < 0) _exit(1);
+    execv(DYN_BINARY_DIR "/bin/dyn", argv.data());
+    _exit(1);
+  }
+  while (!handles(child, signal) && waitpid(child, nullptr, WNOHANG) == 0) usleep(1000);
+  kill(child, signal);
+  int status = 0;
+  REQUIRE(waitpid(child, &status, 0) == child);
+  REQUIRE(WIFEXITED(status));
+  return WEXITSTATUS(status);
+}
+
+}  // namespace
+
+TEST_CASE("a simulation that is interrupted writes what it has come to", "[command][simulate]") {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const Folder folder;
+    const std::string out = (folder.path / "out.csv").string(), save = (folder.path / "saved").string();
+    CHECK(interrupted({"simulate", DYN_SOURCE_DIR "/models/four_bar.urdf", "--time", "100000", "--every", "0.5", "--out", out, "--save", save},
+                      signal, "/dev/null") == 128 + signal);
+    CHECK_THAT(textOf(out), containing("t,"));
+    CHECK_THAT(textOf(save), containing("libdyn-simulation-3"));
+    CHECK(std::distance(fs::directory_iterator(folder.path), {}) == 2);
+  }
+}
+
+TEST_CASE("compute that is interrupted prints the samples that it has computed", "[command]") {
+  const Folder folder;
+  nlohmann::json states;
+  nlohmann::json sample = nlohmann::json::parse(zero_state)["samples"][0];
+  for (int k = 0; k < 10000; ++k) states["samples"].push_back(sample);
+  const std::string out = (folder.path / "out.json").string();
+  CHECK(interrupted({"compute", biped, "--root", "free_flyer", "--states", folder.write("states.json", states.dump())}, SIGINT, out) == 130);
+  const nlohmann::json answer = nlohmann::json::parse(textOf(out));
+  CHECK(answer["samples"].size() < 10000);
+}
+
+TEST_CASE("accuracy that is interrupted writes the sections that it has measured", "[command][accuracy]") {
+  const Folder folder;
+  const std::string out = (folder.path / "report").string();
+  CHECK(interrupted({"accuracy", "--quick", "--out", out}, SIGTERM, "/dev/null") == 143);
+  CHECK_THAT(textOf(out + "/index.html"), containing("</html>"));
+  CHECK(nlohmann::json::parse(textOf(out + "/report.json"))["sections"].size() < 6);
+}
