@@ -1,15 +1,18 @@
 #include "report/bar_chart.hpp"
 
+#include "report/labels.hpp"
+
 #include <dyn/file.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 
 namespace dyn::benchmark {
 
 namespace {
 
-constexpr double bar = 14, gap = 28, height = 320, left = 70, top = 50, legend = 130;
+constexpr double bar = 14, gap = 28, height = 320, left = 70, top = 50, letter = 12;
 
 void remember(std::vector<std::string>& names, const std::string& name) {
   if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
@@ -20,25 +23,31 @@ void remember(std::vector<std::string>& names, const std::string& name) {
 Axis BarChart::axis() const {
   double least = 1e300, most = 0;
   for (const auto& [key, value] : values_) {
-    least = std::min(least, value);
-    most = std::max(most, value);
+    least = std::min(least, value.low);
+    most = std::max(most, value.high);
   }
   if (most == 0) least = most = 1;
   return barAxis(least, most, scale_);
 }
 
-void BarChart::add(const std::string& group, const std::string& series, double value) {
+void BarChart::add(const std::string& group, const std::string& series, const Quartiles& value) {
   remember(groups_, group);
   remember(series_, series);
-  if (value > 0) values_[{group, series}] = value;
+  if (value.low > 0) values_[{group, series}] = value;
 }
 
 std::string BarChart::svg() const {
   const Axis axis = this->axis();
   const auto groups = static_cast<double>(groups_.size()), series = static_cast<double>(series_.size());
-  const double group = bar * series + gap, width = left + 20 + std::max(group * groups, legend * series);
+  double group = bar * series + gap, entry = 0;
+  for (const std::string& name : groups_) group = std::max(group, textWidth(name, letter) + 10);
+  for (const std::string& name : series_) entry = std::max(entry, 16 + textWidth(name, letter) + 16);
+  const double width = left + 20 + std::max({group * groups, entry * std::min(series, 4.0), textWidth(title_, letter)});
+  if (groups > 0) group = std::max(group, (width - left - 20) / groups);
+  const std::size_t columns = std::max<std::size_t>(1, static_cast<std::size_t>((width - left) / entry));
+  const double rows = std::ceil(series / static_cast<double>(columns));
   std::ostringstream svg;
-  svg << "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" << width << "\" height=\"" << top + height + 70
+  svg << "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " << width << ' ' << top + height + 46 + 20 * rows << "\" width=\"" << width
       << "\" font-family=\"sans-serif\" font-size=\"12\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n";
   const auto heightOf = [&](double value) { return top + height * (1 - axis.fraction(value)); };
   const auto text = [&](double x, double y, const std::string& what, const char* anchor) {
@@ -56,19 +65,23 @@ std::string BarChart::svg() const {
     text(left - 8, y + 4, shortNumber(mark.value), "end");
   }
   for (std::size_t g = 0; g < groups_.size(); ++g) {
-    const double x = left + gap / 2 + group * static_cast<double>(g);
+    const double x = left + (group - bar * series) / 2 + group * static_cast<double>(g);
     for (std::size_t s = 0; s < series_.size(); ++s) {
       const auto found = values_.find({groups_[g], series_[s]});
       if (found == values_.end()) continue;
-      const double y = heightOf(found->second);
-      box(x + bar * static_cast<double>(s), y, bar - 2, top + height - y, s);
+      const Quartiles& value = found->second;
+      const double y = heightOf(value.median), at = x + bar * static_cast<double>(s);
+      box(at, y, bar - 2, top + height - y, s);
+      if (value.low == value.high) continue;
+      const double middle = at + bar / 2 - 1;
+      svg << "<path stroke=\"#222\" d=\"M" << middle << ' ' << heightOf(value.low) << 'V' << heightOf(value.high) << "m-3 0h6\"/>\n";
     }
-    text(x + (group - gap) / 2, top + height + 18, groups_[g], "middle");
+    text(x + bar * series / 2, top + height + 18, groups_[g], "middle");
   }
   for (std::size_t s = 0; s < series_.size(); ++s) {
-    const double x = left + legend * static_cast<double>(s);
-    box(x, top + height + 36, 12, 12, s);
-    text(x + 16, top + height + 46, series_[s], "start");
+    const double x = left + entry * static_cast<double>(s % columns), y = top + height + 36 + 20 * static_cast<double>(s / columns);
+    box(x, y, 12, 12, s);
+    text(x + 16, y + 10, series_[s], "start");
   }
   svg << "</svg>\n";
   return svg.str();

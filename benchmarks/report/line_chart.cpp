@@ -1,22 +1,35 @@
 #include "report/line_chart.hpp"
 
+#include "report/labels.hpp"
+
 #include <dyn/file.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
-#include <sstream>
+#include <optional>
 
 namespace dyn::benchmark {
 
 namespace {
 
-constexpr double width = 640, left = 72, right = 16, top = 40, height = 320, legend_line = 20, legend_columns = 3;
+constexpr double width = 640, left = 72, letter = 13, line_height = 18, most_names = 190;
 
 bool shows(Scale scale, double value) { return std::isfinite(value) && (scale == Scale::linear || value > 0); }
 
 /// Of a value in the axis' own measure.
 double measure(Scale scale, double value) { return scale == Scale::logarithmic ? std::log10(value) : value; }
+
+std::string whole(double height, const std::string& about, const std::string& content) {
+  std::ostringstream svg;
+  svg << "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " << width << ' ' << height
+      << "\" font-family=\"sans-serif\" font-size=\"13\" role=\"img\" aria-label=\"" << escaped(about) << "\">\n"
+      << "<style>.paper{fill:#fff}.ink{fill:#222}.grid{stroke:#ddd}.guide{stroke:#888;stroke-dasharray:5 4}"
+         "@media (prefers-color-scheme:dark){.paper{fill:#16191d}.ink{fill:#ddd}.grid{stroke:#3a4048}}</style>\n"
+      << "<rect class=\"paper\" width=\"100%\" height=\"100%\"/>\n"
+      << content << "</svg>\n";
+  return svg.str();
+}
 
 }  // namespace
 
@@ -34,87 +47,186 @@ void LineChart::guide(const std::string& name, double x, double y, double slope)
   if (shows(x_.scale, x) && shows(y_.scale, y)) guides_.push_back({name, x, y, slope});
 }
 
-std::string LineChart::svg() const {
-  double least_x = HUGE_VAL, most_x = -HUGE_VAL, least_y = HUGE_VAL, most_y = -HUGE_VAL;
-  for (const Series& s : series_)
-    for (const auto& [x, y, label] : s.points) {
-      least_x = std::min(least_x, x);
-      most_x = std::max(most_x, x);
-      least_y = std::min(least_y, y);
-      most_y = std::max(most_y, y);
+std::string LineChart::nameOf(const Series& s) { return s.left_out ? s.name + " (" + std::to_string(s.left_out) + " off)" : s.name; }
+
+/// One chart, from its title down to its legend.
+class LineChart::Drawing {
+ public:
+  Drawing(const LineChart& chart, std::ostringstream& svg, double room) : c_(chart), svg_(svg), right_(room) {
+    double least_x = HUGE_VAL, most_x = -HUGE_VAL, least_y = HUGE_VAL, most_y = -HUGE_VAL;
+    for (const Series& s : c_.series_) {
+      for (const auto& [x, y, label] : s.points) {
+        least_x = std::min(least_x, x);
+        most_x = std::max(most_x, x);
+        least_y = std::min(least_y, y);
+        most_y = std::max(most_y, y);
+      }
     }
-  if (least_x > most_x) least_x = most_x = least_y = most_y = 1;
-  const Axis horizontal = lineAxis(least_x, most_x, x_.scale), vertical = lineAxis(least_y, most_y, y_.scale);
-  const auto across = [&](double x) { return left + (width - left - right) * horizontal.fraction(x); };
-  const auto down = [&](double y) { return top + height * (1 - vertical.fraction(y)); };
-  const double rows = std::ceil(static_cast<double>(series_.size()) / legend_columns), whole = top + height + 56 + legend_line * rows;
-
-  std::ostringstream svg;
-  svg << std::setprecision(6);
-  svg << "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " << width << ' ' << whole
-      << "\" font-family=\"sans-serif\" font-size=\"13\" role=\"img\" aria-label=\"" << escaped(title_) << "\">\n"
-      << "<style>.paper{fill:#fff}.ink{fill:#222}.grid{stroke:#ddd}.guide{stroke:#888;stroke-dasharray:5 4}"
-         "@media (prefers-color-scheme:dark){.paper{fill:#16191d}.ink{fill:#ddd}.grid{stroke:#3a4048}}</style>\n"
-      << "<rect class=\"paper\" width=\"100%\" height=\"100%\"/>\n";
-  const auto text = [&](double x, double y, const std::string& what, const char* anchor, const char* more = "") {
-    svg << "<text class=\"ink\" x=\"" << x << "\" y=\"" << y << "\" text-anchor=\"" << anchor << "\"" << more << ">" << escaped(what) << "</text>\n";
-  };
-  const auto line = [&](const char* kind, double x1, double y1, double x2, double y2) {
-    svg << "<line class=\"" << kind << "\" x1=\"" << x1 << "\" y1=\"" << y1 << "\" x2=\"" << x2 << "\" y2=\"" << y2 << "\"/>\n";
-  };
-  text(left, 22, title_, "start", " font-weight=\"bold\"");
-  for (const Mark& mark : horizontal.marks) {
-    line("grid", across(mark.value), top, across(mark.value), top + height);
-    // The last number stays within the picture.
-    if (mark.named) text(across(mark.value), top + height + 18, shortNumber(mark.value), horizontal.fraction(mark.value) > 0.98 ? "end" : "middle");
+    if (least_x > most_x) least_x = most_x = least_y = most_y = 1;
+    horizontal_ = lineAxis(least_x, most_x, c_.x_.scale);
+    vertical_ = lineAxis(least_y, most_y, c_.y_.scale);
   }
-  for (const Mark& mark : vertical.marks) {
-    line("grid", left, down(mark.value), width - right, down(mark.value));
-    if (mark.named) text(left - 6, down(mark.value) + 4, shortNumber(mark.value), "end");
-  }
-  text(0.5 * (left + width - right), top + height + 38, x_.text, "middle");
-  text(0, 0, y_.text, "middle", (" transform=\"translate(14 " + std::to_string(top + height / 2) + ") rotate(-90)\"").c_str());
 
-  for (const Guide& g : guides_) {
+  double all() {
+    heading();
+    axes();
+    for (const Guide& g : c_.guides_) guide(g);
+    for (std::size_t k = 0; k < c_.series_.size(); ++k) curve(c_.series_[k], k);
+    const double below = top_ + c_.height_ + 56;
+    if (!c_.names_at_ends_) return below + legend(below);
+    names();
+    return below;
+  }
+
+ private:
+  double inner() const { return width - left - right_; }
+  double across(double x) const { return left + inner() * horizontal_.fraction(x); }
+  double down(double y) const { return top_ + c_.height_ * (1 - vertical_.fraction(y)); }
+  /// The second eight curves are dashed.
+  static const char* dashesOf(std::size_t k) { return (k / 8) % 2 ? " stroke-dasharray=\"6 3\"" : ""; }
+
+  void text(double x, double y, const std::string& what, const char* anchor, const std::string& more = "") {
+    svg_ << "<text class=\"ink\" x=\"" << x << "\" y=\"" << y << "\" text-anchor=\"" << anchor << "\"" << more << ">" << escaped(what) << "</text>\n";
+  }
+  void line(const char* kind, double x1, double y1, double x2, double y2) {
+    svg_ << "<line class=\"" << kind << "\" x1=\"" << x1 << "\" y1=\"" << y1 << "\" x2=\"" << x2 << "\" y2=\"" << y2 << "\"/>\n";
+  }
+
+  void heading() {
+    top_ = 22;
+    const auto lines = [&](const std::string& words, double size, const std::string& style) {
+      for (const std::string& l : wrapped(words, size, width - left - 16)) {
+        text(left, top_, l, "start", style);
+        top_ += line_height;
+      }
+    };
+    lines(c_.title_, 1.07 * letter, " font-weight=\"bold\"");
+    lines(c_.note_, 11, " font-size=\"11\"");
+  }
+
+  void axes() {
+    const double bottom = top_ + c_.height_;
+    for (const Mark& mark : horizontal_.marks) {
+      line("grid", across(mark.value), top_, across(mark.value), bottom);
+      // The last number stays within the picture.
+      const char* anchor = horizontal_.fraction(mark.value) > 0.98 ? "end" : "middle";
+      if (mark.named) text(across(mark.value), bottom + 18, shortNumber(mark.value), anchor);
+    }
+    for (const Mark& mark : vertical_.marks) {
+      line("grid", left, down(mark.value), left + inner(), down(mark.value));
+      if (mark.named) text(left - 6, down(mark.value) + 4, shortNumber(mark.value), "end");
+    }
+    text(left + 0.5 * inner(), bottom + 38, c_.x_.text, "middle");
+    text(0, 0, c_.y_.text, "middle", " transform=\"translate(14 " + std::to_string(top_ + c_.height_ / 2) + ") rotate(-90)\"");
+  }
+
+  void guide(const Guide& g) {
     // Where the line enters and leaves the frame, in the axes' measure.
-    const double x0 = measure(x_.scale, g.x), y0 = measure(y_.scale, g.y);
-    double from = horizontal.low, to = horizontal.high;
+    const double x0 = measure(c_.x_.scale, g.x), y0 = measure(c_.y_.scale, g.y);
+    double from = horizontal_.low, to = horizontal_.high;
     if (g.slope != 0) {
-      const double a = x0 + (vertical.low - y0) / g.slope, b = x0 + (vertical.high - y0) / g.slope;
+      const double a = x0 + (vertical_.low - y0) / g.slope, b = x0 + (vertical_.high - y0) / g.slope;
       from = std::max(from, std::min(a, b));
       to = std::min(to, std::max(a, b));
     }
-    if (!(from < to)) continue;
-    const auto px = [&](double x) { return left + (width - left - right) * (x - horizontal.low) / (horizontal.high - horizontal.low); };
-    const auto py = [&](double x) { return top + height * (1 - (y0 + g.slope * (x - x0) - vertical.low) / (vertical.high - vertical.low)); };
+    if (!(from < to)) return;
+    const auto px = [&](double x) { return left + inner() * (x - horizontal_.low) / (horizontal_.high - horizontal_.low); };
+    const auto py = [&](double x) { return top_ + c_.height_ * (1 - (y0 + g.slope * (x - x0) - vertical_.low) / (vertical_.high - vertical_.low)); };
     line("guide", px(from), py(from), px(to), py(to));
-    text(px(to) - 4, py(to) + (g.slope < 0 ? -4 : 14), g.name, "end", " font-size=\"11\"");
+    label(g.name, px(to), py(to), 11);
   }
-  for (std::size_t k = 0; k < series_.size(); ++k) {
-    const Series& s = series_[k];
-    // The second eight curves are dashed.
-    const char* dashes = (k / 8) % 2 ? " stroke-dasharray=\"6 3\"" : "";
-    if (joins_) {
-      svg << "<polyline fill=\"none\" stroke-width=\"1.8\" stroke=\"" << colour(k) << "\"" << dashes << " points=\"";
-      for (const Point& point : s.points) svg << across(point.x) << ',' << down(point.y) << ' ';
-      svg << "\"/>\n";
+
+  /// Beside a point, in the first of four corners that is free.
+  void label(const std::string& what, double x, double y, double size) {
+    const double w = textWidth(what, size), h = size + 1;
+    const double lefts[] = {x + 5, x + 5, x - 5 - w, x - 5 - w}, baselines[] = {y - 4, y + h + 1, y - 4, y + h + 1};
+    std::vector<Box> places;
+    for (int k = 0; k < 4; ++k) places.push_back({lefts[k], baselines[k] - size, w, h});
+    if (!space_) space_.emplace(Box{left, top_, inner() + right_ - 2, c_.height_});
+    const int k = space_->takeFirst(places);
+    if (k >= 0) text(lefts[k], baselines[k], what, "start", " font-size=\"" + std::to_string(static_cast<int>(size)) + "\"");
+  }
+
+  void curve(const Series& s, std::size_t k) {
+    if (c_.joins_) {
+      svg_ << "<polyline fill=\"none\" stroke-width=\"1.8\" stroke=\"" << colour(k) << "\"" << dashesOf(k) << " points=\"";
+      for (const Point& point : s.points) svg_ << across(point.x) << ',' << down(point.y) << ' ';
+      svg_ << "\"/>\n";
     }
     for (const Point& point : s.points) {
-      if (marks_)
-        svg << "<circle r=\"3.5\" fill=\"" << colour(k) << "\" cx=\"" << across(point.x) << "\" cy=\"" << down(point.y) << "\"><title>"
-            << escaped(s.name + " " + point.label + ": " + shortNumber(point.x) + ", " + shortNumber(point.y)) << "</title></circle>\n";
-      if (!point.label.empty()) text(across(point.x) + 5, down(point.y) - 4, point.label, "start", " font-size=\"9\"");
+      if (c_.marks_)
+        svg_ << "<circle r=\"3.5\" fill=\"" << colour(k) << "\" cx=\"" << across(point.x) << "\" cy=\"" << down(point.y) << "\"><title>"
+             << escaped(s.name + " " + point.label + ": " + shortNumber(point.x) + ", " + shortNumber(point.y)) << "</title></circle>\n";
+      if (!point.label.empty()) label(point.label, across(point.x), down(point.y), 9);
     }
-    const auto column = static_cast<double>(k % static_cast<std::size_t>(legend_columns)), row = std::floor(static_cast<double>(k) / legend_columns);
-    const double x = left + (width - left - right) / legend_columns * column, y = top + height + 58 + legend_line * row;
-    svg << "<line x1=\"" << x << "\" x2=\"" << x + 22 << "\" y1=\"" << y << "\" y2=\"" << y << "\" stroke-width=\"3\" stroke=\"" << colour(k) << "\""
-        << dashes << "/>\n";
-    text(x + 28, y + 4, s.left_out ? s.name + " (" + std::to_string(s.left_out) + " off)" : s.name, "start");
   }
-  svg << "</svg>\n";
-  return svg.str();
+
+  /// In as many columns as the longest name leaves room for. Returns its height.
+  double legend(double y0) {
+    double entry = 0;
+    for (const Series& s : c_.series_) entry = std::max(entry, 28 + textWidth(nameOf(s), letter) + 14);
+    const std::size_t columns = std::max<std::size_t>(1, static_cast<std::size_t>((width - left) / std::max(entry, 1.0)));
+    for (std::size_t k = 0; k < c_.series_.size(); ++k) {
+      const double x = left + entry * static_cast<double>(k % columns), y = y0 + 2 + 20 * static_cast<double>(k / columns);
+      svg_ << "<line x1=\"" << x << "\" x2=\"" << x + 22 << "\" y1=\"" << y << "\" y2=\"" << y << "\" stroke-width=\"3\" stroke=\"" << colour(k)
+           << "\"" << dashesOf(k) << "/>\n";
+      text(x + 28, y + 4, nameOf(c_.series_[k]), "start");
+    }
+    return 20 * std::ceil(static_cast<double>(c_.series_.size()) / static_cast<double>(columns));
+  }
+
+  void names() {
+    std::vector<double> wanted;
+    for (const Series& s : c_.series_) wanted.push_back(s.points.empty() ? top_ : down(s.points.back().y));
+    const std::vector<double> places = spread(wanted, 14, top_ + 4, top_ + c_.height_);
+    for (std::size_t k = 0; k < c_.series_.size(); ++k) {
+      const double x = left + inner();
+      svg_ << "<line x1=\"" << x + 1 << "\" x2=\"" << x + 8 << "\" y1=\"" << wanted[k] << "\" y2=\"" << places[k] << "\" stroke=\"" << colour(k)
+           << "\"/>\n<text x=\"" << x + 11 << "\" y=\"" << places[k] + 4 << "\" fill=\"" << colour(k) << "\"";
+      const std::string name = nameOf(c_.series_[k]);
+      if (textWidth(name, letter) + 14 > right_) svg_ << " textLength=\"" << right_ - 14 << "\" lengthAdjust=\"spacingAndGlyphs\"";
+      svg_ << ">" << escaped(name) << "</text>\n";
+    }
+  }
+
+  const LineChart& c_;
+  std::ostringstream& svg_;
+  Axis horizontal_, vertical_;
+  double right_, top_ = 40;
+  std::optional<FreeSpace> space_;
+};
+
+double LineChart::roomForNames() const {
+  double room = 16;
+  for (const Series& s : series_)
+    if (names_at_ends_) room = std::max(room, std::min(textWidth(nameOf(s), letter) + 14, most_names));
+  return room;
+}
+
+double LineChart::draw(std::ostringstream& svg, double room) const {
+  svg << std::setprecision(6);
+  return Drawing(*this, svg, room).all();
+}
+
+std::string LineChart::svg() const {
+  std::ostringstream content;
+  const double height = draw(content, roomForNames());
+  return whole(height, title_, content.str());
 }
 
 void LineChart::write(const std::string& path) const { replaceFile(path, svg()); }
+
+std::string stacked(const std::vector<LineChart>& charts) {
+  double height = 0, room = 0;
+  for (const LineChart& chart : charts) room = std::max(room, chart.roomForNames());
+  std::ostringstream all;
+  for (const LineChart& chart : charts) {
+    std::ostringstream content;
+    const double own = chart.draw(content, room);
+    all << "<g transform=\"translate(0 " << height << ")\">\n" << content.str() << "</g>\n";
+    height += own;
+  }
+  return whole(std::max(height, 1.0), charts.empty() ? "" : charts.front().title_, all.str());
+}
 
 }  // namespace dyn::benchmark

@@ -13,11 +13,8 @@ double Axis::fraction(double value) const {
 }
 
 Axis barAxis(double least, double most, Scale scale) {
+  if (scale == Scale::linear) return lineAxis(0, most, scale);
   Axis axis{0, most, scale, {}};
-  if (scale == Scale::linear) {
-    for (int tick = 0; tick <= 4; ++tick) axis.marks.push_back({most * tick / 4, true});
-    return axis;
-  }
   axis.low = std::floor(std::log10(least));
   axis.high = std::max(std::ceil(std::log10(most)), axis.low + 1);
   for (double decade = axis.low; decade <= axis.high; ++decade)

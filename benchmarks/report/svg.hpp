@@ -23,7 +23,7 @@ struct Axis {
   double fraction(double value) const;
 };
 
-/// From zero to the largest value in quarters, or over whole decades.
+/// From zero to beyond the largest value, with marks at round numbers, or over whole decades.
 Axis barAxis(double least, double most, Scale scale);
 /// Around all values: marks at round numbers, or at decades, few enough to be read.
 Axis lineAxis(double least, double most, Scale scale);

@@ -1,4 +1,5 @@
 #include <dyn/error.hpp>
+#include <dyn/owned.hpp>
 
 #include <utility>
 
@@ -19,5 +20,9 @@ std::string compose(const std::string& message, const Where& where) {
 
 Error::Error(ErrorCode code, const std::string& message, Where where)
     : std::runtime_error(compose(message, where)), code_(code), where_(std::move(where)) {}
+
+namespace detail {
+void refuseMovedFrom() { throw Error(ErrorCode::argument, "an object is used that was moved from; assign to it first, or use what it was moved to"); }
+}  // namespace detail
 
 }  // namespace dyn

@@ -401,3 +401,62 @@ TEST_CASE("states of a batch that cannot be computed leave nothing behind for th
     }
   }
 }
+
+TEST_CASE("objects that were moved from say so when they are used, and models never are empty", "[arguments][error]") {
+  const auto refused = [](const auto& call) { CHECK_THROWS_WITH(call(), containing("moved from")); };
+  const CompactModel model = compile(randomTree(registry(), 5, 3), registry());
+  const Eigen::VectorXd q = neutral(model), v = Eigen::VectorXd::Zero(model.nv());
+  CompactModel from = model;
+  const CompactModel to = std::move(from);
+  CHECK(from.nv() == model.nv());  // NOLINT: what is tested
+  Data data(model, Need::derivatives);
+  const Data moved = std::move(data);
+  refused([&] { rnea(model, data, q, v, v); });  // NOLINT
+  refused([&] { data.bytes(); });                // NOLINT
+  data = Data(model);
+  CHECK_NOTHROW(rnea(model, data, q, v, v));
+  BatchData batch(model, 4);
+  const BatchData batch_moved = std::move(batch);
+  refused([&] { rnea(model, batch, q, v, v); });  // NOLINT
+  Simulator simulator(model);
+  const Simulator simulator_moved = std::move(simulator);
+  refused([&] { simulator.step(); });  // NOLINT
+  refused([&] { simulator.time(); });  // NOLINT
+  DataPool pool(model);
+  const DataPool pool_moved = std::move(pool);
+  refused([&] { pool.forEach(1, [](Data&, std::ptrdiff_t) {}); });  // NOLINT
+  ConstraintSet set(model);
+  const ConstraintSet set_moved = std::move(set);
+  CHECK(set.rows() == 0);  // NOLINT
+  SecondDerivativeData second(model);
+  const SecondDerivativeData second_moved = std::move(second);
+  refused([&] { second.impl(); });  // NOLINT
+}
+
+TEST_CASE("null pointers and reference frames that do not exist are refused by name", "[arguments][error]") {
+  const auto refused = [](const char* says, const auto& call) {
+    INFO(says);
+    CHECK_THROWS_WITH(call(), containing(says));
+  };
+  const CompactModel model = compile(randomTree(registry(), 5, 3), registry());
+  const int n = model.nv();
+  const Eigen::VectorXd q = neutral(model), v = Eigen::VectorXd::Zero(n);
+  Data data(model, Need::derivatives);
+  const double* none = nullptr;
+  refused("rnea: q is a null pointer", [&] { rnea(model, data, VectorArg(none, model.nq()), v, v); });
+  refused("aba: tau is a null pointer", [&] { aba(model, data, q, v, VectorArg(none, n)); });
+  refused("J is a null pointer", [&] { computeJointJacobian(model, data, q, 1, ReferenceFrame::LOCAL, MatrixOut(nullptr, 6, n)); });
+  const auto frame = static_cast<ReferenceFrame>(77);
+  const char* says = "ReferenceFrame(77) does not exist";
+  Eigen::MatrixXd J(6, n);
+  forwardKinematics(model, data, q, v, v);
+  refused(says, [&] { jointVelocity(model, data, 1, frame); });
+  refused(says, [&] { frameAcceleration(model, data, 1, frame); });
+  refused(says, [&] { computeJointJacobian(model, data, q, 1, frame, J); });
+  refused(says, [&] { getFrameJacobian(model, data, 1, frame, J); });
+  refused(says, [&] { computeFrameJacobianTimeVariation(model, data, q, v, 1, frame, J); });
+  computeForwardKinematicsDerivatives(model, data, q, v, v);
+  refused(says, [&] { getJointVelocityDerivatives(model, data, 1, frame, J, J); });
+  BatchData batch(model, 4, Need::jacobians);
+  refused(says, [&] { computeFrameJacobian(model, batch, q, 1, frame); });
+}

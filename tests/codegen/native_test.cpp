@@ -241,6 +241,10 @@ TEST_CASE("a cache that is damaged or not this user's alone is made anew or refu
   CHECK_FALSE(cached());
   CHECK(cached());
   for (const auto& entry : fs::directory_iterator(cache.path)) CHECK(entry.path().filename().string().find("making") == std::string::npos);
+  fs::remove(object);
+  fs::create_directories(object / "within");
+  CHECK_FALSE(cached());
+  CHECK(cached());
   chmod(cache.path.c_str(), 0777);
   CHECK_THROWS_WITH(cached(), containing("nobody else can write"));
 }

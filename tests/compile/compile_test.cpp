@@ -139,6 +139,16 @@ TEST_CASE("resolve: names are unique, parents come first, values are finite", "[
   }
 }
 
+TEST_CASE("resolve: a description without the universe is refused wherever it is given", "[compile]") {
+  Model empty;
+  empty.bodies.clear();
+  const std::string says = "bodies[0] is the universe";
+  CHECK_THROWS_WITH(compile(empty, registry()), containing(says));
+  CHECK_THROWS_WITH(reduce(empty, registry(), {}), containing(says));
+  CHECK_THROWS_WITH(append(Model(), empty, "universe"), containing(says));
+  CHECK_THROWS_WITH(empty.addBody("a", 0, {}, {}), containing(says));
+}
+
 TEST_CASE("resolve: a rigid joint that follows another is rigid, with a warning", "[compile]") {
   Model model;
   model.addBody("a", 0, revolute("j"), {1, {}, {1, 0, 0, 1, 0, 1}});

@@ -164,6 +164,20 @@ TEST_CASE("missing meshes are named all at once, and skipped where the caller al
   CHECK(geometry.geometryId("a") == -1);
 }
 
+namespace {
+/// One node within the other, which assimp follows until its stack ends.
+std::string nestedDae(int depth) {
+  std::string open, close;
+  for (int i = 0; i < depth; ++i) {
+    open += "<node id=\"n" + std::to_string(i) + "\">";
+    close += "</node>";
+  }
+  return "<?xml version=\"1.0\"?><COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" version=\"1.4.1\"><library_visual_scenes>"
+         "<visual_scene id=\"s\">" +
+         open + close + "</visual_scene></library_visual_scenes><scene><instance_visual_scene url=\"#s\"/></scene></COLLADA>";
+}
+}  // namespace
+
 TEST_CASE("broken files are an error that names them, soon and without eating memory", "[geometry]") {
   const Folder folder;
   const g::TriangleMesh box = openBox(true);
@@ -193,6 +207,7 @@ TEST_CASE("broken files are an error that names them, soon and without eating me
       {"nan.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"},
       {"truncated.dae", scene.substr(0, scene.size() / 2)},
       {"empty.dae", "<COLLADA/>"},
+      {"nested.dae", nestedDae(10000)},
       {"other.dae", "<robot/>"},
       {"unknown.xyz", "what is this"},
       {"empty.bt", ""},

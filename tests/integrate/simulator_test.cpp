@@ -1,6 +1,7 @@
 // What a user of the simulator relies on: times, states between steps, events, saved and resumed runs, errors that leave the state alone.
 #include "integrate/problems.hpp"
 #include "support/random_model.hpp"
+#include "support/saved.hpp"
 #include "support/skip.hpp"
 
 #include <dyn/algorithm/jacobians.hpp>
@@ -28,19 +29,6 @@ struct Tree {
 
 Vector pull(const VectorResult& q, const VectorResult& v) { return -0.3 * v - 0.1 * Vector::Ones(v.size()) * q[0]; }
 void controller(double, const VectorResult& q, const VectorResult& v, VectorMap tau) { tau = pull(q, v); }
-
-/// A saved simulation without its last line, and with one that fits.
-std::string bodyOf(const std::string& saved) { return saved.substr(0, saved.rfind("end ")); }
-std::string sealed(const std::string& body) {
-  std::string out = body + "end ";
-  for (std::uint64_t h : {std::uint64_t(14695981039346656037u), std::uint64_t(0x9e3779b97f4a7c15u)}) {
-    for (const char c : body) h = (h ^ static_cast<unsigned char>(c)) * 1099511628211u;
-    char digits[17];
-    std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(h ^ (h >> 31)));
-    out += digits;
-  }
-  return out + "\n";
-}
 
 CompactModel pendulum() { return compile(tool::pendulum(1), registry()); }
 
@@ -501,6 +489,46 @@ TEST_CASE("a motion that cannot go on names time and joint, and leaves the state
   Simulator watched(model, {});
   CHECK_THROWS_WITH(watched.advance(1, {0.5}, [](double, const VectorResult&, const VectorResult&) { throw std::runtime_error("disk full"); }),
                     containing("the observer threw at t = 0.5 s: disk full"));
+}
+
+TEST_CASE("callbacks may read their simulation, and not step, reset or change it", "[simulator][error]") {
+  const CompactModel model = pendulum();
+  Simulator s(model);
+  const Vector q = neutral(model), v = Vector::Zero(model.nv());
+  const std::pair<const char*, std::function<void()>> calls[] = {{"Simulator::reset", [&] { s.reset(q, v); }},
+                                                                 {"Simulator::advance", [&] { s.advance(2); }},
+                                                                 {"Simulator::step", [&] { s.step(); }},
+                                                                 {"Simulator::resume", [&] { s.resume(s.save()); }},
+                                                                 {"Simulator::setForces", [&] { s.setForces({}); }},
+                                                                 {"Simulator::setController", [&] { s.setController({}); }},
+                                                                 {"Simulator::setEvents", [&] { s.setEvents({}); }},
+                                                                 {"Simulator::setContacts", [&] { s.setContacts({}); }}};
+  for (const auto& [name, call] : calls) {
+    INFO(name);
+    s.setController([&call = call](double, VectorResult, VectorResult, VectorMap) { call(); });
+    const std::string says = std::string(name) + ": it is called by a callback";
+    CHECK_THROWS_WITH(s.advance(s.time() + 0.1), containing(says));
+    s.setController({});
+    CHECK_THROWS_WITH(s.advance(s.time() + 0.1, {s.time() + 0.05}, [&call = call](double, VectorResult, VectorResult) { call(); }), containing(says));
+    s.advance(s.time() + 0.1, {s.time() + 0.05}, [&](double, VectorResult, VectorResult) { s.energy(); });
+  }
+}
+
+TEST_CASE("a stiff motion that no explicit step can follow ends with the joint's name", "[simulator][error]") {
+  Model description = tool::pendulum(1);
+  description.bodies[1].joint.damping = {1e12};
+  const CompactModel model = compile(description, registry());
+  Simulator s(model, {.integrator = Integrator::dormand_prince});
+  s.reset(neutral(model), Vector::Constant(model.nv(), 1));
+  try {
+    s.advance(1);
+    FAIL("it went through");
+  } catch (const Error& e) {
+    CHECK(e.code() == ErrorCode::simulation);
+    CHECK(e.where().joint == description.bodies[1].joint.name);
+    CHECK_THAT(e.what(), containing("stiff") && containing("radau5"));
+  }
+  CHECK(s.time() > 0);
 }
 
 TEST_CASE("no step allocates", "[simulator][no_alloc]") {

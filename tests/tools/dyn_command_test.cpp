@@ -124,6 +124,11 @@ TEST_CASE("plugins are listed, checked, and begun", "[command]") {
   const Answer check = run("plugin check '" DYN_BINARY_DIR "/examples/ball_screw.so' --rounds 1");
   CHECK(check.code == 0);
   CHECK_THAT(check.out, containing("subspace"));
+  for (const char* set : {"avx2", "avx512"}) {
+    const bool checked = check.out.find(std::string("checked with it: " DYN_BINARY_DIR "/examples/") + set) != std::string::npos;
+    const bool named = check.out.find(std::string("not checked: " DYN_BINARY_DIR "/examples/") + set) != std::string::npos;
+    CHECK(checked != named);
+  }
   CHECK(run("plugin check /nowhere.so").code == 1);
   CHECK(run("plugin check " + biped).code == 1);
   const Folder folder;
@@ -131,7 +136,7 @@ TEST_CASE("plugins are listed, checked, and begun", "[command]") {
   CHECK(run("plugin new my_joint" + there).code == 0);
   for (const char* file : {"CMakeLists.txt", "my_joint.cpp", "my_joint.urdf", "README.md"}) CHECK(fs::exists(folder.path / "my_joint" / file));
   CHECK(run("plugin new my_joint" + there).code == 1);  // is there already
-  CHECK(run("plugin new 7up" + there).code == 1);
+  CHECK(run("plugin new 7up" + there).code == 2);
   const Answer taken = run("plugin new revolute" + there);
   CHECK(taken.code == 1);
   CHECK_THAT(taken.err, containing("'revolute'") && containing("dyn_standard.so"));

@@ -101,6 +101,19 @@ const PluginRecord& recordOf(const JointRegistry& registry, const std::string& f
   throw Error(ErrorCode::plugin, "was loaded but is not among the plugins", {file, 0, ""});
 }
 
+/// Builds of the same plugin for other instruction sets lie beside it, in folders of their names.
+void printUnchecked(const PluginRecord& record) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  const fs::path file = fs::canonical(record.path, error);
+  for (auto entry = fs::directory_iterator(file.parent_path(), error); !error && entry != fs::directory_iterator(); entry.increment(error)) {
+    const fs::path build = entry->path() / file.filename();
+    if (!fs::is_regular_file(build, error) || build == record.fast) continue;
+    const std::string set = entry->path().filename().string();
+    std::printf("not checked: %s; with DYN_SIMD=%s it is, on a processor that has that\n", build.c_str(), set.c_str());
+  }
+}
+
 using Progress = std::function<void(const char*)>;
 
 /// What a child process reported: a line for each group of checks that it began, and "=" and a number at the end of each part of its work.
@@ -251,6 +264,8 @@ void check(const CheckOptions& o, const Loaded& loaded) {
     for (const std::string& name : record.types) known += " " + name;
     throw Error(ErrorCode::argument, "has no type '" + o.type + "'; it has" + known, {o.file, 0, ""});
   }
+  if (!record.fast.empty()) std::printf("checked with it: %s\n", record.fast.c_str());
+  printUnchecked(record);
   std::printf("%d types, %d checks failed\n", types, failures);
   if (failures > 0) throw ExitCode{1};
 }

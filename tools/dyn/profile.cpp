@@ -91,7 +91,7 @@ const Line* find(const std::vector<Line>& lines, const std::string& algorithm, c
 
 void plot(const std::string& path, const CompactModel& model, const std::vector<Line>& lines) {
   benchmark::BarChart chart(model.name() + ": ns a call by way of dispatch, median of " + std::to_string(repetitions), benchmark::Scale::linear);
-  for (const Line& line : lines) chart.add(line.contender.algorithm, line.contender.dispatch, line.ns.median);
+  for (const Line& line : lines) chart.add(line.contender.algorithm, line.contender.dispatch, line.ns);
   chart.write(path);
 }
 

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <map>
 
 namespace dyn::tool {
 
@@ -88,13 +89,93 @@ Json Trajectory::json() const {
 
 void Trajectory::write(const std::string& path) const { replaceFile(path, path.ends_with(".csv") ? csv() : json().dump(1) + '\n'); }
 
+namespace {
+
+/// Of the coordinates of a joint of a type that comes with libdyn; none of other types'.
+std::vector<std::string> unitsOf(const std::string& type) {
+  const std::string angle = "rad", length = "m", turn = "cos, sin", quaternion = "quaternion";
+  static const std::map<std::string, std::vector<std::string>> known = {
+      {"revolute", {angle}},
+      {"helical", {angle}},
+      {"prismatic", {length}},
+      {"continuous", {turn, turn}},
+      {"cylindrical", {angle, length}},
+      {"universal", {angle, angle}},
+      {"spherical_zyx", {angle, angle, angle}},
+      {"ellipsoid", {angle, angle, angle}},
+      {"translation", {length, length, length}},
+      {"planar", {length, length, turn, turn}},
+      {"spherical", {quaternion, quaternion, quaternion, quaternion}},
+      {"free_flyer", {length, length, length, quaternion, quaternion, quaternion, quaternion}}};
+  const auto found = known.find(type);
+  return found == known.end() ? std::vector<std::string>() : found->second;
+}
+
+/// Coordinates that are drawn together: of joints that follow one another without branching, and of one unit.
+struct Panel {
+  std::string first, last, unit;
+  std::vector<int> coordinates;
+};
+
+std::vector<Panel> panelsOf(const CompactModel& model) {
+  constexpr std::size_t most = 8;  // curves that colours and names tell apart
+  const std::vector<JointRecord>& joints = model.joints();
+  std::vector<int> children(joints.size());
+  for (std::size_t j = 1; j < joints.size(); ++j) ++children[static_cast<std::size_t>(joints[j].parent)];
+  std::vector<Panel> out;
+  std::size_t begin = 0;  // of the limb's panels
+  for (std::size_t j = 1; j < joints.size(); ++j) {
+    const JointRecord& joint = joints[j];
+    const bool goes_on = static_cast<std::size_t>(joint.parent) + 1 == j && joint.parent != 0 && children[j - 1] == 1;
+    if (!goes_on) begin = out.size();
+    const std::vector<std::string> units = unitsOf(joint.type);
+    for (int k = 0; k < joint.nq; ++k) {
+      const std::string unit = static_cast<std::size_t>(k) < units.size() ? units[static_cast<std::size_t>(k)] : "";
+      auto panel = std::find_if(out.begin() + static_cast<std::ptrdiff_t>(begin), out.end(),
+                                [&](const Panel& p) { return p.unit == unit && p.coordinates.size() < most; });
+      if (panel == out.end()) panel = out.insert(out.end(), {joint.name, "", unit, {}});
+      panel->last = joint.name;
+      panel->coordinates.push_back(joint.idx_q + k);
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
 void Trajectory::plot(const std::string& path) const {
-  benchmark::LineChart chart(model_.name() + ": configuration over time", {"t [s]"}, {"q [rad, m]"});
-  chart.markPoints(false);
   const std::vector<std::string> names = columnNames(model_, true);
-  for (std::size_t c = 0; c < names.size(); ++c)
-    for (std::size_t k = 0; k < times_.size(); ++k) chart.add(names[c], times_[k], q_[k][static_cast<Eigen::Index>(c)]);
-  chart.write(path);
+  std::vector<benchmark::LineChart> charts;
+  std::string still;
+  int stand = 0;
+  for (const Panel& panel : panelsOf(model_)) {
+    const std::string limb = panel.first == panel.last ? panel.first : panel.first + " to " + panel.last;
+    benchmark::LineChart chart(model_.name() + ": " + limb, {"t [s]"}, {panel.unit.empty() ? "q" : "q [" + panel.unit + "]"});
+    chart.markPoints(false);
+    chart.nameAtEnds(true);
+    chart.setHeight(180);
+    bool moves = false;
+    for (const int c : panel.coordinates) {
+      const std::string& name = names[static_cast<std::size_t>(c)];
+      double least = q_.empty() ? 0 : q_[0][c], most = least;
+      for (const Eigen::VectorXd& q : q_) {
+        least = std::min(least, q[c]);
+        most = std::max(most, q[c]);
+      }
+      // What stands still would only take room from the axis of what moves.
+      if (most - least <= 1e-9 * std::max(std::abs(least), std::abs(most))) {
+        if (++stand <= 8) still += (stand == 1 ? "constant: " : ", ") + name + " = " + benchmark::shortNumber(least);
+        continue;
+      }
+      moves = true;
+      for (std::size_t k = 0; k < times_.size(); ++k) chart.add(name, times_[k], q_[k][c]);
+    }
+    if (moves) charts.push_back(std::move(chart));
+  }
+  if (charts.empty()) charts.emplace_back(model_.name() + ": nothing moves", benchmark::LineChart::Label{"t [s]"}, benchmark::LineChart::Label{"q"});
+  if (stand > 8) still += " and " + std::to_string(stand - 8) + " more";
+  charts.front().note(still);
+  replaceFile(path, benchmark::stacked(charts));
 }
 
 }  // namespace dyn::tool

@@ -68,6 +68,7 @@ const T* batchJacobians(const CompactModel& model, BasicBatchData<T>& data, Stat
   BatchImpl<T>& d = data.impl();
   const CompactImpl& m = model.impl();
   checkBatch(names[static_cast<int>(kind)], model, d, q, Need::jacobians, "jacobians");
+  checkReference(reference);
   const std::ptrdiff_t rows = 6 * static_cast<std::ptrdiff_t>(m.nv);
   const int states = static_cast<int>(q.cols);
   kernels::FramePoint<double> point;

@@ -22,6 +22,7 @@ void checkStates(const char* algorithm, const char* name, const StatesView<T>& x
   if (x.rows != rows || x.cols != cols)
     throw Error(ErrorCode::size, std::string(algorithm) + ": " + name + " is " + std::to_string(x.rows) + " x " + std::to_string(x.cols) +
                                      ", it must be " + std::to_string(rows) + " x " + std::to_string(cols));
+  if (x.data == nullptr && rows * cols > 0) throw Error(ErrorCode::argument, std::string(algorithm) + ": " + name + " is a null pointer");
 }
 
 template <class T>
@@ -38,6 +39,7 @@ void checkBatch(const char* algorithm, const CompactModel& model, const BatchImp
   if (q.rows != model.nq() || q.cols < 1 || q.cols > d.capacity)
     throw Error(ErrorCode::size, std::string(algorithm) + ": q is " + std::to_string(q.rows) + " x " + std::to_string(q.cols) + ", it must be " +
                                      std::to_string(model.nq()) + " x 1 to " + std::to_string(d.capacity));
+  if (q.data == nullptr && q.rows > 0) throw Error(ErrorCode::argument, std::string(algorithm) + ": q is a null pointer");
 }
 
 /// Calls block(thread, first state, count, failure) for all states, each thread a stretch of neighbours.

@@ -35,6 +35,7 @@ std::string nameOf(Need need) { return need == Need::derivatives ? "Need::deriva
 
 // What is thrown stands apart: calls are short enough to be part of what they check for.
 [[noreturn, gnu::cold]] void refuseSize(const char* algorithm, const char* name, std::ptrdiff_t size, int wanted) {
+  if (size == wanted) throw Error(ErrorCode::argument, std::string(algorithm) + ": " + name + " is a null pointer");
   throw Error(ErrorCode::size,
               std::string(algorithm) + ": " + name + " has " + std::to_string(size) + " entries, the model wants " + std::to_string(wanted));
 }
@@ -72,13 +73,14 @@ void expand(const CompactImpl& m, const double* q, const double* v, const double
 }
 
 void checkSize(const char* algorithm, const char* name, VectorView x, int wanted) {
-  if (x.size != wanted) refuseSize(algorithm, name, x.size, wanted);
+  if (x.size != wanted || (x.data == nullptr && wanted > 0)) refuseSize(algorithm, name, x.size, wanted);
 }
 
 void checkShape(const char* algorithm, const char* name, const MatrixOut& x, int rows, int cols) {
   if (x.rows() != rows || x.cols() != cols)
     throw Error(ErrorCode::size, std::string(algorithm) + ": " + name + " is " + std::to_string(x.rows()) + " x " + std::to_string(x.cols()) +
                                      ", it must be " + std::to_string(rows) + " x " + std::to_string(cols));
+  if (x.column(0) == nullptr && rows * cols > 0) throw Error(ErrorCode::argument, std::string(algorithm) + ": " + name + " is a null pointer");
 }
 
 void checkData(const char* algorithm, const CompactModel& model, const Data& data, Need need) {

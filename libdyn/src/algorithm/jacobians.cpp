@@ -56,6 +56,7 @@ PointOnBody pointOf(const CompactModel& model, detail::Kind kind, int id) {
 namespace detail {
 
 void jacobian(const CompactModel& model, Data& data, VectorView q, Kind kind, int id, ReferenceFrame reference, const MatrixOut& J) {
+  checkReference(reference);
   const PointOnBody point = pointOf(model, kind, id);
   const char* algorithm = kind == Kind::joint ? "computeJointJacobian" : "computeFrameJacobian";
   checkShape(algorithm, "J", J, 6, model.nv());
@@ -78,6 +79,7 @@ const double* jointJacobians(const CompactModel& model, Data& data, VectorView q
 
 void jacobianTimeVariation(const CompactModel& model, Data& data, VectorView q, VectorView v, Kind kind, int id, ReferenceFrame reference,
                            const MatrixOut& dJ) {
+  checkReference(reference);
   const PointOnBody point = pointOf(model, kind, id);
   const char* algorithm = kind == Kind::joint ? "computeJointJacobianTimeVariation" : "computeFrameJacobianTimeVariation";
   checkShape(algorithm, "dJ", dJ, 6, model.nv());
@@ -120,6 +122,7 @@ void jacobianTimeVariation(const CompactModel& model, Data& data, VectorView q, 
 void getJointJacobian(const CompactModel& model, Data& data, int joint, ReferenceFrame reference, const MatrixOut& J) {
   checkData("getJointJacobian", model, data);
   checkStage("getJointJacobian", data.impl().stage, KinematicsStage::poses);
+  checkReference(reference);
   checkShape("getJointJacobian", "J", J, 6, model.nv());
   writeJacobian(model.impl(), data.impl(), jointOnBody(model, joint), reference, J);
 }
@@ -127,6 +130,7 @@ void getJointJacobian(const CompactModel& model, Data& data, int joint, Referenc
 void getFrameJacobian(const CompactModel& model, Data& data, int frame, ReferenceFrame reference, const MatrixOut& J) {
   checkData("getFrameJacobian", model, data);
   checkStage("getFrameJacobian", data.impl().stage, KinematicsStage::poses);
+  checkReference(reference);
   checkShape("getFrameJacobian", "J", J, 6, model.nv());
   writeJacobian(model.impl(), data.impl(), frameOnBody(model, frame), reference, J);
 }

@@ -101,6 +101,7 @@ void motionDerivatives(const CompactModel& model, Data& data, Subject subject, i
   const std::pair<const char*, const MatrixOut*> outputs[] = {{"v_dq", v_dq}, {"v_dv", v_dv}, {"a_dq", a_dq}, {"a_dv", a_dv}, {"a_da", a_da}};
   for (const auto& [name, matrix] : outputs)
     if (matrix) checkShape(algorithm, name, *matrix, 6, model.nv());
+  checkReference(reference);
   const PointOnBody point = subject == Subject::joint ? jointOnBody(model, id) : frameOnBody(model, id);
   const CompactImpl& m = model.impl();
   DataImpl& d = data.impl();

@@ -5,6 +5,9 @@
 #include "kernels/kinematics.hpp"
 
 #include <dyn/algorithm/kinematics.hpp>
+#include <dyn/error.hpp>
+
+#include <string>
 
 namespace dyn {
 
@@ -29,6 +32,13 @@ inline Motion<double> originAccelerationOf(const CompactImpl& m, const PointOnBo
   return {transposeTimes(x.placement.R, there), transposeTimes(x.placement.R, angular)};
 }
 
+/// Throws Error(argument) for a number that is none of the three.
+inline void checkReference(ReferenceFrame reference) {
+  if (reference != ReferenceFrame::LOCAL && reference != ReferenceFrame::WORLD && reference != ReferenceFrame::LOCAL_WORLD_ALIGNED)
+    throw Error(ErrorCode::argument,
+                "ReferenceFrame(" + std::to_string(static_cast<int>(reference)) + ") does not exist; it is LOCAL, WORLD or LOCAL_WORLD_ALIGNED");
+}
+
 /// A motion given in the frame's axes at its origin, expressed as asked.
 template <class T>
 Motion<T> express(const Motion<T>& local, const SE3<T>& oMf, ReferenceFrame reference) {
@@ -40,6 +50,7 @@ Motion<T> express(const Motion<T>& local, const SE3<T>& oMf, ReferenceFrame refe
     case ReferenceFrame::LOCAL_WORLD_ALIGNED:
       return {oMf.R * local.linear, oMf.R * local.angular};
   }
+  checkReference(reference);
   return local;
 }
 

@@ -161,7 +161,8 @@ void CompiledFunction::operator()(std::initializer_list<VectorArg> in, std::init
                                      std::to_string(out.size()));
   const void* from[most];
   void* to[most];
-  const auto check = [&](const ArgumentShape& shape, std::ptrdiff_t size) {
+  const auto check = [&](const ArgumentShape& shape, const double* data, std::ptrdiff_t size) {
+    if (data == nullptr && size > 0) throw Error(ErrorCode::argument, "'" + impl_->name + "': " + shape.name + " is a null pointer");
     if (size != shape.size())
       throw Error(ErrorCode::size,
                   "'" + impl_->name + "': " + shape.name + " has " + std::to_string(size) + " numbers, it needs " + std::to_string(shape.size()));
@@ -169,12 +170,12 @@ void CompiledFunction::operator()(std::initializer_list<VectorArg> in, std::init
   std::size_t i = 0;
   for (const VectorArg& a : in) {
     const VectorView view = a;
-    check(impl_->inputs[i], view.size);
+    check(impl_->inputs[i], view.data, view.size);
     from[i++] = view.data;
   }
   i = 0;
   for (const VectorOut& a : out) {
-    check(impl_->outputs[i], a.size());
+    check(impl_->outputs[i], a.data(), a.size());
     to[i++] = a.data();
   }
   impl_->code(from, to);

@@ -3,6 +3,7 @@
 #include "compile/parts.hpp"
 #include "joint/coordinate.hpp"
 #include "joint/pose_components.hpp"
+#include "model/universe.hpp"
 
 #include <dyn/compile/edit.hpp>
 
@@ -227,6 +228,7 @@ void moveConstraint(ConstraintDescription& c, const std::string& prefix, const s
 }  // namespace
 
 Model reduce(const Model& model, const JointRegistry& registry, const std::vector<LockedJoint>& lock) {
+  requireUniverse(model);
   Model out = model;
   std::unordered_map<std::string, int> by_name;
   for (std::size_t i = 1; i < model.bodies.size(); ++i) by_name[model.bodies[i].joint.name] = static_cast<int>(i);
@@ -240,6 +242,7 @@ Model reduce(const Model& model, const JointRegistry& registry, const std::vecto
 }
 
 Model keepOnly(const Model& model, const JointRegistry& registry, const std::vector<std::string>& keep) {
+  requireUniverse(model);
   const std::unordered_map<std::string, int> carriers = carriersOf(model);
   std::unordered_set<std::string> kept(keep.begin(), keep.end());
   std::vector<std::string> open = keep;
@@ -272,6 +275,8 @@ Model keepOnly(const Model& model, const JointRegistry& registry, const std::vec
 }
 
 Model append(const Model& model, const Model& other, const std::string& at, const SE3<double>& placement, const std::string& prefix) {
+  requireUniverse(model);
+  requireUniverse(other);
   Model out = model;
   int carrier = out.findBody(at);
   SE3<double> pose = placement;

@@ -2,6 +2,7 @@
 #include "compile/parameters.hpp"
 #include "compile/parts.hpp"
 #include "joint/single.hpp"
+#include "model/universe.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -44,6 +45,7 @@ class Resolver {
   Resolver(const Model& model, const JointRegistry& registry) : model_(model), registry_(registry) {}
 
   Draft run() {
+    requireUniverse(model_);
     draft_.name = model_.name;
     draft_.gravity = model_.gravity;
     for (const double g : {model_.gravity.x, model_.gravity.y, model_.gravity.z})

@@ -1,4 +1,5 @@
 #include "compile/parts.hpp"
+#include "model/universe.hpp"
 
 #include <dyn/compile/scene.hpp>
 #include <dyn/error.hpp>
@@ -103,6 +104,7 @@ bool speaksOf(const ConstraintDescription& constraint, const std::vector<bool>& 
 }  // namespace
 
 Model keepForScene(const Model& model, const Scene& scene, std::vector<std::string>& report) {
+  requireUniverse(model);
   if (scene.outputs.empty()) return model;
   const Names names(model);
   const std::size_t count = model.bodies.size();

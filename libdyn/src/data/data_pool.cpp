@@ -9,6 +9,13 @@
 
 namespace dyn {
 
+namespace {
+int checked(int threads) {
+  if (threads < 1) throw Error(ErrorCode::argument, "DataPool: " + std::to_string(threads) + " threads; there must be at least one");
+  return threads;
+}
+}  // namespace
+
 struct DataPool::Impl {
   struct Place {
     Data data;
@@ -19,15 +26,12 @@ struct DataPool::Impl {
   std::vector<Place> places;  ///< a thread each
   Workers workers;
 
-  Impl(const CompactModel& model, Need needs, int threads) : workers(threads) {
+  Impl(const CompactModel& model, Need needs, int threads) : workers(checked(threads)) {
     for (int i = 0; i < threads; ++i) places.emplace_back(model, needs);
   }
 };
 
-DataPool::DataPool(const CompactModel& model, Need needs, int threads) {
-  if (threads < 1) throw Error(ErrorCode::argument, "DataPool: " + std::to_string(threads) + " threads; there must be at least one");
-  impl_ = std::make_unique<Impl>(model, needs, threads);
-}
+DataPool::DataPool(const CompactModel& model, Need needs, int threads) : impl_(std::make_unique<Impl>(model, needs, threads)) {}
 DataPool::~DataPool() = default;
 DataPool::DataPool(DataPool&&) noexcept = default;
 DataPool& DataPool::operator=(DataPool&&) noexcept = default;

@@ -27,12 +27,17 @@ struct GeometryBatchImpl {
   }
 };
 
-GeometryBatch::GeometryBatch(const CompactModel& model, const GeometryModel& geometry, int capacity, int threads) {
+namespace {
+std::unique_ptr<GeometryBatchImpl> made(const CompactModel& model, const GeometryModel& geometry, int capacity, int threads) {
   if (capacity <= 0 || threads <= 0)
     throw Error(ErrorCode::argument,
                 "GeometryBatch: capacity " + std::to_string(capacity) + " and threads " + std::to_string(threads) + " must be positive");
-  impl_ = std::make_unique<GeometryBatchImpl>(model, geometry, capacity, threads);
+  return std::make_unique<GeometryBatchImpl>(model, geometry, capacity, threads);
 }
+}  // namespace
+
+GeometryBatch::GeometryBatch(const CompactModel& model, const GeometryModel& geometry, int capacity, int threads)
+    : impl_(made(model, geometry, capacity, threads)) {}
 GeometryBatch::~GeometryBatch() = default;
 GeometryBatch::GeometryBatch(GeometryBatch&&) noexcept = default;
 GeometryBatch& GeometryBatch::operator=(GeometryBatch&&) noexcept = default;

@@ -15,8 +15,9 @@ std::string resolveUri(const std::string& uri, const std::vector<std::string>& p
 /// Throws Error(file) for a file that cannot be read or is larger than 512 MB, of which `usual` says what it should be.
 void checkFileSize(const std::string& path, const std::string& usual);
 
-/// All triangles of an STL, OBJ, DAE or other file that assimp reads, equal vertices made one. Throws Error(file | syntax) for a file that
-/// is broken, larger than 512 MB, or has no triangle or a vertex that is not finite.
+/// All triangles of an STL, OBJ, DAE or other file that assimp reads, equal vertices made one. It reads in a process of its own, with limits of time
+/// and memory that grow with the file. Throws Error(file | syntax) for a file that is broken, larger than 512 MB, beyond those limits, or has no
+/// triangle or a vertex that is not finite.
 geometry::TriangleMesh readMesh(const std::string& path);
 
 /// The occupied leaves of an octomap file, .bt or .ot. Throws Error(file | syntax) for a file that is broken or larger than 512 MB.

@@ -31,10 +31,14 @@ void GeometryDataImpl::place(int geometry, const SE3<double>& oMg) {
   if (moving && model.impl().moves(geometry)) moving->place(geometry, bounds[at(geometry)]);
 }
 
-GeometryData::GeometryData(const GeometryModel& model, int contacts) {
+namespace {
+int checked(int contacts) {
   if (contacts < 0) throw Error(ErrorCode::argument, "GeometryData: " + std::to_string(contacts) + " contacts; it takes none or more");
-  impl_ = std::make_unique<GeometryDataImpl>(model, contacts);
+  return contacts;
 }
+}  // namespace
+
+GeometryData::GeometryData(const GeometryModel& model, int contacts) : impl_(std::make_unique<GeometryDataImpl>(model, checked(contacts))) {}
 GeometryData::~GeometryData() = default;
 GeometryData::GeometryData(GeometryData&&) noexcept = default;
 GeometryData& GeometryData::operator=(GeometryData&&) noexcept = default;

@@ -1,4 +1,5 @@
 #include "geometry/files.hpp"
+#include "trial_process.hpp"
 
 #include <assimp/Importer.hpp>
 #include <assimp/config.h>
@@ -6,7 +7,10 @@
 #include <assimp/scene.h>
 
 #include <cmath>
+#include <cstring>
+#include <filesystem>
 #include <map>
+#include <new>
 
 namespace dyn {
 
@@ -27,11 +31,7 @@ class Collector {
   std::map<std::array<double, 3>, int> index_;
 };
 
-}  // namespace
-
-geometry::TriangleMesh readMesh(const std::string& path) {
-  const Where where{path, 0, ""};
-  checkFileSize(path, "a mesh for collision should have thousands of triangles");
+geometry::TriangleMesh readByAssimp(const std::string& path, const Where& where) {
   Assimp::Importer importer;
   importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS, aiComponent_NORMALS | aiComponent_TANGENTS_AND_BITANGENTS | aiComponent_COLORS |
                                                           aiComponent_TEXCOORDS | aiComponent_BONEWEIGHTS | aiComponent_ANIMATIONS |
@@ -62,6 +62,58 @@ geometry::TriangleMesh readMesh(const std::string& path) {
   }
   if (out.mesh.triangles.empty()) throw Error(ErrorCode::syntax, "has no triangles", where);
   return std::move(out.mesh);
+}
+
+template <class T>
+std::string bytesOf(const std::vector<T>& items) {
+  return {reinterpret_cast<const char*>(items.data()), items.size() * sizeof(T)};
+}
+
+/// Takes so many items from a report, and what is left of it.
+template <class T>
+std::vector<T> itemsOf(std::string_view& bytes, std::uint64_t count) {
+  std::vector<T> items(count);
+  std::memcpy(items.data(), bytes.data(), count * sizeof(T));
+  bytes.remove_prefix(count * sizeof(T));
+  return items;
+}
+
+}  // namespace
+
+geometry::TriangleMesh readMesh(const std::string& path) {
+  const Where where{path, 0, ""};
+  checkFileSize(path, "a mesh for collision should have thousands of triangles");
+  const double megabytes = static_cast<double>(std::filesystem::file_size(path)) * 0x1p-20;
+  // Sound files of ten million bytes take about a second.
+  const TrialLimits limits{.seconds = 5 + megabytes, .memory = static_cast<rlim_t>((2048 + 64 * megabytes) * 0x1p20)};
+  using Counts = std::array<std::uint64_t, 2>;  // of vertices and triangles; no vertices: an error's text follows
+  const Trial trial = tryInProcess(limits, [&](const auto& report) {
+    std::string why;
+    try {
+      const geometry::TriangleMesh mesh = readByAssimp(path, {});
+      report(bytesOf(std::vector{Counts{mesh.vertices.size(), mesh.triangles.size()}}));
+      report(bytesOf(mesh.vertices));
+      report(bytesOf(mesh.triangles));
+      return;
+    } catch (const std::bad_alloc&) {
+      why = "is a mesh that takes more memory than one of its size should";
+    } catch (const std::exception& e) {
+      why = e.what();
+    }
+    report(bytesOf(std::vector{Counts{}}) + why);
+  });
+  if (!trial.untried.empty()) throw Error(ErrorCode::file, trial.untried, where);
+  const auto refuse = [&](const std::string& why) { throw Error(ErrorCode::syntax, why, where); };
+  if (trial.late) refuse("is a mesh that cannot be read within " + std::to_string(static_cast<int>(limits.seconds)) + " s");
+  if (trial.signal != 0) refuse(std::string("is a mesh that crashes its reader, assimp: ") + strsignal(trial.signal));
+  std::string_view bytes = trial.report;
+  if (bytes.size() < sizeof(Counts)) refuse("is a mesh that ends its reader, assimp");
+  const Counts counts = itemsOf<Counts>(bytes, 1)[0];
+  if (counts[0] == 0) refuse(std::string(bytes));
+  geometry::TriangleMesh mesh;
+  mesh.vertices = itemsOf<Vec3<double>>(bytes, counts[0]);
+  mesh.triangles = itemsOf<std::array<int, 3>>(bytes, counts[1]);
+  return mesh;
 }
 
 }  // namespace dyn

@@ -30,6 +30,7 @@ void Simulator::Impl::show(double t, const double* q, const double* v, const Obs
 
 int Simulator::advanceTo(double until, const double* times, std::size_t count, const Observer& observer) {
   Impl& x = *impl_;
+  const Work work(x, "Simulator::advance");
   if (!std::isfinite(until) || until < x.now.time)
     throw Error(ErrorCode::argument, "Simulator::advance: to t = " + number(until) + " s, but it is " + number(x.now.time) + " s: time goes forward");
   checkTimes(x.now.time, until, times, count);

@@ -9,6 +9,7 @@
 namespace dyn {
 
 void Simulator::setEvents(std::vector<Event> events) {
+  impl_->requireIdle("Simulator::setEvents");
   for (const Event& event : events)
     if (!event.value) throw Error(ErrorCode::argument, "Simulator::setEvents: the event '" + event.name + "' has no function");
   impl_->events = std::move(events);

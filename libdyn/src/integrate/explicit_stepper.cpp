@@ -84,6 +84,7 @@ class ExplicitStepper : public CubicStepper {
   }
 
   double error() const override { return error_; }
+  int worst() const override { return worst_; }
 
   void between(double theta, Moment& from, Moment& to, double* q, double* v) override {
     if (tolerance_ <= 0) return CubicStepper::between(theta, from, to, q, v);
@@ -120,14 +121,16 @@ class ExplicitStepper : public CubicStepper {
       v_ += w * accelerations_.col(j);
     }
     error_ = 0;
-    const auto take = [&](double e) {
-      if (!(e <= error_)) error_ = e;  // NaN stays
+    const auto take = [&](Eigen::Index k, double e) {
+      if (e <= error_) return;
+      error_ = e;  // NaN stays
+      worst_ = static_cast<int>(k);
     };
     for (Eigen::Index k = 0; k < u_.size(); ++k) {
-      take(std::abs(u_[k]) / tolerance_);
+      take(k, std::abs(u_[k]) / tolerance_);
       // What rounding does to fast velocities no step takes away.
       const double rounding = 0x1p-48 * std::max(std::abs(from.v[k]), std::abs(to.v[k]));
-      take(std::abs(v_[k]) / (tolerance_ + rounding));
+      take(k, std::abs(v_[k]) / (tolerance_ + rounding));
     }
   }
 
@@ -136,6 +139,7 @@ class ExplicitStepper : public CubicStepper {
   Eigen::MatrixXd rates_, accelerations_;
   Eigen::VectorXd u_, v_, q_;
   double error_ = 0;
+  int worst_ = 0;
 };
 
 }  // namespace

@@ -113,6 +113,7 @@ std::string Simulator::save() const {
 }
 
 void Simulator::resume(const std::string& saved) {
+  const Work work(*impl_, "Simulator::resume");
   Impl& x = *impl_;
   const std::string found = Reader(saved).word("heading");
   if (found != heading) {

@@ -77,6 +77,12 @@ Simulator::Impl::Impl(const CompactModel& model, const ConstraintSet* set, const
   for (std::vector<char>* marks : {&resting, &halted, &stopped, &turned}) marks->resize(contacts().rubbing().size());
 }
 
+void Simulator::Impl::requireIdle(const char* function) const {
+  if (working)
+    throw Error(ErrorCode::argument,
+                std::string(function) + ": it is called by a callback of this very simulation; do it when advance() has returned");
+}
+
 Unilateral& Simulator::Impl::contacts() {
   if (!unilateral) unilateral.emplace(law.model(), constraints ? &*constraints : nullptr);
   return *unilateral;
@@ -140,6 +146,23 @@ void Simulator::Impl::stepBy(double h, double until) {
   checkFinite(next, h);
 }
 
+void Simulator::Impl::countStep(double h) {
+  counted_time += h;
+  if (++counted_steps < many_steps) return;
+  const double led = counted_time;
+  counted_steps = 0;
+  counted_time = 0;
+  if (led >= least_share * many_steps * options.dt) return;
+  const std::vector<JointRecord>& joints = law.model().joints();
+  std::size_t worst = 1;
+  while (worst + 1 < joints.size() && joints[worst + 1].idx_v <= stepper->worst()) ++worst;
+  throw Error(
+      ErrorCode::simulation,
+      "at t = " + number(now.time) + " s the last " + std::to_string(many_steps) + " steps have led " + number(led) +
+          " s further: this joint's motion is stiff (much damping, or little inertia?); use an implicit integrator as radau5, or a shorter dt",
+      {{}, 0, joints[worst].name});
+}
+
 double Simulator::Impl::adaptiveStep(double most) {
   bool rejected = false, taken = true, finite = true;
   std::string why;
@@ -158,6 +181,7 @@ double Simulator::Impl::adaptiveStep(double most) {
     if (finite && error <= 1) {
       // Of a step that was cut short only what the error itself asks for is remembered.
       if (!shortened || factor < 1) trial = h * factor;
+      if (!shortened) countStep(h);
       return h;
     }
     trial = h * factor;
@@ -249,6 +273,7 @@ bool Simulator::touches() const { return impl_->contact_step; }
 double Simulator::energy() { return impl_->law.energy(impl_->now.q.data(), impl_->now.v.data()); }
 double Simulator::constraintError() { return impl_->law.constraintError(impl_->now.q.data(), impl_->now.v.data()); }
 VectorResult Simulator::acceleration() {
+  const Work work(*impl_, "Simulator::acceleration");
   Moment& x = impl_->now;
   std::fill(impl_->halted.begin(), impl_->halted.end(), 0);
   impl_->holdJoints(impl_->options.dt);
@@ -256,19 +281,25 @@ VectorResult Simulator::acceleration() {
 }
 
 void Simulator::setController(Controller controller, ControllerDerivatives derivatives) {
+  impl_->requireIdle("Simulator::setController");
   impl_->law.controller = std::move(controller);
   impl_->law.controller_derivatives = std::move(derivatives);
   impl_->now.has_acceleration = false;
 }
 
 void Simulator::setForces(Forces forces) {
+  impl_->requireIdle("Simulator::setForces");
   impl_->law.forces = std::move(forces);
   impl_->now.has_acceleration = false;
 }
 
-void Simulator::setContacts(ContactFinder finder) { impl_->contacts().setFinder(std::move(finder)); }
+void Simulator::setContacts(ContactFinder finder) {
+  impl_->requireIdle("Simulator::setContacts");
+  impl_->contacts().setFinder(std::move(finder));
+}
 
 void Simulator::resetTo(VectorView q, VectorView v, double time) {
+  const Work work(*impl_, "Simulator::reset");
   const CompactModel& m = model();
   checkSize("Simulator::reset", "q", q, m.nq());
   checkSize("Simulator::reset", "v", v, m.nv());
@@ -300,11 +331,14 @@ void Simulator::Impl::start(Moment from) {
   anchor = now.time;
   steps = 0;
   trial = options.dt;
+  counted_steps = 0;
+  counted_time = 0;
   law.statistics = {};
 }
 
 void Simulator::step() {
   Impl& x = *impl_;
+  const Work work(x, "Simulator::step");
   if (infoOf(x.options.integrator).adaptive) {
     x.stepTowards(std::numeric_limits<double>::infinity());
   } else {

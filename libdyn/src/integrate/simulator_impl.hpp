@@ -18,6 +18,10 @@ struct Simulator::Impl {
   static constexpr double soon = 0x1p-20;
   /// In one call of advance(): at a tenth of a microsecond each they take a day.
   static constexpr double most_steps = 0x1p40;
+  /// Of adaptive integrators: so many steps that the tolerance alone has made short lead this share of as many dt further at least; else the motion
+  /// is stiff.
+  static constexpr int many_steps = 10000;
+  static constexpr double least_share = 1e-5;
 
   SimulatorOptions options;
   std::optional<ConstraintSet> constraints;
@@ -29,6 +33,9 @@ struct Simulator::Impl {
   long steps = 0;                    ///< since then
   bool whole_step = true;            ///< the last one
   double trial;                      ///< next step of adaptive integrators [s]
+  int counted_steps = 0;             ///< of the many
+  double counted_time = 0;           ///< [s] that these took
+  bool working = false;              ///< within a call that steps or starts, and so within its callbacks
 
   std::optional<Unilateral> unilateral;
   bool contact_step = false, has_impact = false;  ///< what the last step was, and whether an impulse follows it
@@ -57,6 +64,8 @@ struct Simulator::Impl {
 
   Impl(const CompactModel& model, const ConstraintSet* constraints, const SimulatorOptions& options);
   Unilateral& contacts();
+  /// Throws Error(argument) in a callback of this simulation, which would change what is being computed.
+  void requireIdle(const char* function) const;
 
   /// From this state, with statistics at zero. Throws Error(argument | simulation) and leaves everything as it was.
   void start(Moment from);
@@ -74,6 +83,8 @@ struct Simulator::Impl {
   /// Throws Error(argument) for more steps than any simulation takes.
   void checkSteps(double until) const;
   double adaptiveStep(double most);
+  /// Throws Error(simulation) if this step is the last of many that lead nowhere.
+  void countStep(double h);
   bool rubs() const { return law.joint_friction.size() > 0; }
   bool restsAt(std::size_t rubbing, const Eigen::VectorXd& v) const;
   /// Of adaptive integrators: what rests is looked at every dt.
@@ -139,6 +150,21 @@ struct Simulator::Impl {
   int findEvent(double h);
   /// One of `untold`, which is told then; -1 if there is none.
   int tellEvent();
+};
+
+/// A call that steps or starts, as long as it lives. Throws Error(argument) within another.
+class Work {
+ public:
+  Work(Simulator::Impl& x, const char* function) : x_(x) {
+    x.requireIdle(function);
+    x.working = true;
+  }
+  ~Work() { x_.working = false; }
+  Work(const Work&) = delete;
+  Work& operator=(const Work&) = delete;
+
+ private:
+  Simulator::Impl& x_;
 };
 
 }  // namespace dyn

@@ -40,6 +40,8 @@ class Stepper {
   virtual StepOutcome step(double h, Moment& from, Moment& to) = 0;
   /// Error of the last step in units of what the tolerance allows it; 0 for methods without an estimate.
   virtual double error() const { return 0; }
+  /// The degree of freedom that this is of.
+  virtual int worst() const { return 0; }
   /// The state at the share theta of the last step, to about the method's order but no better than the fourth. `to` may have
   /// been projected since.
   virtual void between(double theta, Moment& from, Moment& to, double* q, double* v) = 0;

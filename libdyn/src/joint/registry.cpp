@@ -79,7 +79,11 @@ void checkInfo(const JointTypeInfo& info, const std::string& path) {
 }
 
 /// What lies in the folder of this process's instruction set beside a plugin, type by type.
-std::map<const JointType*, const JointType*> builtForProcessor(const std::string& path, Trust trust, const std::vector<const JointType*>& joints) {
+struct FastBuild {
+  std::string path;
+  std::map<const JointType*, const JointType*> types;
+};
+FastBuild builtForProcessor(const std::string& path, Trust trust, const std::vector<const JointType*>& joints) {
   std::error_code ignored;
   const std::filesystem::path file = std::filesystem::canonical(path, ignored);
   const std::filesystem::path other = file.parent_path() / instructionSet() / file.filename();
@@ -87,7 +91,7 @@ std::map<const JointType*, const JointType*> builtForProcessor(const std::string
   const dyn_plugin_descriptor& d = openPlugin(other.string(), trust).descriptor;
   const auto fast_joints = typesOf<JointType>(d.joint_types, d.joint_type_count);
   for (const JointType* type : fast_joints) checkInfo(type->info(), other.string());
-  std::map<const JointType*, const JointType*> result;
+  FastBuild result{other.string(), {}};
   for (const JointType* type : joints) {
     const JointType* fast = find(fast_joints, type->info().name);
     if (fast == nullptr) continue;
@@ -96,7 +100,7 @@ std::map<const JointType*, const JointType*> builtForProcessor(const std::string
                   std::string("is another build than '") + other.string() + "': they describe joint type '" + type->info().name +
                       "' differently; rebuild both from one source, or remove the second",
                   {path, 0, ""});
-    result[type] = fast;
+    result.types[type] = fast;
   }
   return result;
 }
@@ -110,11 +114,12 @@ void JointRegistry::Impl::add(const std::string& path, Trust trust) {
   const auto new_couplings = typesOf<CouplingType>(d.coupling_types, d.coupling_type_count);
   for (const JointType* type : new_joints) checkInfo(type->info(), path);
   for (const CouplingType* type : new_couplings) checkInfo(type->info(), path);
-  PluginRecord record{path, {}, {}, opened.remark};
+  PluginRecord record{path, {}, {}, opened.remark, {}};
   for (const JointType* type : new_joints) record.types.emplace_back(type->info().name);
   for (const CouplingType* type : new_couplings) record.types.emplace_back(type->info().name);
   if (record.types.empty()) throw Error(ErrorCode::plugin, "exports no joint types", {path, 0, ""});
-  const std::map<const JointType*, const JointType*> faster = builtForProcessor(path, trust, new_joints);
+  const FastBuild faster = builtForProcessor(path, trust, new_joints);
+  record.fast = faster.path;
   for (std::size_t i = 0; i < record.types.size(); ++i) {
     const std::string& name = record.types[i];
     const auto known = origin.find(name);
@@ -128,7 +133,7 @@ void JointRegistry::Impl::add(const std::string& path, Trust trust) {
       throw Error(ErrorCode::plugin, "exports joint type '" + name + "' twice", {path, 0, ""});
   }
   for (const std::string& name : record.types) origin[name] = path;
-  fast.insert(faster.begin(), faster.end());
+  fast.insert(faster.types.begin(), faster.types.end());
   joints.insert(joints.end(), new_joints.begin(), new_joints.end());
   couplings.insert(couplings.end(), new_couplings.begin(), new_couplings.end());
   plugins.push_back(std::move(record));
@@ -172,7 +177,7 @@ void JointRegistry::loadDirectory(const std::string& directory, Trust trust) {
   for (const auto& entry : std::filesystem::directory_iterator(directory, error))
     if (entry.path().extension() == ".so") files.push_back(entry.path().string());
   if (error) {
-    impl_->plugins.push_back({directory, {}, directory + ": cannot read the folder: " + error.message(), {}});
+    impl_->plugins.push_back({directory, {}, directory + ": cannot read the folder: " + error.message(), {}, {}});
     return;
   }
   std::sort(files.begin(), files.end());
@@ -180,7 +185,7 @@ void JointRegistry::loadDirectory(const std::string& directory, Trust trust) {
     try {
       impl_->add(file, trust);
     } catch (const Error& problem) {
-      impl_->plugins.push_back({file, {}, problem.what(), {}});
+      impl_->plugins.push_back({file, {}, problem.what(), {}, {}});
     }
   }
 }

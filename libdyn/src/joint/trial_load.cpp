@@ -1,16 +1,10 @@
 #include "joint/trial_load.hpp"
 
+#include "trial_process.hpp"
+
 #include <dlfcn.h>
 #include <elf.h>
-#include <fcntl.h>
-#include <poll.h>
-#include <signal.h>
-#include <sys/prctl.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
-#include <cerrno>
-#include <chrono>
 #include <cstdint>
 #include <cstring>
 #include <exception>
@@ -39,56 +33,6 @@ bool cutShort(const OpenFile& file) {
   return false;
 }
 
-/// The child's whole life. Reports one line: "" for opened or refused by dlopen, or what was thrown.
-[[noreturn]] void openInChild(const std::string& name, int report) {
-  prctl(PR_SET_PDEATHSIG, SIGKILL);  // whoever ends the parent does not mean to leave this one looping
-  const auto say = [&](const char* text) {
-    if (::write(report, text, std::strlen(text) + 1) < 0) _exit(1);
-    _exit(0);
-  };
-  // The runtime's last words, and the plugin's, are not the user's business: the parent says what happened.
-  if (const int null = open("/dev/null", O_WRONLY); null >= 0) {
-    dup2(null, STDOUT_FILENO);
-    dup2(null, STDERR_FILENO);
-  }
-  for (const int fatal : {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL}) signal(fatal, SIG_DFL);
-  // Through a pointer that may throw, so that the exception gets here; the child ends at once, so the loader's lock matters to nobody.
-  void* (*volatile open_library)(const char*, int) = &dlopen;
-  try {
-    open_library(name.c_str(), RTLD_NOW | RTLD_LOCAL);
-  } catch (const std::exception& e) {
-    say((std::string("a static constructor of it threw: ") + e.what()).c_str());
-  } catch (...) {
-    say("a static constructor of it threw something that is no std::exception");
-  }
-  say("");
-  _exit(0);
-}
-
-/// What the child wrote before it ended or the time was up. `answered`: it wrote at all.
-std::string readReport(int pipe, bool& answered, bool& ended) {
-  using Clock = std::chrono::steady_clock;
-  const auto end = Clock::now() + std::chrono::seconds(patience);
-  std::string text;
-  answered = ended = false;
-  while (true) {
-    pollfd ready{pipe, POLLIN, 0};
-    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now()).count();
-    const int n = left > 0 ? poll(&ready, 1, static_cast<int>(left)) : 0;
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) return text;
-    char buffer[512];
-    const ssize_t size = read(pipe, buffer, sizeof buffer);
-    if (size < 0 && errno == EINTR) continue;
-    if (size <= 0) {
-      ended = true;
-      return text.substr(0, text.find('\0'));
-    }
-    answered = true;
-    text.append(buffer, static_cast<std::size_t>(size));
-  }
-}
-
 }  // namespace
 
 std::string trialLoad(const OpenFile& file) {
@@ -98,29 +42,25 @@ std::string trialLoad(const OpenFile& file) {
     dlclose(loaded);  // one reference back; it has been opened before and stays
     return "";
   }
-  const auto untried = [](const char* what) {
-    return std::string("it cannot be tried in a process of its own first: no ") + what + ", " + std::strerror(errno);
-  };
-  int ends[2];
-  if (pipe2(ends, O_CLOEXEC) != 0) return untried("pipe");
-  const pid_t child = fork();
-  if (child == 0) openInChild(name, ends[1]);
-  const std::string why = child < 0 ? untried("process") : "";
-  close(ends[1]);
-  bool answered = false, ended = false;
-  const std::string report = child > 0 ? readReport(ends[0], answered, ended) : std::string();
-  close(ends[0]);
-  if (child < 0) return why;
-  if (!ended) kill(child, SIGKILL);
-  int status = 0;
-  pid_t waited;
-  do waited = waitpid(child, &status, 0);
-  while (waited < 0 && errno == EINTR);
-  if (!ended && !answered) return "its static constructors do not end within " + std::to_string(patience) + " s";
-  if (answered) return report;
-  // It ended without a word. Someone else may have reaped it; then how is not known.
-  if (waited == child && WIFSIGNALED(status))
-    return std::string("opening it, or a static constructor of it, crashes: ") + strsignal(WTERMSIG(status));
+  // One word at the end of the report: that of a plugin which ends the process while it is opened has none.
+  const std::string opened = "opened";
+  const Trial trial = tryInProcess({.seconds = patience}, [&](const auto& report) {
+    // Through a pointer that may throw, so that the exception gets here; the child ends at once, so the loader's lock matters to nobody.
+    void* (*volatile open_library)(const char*, int) = &dlopen;
+    try {
+      open_library(name.c_str(), RTLD_NOW | RTLD_LOCAL);  // what it refuses is said when it is opened here
+      report(opened);
+    } catch (const std::exception& e) {
+      report(std::string("a static constructor of it threw: ") + e.what());
+    } catch (...) {
+      report("a static constructor of it threw something that is no std::exception");
+    }
+  });
+  if (!trial.untried.empty()) return trial.untried;
+  if (trial.report == opened) return "";
+  if (!trial.report.empty()) return trial.report;
+  if (trial.late) return "its static constructors do not end within " + std::to_string(patience) + " s";
+  if (trial.signal != 0) return std::string("opening it, or a static constructor of it, crashes: ") + strsignal(trial.signal);
   return "a static constructor of it ended the process";
 }
 

@@ -1,4 +1,4 @@
-#include <dyn/model/model.hpp>
+#include "model/universe.hpp"
 
 #include <utility>
 
@@ -12,6 +12,7 @@ Model::Model() {
 }
 
 int Model::addBody(const std::string& body, int parent, JointDescription joint, const Inertia<double>& inertia) {
+  requireUniverse(*this);
   if (parent < 0 || parent >= static_cast<int>(bodies.size()))
     throw Error(ErrorCode::argument, "body '" + body + "': parent " + std::to_string(parent) + " does not exist; bodies 0 to " +
                                          std::to_string(bodies.size() - 1) + " do");

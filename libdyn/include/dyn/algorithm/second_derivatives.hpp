@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dyn/data/data.hpp>
+#include <dyn/owned.hpp>
 
 namespace dyn {
 
@@ -21,7 +22,7 @@ class DYN_API SecondDerivativeData {
   SecondDerivativeImpl& impl() { return *impl_; }
 
  private:
-  std::unique_ptr<SecondDerivativeImpl> impl_;
+  Owned<SecondDerivativeImpl> impl_;
 };
 
 /// n matrices of n x n: [k](i, j) is the change along degree of freedom k of the derivative of tau_i by the j-th.

@@ -30,6 +30,9 @@ class DYN_API CompiledFunction {
  public:
   struct Impl;
   explicit CompiledFunction(std::shared_ptr<const Impl> impl);
+  /// Moving copies, which is as cheap: none is ever empty.
+  CompiledFunction(const CompiledFunction&) = default;
+  CompiledFunction& operator=(const CompiledFunction&) = default;
 
   const std::string& name() const;
   const std::vector<ArgumentShape>& inputs() const;

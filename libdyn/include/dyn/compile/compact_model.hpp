@@ -42,6 +42,9 @@ struct ModelLimits {
 class DYN_API CompactModel {
  public:
   explicit CompactModel(std::shared_ptr<const CompactImpl> impl);
+  /// Moving copies, which is as cheap: none is ever empty.
+  CompactModel(const CompactModel&) = default;
+  CompactModel& operator=(const CompactModel&) = default;
 
   const std::string& name() const;
   int nq() const;

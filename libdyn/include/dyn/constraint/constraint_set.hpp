@@ -4,6 +4,7 @@
 #include <dyn/data/data.hpp>
 #include <dyn/joint/registry.hpp>
 #include <dyn/model/constraint.hpp>
+#include <dyn/owned.hpp>
 
 #include <memory>
 #include <vector>
@@ -24,6 +25,9 @@ class DYN_API ConstraintSet {
   ConstraintSet(const CompactModel& model, const std::vector<ConstraintDescription>& constraints, const JointRegistry* registry = nullptr);
   /// Those of `base`, whose couplings are as they were looked up, and these after them. Throws as the constructor before.
   ConstraintSet(const ConstraintSet& base, const std::vector<ConstraintDescription>& more, const JointRegistry* registry = nullptr);
+  /// Moving copies, which is as cheap: none is ever empty.
+  ConstraintSet(const ConstraintSet&) = default;
+  ConstraintSet& operator=(const ConstraintSet&) = default;
 
   const CompactModel& model() const { return model_; }
   /// Of the constraints together: entries of lambda.
@@ -72,7 +76,7 @@ class DYN_API ConstraintData {
   const ConstraintDataImpl& impl() const { return *impl_; }
 
  private:
-  std::unique_ptr<ConstraintDataImpl> impl_;
+  Owned<ConstraintDataImpl> impl_;
 };
 
 }  // namespace dyn

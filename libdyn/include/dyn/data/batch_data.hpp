@@ -2,6 +2,7 @@
 #pragma once
 
 #include <dyn/data/data.hpp>
+#include <dyn/owned.hpp>
 
 namespace dyn {
 
@@ -33,7 +34,7 @@ class DYN_API BasicBatchData {
   const BatchImpl<T>& impl() const { return *impl_; }
 
  private:
-  std::unique_ptr<BatchImpl<T>> impl_;
+  Owned<BatchImpl<T>> impl_;
 };
 
 using BatchData = BasicBatchData<double>;

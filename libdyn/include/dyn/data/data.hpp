@@ -3,6 +3,7 @@
 
 #include <dyn/compile/compact_model.hpp>
 #include <dyn/data/views.hpp>
+#include <dyn/owned.hpp>
 
 namespace dyn {
 
@@ -37,7 +38,7 @@ class DYN_API Data {
   const DataImpl& impl() const { return *impl_; }
 
  private:
-  std::unique_ptr<DataImpl> impl_;
+  Owned<DataImpl> impl_;
 };
 
 }  // namespace dyn

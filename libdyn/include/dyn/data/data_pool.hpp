@@ -10,9 +10,9 @@
 #pragma once
 
 #include <dyn/data/data.hpp>
+#include <dyn/owned.hpp>
 
 #include <cstddef>
-#include <memory>
 #include <type_traits>
 
 namespace dyn {
@@ -48,7 +48,7 @@ class DYN_API DataPool {
   void each(std::ptrdiff_t count, void (*call)(void* context, Data& data, std::ptrdiff_t k, int thread), void* context);
 
   struct Impl;
-  std::unique_ptr<Impl> impl_;
+  Owned<Impl> impl_;
 };
 
 }  // namespace dyn

@@ -3,6 +3,7 @@
 
 #include <dyn/algorithm/batch.hpp>
 #include <dyn/geometry/geometry_data.hpp>
+#include <dyn/owned.hpp>
 
 namespace dyn {
 
@@ -43,7 +44,7 @@ class DYN_API GeometryBatch {
   GeometryBatchImpl& impl() { return *impl_; }
 
  private:
-  std::unique_ptr<GeometryBatchImpl> impl_;
+  Owned<GeometryBatchImpl> impl_;
 };
 
 namespace detail {

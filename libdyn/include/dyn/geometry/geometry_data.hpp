@@ -3,6 +3,7 @@
 
 #include <dyn/data/data.hpp>
 #include <dyn/geometry/geometry_model.hpp>
+#include <dyn/owned.hpp>
 
 namespace dyn {
 
@@ -23,7 +24,7 @@ class DYN_API GeometryData {
   const GeometryDataImpl& impl() const { return *impl_; }
 
  private:
-  std::unique_ptr<GeometryDataImpl> impl_;
+  Owned<GeometryDataImpl> impl_;
 };
 
 /// Places all geometries by the joints' poses that the last forwardKinematics found. O(number of geometries that move).

@@ -57,6 +57,9 @@ struct GeometryReport {
 class DYN_API GeometryModel {
  public:
   explicit GeometryModel(std::shared_ptr<const GeometryImpl> impl);
+  /// Moving copies, which is as cheap: none is ever empty.
+  GeometryModel(const GeometryModel&) = default;
+  GeometryModel& operator=(const GeometryModel&) = default;
 
   const std::vector<GeometryRecord>& geometries() const;
   const std::vector<CollisionPair>& pairs() const;

@@ -3,8 +3,8 @@
 
 #include <dyn/compile/compile.hpp>
 #include <dyn/integrate/simulator.hpp>
+#include <dyn/owned.hpp>
 
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -48,7 +48,7 @@ class DYN_API IslandSimulator {
 
  private:
   struct Impl;
-  std::unique_ptr<Impl> impl_;
+  Owned<Impl> impl_;
 };
 
 }  // namespace dyn

@@ -19,6 +19,7 @@ struct PluginRecord {
   std::vector<std::string> types;  ///< names of joint and coupling types; empty if it failed
   std::string problem;             ///< why it was not loaded; empty if it was
   std::string remark;              ///< what is wrong with it though it was; else empty
+  std::string fast;                ///< the file beside it that is built for this processor and used by compiled models; else empty
 };
 
 /// Name -> type. Reading is safe from several threads; loading is not.

@@ -1,0 +1,33 @@
+// The inside of objects that can be moved and not copied.
+#pragma once
+
+#include <dyn/export.hpp>
+
+#include <memory>
+#include <utility>
+
+namespace dyn {
+
+namespace detail {
+/// Throws Error(argument).
+[[noreturn]] DYN_API void refuseMovedFrom();
+}  // namespace detail
+
+/// As std::unique_ptr, but never null where it is used: an object that was moved from throws Error(argument) then. It may be destroyed and assigned
+/// to.
+template <class T>
+class Owned {
+ public:
+  Owned(std::unique_ptr<T> object) : object_(std::move(object)) {}  // NOLINT: meant to convert
+  T& operator*() const {
+    if (object_ == nullptr) [[unlikely]]
+      detail::refuseMovedFrom();
+    return *object_;
+  }
+  T* operator->() const { return &**this; }
+
+ private:
+  std::unique_ptr<T> object_;
+};
+
+}  // namespace dyn

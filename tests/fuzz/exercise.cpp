@@ -1,0 +1,110 @@
+#include "exercise.hpp"
+
+#include "fuzz.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace dyn::fuzz {
+
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double plain = 1e6;  ///< numbers up to this, and from one over this on, cannot take any result beyond a double
+
+bool isPlain(double x) { return x == 0 || (std::fabs(x) <= plain && std::fabs(x) >= 1 / plain); }
+bool isPlain(const Vec3<double>& x) { return isPlain(x.x) && isPlain(x.y) && isPlain(x.z); }
+
+bool isPlain(const JointDescription& joint) {
+  for (const auto& [name, value] : joint.parameters) {
+    if (const auto* numbers = std::get_if<std::vector<double>>(&value))
+      if (!std::all_of(numbers->begin(), numbers->end(), [](double x) { return isPlain(x); })) return false;
+    if (const auto* parts = std::get_if<std::vector<JointDescription>>(&value))
+      if (!std::all_of(parts->begin(), parts->end(), [](const JointDescription& part) { return isPlain(part); })) return false;
+  }
+  for (const auto* list : {&joint.damping, &joint.friction, &joint.armature})
+    if (!std::all_of(list->begin(), list->end(), [](double x) { return isPlain(x); })) return false;
+  return isPlain(joint.placement.p) && joint.coupling.type.empty();
+}
+
+bool isPlain(const Model& model) {
+  const auto bodyIsPlain = [](const BodyDescription& b) {
+    const auto& I = b.inertia.rotational;
+    return isPlain(b.joint) && isPlain(b.inertia.mass) && isPlain(b.inertia.lever) &&
+           std::all_of(std::begin({I.xx, I.xy, I.yy, I.xz, I.yz, I.zz}), std::end({I.xx, I.xy, I.yy, I.xz, I.yz, I.zz}),
+                       [](double x) { return isPlain(x); });
+  };
+  return isPlain(model.gravity) && model.bodies.size() < 60 && std::all_of(model.bodies.begin(), model.bodies.end(), bodyIsPlain);
+}
+
+class Exercise {
+ public:
+  Exercise(const Model& description, const CompactModel& model) : model_(model), data_(model, Need::derivatives), plain_(isPlain(description)) {}
+
+  void at(const VectorXd& q, const VectorXd& v, const VectorXd& a) {
+    const int n = model_.nv();
+    const VectorXd tau = rnea(model_, data_, q, v, a), bias = nonLinearEffects(model_, data_, q, v);
+    const MatrixXd M = crba(model_, data_, q);
+    need(tau.allFinite() && bias.allFinite() && M.allFinite(), "rnea or crba is not finite");
+    if (!tau.allFinite() || !M.allFinite()) return;
+    const double size = M.size() ? M.cwiseAbs().maxCoeff() : 0;
+    require((M - M.transpose()).cwiseAbs().maxCoeff() <= 1e-12 * size || n == 0, "M is not symmetric");
+    const double kinetic = computeKineticEnergy(model_, data_, q, v);
+    computePotentialEnergy(model_, data_, q);
+    const double sum = v.cwiseAbs().sum();
+    require(n == 0 || std::fabs(kinetic - 0.5 * v.dot(M * v)) <= 1e-9 * size * sum * sum, "the kinetic energy is not v M v / 2");
+    need(computeRNEADerivatives(model_, data_, q, v, a).dtau_dq.allFinite(), "rnea's derivatives are not finite");
+    forwardKinematics(model_, data_, q, v, a);
+    for (int f = 0; f < static_cast<int>(model_.frames().size()); ++f) framePlacement(model_, data_, f);
+    succeeds([&] { computeCoriolisMatrix(model_, data_, q, v); });
+    succeeds([&] { ccrba(model_, data_, q, v); });
+    succeeds([&] { computeMinverse(model_, data_, q); });
+    succeeds([&] { computeJointTorqueRegressor(model_, data_, q, v, a); });
+    succeeds([&] { computeABADerivatives(model_, data_, q, v, tau); });
+    succeeds([&] { forward(q, v, tau, bias, size); });
+    succeeds([&] {
+      const VectorXd there = integrate(model_, q, v), back = difference(model_, q, there);
+      need(there.allFinite() && back.allFinite(), "integrate or difference is not finite");
+    });
+  }
+
+ private:
+  /// What aba answers is what rnea takes for tau: its residual is small beside the terms that cancel in it, however M is conditioned.
+  void forward(const VectorXd& q, const VectorXd& v, const VectorXd& tau, const VectorXd& bias, double size) {
+    const VectorXd found = aba(model_, data_, q, v, tau);
+    if (!plain_ || !found.allFinite() || found.size() == 0) return;
+    const VectorXd again = rnea(model_, data_, q, v, found);
+    const double terms = size * found.cwiseAbs().sum() + tau.cwiseAbs().maxCoeff() + bias.cwiseAbs().maxCoeff();
+    require((again - tau).cwiseAbs().maxCoeff() <= 1e-5 * terms, "rnea(aba(tau)) is not tau");
+  }
+  void require(bool holds, const char* what) const {
+    if (plain_ && !holds) finding(what);
+  }
+  void need(bool holds, const char* what) const { require(holds, what); }
+
+  const CompactModel& model_;
+  Data data_;
+  bool plain_;
+};
+
+}  // namespace
+
+void exercise(const Model& description, const CompactModel& model, std::uint64_t seed) {
+  if (model.nv() > 60) return;
+  succeeds([&] {
+    Exercise e(description, model);
+    const VectorXd zero = VectorXd::Zero(model.nv());
+    e.at(neutral(model), zero, zero);
+    std::srand(static_cast<unsigned>(seed));  // of Eigen's Random
+    const VectorXd v = VectorXd::Random(model.nv()), a = VectorXd::Random(model.nv());
+    e.at(randomConfiguration(model, seed), v, a);
+    BatchData batch(model, 5);
+    const MatrixXd Q = neutral(model).replicate(1, 5), V = v.replicate(1, 5);
+    rnea(model, batch, Q, V, V);
+    aba(model, batch, Q, V, V);
+  });
+}
+
+}  // namespace dyn::fuzz

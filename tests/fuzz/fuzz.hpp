@@ -1,0 +1,84 @@
+// What fuzz targets share: bytes as choices, as files, and calls that may fail in one way only.
+#pragma once
+
+#include <dyn/error.hpp>
+
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+
+namespace dyn::fuzz {
+
+/// Numbers drawn from the bytes of an input, zeros when they are used up.
+class Choices {
+ public:
+  Choices(const std::uint8_t* data, std::size_t size) : data_(data), size_(size) {}
+  std::uint8_t byte() {
+    if (size_ == 0) return 0;
+    --size_;
+    return *data_++;
+  }
+  int below(int n) { return byte() % n; }
+  /// Mostly plain numbers, sometimes odd ones.
+  double number() {
+    static constexpr double odd[] = {0, -0.0, 1, -1, 1e-300, 1e300, 1e-12, 1e12, 1e-6, 1e6, 3.141592653589793, 5e-324};
+    const int kind = byte();
+    if (kind >= 224) return odd[kind % 12];
+    return (byte() - 127.5) / 64 + byte() / 16384.0;
+  }
+  /// Whatever is left.
+  std::string rest() {
+    std::string text(reinterpret_cast<const char*>(data_), size_);
+    size_ = 0;
+    return text;
+  }
+  bool empty() const { return size_ == 0; }
+
+ private:
+  const std::uint8_t* data_;
+  std::size_t size_;
+};
+
+/// Bytes that have a path, in memory.
+class MemoryFile {
+ public:
+  explicit MemoryFile(const std::string& bytes) : file_(memfd_create("fuzz", MFD_CLOEXEC)) {
+    for (std::size_t done = 0; done < bytes.size();) {
+      const ssize_t n = write(file_, bytes.data() + done, bytes.size() - done);
+      if (n <= 0) std::abort();
+      done += static_cast<std::size_t>(n);
+    }
+  }
+  ~MemoryFile() { close(file_); }
+  MemoryFile(const MemoryFile&) = delete;
+  MemoryFile& operator=(const MemoryFile&) = delete;
+  std::string path() const { return "/proc/self/fd/" + std::to_string(file_); }
+
+ private:
+  int file_;
+};
+
+/// Ends the process, which the fuzzer takes for a finding.
+[[noreturn]] inline void finding(const std::string& what) {
+  std::fprintf(stderr, "FINDING: %s\n", what.c_str());
+  std::abort();
+}
+
+/// Whether the call went through; it may throw dyn::Error with a message and nothing else, which the fuzzer catches.
+template <class Call>
+bool succeeds(const Call& call) {
+  try {
+    call();
+    return true;
+  } catch (const Error& e) {
+    if (std::strlen(e.what()) == 0) finding("an error without a message");
+    return false;
+  }
+}
+
+}  // namespace dyn::fuzz

@@ -1,0 +1,34 @@
+// A sound plugin whose headers, of the file and of what is loaded of it, have other bytes.
+#include "fuzz.hpp"
+
+#include <dyn/file.hpp>
+#include <dyn/joint/registry.hpp>
+
+#include <filesystem>
+#include <fstream>
+
+using namespace dyn;
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static const std::string sound = readFile(DYN_SOUND_PLUGIN);
+  static const std::filesystem::path folder = [] {
+    std::string pattern = "/dev/shm/libdyn-fuzz-XXXXXX";
+    if (mkdtemp(pattern.data()) == nullptr) std::abort();
+    return pattern;
+  }();
+  static int count = 0;
+  std::string bytes = sound;
+  fuzz::Choices choices(data, size);
+  if (choices.below(8) == 0) bytes.resize(bytes.size() * static_cast<std::size_t>(choices.byte()) / 256);
+  while (!choices.empty()) {
+    const std::size_t at = static_cast<std::size_t>(choices.byte()) + 256 * static_cast<std::size_t>(choices.below(4));
+    if (at < bytes.size()) bytes[at] = static_cast<char>(choices.byte());
+  }
+  // Each under a name of its own: the loader knows libraries by their names.
+  const std::string path = folder / ("plugin" + std::to_string(count++) + ".so");
+  std::ofstream(path, std::ios::binary) << bytes;
+  JointRegistry registry;
+  fuzz::succeeds([&] { registry.load(path); });
+  std::filesystem::remove(path);
+  return 0;
+}

@@ -1,0 +1,24 @@
+// Which links need not be checked against each other.
+#include "fuzz.hpp"
+
+#include <dyn/parsers/srdf.hpp>
+
+using namespace dyn;
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  Model model;
+  JointDescription joint;
+  joint.type = "fixed";
+  for (const char* name : {"a", "b", "c"}) {
+    joint.name = std::string("to_") + name;
+    model.addBody(name, 0, joint, {});
+  }
+  const bool read = fuzz::succeeds([&] { srdf::parse(std::string(reinterpret_cast<const char*>(data), size), "fuzz.srdf", model); });
+  if (!read && (!model.disabled_collisions.empty() || !model.notes.empty())) fuzz::finding("a file that was refused has left something");
+  // What is written reads back as the same.
+  Model again = model;
+  again.disabled_collisions.clear();
+  srdf::parse(srdf::text("robot", model.disabled_collisions), "again.srdf", again);
+  if (again.disabled_collisions.size() != model.disabled_collisions.size()) fuzz::finding("an SRDF that was written reads back as another");
+  return 0;
+}

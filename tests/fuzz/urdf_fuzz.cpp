@@ -1,0 +1,33 @@
+// A robot's text: read, compiled, every algorithm, and its volumes.
+#include "exercise.hpp"
+#include "fuzz.hpp"
+
+#include <dyn/geometry/collision.hpp>
+#include <dyn/geometry/distance.hpp>
+#include <dyn/parsers/urdf.hpp>
+
+using namespace dyn;
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  static const JointRegistry registry = JointRegistry::standard();
+  const std::string text(reinterpret_cast<const char*>(data), size);
+  urdf::Options options;
+  options.root = size % 2 ? "free_flyer" : "fixed";
+  options.mimic = size % 3 ? urdf::Mimic::coupled : urdf::Mimic::independent;
+  options.inertias = size % 5 ? urdf::Inertias::physical : urdf::Inertias::any;
+  fuzz::succeeds([&] {
+    const Model description = urdf::parse(text, "fuzz.urdf", options);
+    const CompactModel model = compile(description, registry);
+    fuzz::exercise(description, model, size);
+    GeometryOptions geometry_options;
+    geometry_options.missing = GeometryOptions::Missing::skip;
+    const GeometryModel geometry = compileGeometry(model, description, geometry_options);
+    if (geometry.pairs().size() > 100) return;
+    Data state(model);
+    GeometryData volumes(geometry);
+    updateGeometryPlacements(model, state, geometry, volumes, neutral(model));
+    computeCollisions(geometry, volumes);
+    computeDistances(geometry, volumes);
+  });
+  return 0;
+}
