@@ -29,14 +29,16 @@ bool isPlain(const JointDescription& joint) {
   return isPlain(joint.placement.p) && joint.coupling.type.empty();
 }
 
+bool isPlain(const Inertia<double>& Y) {
+  const auto& I = Y.rotational;
+  for (const double x : {Y.mass, I.xx, I.xy, I.yy, I.xz, I.yz, I.zz})
+    if (!isPlain(x)) return false;
+  return isPlain(Y.com);
+}
+
 bool isPlain(const Model& model) {
-  const auto bodyIsPlain = [](const BodyDescription& b) {
-    const auto& I = b.inertia.rotational;
-    return isPlain(b.joint) && isPlain(b.inertia.mass) && isPlain(b.inertia.lever) &&
-           std::all_of(std::begin({I.xx, I.xy, I.yy, I.xz, I.yz, I.zz}), std::end({I.xx, I.xy, I.yy, I.xz, I.yz, I.zz}),
-                       [](double x) { return isPlain(x); });
-  };
-  return isPlain(model.gravity) && model.bodies.size() < 60 && std::all_of(model.bodies.begin(), model.bodies.end(), bodyIsPlain);
+  if (!isPlain(model.gravity) || model.bodies.size() > 60) return false;
+  return std::all_of(model.bodies.begin(), model.bodies.end(), [](const BodyDescription& b) { return isPlain(b.joint) && isPlain(b.inertia); });
 }
 
 class Exercise {

@@ -95,6 +95,10 @@ TEST_CASE("a static constructor that throws, or ends the process") {
   std::thread([] { dyn::JointRegistry().load(bad("sound.so"), dyn::Trust::any); }).join();
 }
 
+TEST_CASE("a plugin that crashes while it is described, as one with damaged tables does") {
+  requireRefused(bad("crashes_in_entry.so"), {"cannot be loaded", "reading its description crashes", "Segmentation"});
+}
+
 TEST_CASE("whatever runs as a file is opened is tried first, and must come to an end") {
   requireRefused(bad("exits_in_constructor.so"), {"static constructor", "ended the process"});
   requireRefused(bad("exits_while_linked.so"), {"cannot be loaded"});

@@ -4,7 +4,16 @@
 
 #include <cstddef>
 
-#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+// gcc and clang say in different ways that there is one.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define DYN_SANITIZED
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define DYN_SANITIZED
+#endif
+#endif
+
+#if defined(__GLIBC__) && !defined(DYN_SANITIZED)
 
 #include <cerrno>
 

@@ -58,7 +58,10 @@ struct Pack {
   Pack(A s) : Pack(Batch(static_cast<T>(s))) {}  // NOLINT: a number is a constant pack
   Batch batch() const { return Batch(x); }
 
-  static Pack load(const T* from) { return Native(*reinterpret_cast<const Anywhere*>(from)); }
+  static Pack load(const T* from) {
+    const Native numbers = *reinterpret_cast<const Anywhere*>(from);  // copied: to clang a cast is the misaligned numbers themselves
+    return numbers;
+  }
   void store(T* to) const { *reinterpret_cast<Anywhere*>(to) = x; }
   const T* begin() const { return reinterpret_cast<const T*>(this); }
   T* begin() { return reinterpret_cast<T*>(this); }

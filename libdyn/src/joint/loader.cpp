@@ -75,6 +75,28 @@ boost::dll::shared_library& keep(boost::dll::shared_library library) {
   return all.back();
 }
 
+template <class Info>
+void readInfo(const Info& info) {
+  [[maybe_unused]] volatile std::size_t letters = 0;
+  const auto read = [&](const char* text) {
+    if (text != nullptr) letters = std::strlen(text);
+  };
+  read(info.name);
+  read(info.summary);
+  for (int i = 0; i < info.parameter_count; ++i)
+    for (const char* text : {info.parameters[i].name, info.parameters[i].unit, info.parameters[i].help, info.parameters[i].example}) read(text);
+}
+
+/// All that is ever read of a plugin before one of its types is used.
+void readPlugin(void* library) {
+  const auto entry = reinterpret_cast<const dyn_plugin_descriptor* (*)()>(dlsym(library, DYN_PLUGIN_ENTRY));
+  const dyn_plugin_descriptor* d = entry != nullptr ? entry() : nullptr;
+  if (d == nullptr) return;
+  compareStamps(d->stamp, "");
+  for (std::uint32_t i = 0; i < d->joint_type_count; ++i) readInfo(static_cast<const JointType*>(d->joint_types[i])->info());
+  for (std::uint32_t i = 0; i < d->coupling_type_count; ++i) readInfo(static_cast<const CouplingType*>(d->coupling_types[i])->info());
+}
+
 /// Why dlopen() has failed last, without the name that it was given.
 std::string loaderSays(const std::string& name) {
   const char* text = dlerror();
@@ -99,7 +121,7 @@ OpenedPlugin openPlugin(const std::string& path, Trust trust) {
 
   boost::dll::shared_library opened;
   std::string remark;
-  std::string reason = partOfLibrary(canonical) ? "" : trialLoad(file);
+  std::string reason = partOfLibrary(canonical) ? "" : trialLoad(file, readPlugin);
   if (reason.empty()) try {
       const FloatingPointEnvironment kept;
       boost::dll::fs::error_code failed;

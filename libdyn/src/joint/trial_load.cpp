@@ -35,7 +35,7 @@ bool cutShort(const OpenFile& file) {
 
 }  // namespace
 
-std::string trialLoad(const OpenFile& file) {
+std::string trialLoad(const OpenFile& file, const std::function<void(void* library)>& read) {
   if (cutShort(file)) return "the file is cut short";
   const std::string name = file.nameForLoader();
   if (void* loaded = dlopen(name.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NOLOAD)) {
@@ -47,20 +47,25 @@ std::string trialLoad(const OpenFile& file) {
   const Trial trial = tryInProcess({.seconds = patience}, [&](const auto& report) {
     // Through a pointer that may throw, so that the exception gets here; the child ends at once, so the loader's lock matters to nobody.
     void* (*volatile open_library)(const char*, int) = &dlopen;
+    void* library = nullptr;
     try {
-      open_library(name.c_str(), RTLD_NOW | RTLD_LOCAL);  // what it refuses is said when it is opened here
-      report(opened);
+      library = open_library(name.c_str(), RTLD_NOW | RTLD_LOCAL);  // what it refuses is said when it is opened for good
     } catch (const std::exception& e) {
-      report(std::string("a static constructor of it threw: ") + e.what());
+      return report(std::string("a static constructor of it threw: ") + e.what());
     } catch (...) {
-      report("a static constructor of it threw something that is no std::exception");
+      return report("a static constructor of it threw something that is no std::exception");
     }
+    if (library != nullptr) try {
+        read(library);
+      } catch (...) {  // as it will be when it is read for good
+      }
+    report(opened);
   });
   if (!trial.untried.empty()) return trial.untried;
   if (trial.report == opened) return "";
   if (!trial.report.empty()) return trial.report;
   if (trial.late) return "its static constructors do not end within " + std::to_string(patience) + " s";
-  if (trial.signal != 0) return std::string("opening it, or a static constructor of it, crashes: ") + strsignal(trial.signal);
+  if (trial.signal != 0) return std::string("opening it, a static constructor of it, or reading its description crashes: ") + strsignal(trial.signal);
   return "a static constructor of it ended the process";
 }
 
