@@ -4,10 +4,13 @@
 
 #include <dyn/compile/compile.hpp>
 
+#include <elf.h>
 #include <unistd.h>
 
+#include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <thread>
 
 namespace {
@@ -93,6 +96,24 @@ TEST_CASE("a static constructor that throws, or ends the process") {
   }
   // The dynamic loader is not left locked: another thread can still use it.
   std::thread([] { dyn::JointRegistry().load(bad("sound.so"), dyn::Trust::any); }).join();
+}
+
+TEST_CASE("a table of segments that would lead beyond the file's own memory is refused") {
+  const dyn::test::Folder folder;
+  std::ifstream in(bad("sound.so"), std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  Elf64_Ehdr header;
+  std::memcpy(&header, bytes.data(), sizeof header);
+  for (int i = 0; i < header.e_phnum; ++i) {
+    Elf64_Phdr segment;
+    const std::size_t at = header.e_phoff + static_cast<std::size_t>(i) * sizeof segment;
+    std::memcpy(&segment, bytes.data() + at, sizeof segment);
+    if (segment.p_type != PT_LOAD && segment.p_type != PT_GNU_RELRO) continue;
+    segment.p_vaddr += std::uint64_t{1} << 44;
+    std::string damaged = bytes;
+    std::memcpy(damaged.data() + at, &segment, sizeof segment);
+    requireRefused(folder.write("damaged.so", damaged), {"table of segments is damaged"});
+  }
 }
 
 TEST_CASE("a plugin that crashes while it is described, as one with damaged tables does") {

@@ -68,9 +68,9 @@ struct TypeBatch {
   std::vector<int> q_index, v_index;  ///< of each one's first coordinates
   bool contiguous = false;            ///< coordinates are in q as the type reads them, so that they need no gathering
   int constant_count = 0;
-  std::vector<double> constants;  ///< component-major, stride = count; types without parameters have none
+  std::vector<double> constants;  ///< component-major, stride = count; one row at least, so that each joint has a place
 
-  JointPlace placeOf(int slot) const { return {type, constants.empty() ? nullptr : constants.data() + slot, constant_count, count}; }
+  JointPlace placeOf(int slot) const { return {type, constants.data() + slot, constant_count, count}; }
 };
 
 /// Bodies that follow one another depth first and belong to one batch: one kernel call a pass.

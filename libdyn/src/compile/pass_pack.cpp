@@ -178,7 +178,7 @@ class ModelPacker {
     for (TypeBatch& batch : out_->batches) {
       batch.contiguous = batch.nq == 1 || batch.count == 1;
       for (std::size_t k = 1; k < batch.q_index.size(); ++k) batch.contiguous = batch.contiguous && batch.q_index[k] == batch.q_index[k - 1] + 1;
-      batch.constants.resize(at(batch.constant_count * batch.count));
+      batch.constants.resize(at(std::max(batch.constant_count, 1) * batch.count));
       for (int k = 0; k < batch.count; ++k)
         for (int c = 0; c < batch.constant_count; ++c)
           batch.constants[at(c * batch.count + k)] = draft_.bodies[at(batch.bodies[at(k)])].constants[at(c)];

@@ -312,7 +312,7 @@ class Planner {
         to.v_index.push_back(m_.index[at(body)].idx_v);
         to.pose_index.push_back(m_.index[at(body)].slot);
       }
-      for (int c = 0; c < from.constant_count; ++c)
+      for (int c = 0; c < std::max(from.constant_count, 1); ++c)
         for (const int body : to.bodies) to.constants.push_back(from.constants[at(c * from.count + m_.index[at(body)].slot)]);
     }
   }

@@ -5,10 +5,12 @@
 #include <dlfcn.h>
 #include <elf.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <exception>
 #include <string>
+#include <vector>
 
 namespace dyn {
 
@@ -16,27 +18,40 @@ namespace {
 
 constexpr int patience = 10;  ///< [s] that static constructors may take
 
-/// Whether its own tables say that it goes on beyond its end: mapped like this it would kill the process that reads it.
-bool cutShort(const OpenFile& file) {
+/// What its own tables say that the loader would follow without a look: parts beyond the file's end, whose pages kill the process that reads them,
+/// and parts beyond what it reserves for the file, with which it would write over what is loaded already. Empty if there is nothing.
+std::string problemOfTables(const OpenFile& file) {
   const std::string bytes = file.content();
   Elf64_Ehdr header;
-  if (bytes.size() < sizeof header) return false;
+  if (bytes.size() < sizeof header) return "";  // dlopen says what is wrong with these
   std::memcpy(&header, bytes.data(), sizeof header);
-  if (std::memcmp(header.e_ident, ELFMAG, SELFMAG) != 0 || header.e_ident[EI_CLASS] != ELFCLASS64) return false;
-  for (unsigned i = 0; i < header.e_phnum; ++i) {
-    Elf64_Phdr segment;
-    const std::uint64_t at = header.e_phoff + std::uint64_t(i) * header.e_phentsize;
-    if (at > bytes.size() || sizeof segment > bytes.size() - at) return false;  // dlopen says what is wrong with it
-    std::memcpy(&segment, bytes.data() + at, sizeof segment);
-    if (segment.p_offset > bytes.size() || segment.p_filesz > bytes.size() - segment.p_offset) return true;
+  if (std::memcmp(header.e_ident, ELFMAG, SELFMAG) != 0 || header.e_ident[EI_CLASS] != ELFCLASS64) return "";
+  std::vector<Elf64_Phdr> segments(header.e_phnum);
+  const std::uint64_t size = sizeof(Elf64_Phdr) * segments.size();
+  if (header.e_phentsize != sizeof(Elf64_Phdr) || header.e_phoff > bytes.size() || size > bytes.size() - header.e_phoff) return "";
+  std::memcpy(segments.data(), bytes.data() + header.e_phoff, size);
+  constexpr std::uint64_t most = std::uint64_t{1} << 40;  // of memory that a library takes
+  std::uint64_t begin = most, end = 0;                    // of what the loader reserves
+  for (const Elf64_Phdr& s : segments) {
+    if (s.p_offset > bytes.size() || s.p_filesz > bytes.size() - s.p_offset) return "the file is cut short";
+    if (s.p_type != PT_LOAD) continue;
+    if (s.p_vaddr < end || s.p_vaddr > most || s.p_memsz > most || s.p_memsz < s.p_filesz) return "the file's table of segments is damaged";
+    begin = std::min(begin, s.p_vaddr);
+    end = s.p_vaddr + s.p_memsz;
   }
-  return false;
+  for (const Elf64_Phdr& s : segments) {
+    // A thread's variables that begin as zeros are of no file's memory.
+    const std::uint64_t own = s.p_type == PT_TLS ? s.p_filesz : s.p_memsz;
+    if (own > 0 && s.p_type != PT_GNU_STACK && (s.p_vaddr < begin || s.p_vaddr > end || own > end - s.p_vaddr))
+      return "the file's table of segments is damaged";
+  }
+  return "";
 }
 
 }  // namespace
 
 std::string trialLoad(const OpenFile& file, const std::function<void(void* library)>& read) {
-  if (cutShort(file)) return "the file is cut short";
+  if (std::string problem = problemOfTables(file); !problem.empty()) return problem;
   const std::string name = file.nameForLoader();
   if (void* loaded = dlopen(name.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NOLOAD)) {
     dlclose(loaded);  // one reference back; it has been opened before and stays
