@@ -46,7 +46,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto entry = cache.find("key");
   if (entry && (object == 1 || object == 3 || object == 4 || sum == 1 || sum == 3 || sum == 4))
     fuzz::finding("it takes what is no file of this user's");
-  if (entry && digest(entry->content()) != digest(bytes)) fuzz::finding("it takes other bytes");
+  if (entry && object != 2 && sum != 2 && digest(entry->content()) != digest(bytes)) fuzz::finding("it takes other bytes");
   if (!entry && fits && (object == 0 || object == 5) && (sum == 0 || sum >= 5)) fuzz::finding("it does not take what fits");
   return 0;
 }

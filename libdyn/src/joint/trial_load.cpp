@@ -28,7 +28,8 @@ std::string problemOfTables(const OpenFile& file) {
   if (std::memcmp(header.e_ident, ELFMAG, SELFMAG) != 0 || header.e_ident[EI_CLASS] != ELFCLASS64) return "";
   std::vector<Elf64_Phdr> segments(header.e_phnum);
   const std::uint64_t size = sizeof(Elf64_Phdr) * segments.size();
-  if (header.e_phentsize != sizeof(Elf64_Phdr) || header.e_phoff > bytes.size() || size > bytes.size() - header.e_phoff) return "";
+  if (segments.empty() || header.e_phentsize != sizeof(Elf64_Phdr) || header.e_phoff > bytes.size() || size > bytes.size() - header.e_phoff)
+    return "";
   std::memcpy(segments.data(), bytes.data() + header.e_phoff, size);
   constexpr std::uint64_t most = std::uint64_t{1} << 40;  // of memory that a library takes
   std::uint64_t begin = most, end = 0;                    // of what the loader reserves
