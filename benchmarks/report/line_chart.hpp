@@ -31,7 +31,7 @@ class LineChart {
   void joinPoints(bool join) { joins_ = join; }
   /// Whether names stand at the ends of curves, and not in a legend: for a few curves that end side by side.
   void nameAtEnds(bool name) { names_at_ends_ = name; }
-  /// Of the part within the axes; the width is 640, names and numbers included.
+  /// Sets the height of the part within the axes. The whole picture is 640 wide.
   void setHeight(double height) { height_ = height; }
 
   std::string svg() const;
@@ -58,7 +58,7 @@ class LineChart {
 
   /// Right of the axes: names at the ends of curves.
   double roomForNames() const;
-  /// What svg() wraps, with so much room for names; returns its height.
+  /// Writes the content of svg(), with so much room for names; returns its height.
   double draw(std::ostringstream& svg, double room) const;
 
   std::string title_, note_;

@@ -1,4 +1,4 @@
-// What may crash, never end, or eat memory, is done in a process of its own, which reports what it found.
+// Work that may crash, never end, or eat memory is done in a process of its own, which reports what it found.
 #pragma once
 
 #include <fcntl.h>
@@ -31,7 +31,7 @@ struct Trial {
 
 namespace detail {
 
-/// Of the child, before the work.
+/// The child calls this before it works.
 inline void confineTrial(const TrialLimits& limits) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);  // whoever ends the parent does not mean to leave this one looping
   // The last words of libraries are not the user's business: the parent says what happened.
@@ -49,7 +49,7 @@ inline void confineTrial(const TrialLimits& limits) {
   setrlimit(RLIMIT_AS, &most);
 }
 
-/// Until it has ended, or its time is up.
+/// Reads what the child reports, until it has ended or its time is up.
 inline void listenToTrial(int pipe, double seconds, Trial& trial) {
   using Clock = std::chrono::steady_clock;
   const auto end = Clock::now() + std::chrono::duration<double>(seconds);
@@ -73,12 +73,14 @@ inline void listenToTrial(int pipe, double seconds, Trial& trial) {
 template <class Work>
 Trial tryInProcess(const TrialLimits& limits, const Work& work) {
   Trial trial;
-  const auto untried = [&](const char* what) {
+  const auto cannot = [&](const char* what) {
     trial.untried = std::string("it cannot be tried in a process of its own first: no ") + what + ", " + std::strerror(errno);
-    return trial;
   };
   int ends[2];
-  if (pipe2(ends, O_CLOEXEC) != 0) return untried("pipe");
+  if (pipe2(ends, O_CLOEXEC) != 0) {
+    cannot("pipe");
+    return trial;
+  }
   const pid_t child = fork();
   if (child == 0) {
     detail::confineTrial(limits);
@@ -91,11 +93,15 @@ Trial tryInProcess(const TrialLimits& limits, const Work& work) {
     });
     _exit(0);
   }
-  if (child < 0) untried("process");
+  if (child < 0) {
+    cannot("process");
+    close(ends[0]);
+    close(ends[1]);
+    return trial;
+  }
   close(ends[1]);
-  if (child > 0) detail::listenToTrial(ends[0], limits.seconds, trial);
+  detail::listenToTrial(ends[0], limits.seconds, trial);
   close(ends[0]);
-  if (child < 0) return trial;
   if (trial.late) kill(child, SIGKILL);
   int status = 0;
   pid_t waited;

@@ -10,7 +10,7 @@ namespace dyn::urdf {
 
 namespace {
 
-/// Of those below a blank XML has tab and the ends of lines only (XML 1.0, sec. 2.2).
+/// XML allows three characters below the blank: tab and the two that end lines (XML 1.0, sec. 2.2).
 bool isControl(unsigned long c) { return c < 0x20 && c != '\t' && c != '\n' && c != '\r'; }
 
 bool isSpace(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }

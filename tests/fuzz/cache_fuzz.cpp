@@ -31,11 +31,7 @@ void place(const fs::path& path, int kind, const std::string& bytes) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const fs::path folder = [] {
-    std::string pattern = "/dev/shm/libdyn-fuzz-XXXXXX";
-    if (mkdtemp(pattern.data()) == nullptr) std::abort();
-    return pattern;
-  }();
+  static const fs::path folder = fuzz::scratchFolder();
   static const ObjectCache cache(folder);
   fuzz::Choices choices(data, size);
   const int object = choices.below(6), sum = choices.below(8);

@@ -11,11 +11,7 @@
 using namespace dyn;
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const std::string path = [] {
-    std::string pattern = "/dev/shm/libdyn-fuzz-XXXXXX";
-    if (mkdtemp(pattern.data()) == nullptr) std::abort();
-    return pattern + "/robot.urdf";
-  }();
+  static const std::string path = fuzz::scratchFolder() / "robot.urdf";
   std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
   static const std::vector<std::string> commands[] = {{"check"},
                                                       {"info"},

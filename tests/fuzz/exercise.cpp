@@ -49,7 +49,7 @@ class Exercise {
     const int n = model_.nv();
     const VectorXd tau = rnea(model_, data_, q, v, a), bias = nonLinearEffects(model_, data_, q, v);
     const MatrixXd M = crba(model_, data_, q);
-    need(tau.allFinite() && bias.allFinite() && M.allFinite(), "rnea or crba is not finite");
+    require(tau.allFinite() && bias.allFinite() && M.allFinite(), "rnea or crba is not finite");
     if (n == 0 || !tau.allFinite() || !M.allFinite()) return;
     const double size = M.cwiseAbs().maxCoeff();
     require((M - M.transpose()).cwiseAbs().maxCoeff() <= 1e-12 * size, "M is not symmetric");
@@ -57,7 +57,7 @@ class Exercise {
     computePotentialEnergy(model_, data_, q);
     const double sum = v.cwiseAbs().sum();
     require(std::fabs(kinetic - 0.5 * v.dot(M * v)) <= 1e-9 * size * sum * sum, "the kinetic energy is not v M v / 2");
-    need(computeRNEADerivatives(model_, data_, q, v, a).dtau_dq.allFinite(), "rnea's derivatives are not finite");
+    require(computeRNEADerivatives(model_, data_, q, v, a).dtau_dq.allFinite(), "rnea's derivatives are not finite");
     forwardKinematics(model_, data_, q, v, a);
     for (int f = 0; f < static_cast<int>(model_.frames().size()); ++f) framePlacement(model_, data_, f);
     succeeds([&] { computeCoriolisMatrix(model_, data_, q, v); });
@@ -68,7 +68,7 @@ class Exercise {
     succeeds([&] { forward(q, v, tau, bias, size); });
     succeeds([&] {
       const VectorXd there = integrate(model_, q, v), back = difference(model_, q, there);
-      need(there.allFinite() && back.allFinite(), "integrate or difference is not finite");
+      require(there.allFinite() && back.allFinite(), "integrate or difference is not finite");
     });
   }
 
@@ -86,7 +86,6 @@ class Exercise {
   void require(bool holds, const char* what) const {
     if (plain_ && !holds) finding(what);
   }
-  void need(bool holds, const char* what) const { require(holds, what); }
 
   const CompactModel& model_;
   Data data_;

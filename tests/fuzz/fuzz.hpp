@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <string>
 
 namespace dyn::fuzz {
@@ -62,6 +63,13 @@ class MemoryFile {
  private:
   int file_;
 };
+
+/// A folder in memory for the files of one target; tools/fuzz removes it.
+inline std::filesystem::path scratchFolder() {
+  std::string pattern = "/dev/shm/libdyn-fuzz-XXXXXX";
+  if (mkdtemp(pattern.data()) == nullptr) std::abort();
+  return pattern;
+}
 
 /// Ends the process, which the fuzzer takes for a finding.
 [[noreturn]] inline void finding(const std::string& what) {

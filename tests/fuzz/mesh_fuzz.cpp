@@ -13,11 +13,7 @@ using namespace dyn;
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static constexpr const char* endings[] = {".stl", ".obj", ".dae", ".ply", ".off", ".bt", ".ot"};
   static const JointRegistry registry = JointRegistry::standard();
-  static const std::filesystem::path folder = [] {
-    std::string pattern = "/dev/shm/libdyn-fuzz-XXXXXX";
-    if (mkdtemp(pattern.data()) == nullptr) std::abort();
-    return pattern;
-  }();
+  static const std::filesystem::path folder = fuzz::scratchFolder();
   fuzz::Choices choices(data, size);
   const int kind = choices.below(static_cast<int>(std::size(endings)));
   const std::string path = folder / (std::string("file") + endings[kind]);

@@ -11,11 +11,7 @@ using namespace dyn;
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const std::string sound = readFile(DYN_SOUND_PLUGIN);
-  static const std::filesystem::path folder = [] {
-    std::string pattern = "/dev/shm/libdyn-fuzz-XXXXXX";
-    if (mkdtemp(pattern.data()) == nullptr) std::abort();
-    return pattern;
-  }();
+  static const std::filesystem::path folder = fuzz::scratchFolder();
   static int count = 0;
   // What a damaged plugin does as a process ends is not asked here.
   [[maybe_unused]] static const int ends_at_once = std::atexit([] { _exit(0); });

@@ -1,8 +1,9 @@
 #include "options.hpp"
 
+#include <report/svg.hpp>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 
 namespace dyn::tool {
@@ -19,12 +20,6 @@ CLI::Validator number(Holds holds, const std::string& rule) {
           rule};
 }
 
-std::string shown(double x) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", x);
-  return text;
-}
-
 }  // namespace
 
 CLI::Validator positive() {
@@ -36,7 +31,7 @@ CLI::Validator notNegative() {
 }
 
 CLI::Validator inRange(double low, double high) {
-  return number([low, high](double x) { return x >= low && x <= high; }, "in " + shown(low) + " to " + shown(high));
+  return number([low, high](double x) { return x >= low && x <= high; }, "in " + benchmark::shortNumber(low) + " to " + benchmark::shortNumber(high));
 }
 
 CLI::Validator fileName() {

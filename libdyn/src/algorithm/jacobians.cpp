@@ -36,8 +36,9 @@ void keepColumns(const kernels::Followers<double>& followers, const double* expa
   for (int k = 0; k < followers.m.nv; ++k) std::copy_n(expanded + 6 * followers.m.v_of_user[at(k)], 6, user.column(k));
 }
 
-/// Writes J from joints that have been evaluated and placed.
+/// Writes J from joints that have been evaluated and placed. Throws Error(argument) for a reference that does not exist.
 void writeJacobian(const CompactImpl& m, DataImpl& d, const PointOnBody& point, ReferenceFrame reference, const MatrixOut& J) {
+  checkReference(reference);
   const bool coupled = !m.couplings.empty();
   const MatrixOut out = coupled ? MatrixOut(d.columns, 6, m.nvx) : J;
   kernels::frameJacobian<double>({m, d}, d, {point.body, point.placement}, reference, out.column(0), out.stride());
@@ -56,7 +57,6 @@ PointOnBody pointOf(const CompactModel& model, detail::Kind kind, int id) {
 namespace detail {
 
 void jacobian(const CompactModel& model, Data& data, VectorView q, Kind kind, int id, ReferenceFrame reference, const MatrixOut& J) {
-  checkReference(reference);
   const PointOnBody point = pointOf(model, kind, id);
   const char* algorithm = kind == Kind::joint ? "computeJointJacobian" : "computeFrameJacobian";
   checkShape(algorithm, "J", J, 6, model.nv());
@@ -122,7 +122,6 @@ void jacobianTimeVariation(const CompactModel& model, Data& data, VectorView q, 
 void getJointJacobian(const CompactModel& model, Data& data, int joint, ReferenceFrame reference, const MatrixOut& J) {
   checkData("getJointJacobian", model, data);
   checkStage("getJointJacobian", data.impl().stage, KinematicsStage::poses);
-  checkReference(reference);
   checkShape("getJointJacobian", "J", J, 6, model.nv());
   writeJacobian(model.impl(), data.impl(), jointOnBody(model, joint), reference, J);
 }
@@ -130,7 +129,6 @@ void getJointJacobian(const CompactModel& model, Data& data, int joint, Referenc
 void getFrameJacobian(const CompactModel& model, Data& data, int frame, ReferenceFrame reference, const MatrixOut& J) {
   checkData("getFrameJacobian", model, data);
   checkStage("getFrameJacobian", data.impl().stage, KinematicsStage::poses);
-  checkReference(reference);
   checkShape("getFrameJacobian", "J", J, 6, model.nv());
   writeJacobian(model.impl(), data.impl(), frameOnBody(model, frame), reference, J);
 }

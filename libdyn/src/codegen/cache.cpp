@@ -84,7 +84,7 @@ void ObjectCache::enter(const std::string& key, const fs::path& object) const {
   const fs::path sum = object.parent_path() / "sum", place = folder_ / (key + ".so");
   replaceFile(sum, digest(readFile(object.string())));
   std::error_code error;
-  // What is a folder in an entry's place is no entry of anybody's.
+  // A folder may lie where the entry is to be; nobody entered it.
   for (const fs::path& entry : {place, folder_ / (key + ".sum")})
     if (fs::is_directory(fs::symlink_status(entry, error))) fs::remove_all(entry, error);
   // An object whose sum is not there yet, or is another's, counts as damaged and is made anew.

@@ -1,6 +1,7 @@
 #include "geometry/load.hpp"
 
 #include "geometry/files.hpp"
+#include "number_text.hpp"
 
 #include <cmath>
 #include <cstdio>
@@ -18,15 +19,9 @@ namespace {
 /// Lengths [m] whose products in the search for nearest points are numbers still.
 constexpr double smallest = 1e-75, largest = 1e75;
 
-std::string text(double x) {
-  char out[32];
-  std::snprintf(out, sizeof out, "%.6g", x);
-  return out;
-}
-
 void needPositive(const GeometryDescription& g, const char* what, double x) {
-  if (!(x > 0) || !std::isfinite(x)) refuse(g, std::string("its ") + what + " is " + text(x) + ", not a positive length");
-  if (x < smallest || x > largest) refuse(g, std::string("its ") + what + " is " + text(x) + " m; lengths are between 1e-75 m and 1e75 m");
+  if (!(x > 0) || !std::isfinite(x)) refuse(g, std::string("its ") + what + " is " + number(x) + ", not a positive length");
+  if (x < smallest || x > largest) refuse(g, std::string("its ") + what + " is " + number(x) + " m; lengths are between 1e-75 m and 1e75 m");
 }
 
 /// A length that may be zero.

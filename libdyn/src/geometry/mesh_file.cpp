@@ -110,6 +110,8 @@ geometry::TriangleMesh readMesh(const std::string& path) {
   if (bytes.size() < sizeof(Counts)) refuse("is a mesh that ends its reader, assimp");
   const Counts counts = itemsOf<Counts>(bytes, 1)[0];
   if (counts[0] == 0) refuse(std::string(bytes));
+  // The child may have been ended amid its report, by a signal that somebody else was told of.
+  if (bytes.size() != counts[0] * sizeof(Vec3<double>) + counts[1] * sizeof(std::array<int, 3>)) refuse("is a mesh that ends its reader, assimp");
   geometry::TriangleMesh mesh;
   mesh.vertices = itemsOf<Vec3<double>>(bytes, counts[0]);
   mesh.triangles = itemsOf<std::array<int, 3>>(bytes, counts[1]);

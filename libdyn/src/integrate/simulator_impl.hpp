@@ -18,8 +18,7 @@ struct Simulator::Impl {
   static constexpr double soon = 0x1p-20;
   /// In one call of advance(): at a tenth of a microsecond each they take a day.
   static constexpr double most_steps = 0x1p40;
-  /// Of adaptive integrators: so many steps that the tolerance alone has made short lead this share of as many dt further at least; else the motion
-  /// is stiff.
+  /// A motion is stiff if so many adaptive steps, made short by the tolerance alone, lead less than this share of as many dt further.
   static constexpr int many_steps = 10000;
   static constexpr double least_share = 1e-5;
 

@@ -18,8 +18,8 @@ namespace {
 
 constexpr int patience = 10;  ///< [s] that static constructors may take
 
-/// What its own tables say that the loader would follow without a look: parts beyond the file's end, whose pages kill the process that reads them,
-/// and parts beyond what it reserves for the file, with which it would write over what is loaded already. Empty if there is nothing.
+/// Tells what is wrong with tables that the loader would follow without a look: parts beyond the file's end, whose pages kill the process that reads
+/// them, and parts beyond what it reserves for the file, with which it would write over what is loaded already. Empty if there is nothing.
 std::string problemOfTables(const OpenFile& file) {
   const std::string bytes = file.content();
   Elf64_Ehdr header;
