@@ -1,4 +1,4 @@
-// Files that are read or replaced whole or not at all.
+// Files are read or replaced as a whole or not at all.
 #include "support/folder.hpp"
 
 #include <dyn/error.hpp>

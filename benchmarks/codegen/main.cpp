@@ -1,5 +1,5 @@
-// dyn_codegen_benchmark OUT_DIR ROBOT.urdf[:floating] ...: RNEA, ABA and CRBA, interpreted and generated, single states and batches: a table and a
-// picture in the manner of figure 3 of the Pinocchio paper (Carpentier et al., SII 2019).
+// dyn_codegen_benchmark OUT_DIR ROBOT.urdf[:floating] ...: times RNEA, ABA and CRBA, interpreted and generated, for single states and batches.
+// It prints a table and writes a picture like figure 3 of the Pinocchio paper (Carpentier et al., SII 2019).
 #include <dyn/codegen/native.hpp>
 #include <dyn/dyn.hpp>
 #include <dyn/parsers/urdf.hpp>
@@ -70,7 +70,7 @@ void measure(const Robot& robot, benchmark::BarChart& chart) {
   BatchData batch(m, states, Need::mass_matrix);
   Eigen::MatrixXd x[3] = {Eigen::MatrixXd(m.nq(), states), Eigen::MatrixXd::Random(m.nv(), states), Eigen::MatrixXd::Random(m.nv(), states)};
   for (int k = 0; k < states; ++k) x[0].col(k) = randomConfiguration(m, static_cast<std::uint64_t>(k));
-  // Groups of `lanes` states, number by number.
+  // The states in groups of `lanes`; within a group, the values of one coordinate lie side by side.
   std::vector<std::vector<double>> grouped;
   for (const Eigen::MatrixXd& a : x) {
     std::vector<double> out(static_cast<std::size_t>(a.size()));

@@ -1,4 +1,5 @@
-// FCL's own distance of two solids, to be measured beside libdyn's. FCL is known to one source only: see libdyn/src/geometry/broadphase.cpp.
+// FCL's own distance between two solids, timed for comparison with libdyn's. Only fcl_pair.cpp includes FCL, for the reason that
+// libdyn/src/geometry/broadphase.cpp gives.
 #pragma once
 
 #include <dyn/model/geometry_description.hpp>
@@ -12,7 +13,7 @@ class FclPair {
   FclPair(const GeometryShape& a, const GeometryShape& b);
   FclPair(FclPair&&) noexcept;
   ~FclPair();
-  /// Signed distance with nearest points; `normal` from a towards b.
+  /// Returns the signed distance, computed with nearest points. `normal` points from a towards b.
   double distance(const SE3<double>& a, const SE3<double>& b, Vec3<double>& normal) const;
 
  private:

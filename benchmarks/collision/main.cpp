@@ -1,4 +1,5 @@
-// dyn_collision [STATES [OBSTACLES]]: distances beside FCL's own for all pairs of solids, then states a second of an arm among obstacles.
+// dyn_collision [STATES [OBSTACLES]]: compares libdyn's distances with FCL's for all pairs of solids, then measures how many states a second are
+// checked for an arm among obstacles.
 #include "fcl_pair.hpp"
 
 #include <dyn/dyn.hpp>
@@ -53,11 +54,11 @@ class Random {
 
 constexpr const char* kinds[] = {"sphere", "box", "capsule", "cylinder", "cone"};
 
-/// Pairs in the world, one after the other: both sides compute all of them in turn.
+/// Pairs of solids fixed in the world. libdyn computes all pairs, then FCL does.
 struct Pairs {
   Model description;
   std::vector<bench::FclPair> fcl;
-  std::vector<test::Placed> placed;  ///< two for each
+  std::vector<test::Placed> placed;  ///< two for each pair
 
   Pairs(int a, int b, int count) {
     Random random;
@@ -105,7 +106,7 @@ void comparePairs(const JointRegistry& registry) {
             return std::fabs(static_cast<double>(d - test::parted(pairs.placed[2 * k], pairs.placed[2 * k + 1], test::wide(n))));
           };
           our_gap = std::max(our_gap, gap(found[k].distance, found[k].normal));
-          // Spheres that touch FCL leaves without a direction.
+          // FCL gives no finite normal where the distance is zero.
           if (std::isfinite(other[k].second.x)) their_gap = std::max(their_gap, gap(other[k].first, other[k].second));
         }
       }
@@ -122,7 +123,7 @@ Model armAmongObstacles(int obstacles) {
   Random random;
   for (int i = 0; i < obstacles;) {
     SE3<double> X = random.pose(1.2);
-    if (std::sqrt(X.p.x * X.p.x + X.p.y * X.p.y) < 0.35) continue;  // not on the arm's own base
+    if (std::sqrt(X.p.x * X.p.x + X.p.y * X.p.y) < 0.35) continue;  // an obstacle must not overlap the arm's base
     m.addGeometry("obstacle" + std::to_string(i++), 0, X, random.shape(random.below(5), 0.12));
   }
   return m;

@@ -1,4 +1,4 @@
-// What is timed against each other.
+// The functions that are timed against each other.
 #pragma once
 
 #include <dyn/dyn.hpp>
@@ -12,16 +12,16 @@ namespace dyn::benchmark {
 struct Contender {
   std::string algorithm;  ///< fk, rnea, crba, aba
   std::string dispatch;   ///< virtual_per_batch, virtual_per_joint, static_variant, monomorphic; variant_library
-  int dispatches = 0;     ///< indirect calls or visits an evaluation
+  int dispatches = 0;     ///< indirect calls or variant visits in one run
   std::function<void(const double* q, const double* v, const double* a)> run;
-  const double* result = nullptr;  ///< after run: poses, tau, M or ddq
+  const double* result = nullptr;  ///< poses, tau, M or ddq, valid after run
   int size = 0;
 };
 
-/// Contenders share results' memory, and keep it: read one's before the next runs.
+/// Contenders share the memory of their results and keep it alive. Read a result before the next contender runs.
 struct Contest {
   std::vector<Contender> contenders;
-  std::string missing;  ///< why some are not there; empty if all are
+  std::string missing;  ///< tells why contenders are missing; empty if none is
 };
 
 }  // namespace dyn::benchmark

@@ -1,14 +1,14 @@
-// The four algorithms over one way of dispatch. Each way is compiled in a source of its own: with the recursions inlined it takes compilers half a
-// minute.
+// The four algorithms with one way of dispatch. The static and the virtual ways are compiled in separate sources, because the inlined recursions
+// take a compiler half a minute each.
 #pragma once
 
 #include "dispatch/dispatch.hpp"
 #include "dispatch/orders.hpp"
-#include "kernels/aba.hpp"
-#include "kernels/crba.hpp"
-#include "kernels/kinematics.hpp"
-#include "kernels/losses.hpp"
-#include "kernels/rnea.hpp"
+#include "kernels/body/dissipation.hpp"
+#include "kernels/recursion/aba.hpp"
+#include "kernels/recursion/crba.hpp"
+#include "kernels/recursion/kinematics.hpp"
+#include "kernels/recursion/rnea.hpp"
 
 #include <dyn/error.hpp>
 
@@ -20,11 +20,11 @@ struct Memory {
   explicit Memory(const CompactModel& model) : compact(model), scene{model.impl(), w, {}, {}, {}, false, true, {}} {
     const CompactImpl& m = model.impl();
     Arena count(nullptr);
-    carve(w, m, count);
+    layOut(w, m, count);
     block.resize(count.used() + Arena::alignment);
     const auto address = reinterpret_cast<std::uintptr_t>(block.data());
     Arena arena(block.data() + (Arena::alignment - address % Arena::alignment) % Arena::alignment);
-    carve(w, m, arena);
+    layOut(w, m, arena);
     atRest(w);
     tau.resize(static_cast<std::size_t>(m.nv));
     ddq = tau;
@@ -59,7 +59,7 @@ struct Memory {
                                                  numbers.bias ? numbers.bias + x.slot : nullptr,
                                                  numbers.stride};
     const bool flies = i == 1 && name == standard::FreeFlyer::name;
-    scene.flying_root = scene.flying_root || flies;
+    scene.floating_base = scene.floating_base || flies;
     scene.uniform = scene.uniform && (flies || name == standard::Revolute::name);
   }
 
@@ -70,7 +70,7 @@ struct Memory {
   Scene scene;
 };
 
-/// The four algorithms over one order; `passes` of an algorithm times what one pass costs are its dispatches.
+/// Adds the four algorithms over one order. An algorithm with `passes` passes makes evaluation + passes * pass dispatches.
 template <class Order>
 void addOrder(const std::shared_ptr<Memory>& memory, const char* name, int evaluation, int pass, std::vector<Contender>& out) {
   Memory& x = *memory;
@@ -109,7 +109,7 @@ void addOrder(const std::shared_ptr<Memory>& memory, const char* name, int evalu
       [](Memory& s, const Order& o, const double* q, const double* v, const double* a) {
         o.evaluate(q, v);
         std::copy(a, a + s.scene.m.nv, s.tau.begin());
-        kernels::addLosses(s.scene.m, -1.0, v, s.tau.data());
+        kernels::addDissipation(s.scene.m, -1.0, v, s.tau.data());
         kernels::abaOutward(o, s.w, v);
         kernels::abaInward(o, s.w, s.tau.data());
         kernels::abaSolve(o, s.w, o.gravity(), s.ddq.data());
@@ -117,9 +117,9 @@ void addOrder(const std::shared_ptr<Memory>& memory, const char* name, int evalu
       x.ddq.data(), x.ddq.size());
 }
 
-/// The ways that find a joint's code by a virtual call, a batch or, of types that are known here, a joint at a time.
+/// Adds the ways that find a joint's code by a virtual call: one call a batch, and one call a joint if the closed set has all types.
 void addVirtualDispatch(const std::shared_ptr<Memory>& memory, std::vector<Contender>& out);
-/// Those that know all types: a variant, and, of models with revolute joints alone below their root, nothing to choose from.
+/// Adds the ways that know all types: std::variant, and monomorphic code if all joints below the root are revolute.
 void addStaticDispatch(const std::shared_ptr<Memory>& memory, std::vector<Contender>& out);
 
 }  // namespace dyn::benchmark

@@ -1,7 +1,7 @@
-// The standard joint types as members of a closed set, with the formulas that the plugin has, computed number by number.
+// The standard joint types as members of a closed set. They use the plugin's formulas and compute one joint at a time.
 #pragma once
 
-#include "kernels/sweep.hpp"
+#include "kernels/order/sweep.hpp"
 
 #include <standard/groups.hpp>
 #include <standard/varying.hpp>
@@ -11,7 +11,7 @@
 
 namespace dyn::benchmark {
 
-/// Where a joint's numbers are.
+/// Where the constants, coordinates and results of a joint are in memory.
 struct Place {
   const double* constants;
   std::ptrdiff_t constants_stride;
@@ -26,7 +26,7 @@ struct Member {
   static constexpr int nv = Author::nv;
   static constexpr Shape shape = Author::shape;
 
-  /// The shape as the recursions see it.
+  /// The joint class of the recursions for this shape.
   static auto kernelType() {
     if constexpr (shape == Shape::revolute) {
       return std::type_identity<kernels::Revolute<double>>();
@@ -88,13 +88,13 @@ using AnyJoint = std::variant<Member<standard::Revolute>, Member<standard::Conti
                               Member<standard::Cylindrical>, Member<standard::Universal>, Member<standard::Spherical>, Member<standard::SphericalZYX>,
                               Member<standard::Translation>, Member<standard::Planar>, Member<standard::FreeFlyer>, Member<standard::Ellipsoid>>;
 
-/// The same type, computed number by number behind the plugins' interface.
+/// The same type behind the plugin interface, but computed one joint at a time instead of in packs.
 template <class Author>
 struct OneByOne : Author {
   static constexpr bool branch_free = false;
 };
 
-/// The member and the batched type of a name; false for types that the closed set does not have, which is all that plugins add.
+/// Finds the member and the batched type of a name. Returns false for types that the closed set lacks, such as those that other plugins add.
 inline bool findMember(const std::string& name, AnyJoint& member, const JointType*& batched) {
   const auto try_one = [&]<class Author>() {
     if (name != Author::name) return false;

@@ -1,8 +1,8 @@
-// Four ways from a body to the code of its joint. Each is an order of bodies as the kernels want it, and evaluates the joints its own way.
+// Four ways from a body to the code of its joint. Each is an order of bodies, as the kernels expect it, with its own evaluation of the joints.
 #pragma once
 
 #include "dispatch/joints.hpp"
-#include "kernels/evaluate.hpp"
+#include "kernels/body/evaluate.hpp"
 
 #include <array>
 #include <set>
@@ -14,25 +14,25 @@ namespace dyn::benchmark {
 
 using kernels::Slot;
 
-/// What all ways share: the model's arrays, and where each joint's numbers are in them.
+/// The data that all ways share: the model's arrays, and where each joint's values are in them.
 struct Scene {
   const CompactImpl& m;
   Workspace<double>& w;
-  std::vector<AnyJoint> members;             ///< by body; [0] unused
-  std::vector<Place> places;                 ///< by body
-  std::vector<const JointType*> batched;     ///< by batch
-  bool flying_root = false, uniform = true;  ///< a free body on the world; all others (or all) revolute
-  std::set<std::string> outside;             ///< types that the closed set does not have
+  std::vector<AnyJoint> members;               ///< by body; [0] unused
+  std::vector<Place> places;                   ///< by body
+  std::vector<const JointType*> batched;       ///< by batch
+  bool floating_base = false, uniform = true;  ///< joint 1 is a free flyer; all other joints (or all) are revolute
+  std::set<std::string> outside;               ///< types that the closed set lacks
 };
 
-/// libdyn's own: one call a batch, one switch a run.
+/// libdyn's own way: one virtual call a batch of joints, one switch a run of bodies.
 struct PerBatch : kernels::Bodies<double> {
   explicit PerBatch(const Scene& s) : Bodies<double>{s.m, s.w}, scene(s) {}
   const Scene& scene;
   void evaluate(const double* q, const double* v) const { kernels::evaluateJoints(m, w, q, v, scene.batched.data()); }
 };
 
-/// A pass over one joint, with what it takes from its neighbours.
+/// The step of a pass for one joint: calls the body with what it reads from the parent or sums over the children.
 template <class Order, class Body, class... T>
 auto eachForward(const Order& order, std::tuple<T*...> arrays, Body& body) {
   return [&, arrays](const auto& joint, int i, int iv) {
@@ -46,7 +46,7 @@ auto eachBackward(const Order& order, std::tuple<T*...> arrays, Body& body) {
   };
 }
 
-/// Behind a virtual call: one pass over one joint.
+/// The step of a pass for one joint, behind a virtual call.
 template <class Body>
 struct Step {
   virtual void run(Body& body, const Slot<double>& slot, int i, int iv) const = 0;
@@ -70,7 +70,7 @@ struct EvaluationOf final : Evaluation {
   void run(const Place& at, const double* q, const double* v) const override { Type::evaluate(at, q, v); }
 };
 
-/// One object a type: Make<Type>::object, as pointers to Base in the order of the variant.
+/// One object per joint type, from Make<Type>::object(), as pointers to Base in the order of the variant.
 template <class Base, template <class> class Make>
 const Base* const* objectsByType() {
   static const auto table = []<class... Type>(std::type_identity<std::variant<Type...>>) {
@@ -130,7 +130,7 @@ struct PerJointVirtual : kernels::Bodies<double> {
   }
 };
 
-/// std::visit for each joint in each pass.
+/// Calls std::visit for each joint in each pass.
 struct PerJointVariant : kernels::Bodies<double> {
   explicit PerJointVariant(const Scene& s) : Bodies<double>{s.m, s.w}, scene(s) {}
   const Scene& scene;
@@ -165,29 +165,29 @@ struct PerJointVariant : kernels::Bodies<double> {
   }
 };
 
-/// Types known at compile time: a flying root if there is one, then revolute joints.
+/// All types are known at compile time: a floating base if there is one, then revolute joints.
 struct Monomorphic : kernels::Bodies<double> {
   explicit Monomorphic(const Scene& s) : Bodies<double>{s.m, s.w}, scene(s) {}
   const Scene& scene;
   using Root = Member<standard::FreeFlyer>;
   using Other = Member<standard::Revolute>;
 
-  int first() const { return scene.flying_root ? 2 : 1; }
+  int first() const { return scene.floating_base ? 2 : 1; }
   void evaluate(const double* q, const double* v) const {
-    if (scene.flying_root) Root::evaluate(scene.places[1], q, v);
+    if (scene.floating_base) Root::evaluate(scene.places[1], q, v);
     for (int i = first(); i < m.bodies(); ++i) Other::evaluate(scene.places[static_cast<std::size_t>(i)], q, v);
   }
   template <class Body, class... T>
   void forward(std::tuple<T*...> arrays, Body&& body) const {
     const auto each = eachForward<Monomorphic>(*this, arrays, body);
-    if (scene.flying_root) run<Root>(each, 1);
+    if (scene.floating_base) run<Root>(each, 1);
     others(each, first(), m.bodies(), 1);
   }
   template <class Body, class... T>
   void backward(std::tuple<T*...> arrays, Body&& body) const {
     const auto each = eachBackward<Monomorphic>(*this, arrays, body);
     others(each, m.bodies() - 1, first() - 1, -1);
-    if (scene.flying_root) run<Root>(each, 1);
+    if (scene.floating_base) run<Root>(each, 1);
   }
 
  private:

@@ -1,5 +1,5 @@
-// Joints as libraries with a static variant write them: a class for each axis, behind a base that is told its derived class, in a closed
-// std::variant. Each knows its own sparsity, takes its own sine and cosine, and has its axis where the model's author put it.
+// Joints as libraries with a static variant write them: a class for each axis, a base class that has the derived class as template argument (CRTP),
+// and a closed std::variant. Each class exploits its own sparsity, computes its own sine and cosine, and keeps its axis as the model gives it.
 #pragma once
 
 #include <dyn/lie/so3.hpp>
@@ -21,14 +21,14 @@ struct JointBase {
   int idx_q = 0, idx_v = 0;
 
   const Derived& derived() const { return static_cast<const Derived&>(*this); }
-  /// placement times the joint's own pose.
+  /// Returns `placement` times the joint's own pose.
   Pose place(const Pose& placement, const double* q) const { return derived().placeImpl(placement, q + idx_q); }
   Velocity times(const double* v) const { return derived().timesImpl(v + idx_v); }
   Velocity column(int k) const { return derived().columnImpl(k); }
   void project(const Wrench& f, double* tau) const { derived().projectImpl(f, tau + idx_v); }
 };
 
-/// E times a turn by (c, s) about coordinate axis `axis`.
+/// E times the rotation with cosine c and sine s about coordinate axis `axis`.
 template <int axis>
 Matrix turned(const Matrix& E, double c, double s) {
   constexpr int a = (axis + 1) % 3, b = (axis + 2) % 3;
@@ -46,14 +46,14 @@ Vector along(double x) {
   v[axis] = x;
   return v;
 }
-/// By Rodrigues' formula.
+/// Rotation about the unit vector n with cosine c and sine s, by Rodrigues' formula.
 inline Matrix rotation(const Vector& n, double c, double s) {
   const Vector k = (1 - c) * n;
   return {{c + k.x * n.x, k.x * n.y - s * n.z, k.x * n.z + s * n.y, k.y * n.x + s * n.z, c + k.y * n.y, k.y * n.z - s * n.x, k.z * n.x - s * n.y,
            k.z * n.y + s * n.x, c + k.z * n.z}};
 }
 
-/// Turning joints take q as an angle, or (unbounded) as its cosine and sine.
+/// Cosine and sine of a revolute joint. q is the angle, or, if `unbounded`, the cosine and sine themselves, which are normalised.
 template <bool unbounded>
 struct Angle {
   double c, s;

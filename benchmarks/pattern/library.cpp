@@ -2,7 +2,7 @@
 
 #include "at.hpp"
 #include "compile/compact_impl.hpp"
-#include "kernels/losses.hpp"
+#include "kernels/body/dissipation.hpp"
 #include "pattern/joints.hpp"
 
 #include <dyn/error.hpp>
@@ -16,7 +16,7 @@ namespace pattern {
 
 namespace {
 
-/// Joint i moves body i; 0 is the universe.
+/// Joint i moves body i; body 0 is the world.
 struct Library {
   struct Factor {
     Wrench U;
@@ -89,7 +89,7 @@ Library::Library(const CompactModel& model) : m(model.impl()), keep(model) {
   for (int i = 1; i < m.bodies(); ++i) {
     const BodyIndex& x = m.index[at(i)];
     const BodyConstants<double>& c = m.constants[at(i)];
-    // From core frames, whose z is the axis, back to the author's.
+    // The core frames have z along the joint axis. Transform them back to the frames of the model's author.
     const Pose &mine = m.user_frame[at(x.joint)], world{};
     const Pose& parents = x.parent == 0 ? world : m.user_frame[at(m.index[at(x.parent)].joint)];
     Vector axis = mine.R.row(2);
@@ -179,14 +179,14 @@ void Library::crba(const double* q) {
   for (std::size_t k = 0; k < m.armature.size(); ++k) M[k * at(n) + k] += m.armature[k];
 }
 
-/// Axes turned by R, then about the point at -p.
+/// Y transformed by X: the axes are rotated by R, then the reference point moves by -p.
 ArticulatedInertia<double> moved(const ArticulatedInertia<double>& Y, const Pose& X) {
   return ArticulatedInertia<double>{congruence(X.R, Y.linear), X.R * Y.coupling * transpose(X.R), congruence(X.R, Y.angular)}.shifted(X.p);
 }
 
 void Library::aba(const double* q, const double* vq, const double* torque) {
   std::copy_n(torque, m.nv, effective.data());
-  kernels::addLosses(m, -1.0, vq, effective.data());
+  kernels::addDissipation(m, -1.0, vq, effective.data());
   for (int i = 1; i < bodies(); ++i)
     visit(i, [&](const auto& joint) {
       const Pose X = joint.place(placement[at(i)], q);

@@ -1,4 +1,4 @@
-// Bullet's btMultiBody, in double precision: forward dynamics. (Its inverse dynamics is in Debian's libraries, but not its headers.)
+// Bullet's btMultiBody in double precision: forward dynamics only. (Debian ships Bullet's inverse dynamics library without its headers.)
 #include "peers/peers.hpp"
 
 #include <Eigen/Eigenvalues>
@@ -17,7 +17,7 @@ btQuaternion quaternion(const Eigen::Matrix3d& R) {
   return {q.x(), q.y(), q.z(), q.w()};
 }
 
-/// Bullet wants each link's frame at its centre of mass along its principal axes.
+/// Bullet expects each link's frame at its centre of mass, along its principal axes.
 struct Principal {
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
   Eigen::Vector3d moments = Eigen::Vector3d::Zero(), com = Eigen::Vector3d::Zero();
@@ -80,7 +80,7 @@ class Bullet : public Peer {
       body_->addJointTorque(k, s.a[j]);
       body_->addLinkForce(k, body_->getLinkMass(k) * gravity_);
     }
-    // It returns by changing the velocities by dt times the accelerations.
+    // The function adds dt times the accelerations to the velocities; dt is 1 here.
     body_->computeAccelerationsArticulatedBodyAlgorithmMultiDof(1, numbers_, vectors_, matrices_, false, false, false);
     for (int k = 0; k < n; ++k) acceleration_[static_cast<std::size_t>(k)] = body_->getJointVel(k) - s.v[static_cast<std::size_t>(k)];
   }

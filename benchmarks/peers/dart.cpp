@@ -1,7 +1,7 @@
-// DART: the tree built by its own calls; no world, no collision.
+// DART: builds the tree by DART's own calls, without a World and without collision.
 #include "peers/peers.hpp"
 
-// Not their header of all headers: it asks for one that Debian left out.
+// DART's umbrella header is not used, because it includes a header that Debian's package lacks.
 #include <dart/dynamics/BodyNode.hpp>
 #include <dart/dynamics/FreeJoint.hpp>
 #include <dart/dynamics/PrismaticJoint.hpp>
@@ -102,7 +102,7 @@ class Dart : public Peer {
     skeleton_->setPositions(Eigen::Map<const Eigen::VectorXd>(q.data(), static_cast<Eigen::Index>(q.size())));
     skeleton_->setVelocities(Eigen::VectorXd::Zero(q_.size()));
     skeleton_->setForces(Eigen::VectorXd::Zero(q_.size()));
-    // What its World does in a step where nothing touches.
+    // These are the calls of DART's World in a step without contacts.
     for (int k = 0; k < steps; ++k) {
       skeleton_->computeForwardDynamics();
       skeleton_->integrateVelocities(time / steps);

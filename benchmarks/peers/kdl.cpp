@@ -1,4 +1,4 @@
-// Orocos KDL: inverse dynamics of trees; mass matrix and forward dynamics of chains. It has no floating base.
+// Orocos KDL: inverse dynamics of trees; mass matrix and forward dynamics of chains only. KDL has no floating base.
 #include "peers/peers.hpp"
 
 #include <kdl/chaindynparam.hpp>

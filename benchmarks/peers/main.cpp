@@ -1,5 +1,5 @@
-// dyn_peers OUT_DIR FILE[:floating]...: the same work in every library, robot by robot, all in turn; a table, a picture a task, and peers.json,
-// which has the errors at rest, too. Robots that do not float fall, by each library's own integrators.
+// dyn_peers OUT_DIR FILE[:floating]...: gives every library the same tasks, robot by robot, in turn. It prints a table and writes a picture per task
+// and peers.json, which also has the errors at rest. Robots with a fixed base also fall under gravity, simulated by each library's own integrators.
 #include "peers/peers.hpp"
 #include "report/bar_chart.hpp"
 #include "report/quartiles.hpp"
@@ -67,7 +67,8 @@ struct Contender {
   std::unique_ptr<Peer> peer;
 };
 
-/// Largest difference relative to the largest number. Gravity and inertia alone, so that no library's convention for a base's motion matters.
+/// Largest difference, relative to the largest entry of the reference. The state is at rest, so only gravity and inertia act, and the libraries'
+/// different conventions for the velocity of a floating base do not matter.
 double difference(Peer& peer, Peer& reference, Task task, const State& still) {
   peer.run(task, still);
   reference.run(task, still);
@@ -105,7 +106,7 @@ std::vector<Contender> contendersFor(const Robot& robot, const std::vector<Libra
   return contenders;
 }
 
-/// States at rest with what is right there, by fifty digits.
+/// States at rest, with the true results computed with fifty digits.
 std::vector<std::pair<State, tool::TruthSample>> truthsOf(const Robot& robot) {
   const auto& model = *static_cast<const CompactModel*>(robot.compact.get());
   const tool::Oracle oracle(*static_cast<const Model*>(robot.description.get()), model);
@@ -126,7 +127,7 @@ std::vector<std::pair<State, tool::TruthSample>> truthsOf(const Robot& robot) {
   return out;
 }
 
-/// Largest error of the one-axis joints' numbers, relative to the largest of them, in units of roundoff.
+/// Largest error of the entries of one-axis joints, relative to the largest of these entries, in units of 2^-53.
 double errorOf(Peer& peer, Task task, const Robot& robot, const std::vector<std::pair<State, tool::TruthSample>>& truths) {
   double worst = 0;
   for (const auto& [state, truth] : truths) {
@@ -145,7 +146,7 @@ double errorOf(Peer& peer, Task task, const Robot& robot, const std::vector<std:
   return worst;
 }
 
-/// ns a call, a repetition each; all contenders in turn, so that what disturbs the machine hits all alike.
+/// Returns ns a call for each contender and repetition. Contenders run in turn, so that other load on the machine affects all of them alike.
 std::vector<std::vector<double>> measure(std::vector<Contender>& contenders, Task task, const std::vector<State>& states) {
   using Clock = std::chrono::steady_clock;
   std::vector<std::vector<double>> times(contenders.size());
@@ -187,7 +188,7 @@ void compare(const Robot& robot, const std::vector<Library>& all, std::vector<Ba
   }
 }
 
-/// A fall from a bent posture by each library's own integrators: time and error of the end against the fifty-digit reference.
+/// Simulates a fall from rest at q = 0.3 with each library's own integrators: time, and error of the final q against the fifty-digit reference.
 void compareMotions(const Robot& robot, const std::vector<Library>& all, tool::Json& rows) {
   constexpr double time = 0.5;
   const auto& model = *static_cast<const CompactModel*>(robot.compact.get());

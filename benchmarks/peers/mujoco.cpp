@@ -1,4 +1,4 @@
-// MuJoCo: the tree is handed over as MJCF; its stages are called one by one, without contacts and constraints.
+// MuJoCo: passes the tree as MJCF and calls MuJoCo's stages one by one, without contacts and constraints.
 #include "peers/peers.hpp"
 
 #include <Eigen/Geometry>

@@ -1,4 +1,4 @@
-// Other libraries behind one small interface, so that they can be timed in one go.
+// Other libraries behind one small interface, so that one program can time them in turn.
 #pragma once
 
 #include "peers/robot.hpp"
@@ -13,23 +13,23 @@ namespace dyn::benchmark::peers {
 enum class Task { rnea, crba, aba, minverse, rnea_derivatives, aba_derivatives };
 constexpr Task tasks[] = {Task::rnea, Task::crba, Task::aba, Task::minverse, Task::rnea_derivatives, Task::aba_derivatives};
 const char* nameOf(Task task);
-/// What every library has.
+/// The basic tasks: forces, mass matrix and accelerations.
 constexpr bool isBasic(Task task) { return task <= Task::aba; }
 constexpr bool isMatrix(Task task) { return task != Task::rnea && task != Task::aba; }
 
-/// One robot in one library. All work of a task is done by run(), from q to the result, as its users write it.
+/// One robot in one library. run() does all work of a task, from q to the result, as users of that library write it.
 class Peer {
  public:
   virtual ~Peer() = default;
   virtual bool can(Task task) const = 0;
   virtual void run(Task task, const State& state) = 0;
-  /// Of the last run, for the joints without the floating base, in the order of Robot: forces (rnea), accelerations (aba), matrices row by row: the
-  /// mass matrix (crba), its inverse, and derivatives by q of all that derivatives give.
+  /// Returns the result of the last run for the joints without the floating base, in the order of Robot: forces (rnea), accelerations (aba), or a
+  /// matrix row by row: the mass matrix (crba), its inverse (minverse), or the derivative by q (rnea_derivatives, aba_derivatives).
   virtual std::vector<double> result(Task task) const = 0;
 
-  /// Its own methods of moving through time in equal steps; of robots that do not float, and none where it has none.
+  /// Names of the library's own integrators with a fixed step, for robots without floating base; empty if the library has none.
   virtual std::vector<std::string> integrators() const { return {}; }
-  /// From rest at q, without torques: the joints' coordinates after `time`. Of an integrator that it has.
+  /// Simulates with one of integrators(), from rest at q and without torques. Returns the joints' coordinates after `time` [s] in `steps` steps.
   virtual std::vector<double> move(const std::string&, const std::vector<double>&, double /*time*/, int /*steps*/) {
     throw std::logic_error("a library without integrators was asked to move");
   }
@@ -37,11 +37,11 @@ class Peer {
 
 struct Library {
   std::string name, version;
-  /// Null where the library cannot hold the robot. May throw std::exception.
+  /// Returns null if the library cannot represent the robot. May throw std::exception.
   std::unique_ptr<Peer> (*make)(const Robot& robot);
 };
 
-/// Those that were there when this program was compiled; libdyn is the first.
+/// The libraries that were found when this program was configured; libdyn is the first.
 std::vector<Library> libraries();
 
 }  // namespace dyn::benchmark::peers

@@ -1,4 +1,4 @@
-// The makers, one a file; those whose library was not found are not compiled.
+// The functions that make a Peer, one per source file. A file is not compiled if its library was not found.
 #pragma once
 
 #include "peers/peer.hpp"

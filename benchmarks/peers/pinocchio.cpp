@@ -1,4 +1,4 @@
-// Pinocchio: the tree built by its own calls.
+// Pinocchio: builds the tree by Pinocchio's own calls.
 #include "peers/peers.hpp"
 
 #include <pinocchio/algorithm/aba-derivatives.hpp>
@@ -70,7 +70,7 @@ class Pinocchio : public Peer {
     Eigen::MatrixXd x;
     if (task == Task::rnea) x = data_.tau.tail(n);
     if (task == Task::aba) x = data_.ddq.tail(n);
-    // Column by column as the result is read, and symmetric or turned.
+    // x is read column by column, so matrices that are not symmetric are transposed.
     if (task == Task::crba) x = Eigen::MatrixXd(data_.M.selfadjointView<Eigen::Upper>()).bottomRightCorner(n, n);
     if (task == Task::minverse) x = Eigen::MatrixXd(data_.Minv.selfadjointView<Eigen::Upper>()).bottomRightCorner(n, n);
     if (task == Task::rnea_derivatives) x = data_.dtau_dq.bottomRightCorner(n, n).transpose();

@@ -1,4 +1,4 @@
-// RBDL: the tree built by its own calls.
+// RBDL: builds the tree by RBDL's own calls.
 #include "peers/peers.hpp"
 
 #include <rbdl/rbdl.h>
@@ -37,7 +37,7 @@ class Rbdl : public Peer {
   bool can(Task task) const override { return isBasic(task); }
   void run(Task task, const State& s) override {
     const Eigen::Index first = floating_ ? 6 : 0;
-    if (floating_) {  // position, (x, y, z) of the quaternion, and w after all other coordinates
+    if (floating_) {  // RBDL's order is position, (x, y, z) of the quaternion, joints, and w at the very end
       std::copy_n(s.base_q, 6, q_.data());
       q_[q_.size() - 1] = s.base_q[6];
       std::copy_n(s.base_v, 6, v_.data());

@@ -1,4 +1,5 @@
-// A robot as every library can hold it: one-axis joints about or along z, and a floating base. C++17, as some libraries' headers are.
+// A robot that every library can represent: one-axis joints about or along z, and a floating base. This header is C++17, because some libraries'
+// headers need it.
 #pragma once
 
 #include <dyn/spatial/inertia.hpp>
@@ -11,33 +12,34 @@ namespace dyn::benchmark::peers {
 
 enum class Motion { revolute, prismatic, floating };
 
-/// Link i is moved by joint i; parents come first, and 0 is the world.
+/// Joint i moves link i. Parents come first; link 0 is the world.
 struct Link {
   int parent = 0;
   Motion motion = Motion::revolute;
-  SE3<double> placement;    ///< of the joint at zero, in the parent link's frame
-  Inertia<double> inertia;  ///< in the link's frame, which is the joint's
-  int joint = -1;           ///< number among the one-axis joints
+  SE3<double> placement;    ///< pose of the joint at zero in the parent link's frame
+  Inertia<double> inertia;  ///< in the link's frame, which is the joint's frame
+  int joint = -1;           ///< index among the one-axis joints; -1 for the world and the floating base
 };
 
 struct Robot {
   std::string name;
-  bool floating = false;  ///< link 1 flies
-  int joints = 0;         ///< one-axis ones
+  bool floating = false;  ///< link 1 is a floating base
+  int joints = 0;         ///< number of one-axis joints
   std::vector<Link> links;
   Vec3<double> gravity;
-  std::shared_ptr<const void> compact, description;  ///< libdyn's CompactModel, from which all this was read, and its Model
+  std::shared_ptr<const void> compact, description;  ///< libdyn's CompactModel, from which this robot was read, and its Model
 };
 
-/// Base: position and quaternion (x, y, z, w), velocity and acceleration in the base's own frame, linear first; zero without a base.
+/// base_q: position and quaternion (x, y, z, w). base_v, base_a: in the base's own frame, linear part first. All unused without a floating base.
 struct State {
   double base_q[7] = {0, 0, 0, 0, 0, 0, 1}, base_v[6] = {}, base_a[6] = {};
-  std::vector<double> q, v, a;  ///< of the joints; a: forces for aba
+  std::vector<double> q, v, a;  ///< of the joints; for aba, a holds the forces
 };
 
-/// Reads a URDF: fixed joints welded, mimic joints independent, no losses and limits. Throws Error, also for other joints.
+/// Reads a URDF: merges fixed joints, makes mimic joints independent, ignores dissipation and limits. Throws Error, also for joints that are not
+/// one-axis.
 Robot readRobot(const std::string& file, bool floating);
-/// Random states; `still`: at rest, the base at the origin.
+/// Returns random states; with `still` they are at rest with the base at the origin.
 std::vector<State> randomStates(const Robot& robot, int count, bool still);
 
 }  // namespace dyn::benchmark::peers

@@ -1,4 +1,4 @@
-// Simbody: its operators without constraints.
+// Simbody: calls Simbody's operators without constraints.
 #include "peers/peers.hpp"
 
 #include <Simbody.h>
@@ -25,7 +25,7 @@ class Simbody : public Peer {
       const SimTK::Body::Rigid body(
           SimTK::MassProperties(link.inertia.mass, vector(link.inertia.com), SimTK::Inertia(I.xx, I.yy, I.zz, I.xy, I.xz, I.yz)));
       SimTK::MobilizedBody& parent = bodies[static_cast<std::size_t>(link.parent)];
-      // Its sliders go along x.
+      // Simbody's slider joints move along x.
       const SimTK::Transform z_is_x(SimTK::Rotation(-SimTK::Pi / 2, SimTK::YAxis));
       if (link.motion == Motion::floating) bodies.push_back(SimTK::MobilizedBody::Free(parent, placement, body, SimTK::Transform()));
       if (link.motion == Motion::revolute) bodies.push_back(SimTK::MobilizedBody::Pin(parent, placement, body, SimTK::Transform()));
@@ -42,7 +42,7 @@ class Simbody : public Peer {
   void run(Task task, const State& s) override {
     const int nq = floating_ ? 7 : 0, nu = floating_ ? 6 : 0;
     SimTK::Vector &q = state_.updQ(), &u = state_.updU();
-    if (floating_) {  // (w, x, y, z), then the position; velocities in the world, angular first
+    if (floating_) {  // Simbody's order is (w, x, y, z), then the position; velocities are in world axes, angular first
       const SimTK::Rotation R(SimTK::Quaternion(SimTK::Vec4(s.base_q[6], s.base_q[3], s.base_q[4], s.base_q[5])));
       q[0] = s.base_q[6];
       for (int k = 0; k < 3; ++k) {

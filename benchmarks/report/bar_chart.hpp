@@ -1,4 +1,4 @@
-// Bars in groups, as SVG: times of several ways to do several things.
+// A bar chart in groups, as SVG, such as the times of several methods for several tasks.
 #pragma once
 
 #include "report/quartiles.hpp"
@@ -13,9 +13,9 @@ namespace dyn::benchmark {
 class BarChart {
  public:
   BarChart(std::string title, Scale scale) : title_(std::move(title)), scale_(scale) {}
-  /// Groups and series stand in the order of their first bars. Only positive values have a bar.
+  /// Adds a bar. Groups and series appear in the order of their first bars. Values that are not positive get no bar.
   void add(const std::string& group, const std::string& series, double value) { add(group, series, {value, value, value}); }
-  /// The same, of the median, with a line from quartile to quartile.
+  /// Adds a bar for the median, with a line from the lower to the upper quartile.
   void add(const std::string& group, const std::string& series, const Quartiles& value);
   std::string svg() const;
   /// Writes a temporary file first, then renames it. Throws Error(file).

@@ -7,7 +7,7 @@
 namespace dyn::benchmark {
 
 double textWidth(const std::string& text, double size) {
-  // Bytes that begin a letter; the others belong to the one before.
+  // Counts the bytes that begin a letter in UTF-8; the other bytes continue the letter before.
   const auto letters = std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; });
   return 0.58 * size * static_cast<double>(letters);
 }

@@ -1,4 +1,4 @@
-// Where words go in a picture, so that none is cut off and none lies over another.
+// Places text in a picture so that no text is cut off and no two texts overlap.
 #pragma once
 
 #include <string>
@@ -6,24 +6,24 @@
 
 namespace dyn::benchmark {
 
-/// By and large, of sans-serif letters of this size.
+/// Approximate width of `text` in sans-serif letters of font size `size`.
 double textWidth(const std::string& text, double size);
 
-/// Its words in lines that are no wider.
+/// Breaks `text` between words into lines that are at most `width` wide. A longer word gets a line of its own.
 std::vector<std::string> wrapped(const std::string& text, double size, double width);
 
-/// Numbers near those that are wanted, at least `apart` from each other and within [low, high] if there is room.
+/// Returns numbers near the wanted ones, at least `apart` from each other and within [low, high] if there is room.
 std::vector<double> spread(const std::vector<double>& wanted, double apart, double low, double high);
 
 struct Box {
   double x, y, width, height;
 };
 
-/// A part of the picture, and what is taken of it.
+/// A frame in the picture, and the boxes in it that are already taken.
 class FreeSpace {
  public:
   explicit FreeSpace(const Box& frame) : frame_(frame) {}
-  /// Takes the first of these places that is free and within the frame; its number, -1 if none is.
+  /// Takes the first of `places` that is free and within the frame. Returns its index, or -1 if there is none.
   int takeFirst(const std::vector<Box>& places);
 
  private:

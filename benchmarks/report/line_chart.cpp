@@ -17,7 +17,7 @@ constexpr double width = 640, left = 72, letter = 13, line_height = 18, most_nam
 
 bool shows(Scale scale, double value) { return std::isfinite(value) && (scale == Scale::linear || value > 0); }
 
-/// Of a value in the axis' own measure.
+/// The coordinate of a value on an axis: the value itself, or its decimal logarithm.
 double measure(Scale scale, double value) { return scale == Scale::logarithmic ? std::log10(value) : value; }
 
 std::string whole(double height, const std::string& about, const std::string& content) {
@@ -121,7 +121,7 @@ class LineChart::Drawing {
   }
 
   void guide(const Guide& g) {
-    // Where the line enters and leaves the frame, in the axes' measure.
+    // x0, y0, from and to are coordinates on the axes. The line enters the frame at `from` and leaves it at `to`.
     const double x0 = measure(c_.x_.scale, g.x), y0 = measure(c_.y_.scale, g.y);
     double from = horizontal_.low, to = horizontal_.high;
     if (g.slope != 0) {
@@ -136,7 +136,7 @@ class LineChart::Drawing {
     label(g.name, px(to), py(to), 11);
   }
 
-  /// Beside a point, in the first of four corners that is free.
+  /// Writes `what` beside a point, in the first of four corners that is free.
   void label(const std::string& what, double x, double y, double size) {
     const double w = textWidth(what, size), h = size + 1;
     const double lefts[] = {x + 5, x + 5, x - 5 - w, x - 5 - w}, baselines[] = {y - 4, y + h + 1, y - 4, y + h + 1};
@@ -161,7 +161,7 @@ class LineChart::Drawing {
     }
   }
 
-  /// In as many columns as the longest name leaves room for. Returns its height.
+  /// Draws the legend in as many columns as the longest name allows. Returns its height.
   double legend(double y0) {
     double entry = 0;
     for (const Series& s : c_.series_) entry = std::max(entry, 28 + textWidth(nameOf(s), letter) + 14);

@@ -1,4 +1,4 @@
-// Curves over linear or logarithmic axes, as SVG that follows the reader's light or dark colours.
+// A chart of curves over linear or logarithmic axes, as SVG that follows the reader's light or dark colour scheme.
 #pragma once
 
 #include "report/svg.hpp"
@@ -18,20 +18,20 @@ class LineChart {
   };
   LineChart(std::string title, Label x, Label y) : title_(std::move(title)), x_(std::move(x)), y_(std::move(y)) {}
 
-  /// A point of a curve, drawn in the order of adding. Points that an axis cannot show (not finite, or not positive where it is
-  /// logarithmic) are left out, and counted in the legend. A label that finds no free place is left out; the point's tooltip has it.
+  /// Adds a point to a curve; points are joined in the order of adding. A point that an axis cannot show (not finite, or not positive on a
+  /// logarithmic axis) is left out and counted in the legend. A label without a free place is left out, but the point's tooltip shows it.
   void add(const std::string& series, double x, double y, const std::string& label = "");
-  /// A dashed line through a point with a slope in the axes' own measure, as y ~ x^slope where both are logarithmic.
+  /// Draws a dashed line through (x, y) with a slope in coordinates of the axes: y ~ x^slope if both axes are logarithmic.
   void guide(const std::string& name, double x, double y, double slope);
-  /// Words below the title.
+  /// Sets the text below the title.
   void note(std::string text) { note_ = std::move(text); }
-  /// Whether points are marked, as measurements are, or only joined.
+  /// Sets whether each point gets a dot, as measurements do.
   void markPoints(bool mark) { marks_ = mark; }
-  /// Whether the points of a series are joined.
+  /// Sets whether the points of a series are joined.
   void joinPoints(bool join) { joins_ = join; }
-  /// Whether names stand at the ends of curves, and not in a legend: for a few curves that end side by side.
+  /// Sets whether names stand at the ends of the curves instead of in a legend. This suits a few curves that end side by side.
   void nameAtEnds(bool name) { names_at_ends_ = name; }
-  /// Sets the height of the part within the axes. The whole picture is 640 wide.
+  /// Sets the height of the area within the axes. The whole picture is 640 wide.
   void setHeight(double height) { height_ = height; }
 
   std::string svg() const;
@@ -56,9 +56,9 @@ class LineChart {
   class Drawing;
   static std::string nameOf(const Series& s);
 
-  /// Right of the axes: names at the ends of curves.
+  /// Width that the names at the ends of the curves need right of the axes.
   double roomForNames() const;
-  /// Writes the content of svg(), with so much room for names; returns its height.
+  /// Writes the content of svg() with `room` for names right of the axes. Returns its height.
   double draw(std::ostringstream& svg, double room) const;
 
   std::string title_, note_;
@@ -69,7 +69,7 @@ class LineChart {
   bool marks_ = true, joins_ = true, names_at_ends_ = false;
 };
 
-/// One picture of several, one below the other.
+/// Returns one picture of several charts, one below the other.
 std::string stacked(const std::vector<LineChart>& charts);
 
 }  // namespace dyn::benchmark

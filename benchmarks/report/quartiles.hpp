@@ -10,10 +10,10 @@ struct Quartiles {
   double low = 0, median = 0, high = 0;
 };
 
-/// How many of what takes so long make a sample of about 2 ms, of which an interrupt of some microseconds is little.
+/// Number of calls of `ns` nanoseconds that make a sample of about 2 ms. An interrupt of some microseconds changes such a sample little.
 inline int roundsInSample(double ns) { return std::clamp(static_cast<int>(2e6 / ns), 1, 1000); }
 
-/// Of at least one sample.
+/// Quartiles of the samples; there must be at least one.
 inline Quartiles quartiles(std::vector<double> samples) {
   std::sort(samples.begin(), samples.end());
   const std::size_t n = samples.size();

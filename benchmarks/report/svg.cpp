@@ -33,7 +33,7 @@ Axis lineAxis(double least, double most, Scale scale) {
     return axis;
   }
   const double span = most > least ? most - least : std::max(std::abs(most), 1.0);
-  // Steps of 1, 2 or 5 times a power of ten, five or so of them.
+  // The step is 1, 2 or 5 times a power of ten, such that about five steps cover the span.
   const double rough = span / 5, power = std::pow(10, std::floor(std::log10(rough))), digit = rough / power;
   const double step = power * (digit < 1.5 ? 1 : digit < 3.5 ? 2 : digit < 7.5 ? 5 : 10);
   axis.low = std::floor(least / step) * step;

@@ -1,4 +1,4 @@
-// What pictures of measurements share: axes with their marks, colours, and text that is safe within SVG.
+// Shared by all charts: axes with their marks, colours, and text that is safe within SVG.
 #pragma once
 
 #include <string>
@@ -13,25 +13,25 @@ struct Mark {
   bool named;
 };
 
-/// From low to high, of values or of their decimal logarithms.
+/// An axis from `low` to `high`. Both are decimal logarithms of values if the scale is logarithmic.
 struct Axis {
   double low = 0, high = 1;
   Scale scale = Scale::linear;
   std::vector<Mark> marks;
 
-  /// Of the axis' length at which a value stands.
+  /// Position of a value on the axis, as a fraction of the axis' length.
   double fraction(double value) const;
 };
 
-/// From zero to beyond the largest value, with marks at round numbers, or over whole decades.
+/// Axis for bars: from zero to beyond the largest value with marks at round numbers, or, if logarithmic, over whole decades.
 Axis barAxis(double least, double most, Scale scale);
-/// Around all values: marks at round numbers, or at decades, few enough to be read.
+/// Axis for curves: covers all values, with readably few marks at round numbers or at decades.
 Axis lineAxis(double least, double most, Scale scale);
 
-/// The k-th of eight, again from the first after the last.
+/// The colour of index k. There are eight colours; they repeat.
 const char* colour(std::size_t k);
 std::string escaped(const std::string& text);
-/// In as few digits as are needed: 0.001, 25, 1e-09.
+/// Formats a value with up to four significant digits and no trailing zeros: 0.001, 25, 1e-09.
 std::string shortNumber(double value);
 
 }  // namespace dyn::benchmark

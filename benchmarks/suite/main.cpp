@@ -1,4 +1,4 @@
-// All algorithms over robots, chains, stars and binary trees: `dyn_benchmarks --benchmark_filter=rnea/talos`.
+// Benchmarks of all algorithms for robots, chains, stars and binary trees: `dyn_benchmarks --benchmark_filter=rnea/talos`.
 #include "suite/suite.hpp"
 
 #include <cstdio>

@@ -1,4 +1,4 @@
-// Every URDF in models/ and in the shared test data: algorithms, the variant library beside them, loading, compiling, memory.
+// For every URDF in models/ and in the shared test data: algorithms, the variant library for comparison, loading, compiling, memory.
 #include "suite/suite.hpp"
 
 #include <dyn/error.hpp>
@@ -16,7 +16,7 @@ using ::benchmark::RegisterBenchmark;
 
 namespace {
 
-/// Robots that walk, fly or drive; all others stand on the world.
+/// Robots with a floating base. All other robots are fixed to the world.
 const std::set<std::string>& floating() {
   static const std::set<std::string> names = {"anymal_c", "atlas", "biped", "go2",    "human", "hyq",       "icub",
                                               "nao",      "poppy", "romeo", "solo12", "talos", "talos_full"};
@@ -40,7 +40,7 @@ void addVariantLibrary(const std::string& name, const SubjectPtr& subject) {
   try {
     contest = std::make_shared<dyn::benchmark::Contest>(dyn::benchmark::patternContest(subject->model));
   } catch (const Error&) {
-    return;  // joints that it has no type for
+    return;  // the variant library lacks one of the robot's joint types
   }
   for (const dyn::benchmark::Contender& c : contest->contenders)
     RegisterBenchmark((c.algorithm + "/" + name + "/variant_library/double").c_str(), [subject, contest, &c](::benchmark::State& state) {

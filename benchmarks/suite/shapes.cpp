@@ -1,4 +1,4 @@
-// Chains, stars and binary trees of 2^3 to 2^14 joints: ns a joint must stay flat where the algorithm is O(n).
+// Chains, stars and binary trees of 2^3 to 2^14 joints. The time per joint must stay constant if the algorithm is O(n).
 #include "suite/suite.hpp"
 
 #include <dyn/model/model.hpp>
@@ -25,7 +25,7 @@ Model tree(const std::string& name, int joints, Parent parent) {
 }
 
 void addShape(const Model& description, int joints) {
-  constexpr int quadratic_up_to = 512;  // the mass matrix grows with the square
+  constexpr int quadratic_up_to = 512;  // the mass matrix grows quadratically
   const std::string name = description.name + "/" + std::to_string(joints);
   const JointRegistry registry = JointRegistry::standard();
   const auto subject = std::make_shared<const Subject>(compile(description, registry), joints > 1000 ? 4 : 64);

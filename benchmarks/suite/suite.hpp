@@ -1,4 +1,4 @@
-// What the benchmarks share: models, random states, and names such as "rnea/talos/single/double".
+// Shared by the benchmarks: models, random states, and names such as "rnea/talos/single/double".
 #pragma once
 
 #include <dyn/dyn.hpp>
@@ -11,7 +11,7 @@
 
 namespace dyn::suite {
 
-/// A model with as many random states as keep branch predictors honest.
+/// A model with random states, enough of them that the branch predictor does not learn them.
 struct Subject {
   explicit Subject(CompactModel compact, int count = 64);
   CompactModel model;
@@ -20,18 +20,18 @@ struct Subject {
 };
 using SubjectPtr = std::shared_ptr<const Subject>;
 
-/// Counts a state a time: ns a state, and ns a joint.
+/// Reports the time per state and per joint. `states_each` is the number of states in one iteration.
 void report(::benchmark::State& state, const Subject& subject, double states_each);
 
-/// fk, rnea, crba, aba and Jacobians of one state after the other; without `quadratic` those of O(n) alone.
+/// Adds benchmarks of fk, rnea, crba, aba and Jacobians, one state after the other. Without `quadratic`, crba is left out.
 void addSingle(const std::string& name, const SubjectPtr& subject, bool quadratic);
-/// The same of 256 states at once, in double and float.
+/// Adds the same benchmarks for all states of the subject at once, in double and float.
 void addBatch(const std::string& name, const SubjectPtr& subject);
 
-/// The folder of test robots beside the project, $DYN_SHARED/models; it may be absent.
+/// The folder with the shared test robots, $DYN_SHARED/models, by default beside the project. It may be absent.
 std::string sharedModels();
 
-// One file each.
+// Each of these is in a file of its own.
 void addRobots();
 void addShapes();
 void addPluginJoint();

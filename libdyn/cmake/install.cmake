@@ -1,5 +1,5 @@
-# What `cmake --install` puts where. The tree can be moved: libraries and the command find one another by $ORIGIN, plugins lie beside
-# the library.
+# Rules of `cmake --install`. The installed tree can be moved: libraries and the command find each other by $ORIGIN, and plugins lie beside the
+# library.
 include(CMakePackageConfigHelpers)
 
 set(DYN_CMAKE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/libdyn)
@@ -16,7 +16,7 @@ write_basic_package_version_file(${CMAKE_BINARY_DIR}/libdynConfigVersion.cmake C
 install(FILES ${CMAKE_BINARY_DIR}/libdynConfig.cmake ${CMAKE_BINARY_DIR}/libdynConfigVersion.cmake libdyn/cmake/libdynPlugin.cmake
   DESTINATION ${DYN_CMAKE_DIR})
 
-# pkg-config files name places relative to themselves.
+# pkg-config files give paths relative to themselves.
 file(RELATIVE_PATH DYN_PC_PREFIX ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX})
 function(dyn_pkg_config DYN_PC_NAME DYN_PC_LIBRARY DYN_PC_REQUIRES DYN_PC_DESCRIPTION)
   configure_file(libdyn/cmake/libdyn.pc.in ${CMAKE_BINARY_DIR}/${DYN_PC_NAME}.pc @ONLY)

@@ -1,11 +1,13 @@
-# DYN_INSTRUCTION_SETS says what kernels are compiled for, and plugins beside the baseline, which every processor of this architecture has.
-#   all     the baseline, avx2 and avx512, and the kernels number by number, for tests; packages are built so
-#   native  the best that this machine's processor has
-# Narrows libdyn_plugin_instruction_sets. DYN_KERNEL_SETS lists the modules of kernels, DYN_KERNEL_SET_NAMES is the same as text.
+# DYN_INSTRUCTION_SETS chooses the instruction sets that kernels and plugins are compiled for. Plugins are always built for the baseline too, which
+# every processor of this architecture has.
+#   all     baseline, avx2, avx512, and kernels without packs (scalar) for tests; packages are built with this value
+#   native  the best set of this machine's processor
+# The value native reduces libdyn_plugin_instruction_sets. DYN_KERNEL_SETS lists the modules of kernels; DYN_KERNEL_SET_NAMES is this list as text.
 set(DYN_INSTRUCTION_SETS all CACHE STRING "Instruction sets: all, or native")
 set_property(CACHE DYN_INSTRUCTION_SETS PROPERTY STRINGS all native)
 
-# DYN_BEST_SET: what this machine's processor has. The compiler's macros tell. As processorHas() in libdyn/src/joint/processor.cpp.
+# DYN_BEST_SET is the best set of this machine's processor, by the compiler's macros. It must agree with processorHas() in
+# libdyn/src/joint/processor.cpp.
 execute_process(COMMAND ${CMAKE_CXX_COMPILER} -march=native -dM -E -x c++ /dev/null OUTPUT_VARIABLE macros ERROR_QUIET)
 set(needed_avx2 AVX2 FMA)
 set(needed_avx512 AVX512F AVX512DQ AVX512BW AVX512VL AVX512CD FMA)

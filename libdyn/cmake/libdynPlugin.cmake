@@ -1,6 +1,6 @@
-# libdyn_add_joint_plugin(NAME SOURCES... [OUTPUT_DIRECTORY DIR] [LINK_LIBRARIES LIBRARIES...]): a shared object of joint types, built as
-# libdyn wants it: NAME.so for every processor, and beside it avx2/NAME.so and avx512/NAME.so, which libdyn prefers where the processor
-# has them. Their targets are NAME_avx2 and NAME_avx512; libdyn_plugin_instruction_sets lists the suffixes.
+# libdyn_add_joint_plugin(NAME SOURCES... [OUTPUT_DIRECTORY DIR] [LINK_LIBRARIES LIBRARIES...]) builds a plugin of joint types in the layout that
+# libdyn expects: NAME.so for every processor, and beside it avx2/NAME.so and avx512/NAME.so, which libdyn prefers where the processor supports
+# them. Their targets are NAME_avx2 and NAME_avx512; libdyn_plugin_instruction_sets lists the suffixes.
 set(libdyn_plugin_instruction_sets)
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   set(libdyn_plugin_instruction_sets avx2 avx512)
@@ -8,7 +8,7 @@ endif()
 set(libdyn_options_avx2 -march=x86-64-v3)
 set(libdyn_options_avx512 -march=x86-64-v4)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
-  # gcc 12 warns of its own intrinsics (its bug 105593).
+  # gcc 12 warns about its own intrinsics (gcc bug 105593).
   list(APPEND libdyn_options_avx512 -Wno-uninitialized -Wno-maybe-uninitialized)
 endif()
 
@@ -17,7 +17,7 @@ function(libdyn_add_joint_plugin name)
   if(NOT arg_OUTPUT_DIRECTORY)
     set(arg_OUTPUT_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR})
   endif()
-  # Linked with it, a shared object has the thread that loads it flush small numbers to zero; compiled with it, NaN is no NaN any more.
+  # A shared object linked with -ffast-math makes the thread that loads it flush denormal numbers to zero. Code compiled with it mishandles NaN.
   if("${CMAKE_CXX_FLAGS} ${CMAKE_CXX_FLAGS_${CMAKE_BUILD_TYPE}}" MATCHES "-ffast-math|-Ofast|-funsafe-math-optimizations|-ffinite-math-only")
     message(FATAL_ERROR "libdyn_add_joint_plugin(${name}): plugins must not be built with ${CMAKE_MATCH_0}: it changes what the whole process computes")
   endif()

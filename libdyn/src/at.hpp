@@ -1,4 +1,4 @@
-// Indices are int, as the equations count; containers take std::size_t.
+// Indices are int, as in the equations; containers take std::size_t.
 #pragma once
 
 #include <cstddef>

@@ -7,13 +7,13 @@
 
 namespace dyn {
 
-/// FNV-1a, of 64 bits (Fowler, Noll, Vo), with its digits mixed once more.
+/// 64-bit FNV-1a hash (Fowler, Noll, Vo), whose upper bits are mixed into the lower ones at the end.
 constexpr std::uint64_t fnv(std::string_view text, std::uint64_t h) {
   for (const char c : text) h = (h ^ static_cast<unsigned char>(c)) * 1099511628211u;
   return h ^ (h >> 31);
 }
 
-/// Sixteen hexadecimal digits each of two hashes of the text.
+/// Returns two hashes of the text, each as sixteen hexadecimal digits.
 inline std::string digest(std::string_view text) {
   std::string out;
   for (const std::uint64_t start : {std::uint64_t(14695981039346656037u), std::uint64_t(0x9e3779b97f4a7c15u)}) {

@@ -21,15 +21,15 @@ namespace {
 }
 [[noreturn]] void cannotWrite(const std::string& path) { cannotWrite(path, std::strerror(errno)); }
 
-/// Tells where a path to write to leads, and how that is written.
+/// The file that a path leads to, and how it is written.
 struct Target {
-  std::string file;    ///< behind all links
-  bool there = false;  ///< a file that is replaced
-  bool whole = true;   ///< by another in its place; no regular file is, nor one that a process has open under a name of its own, as /dev/stdout
+  std::string file;    ///< with links resolved
+  bool there = false;  ///< a file of that name exists
+  bool whole = true;   ///< written by replacing it; not so devices, pipes, and files that a process has open, as /dev/stdout
   struct stat before {};
 };
 
-/// Throws Error(file) for folders, and for files whose modes forbid writing, which root may do.
+/// Throws Error(file) for folders, for files that this process may not write, and for read-only files even if root could write them.
 Target targetOf(const std::string& path) {
   if (path.empty()) throw Error(ErrorCode::file, "the name of a file to write is empty");
   Target out;
@@ -38,7 +38,7 @@ Target targetOf(const std::string& path) {
     std::error_code error;
     const std::filesystem::path next = std::filesystem::read_symlink(out.file, error);
     if (error) break;
-    if (out.file.starts_with("/proc/")) break;  // the link of a descriptor leads to what no path need lead to
+    if (out.file.starts_with("/proc/")) break;  // a descriptor's link may lead to a file that no path leads to
     out.file = (std::filesystem::path(out.file).parent_path() / next).string();
   }
   out.there = stat(out.file.c_str(), &out.before) == 0;
@@ -51,8 +51,8 @@ Target targetOf(const std::string& path) {
   return out;
 }
 
-/// A new file beside another, with the rights of any new file: whatever lies there under its name, a link that someone planted too, is not touched.
-/// -1 if there can be none.
+/// Creates a new file beside another, with the permissions of any new file. A file that exists under the new name, such as a link that someone
+/// planted, is not touched. Returns -1 if the file cannot be created.
 int makeBeside(const std::string& path, std::string& name) {
   static std::atomic<unsigned> count{0};
   int file;
@@ -73,7 +73,7 @@ bool writeAll(int file, const std::string& content) {
   return true;
 }
 
-/// Closes it whatever has happened; false with the first reason if something has.
+/// Closes the file in any case. Returns false if `well` is false or closing fails; errno is that of the first failure.
 bool finish(int file, bool well) {
   const int why = errno;
   const bool closed = close(file) == 0;
@@ -81,7 +81,7 @@ bool finish(int file, bool well) {
   return well && closed;
 }
 
-/// Into what is no regular file, or must stay the file that it is.
+/// Writes into the existing file: it is not a regular file, or must not be replaced by another.
 void writeInto(const Target& target, const std::string& path, const std::string& content) {
   int file;
   do file = open(target.file.c_str(), O_WRONLY | O_CLOEXEC | (S_ISREG(target.before.st_mode) ? O_TRUNC : 0));
@@ -127,7 +127,7 @@ void replaceFile(const std::string& path, const std::string& content) {
   std::string temporary;
   const int file = makeBeside(target.file, temporary);
   if (file < 0) cannotWrite(path);
-  // A file of another user stays theirs: where this process cannot give one away, it writes into that which is there.
+  // A file keeps its owner and group. If this process cannot give a new file to them, it writes into the existing one.
   const bool theirs = target.there && (target.before.st_uid != geteuid() || target.before.st_gid != getegid());
   if (theirs && fchown(file, target.before.st_uid, target.before.st_gid) != 0) {
     close(file);

@@ -5,7 +5,7 @@
 
 namespace dyn {
 
-/// Puts back at the end what there was at the beginning: rounding, and whether numbers near zero are flushed to it.
+/// Saves the environment and restores it in its destructor: the rounding mode, and whether subnormal numbers are flushed to zero.
 class FloatingPointEnvironment {
  public:
   FloatingPointEnvironment() { std::fegetenv(&kept_); }
@@ -17,7 +17,7 @@ class FloatingPointEnvironment {
   std::fenv_t kept_;
 };
 
-/// Whether a sum of numbers near zero is one, and not flushed to zero.
+/// Whether subnormal results are kept, and not flushed to zero.
 inline bool keepsSmallNumbers() {
   volatile double smallest = 0x1p-1022, half = 0.5;
   return smallest * half != 0;

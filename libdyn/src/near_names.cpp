@@ -8,7 +8,7 @@ namespace dyn {
 
 namespace {
 
-/// Letters to insert, to delete or to replace (Levenshtein 1966); upper and lower case are one.
+/// Number of letters to insert, delete or replace (Levenshtein 1966). Upper and lower case count as equal.
 std::size_t lettersBetween(const std::string& a, const std::string& b) {
   const auto lower = [](char c) { return std::tolower(static_cast<unsigned char>(c)); };
   std::vector<std::size_t> row(b.size() + 1);

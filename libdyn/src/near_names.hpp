@@ -1,4 +1,4 @@
-// Names that one may have meant, for messages.
+// Suggests names that the user may have meant, for messages.
 #pragma once
 
 #include <string>
@@ -6,7 +6,7 @@
 
 namespace dyn {
 
-/// "; did you mean 'left_hand' or 'left_hand_2'?" of at most three that are a few letters away from `name`, else "".
+/// Returns "; did you mean 'left_hand' or 'left_hand_2'?" with up to three names that resemble `name`, or "" if none does.
 std::string nearNames(const std::string& name, const std::vector<std::string>& all);
 
 template <class Records>

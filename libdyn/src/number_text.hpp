@@ -1,4 +1,4 @@
-// Numbers in messages: nine digits at most, and a point whatever the locale.
+// Writes numbers in messages with nine digits at most, and with a point whatever the locale.
 #pragma once
 
 #include <charconv>

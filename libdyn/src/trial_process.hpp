@@ -1,4 +1,4 @@
-// Work that may crash, never end, or eat memory is done in a process of its own, which reports what it found.
+// Does work that may crash, never end or exhaust memory in a process of its own, which reports what it found.
 #pragma once
 
 #include <fcntl.h>
@@ -19,22 +19,22 @@ namespace dyn {
 
 struct TrialLimits {
   double seconds;
-  rlim_t memory = RLIM_INFINITY;  ///< bytes, beside what the process has already
+  rlim_t memory = RLIM_INFINITY;  ///< bytes, in addition to what the process has already
 };
 
 struct Trial {
-  std::string untried;  ///< why there is no process; empty if there was one
-  std::string report;   ///< all that it wrote
-  bool late = false;    ///< it had not ended when the time was up
-  int signal = 0;       ///< that ended it; 0 also where others have waited for it
+  std::string untried;  ///< why no child was started; empty if one was
+  std::string report;   ///< everything that the child reported
+  bool late = false;    ///< the child had not ended when the time was up
+  int signal = 0;       ///< the signal that ended the child; 0 also if the child was waited for elsewhere
 };
 
 namespace detail {
 
-/// The child calls this before it works.
+/// Sets the limits. The child calls this before it works.
 inline void confineTrial(const TrialLimits& limits) {
-  prctl(PR_SET_PDEATHSIG, SIGKILL);  // whoever ends the parent does not mean to leave this one looping
-  // The last words of libraries are not the user's business: the parent says what happened.
+  prctl(PR_SET_PDEATHSIG, SIGKILL);  // a child in an endless loop must not survive its parent
+  // The output of libraries that crash is dropped: the parent says what happened.
   if (const int null = open("/dev/null", O_WRONLY); null >= 0) {
     dup2(null, STDOUT_FILENO);
     dup2(null, STDERR_FILENO);
@@ -69,7 +69,7 @@ inline void listenToTrial(int pipe, double seconds, Trial& trial) {
 
 }  // namespace detail
 
-/// Calls work(report) in a child, where report(text) adds to the trial's report. The child ends with it, without destructors of globals.
+/// Calls work(report) in a child, where report(text) adds to the trial's report. The child then ends, without destructors of globals.
 template <class Work>
 Trial tryInProcess(const TrialLimits& limits, const Work& work) {
   Trial trial;

@@ -25,7 +25,7 @@ const fs::path library_file = [] {
   return found ? fs::canonical(where.dli_fname, error) : fs::path();
 }();
 
-/// Whoever owns the file of this library decides already what the process does.
+/// The owner of this library's file already decides what the process does, and so is trusted.
 const uid_t library_owner = [] {
   struct stat s {};
   return stat(library_file.c_str(), &s) == 0 ? s.st_uid : 0;
@@ -40,8 +40,8 @@ std::string judge(const struct stat& s, const std::string& name, const char* cur
   return "";
 }
 
-/// Whether nobody but trusted owners can put another file in this one's place: every folder up to the root belongs to those, and others can write at
-/// most where they can take away only what is theirs, as in /tmp.
+/// Whether only trusted owners can put another file in this one's place. They must own every folder up to the root. Others may write only to folders
+/// where they can remove only their own files, such as /tmp.
 bool fixed(const fs::path& file) {
   for (fs::path folder = file.parent_path();; folder = folder.parent_path()) {
     struct stat s {};
@@ -56,7 +56,7 @@ bool fixed(const fs::path& file) {
 const fs::path& libraryFile() { return library_file; }
 
 OpenFile::OpenFile(const std::string& path) : path_(path) {
-  // Without waiting: opening a pipe that nobody writes to would.
+  // O_NONBLOCK, since opening a pipe that nobody writes to would wait.
   do descriptor_ = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   while (descriptor_ < 0 && errno == EINTR);
   struct stat s {};

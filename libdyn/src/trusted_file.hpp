@@ -1,4 +1,4 @@
-// Whom a file's bytes come from. It is asked of the open file and not of its name: a name can mean another file a moment later.
+// Finds out who may have written a file. The open file is checked and not its name, which can mean another file a moment later.
 #pragma once
 
 #include <filesystem>
@@ -6,31 +6,32 @@
 
 namespace dyn {
 
-/// The file of this library behind all links, looked for as it is loaded: its name may be relative, and the process may go to another folder later.
+/// The path of this library with all links resolved. It is found as the library is loaded: its name may be relative, and the process may go to
+/// another folder later.
 const std::filesystem::path& libraryFile();
 
 /// A regular file, open for reading.
 class OpenFile {
  public:
-  /// Throws nothing; see problem().
+  /// Never throws; problem() says what is wrong.
   explicit OpenFile(const std::string& path);
   ~OpenFile();
   OpenFile(OpenFile&& other) noexcept;
   OpenFile& operator=(OpenFile&&) = delete;
 
-  /// Why it is not open, or no regular file; empty if it is.
+  /// Why the file is not open or not a regular file; empty if it is both.
   const std::string& problem() const { return problem_; }
-  /// Why others than root, this process's user and the owner of this library may have written it, with what to do about that; empty if they cannot
-  /// have.
+  /// Why others than root, this process's user and the owner of this library may have written the file, and what to do about it; empty if they cannot
+  /// have. `cure` is added to the text.
   std::string untrusted(const char* cure) const;
   bool ownedByUser() const;
-  /// All of its bytes. Throws Error(file).
+  /// Returns all bytes. Throws Error(file) if they cannot be read.
   std::string content() const;
 
   const std::string& path() const { return path_; }
-  /// A name for the dynamic loader that means this very file: its path where nobody else can exchange a folder on the way, else the descriptor's, by
-  /// which debuggers do not find it. The descriptor stays open for good then: the loader knows libraries by their names, and the number must not come
-  /// to mean another file.
+  /// Returns a name by which the dynamic loader opens exactly this file: the path if nobody else can replace a folder on it, else that of the
+  /// descriptor, by which debuggers do not find the file. The descriptor then stays open for good: the loader identifies libraries by their names,
+  /// and its number must not come to mean another file.
   std::string nameForLoader() const;
 
  private:
@@ -39,7 +40,7 @@ class OpenFile {
   mutable bool stays_open_ = false;
 };
 
-/// Why others than these can change a folder; empty if they cannot.
+/// The same for a folder: why others than these three can write to it; empty if they cannot.
 std::string untrustedFolder(const std::string& path, const char* cure);
 
 }  // namespace dyn

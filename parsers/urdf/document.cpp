@@ -10,20 +10,20 @@ namespace dyn::urdf {
 
 namespace {
 
-/// XML allows three characters below the blank: tab and the two that end lines (XML 1.0, sec. 2.2).
+/// XML allows three characters below the space: tab and the two that end lines (XML 1.0, sec. 2.2).
 bool isControl(unsigned long c) { return c < 0x20 && c != '\t' && c != '\n' && c != '\r'; }
 
 bool isSpace(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 
 enum class Parsed { number, underflow, wrong };
 
-/// One word as a double. from_chars knows no locale, no hexadecimal prefix and no trailing units.
+/// Parses one word as a double. from_chars ignores the locale and takes no hexadecimal prefix; trailing units are refused.
 Parsed parseNumber(const char* first, const char* last, double& out) {
   if (last - first > 1 && *first == '+' && first[1] != '-') ++first;
   const auto [end, error] = std::from_chars(first, last, out);
   if (end != last || error == std::errc::invalid_argument) return Parsed::wrong;
   if (error == std::errc::result_out_of_range) {
-    // Too large or too small: extended precision has the range to tell, beyond that the exponent's sign.
+    // Whether the number is too large or too small follows from extended precision, and beyond its range from the exponent's sign.
     long double wide = 0;
     const auto [wide_end, wide_error] = std::from_chars(first, last, wide);
     const bool small = wide_error == std::errc() ? std::fabs(wide) < 1
@@ -40,7 +40,7 @@ int lineOf(const std::string& text, std::size_t position) {
   return 1 + static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(position), '\n'));
 }
 
-/// Bytes of the character in UTF-8 that stands at `i`; 0 if none does (RFC 3629: the shortest form, no surrogates, up to 10FFFF).
+/// Returns the length in bytes of the UTF-8 character at `i`; 0 if there is none (RFC 3629: the shortest form, no surrogates, up to 10FFFF).
 std::size_t characterAt(const std::string& text, std::size_t i) {
   const auto byte = [&](std::size_t k) { return i + k < text.size() ? static_cast<unsigned char>(text[i + k]) : 0u; };
   const unsigned lead = byte(0), second = byte(1);
@@ -53,7 +53,7 @@ std::size_t characterAt(const std::string& text, std::size_t i) {
   return length;
 }
 
-/// Whether the reference "&#...;" that begins at `i` names a number that no character has, which would be written as no UTF-8.
+/// Whether the reference "&#...;" at `i` has a number that no character has or XML forbids.
 bool standsForNothing(const std::string& text, std::size_t i) {
   const bool hexadecimal = text.compare(i + 2, 1, "x") == 0;
   unsigned long code = 0;

@@ -1,4 +1,4 @@
-// A URDF file as checked XML: bytes, syntax, and attributes read the same under every locale.
+// A URDF file as XML, with its bytes and syntax checked. Attributes mean the same under every locale.
 #pragma once
 
 #include <dyn/error.hpp>
@@ -12,13 +12,13 @@
 
 namespace dyn::urdf {
 
-/// No URDF is larger than that.
+/// The most that is read of a file [bytes].
 constexpr std::uintmax_t largest_file = 64u << 20;
 
 class Document {
  public:
-  /// Parses; `file` stands for the text in messages. Refuses what is not XML in UTF-8, and document types (entities can grow without
-  /// bound). Throws Error(syntax) with the line.
+  /// Parses a text; messages name it `file`. Throws Error(syntax) with the line if the text is not XML in UTF-8, if its root is not <robot>, and for
+  /// document types (entities can grow without bound).
   Document(const std::string& text, std::string file);
 
   const tinyxml2::XMLElement& robot() const { return *robot_; }
@@ -27,15 +27,15 @@ class Document {
 
   [[noreturn]] void fail(const tinyxml2::XMLElement& e, const std::string& why, ErrorCode code = ErrorCode::model) const;
 
-  /// An attribute that must be there.
+  /// Returns an attribute. Throws Error(syntax) if it is missing.
   std::string text(const tinyxml2::XMLElement& e, const char* attribute) const;
-  /// Finite numbers separated by white space. A number too small for a double becomes 0 and a note.
+  /// Returns finite numbers separated by white space. A number too small for a double becomes 0 or loses digits, with a note.
   std::vector<double> numbers(const tinyxml2::XMLElement& e, const char* attribute) const;
   double number(const tinyxml2::XMLElement& e, const char* attribute) const;
   double number(const tinyxml2::XMLElement& e, const char* attribute, double otherwise) const;
   Vec3<double> vector3(const tinyxml2::XMLElement& e, const char* attribute) const;
 
-  /// Things worth saying that are no errors.
+  /// Remarks that are not errors.
   std::vector<std::string>& notes() const { return notes_; }
 
  private:
@@ -45,7 +45,7 @@ class Document {
   mutable std::vector<std::string> notes_;
 };
 
-/// Whether a text is one or more numbers and nothing else; then they are in `out`.
+/// Whether a text consists of one or more numbers and nothing else. Writes them to `out`.
 bool onlyNumbers(const std::string& text, std::vector<double>& out);
 
 }  // namespace dyn::urdf

@@ -13,7 +13,7 @@ namespace {
 
 using tinyxml2::XMLElement;
 
-/// Attributes that describe the joint itself and are no parameters of its type.
+/// Reads an attribute that describes the joint itself and is not a parameter of its type. Returns false for other attributes.
 bool readCommon(const Document& document, const XMLElement& e, const char* attribute, JointDescription& joint) {
   const std::pair<const char*, std::vector<double>*> fields[] = {
       {"armature", &joint.armature},  {"damping", &joint.damping},      {"friction", &joint.friction},       {"lower", &joint.limits.lower},
@@ -108,7 +108,7 @@ Extensions readExtensions(const Document& document, const Outline& outline) {
 
 namespace {
 
-/// The directions that a loop leaves free: words of "x y z rx ry rz".
+/// Reads the directions that a loop leaves free: words of "x y z rx ry rz".
 std::array<bool, 6> readFree(const Document& document, const XMLElement& e) {
   std::array<bool, 6> free{};
   const char* given = e.Attribute("free");
@@ -167,7 +167,7 @@ void applyExtension(const Document& document, const XMLElement& extension, Joint
   joint.name = before.name;
   joint.placement = before.placement;
   joint.where = document.where(extension, before.name);
-  // What the <joint> element says stays where the extension is silent.
+  // Values of the <joint> element stay where the extension gives none.
   for (auto field : {&JointDescription::armature, &JointDescription::damping, &JointDescription::friction})
     if ((joint.*field).empty()) joint.*field = before.*field;
   for (auto field : {&JointLimits::lower, &JointLimits::upper, &JointLimits::velocity, &JointLimits::effort})

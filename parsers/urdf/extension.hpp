@@ -1,4 +1,4 @@
-// What URDF has no words for, under <robot>: <libdyn> <joint name="..." type="..." parameter="..."/> <loop .../> </libdyn>.
+// Extensions to URDF, under <robot>: <libdyn> <joint name="..." type="..." parameter="..."/> <loop .../> </libdyn>.
 #pragma once
 
 #include "validate.hpp"
@@ -9,19 +9,21 @@
 
 namespace dyn::urdf {
 
-/// What the extension says of each joint, by name. Values made of numbers become numbers, others texts; <part> children become the
-/// list "parts"; a <coupling> child makes the joint follow another. Throws Error for joints that the robot does not have.
+/// The extension's element for each joint, by name. Values that consist of numbers become numbers, others texts; <part> children become the list
+/// "parts"; a <coupling> child makes the joint depend on another. Throws Error(model) for unknown elements and for joints that the robot does not
+/// have or that are described twice.
 using Extensions = std::unordered_map<std::string, const tinyxml2::XMLElement*>;
 Extensions readExtensions(const Document& document, const Outline& outline);
 
-/// Replaces type and parameters of `joint` by what the extension says; keeps its placement.
+/// Replaces type and parameters of `joint` by those of the extension. Keeps its name, its placement, and the limits, armature, damping, friction and
+/// coupling that the extension does not give.
 void applyExtension(const Document& document, const tinyxml2::XMLElement& extension, JointDescription& joint);
 
-/// The closed loops, <loop name frame other free="rz" .../>, and gears, <gear joint type master .../>, of all <libdyn> elements. Throws Error for
-/// links and joints that the robot does not have.
+/// Reads the closed loops, <loop name link other free="rz" .../>, and gears, <gear joint type master .../>, of all <libdyn> elements. Throws
+/// Error(model) for links and joints that the robot does not have.
 std::vector<ConstraintDescription> readConstraints(const Document& document, const Outline& outline);
 
-/// Pose of an <origin xyz rpy>, or of xyz and rpy attributes: R = Rz(y) Ry(p) Rx(r), rounded once.
+/// Returns the pose of an <origin>: xyz and R = Rz(y) Ry(p) Rx(r) of rpy, or quat_xyzw in place of rpy. R is rounded once.
 SE3<double> poseOf(const Document& document, const tinyxml2::XMLElement& e);
 
 }  // namespace dyn::urdf

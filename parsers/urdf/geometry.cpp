@@ -13,7 +13,7 @@ namespace {
 using tinyxml2::XMLElement;
 using namespace dyn::geometry;
 
-/// Whether <collision_checking> says so of the collision of that name.
+/// Whether <collision_checking> names the collision `name` in an element <what>.
 bool asked(const XMLElement& link, const char* what, const char* name) {
   if (name == nullptr) return false;
   for (const XMLElement* block = link.FirstChildElement("collision_checking"); block; block = block->NextSiblingElement("collision_checking"))

@@ -20,7 +20,7 @@ class Reader {
 
   Model run() {
     model_.name = d_.robot().Attribute("name") ? d_.robot().Attribute("name") : "robot";
-    // Depth first with a stack: a chain of any length must not use up the machine's.
+    // Depth first with a stack of its own: a long chain must not overflow the call stack.
     struct Entry {
       const XMLElement* joint;
       int parent;
@@ -77,7 +77,7 @@ class Reader {
     return e ? poseOf(d_, *e) : SE3<double>{};
   }
 
-  /// In the link's axes, rotated in extended precision and rounded once.
+  /// Returns the inertia in the link's axes, rotated in extended precision and rounded once.
   Inertia<double> inertia(const XMLElement& link) const {
     const XMLElement* e = link.FirstChildElement("inertial");
     if (e == nullptr) return {};

@@ -31,7 +31,7 @@ class Validator {
   }
 
  private:
-  /// What one check throws does not keep the others from looking.
+  /// Runs one check and collects its error, so that the other checks still run.
   template <class Check>
   void guarded(const Check& check) {
     try {
@@ -103,15 +103,15 @@ class Validator {
     if (m < 0) d_.fail(*mass, "link '" + name + "': its mass is negative");
     double xx = d_.number(*inertia, "ixx"), xy = d_.number(*inertia, "ixy", 0), xz = d_.number(*inertia, "ixz", 0);
     double yy = d_.number(*inertia, "iyy"), yz = d_.number(*inertia, "iyz", 0), zz = d_.number(*inertia, "izz");
-    // Positive semi-definite by its principal minors, up to the rounding of numbers written with a few digits, and up to what is
-    // rounding beside the same body's inertia about the link's origin.
+    // The inertia must be positive semi-definite, which its principal minors tell. `slack` allows for the rounding of numbers written with a few
+    // digits, and for rounding relative to the same body's inertia about the link's origin.
     note(*inertial, m == 0 && (xx != 0 || yy != 0 || zz != 0), "link '" + name + "': it has an inertia but no mass");
     note(*inertial, m > 0 && xx == 0 && yy == 0 && zz == 0, "link '" + name + "': it has a mass but no inertia, as a point has");
     const double scale = std::max({std::fabs(xx), std::fabs(yy), std::fabs(zz), std::fabs(xy), std::fabs(xz), std::fabs(yz)});
     const XMLElement* origin = inertial->FirstChildElement("origin");
     const Vec3<double> com = origin && origin->Attribute("xyz") ? d_.vector3(*origin, "xyz") : Vec3<double>{};
     if (scale == 0) return;
-    // Of the largest, so that no product of three is beyond the range of numbers.
+    // Scaled by the largest entry, so that no product of three entries leaves the range of doubles.
     for (double* moment : {&xx, &yy, &zz, &xy, &xz, &yz}) *moment /= scale;
     const double slack = 1e-6 + 1e-15 * m * dot(com, com) / scale;
     const double minors[] = {(xx + slack) * (yy + slack) - xy * xy, (xx + slack) * (zz + slack) - xz * xz, (yy + slack) * (zz + slack) - yz * yz};
@@ -131,11 +131,11 @@ class Validator {
     note(e, true, what);
   }
 
-  /// Principal moments of a body satisfy A + B >= C. Their largest against half the trace, by the trace's invariants.
+  /// Principal moments of a body satisfy A + B >= C, so the largest is at most half the trace. Adds a note otherwise.
   void checkTriangle(const XMLElement& e, const std::string& name, double xx, double yy, double zz, double xy, double xz, double yz,
                      double slack) const {
     const double half = 0.5 * (xx + yy + zz) + slack;
-    // half * 1 - I must be positive semi-definite.
+    // Then half * 1 - I is positive semi-definite.
     const double a = half - xx, b = half - yy, c = half - zz;
     const double determinant = a * (b * c - yz * yz) - xy * (xy * c + yz * xz) - xz * (xy * yz + b * xz);
     note(e, a < 0 || b < 0 || c < 0 || a * b < xy * xy || a * c < xz * xz || b * c < yz * yz || determinant < 0,
@@ -192,7 +192,7 @@ class Validator {
   Inertias inertias_;
   std::vector<Error>& errors_;
   Outline out_;
-  std::unordered_set<const XMLElement*> followed_;  ///< mimics whose masters have been looked at, up to the last or to the first error
+  std::unordered_set<const XMLElement*> followed_;  ///< mimics whose chain of masters was checked, to its end or to the first error
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// What urdfdom lets pass and a robot must not have; see the README of this folder for the list.
+// Checks a file for errors that urdfdom lets pass. The README of this folder lists them.
 #pragma once
 
 #include "document.hpp"
@@ -11,8 +11,8 @@
 
 namespace dyn::urdf {
 
-/// The file's elements by name and in its order, checked: names are unique, joints name links that exist, the links form one tree,
-/// every number is finite, axes have a direction, masses and inertias are those of bodies, mimics end at a joint that moves.
+/// The file's links and joints, by name and in the file's order. They are checked: names are unique, joints name links that exist, the links form one
+/// tree, numbers are finite, axes have a direction, masses and inertias are those of bodies, and chains of mimics end at a joint that mimics none.
 struct Outline {
   std::vector<const tinyxml2::XMLElement*> links, joints;  ///< in the file's order
   std::unordered_map<std::string, const tinyxml2::XMLElement*> link, joint;
@@ -20,11 +20,10 @@ struct Outline {
   std::string root;
 };
 
-/// Every Error(syntax | model) found, with file and line, goes into `errors`; the outline is usable only if there are none. Notes go into
-/// the document.
+/// Adds every Error(syntax | model) found, with file and line, to `errors`; the outline is usable only if there are none. Adds notes to the document.
 Outline validate(const Document& document, Inertias inertias, std::vector<Error>& errors);
 
-/// Name of the link that a joint's <parent> or <child> gives.
+/// Returns the link that a joint's <parent> or <child> (`which`) names. Throws Error(model) if the element is missing.
 std::string linkOf(const Document& document, const tinyxml2::XMLElement& joint, const char* which);
 
 }  // namespace dyn::urdf

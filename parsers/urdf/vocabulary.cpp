@@ -16,8 +16,8 @@ using Names = std::vector<std::string>;
 
 struct Element {
   Names attributes;
-  Names once;  ///< children of which the first counts
-  Names any;   ///< children that may be there several times
+  Names once;  ///< children of which only the first counts
+  Names any;   ///< children that may occur several times
 };
 
 const std::map<std::string, Element>& vocabulary() {
@@ -56,7 +56,7 @@ class Scan {
   explicit Scan(const Document& document) : d_(document) {}
 
   void run() {
-    // With a stack: what is not understood may be nested as deep as it likes, but is not entered.
+    // A stack instead of recursion. Unknown elements may be nested to any depth, but they are not entered.
     std::vector<const XMLElement*> left{&d_.robot()};
     while (!left.empty()) {
       const XMLElement& e = *left.back();
@@ -67,7 +67,7 @@ class Scan {
       for (const XMLElement* child = e.FirstChildElement(); child; child = child->NextSiblingElement()) {
         const bool once = has(known.once, child->Name());
         if (!once && !has(known.any, child->Name())) {
-          // An unknown shape is said with the volume that it leaves out.
+          // readGeometries() notes an unknown shape, with the volume that is left out.
           if (std::strcmp(e.Name(), "geometry") != 0) count(std::string("<") + child->Name() + "> in <" + e.Name() + ">", *child);
         } else if (once && has(seen, child->Name())) {
           count(std::string("<") + child->Name() + "> in <" + e.Name() + "> after the first", *child);

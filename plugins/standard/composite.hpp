@@ -1,4 +1,4 @@
-// Structural types: they have no motion of their own.
+// Types without a motion of their own: the joint type composite, which the compiler expands, and the coupling type mimic.
 #pragma once
 
 #include "one_axis.hpp"
@@ -25,7 +25,7 @@ struct Mimic {
   static constexpr std::array parameters{
       ParameterSpec{"coefficients", ParameterKind::numbers, true, "", "constant term first: offset, multiplier, ..."}};
   static bool check(const ParameterArgument* a, const sdk::Refusal& refuse) { return a[0].count > 0 || refuse("coefficients must not be empty"); }
-  /// Horner's rule, differentiated.
+  /// Horner's rule, with its first three derivatives.
   static void derivatives(double x, const sdk::Constants& c, double* f) {
     std::fill_n(f, 4, 0.0);
     for (int k = c.size() - 1; k >= 0; --k) {

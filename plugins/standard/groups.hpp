@@ -7,7 +7,7 @@
 
 namespace dyn::standard {
 
-/// Reads, normalised, the quaternion that starts at q.
+/// Returns the quaternion that starts at q, normalised.
 template <class S>
 Quaternion<S> quaternionAt(const S* q) {
   return Quaternion<S>{q[0], q[1], q[2], q[3]}.normalized();
@@ -92,7 +92,7 @@ struct FreeFlyer : sdk::Joint<FreeFlyer, 6, 7> {
     for (int i = 0; i < 3; ++i) out[i] = q[i] + p[i];
     writeQuaternion(r * expQuaternion(m.angular), out + 3);
   }
-  /// b less a, and Jlog3 of its rotation.
+  /// Returns b (-) a, and in D the Jlog3 of its rotation.
   static Motion<double> minus(const double* a, const double* b, Mat3<double>& D) {
     const Quaternion<double> ra = quaternionAt(a + 3);
     const Vec3<double> w = quaternionDifference(ra, quaternionAt(b + 3));
@@ -156,7 +156,7 @@ struct Planar : sdk::Joint<Planar, 3, 4> {
   static void integrate(const double* q, const double* v, double* out) { write(at(q) * SE2<double>::exp({v[0], v[1], v[2]}), out); }
   static Vec3<double> minus(const double* a, const double* b) {
     const SE2<double> A = at(a), B = at(b);
-    // The difference of positions first: A^-1 * B would cancel far from the origin.
+    // Positions are subtracted first: A^-1 * B would cancel far from the origin.
     const double dx = B.x - A.x, dy = B.y - A.y;
     return SE2<double>{A.r.c * dx + A.r.s * dy, A.r.c * dy - A.r.s * dx, A.r.inverse() * B.r}.log();
   }

@@ -1,4 +1,5 @@
-// Joints about or along one axis: revolute, continuous, prismatic, helical. The axis is any vector; the core motion is about z.
+// Joints about or along one axis: revolute, continuous, prismatic, helical, cylindrical; and fixed. The axis is any vector; the core motion is about
+// or along z.
 #pragma once
 
 #include <dyn/lie/se2.hpp>
@@ -99,7 +100,7 @@ struct Prismatic : sdk::Joint<Prismatic, 1> {
   }
 };
 
-/// Rz(c, s) with a shift along z.
+/// Rotation about z with cosine c and sine s, and a translation by z along it.
 template <class S>
 SE3<S> screwPose(const S& c, const S& s, const S& z) {
   return {{{c, -s, S(0), s, c, S(0), S(0), S(0), S(1)}}, {S(0), S(0), z}};

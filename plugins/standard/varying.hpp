@@ -30,7 +30,7 @@ struct Universal : sdk::Joint<Universal, 2> {
   static Vec3<S> axis(const auto& c, int k) {
     return {S(c[3 * k]), S(c[3 * k + 1]), S(c[3 * k + 2])};
   }
-  /// Rotation about the unit vector n by the angle of (c, s).
+  /// Rotation about the unit vector n by the angle with cosine c and sine s.
   template <class S>
   static Mat3<S> turn(const Vec3<S>& n, const S& c, const S& s) {
     Mat3<S> R = s * skew(n);
@@ -92,7 +92,7 @@ struct SphericalZYX : sdk::Joint<SphericalZYX, 3> {
   }
 };
 
-/// Seth et al. 2010: the frame turns by Rx(q0) Ry(q1) Rz(q2) while its origin stays on an ellipsoid, along the turned z.
+/// The frame turns by Rx(q0) Ry(q1) Rz(q2). Its origin stays on an ellipsoid: it is the turned z, scaled by the half axes (Seth et al. 2010).
 struct Ellipsoid : sdk::Joint<Ellipsoid, 3> {
   static constexpr const char* name = "ellipsoid";
   static constexpr const char* summary = "rotation Rx(q[0]) Ry(q[1]) Rz(q[2]) [rad], the origin on the ellipsoid where its normal-like z points";

@@ -1,4 +1,5 @@
-// What a call is given: results of the same Data, as if they had been copied; states that are not numbers. What it leaves for the next: nothing.
+// Arguments of calls. Results of a Data may be arguments of the next call with the same Data. States with NaN give NaN and leave nothing behind that
+// affects the next call.
 #include "support/difference.hpp"
 #include "support/random_model.hpp"
 #include "support/registry.hpp"
@@ -15,7 +16,7 @@ struct Arguments {
   VectorView q, v, a, tau;
 };
 
-/// A vector without a copy.
+/// An argument that refers to the vector x without copying it.
 VectorArg arg(const VectorView& x) { return {x.data, x.size}; }
 VectorView viewOf(const Eigen::VectorXd& x) { return {x.data(), x.size()}; }
 
@@ -43,18 +44,18 @@ Eigen::VectorXd joined(std::initializer_list<Eigen::MatrixXd> parts) {
   return out;
 }
 
-/// The one of Arguments, or of a State, that a letter of Call::reads stands for.
+/// The member of an Arguments or a State that a letter of Call::reads stands for.
 template <class X>
 auto& argument(X& x, char letter) {
   return letter == 'q' ? x.q : letter == 'v' ? x.v : letter == 'a' ? x.a : x.tau;
 }
 
-/// Everything that one call finds.
+/// An algorithm; run() returns all its results in one vector.
 struct Call {
   const char* name;
   const char* reads;  ///< letters of its arguments, t for tau
   std::function<Eigen::VectorXd(Subject&, const Arguments&)> run;
-  bool of_followers = true;  ///< known for models with followers
+  bool of_dependents = true;  ///< supports models with dependent joints
 };
 
 const std::vector<Call>& calls() {
@@ -71,12 +72,12 @@ const std::vector<Call>& calls() {
       {"computeMinverse", "q", [](Subject& s, const Arguments& x) { return joined({computeMinverse(s.model, s.data, arg(x.q))}); }},
       {"computeRNEADerivatives", "qva",
        [](Subject& s, const Arguments& x) {
-         const RneaDerivatives d = computeRNEADerivatives(s.model, s.data, arg(x.q), arg(x.v), arg(x.a));
+         const RNEADerivatives d = computeRNEADerivatives(s.model, s.data, arg(x.q), arg(x.v), arg(x.a));
          return joined({d.dtau_dq, d.dtau_dv, d.dtau_da});
        }},
       {"computeABADerivatives", "qvt",
        [](Subject& s, const Arguments& x) {
-         const AbaDerivatives d = computeABADerivatives(s.model, s.data, arg(x.q), arg(x.v), arg(x.tau));
+         const ABADerivatives d = computeABADerivatives(s.model, s.data, arg(x.q), arg(x.v), arg(x.tau));
          return joined({d.ddq_dq, d.ddq_dv, d.ddq_dtau});
        }},
       {"computeRNEASecondOrderDerivatives", "qva",
@@ -178,7 +179,7 @@ struct State {
   Arguments views() const { return {viewOf(q), viewOf(v), viewOf(a), viewOf(tau)}; }
 };
 
-/// Results of one Data and one ConstraintData that are as long as v.
+/// Computes results with nv entries that lie in the memory of the subject's Data and ConstraintData.
 std::vector<std::pair<const char*, VectorView>> results(Subject& s, const State& x) {
   std::vector<std::pair<const char*, VectorView>> out;
   const auto add = [&](const char* name, const auto& result) { out.emplace_back(name, VectorView{result.data(), result.size()}); };
@@ -192,18 +193,18 @@ std::vector<std::pair<const char*, VectorView>> results(Subject& s, const State&
   return out;
 }
 
-/// Trees of all joint types, one with a follower, and arms whose q is as long as v, with one too.
+/// A tree of random joint types, or an arm with nq = nv. With `coupled` the model has a dependent joint.
 Model describe(bool arm, bool coupled) {
   Model model = arm ? treeOf(registry(), {"revolute", "prismatic"}, 7, 3) : randomTree(registry(), coupled ? 22 : 15, coupled ? 4 : 2, true);
   if (arm) {
     model.addFrame("tool", 7, {});
     for (BodyDescription& body : model.bodies) body.joint.friction.assign(body.joint.armature.size(), 0.2);
   }
-  if (coupled) addFollower(model);
+  if (coupled) addDependent(model);
   return model;
 }
 
-/// A trunk that flies, and four limbs in the lanes of strips.
+/// A floating trunk with four limbs that form lane groups.
 Model limbs() {
   Random random(6);
   Model model;
@@ -222,7 +223,7 @@ Model limbs() {
   return model;
 }
 
-/// Rings without inertia, that lock where the middle one stands upright, about a body with an arm of its own.
+/// A gimbal whose two outer rings have no inertia, around a body with an arm. It locks when the second angle is pi/2.
 Model gimbal(bool coupled = false) {
   Model model;
   for (int i = 0; i < 5; ++i) {
@@ -234,11 +235,11 @@ Model gimbal(bool coupled = false) {
     model.addBody("b" + std::to_string(i), i, joint, i < 2 ? Inertia<double>{} : Random(7).inertia());
   }
   model.addFrame("tool", 5, {});
-  if (coupled) addFollower(model);
+  if (coupled) addDependent(model);
   return model;
 }
 
-/// Called in a test's body: without plugins they throw, which Catch2 2.13 does not survive where values are generated.
+/// Model makers run in the body of a test. Without plugins they throw, and Catch2 2.13 does not survive an exception inside GENERATE.
 using Description = Model (*)();
 
 }  // namespace
@@ -250,7 +251,7 @@ TEST_CASE("results of a Data may be arguments of the next call with it", "[argum
   const State state(model, 5);
   Subject subject(model), other(model);
   for (const Call& call : calls()) {
-    if (coupled && !call.of_followers) continue;
+    if (coupled && !call.of_dependents) continue;
     for (const char letter : std::string(call.reads)) {
       if (letter == 'q' && !arm) continue;
       const std::size_t count = results(other, state).size();
@@ -278,7 +279,7 @@ TEST_CASE("arguments that are all results of one Data are told from each other",
   const State state(model, 6);
   Subject subject(model), other(model);
   for (const Call& call : calls()) {
-    if (coupled && !call.of_followers) continue;
+    if (coupled && !call.of_dependents) continue;
     const auto views = results(subject, state);
     results(other, state);
     std::vector<Eigen::VectorXd> copies;
@@ -308,7 +309,7 @@ TEST_CASE("what is not a number in q comes out as such, and is no fault of inert
   state.q[model.joints()[static_cast<std::size_t>(joint)].idx_q] = bad;
   Subject subject(model);
   for (const Call& call : calls()) {
-    if (coupled && !call.of_followers) continue;
+    if (coupled && !call.of_dependents) continue;
     INFO(call.name);
     Eigen::VectorXd found;
     CHECK_NOTHROW(found = call.run(subject, state.views()));
@@ -349,16 +350,16 @@ TEST_CASE("what is computed, and what cannot be, leaves nothing behind for the n
   Data refusing(model, Need::derivatives);
   if (x.locks) CHECK_THROWS_AS(computeMinverse(model, refusing, locked.q), Error);
   for (const Call& next : calls()) {
-    if (x.coupled && !next.of_followers) continue;
+    if (x.coupled && !next.of_dependents) continue;
     Subject fresh(model);
     const Eigen::VectorXd expected = next.run(fresh, sound.views());
     REQUIRE(expected.allFinite());
     for (const Call& before : calls()) {
-      if (x.coupled && !before.of_followers) continue;
+      if (x.coupled && !before.of_dependents) continue;
       Subject subject(model);
       for (const char letter : "o" + std::string(before.reads) + (x.locks ? "s" : "") + (model.nq() > model.nv() ? "z" : "")) {
         State bad = letter == 'o' ? State(model, 9) : letter == 's' ? locked : sound;
-        if (letter == 'z') bad.q.setZero();  // quaternions, too
+        if (letter == 'z') bad.q.setZero();  // makes quaternions zero, too
         if (std::string("qvat").find(letter) != std::string::npos) argument(bad, letter).setConstant(std::nan(""));
         try {
           before.run(subject, bad.views());
@@ -408,7 +409,7 @@ TEST_CASE("objects that were moved from say so when they are used, and models ne
   const Eigen::VectorXd q = neutral(model), v = Eigen::VectorXd::Zero(model.nv());
   CompactModel from = model;
   const CompactModel to = std::move(from);
-  CHECK(from.nv() == model.nv());  // NOLINT: what is tested
+  CHECK(from.nv() == model.nv());  // NOLINT: use after move is tested here
   Data data(model, Need::derivatives);
   const Data moved = std::move(data);
   refused([&] { rnea(model, data, q, v, v); });  // NOLINT

@@ -1,4 +1,4 @@
-// Several quantities at once: what each function of its own gives, by no more passes than they need.
+// compute() of several quantities at once gives the results of the single functions, with no more passes than necessary.
 #include "data/data_impl.hpp"
 #include "support/catch.hpp"
 #include "support/random_model.hpp"
@@ -37,7 +37,7 @@ TEST_CASE("everything at once is what each function gives, for all joint types a
   const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 5)));
   const bool coupled = seed == 4;
   Model description = randomTree(registry(), coupled ? 22 : 15, seed, true);
-  if (coupled) addFollower(description);
+  if (coupled) addDependent(description);
   const CompactModel model = compile(description, registry());
   Data data(model, Need::derivatives), other(model, Need::derivatives);
   const State s = stateOf(model, seed);
@@ -56,7 +56,7 @@ TEST_CASE("everything at once is what each function gives, for all joint types a
   CHECK(near(x.dhg, h.dhg));
   CHECK(near(x.Ag, h.Ag));
   CHECK(near(x.dAg, h.dAg));
-  const RneaDerivatives d = computeRNEADerivatives(model, other, s.q, s.v, s.a);
+  const RNEADerivatives d = computeRNEADerivatives(model, other, s.q, s.v, s.a);
   CHECK(near(x.dtau_dq, d.dtau_dq));
   CHECK(near(x.dtau_dv, d.dtau_dv));
   CHECK(std::fabs(x.kinetic_energy / computeKineticEnergy(model, other, s.q, s.v) - 1) < 1e-13);
@@ -77,7 +77,7 @@ TEST_CASE("each quantity alone runs its own passes, and leaves the memory of oth
     const int bodies = model.impl().bodies();
     d.oM[1].p.x = d.v[1].linear.x = d.derivatives.vectored->shift_rate[1].a[0] = poison;
     for (int i = 1; i < bodies; ++i) d.f[i].linear.x = d.mass[i] = d.derivatives.bodies.mass[i].x = poison;
-    // What children hand over: leaves leave it alone.
+    // Tells whether any body's value was changed. Bodies without children may keep the poison.
     const auto handed = [&](auto&& number) {
       int count = 0;
       for (int i = 1; i < bodies; ++i) count += number(i) != poison;
@@ -91,7 +91,7 @@ TEST_CASE("each quantity alone runs its own passes, and leaves the memory of oth
     CHECK((d.derivatives.vectored->shift_rate[1].a[0] != poison) == derivatives);
     return passes;
   };
-  CHECK(sum(run(static_cast<Quantity>(0), false, false, false, false, false), 0, 0, 0, 0, 0, 0));
+  CHECK(sum(run(Quantity(), false, false, false, false, false), 0, 0, 0, 0, 0, 0));
   CHECK(sum(run(Q::placements, true, false, false, false, false), 1, 0, 1, 0, 0, 0));
   CHECK(sum(run(Q::center_of_mass, true, false, false, false, false), 1, 0, 1, 0, 0, 0));
   CHECK(sum(run(Q::placements | Q::joint_jacobians, true, false, false, false, false), 1, 0, 1, 0, 0, 0));

@@ -1,4 +1,4 @@
-// Joints that follow others, joints made of joints: the same mechanics as what they stand for.
+// Dependent joints and composite joints: their mechanics equal those of the joints that they stand for.
 #include "support/catch.hpp"
 #include "support/random_model.hpp"
 #include "support/registry.hpp"
@@ -20,7 +20,7 @@ JointDescription jointOf(const std::string& name, const std::string& type, Rando
   return joint;
 }
 
-/// A chain a - b - c - d with branches; c follows a (polynomial), d follows c (so a of a of a), e is free.
+/// A chain a - b - c - d with a branch e. If `coupled`, c depends on a by a polynomial and d depends on c; e is free.
 Model coupledModel(bool coupled, std::uint64_t seed) {
   Random random(seed);
   Model model;

@@ -1,4 +1,4 @@
-// Derivatives against differences of the algorithms themselves, for every joint type that is loaded, plugins included.
+// Derivatives compared with differences of the algorithms themselves, for every loaded joint type, plugins included.
 #include "support/catch.hpp"
 #include "support/difference.hpp"
 #include "support/random_model.hpp"
@@ -12,8 +12,8 @@ using namespace dyn::test;
 
 namespace {
 
-/// d f(x) / dx at 0 by Richardson's extrapolation of central differences: about 1e-11 relative for smooth f of size 1; joints that are splines are
-/// smooth between knots only.
+/// df/dx at x = 0 by Richardson extrapolation of central differences. The relative error is about 1e-11 for smooth f of size 1. Spline joints are
+/// smooth only between knots.
 Eigen::VectorXd derivative(const std::function<Eigen::VectorXd(double)>& f) {
   constexpr int rounds = 3;
   Eigen::VectorXd table[rounds][rounds];
@@ -37,13 +37,13 @@ State stateOf(const CompactModel& model, std::uint64_t seed, bool forces) {
           random.vector(model.nv(), 1),
           random.vector(model.nv(), 2),
           {}};
-  s.v.array() += (s.v.array() >= 0).select(Eigen::ArrayXd::Constant(model.nv(), 0.1), -0.1);  // away from friction's jump
+  s.v.array() += (s.v.array() >= 0).select(Eigen::ArrayXd::Constant(model.nv(), 0.1), -0.1);  // keeps away from the jump of friction at v = 0
   if (forces)
     for (std::size_t j = 0; j < model.joints().size(); ++j) s.fext.push_back({random.vector(5), random.vector(5)});
   return s;
 }
 
-/// Columns: derivative of f(q, v, a) along each tangent direction of q; then v, and a.
+/// Derivatives of f(q, v, a). Column k is the derivative along tangent direction k of q, or by entry k of v or a.
 struct Differences {
   Eigen::MatrixXd by_q, by_v, by_a;
 };
@@ -73,7 +73,7 @@ void checkModel(const CompactModel& model, std::uint64_t seed, bool forces) {
     return forces ? rnea(model, other, t.q, t.v, t.a, t.fext) : rnea(model, other, t.q, t.v, t.a);
   };
   const Differences expected = differences(model, s, inverse);
-  const RneaDerivatives x = forces ? computeRNEADerivatives(model, data, s.q, s.v, s.a, s.fext) : computeRNEADerivatives(model, data, s.q, s.v, s.a);
+  const RNEADerivatives x = forces ? computeRNEADerivatives(model, data, s.q, s.v, s.a, s.fext) : computeRNEADerivatives(model, data, s.q, s.v, s.a);
   CHECK(off(x.dtau_dq, expected.by_q) < 1e-9);
   CHECK(off(x.dtau_dv, expected.by_v) < 1e-9);
   CHECK(off(x.dtau_da, expected.by_a) < 1e-9);
@@ -83,8 +83,8 @@ void checkModel(const CompactModel& model, std::uint64_t seed, bool forces) {
     return forces ? aba(model, other, t.q, t.v, t.a, t.fext) : aba(model, other, t.q, t.v, t.a);
   };
   const Differences accelerations = differences(model, s, forward);
-  const AbaDerivatives y = forces ? computeABADerivatives(model, data, s.q, s.v, s.a, s.fext) : computeABADerivatives(model, data, s.q, s.v, s.a);
-  CHECK(off(y.ddq, forward(s)) < 1e-12);  // another elimination; against the truth both have the same budget
+  const ABADerivatives y = forces ? computeABADerivatives(model, data, s.q, s.v, s.a, s.fext) : computeABADerivatives(model, data, s.q, s.v, s.a);
+  CHECK(off(y.ddq, forward(s)) < 1e-12);  // aba eliminates in another order; both have the same error budget against the truth
   CHECK(off(y.ddq_dq, accelerations.by_q) < 1e-8);
   CHECK(off(y.ddq_dv, accelerations.by_v) < 1e-8);
   CHECK(off(y.ddq_dtau, accelerations.by_a) < 1e-8);
@@ -134,7 +134,7 @@ TEST_CASE("centroidal momentum, its map and derivatives, for all joint types, se
   const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 6)));
   checkCentroidal(compile(randomTree(registry(), 14, seed), registry()), seed);
   Model coupled = randomTree(registry(), 22, seed + 3);
-  addFollower(coupled);
+  addDependent(coupled);
   checkCentroidal(compile(coupled, registry()), seed);
 }
 
@@ -154,7 +154,7 @@ TEST_CASE("derivatives of one joint of each type", "[derivatives]") {
 
 TEST_CASE("derivatives of joints that follow others", "[derivatives]") {
   Model description = randomTree(registry(), 22, 4, true);
-  addFollower(description);
+  addDependent(description);
   checkModel(compile(description, registry()), 2, false);
   checkModel(compile(description, registry()), 3, true);
 }
@@ -162,7 +162,7 @@ TEST_CASE("derivatives of joints that follow others", "[derivatives]") {
 TEST_CASE("derivatives of joints' and frames' velocities and accelerations, in all references", "[kinematics]") {
   const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 5)));
   Model description = randomTree(registry(), seed == 4 ? 22 : 14, seed);
-  if (seed == 4) addFollower(description);
+  if (seed == 4) addDependent(description);
   const CompactModel model = compile(description, registry());
   const ReferenceFrame reference = GENERATE(ReferenceFrame::LOCAL, ReferenceFrame::WORLD, ReferenceFrame::LOCAL_WORLD_ALIGNED);
   Data data(model, Need::derivatives), other(model);
@@ -199,7 +199,7 @@ TEST_CASE("the Coriolis matrix gives C v, and dM/dt - 2 C is skew", "[coriolis]"
   Model description = randomTree(registry(), 18, seed);
   if (seed == 4) {
     description = randomTree(registry(), 22, 4);
-    addFollower(description);
+    addDependent(description);
   }
   const CompactModel model = compile(description, registry());
   Data data(model, Need::derivatives), other(model, Need::derivatives);
@@ -229,7 +229,7 @@ TEST_CASE("the factors of M solve, multiply, and give forward dynamics", "[chole
   CHECK(Ut == U.transpose());
   CHECK(U.isUpperTriangular(0));
   CHECK((U.diagonal().array() == 1).all());
-  // Entries are for joints on one path only.
+  // Entries are nonzero only for joints on one root path.
   const auto& joints = model.joints();
   const auto isAncestor = [&](int i, int j) {
     while (j > i) j = joints[static_cast<std::size_t>(j)].parent;
@@ -263,7 +263,7 @@ TEST_CASE("what was not a number leaves nothing behind in factors and inverses",
     Eigen::MatrixXd x = crba(model, data, s.q);
     cholesky::decompose(model, data);
     cholesky::solve(model, data, x);
-    const AbaDerivatives by = computeABADerivatives(model, data, s.q, s.v, s.a);
+    const ABADerivatives by = computeABADerivatives(model, data, s.q, s.v, s.a);
     Eigen::MatrixXd all(model.nv(), 4 * model.nv());
     all << x, by.ddq_dq, by.ddq_dv, by.ddq_dtau;
     return all;
@@ -273,7 +273,7 @@ TEST_CASE("what was not a number leaves nothing behind in factors and inverses",
 
 TEST_CASE("factors of models with followers are refused", "[cholesky]") {
   Model description = randomTree(registry(), 22, 4);
-  addFollower(description);
+  addDependent(description);
   const CompactModel model = compile(description, registry());
   Data data(model, Need::derivatives);
   crba(model, data, neutral(model));

@@ -1,4 +1,4 @@
-// All joints' Jacobians at once, and Jacobians of many states, against those of one joint or frame and one state.
+// Jacobians of all joints at once and of many states, compared with Jacobians of one joint or frame and one state.
 #include "support/catch.hpp"
 #include "support/random_model.hpp"
 #include "support/registry.hpp"
@@ -34,7 +34,7 @@ TEST_CASE("the Jacobians of all joints at once have the columns of each", "[jaco
     computeJointJacobian(model, other, q, j, ReferenceFrame::WORLD, J);
     for (int k = 0; k < model.nv(); ++k)
       if (!J.col(k).isZero(0)) CHECK((J.col(k) - all.col(k)).norm() < 1e-14 * (1 + all.col(k).norm()));
-    // Poses are there, too.
+    // computeJointJacobians also computes the poses that getJointJacobian needs.
     getJointJacobian(model, data, j, ReferenceFrame::LOCAL, J);
     computeJointJacobian(model, other, q, j, ReferenceFrame::LOCAL, again);
     CHECK((J - again).norm() < 1e-14 * (1 + J.norm()));
@@ -70,7 +70,7 @@ TEMPLATE_TEST_CASE("Jacobians of a batch are those of single states", "[jacobian
 
 TEST_CASE("Jacobians of joints that follow others: one by one, also in batches", "[jacobians]") {
   Model description = randomTree(registry(), 22, 4);
-  addFollower(description);
+  addDependent(description);
   const CompactModel model = compile(description, registry());
   const Eigen::MatrixXd q = configurations(model, 5);
   Data data(model);

@@ -1,4 +1,4 @@
-// What forwardKinematics found is read from the model's own data only, and stays until the next.
+// Results of forwardKinematics are read only with their own model, and stay until the next forwardKinematics.
 #include "support/catch.hpp"
 #include "support/random_model.hpp"
 #include "support/registry.hpp"
@@ -8,7 +8,7 @@ using namespace dyn::test;
 
 namespace {
 
-/// Velocities and accelerations of all frames, columns of 6.
+/// Velocities, accelerations and classical accelerations of all frames, three columns of 6 for each frame.
 Eigen::MatrixXd motions(const CompactModel& model, const Data& data) {
   const auto frames = static_cast<Eigen::Index>(model.frames().size());
   Eigen::MatrixXd out(6, 3 * frames);
@@ -26,7 +26,7 @@ TEST_CASE("what forwardKinematics found stays while forces are computed", "[kine
   const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 5)));
   const bool coupled = seed == 4;
   Model description = randomTree(registry(), coupled ? 22 : 15, seed, true);
-  if (coupled) addFollower(description);
+  if (coupled) addDependent(description);
   const CompactModel model = compile(description, registry());
   Random random(seed);
   const Eigen::VectorXd q = integrate(model, neutral(model), random.vector(model.nv(), 0.8)), v = random.vector(model.nv(), 1),
@@ -44,7 +44,7 @@ TEST_CASE("what forwardKinematics found stays while forces are computed", "[kine
   CHECK(motions(model, data) == found);
   generalizedGravity(model, data, q);
   CHECK(motions(model, data) == found);
-  if (coupled) return;  // their factors do not follow the tree
+  if (coupled) return;  // forwardDynamics does not support dependent joints: the factors of their M do not follow the tree
   forwardDynamics(model, data, q, other_v, other_a);
   CHECK(motions(model, data) == found);
 }
@@ -53,7 +53,7 @@ TEST_CASE("accelerations and forces that are computed together are those of each
   const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 5)));
   const bool coupled = seed == 4;
   Model description = randomTree(registry(), coupled ? 22 : 15, seed, true);
-  if (coupled) addFollower(description);
+  if (coupled) addDependent(description);
   const CompactModel model = compile(description, registry());
   Random random(seed);
   const Eigen::VectorXd q = integrate(model, neutral(model), random.vector(model.nv(), 0.8)), v = random.vector(model.nv(), 1),
@@ -61,7 +61,8 @@ TEST_CASE("accelerations and forces that are computed together are those of each
   Data data(model);
   forwardKinematics(model, data, q, v, a);
   const Eigen::MatrixXd alone = motions(model, data);
-  for (const Quantity forces : {Quantity::rnea, Quantity::nle, Quantity::gravity, Quantity::rnea | Quantity::nle | Quantity::gravity}) {
+  for (const Quantity forces :
+       {Quantity(Quantity::rnea), Quantity(Quantity::nle), Quantity(Quantity::gravity), Quantity::rnea | Quantity::nle | Quantity::gravity}) {
     compute(model, data, Quantity::accelerations | forces, q, v, a);
     CHECK(motions(model, data) == alone);
   }
@@ -84,7 +85,7 @@ TEST_CASE("poses, velocities and accelerations are not read out of another model
     CHECK_THROWS_WITH(frameClassicalAcceleration(model, data, frame, reference), of("frameClassicalAcceleration"));
   }
   // A copy of the model is the same model.
-  const CompactModel copy = small;  // NOLINT: what is tested
+  const CompactModel copy = small;  // NOLINT: the copy is tested here
   CHECK(jointPlacement(copy, data, 1).R.m[0] == jointPlacement(small, data, 1).R.m[0]);
 }
 
@@ -104,7 +105,7 @@ TEST_CASE("what no call has computed yet is refused, and not zero", "[kinematics
   frameVelocity(model, data, 1, ReferenceFrame::LOCAL);
   CHECK_THROWS_WITH(jointAcceleration(model, data, 1, ReferenceFrame::LOCAL), containing("no accelerations yet"));
   CHECK_THROWS_WITH(frameClassicalAcceleration(model, data, 1, ReferenceFrame::LOCAL), containing("no accelerations yet"));
-  // Jacobians place bodies, and leave velocities where they are; another pass of positions does not.
+  // computeJointJacobians computes poses and keeps velocities. forwardKinematics(q) invalidates velocities.
   computeJointJacobians(model, data, q);
   frameVelocity(model, data, 1, ReferenceFrame::LOCAL);
   forwardKinematics(model, data, q);

@@ -1,4 +1,4 @@
-// States in other libraries' layouts: written out by hand for one model, and there and back for many.
+// States in other libraries' layouts: compared with layouts written by hand for one model, and converted there and back for many models.
 #include "support/catch.hpp"
 #include "support/random_model.hpp"
 #include "support/registry.hpp"
@@ -10,7 +10,7 @@ using namespace dyn::test;
 
 namespace {
 
-/// A flying base, an elbow, a ball and a wheel.
+/// A floating base, a revolute joint, a spherical joint and a continuous joint.
 CompactModel robot() {
   Random random(1);
   Model model;
@@ -32,7 +32,7 @@ std::vector<double> list(const Eigen::VectorXd& x) { return {x.data(), x.data() 
 TEST_CASE("each library's layout is as its documentation has it", "[layout]") {
   const CompactModel model = robot();
   Eigen::VectorXd q(14), v(11);
-  // The base is turned by 90 degrees about z: x forward is y in the world.
+  // The base is rotated by 90 degrees about z, so its x axis is the y axis of the world.
   const double h = std::sqrt(0.5);
   q << 1, 2, 3, 0, 0, h, h, 0.5, h, 0, 0, h, 0, 1;
   v << 10, 0, 0, 0, 20, 0, 0.7, 1, 2, 3, 0.9;
@@ -78,7 +78,7 @@ TEST_CASE("a rotation of zeros is refused in every layout, and the joint named",
       const Eigen::VectorXd there = toLayout(model, layout, q, v).q;
       q.segment(joint.idx_q + joint.nq - 4, 4).setZero();
       CHECK_THROWS_WITH(toLayout(model, layout, q, v), containing(joint.name) && containing("zero"));
-      // The neutral quaternion is a one and zeros: without ones there is none.
+      // The neutral quaternion consists of a one and zeros. Without the ones it is zero in every layout.
       const Eigen::VectorXd zeros = (there.array() == 1).select(0, there);
       CHECK_THROWS_WITH(fromLayout(model, layout, zeros, v), containing("zero"));
       q.segment(joint.idx_q + joint.nq - 4, 4).setConstant(std::numeric_limits<double>::quiet_NaN());

@@ -1,4 +1,4 @@
-// Dynamics are linear in the bodies' inertial parameters.
+// Regressors: the dynamics are linear in the bodies' inertial parameters.
 #include "support/catch.hpp"
 #include "support/difference.hpp"
 #include "support/random_model.hpp"
@@ -10,7 +10,7 @@ using namespace dyn::test;
 TEST_CASE("torques and energies are regressors times parameters, for all joint types and followers", "[regressor]") {
   const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 7)));
   Model description = randomTree(registry(), seed == 4 ? 22 : 15, seed);
-  if (seed == 4) addFollower(description);
+  if (seed == 4) addDependent(description);
   const CompactModel model = compile(description, registry());
   Data data(model, Need::derivatives), other(model);
   Random random(seed);
@@ -46,7 +46,7 @@ TEST_CASE("inertial parameters go round: ten-vector, pseudo-inertia, log-Cholesk
     CHECK(physicalConsistency(Y).consistent);
     CHECK(physicalConsistency(Y).margin > 0);
   }
-  // Any ten numbers are a body.
+  // Any ten log-Cholesky parameters describe a physically consistent body.
   const LogCholeskyParameters theta{0.3, -1, 0.5, 2, 3, -2, 1, 0.4, -7, 1};
   CHECK(physicalConsistency(inertiaFromDynamicParameters(dynamicParameters(pseudoInertiaFromLogCholesky(theta)))).consistent);
 }

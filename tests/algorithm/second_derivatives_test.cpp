@@ -1,4 +1,4 @@
-// Second derivatives of inverse dynamics against differences of the first ones, on every joint type.
+// Second derivatives of inverse dynamics compared with differences of first derivatives, for every joint type.
 #include "support/random_model.hpp"
 #include "support/registry.hpp"
 
@@ -7,7 +7,7 @@ using namespace dyn::test;
 
 namespace {
 
-/// Of fourth order.
+/// Central difference of fourth order: df/dt at t = 0 with step h.
 template <class F>
 Eigen::MatrixXd difference(double h, F&& f) {
   return (8 * (f(h) - f(-h)) - (f(2 * h) - f(-2 * h))) / (12 * h);
@@ -22,7 +22,7 @@ TEST_CASE("second derivatives of rnea are the changes of the first", "[second_de
   Data data(model, Need::derivatives);
   SecondDerivativeData second(model);
   Random random(seed);
-  // Splines of plugins have knots, where third derivatives of poses jump: none is within a difference of this q.
+  // Third derivatives of the pose jump at the knots of spline joints. No knot is within the difference steps around this q.
   const Eigen::VectorXd q = integrate(model, neutral(model), random.vector(model.nv(), 0.9)), v = random.vector(model.nv(), 1),
                         a = random.vector(model.nv(), 2);
   const RneaSecondDerivatives x = computeRNEASecondOrderDerivatives(model, data, second, q, v, a);
@@ -36,7 +36,7 @@ TEST_CASE("second derivatives of rnea are the changes of the first", "[second_de
     CHECK(distance(x.d2tau_dqdv[k],
                    difference(h, [&](double t) { return Eigen::MatrixXd(computeRNEADerivatives(model, data, moved(t), v, a).dtau_dv); })) < 1e-7);
     CHECK(distance(x.d2tau_dadq[k], difference(h, [&](double t) { return Eigen::MatrixXd(crba(model, data, moved(t))); })) < 1e-8);
-    // Friction jumps where a velocity changes sign, which its derivative does not show: differences of derivatives do not either.
+    // Friction jumps where a velocity changes sign. Neither d2tau_dvdv nor a difference of first derivatives contains this jump.
     CHECK(distance(x.d2tau_dvdv[k],
                    difference(h, [&](double t) { return Eigen::MatrixXd(computeRNEADerivatives(model, data, q, v + t * e, a).dtau_dv); })) < 1e-9);
   }
@@ -57,11 +57,11 @@ TEST_CASE("second derivatives of a flat chain are symmetric, and memory is their
   CHECK(distance(computeRNEADerivatives(model, data, q, v, a).dtau_dq, before) == 0);
 
   Model coupled = randomTree(registry(), 20, 5);
-  addFollower(coupled);
-  const CompactModel followers = compile(coupled, registry());
-  Data others(followers, Need::derivatives);
-  SecondDerivativeData theirs(followers);
-  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(followers.nv());
-  CHECK_THROWS_WITH(computeRNEASecondOrderDerivatives(followers, others, theirs, neutral(followers), zero, zero), containing("follow others"));
+  addDependent(coupled);
+  const CompactModel dependents = compile(coupled, registry());
+  Data others(dependents, Need::derivatives);
+  SecondDerivativeData theirs(dependents);
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(dependents.nv());
+  CHECK_THROWS_WITH(computeRNEASecondOrderDerivatives(dependents, others, theirs, neutral(dependents), zero, zero), containing("follow others"));
   CHECK_THROWS_WITH(computeRNEASecondOrderDerivatives(model, data, theirs, q, v, a), containing("another model"));
 }

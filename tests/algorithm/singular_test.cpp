@@ -1,4 +1,4 @@
-// What is said where the mass matrix has no inverse: the reason, not a guess.
+// Errors where the mass matrix has no inverse: the message names the true reason.
 #include "support/catch.hpp"
 #include "support/random_model.hpp"
 #include "support/registry.hpp"
@@ -14,7 +14,7 @@ using namespace dyn::test;
 
 namespace {
 
-/// Angles about z, y and x: the first and the last axis coincide where the second angle is a right one.
+/// Angles about z, y and x. The first and the last axis coincide where the second angle is a right angle.
 struct Gimbals : sdk::Joint<Gimbals, 3> {
   static constexpr const char* name = "gimbals";
   static constexpr const char* summary = "angles about z, y and x";
@@ -23,7 +23,7 @@ struct Gimbals : sdk::Joint<Gimbals, 3> {
     return {exp3(Vec3<S>{S(0), S(0), q[0]}) * exp3(Vec3<S>{S(0), q[1], S(0)}) * exp3(Vec3<S>{q[2], S(0), S(0)}), {}};
   }
 };
-/// A slider whose place has no logarithm below 0.
+/// A slider at position log(q), which is not a number for q < 0.
 struct Logarithm : sdk::Joint<Logarithm, 1> {
   static constexpr const char* name = "logarithm";
   static constexpr const char* summary = "slides along x by log(q)";
@@ -97,7 +97,7 @@ TEST_CASE("the condition of M is estimated within a factor of three, whatever th
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     Model description = randomTree(registry(), 4 + static_cast<int>(seed), seed);
     if (seed % 2 == 0) {
-      // A body of a milligram at the end of each branch.
+      // In one model of four all masses are a million times smaller.
       for (BodyDescription& body : description.bodies) body.inertia.mass *= seed % 4 == 0 ? 1 : 1e-6;
     }
     const CompactModel model = compile(description, registry());

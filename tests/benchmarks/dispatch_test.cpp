@@ -1,4 +1,4 @@
-// The opponents of `dyn profile` compute what libdyn computes, or their times would mean nothing.
+// The contenders of `dyn profile` must give libdyn's results; otherwise their times would mean nothing.
 #include "support/catch.hpp"
 #include "support/random_model.hpp"
 #include "support/registry.hpp"
@@ -28,7 +28,7 @@ void checkContest(const CompactModel& model, std::size_t ways) {
     INFO(c.algorithm << ", " << c.dispatch);
     c.run(q.data(), v.data(), a.data());
     const std::vector<double> result(c.result, c.result + c.size);
-    // The same kernels on the same numbers: the same bits, however they are reached.
+    // All ways of dispatch run the same kernels on the same numbers, so results are equal bit for bit.
     const auto [known, is_first] = first.emplace(c.algorithm, result);
     if (!is_first) CHECK(known->second == result);
     if (!expected.count(c.algorithm)) continue;

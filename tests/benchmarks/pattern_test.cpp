@@ -1,4 +1,4 @@
-// The whole variant library is a fair opponent only if it computes what libdyn computes.
+// The variant library is a fair contender only if it gives libdyn's results.
 #include "support/catch.hpp"
 #include "support/random_model.hpp"
 #include "support/registry.hpp"
@@ -10,7 +10,7 @@ using namespace dyn::test;
 
 namespace {
 
-/// Coordinate axes have classes of their own: two joints in three get one.
+/// Gives two joints in three a coordinate axis, because these axes have joint classes of their own.
 CompactModel withCoordinateAxes(Model model) {
   for (std::size_t i = 0; i < model.bodies.size(); ++i) {
     auto& parameters = model.bodies[i].joint.parameters;

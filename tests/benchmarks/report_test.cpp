@@ -1,4 +1,4 @@
-// Pictures: nothing is cut off, nothing lies over another.
+// Charts: no text is cut off, and no two texts overlap.
 #include "support/catch.hpp"
 
 #include <report/bar_chart.hpp>
@@ -48,7 +48,7 @@ TEST_CASE("long titles and names are within the picture", "[report]") {
     chart.add(name, 1, 1);
   }
   const std::string svg = chart.svg();
-  // One column of names, the second below the first.
+  // The names are in one column, the second below the first.
   const auto placeOf = [&](const std::string& name) { return svg.substr(svg.rfind("<text", svg.rfind(name)), 40); };
   CHECK_THAT(placeOf("a name of"), test::containing("x=\"100\""));
   CHECK_THAT(placeOf("another"), test::containing("x=\"100\""));

@@ -1,4 +1,4 @@
-// A graph replayed on a scalar that this library does not know: ADOL-C's.
+// A graph replayed with a scalar type that libdyn does not know: ADOL-C's adouble.
 #include "support/random_model.hpp"
 #include "support/registry.hpp"
 
@@ -10,7 +10,7 @@
 #include <adolc/drivers/drivers.h>
 #include <adolc/taping.h>
 
-// Beside adouble, so that replay() finds them.
+// These functions are in adouble's namespace, so that replay() finds them.
 inline adouble abs(const adouble& x) { return fabs(x); }
 inline adouble selectLess(const adouble& a, const adouble& b, const adouble& x, const adouble& y) {
   adouble out;

@@ -1,4 +1,4 @@
-// The C interface that casadi.external calls, called as CasADi calls it.
+// The C interface of casadi.external, called as CasADi calls it.
 #include "support/folder.hpp"
 #include "support/random_model.hpp"
 #include "support/registry.hpp"
@@ -15,7 +15,7 @@ namespace {
 
 using Int = long long;
 
-/// A shared object of the source, in a folder that goes with it.
+/// Compiles C source to a shared object and loads it. The folder is removed with this object.
 struct External {
   Folder folder;
   void* handle = nullptr;
@@ -38,7 +38,7 @@ struct External {
 
 using Evaluate = int(const double** arg, double** res, Int* iw, double* w, int mem);
 
-/// Of CasADi's compressed pattern: dense if its third number is 1.
+/// The dense matrix of numbers in CasADi's compressed pattern. The pattern means a dense matrix if its third number is 1.
 Eigen::MatrixXd dense(const Int* pattern, const double* numbers) {
   const Int rows = pattern[0], columns = pattern[1];
   if (pattern[2] == 1) return Eigen::Map<const Eigen::MatrixXd>(numbers, rows, columns);

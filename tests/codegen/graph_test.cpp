@@ -1,4 +1,4 @@
-// Expression graphs: simplified, replayed, differentiated.
+// Expression graphs: simplification, replay and differentiation.
 #include "support/random_model.hpp"
 
 #include <dyn/codegen/differentiate.hpp>
@@ -8,7 +8,7 @@ using namespace dyn::test;
 
 namespace {
 
-/// Every operation at least once.
+/// A function that uses every operation at least once.
 template <class S>
 void sample(const S* x, S* y) {
   using std::sqrt, std::sin, std::cos, std::tan, std::exp, std::log, std::atan2, std::abs;

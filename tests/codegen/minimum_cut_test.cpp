@@ -1,4 +1,4 @@
-// Answers of least cost, against all that there are.
+// Answers of least cost, compared with the best of all possible answers.
 #include "support/catch.hpp"
 #include "support/random_model.hpp"
 
@@ -16,7 +16,7 @@ TEST_CASE("a minimum cut is the cheapest of all answers", "[codegen]") {
     Random random(seed);
     const int n = 1 + random.below(8);
     struct Pair {
-      int yes, no, cost;  // a cost of 0: not allowed
+      int yes, no, cost;  // cost of the answer yes for `yes` with no for `no`; 0 forbids it
     };
     std::vector<int> if_yes, if_no;
     std::vector<Pair> pairs;
@@ -25,7 +25,7 @@ TEST_CASE("a minimum cut is the cheapest of all answers", "[codegen]") {
       CHECK(cut.add() == i);
       if_yes.push_back(0);
       if_no.push_back(0);
-      // In several parts.
+      // The costs are given in several parts, which add up.
       for (int part = random.below(4); part >= 0; --part) {
         const int yes = random.below(4), no = random.below(4);
         if_yes.back() += yes;

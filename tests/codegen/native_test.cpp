@@ -1,4 +1,4 @@
-// Every algorithm traced, compiled while the test runs, and equal to the library's; the cache; errors.
+// Traced algorithms, compiled while the test runs, give the library's results. Also tests the cache and errors.
 #include "support/random_model.hpp"
 #include "support/registry.hpp"
 #include "support/shared.hpp"
@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// By function, in the order of its results.
+/// Results of the library for a traceable function, in the order of the function's outputs.
 std::vector<Eigen::VectorXd> byLibrary(const std::string& f, const CompactModel& model, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
                                        const Eigen::VectorXd& a) {
   Data data(model, Need::derivatives);
@@ -68,7 +68,7 @@ TEST_CASE("every algorithm traced over every joint type is the library's", "[cod
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     const CompactModel model = compile(randomTree(registry(), 5, seed, seed % 2 == 0), registry());
     if (const std::string why = whyNotTraced(model); !why.empty()) {
-      // Splines and rails, examples' joints, look up their interval.
+      // These joints of the example plugins are splines. They look up their interval, so they have branches.
       CHECK_THAT(why, (containing("'function_joint") || containing("'planar_rail'")) && containing("branch_free = true"));
       continue;
     }
@@ -104,7 +104,7 @@ TEST_CASE("every algorithm traced over the reference robots is the library's", "
       try {
         expected = byLibrary(name, model, q, v, a);
       } catch (const Error& e) {
-        REQUIRE(e.code() == ErrorCode::singular);  // massless links at the end of a chain; the graph says nothing of it
+        REQUIRE(e.code() == ErrorCode::singular);  // the chain ends with massless links; a graph does not report this
         continue;
       }
       const std::vector<Eigen::VectorXd> found = byGraph(f, q, v, a);
@@ -138,7 +138,7 @@ TEST_CASE("compiled functions are the library's, and come from the cache the nex
   CHECK_THROWS_AS(jit.function("rnea")({q, v}, {tau}), Error);
   CHECK_THROWS_WITH(jit.function("fly"), containing("'fly'"));
 
-  // Large angles, and those near multiples of pi / 2, go to the C library.
+  // The generated code calls the C library for large angles and for angles near multiples of pi / 2.
   for (const double angle : {1e5, 3e6, 1e12, std::acos(-1.0) / 2, -std::acos(-1.0), 22.0, 0.0}) {
     q.tail(model.nq() - 7).setConstant(angle);
     CHECK(difference(byCode(jit.function("rnea"), q, v, v)[0], byLibrary("rnea", model, q, v, v)[0]) < 1e-13);
@@ -156,7 +156,7 @@ TEST_CASE("several states a call, and floats, give what single states give", "[c
   const CompiledModel jit = compileNative(model, {"rnea", "aba"}, options);
   Eigen::MatrixXd Q(model.nq(), lanes), V = Eigen::MatrixXd::Random(n, lanes), A = Eigen::MatrixXd::Random(n, lanes);
   for (int l = 0; l < lanes; ++l) Q.col(l) = randomConfiguration(model, static_cast<std::uint64_t>(l));
-  // Numbers of a state side by side: rows of the transposed.
+  // The states are interleaved: entry i of all states lies side by side. Hence the transposed matrices.
   const auto run = [&]<class T>(T) {
     const Eigen::Matrix<T, -1, -1> q = Q.transpose().cast<T>(), v = V.transpose().cast<T>(), a = A.transpose().cast<T>();
     for (const std::string name : {"rnea", "aba"}) {
@@ -323,7 +323,7 @@ TEST_CASE("what cannot be compiled says why, and the library goes on", "[codegen
   CHECK_THROWS_WITH(compileNative(model, {"rnea"}, options), containing("not compiled within"));
   CHECK_THROWS_WITH(trace(model, "fly"), containing("'fly'") && containing("rnea"));
   Model coupled = randomTree(registry(), 40, 1);
-  addFollower(coupled);
+  addDependent(coupled);
   CHECK_THROWS_WITH(trace(compile(coupled, registry()), "rnea"), containing("follow others"));
   SourceOptions three;
   three.lanes = 3;

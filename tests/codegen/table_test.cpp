@@ -1,5 +1,5 @@
-// The table of the documentation: which functions can be generated and differentiated. It is made here; DYN_WRITE_TABLE=1 puts it into the
-// documentation, otherwise the two must agree.
+// The documentation's table of functions that can be generated and differentiated. This test makes the table. With DYN_WRITE_TABLE=1 it writes the
+// table into the documentation; otherwise it requires that the two agree.
 #include "support/random_model.hpp"
 #include "support/registry.hpp"
 
@@ -18,7 +18,7 @@ namespace {
 const char* const documentation = DYN_SOURCE_DIR "/libdyn/README.md";
 const std::string begin = "<!-- made by tests/codegen/table_test.cpp -->\n", end = "<!-- end -->\n";
 
-/// What cannot be traced, and why.
+/// Functions that cannot be traced, with the reason.
 const std::pair<const char*, const char*> others[] = {
     {"`integrate`, `difference`, `interpolate`, `randomConfiguration`, `normalize`", "types' configuration functions are compiled for doubles only"},
     {"`cholesky::decompose`, `solve`, ...", "not traced; `minverse` and `aba` do without M"},

@@ -1,4 +1,4 @@
-// What each pass of the compiler guarantees, seen from outside.
+// Guarantees of each pass of the compiler, tested through the public API.
 #include "support/catch.hpp"
 #include "support/random_model.hpp"
 #include "support/registry.hpp"
@@ -152,9 +152,9 @@ TEST_CASE("resolve: a description without the universe is refused wherever it is
 TEST_CASE("resolve: a rigid joint that follows another is rigid, with a warning", "[compile]") {
   Model model;
   model.addBody("a", 0, revolute("j"), {1, {}, {1, 0, 0, 1, 0, 1}});
-  JointDescription follower = rigid("k");
-  follower.coupling = {"mimic", "j", {{"coefficients", std::vector<double>{0, 1}}}};
-  model.addBody("b", 1, follower, {1, {}, {1, 0, 0, 1, 0, 1}});
+  JointDescription dependent = rigid("k");
+  dependent.coupling = {"mimic", "j", {{"coefficients", std::vector<double>{0, 1}}}};
+  model.addBody("b", 1, dependent, {1, {}, {1, 0, 0, 1, 0, 1}});
   const CompactModel compact = compile(model, registry());
   CHECK(compact.nv() == 1);
   CHECK(warns(compact, "'k'"));
@@ -254,7 +254,7 @@ TEST_CASE("weld: bodies on rigid joints are summed into their carriers, and keep
   const CompactModel one = compile(summed, registry());
   CHECK(welded.njoints() == 2);
   CHECK(*passOf(welded, "weld") == "weld: 3 bodies welded to others, 1 move");
-  // What is welded to the world does not count.
+  // Bodies that are fixed to the world do not count in the mass.
   CHECK(welded.mass() == approx(arm.mass + motor.mass + hand.mass).epsilon(1e-15));
   Data data(welded), other(one);
   const Eigen::VectorXd q = random.vector(1, 2), v = random.vector(1, 2), a = random.vector(1, 2);
@@ -293,8 +293,8 @@ TEST_CASE("canonicalise: axes of every direction share a batch, and nothing of i
 }
 
 TEST_CASE("canonicalise: origins are where axes cross, towards the mass that joints carry, and nothing of it shows", "[compile]") {
-  // The axes of the shoulder's first two joints cross beyond the first one's origin, those of the wrist's beyond the forearm's and where the hand's
-  // mass is; those of the upper arm cross the shoulder's behind it, where origins are not put.
+  // The axes of the shoulder's first two joints cross beyond the origin of the first. The wrist's axes cross beyond the forearm's origin, where the
+  // hand's mass is. The upper arm's axis crosses the shoulder's axis behind it, where the compiler does not put origins.
   const struct {
     Vec3<double> axis, p;
   } joints[] = {{{0, 0, 1}, {0, 0, 0.1}},  {{0, 1, 0}, {0, 0, 0.21}}, {{0, 0, 1}, {0, 0, 0.2}}, {{0, -1, 0}, {0.05, 0, 0.2}},
@@ -316,7 +316,7 @@ TEST_CASE("canonicalise: origins are where axes cross, towards the mass that joi
     pose = pose * SE3<double>{exp3(q[i] * joints[i].axis), joints[i].p};
     CHECK(off(jointPlacement(compact, data, i + 1), pose) < 2e-15);
   }
-  // The same, each link turned in its own frame, where no axes cross to the last digit.
+  // The same robot with rotated link frames. After rounding no axes cross exactly.
   Model turned;
   SE3<double> before;
   for (int i = 0; i < 7; ++i) {
@@ -337,13 +337,13 @@ TEST_CASE("canonicalise: axes that are next to parallel are not followed to wher
   model.addBody("a", 0, revolute("j", {0, 0, 1}), inertia);
   model.addBody("b", 1, revolute("k", {0, 0, 1}, {exp3(Vec3<double>{1e-9, 0, 0}), {0, 0.3, 0}}), inertia);
   CHECK(passOf(compile(model, registry()), "canonicalise")->find(" 0 origins") != std::string::npos);
-  // Those that are one axis share their origin.
+  // Joints with the same axis share their origin.
   model.bodies.back().joint.placement.p = {0, 0, 0.3};
   CHECK(passOf(compile(model, registry()), "canonicalise")->find(" 1 origins") != std::string::npos);
 }
 
 TEST_CASE("canonicalise: bodies whose axes are tilted from their parents' are where they are described", "[compile]") {
-  // Half a turn's rounding as URDFs have it, what doubles make of it, a little more, and much more; about one axis of the parent's and about two.
+  // Rotations by pi/2 or pi, rounded as URDFs round them, rounded to doubles, a little off and far off, about one axis of the parent or about two.
   const double quarter = 1.5707963267948966;
   const Vec3<double> turns[] = {{1.57079632679, 0, 0}, {0, -quarter, 0}, {1.5708, 0, 0},     {0, 1.5708, 0},       {0, 0, 1.2},
                                 {-0.9, 0, 0},          {0, 2.4, 0},      {-3.1416, 1e-9, 0}, {0.3, quarter, 1e-7}, {0.3, -0.4, 1.2}};
@@ -398,7 +398,7 @@ TEST_CASE("inspect: what moves no mass is reported, never divided by", "[compile
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(3);
   CHECK(rnea(compact, data, zero, zero, zero).allFinite());
   CHECK_THROWS_WITH(aba(compact, data, zero, zero, zero), containing("singular"));
-  // With rotors it is not singular.
+  // With armature the mass matrix is not singular.
   for (BodyDescription& b : model.bodies) b.joint.armature = {0.1};
   model.bodies[0].joint.armature.clear();
   const CompactModel geared = compile(model, registry());
@@ -438,7 +438,7 @@ TEST_CASE("the same model with the same options gives the same results, bit for 
 }
 
 TEST_CASE("a chain of couplings described last to first compiles in one pass", "[compile]") {
-  // Quadratic work would show here as a test that does not end.
+  // With quadratic work this test would take far too long.
   constexpr int n = 30000;
   Model model;
   for (int i = 0; i < n; ++i) {
@@ -457,8 +457,8 @@ TEST_CASE("a chain of couplings described last to first compiles in one pass", "
 
 namespace {
 
-/// Two masters on the world, each with a follower, and a follower of the first follower.
-Model followers(const std::string& type = "revolute") {
+/// Two independent joints on the world, one dependent joint for each, and a joint that depends on the first dependent joint.
+Model dependents(const std::string& type = "revolute") {
   Model m;
   const auto joint = [&](const char* name, JointLimits limits, Coupling coupling = {}) {
     JointDescription j;
@@ -484,7 +484,7 @@ Model followers(const std::string& type = "revolute") {
 }  // namespace
 
 TEST_CASE("limits of joints that follow others are limits of those that lead", "[compile]") {
-  const CompactModel model = compile(followers(), registry());
+  const CompactModel model = compile(dependents(), registry());
   const ModelLimits& limits = model.limits();
   REQUIRE(model.nq() == 2);
   // follow = 0.1 - 2 lead lies within [-0.4, 0.5], as last = follow / 2 may not be below -0.2.
@@ -504,14 +504,14 @@ TEST_CASE("limits of joints that follow others are limits of those that lead", "
 }
 
 TEST_CASE("limits of followers that cannot act are said", "[compile]") {
-  Model apart = followers();
+  Model apart = dependents();
   apart.bodies[2].joint.limits = {{5}, {6}, {}, {}};
   const CompactModel model = compile(apart, registry());
   REQUIRE(model.report().warnings.size() == 1);
   CHECK_THAT(model.report().warnings[0], containing("'follow', which follows 'lead', exclude"));
   CHECK(model.limits().lower[0] == -2);
-  // One that turns without end has no position that could be limited.
-  Model turning = followers();
+  // A continuous joint has no position that could be limited.
+  Model turning = dependents();
   turning.bodies[4].joint.type = "continuous";
   const CompactModel second = compile(turning, registry());
   REQUIRE(second.report().warnings.size() == 1);

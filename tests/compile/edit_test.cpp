@@ -1,4 +1,4 @@
-// New models from old ones: nothing is lost on the way.
+// Models made from other models by reduce, keepOnly and append: they keep everything that they should.
 #include "support/catch.hpp"
 #include "support/random_model.hpp"
 #include "support/registry.hpp"
@@ -10,7 +10,7 @@ using namespace dyn::test;
 
 namespace {
 
-/// Three links with a rigid one between, everything a description can carry.
+/// Three moving links and a fixed one, with everything that a description can contain.
 Model arm(std::uint64_t seed) {
   Random random(seed);
   Model model;
@@ -35,7 +35,7 @@ Model arm(std::uint64_t seed) {
   return model;
 }
 
-/// A hand whose joint is made of a thumb and a finger that follows it at half its angle: on a link of its own.
+/// A hand with a composite joint: a thumb, and a finger that depends on the thumb at half its angle.
 Model hand() {
   JointDescription thumb, finger, joint;
   thumb.name = "thumb";
@@ -52,7 +52,7 @@ Model hand() {
   return model;
 }
 
-/// The angle about z that a body is turned by at q.
+/// The rotation angle of a body about z at q.
 double angleOf(const CompactModel& model, const std::string& body, const Eigen::VectorXd& q) {
   Data data(model);
   forwardKinematics(model, data, q);
@@ -62,7 +62,7 @@ double angleOf(const CompactModel& model, const std::string& body, const Eigen::
 
 double off(const SE3<double>& a, const SE3<double>& b) { return (toEigen(a) - toEigen(b)).cwiseAbs().maxCoeff(); }
 
-/// M, rnea and every frame of `part` are those of `whole`, joint by joint, when joints of `whole` that `part` lacks stand still.
+/// Checks that M, rnea and every frame of `part` equal those of `whole`, joint by joint, while joints that `part` lacks are held at held_q.
 void checkSame(const CompactModel& whole, const CompactModel& part, const Eigen::VectorXd& held_q, const std::string& prefix = "") {
   Random random(77);
   Data wd(whole, Need::mass_matrix), pd(part, Need::mass_matrix);
@@ -130,10 +130,10 @@ TEST_CASE("keepOnly holds all others at neutral, and keeps masters with their fo
   const CompactModel whole = compile(model, registry());
   checkSame(whole, compile(keepOnly(model, registry(), {"j0", "j3"}), registry()), Eigen::VectorXd::Zero(3));
   model.bodies[4].joint.coupling = {"mimic", "j0", {{"coefficients", std::vector<double>{0.1, 2}}}};
-  const CompactModel follower = compile(keepOnly(model, registry(), {"j3"}), registry());
-  CHECK(follower.nv() == 1);
-  CHECK(follower.joints()[1].name == "j0");
-  CHECK(follower.jointId("j3") > 0);
+  const CompactModel dependent = compile(keepOnly(model, registry(), {"j3"}), registry());
+  CHECK(dependent.nv() == 1);
+  CHECK(dependent.joints()[1].name == "j0");
+  CHECK(dependent.jointId("j3") > 0);
 }
 
 TEST_CASE("followers of a held joint are held where it puts them", "[edit]") {
@@ -188,7 +188,7 @@ TEST_CASE("an appended model moves on its carrier as it moves alone, and keeps a
   const CompactModel both = compile(append(base, tool, "tool", P, "tool_"), registry());
   CHECK(both.nv() == 6);
   CHECK(both.mass() == approx(compile(base, registry()).mass() + compile(tool, registry()).mass()).epsilon(1e-14));
-  // The copy alone, put by hand where the carrier's frame is with the first arm at neutral.
+  // The appended model alone, placed by hand where the carrier's frame is when the first arm is at neutral.
   const CompactModel alone = compile(base, registry());
   Data data(alone);
   forwardKinematics(alone, data, neutral(alone));
@@ -226,7 +226,7 @@ TEST_CASE("couplings of an appended joint's parts follow its own parts", "[edit]
 }
 
 TEST_CASE("parts that follow a held joint are held where it puts them, and the other parts keep all they had", "[edit]") {
-  // The hand hangs on an arm whose j0 its finger follows; the thumb is free.
+  // The hand is mounted on an arm. Its finger depends on the arm's j0; its thumb is free.
   Model model = append(arm(3), hand(), "link3");
   JointDescription& joint = model.bodies.back().joint;
   auto& parts = std::get<std::vector<JointDescription>>(joint.parameters.at("parts"));
@@ -271,7 +271,7 @@ TEST_CASE("a held joint that follows another one, or a part of which does, is he
     const std::string& body = model.bodies.back().name;
     CHECK(off(framePlacement(whole, wd, whole.frameId(body)), framePlacement(held, hd, held.frameId(body))) < 1e-14);
   }
-  // Its own coordinate alone is the model's number; the other part stays where its leader, held too, has it.
+  // Only the thumb's coordinate is in the model's q. The finger depends on j0, which is held, too.
   const CompactModel whole = compile(with_part, registry()),
                      held = compile(reduce(with_part, registry(), {{"hand", {0.7}}, {"j0", {0.4}}}), registry());
   Eigen::VectorXd at = neutral(whole);
@@ -289,7 +289,7 @@ TEST_CASE("keepOnly keeps what parts of a kept joint follow, and holds joints wi
   const CompactModel kept = compile(keepOnly(model, registry(), {"hand"}), registry());
   CHECK(kept.nv() == 2);
   CHECK(compile(keepOnly(model, registry(), {"j3"}), registry()).nv() == 1);
-  // A joint that follows a part.
+  // a_j3 depends on a part of the hand's joint.
   Model other = append(hand(), arm(3), "universe", {}, "a_");
   other.bodies.back().joint.coupling = {"mimic", "hand/thumb", {{"coefficients", std::vector<double>{0, 1}}}};
   CHECK(compile(keepOnly(other, registry(), {"a_j3"}), registry()).nv() == 1);

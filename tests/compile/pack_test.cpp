@@ -1,4 +1,4 @@
-// Types whose joints have sizes of their own, packed.
+// The pack pass for types whose joints differ in size.
 #include "support/catch.hpp"
 
 #include <dyn/dyn.hpp>
@@ -9,7 +9,7 @@ using namespace dyn;
 
 namespace {
 
-/// Slides along its first n axes: one type, one shape, one constant, and sizes that vary.
+/// A joint that slides along its first n axes. All joints of this type have the same shape and one constant, but nq and nv vary.
 class Rails final : public JointType {
  public:
   const JointTypeInfo& info() const noexcept override {

@@ -1,4 +1,4 @@
-// What a scene does not need is left out, and what stays moves as before.
+// The compiler leaves out bodies that a scene does not need. The other bodies move as before.
 #include "support/random_model.hpp"
 #include "support/registry.hpp"
 
@@ -9,14 +9,14 @@ namespace {
 
 using Vector = Eigen::VectorXd;
 
-/// Two random trees on one world, names of the second with a prefix.
+/// Two random trees on one world. Names in the second tree have a prefix.
 Model pair() {
   Model first = randomTree(registry(), 8, 11), second = randomTree(registry(), 9, 12);
   second.gravity = first.gravity;
   return append(first, second, "universe", {}, "other/");
 }
 
-/// Coordinates of the joints of `part` out of those of the whole.
+/// The coordinates or velocities of the joints of `part`, picked from those of the whole.
 Vector pick(const CompactModel& whole, const CompactModel& part, const Vector& x, bool configuration) {
   Vector out(configuration ? part.nq() : part.nv());
   for (const JointRecord& joint : part.joints()) {
@@ -59,8 +59,8 @@ TEST_CASE("an island without outputs is left out, and the other one moves as it 
     some.advance(0.05);
     const Vector expected = pick(whole, part, all.q(), true);
     INFO(infoOf(integrator).name);
-    // Adaptive steps are chosen by all bodies, equations are solved for all at once: equal to what the methods keep. Explicit steps of one length
-    // are equal but for the lanes that bodies share.
+    // The adaptive method chooses its steps from all bodies, so the results agree only to its tolerance. With fixed steps only small differences
+    // remain: bodies share lanes, and implicit methods solve for all bodies at once.
     CHECK(distance(part, some.q(), expected) < (integrator == Integrator::dormand_prince ? 1e-7 : 1e-12));
   }
 }
@@ -97,7 +97,7 @@ TEST_CASE("without dynamics only what carries an output stays, and it stands whe
 }
 
 TEST_CASE("a link and a joint of one name are told apart", "[scene]") {
-  // The joint "finger" carries "tip", and "thumb", on another tree, follows it; the link "finger" hangs on neither.
+  // Joint "finger" carries link "tip". Joint "thumb", on another tree, depends on joint "finger". Link "finger" is on neither tree.
   const auto slider = [](const std::string& name) {
     JointDescription joint;
     joint.name = name;
@@ -159,17 +159,17 @@ TEST_CASE("what touches is tied together, whatever of it is fixed to the world",
 }
 
 TEST_CASE("what a part of a joint follows belongs to its island", "[scene]") {
-  JointDescription leader, part, follower;
+  JointDescription leader, part, dependent;
   leader.name = "leader";
   leader.type = part.type = "revolute";
   leader.parameters["axis"] = part.parameters["axis"] = std::vector<double>{0, 0, 1};
   part.coupling = {"mimic", "leader", {{"coefficients", std::vector<double>{0, 1}}}};
-  follower.name = "follower";
-  follower.type = "composite";
-  follower.parameters["parts"] = std::vector<JointDescription>{part};
+  dependent.name = "follower";
+  dependent.type = "composite";
+  dependent.parameters["parts"] = std::vector<JointDescription>{part};
   Model model;
   model.addBody("a", 0, leader, {1, {}, {1, 0, 0, 1, 0, 1}});
-  model.addBody("b", 0, follower, {1, {}, {1, 0, 0, 1, 0, 1}});
+  model.addBody("b", 0, dependent, {1, {}, {1, 0, 0, 1, 0, 1}});
   CHECK(islandsOf(model) == std::vector<std::string>{"a"});
   for (const bool dynamics : {true, false}) {
     CompileOptions options;

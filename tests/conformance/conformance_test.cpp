@@ -1,4 +1,4 @@
-// Every type there is passes the conformance kit; joints broken in one place each are caught by the check that looks there.
+// Every registered type passes the conformance kit. Joints that are broken in one place each fail the check for that place.
 #include "support/catch.hpp"
 
 #include <dyn/conformance/conformance.hpp>
@@ -29,7 +29,7 @@ void requireAllPass(const std::vector<ConformanceFinding>& findings) {
   }
 }
 
-/// The check of that name (its beginning) was run and failed.
+/// Tells whether a check whose name begins with `check` was run and failed.
 bool caughtBy(const std::vector<ConformanceFinding>& findings, const std::string& check) {
   return std::any_of(findings.begin(), findings.end(), [&](const ConformanceFinding& f) { return f.check.rfind(check, 0) == 0 && !f.passed; });
 }
@@ -40,7 +40,7 @@ std::vector<ConformanceFinding> check(std::uint64_t seed) {
   return dyn::checkJointType(type, dyn::exampleParameters(type.info(), seed), registry(), seed);
 }
 
-/// Rotation about z with a rise along it: the sound joint that the broken ones start from.
+/// Rotation about z with a rise along z. The broken joints derive from this sound joint.
 template <class Author, int NQ = 1>
 struct Rising : dyn::sdk::Joint<Author, 1, NQ> {
   static constexpr const char* summary = "for tests";
@@ -72,7 +72,7 @@ struct WrongBias : Rising<WrongBias> {
   static constexpr const char* name = "wrong_bias";
   template <class S>
   static dyn::Motion<S> bias(const S*, const S* v, const dyn::sdk::Constants&) {
-    return {{S(0), S(0), -(S(2) * v[0] * v[0])}, {}};  // the sign
+    return {{S(0), S(0), -(S(2) * v[0] * v[0])}, {}};  // the sign is wrong
   }
 };
 
@@ -135,7 +135,7 @@ struct TooManyConstants : Rising<TooManyConstants> {
   static int constantCount(const dyn::ParameterArgument*) { return 1; }
   static void constants(const dyn::ParameterArgument*, double* out) {
     static int calls = 0;
-    out[0] = ++calls;  // other numbers each time
+    out[0] = ++calls;  // gives other numbers in each call
   }
 };
 
@@ -149,7 +149,7 @@ struct WrongConstantSubspace : dyn::sdk::Joint<WrongConstantSubspace, 1> {
   static constexpr const char* summary = "for tests";
   static constexpr dyn::Shape shape = dyn::Shape::dense_constant;
   static bool check(const dyn::ParameterArgument*, dyn::JointInstance& out, const dyn::sdk::Refusal&) {
-    out.subspace[1] = 1;  // along y, but the pose moves along x
+    out.subspace[1] = 1;  // moves along y, but the pose moves along x
     return true;
   }
   template <class S>
@@ -158,7 +158,7 @@ struct WrongConstantSubspace : dyn::sdk::Joint<WrongConstantSubspace, 1> {
   }
 };
 
-/// Twice as far on one side as on the other: a pose with a kink at neutral.
+/// Slides along x by |q|, so the pose has a kink at neutral.
 struct Kinked : Rising<Kinked> {
   static constexpr const char* name = "kinked";
   template <class S>
@@ -186,14 +186,14 @@ struct ThrowingConstants : Rising<ThrowingConstants> {
   static void constants(const dyn::ParameterArgument*, double*) { throw 1; }
 };
 
-/// The default constants are one more than it says.
+/// Has one constant, h, but constantCount() says that it has none.
 struct FewConstants : Rising<FewConstants> {
   static constexpr const char* name = "few_constants";
   static constexpr std::array parameters{dyn::ParameterSpec{"h", dyn::ParameterKind::number, true, "m", "of the rise"}};
   static int constantCount(const dyn::ParameterArgument*) { return 0; }
 };
 
-/// Shifted by its constants.
+/// Slides along x; three constants shift it along x, y and z.
 struct Placed : dyn::sdk::Joint<Placed, 1> {
   static constexpr const char* name = "placed";
   static constexpr const char* summary = "for tests";
@@ -229,7 +229,7 @@ struct WrongCoupling {
   static bool check(const dyn::ParameterArgument*, const dyn::sdk::Refusal&) { return true; }
   template <class S>
   static S value(const S& x, const dyn::sdk::Constants&) {
-    return x * x + S(dyn::valueOf(x));  // the second term has no derivative
+    return x * x + S(dyn::valueOf(x));  // valueOf drops the derivative of the second term
   }
 };
 struct WrongClosedForm {
@@ -240,7 +240,7 @@ struct WrongClosedForm {
   static void derivatives(double x, const dyn::sdk::Constants&, double* f) {
     f[0] = x * x;
     f[1] = 2 * x;
-    f[2] = 1;  // it is 2
+    f[2] = 1;  // the right value is 2
     f[3] = 0;
   }
 };
@@ -248,7 +248,7 @@ struct WrongClosedForm {
 }  // namespace
 
 namespace {
-/// None where a sanitizer owns malloc.
+/// The count of allocations; empty where a sanitizer owns malloc.
 dyn::AllocationCount allocationCount() {
   return dyn::tool::canCountAllocations() ? dyn::AllocationCount(dyn::tool::allocationCount) : dyn::AllocationCount();
 }

@@ -1,4 +1,4 @@
-// Sets of constraints that are redundant, contradictory, of joints, between trees; and what is refused.
+// Sets of constraints that are redundant or contradictory, act on joints or connect trees, and sets that are refused.
 #include "constraint/support.hpp"
 #include "support/registry.hpp"
 #include "support/shared.hpp"
@@ -35,7 +35,7 @@ ConstraintDescription renamed(ConstraintDescription c, const std::string& name) 
   return c;
 }
 
-/// Leaf frames of the model's tree, for feet.
+/// Names of the frames of leaf bodies, used as feet.
 std::vector<std::string> tips(const CompactModel& model) {
   std::vector<bool> leaf(static_cast<std::size_t>(model.njoints()), true);
   for (const JointRecord& j : model.joints()) leaf[static_cast<std::size_t>(j.parent)] = false;
@@ -65,7 +65,7 @@ TEST_CASE("contacts that repeat each other change nothing but shares of the forc
     once.push_back(frameContact(feet[k]));
     twice.push_back(frameContact(feet[k]));
     twice.push_back(renamed(frameContact(feet[k]), feet[k] + " again"));
-    // Four points of one body hold as much as its frame does.
+    // Four point contacts on a body constrain it as one frame contact does.
     for (int c = 0; c < 4; ++c) {
       ConstraintDescription corner = renamed(pointContact(feet[k]), feet[k] + std::to_string(c));
       std::get<FrameConstraint>(corner.relation).placement.p = {c < 2 ? 0.1 : -0.1, c % 2 ? 0.05 : -0.05, 0};
@@ -77,7 +77,7 @@ TEST_CASE("contacts that repeat each other change nothing but shares of the forc
   const Eigen::VectorXd ddq = alone.ddq, lambda = alone.lambda;
   CHECK(alone.rank == 12);
   for (ConstraintData* redundant : {&b, &c}) {
-    // Points hold their own accelerations, a frame its spatial one: the same when the feet stand still.
+    // A point contact constrains the acceleration of the point, a frame contact the spatial acceleration. They agree when the feet are at rest.
     State still = s;
     still.v = projectVelocity(model, data, s.q, s.v, a);
     const Eigen::VectorXd wanted = solve(model, data, still, a).ddq;
@@ -124,7 +124,7 @@ TEST_CASE("constraints that contradict each other give least squares and a resid
   Data data(model, Need::derivatives);
   const State s = stateOf(model, 3);
   const std::string foot = tips(model)[0];
-  // One frame twice, once to be brought back to a place where it is not.
+  // Constrains one frame twice; the second constraint pulls it to a target where it is not.
   ConstraintDescription pulled = renamed(frameContact(foot), "pulled");
   std::get<FrameConstraint>(pulled.relation).has_target = true;
   pulled.baumgarte = {100, 20};
@@ -135,7 +135,7 @@ TEST_CASE("constraints that contradict each other give least squares and a resid
   CHECK(x.ddq.allFinite());
   CHECK(x.lambda.cwiseAbs().maxCoeff() < 1e5);
   const DenseRows rows = denseRows(model, data, {frameContact(foot)}, s.q, s.v);
-  // The one is missed by as much as the other.
+  // Least squares shares the contradiction equally, so the error of the first constraint is the residual.
   const Eigen::VectorXd missed = rows.J * Eigen::VectorXd(solve(model, data, s, c).ddq) + rows.gamma;
   CHECK(std::abs(missed.cwiseAbs().maxCoeff() - solve(model, data, s, c).residual) <= 1e-9 * (1 + missed.cwiseAbs().maxCoeff()));
 }
@@ -159,7 +159,7 @@ TEST_CASE("proximal iterations find the same motion", "[constraint]") {
 
 TEST_CASE("a coupling kept by a force moves as one that is taken out of the model", "[constraint]") {
   Model description = randomTree(registry(), 20, 5);
-  addFollower(description);
+  addDependent(description);
   const CompactModel coupled = compile(description, registry());
   Model free = description;
   const Coupling relation = free.bodies.back().joint.coupling;
@@ -169,13 +169,13 @@ TEST_CASE("a coupling kept by a force moves as one that is taken out of the mode
   ConstraintData c(ConstraintSet(model, {coupleJoint("follower", relation)}, &registry()));
   Random random(3);
   const State s{integrate(coupled, neutral(coupled), random.vector(coupled.nv(), 1)), random.vector(coupled.nv(), 1), random.vector(coupled.nv(), 5)};
-  // The same state with the follower's coordinate, and nothing driving it.
+  // The same state with the dependent joint's coordinate, and no torque on that joint.
   State all{neutral(model), Eigen::VectorXd::Zero(model.nv()), Eigen::VectorXd::Zero(model.nv())};
-  int follower = 0, master = 0;
+  int dependent = 0, master = 0;
   for (int j = 1; j < model.njoints(); ++j) {
     const JointRecord& to = model.joints()[static_cast<std::size_t>(j)];
     const JointRecord& from = coupled.joints()[static_cast<std::size_t>(coupled.jointId(to.name))];
-    if (to.name == "follower") follower = to.idx_v;
+    if (to.name == "follower") dependent = to.idx_v;
     if (to.name == relation.master) master = to.idx_v;
     if (from.nv == 0) continue;
     all.q.segment(to.idx_q, to.nq) = s.q.segment(from.idx_q, from.nq);
@@ -184,7 +184,7 @@ TEST_CASE("a coupling kept by a force moves as one that is taken out of the mode
   }
   all.q[model.joints()[static_cast<std::size_t>(model.jointId("follower"))].idx_q] =
       0.1 + 2 * all.q[model.joints()[static_cast<std::size_t>(model.jointId(relation.master))].idx_q];
-  all.v[follower] = 2 * all.v[master];
+  all.v[dependent] = 2 * all.v[master];
   const Eigen::VectorXd wanted = aba(coupled, with, s.q, s.v, s.tau);
   const ConstrainedMotion x = solve(model, data, all, c);
   CHECK(x.residual <= 1e-10);
@@ -193,7 +193,7 @@ TEST_CASE("a coupling kept by a force moves as one that is taken out of the mode
     const JointRecord& from = coupled.joints()[static_cast<std::size_t>(coupled.jointId(to.name))];
     if (from.nv > 0) CHECK(distance(x.ddq.segment(to.idx_v, to.nv), wanted.segment(from.idx_v, from.nv)) <= 1e-9);
   }
-  // A model that has followers itself takes contacts as well.
+  // A model with dependent joints supports contacts, too.
   ConstraintData contact(ConstraintSet(coupled, {pointContact("tool")}));
   const ConstrainedMotion y = constraintDynamics(coupled, with, s.q, s.v, s.tau, contact);
   ConstraintData both(ConstraintSet(model, {pointContact("tool"), coupleJoint("follower", relation)}, &registry()));
@@ -315,7 +315,7 @@ TEST_CASE("Baumgarte's feedback brings a loop back", "[constraint]") {
   s.v = projectVelocity(model, data, s.q, s.v, c);
   const double start = computeConstraintMotion(model, data, s.q, s.v, c).error.norm();
   CHECK(start > 0.01);
-  // By midpoints; a limp robot swings fast.
+  // Integrates by midpoints. The steps are short, because a robot without torques swings fast.
   const double h = 1e-3;
   const Eigen::VectorXd limp = Eigen::VectorXd::Zero(model.nv());
   for (int k = 0; k < 500; ++k) {
@@ -341,7 +341,7 @@ TEST_CASE("a mechanism closes from a guess, or says what it cannot close", "[con
   CHECK(computeConstraintMotion(model, data, q, s.v, c).error.cwiseAbs().maxCoeff() <= 1e-14);
   CHECK(projectConfiguration(model, data, q, c).iterations <= 2);
 
-  // Feet cannot be a kilometre apart.
+  // The feet cannot be a kilometre apart.
   ConstraintDescription far = closeLoop("far", feet[1], "universe");
   std::get<FrameConstraint>(far.relation).other_placement.p = {1000, 0, 0};
   ConstraintData impossible(ConstraintSet(model, {held, far}));
@@ -370,7 +370,7 @@ TEST_CASE("what makes no constraint is refused by name", "[constraint]") {
   CHECK_THAT(refused({coupleJoint(model.joints().back().name, {"mimic", model.joints()[2].name, {}})}), containing("none was given"));
   CHECK_THAT(refused({closeLoop("free", foot, "universe", {true, true, true, true, true, true})}), containing("all directions are free"));
   CHECK_THAT(refused({closeLoop("universal", foot, "universe", {false, false, false, true, true, false})}), containing("two rotations"));
-  // The frames' axis, which the error would be of, and the world's, which the rows are about, are two.
+  // The error would be about an axis of the frames, but the rows are about an axis of the world. These axes differ.
   ConstraintDescription hinge = closeLoop("hinge", foot, "universe", {false, true, false, false, true, false});
   std::get<FrameConstraint>(hinge.relation).axes = ConstraintAxes::LOCAL_WORLD_ALIGNED;
   CHECK_THAT(refused({hinge}), containing("use LOCAL or OTHER"));

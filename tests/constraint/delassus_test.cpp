@@ -1,4 +1,4 @@
-// The Delassus matrix by its three ways, and loops read from files.
+// The Delassus matrix computed in three ways, and loops read from files.
 #include "constraint/support.hpp"
 
 #include <dyn/parsers/urdf.hpp>
@@ -54,7 +54,7 @@ TEST_CASE("the Delassus matrix is J M^-1 J^T, formed or not", "[constraint]") {
 
 TEST_CASE("a model with followers has the same", "[constraint]") {
   Model description = randomTree(registry(), 20, 5);
-  addFollower(description);
+  addDependent(description);
   const CompactModel model = compile(description, registry());
   Data data(model, Need::derivatives);
   ConstraintData c(ConstraintSet(model, {frameContact("tool"), pointContact("followed")}));
@@ -84,7 +84,7 @@ TEST_CASE("loops of a file close, turn and keep closed", "[constraint]") {
   Eigen::VectorXd q = neutral(model);
   assemble(model, data, q, c);
   CHECK(computeConstraintMotion(model, data, q, Eigen::VectorXd::Zero(model.nv()), c).error.cwiseAbs().maxCoeff() <= 1e-15);
-  // One degree of freedom is left of three: the loop's rows are five, of which a planar mechanism has two.
+  // The loop has five rows, of which two are independent in a planar mechanism. One of three degrees of freedom remains.
   const ConstrainedMotion x = constraintDynamics(model, data, q, Eigen::VectorXd::Zero(model.nv()), Eigen::VectorXd::Zero(model.nv()), c);
   CHECK(x.rank == 2);
   CHECK(x.residual <= 1e-12);

@@ -1,4 +1,4 @@
-// Derivatives of constrained dynamics and of impacts against differences of high order.
+// Derivatives of constrained dynamics and of impacts compared with differences of fourth order.
 #include "constraint/support.hpp"
 
 using namespace dyn;
@@ -6,7 +6,7 @@ using namespace dyn::test;
 
 namespace {
 
-/// The derivative of f along each of the n directions in which `moved` leads: of fourth order.
+/// Derivative of f(moved(e)) by e in R^n at e = 0, by central differences of fourth order with step h.
 template <class F, class Moved>
 Eigen::MatrixXd differences(Eigen::Index n, double h, Moved&& moved, F&& f) {
   Eigen::MatrixXd out;
@@ -23,7 +23,7 @@ Eigen::MatrixXd differences(Eigen::Index n, double h, Moved&& moved, F&& f) {
   return out;
 }
 
-/// Of f(q, v), by q in its tangent space and by v.
+/// Differences of f(q, v) along the tangent directions of q and by v.
 struct StateDifferences {
   Eigen::MatrixXd by_q, by_v;
 };
@@ -38,7 +38,7 @@ StateDifferences stateDifferences(const CompactModel& model, const Eigen::Vector
 
 double distance(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) { return (a - b).cwiseAbs().maxCoeff() / (1 + b.cwiseAbs().maxCoeff()); }
 
-/// Some of the constraints with a place to be at, away from it, and feedback; none with two free rotations.
+/// Gives some of the constraints a target that they are away from, and all of them feedback. Fixes all rotations where two are free.
 void addTargets(Subject& s, std::uint64_t seed) {
   Random random(seed);
   Data data(s.model);
@@ -56,7 +56,7 @@ void addTargets(Subject& s, std::uint64_t seed) {
   }
 }
 
-/// Enough freedom is left for the equations to be regular.
+/// Tells whether the rows are independent and the results moderate, so that differences can be compared with derivatives.
 bool wellPosed(const ConstrainedMotion& x, const ConstraintSet& set) {
   return x.rank == set.rows() && x.lambda.cwiseAbs().maxCoeff() < 1e4 && x.ddq.cwiseAbs().maxCoeff() < 1e4;
 }

@@ -1,4 +1,4 @@
-// Constrained dynamics against dense equations in extended precision, and laws that hold whatever the constraints.
+// Constrained dynamics compared with dense equations in extended precision, and laws that hold for all constraints.
 #include "constraint/support.hpp"
 #include "support/registry.hpp"
 
@@ -28,13 +28,14 @@ TEST_CASE("rows are what frames' velocities and accelerations say", "[constraint
 TEST_CASE("biases are the derivatives of the rows' velocities", "[constraint]") {
   const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 20)));
   Subject s = randomScene(seed, 8, 4);
-  // A point held by its own acceleration is the one exception.
+  // Constraints of a point are the only exception, because they constrain the acceleration of the point itself. So there are none here.
   for (ConstraintDescription& d : s.constraints) std::get<FrameConstraint>(d.relation).free[5] = false;
   Data data(s.model, Need::derivatives);
   ConstraintData c(ConstraintSet(s.model, s.constraints));
   const Eigen::VectorXd a = s.tau, gamma = computeConstraintMotion(s.model, data, s.q, s.v, c).bias;
   const Eigen::VectorXd wanted = computeConstraintJacobian(s.model, data, s.q, c) * a + gamma;
-  // q(t) with these v and a: to second order for flat coordinates and to first for others, which central differences make second.
+  // q(t) with velocity v and acceleration a at t = 0: to second order in t for flat coordinates and to first order for others, for which central
+  // differences restore the second order.
   const auto velocityAt = [&](double t) {
     const Eigen::VectorXd v = s.v + t * a, q = integrate(s.model, s.q, Eigen::VectorXd(t * s.v + 0.5 * t * t * a));
     return Eigen::VectorXd(computeConstraintMotion(s.model, data, q, v, c).velocity);
@@ -60,9 +61,9 @@ TEST_CASE("accelerations and forces solve the dense equations", "[constraint]") 
     double smallest = largest;
     for (const double x : spectrum)
       if (x > 1e-12 * largest) smallest = std::min(smallest, x);
-    // What is lost is the condition of that part of the Delassus matrix which is not zero.
+    // The error grows with the condition number of the nonzero part of the Delassus matrix.
     const double tolerance = 1e-14 * (largest / smallest) + 1e-11;
-    if (tolerance > 1e-6) continue;  // nearly dependent: neither side knows
+    if (tolerance > 1e-6) continue;  // nearly dependent rows: neither result is accurate
     ++judged;
     ConstraintData c(ConstraintSet(s.model, s.constraints));
     for (const ConstraintMethod method : {ConstraintMethod::articulated, ConstraintMethod::kkt}) {
@@ -102,7 +103,7 @@ TEST_CASE("what one evaluation leaves, even of numbers that are none, does not r
       for (const Eigen::VectorXd& at : {other, q}) {
         try {
           constraintDynamics(s.model, used_data, at, nothing, nothing, used, method);
-        } catch (const Error&) {  // of pivots that are no numbers
+        } catch (const Error&) {  // pivots may be NaN
         }
       }
       const Eigen::VectorXd found = motionAt(used, used_data);

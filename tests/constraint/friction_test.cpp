@@ -1,4 +1,4 @@
-// Contacts with friction against closed forms: blocks on slopes, tables on four legs, balls that roll on a box that slides.
+// Contacts with friction compared with closed forms: blocks on slopes, tables on four legs, balls that roll on a sliding box.
 #include "constraint/support.hpp"
 
 #include <cmath>
@@ -21,7 +21,8 @@ Inertia<double> boxOf(double mass, double half) {
   return {mass, {}, {mass * half * half * 2 / 3, 0, 0, mass * half * half * 2 / 3, 0, mass * half * half * 2 / 3}};
 }
 
-/// A box on the plane through the origin with this normal, on its four corners (as many unknowns as are not determined: 12 for 6).
+/// A box of 2 kg that stands on its four lower corners, with the contact normal along z. Twelve unknown forces act on six degrees of freedom, so the
+/// forces are not unique.
 struct Box {
   CompactModel model;
   Data data;
@@ -50,7 +51,7 @@ struct Box {
   }
 };
 
-/// Gravity as on a slope of this angle, which falls towards x.
+/// Gravity in the axes of a slope with this angle; x points downhill.
 Vec3<double> slope(double angle) { return {9.81 * std::sin(angle), 0, -9.81 * std::cos(angle)}; }
 
 }  // namespace
@@ -80,7 +81,7 @@ TEST_CASE("a block on a slope stays while friction holds it, and slides with wha
 }
 
 TEST_CASE("friction is Coulomb's cone and not a pyramid", "[friction]") {
-  // A block that slides in any direction is braked against it, by the same amount.
+  // Friction slows a sliding block down by the same amount whatever the direction.
   const double dt = 1e-2, friction = 0.3;
   Box box({0, 0, -9.81}, friction);
   for (int k = 0; k < 8; ++k) {
@@ -88,7 +89,7 @@ TEST_CASE("friction is Coulomb's cone and not a pyramid", "[friction]") {
     Vector v = Vector::Zero(6);
     v[0] = std::cos(angle);
     v[1] = std::sin(angle);
-    // Braked at its base, it also turns: at this friction no corner lifts off within the step.
+    // Friction acts at the base, so the block tends to tip over. At this friction no corner lifts off within the step.
     const ContactStep x = box.step(v, dt);
     CHECK(x.converged);
     CHECK(std::abs(x.v_after[0] - (1 - friction * 9.81 * dt) * v[0]) <= 1e-8);
@@ -116,7 +117,7 @@ TEST_CASE("what moves apart is not held, what falls bounces as it is told", "[fr
 }
 
 TEST_CASE("balls roll on a box that slides: closed form of the rolling benchmark", "[friction]") {
-  // A box of 10 kg is pushed over the ground by 150 N, friction 0.4; 25 balls of 1 kg on it roll without slip.
+  // A force of 150 N pushes a box of 10 kg over the ground with friction 0.4. On the box 25 balls of 1 kg roll without slip.
   const int balls = 25;
   const double M = 10, m = 1, radius = 0.1, half = 0.5, dt = 1e-3, force = 150, mu1 = 0.4, mu2 = 0.8;
   Model description;
@@ -147,7 +148,7 @@ TEST_CASE("balls roll on a box that slides: closed form of the rolling benchmark
     q[joint.idx_q + 2] = 2 * half + radius;
   }
   const JointRecord& box = model.joints()[static_cast<std::size_t>(model.jointId("box_joint"))];
-  // Pushed at the height of the ground, so that it does not tip.
+  // The force acts at the height of the ground, so that the box does not tip.
   tau[box.idx_v] = force;
   tau[box.idx_v + 4] = -force * half;
   ContactSettings settings;
@@ -180,7 +181,7 @@ TEST_CASE("the ground carries a ball that rolls as one that lies", "[friction]")
   CHECK(std::abs(x.impulse[2] - 9.81 * dt) <= 1e-8);
   CHECK(std::hypot(x.impulse[0], x.impulse[1]) <= 1e-8);
   CHECK(std::abs(x.velocity[2]) <= 1e-8);
-  // In axes that turn with it: w x v.
+  // v_after is in body axes, which rotate, so its rate is -w x v.
   CHECK(std::abs(x.v_after[2] - dt * spin * spin * radius) <= 1e-8);
 }
 
@@ -195,7 +196,7 @@ TEST_CASE("forces that explain a motion are found in their cones", "[friction]")
   const Vector q = integrate(model, neutral(model), random.vector(model.nv(), 1)), v = random.vector(model.nv(), 1),
                tau = random.vector(model.nv(), 5);
   Vector known(9);
-  known << 0.5, -0.3, 3, 0.1, 0.9, 2, 0, 0, 0;  // within, within, none
+  known << 0.5, -0.3, 3, 0.1, 0.9, 2, 0, 0, 0;  // two forces within their cones, and no force
   const Eigen::MatrixXd J = computeConstraintJacobian(model, data, q, contacts);
   const Vector a = aba(model, data, q, v, tau + J.transpose() * known);
   ContactSettings settings;
@@ -204,7 +205,7 @@ TEST_CASE("forces that explain a motion are found in their cones", "[friction]")
   CHECK(x.converged);
   CHECK((x.lambda - known).cwiseAbs().maxCoeff() <= 1e-5);
   CHECK(x.left.cwiseAbs().maxCoeff() <= 1e-5);
-  // A force that pulls cannot be explained.
+  // Contacts cannot pull, so they cannot explain this motion.
   Vector pulls = Vector::Zero(9);
   pulls[2] = -3;
   const Vector pulled = aba(model, data, q, v, tau + J.transpose() * pulls);
@@ -261,4 +262,11 @@ TEST_CASE("what is no cone is refused", "[friction]") {
                     containing("no point contact"));
   CHECK_THROWS_WITH(contactStep(box.model, box.data, neutral(box.model), Vector::Zero(6), Vector::Zero(6), -1, box.contacts, box.cones),
                     containing("must be positive"));
+}
+
+TEST_CASE("a contact step from a state that is not finite does not claim to have converged", "[friction]") {
+  Box box({0, 0, -9.81}, 0.5);
+  Vector v = Vector::Zero(6);
+  v[0] = std::nan("");
+  CHECK_FALSE(box.step(v, 1e-2).converged);
 }

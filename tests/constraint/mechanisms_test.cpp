@@ -1,5 +1,5 @@
-// Mechanisms with closed loops whose motion is known to many digits (IFToMM's benchmark problems): through singular positions, with loops
-// that are redundant everywhere, over seconds.
+// Mechanisms with closed loops whose motion is known to many digits (IFToMM's benchmark problems). They move for seconds, pass through singular
+// positions or have loops that are redundant everywhere.
 #include "support/mechanisms.hpp"
 
 #include "constraint/support.hpp"
@@ -14,7 +14,7 @@ using namespace dyn::test;
 
 namespace {
 
-/// Its motion by a method of order 12 that knows nothing of the library's own integrators.
+/// A mechanism simulated by a method of order 12 that is independent of the library's own integrators.
 struct Run : Mechanism {
   Data data;
   ConstraintData loops;
@@ -25,7 +25,7 @@ struct Run : Mechanism {
   double energy() { return computeKineticEnergy(model, data, q, v) + computePotentialEnergy(model, data, q); }
   double error() { return computeConstraintMotion(model, data, q, v, loops).error.cwiseAbs().maxCoeff(); }
 
-  /// One step of Gragg's extrapolation, order 2 k, then back onto the loops.
+  /// One step of Gragg's extrapolation, of order 12, then a projection onto the loops.
   void step(double h) {
     Vector x(2 * q.size());
     x << q, v;
@@ -63,7 +63,7 @@ TEST_CASE("four-bars pass through the position where their bars are in line", "[
   const double theta = -m.q[m.model.joints()[static_cast<std::size_t>(m.model.jointId("crank0"))].idx_q];
   const double expected = std::stod(truth["theta10"].get<std::string>());
   INFO("energy " << worst << ", closure " << drift << ", angle off by " << theta - expected);
-  // 1e-9 J for one square, and as much of the energy of more.
+  // The bound is 1e-9 J for one square, and the same part of the energy for more squares.
   CHECK(worst < 5e-11 * std::stod(truth["E0_above_base"].get<std::string>()));
   CHECK(drift < 1e-12);
   CHECK(std::abs(theta - expected) < 1e-8);
@@ -72,7 +72,7 @@ TEST_CASE("four-bars pass through the position where their bars are in line", "[
 }
 
 TEST_CASE("where bars are all but in line, the loop's row along them is not taken for one of its own", "[mechanism]") {
-  // A force along the bars has no lever: what little it moves is rounding, and forces to hold that against would be without bound.
+  // A force along the bars has no moment arm. The little motion that it causes is rounding, and a force that held this row would be without bound.
   Run m(fourBars(1));
   for (double off = 1e-4; off > 1e-16; off /= 10) {
     INFO(off << " rad off");
@@ -85,14 +85,14 @@ TEST_CASE("where bars are all but in line, the loop's row along them is not take
       const ConstrainedMotion x = constraintDynamics(m.model, m.data, m.q, m.v, Vector::Zero(3), m.loops, method);
       CHECK(x.rank == (off > 5e-5 ? 2 : 1));
       CHECK(x.lambda.norm() < 20);
-      // The row that is left out would have held what falls short of first order in `off`.
+      // Leaving out the row changes the accelerations by no more than first order in `off`.
       for (int k = 0; k < 3; ++k) CHECK(std::abs(x.ddq[k] - (k == 1 ? 1 : -1) * 1.2 * 9.81 * std::cos(off)) < 1e-9 + 100 * off);
     }
   }
 }
 
 TEST_CASE("a closed loop keeps its energy as the same mechanism without loops does", "[mechanism]") {
-  // The parallelogram moves as one crank with the coupler's mass at its end and two cranks' inertia.
+  // The parallelogram moves as a single crank with the inertia of two cranks and the coupler's mass at its end.
   Run loop(fourBars(1));
   Model single;
   single.gravity = {0, -9.81, 0};
@@ -104,7 +104,7 @@ TEST_CASE("a closed loop keeps its energy as the same mechanism without loops do
   const auto worstOf = [](Run& m) {
     const double before = m.energy();
     double worst = 0;
-    // Steps so long that the method's error is what is compared, not the rounding.
+    // The steps are so long that the method's error dominates rounding.
     for (int i = 0; i < 60; ++i) {
       m.step(10.0 / 60);
       worst = std::max(worst, std::abs(m.energy() - before));
@@ -129,7 +129,7 @@ TEST_CASE("Bricard's linkage moves although its loop is redundant everywhere", "
   CHECK(x.residual < 1e-13);
   for (Eigen::Index k = 0; k < 5; ++k) CHECK(std::abs(x.ddq[k] - (k % 2 == 0 ? 1.962 : -1.962)) < 1e-14);
   if (name == "bricard") {
-    // The reference has its rows in world axes, linear ones first; it counts moments on the world and forces on the rod.
+    // The reference has rows in world axes, linear ones first. It gives the moments that act on the world but the forces that act on the rod.
     for (Eigen::Index k = 0; k < 5; ++k)
       CHECK(std::abs((k < 3 ? 1 : -1) * x.lambda[k] - std::stod(truth["lam0_min_norm"][static_cast<std::size_t>(k)].get<std::string>())) < 1e-13);
   }
@@ -276,7 +276,7 @@ TEST_CASE("redundant contacts of robots have the rank and the motion of those th
     CHECK(same(ddq_corners, ddq_soles));
     CHECK(solve(talos, line, seed).first == 5);
     CHECK(solve(talos, {soles[0], renamed(frameContact("left_sole_link"), "again")}, seed).first == 6);
-    // Two points of one leg keep their distance by themselves.
+    // Two points on one leg keep their distance anyway, so one of six rows is redundant.
     CHECK(solve(hyq, {feet[0], renamed(pointContact("lf_foot"), "shin", {0.1, 0, 0})}, seed).first == 5);
   }
 }

@@ -32,14 +32,14 @@ DenseRows denseRows(const CompactModel& model, Data& data, const std::vector<Con
       acceleration[e] = toEigen(a.linear);
       alpha[e] = toEigen(a.angular);
     }
-    const Eigen::Vector3d lever = toEigen(pose[0].p - pose[1].p);
+    const Eigen::Vector3d arm = toEigen(pose[0].p - pose[1].p);
     Eigen::MatrixXd relative = J[0] - J[1];
     for (int k = 0; k < model.nv(); ++k) {
       const Eigen::Vector3d turning = J[1].col(k).tail<3>();
-      relative.col(k).head<3>() -= turning.cross(lever);
+      relative.col(k).head<3>() -= turning.cross(arm);
     }
-    const Eigen::Vector3d V = velocity[0] - velocity[1] - w[1].cross(lever), W = w[0] - w[1];
-    Eigen::Vector3d dV = acceleration[0] - acceleration[1] - alpha[1].cross(lever) - w[1].cross(w[1].cross(lever)) - w[1].cross(V);
+    const Eigen::Vector3d V = velocity[0] - velocity[1] - w[1].cross(arm), W = w[0] - w[1];
+    Eigen::Vector3d dV = acceleration[0] - acceleration[1] - alpha[1].cross(arm) - w[1].cross(w[1].cross(arm)) - w[1].cross(V);
     Eigen::Vector3d dW = alpha[0] - alpha[1];
     Eigen::Matrix3d E = Eigen::Matrix3d::Identity();
     Eigen::Vector3d turning = Eigen::Vector3d::Zero();

@@ -1,4 +1,4 @@
-// Constraints written out from frames' own velocities and accelerations, and dense equations in extended precision.
+// References for constraints: rows from the velocities and accelerations of frames, and dense equations in extended precision.
 #pragma once
 
 #include "support/random_model.hpp"
@@ -16,11 +16,11 @@ struct DenseRows {
   Eigen::VectorXd velocity, gamma;
 };
 
-/// Rows of constraints between frames (their placements must be the identity).
+/// Rows of constraints between frames. The placements of the constraints must be the identity.
 DenseRows denseRows(const CompactModel& model, Data& data, const std::vector<ConstraintDescription>& set, const Eigen::VectorXd& q,
                     const Eigen::VectorXd& v);
 
-/// M x = f + J^T lambda, J x = b: least norm of lambda, least squares of J x - b in the metric of M^-1's range.
+/// Solution of M x = f + J^T lambda, J x = b in long double. If b cannot be met, |J x - b| is least. If lambda is not unique, its norm is least.
 struct DenseSolution {
   LongVector x, lambda;
 };
@@ -34,7 +34,7 @@ struct Subject {
   Eigen::VectorXd q, v, tau;
 };
 
-/// A random tree, a few constraints of random kinds between random bodies of it and the world.
+/// A random tree with random constraints between its bodies and the world, and a random state.
 Subject randomScene(std::uint64_t seed, int bodies, int constraints);
 
 }  // namespace dyn::test

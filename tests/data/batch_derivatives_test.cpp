@@ -1,4 +1,4 @@
-// Derivatives of many states are those of each.
+// Derivatives of a batch of states equal those of single states.
 #include "support/cam_model.hpp"
 #include "support/catch.hpp"
 #include "support/difference.hpp"
@@ -40,14 +40,14 @@ void checkAll(const CompactModel& model, int states, int threads, std::uint64_t 
   {
     const auto x = computeRNEADerivatives(model, batch, q, v, a);
     check(tolerance, Results{x.dtau_dq, x.dtau_dv, x.dtau_da}, [&](auto& qk, auto& vk, auto& ak) -> std::vector<Eigen::MatrixXd> {
-      const RneaDerivatives y = computeRNEADerivatives(model, data, qk, vk, ak);
+      const RNEADerivatives y = computeRNEADerivatives(model, data, qk, vk, ak);
       return {y.dtau_dq, y.dtau_dv, y.dtau_da};
     });
   }
   {
     const auto x = computeABADerivatives(model, batch, q, v, a);
     check(solved, Results{x.ddq, x.ddq_dq, x.ddq_dv, x.ddq_dtau}, [&](auto& qk, auto& vk, auto& ak) -> std::vector<Eigen::MatrixXd> {
-      const AbaDerivatives y = computeABADerivatives(model, data, qk, vk, ak);
+      const ABADerivatives y = computeABADerivatives(model, data, qk, vk, ak);
       return {y.ddq, y.ddq_dq, y.ddq_dv, y.ddq_dtau};
     });
   }
@@ -104,7 +104,7 @@ TEST_CASE("derivatives of batches of any number of degrees of freedom, the inver
 }
 
 TEST_CASE("derivatives of a batch of floats have the digits of floats", "[batch]") {
-  // Of joints whose inertias are alike: what is solved for loses as many digits as M has condition.
+  // The bodies have similar inertias, because a solution with M loses as many digits as the condition number of M has.
   checkAll<float>(compile(treeOf(registry(), {"free_flyer", "revolute", "universal", "spherical"}, 6, 3), registry()), 17, 1, 2, 1e-4, 1e-2);
 }
 
@@ -136,10 +136,10 @@ TEST_CASE("derivatives of batches about flying roots, whatever their joints resi
 
 TEST_CASE("derivatives of batches with followers", "[batch]") {
   Model description = randomTree(registry(), 22, 4, true);
-  addFollower(description);
+  addDependent(description);
   checkAll<double>(compile(description, registry()), 5, 2, 3, 1e-12, 1e-9);
-  addFollower(description, "2", {0.1, 0.5, -0.3});
-  addFollower(description, "3", {-0.2, 1.5, 0.2, 0.1});
+  addDependent(description, "2", {0.1, 0.5, -0.3});
+  addDependent(description, "3", {-0.2, 1.5, 0.2, 0.1});
   checkAll<double>(compile(description, registry()), 19, 2, 3, 1e-12, 1e-9);
 }
 
@@ -147,7 +147,7 @@ TEST_CASE("numbers that no path connects are zero, whatever has been written the
   Model description = randomTree(registry(), 25, 7);
   description.bodies[1].joint = {};
   description.bodies[1].joint.name = "base";
-  description.bodies[1].joint.type = "free_flyer";  // so that the inverse is full
+  description.bodies[1].joint.type = "free_flyer";  // makes the inverse full
   const CompactModel model = compile(description, registry());
   const int most = 21;
   Eigen::MatrixXd q(model.nq(), most), v(model.nv(), most), a(model.nv(), most);

@@ -1,4 +1,4 @@
-// Many states at once give what one state after the other gives, whatever the lanes, the threads and the number of states.
+// Batches give the same results as single states, whatever the lanes, the threads and the number of states.
 #include "support/cam_model.hpp"
 #include "support/catch.hpp"
 #include "support/random_model.hpp"
@@ -27,7 +27,7 @@ struct States {
   Eigen::MatrixXd q, v, a;
 };
 
-/// Columns by the algorithms for one state.
+/// Results of f for each state alone, as columns with `rows` entries.
 template <class F>
 Eigen::MatrixXd oneByOne(Eigen::Index rows, const States& s, F&& f) {
   Eigen::MatrixXd out(rows, s.q.cols());
@@ -38,7 +38,7 @@ Eigen::MatrixXd oneByOne(Eigen::Index rows, const States& s, F&& f) {
   return out;
 }
 
-/// max |x - y| over max |y|, column by column.
+/// The largest ratio max |x - y| / max |y| of any column.
 template <class X>
 double off(const X& x, const Eigen::MatrixXd& y) {
   REQUIRE(x.rows() == y.rows());
@@ -96,7 +96,7 @@ TEST_CASE("columns of any length go into a batch and out of it, also out of a la
     chain.addBody("body" + std::to_string(n), n - 1, joint, random.inertia());
     const CompactModel model = compile(chain, registry());
     for (const int states : {1, 2, 7, 8, 9, 17}) {
-      // The blocks end where the matrices' memory ends.
+      // The blocks end at the end of the matrices' memory, so that reading beyond a block is an error.
       const Eigen::MatrixXd q = Eigen::MatrixXd::Random(n + 3, states + 1), v = Eigen::MatrixXd::Random(n + 3, states + 1);
       const auto block = [&](const Eigen::MatrixXd& x) { return x.bottomRightCorner(n, states); };
       BatchData batch(model, states);
@@ -123,21 +123,21 @@ TEST_CASE("a batch of floats has the digits of floats", "[batch]") {
 
 TEST_CASE("joints that follow others are computed in batches, too", "[batch]") {
   Model description = randomTree(registry(), 22, 4, true);
-  addFollower(description);
+  addDependent(description);
   const CompactModel model = compile(description, registry());
   CHECK(BatchData(model, 9).lanes() == BatchData(compile(camModel(), registry()), 9).lanes());
   checkAll<double>(model, States(model, 9, 2), 2, 1e-13, 1e-9);
   checkAll<float>(model, States(model, 9, 2), 2, 1e-5, 1e-2);
-  // One that turns the faster the further, and one that follows it.
-  addFollower(description, "2", {0.1, 0.5, -0.3});
-  addFollower(description, "3", {-0.2, 1.5, 0.2, 0.1});
+  // Adds a joint with a quadratic coupling and a joint with a cubic one.
+  addDependent(description, "2", {0.1, 0.5, -0.3});
+  addDependent(description, "3", {-0.2, 1.5, 0.2, 0.1});
   const CompactModel further = compile(description, registry());
   checkAll<double>(further, States(further, 19, 3), 2, 1e-13, 1e-9);
 }
 
 TEST_CASE("results are the same bits whatever the number of threads", "[batch]") {
   Model description = randomTree(registry(), 20, 3);
-  if (GENERATE(false, true)) addFollower(description);
+  if (GENERATE(false, true)) addDependent(description);
   const CompactModel model = compile(description, registry());
   const States s(model, 101, 5);
   BatchData one(model, 101, Need::mass_matrix);
@@ -151,7 +151,7 @@ TEST_CASE("results are the same bits whatever the number of threads", "[batch]")
       CHECK(crba(model, many, s.q) == M);
     }
   }
-  // Nor do neighbours in a pack matter.
+  // The other states in a pack do not matter, either.
   BatchData few(model, 101);
   for (const int first : {0, 1, 50, 99})
     CHECK(rnea(model, few, s.q.middleCols(first, 2), s.v.middleCols(first, 2), s.a.middleCols(first, 2)) == tau.middleCols(first, 2));
@@ -159,7 +159,7 @@ TEST_CASE("results are the same bits whatever the number of threads", "[batch]")
 
 TEST_CASE("kinematics of a batch are those of single states", "[batch]") {
   Model description = randomTree(registry(), 20, 7);
-  if (GENERATE(false, true)) addFollower(description);
+  if (GENERATE(false, true)) addDependent(description);
   const CompactModel model = compile(description, registry());
   const States s(model, 11, 6);
   BatchData batch(model, 11, Need::kinematics, 2);
@@ -188,7 +188,7 @@ TEST_CASE("kinematics of a batch are those of single states", "[batch]") {
 
 TEST_CASE("what is wrong with a batch is said with the state", "[batch]") {
   Model description = randomTree(registry(), 20, 7);
-  if (GENERATE(false, true)) addFollower(description);
+  if (GENERATE(false, true)) addDependent(description);
   const CompactModel model = compile(description, registry());
   States s(model, 19, 6);
   BatchData batch(model, 19);
@@ -243,7 +243,7 @@ TEST_CASE("what is wrong with a batch is said with the state", "[batch]") {
 TEST_CASE("a batch with room for derivatives has room for mass matrices, as a Data has", "[batch]") {
   const bool coupled = GENERATE(true, false);
   Model description = randomTree(registry(), 22, 4);
-  if (coupled) addFollower(description);
+  if (coupled) addDependent(description);
   const CompactModel model = compile(description, registry());
   BatchData batch(model, 3, Need::derivatives);
   Data data(model, Need::derivatives);
@@ -273,7 +273,7 @@ TEST_CASE("a batch of a model without motion has results without rows", "[batch]
 TEST_CASE("no batch allocates after it is made", "[batch]") {
   if (!tool::canCountAllocations()) DYN_SKIP("a sanitizer owns malloc in this build");
   Model description = randomTree(registry(), 25, 5, true);
-  if (GENERATE(false, true)) addFollower(description);
+  if (GENERATE(false, true)) addDependent(description);
   const CompactModel model = compile(description, registry());
   const States s(model, 37, 1);
   BatchData batch(model, 37, Need::mass_matrix | Need::kinematics, 2);

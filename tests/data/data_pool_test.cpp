@@ -1,4 +1,4 @@
-// Algorithms of single states over many, by threads with a Data each.
+// DataPool runs algorithms of single states for many states, on threads with a Data each.
 #include "support/cam_model.hpp"
 #include "support/catch.hpp"
 #include "support/random_model.hpp"
@@ -77,7 +77,7 @@ TEST_CASE("what goes wrong in a pool names the first state, and leaves the other
   const CompactModel model = compile(camModel(), registry());
   constexpr int count = 20;
   Eigen::MatrixXd q = Eigen::MatrixXd::Constant(1, count, 0.5), ddq = Eigen::MatrixXd::Zero(1, count);
-  q(0, 7) = q(0, 13) = 0;  // where its joint does not move
+  q(0, 7) = q(0, 13) = 0;  // here the joint does not move, so M is singular
   DataPool pool(model, Need::state, 3);
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(1), tau = Eigen::VectorXd::Ones(1);
   const auto run = [&] { pool.forEach(count, [&](Data& data, Eigen::Index k) { ddq.col(k) = aba(model, data, q.col(k), zero, tau); }); };

@@ -1,4 +1,4 @@
-// After Data exists no algorithm allocates. malloc itself is watched: Eigen does not go through operator new.
+// No algorithm allocates once Data exists. The test watches malloc itself, because Eigen does not use operator new.
 #include "support/catch.hpp"
 #include "support/random_model.hpp"
 #include "support/shared.hpp"
@@ -33,7 +33,7 @@ TEST_CASE("no algorithm allocates once Data exists", "[no_alloc]") {
   const JointRegistry registry = JointRegistry::standard();
   const bool coupled = GENERATE(false, true);
   Model description = randomTree(registry, 25, 5, true);
-  if (coupled) addFollower(description);
+  if (coupled) addDependent(description);
   const CompactModel model = compile(description, registry);
   Data data(model, Need::derivatives);
   const Eigen::VectorXd q = integrate(model, neutral(model), Eigen::VectorXd::Constant(model.nv(), 0.7));
@@ -104,7 +104,7 @@ TEST_CASE("no algorithm of constraints allocates once their data exists", "[no_a
   const JointRegistry registry = JointRegistry::standard();
   const bool coupled = GENERATE(false, true);
   Model description = randomTree(registry, 25, 5, true);
-  if (coupled) addFollower(description);
+  if (coupled) addDependent(description);
   const CompactModel model = compile(description, registry);
   Data data(model, Need::derivatives);
   ConstraintDescription target = closeLoop("target", "b20", "b4", {false, false, false, false, false, true});
@@ -112,7 +112,7 @@ TEST_CASE("no algorithm of constraints allocates once their data exists", "[no_a
   ConstraintDescription twice = pointContact("tool");
   twice.name = "tool again";
   const bool singular = GENERATE(false, true);
-  // A name too long to be kept within a string: messages that nobody reads must not be made.
+  // The name is too long for a string without allocation. Messages that nobody reads must not be composed.
   ConstraintDescription contact = pointContact("tool");
   contact.name = "the contact of the tool with the world";
   std::vector<ConstraintDescription> set = {contact, target, lockJoint(model.joints()[2].name)};

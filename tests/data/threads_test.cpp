@@ -1,4 +1,5 @@
-// One immutable model, four threads, a Data each: the same bits as alone. Built with ThreadSanitizer, library and plugin included.
+// Threads that share one immutable model, with a Data each, get the same bits as one thread. The test, the library and the plugin are built with
+// ThreadSanitizer.
 #include "support/catch.hpp"
 #include "support/random_model.hpp"
 
@@ -11,7 +12,7 @@ using namespace dyn::test;
 
 namespace {
 
-/// All results of all algorithms at one state.
+/// Results of all algorithms at one state.
 std::vector<double> everything(const CompactModel& model, std::uint64_t seed) {
   Data data(model, Need::mass_matrix);
   const Eigen::VectorXd q = integrate(model, neutral(model), Eigen::VectorXd::Constant(model.nv(), 0.1 * static_cast<double>(seed)));
@@ -50,7 +51,7 @@ TEST_CASE("threads that share a model compute what one thread computes", "[threa
   pool.reserve(threads);
   for (std::size_t t = 0; t < threads; ++t)
     pool.emplace_back([&, t] {
-      const CompactModel copy = model;  // NOLINT: copies share, which is what is tested
+      const CompactModel copy = model;  // NOLINT: copies share their data, and this is tested here
       for (std::size_t i = 0; i < rounds; ++i) {
         const std::vector<double> mine = everything(copy, i + 1);
         different[t] += mine.size() != alone[i].size() || std::memcmp(mine.data(), alone[i].data(), mine.size() * sizeof(double)) != 0;

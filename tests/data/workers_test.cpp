@@ -1,4 +1,4 @@
-// Threads that wait for work: what they do when the system has too few of them, or when their work throws.
+// Worker threads: errors when the system cannot create enough of them, and work that throws.
 #include "data/workers.hpp"
 
 #include "support/catch.hpp"
@@ -24,7 +24,7 @@ TEST_CASE("more threads than the system gives are an error that says how many th
   getrlimit(RLIMIT_AS, &before);
   long pages = 0;
   std::ifstream("/proc/self/statm") >> pages;
-  // Room for a few stacks.
+  // This limit leaves room for the stacks of only a few threads.
   const rlimit tight{static_cast<rlim_t>(pages) * static_cast<rlim_t>(sysconf(_SC_PAGESIZE)) + (rlim_t{100} << 20), before.rlim_max};
   std::string message;
   setrlimit(RLIMIT_AS, &tight);

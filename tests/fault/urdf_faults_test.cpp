@@ -1,4 +1,4 @@
-// Broken files: an Error that says what and where, within seconds and bounded memory; long chains do not use up the stack.
+// Broken files give an Error that says what is wrong and where, within seconds and bounded memory. Long chains do not exhaust the stack.
 #include "support/folder.hpp"
 #include "support/skip.hpp"
 
@@ -72,7 +72,7 @@ TEST_CASE("names that libdyn gives are reserved, or given up to the file", "[fau
 }
 
 TEST_CASE("text that is no UTF-8 is refused with its line", "[fault]") {
-  // Latin-1, a byte that begins nothing, cut short, longer than needed, a surrogate, beyond the last character.
+  // Latin-1, bytes that begin no character, truncated characters, overlong forms, a surrogate, and a code point beyond U+10FFFF.
   for (const char* bytes : {"\xe9", "\x80", "\xff", "\xe2\x82", "\xc0\xaf", "\xe0\x80\xaf", "\xed\xa0\x80", "\xf4\x90\x80\x80", "\xf0\x9f\x98"}) {
     CHECK_THROWS_WITH(read(robot(linkText("a") + "<!-- " + bytes + " -->\n")), containing("robot.urdf:4") && containing("UTF-8"));
     CHECK_THROWS_WITH(read(robot(linkText("a") + "<!-- -->") + bytes), containing("robot.urdf:5") && containing("UTF-8"));
@@ -219,7 +219,7 @@ TEST_CASE("what of a file nothing reads is said, wherever it stands", "[parser]"
   noted(link("<collision><geometry><box size=\"1 1 1\"/><box size=\"2 2 2\"/></geometry></collision>"), "<box> in <geometry> after the first");
   noted(link("<collision><pose xyz=\"1 0 0\"/><geometry><sphere radius=\"1\"/></geometry></collision>"), "<pose> in <collision>");
   noted(link("<inertial><mass value=\"1\" unit=\"g\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\"/></inertial>"), "attribute unit of <mass>");
-  // Pictures are nobody's business.
+  // Visual geometry causes no note.
   CHECK(urdf::parse(link("<visual><geometry><box size=\"1 1 1\"/></geometry><material name=\"red\"/></visual>"), "robot.urdf").notes.empty());
 }
 
@@ -256,7 +256,7 @@ TEST_CASE("an origin may be turned by a quaternion", "[parser]") {
         .bodies.back()
         .joint.placement;
   };
-  // A third of a turn about (1, 1, 1) takes x to y, y to z, z to x.
+  // A third of a turn about (1, 1, 1) maps x to y, y to z and z to x.
   const SE3<double> X = pose("quat_xyzw=\"0.5 0.5 0.5 0.5\"");
   const double cyclic[9] = {0, 0, 1, 1, 0, 0, 0, 1, 0};
   for (int i = 0; i < 9; ++i) CHECK(X.R.m[i] == approx(cyclic[i]).margin(1e-15));

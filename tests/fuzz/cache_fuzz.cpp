@@ -1,4 +1,4 @@
-// What lies in the cache of compiled functions: an entry is what its check sum says, this user's, and no other kind of file.
+// Fuzzes entries in the cache of compiled functions. An accepted entry fits its check sum, belongs to this user alone and is a regular file.
 #include "fuzz.hpp"
 
 #include <codegen/cache.hpp>
@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A file with these bytes, or something in its place.
+/// Writes a file with these bytes, or puts a folder, a link, a pipe or a file with wrong permissions in its place.
 void place(const fs::path& path, int kind, const std::string& bytes) {
   fs::remove_all(path);
   if (kind == 1) {

@@ -1,4 +1,4 @@
-// The command dyn on a robot's text: it ends by itself, soon, with exit code 0, 1 or 2.
+// Fuzzes the command dyn with URDF text. It must end by itself within a minute, with exit code 0, 1 or 2.
 #include "fuzz.hpp"
 
 #include <codegen/process.hpp>

@@ -12,7 +12,7 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double plain = 1e6;  ///< numbers up to this, and from one over this on, cannot take any result beyond a double
+constexpr double plain = 1e6;  ///< results of numbers between 1 / plain and plain in magnitude cannot overflow
 
 bool isPlain(double x) { return x == 0 || (std::fabs(x) <= plain && std::fabs(x) >= 1 / plain); }
 bool isPlain(const Vec3<double>& x) { return isPlain(x.x) && isPlain(x.y) && isPlain(x.z); }
@@ -73,13 +73,13 @@ class Exercise {
   }
 
  private:
-  /// What aba answers is what rnea takes for tau: its residual is small beside the terms that cancel in it, however M is conditioned.
+  /// Checks that rnea(aba(tau)) is tau. The residual is small relative to the terms that cancel in it, whatever the condition of M.
   void forward(const VectorXd& q, const VectorXd& v, const VectorXd& tau, const VectorXd& bias, double size) {
     const VectorXd found = aba(model_, data_, q, v, tau);
     if (!plain_ || !found.allFinite() || found.size() == 0) return;
     const VectorXd again = rnea(model_, data_, q, v, found);
     const double terms = size * found.cwiseAbs().sum() + tau.cwiseAbs().maxCoeff() + bias.cwiseAbs().maxCoeff();
-    // Of gravity's forces, which may cancel in tau, rounding is left.
+    // Gravity forces may cancel in tau, but their rounding errors remain.
     const double rounding = 1e-11 * (1 + size) * (1 + model_.mass()) * (1 + std::sqrt(dot(model_.gravity(), model_.gravity())));
     require((again - tau).cwiseAbs().maxCoeff() <= 1e-5 * terms + rounding, "rnea(aba(tau)) is not tau");
   }
@@ -100,7 +100,7 @@ void exercise(const Model& description, const CompactModel& model, std::uint64_t
     Exercise e(description, model);
     const VectorXd zero = VectorXd::Zero(model.nv());
     e.at(neutral(model), zero, zero);
-    std::srand(static_cast<unsigned>(seed));  // of Eigen's Random
+    std::srand(static_cast<unsigned>(seed));  // seeds Eigen's Random
     const VectorXd v = VectorXd::Random(model.nv()), a = VectorXd::Random(model.nv());
     e.at(randomConfiguration(model, seed), v, a);
     BatchData batch(model, 5);

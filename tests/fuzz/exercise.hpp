@@ -1,4 +1,4 @@
-// Every algorithm on a model that nobody has looked at.
+// Runs every algorithm on a random model.
 #pragma once
 
 #include <dyn/dyn.hpp>
@@ -7,8 +7,8 @@
 
 namespace dyn::fuzz {
 
-/// Calls them at a random state and at neutral. A finding: what contradicts itself, or what is not finite although the description's numbers and its
-/// results on the way are far from where doubles end.
+/// Calls the algorithms at neutral and at a random state. Reports a finding if results contradict each other, or if a result is not finite although
+/// the description's numbers and the intermediate results are far from overflow.
 void exercise(const Model& description, const CompactModel& model, std::uint64_t seed);
 
 }  // namespace dyn::fuzz

@@ -1,4 +1,4 @@
-// What stands within <libdyn>, in a robot that is sound.
+// Fuzzes the text of extension elements such as <libdyn>, appended to a valid robot.
 #include "exercise.hpp"
 #include "fuzz.hpp"
 

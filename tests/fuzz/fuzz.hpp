@@ -1,4 +1,4 @@
-// What fuzz targets share: bytes as choices, as files, and calls that may fail in one way only.
+// Shared by the fuzz targets: bytes used as choices and as files, and calls that may fail only with dyn::Error.
 #pragma once
 
 #include <dyn/error.hpp>
@@ -15,7 +15,7 @@
 
 namespace dyn::fuzz {
 
-/// Numbers drawn from the bytes of an input, zeros when they are used up.
+/// Draws numbers from the bytes of an input. Gives zeros when the bytes are used up.
 class Choices {
  public:
   Choices(const std::uint8_t* data, std::size_t size) : data_(data), size_(size) {}
@@ -25,14 +25,14 @@ class Choices {
     return *data_++;
   }
   int below(int n) { return byte() % n; }
-  /// Mostly plain numbers, sometimes odd ones.
+  /// Returns mostly ordinary numbers, sometimes extreme ones.
   double number() {
     static constexpr double odd[] = {0, -0.0, 1, -1, 1e-300, 1e300, 1e-12, 1e12, 1e-6, 1e6, 3.141592653589793, 5e-324};
     const int kind = byte();
     if (kind >= 224) return odd[kind % 12];
     return (byte() - 127.5) / 64 + byte() / 16384.0;
   }
-  /// Whatever is left.
+  /// Returns all remaining bytes.
   std::string rest() {
     std::string text(reinterpret_cast<const char*>(data_), size_);
     size_ = 0;
@@ -45,7 +45,7 @@ class Choices {
   std::size_t size_;
 };
 
-/// Bytes that have a path, in memory.
+/// A file in memory that has a path.
 class MemoryFile {
  public:
   explicit MemoryFile(const std::string& bytes) : file_(memfd_create("fuzz", MFD_CLOEXEC)) {
@@ -64,20 +64,20 @@ class MemoryFile {
   int file_;
 };
 
-/// A folder in memory for the files of one target; tools/fuzz removes it.
+/// Makes a folder in memory for the files of one target; tools/fuzz removes it.
 inline std::filesystem::path scratchFolder() {
   std::string pattern = "/dev/shm/libdyn-fuzz-XXXXXX";
   if (mkdtemp(pattern.data()) == nullptr) std::abort();
   return pattern;
 }
 
-/// Ends the process, which the fuzzer takes for a finding.
+/// Aborts the process, which the fuzzer reports as a finding.
 [[noreturn]] inline void finding(const std::string& what) {
   std::fprintf(stderr, "FINDING: %s\n", what.c_str());
   std::abort();
 }
 
-/// Whether the call went through; it may throw dyn::Error with a message and nothing else, which the fuzzer catches.
+/// Returns whether the call succeeded. It may throw dyn::Error with a message; any other exception is a finding.
 template <class Call>
 bool succeeds(const Call& call) {
   try {

@@ -1,4 +1,4 @@
-// Meshes and octrees; the first byte chooses the format. Meshes are read in a process of their own.
+// Fuzzes mesh and octree files. The first byte chooses the format. libdyn reads meshes in a separate process.
 #include "fuzz.hpp"
 
 #include <dyn/dyn.hpp>

@@ -1,4 +1,4 @@
-// Random descriptions, compiled; every algorithm.
+// Compiles random descriptions and runs every algorithm.
 #include "exercise.hpp"
 #include "fuzz.hpp"
 #include "support/random_model.hpp"
@@ -52,7 +52,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     model.addBody("b" + std::to_string(i), choices.below(3) ? i : choices.below(i + 1), std::move(j), inertia);
   }
   CompileOptions options;
-  options.strips = choices.below(2) != 0;
+  options.lane_groups = choices.below(2) != 0;
   if (choices.below(8) == 0) options.lock.push_back({"j0", {}});
   fuzz::succeeds([&] { fuzz::exercise(model, compile(model, registry, options), size); });
   return 0;

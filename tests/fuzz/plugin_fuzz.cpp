@@ -1,4 +1,4 @@
-// A sound plugin whose headers, of the file and of what is loaded of it, have other bytes.
+// Fuzzes the first 1024 bytes of a sound plugin, which include the headers of the file and of its loaded segments.
 #include "fuzz.hpp"
 
 #include <dyn/file.hpp>
@@ -13,7 +13,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   static const std::string sound = readFile(DYN_SOUND_PLUGIN);
   static const std::filesystem::path folder = fuzz::scratchFolder();
   static int count = 0;
-  // What a damaged plugin does as a process ends is not asked here.
+  // Ends the process without running the exit functions of damaged plugins, which are not tested here.
   [[maybe_unused]] static const int ends_at_once = std::atexit([] { _exit(0); });
   std::string bytes = sound;
   fuzz::Choices choices(data, size);
@@ -22,7 +22,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const std::size_t at = static_cast<std::size_t>(choices.byte()) + 256 * static_cast<std::size_t>(choices.below(4));
     if (at < bytes.size()) bytes[at] = static_cast<char>(choices.byte());
   }
-  // Each under a name of its own: the loader knows libraries by their names.
+  // Each file gets a new name, because the dynamic loader identifies libraries by name.
   const std::string path = folder / ("plugin" + std::to_string(count++) + ".so");
   std::ofstream(path, std::ios::binary) << bytes;
   JointRegistry registry;

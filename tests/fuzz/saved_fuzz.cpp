@@ -1,4 +1,4 @@
-// Saved simulations whose check sum fits, and those whose does not.
+// Fuzzes saved simulations with a valid and with an invalid check sum.
 #include "fuzz.hpp"
 #include "support/random_model.hpp"
 #include "support/saved.hpp"
@@ -13,7 +13,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   std::string text(reinterpret_cast<const char*>(data), size);
   Simulator simulator(model, {.integrator = size % 2 ? Integrator::rk4 : Integrator::dormand_prince});
   const std::string fresh = simulator.save();
-  // Of most inputs the first lines are right, so that what follows is looked at.
+  // Most inputs get valid first lines, so that the rest is read at all.
   if (size % 4 != 0) {
     std::size_t lines = 0;
     for (std::size_t at = 0; lines < 2 && at != std::string::npos; ++lines) at = fresh.find('\n', at) + 1;

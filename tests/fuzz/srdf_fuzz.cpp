@@ -1,4 +1,4 @@
-// Which links need not be checked against each other.
+// Fuzzes SRDF files, which list pairs of links that need no collision check.
 #include "fuzz.hpp"
 
 #include <dyn/parsers/srdf.hpp>
@@ -15,7 +15,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   const bool read = fuzz::succeeds([&] { srdf::parse(std::string(reinterpret_cast<const char*>(data), size), "fuzz.srdf", model); });
   if (!read && (!model.disabled_collisions.empty() || !model.notes.empty())) fuzz::finding("a file that was refused has left something");
-  // What is written reads back as the same.
+  // A written SRDF must read back as the same pairs.
   Model again = model;
   again.disabled_collisions.clear();
   srdf::parse(srdf::text("robot", model.disabled_collisions), "again.srdf", again);

@@ -1,4 +1,4 @@
-// States of `dyn compute`.
+// Fuzzes the state files of `dyn compute`.
 #include "fuzz.hpp"
 #include "support/random_model.hpp"
 

@@ -1,4 +1,4 @@
-// A robot's text: read, compiled, every algorithm, and its volumes.
+// Fuzzes URDF text: reads and compiles it, runs every algorithm, and computes collisions and distances of its volumes.
 #include "exercise.hpp"
 #include "fuzz.hpp"
 

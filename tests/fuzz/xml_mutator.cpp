@@ -1,4 +1,4 @@
-// Changes to the tree of an XML document, beside libFuzzer's changes to its bytes, of which one in a hundred is still XML.
+// Mutates the tree of an XML document. libFuzzer's own mutations change bytes, and only one result in a hundred is still XML.
 #include <tinyxml2.h>
 
 #include <algorithm>
@@ -86,7 +86,7 @@ void change(tinyxml2::XMLDocument& document, Random& random) {
     case 0:
       if (e->Parent() && e != document.RootElement()) e->Parent()->DeleteChild(e);
       break;
-    case 1:  // a copy of it, elsewhere
+    case 1:  // puts a copy of the element elsewhere
       if (!isAbove(e, other)) other->InsertEndChild(e->DeepClone(&document));
       break;
     case 2:
@@ -95,7 +95,7 @@ void change(tinyxml2::XMLDocument& document, Random& random) {
     case 3:
       if (!attributes.empty()) e->DeleteAttribute(std::string(any(attributes, random)->Name()).c_str());
       break;
-    case 4:  // another's attribute
+    case 4:  // copies an attribute of another element
       if (!others.empty()) {
         const XMLAttribute* a = any(others, random);
         e->SetAttribute(std::string(a->Name()).c_str(), std::string(a->Value()).c_str());
@@ -104,7 +104,7 @@ void change(tinyxml2::XMLDocument& document, Random& random) {
     case 5:
       e->SetName(std::string(other->Name()).c_str());
       break;
-    default:  // moved
+    default:  // moves the element
       if (e != document.RootElement() && !isAbove(e, other)) other->InsertEndChild(e);
   }
 }

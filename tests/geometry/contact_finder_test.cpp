@@ -1,4 +1,4 @@
-// Contacts of volumes: that they lie where the solids are, and that bodies stand, slide, roll and pile up on them as rigid ones do.
+// Contacts of volumes lie on the solids, and bodies stand, slide, roll and pile up on these contacts as rigid bodies do.
 #include "geometry/scene.hpp"
 
 #include <dyn/algorithm/center_of_mass.hpp>
@@ -19,7 +19,7 @@ namespace {
 using Vector = Eigen::VectorXd;
 constexpr double gravity = 9.81;
 
-/// A free body of even density.
+/// Adds a free body with this shape, mass, principal moments of inertia and position.
 int addSolid(Model& model, const std::string& name, const GeometryShape& shape, double mass, const Vec3<double>& moments, const Vec3<double>& at) {
   const int body = model.addBody(name, 0, jointOf(name + "_joint", "free_flyer", {Mat3<double>::identity(), at}),
                                  {mass, {}, {moments.x, 0, 0, moments.y, 0, moments.z}});
@@ -72,7 +72,7 @@ TEST_CASE("contacts of any two solids lie on them, and the nearest of them are t
     TwoSolids s(a, {}, b);
     SE3<double> pose = random.pose();
     pose.p = 3.0 * pose.p;
-    // Near one another: apart by a centimetre at most, or overlapping by as much.
+    // Moves b so that the two are at most a centimetre apart or overlap by as much.
     const Distance before = s.distance(pose);
     const double wanted = random.uniform(-0.01, 0.01);
     if (before.distance < 0) continue;
@@ -83,17 +83,18 @@ TEST_CASE("contacts of any two solids lie on them, and the nearest of them are t
     double lowest = HUGE_VAL;
     for (const ContactPoint& c : found) {
       lowest = std::min(lowest, c.gap);
-      // b moves: the point is its, the surface is the other's.
+      // b moves, so the contact point is on b and the contact surface is a's.
       CHECK(c.frame != 0);
       CHECK(c.other == 0);
       CHECK(std::abs(dot(c.normal, c.normal) - 1) < 1e-12);
-      // From a point of b's surface it is `gap` along the normal to a's.
+      // The contact point is on b's surface; a's surface is `gap` away from it along the normal.
       TwoSolids point(b, {}, g::Sphere{0});
       const double on_b = point.distance({Mat3<double>::identity(), c.point}).distance;
       TwoSolids surface(a, {}, g::Sphere{0});
       const double on_a = surface.distance({Mat3<double>::identity(), pose.act(c.point) - c.gap * c.normal}).distance;
       INFO(k << " shapes " << a.index() << " " << b.index() << " of " << found.size() << " gap " << c.gap << " distance " << now.distance);
-      // Sides of round solids that lie askew are taken by chords, which are inside: no deeper than the solid reaches beyond them.
+      // The curved sides of tilted round solids are approximated by chords, which lie inside the solid. So a point on a chord may be as deep inside b
+      // as its gap exceeds the distance.
       CHECK(on_b < 2e-3);
       CHECK(-on_b < std::max(2e-3, c.gap - now.distance));
       CHECK(on_a < (plane ? 1e-12 : 2e-3));
@@ -152,7 +153,7 @@ TEST_CASE("a contact keeps its number as long as it keeps its place", "[contact]
     const GeometryShape below = k % 3 == 0 ? GeometryShape(field) : k % 3 == 1 ? GeometryShape(g::HalfSpace{}) : GeometryShape(g::Box{{4, 4, 1}});
     TwoSolids s(below, {}, someShape(random, 1.5));
     SE3<double> pose = random.pose();
-    // Lying on a side, nearly, where ends change which is the lower one.
+    // The solid lies nearly on a side, so that small motions change which end is lower.
     const auto quarters = [&] { return M_PI / 2 * random.below(4); };
     if (k % 2 == 1) pose.R = exp3(random.vector(1e-3)) * exp3(Vec3<double>{quarters(), 0, 0}) * exp3(Vec3<double>{0, quarters(), 0});
     pose.p = {random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5), 2};
@@ -171,7 +172,7 @@ TEST_CASE("a contact keeps its number as long as it keeps its place", "[contact]
       if (after.count(id) == 0) continue;
       ++kept;
       const Vec3<double> moved = after.at(id) - point;
-      CHECK(dot(moved, moved) < 0.6 * 0.6);  // an eighth of a rim has one name
+      CHECK(dot(moved, moved) < 0.6 * 0.6);  // each eighth of a rim has one number
     }
   }
   CHECK(all > 1000);
@@ -189,9 +190,9 @@ TEST_CASE("a ball rolls down a slope, and slips where friction is too low", "[co
     return s.simulator.v().head<3>().norm();
   };
   const double rolling = 5.0 / 7 * gravity * std::sin(slope), slipping = gravity * (std::sin(slope) - 0.05 * std::cos(slope));
-  // Forces are constant, and velocities do not turn with the ball's axes: what is left is what the contact solver leaves.
+  // Forces are constant, and velocities do not rotate with the ball's axes, so only the contact solver's error remains.
   CHECK(std::abs(speed(0.3, 1e-2) - rolling) < 1e-6 * rolling);
-  // Rolling takes 2/7 tan(slope) of friction at least.
+  // Rolling needs a friction coefficient of at least 2/7 tan(slope).
   CHECK(std::abs(speed(0.05, 1e-2) - slipping) < 0.01 * slipping);
   CHECK(std::abs(speed(0.05, 2.5e-3) - slipping) < 0.5 * std::abs(speed(0.05, 1e-2) - slipping));
 }
@@ -208,7 +209,7 @@ TEST_CASE("a box pushed from under balls that lie on it: SimBenchmark's rolling"
     addBall(description, name, 0.5, ball_mass, {2.0 * column, 2.0 * row, 1.5});
     friction.push_back({{"box", name}, 0.8});
   }
-  // J. Hwangbo, D. Kang, SimBenchmark: friction takes mu (M + n m) g of the push, and each ball rolls backwards on the box.
+  // J. Hwangbo, D. Kang, SimBenchmark: friction with the ground is mu (M + n m) g, and each ball rolls backwards on the box.
   const double f1 = below * (box_mass + n * ball_mass) * gravity;
   const double f2 = (push - f1) / box_mass / (3.5 / ball_mass + n / box_mass);
   const double box_acceleration = (push - f1 - n * f2) / box_mass, ball_acceleration = f2 / ball_mass;
@@ -246,12 +247,12 @@ TEST_CASE("a box comes to rest on a field of heights", "[contact]") {
   Model description = onFloor(heightField(11, 11, heights, -5, -5, 1, 1));
   addBox(description, "box", {1.5, 1, 0.5}, 3, {0, 0, 0.5});
   World s(description, {.friction = 0.6}, {.dt = 2e-3});
-  // An edge meets the slope first; nothing throws the box back as the face comes down.
+  // An edge meets the slope first. The box must not be thrown back as its face comes down.
   s.simulator.advance(0.25);
   CHECK(s.simulator.v()[2] < 0.2);
   s.simulator.advance(2);
   CHECK(s.simulator.v().cwiseAbs().maxCoeff() < 1e-5);
-  // Its lower face lies on the slope of 0.1.
+  // The box's lower face lies on the slope of 0.1.
   Data data(s.model);
   forwardKinematics(s.model, data, s.simulator.q());
   const Vec3<double> up = jointPlacement(s.model, data, 1).R * Vec3<double>{0, 0, 1};
@@ -281,7 +282,7 @@ TEST_CASE("what falls on uneven ground and rolls there gains no energy", "[conta
       before = now;
     }
     INFO("seed " << seed);
-    // Of the 40 J that it falls with, one step of first order gives back no more than errors of its length.
+    // The solid falls with about 40 J. In one step its energy may grow only by the error of a first-order method.
     CHECK(most < 1);
   }
 }
@@ -297,7 +298,8 @@ TEST_CASE("options of contacts that make no sense are refused", "[contact][error
 }
 
 TEST_CASE("a ball comes back from its impact whatever its size, its speed and the step", "[contact_finder]") {
-  // Lengths by 2^k, times by 2^(k/2): the same motion. From 5 m a step goes farther than the ball is told of.
+  // Lengths are scaled by 2^k and times by 2^(k/2), so the motion is the same. After a fall from 5 m the ball moves farther in one step than the
+  // distance at which contacts are reported.
   for (const int k : {0, -24, -9, 7, 30})
     for (const bool plate : {false, true}) {
       CAPTURE(k, plate);
@@ -356,13 +358,13 @@ TEST_CASE("no body passes another unseen", "[contact_finder]") {
     addBox(model, "rod", {0.9, 0.01, 0.01}, 1, {0, 0, 0});
     World world(model, {.friction = 0}, {.dt = 4e-3, .restitution = 1});
     Vector q = neutral(world.model), v = Vector::Zero(6);
-    q[5] = std::sin(0.5), q[6] = std::cos(0.5);  // turned by 1 rad
+    q[5] = std::sin(0.5), q[6] = std::cos(0.5);  // rotated by 1 rad about z
     v[5] = -150;
     world.simulator.reset(q, v);
     world.simulator.advance(0.012);
     CHECK(world.simulator.statistics().impacts >= 1);
     CHECK(world.velocityOf("rod_joint")[5] > -149);
-    CHECK(world.simulator.energy() == approx(0.5 * (0.81 + 1e-4) / 12 * 150 * 150).epsilon(1e-5));  // by steps of 0.6 rad
+    CHECK(world.simulator.energy() == approx(0.5 * (0.81 + 1e-4) / 12 * 150 * 150).epsilon(1e-5));  // one step turns the rod by 0.6 rad
   }
 }
 
@@ -381,7 +383,7 @@ TEST_CASE("a stone that comes down again within one step of an adaptive method b
 }
 
 TEST_CASE("floors of several solids are floors, and what stands on them is not stopped at their seams", "[contact_finder]") {
-  // Three slabs side by side, the last turned: a box slides over them without friction; then the slabs are the box's, and the floor is one.
+  // A box slides without friction over three slabs side by side, of which the last is rotated.
   for (const double speed : {0.3, 1.7})
     for (const double start : {-0.7, -0.6871, -0.6604}) {
       CAPTURE(speed, start);
@@ -401,7 +403,7 @@ TEST_CASE("floors of several solids are floors, and what stands on them is not s
       CHECK(std::abs(world.simulator.q()[0] - (start + 1.9)) < 1e-6);
       CHECK(std::abs(world.simulator.q()[2] - 0.05) < 1e-6);
     }
-  // A wall on a floor still stops it.
+  // A wall on a floor must still stop the box.
   Model model;
   model.gravity = {0, 0, -gravity};
   model.addGeometry("floor", 0, {Mat3<double>::identity(), {0, 0, -0.2}}, g::Box{{4, 2, 0.4}});
@@ -416,7 +418,7 @@ TEST_CASE("floors of several solids are floors, and what stands on them is not s
   CHECK(std::abs(world.simulator.q()[0] - (0.9 - 0.075)) < 1e-6);
 }
 
-// Pushing bodies apart changes positions at constant joint velocities. A chain that moves has another momentum then, so chains start at rest here.
+// Pushing bodies apart changes positions at constant joint velocities. This changes the momentum of a moving chain, so chains start at rest here.
 TEST_CASE("bodies that overlap from the start are pushed apart without a gain of momentum or energy", "[geometry][contacts]") {
   const auto turned = [](double x, double y, double z) { return exp3(Vec3<double>{x, y, z}); };
   const auto place = [](Model& model, const char* body, const SE3<double>& at) {
@@ -429,21 +431,21 @@ TEST_CASE("bodies that overlap from the start are pushed apart without a gain of
       for (const double dt : {1e-2, 1e-3}) {
         Model model;
         model.gravity = {};
-        if (scene == 0) {  // boxes, turned, of masses that differ
+        if (scene == 0) {  // rotated boxes of different masses
           addBox(model, "a", {0.3, 0.2, 0.4}, 2, {});
           addBox(model, "b", {0.2, 0.5, 0.1}, 0.3, {});
           addBox(model, "c", {0.2, 0.2, 0.2}, 5, {});
           place(model, "a", {turned(0.3, -0.4, 0.8), {}});
           place(model, "b", {turned(-0.5, 0.2, 0.1), {0.17, 0.02, 0.05}});
           place(model, "c", {turned(0.1, 0.9, -0.3), {-0.1, 0.17, 0.02}});
-        } else if (scene == 1) {  // a chain that flies, and a ball in its way
+        } else if (scene == 1) {  // a free chain of two bodies, and a ball that overlaps it
           const int first = addBox(model, "a", {0.4, 0.1, 0.1}, 1, {});
           JointDescription hinge = jointOf("hinge", "revolute", {Mat3<double>::identity(), {0.3, 0, 0}});
           hinge.parameters["axis"] = std::vector<double>{0, 0.6, 0.8};
           const int second = model.addBody("b", first, hinge, {0.6, {0.2, 0, 0}, {1e-3, 0, 0, 9e-3, 0, 9e-3}});
           model.addGeometry("b", second, {Mat3<double>::identity(), {0.2, 0, 0}}, g::Capsule{0.05, 0.3});
           addBall(model, "c", 0.1, 0.4, {0.45, 0.02, 0.09});
-        } else {  // a rod across two balls
+        } else {  // a cylinder across two balls
           addSolid(model, "a", g::Cylinder{0.05, 0.8}, 1, {0.054, 0.054, 0.00125}, {});
           addBall(model, "b", 0.1, 3, {0.11, 0.03, 0.3});
           addBall(model, "c", 0.1, 0.5, {-0.12, 0, -0.2});

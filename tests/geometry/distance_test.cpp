@@ -1,4 +1,4 @@
-// Signed distances of all pairs of solids against closed forms and against the definition.
+// Signed distances of all pairs of solids compared with closed forms and with the definition.
 #include "geometry/oracle.hpp"
 #include "geometry/scene.hpp"
 
@@ -13,10 +13,10 @@ const char* const names[] = {"sphere", "box", "capsule", "cylinder", "cone", "hu
 
 double length(const Vec3<double>& x) { return std::sqrt(dot(x, x)); }
 
-/// Sides are of the given size, times or through powers of ten up to `ratio`.
+/// A random solid. Its sides are of the given size, times powers of ten with exponents in [-ratio, ratio].
 GeometryShape randomShape(int kind, Random& random, double size, double ratio = 0) {
   const auto side = [&] {
-    const double factor = random.uniform(0.2, 2);  // first: what a product evaluates first is the compiler's choice
+    const double factor = random.uniform(0.2, 2);  // a statement of its own, because compilers choose the order within products
     return size * factor * std::pow(10, ratio > 0 ? random.uniform(-ratio, ratio) : 0);
   };
   switch (kind) {
@@ -39,7 +39,7 @@ GeometryShape randomShape(int kind, Random& random, double size, double ratio = 
 
 bool curved(const GeometryShape& x) { return std::holds_alternative<g::Cylinder>(x) || std::holds_alternative<g::Cone>(x); }
 
-/// Whether two kinds have a closed form, and it.
+/// The signed distance in closed form, if this pair of kinds has one.
 std::optional<Wide> closedForm(const Placed& a, const Placed& b) {
   for (const auto& [x, y] : {std::pair(&a, &b), std::pair(&b, &a)}) {
     const auto* ball = std::get_if<g::Sphere>(&x->shape);
@@ -58,9 +58,9 @@ std::optional<Wide> closedForm(const Placed& a, const Placed& b) {
 struct Situation {
   const char* name;
   double size;
-  double spread;     ///< of positions, in sizes
-  bool aligned;      ///< axes parallel
-  double ratio = 0;  ///< of sides, as a power of ten
+  double spread;     ///< of positions, relative to size
+  bool aligned;      ///< the axes of both solids are parallel
+  double ratio = 0;  ///< exponent of ten by which sides may differ from size
 };
 
 constexpr Situation situations[] = {{"apart", 1, 3, false},
@@ -78,16 +78,17 @@ void check(const GeometryShape& a, const SE3<double>& at, const GeometryShape& b
   const Distance found = scene.distance(pose);
   const SE3<double> there = geometryPlacement(scene.geometry, scene.geometry_data, 1);
   const Placed pa{a, cast<Wide>(at)}, pb{b, cast<Wide>(there)};
-  // Of the solids' size: rounding where the search ends at corners, sides and faces; cylinders and cones that overlap are searched to 1e-8.
+  // Tolerances relative to the solids' size. The search is exact to rounding where it ends at corners, sides and faces. For cylinders and cones that
+  // overlap it ends at 1e-8.
   const double rounding = 1e-14 * size, search = 2e-8 * size;
   const std::optional<Wide> closed = closedForm(pa, pb);
   if (closed) {
     CHECK(std::fabs(static_cast<double>(found.distance - *closed)) <= (curved(a) || curved(b) ? search : rounding));
   } else {
-    // No direction parts them farther. (That they are not nearer is what the nearest points say, below.)
+    // No direction separates the solids farther. The nearest points below show that they are not nearer.
     CHECK(mostParted(pa, pb) <= found.distance + search);
   }
-  // The normal parts the two by just that distance, and the nearest points are in the solids and that far apart.
+  // The normal separates the two by just that distance. The nearest points are in the solids and that far apart.
   CHECK(std::fabs(dot(found.normal, found.normal) - 1) < 1e-14);
   CHECK(std::fabs(static_cast<double>(parted(pa, pb, wide(found.normal)) - found.distance)) <= 5 * search);
   const Vec3<double> gap = found.nearest_b - found.nearest_a - found.distance * found.normal;
@@ -147,14 +148,14 @@ TEST_CASE("solids that touch have no distance", "[geometry]") {
         SE3<double> pose = random.pose();
         pose.p = 3 * random.vector(1);
         TwoSolids scene(a, {}, b);
-        // Moved to contact along the normal, a little more, a little less.
+        // Moves the second solid along the normal to contact, and a little more or less.
         const Distance before = scene.distance(pose);
         for (const double more : {0.0, 1e-15, -1e-15, 1e-12, -1e-12, 1e-9, -1e-9, 1e-6, -1e-6}) {
           SE3<double> touching = pose;
           touching.p -= (before.distance - more) * before.normal;
           const double d = scene.distance(touching).distance;
           INFO(before.distance << " " << more);
-          // Pushed in along the normal of a corner they may slip past one another.
+          // When the second solid is pushed in along the normal of a corner, the two may slip past each other.
           CHECK(d >= more - 2e-8);
           CHECK(d <= std::fabs(more) + 2e-8);
         }
@@ -241,7 +242,7 @@ TEST_CASE("half-spaces are as far as the deepest point", "[geometry]") {
 }
 
 TEST_CASE("normals of solids that nearly touch are those of the features that meet", "[distance]") {
-  // A small solid over a large floor, by gaps down to rounding: the normal is the floor's, however few digits the gap has.
+  // A small solid lies over a large floor, with gaps down to rounding. The normal must be the floor's, however few digits the gap has.
   Random random(31);
   for (const double floor_size : {1.5, 30.0, 700.0})
     for (const GeometryShape& small : {GeometryShape(g::Box{{0.2, 0.3, 0.1}}), GeometryShape(g::Cylinder{0.07, 0.3}),
@@ -270,7 +271,7 @@ TEST_CASE("a cylinder or a cone that touches a box along its side is straight ab
     const SE3<double> tilted = random.pose();
     TwoSolids s(g::Box{{3, 2, 0.4}}, tilted, g::Cylinder{radius, long_side});
     const double gap = std::array{0.0, 1e-14, -1e-14, 1e-12, 1e-10, -1e-11}[static_cast<std::size_t>(k % 6)];
-    // Lying: its axis along the box's x, turned about z.
+    // The cylinder lies on the box: its axis is the box's x axis rotated about z.
     const SE3<double> lying{exp3(Vec3<double>{0, 0, random.uniform(-3, 3)}) * exp3(Vec3<double>{0, M_PI / 2, 0}),
                             {random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3), 0.2 + radius + gap}};
     const Distance x = s.distance(tilted * lying);
@@ -295,7 +296,7 @@ TEST_CASE("nearest points are on both solids where the one's centre is the other
   for (const double radius : {0.0, 0.05})
     for (const Case& c : cases) {
       CAPTURE(radius, c.other.index());
-      // The sphere stands at the world's origin, and the other's feature lies there; then the other way round.
+      // The sphere and the feature of the other solid are both at the world's origin. Both orders of the pair are tested.
       const SE3<double> turned{exp3(Vec3<double>{0.3, -0.2, 0.5}), {}}, there{turned.R, -(turned.R * c.feature)};
       const double margin = std::holds_alternative<g::Capsule>(c.other) ? 0.1 : 0;
       for (const bool sphere_first : {true, false}) {

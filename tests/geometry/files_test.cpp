@@ -1,4 +1,4 @@
-// Meshes and octrees from files: good ones are what they say, broken ones are an error within seconds and bounded memory.
+// Meshes and octrees from files. Valid files give the shapes that they describe; broken files give an error within seconds and bounded memory.
 #include "geometry/scene.hpp"
 #include "support/folder.hpp"
 
@@ -17,7 +17,7 @@ namespace g = dyn::geometry;
 
 namespace {
 
-/// A box of sides 2 x 2 x 2 without its lid, so that it is not convex, or with it.
+/// A box with sides 2 x 2 x 2, with its lid, or without it and therefore not convex.
 g::TriangleMesh openBox(bool lid) {
   g::TriangleMesh m;
   for (int i = 0; i < 8; ++i) m.vertices.push_back({i & 1 ? 1. : -1., i & 2 ? 1. : -1., i & 4 ? 1. : -1.});
@@ -67,7 +67,7 @@ std::string dae(const g::TriangleMesh& m) {
 <scene><instance_visual_scene url="#s"/></scene></COLLADA>)";
 }
 
-/// Of a ball of radius 0.1 from a file's shape.
+/// Distance of a ball of radius 0.1 at `at` from a shape in the world.
 double distanceFrom(const GeometryShape& shape, const Vec3<double>& at) {
   TwoSolids scene(shape, {}, g::Sphere{0.1});
   return scene.distance({Mat3<double>::identity(), at}).distance;
@@ -84,7 +84,7 @@ TEST_CASE("meshes of every format are the surface that they say, wherever the fi
   folder.write("robot_description/meshes/" + name, text);
   const std::string file = (folder.path / "robot_description/meshes" / name).string();
   INFO(name);
-  // From outside, through the open top, and inside: a surface.
+  // The open mesh is a surface, seen from outside, through the open top and from inside.
   for (const std::string& uri : {file, "file://" + file}) {
     CHECK(distanceFrom(g::MeshFile{uri}, {2, 0, 0}) == approx(0.9).epsilon(1e-12));
     CHECK(distanceFrom(g::MeshFile{uri}, {0, 0, 2}) == approx(std::sqrt(2.0) - 0.1).epsilon(1e-12));
@@ -94,10 +94,10 @@ TEST_CASE("meshes of every format are the surface that they say, wherever the fi
     CHECK(distanceFrom(g::MeshFile{uri, {-1, 1, 3}}, {0, 0, -4}) == approx(0.9).epsilon(1e-12));
     CHECK(distanceFrom(g::MeshFile{uri, {1, 1, 1}, true}, {0, 0, 0.5}) == approx(-0.6).epsilon(1e-12));
   }
-  // Convex meshes are solids.
+  // A closed convex mesh is a solid.
   CHECK(distanceFrom(closed, {0, 0, 0.5}) == approx(-0.6).epsilon(1e-12));
 
-  // Packages by folder of packages, by their own folder, by environment; and beside the URDF.
+  // A package is found by the folder of packages, by its own folder, by the environment, or beside the URDF.
   Model m = TwoSolids::describe(g::MeshFile{"package://robot_description/meshes/" + name}, {}, g::Sphere{0.1});
   const CompactModel model = compile(m, registry());
   GeometryOptions options;
@@ -131,7 +131,7 @@ TEST_CASE("files are read once each, and only those that a pair needs", "[geomet
     m.addGeometry("g" + std::to_string(i), i + 1, {}, g::MeshFile{used});
   }
   m.addGeometry("scaled", 5, {}, g::MeshFile{used, {2, 2, 2}});
-  // Broken and absent files that nothing needs are no error.
+  // Broken and missing files that no pair needs are not an error.
   GeometryDescription seen;
   seen.name = "seen";
   seen.body = 1;
@@ -165,7 +165,7 @@ TEST_CASE("missing meshes are named all at once, and skipped where the caller al
 }
 
 namespace {
-/// One node within the other, which assimp follows until its stack ends.
+/// A COLLADA file with nodes nested `depth` deep, which assimp follows until its stack overflows.
 std::string nestedDae(int depth) {
   std::string open, close;
   for (int i = 0; i < depth; ++i) {
@@ -216,7 +216,7 @@ TEST_CASE("broken files are an error that names them, soon and without eating me
       {"zero.bt", "# Octomap OcTree binary file\nid OcTree\nsize 1\nres 0\ndata\n\x01\x02"},
       {"text.ot", "no octree"},
       {"header.ot", "# Octomap OcTree file\nid OcTree\nsize 1000000000\nres 0.1\ndata\n"},
-      // Children of children without end, which octomap would follow until its stack ends.
+      // Endlessly nested children, which octomap would follow until its stack overflows.
       {"deep.bt", "# Octomap OcTree binary file\nid OcTree\nsize 1000000000\nres 0.1\ndata\n" + std::string(4 << 20, '\xff')},
       {"deep.ot", "# Octomap OcTree file\nid OcTree\nsize 1000000000\nres 0.1\ndata\n" + std::string(4 << 20, '\x01')},
       {"more.bt", "# Octomap OcTree binary file\nid OcTree\nsize 20\nres 0.1\ndata\n" + std::string(4 << 20, '\xff')},
@@ -243,7 +243,7 @@ TEST_CASE("cubes of an octree are solid, and one without leaves is nowhere", "[g
   CHECK(distanceFrom(voxels, {4, 4, 5}) == approx(0.65).epsilon(1e-12));
   CHECK(distanceFrom(g::Voxels{{{{2, 0, 0}, 1}}}, {2, 0, 2}) == approx(1.4).epsilon(1e-12));
   CHECK(std::isinf(distanceFrom(g::Voxels{}, {})));
-  // A file of one occupied leaf, at depth 1 of 16: the unit cube in the first octant; and of none.
+  // A file with one occupied leaf at depth 1 of 16, which is the unit cube in the first octant, and a file with none.
   const Folder folder;
   const std::string header = "# Octomap OcTree binary file\nid OcTree\nsize ", rest = "\nres 3.0517578125e-05\ndata\n";
   const std::string one = folder.write("one.bt", header + "2" + rest + std::string("\x00\x80", 2));
@@ -252,7 +252,7 @@ TEST_CASE("cubes of an octree are solid, and one without leaves is nowhere", "[g
   CHECK(std::isinf(distanceFrom(g::OctreeFile{folder.write("none.bt", header + "0" + rest)}, {})));
   CHECK_THROWS_WITH(distanceFrom(g::OctreeFile{folder.write("short.bt", header + "9" + rest + std::string("\x00\x80", 2))}, {}),
                     containing("ends early"));
-  // The same cube in octomap's other format, whose nodes are log odds and bits of children.
+  // The same cube in octomap's other format, in which a node has log odds and a bit for each child.
   const auto node = [](float log_odds, char children) {
     std::string bytes(5, children);
     std::memcpy(bytes.data(), &log_odds, sizeof log_odds);
@@ -261,7 +261,7 @@ TEST_CASE("cubes of an octree are solid, and one without leaves is nowhere", "[g
   const std::string odds = folder.write("odds.ot", "# Octomap OcTree file\n# a comment\nid OcTree\nsize 2" + rest + node(1, '\x80') + node(1, 0));
   CHECK(distanceFrom(g::OctreeFile{odds}, {0.5, 0.5, 2}) == approx(0.9).epsilon(1e-12));
   CHECK(distanceFrom(g::OctreeFile{odds}, {0.5, 0.5, 0.5}) == approx(-0.6).epsilon(1e-12));
-  // A branch down to the smallest cubes is not too deep.
+  // A branch down to the smallest cubes is allowed.
   std::string branch;
   for (int depth = 0; depth < 15; ++depth) branch += std::string("\x03\0", 2);
   const std::string deep = folder.write("smallest.bt", header + "17" + rest + branch + std::string("\x02\0", 2));

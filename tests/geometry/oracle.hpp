@@ -1,4 +1,4 @@
-// Distances of placed solids in long double, by definitions and closed forms; shares nothing with the library but the description.
+// Distances of placed solids in long double, by definitions and closed forms. This code shares only the description of shapes with the library.
 #pragma once
 
 #include <dyn/model/geometry_description.hpp>
@@ -51,16 +51,16 @@ V3 support(const Other&, const V3&) {
   return {};
 }
 
-/// The farthest point of a placed solid along n, in the world.
+/// The point of a placed solid that is farthest along n, in the world.
 inline V3 support(const Placed& x, const V3& n) {
   const V3 local = transposeTimes(x.pose.R, n);
   return x.pose.act(std::visit([&](const auto& s) { return support(s, local); }, x.shape));
 }
 
-/// How far a plane across n parts a from b; the signed distance is the largest over all n.
+/// The width of the gap between a and b along n, negative if they overlap. The signed distance is the largest such gap over all n.
 inline Wide parted(const Placed& a, const Placed& b, const V3& n) { return dot(n, support(b, -n)) - dot(n, support(a, n)); }
 
-/// From below, the signed distance by its definition, max over n of parted(n): many starts, each uphill by steps that shrink.
+/// A lower bound of the signed distance max over n of parted(n), by random uphill search from many starts with shrinking steps.
 inline Wide mostParted(const Placed& a, const Placed& b, unsigned seed = 1) {
   std::mt19937_64 generator(seed);
   std::normal_distribution<double> normal;
@@ -97,7 +97,7 @@ inline Wide mostParted(const Placed& a, const Placed& b, unsigned seed = 1) {
   return best;
 }
 
-// Closed forms: the signed distance of a point, in the solid's frame.
+// The functions ofPoint give the signed distance of a point from a solid in closed form, in the solid's frame.
 
 inline Wide ofRectangle(Wide x, Wide y, Wide half_x, Wide half_y) {
   const Wide dx = std::fabs(x) - half_x, dy = std::fabs(y) - half_y;
@@ -117,12 +117,12 @@ inline Wide ofPoint(const V3& p, const geometry::Capsule& c) {
   return length(V3{p.x, p.y, z}) - c.radius;
 }
 inline Wide ofPoint(const V3& p, const geometry::Cylinder& c) { return ofRectangle(std::hypot(p.x, p.y), p.z, c.radius, Wide(c.length) / 2); }
-/// In the half-plane of the point: base, side and the corners between.
+/// Works in the half-plane of the axis and the point, with base, side and the corners between them.
 inline Wide ofPoint(const V3& p, const geometry::Cone& c) {
-  const Wide r = std::hypot(p.x, p.y), h = c.length, R = c.radius, z = p.z + h / 2;  // base at z = 0, tip at (0, h)
+  const Wide r = std::hypot(p.x, p.y), h = c.length, R = c.radius, z = p.z + h / 2;  // the base is at z = 0, the tip at (0, h)
   const Wide slant = std::hypot(R, h);
   const Wide side = (h * (r - R) + R * z) / slant;    // signed distance from the side's line
-  const Wide along = (-R * (r - R) + h * z) / slant;  // on it, from the base's rim up
+  const Wide along = (-R * (r - R) + h * z) / slant;  // position along this line, from the base's rim up
   if (z <= 0 && r <= R) return -z;
   if (side <= 0 && z >= 0) return std::max(side, -z);
   if (along >= slant) return std::hypot(r, z - h);
@@ -130,13 +130,13 @@ inline Wide ofPoint(const V3& p, const geometry::Cone& c) {
   return side;
 }
 
-/// Of an octahedron on the axes no more than whether the point is in it, as its distance from the nearest face's plane.
+/// For an octahedron on the axes this is only the distance from the nearest face's plane, which tells whether the point is inside.
 inline Wide ofPoint(const V3& p, const geometry::ConvexHull& h) {
   const Wide a = h.points[0].x, b = h.points[2].y, c = h.points[4].z;
   return (std::fabs(p.x) / a + std::fabs(p.y) / b + std::fabs(p.z) / c - 1) / length({1 / a, 1 / b, 1 / c});
 }
 
-/// How far a point of the world is outside of a solid, negative inside.
+/// Signed distance of a point of the world from a placed solid, negative inside.
 inline Wide outside(const Placed& x, const V3& point) {
   const V3 local = x.pose.actInv(point);
   return std::visit(
@@ -147,7 +147,7 @@ inline Wide outside(const Placed& x, const V3& point) {
       x.shape);
 }
 
-/// Corners, sides and faces of a polytope in the world: of boxes, hulls, capsules' segments and spheres' centres.
+/// Corners, sides and faces of a polytope in the world: a box, a hull, a capsule's segment or a sphere's centre.
 struct Polytope {
   std::vector<V3> corners;
   std::vector<std::array<int, 2>> sides;
@@ -173,7 +173,7 @@ inline Polytope polytopeOf(const Placed& x) {
   } else if (std::holds_alternative<geometry::Sphere>(x.shape)) {
     p.corners.push_back(x.pose.p);
   } else {
-    // A hull of six points on the axes.
+    // The tests' hulls have six points, two on each axis.
     for (const auto& c : std::get<geometry::ConvexHull>(x.shape).points) p.corners.push_back(x.pose.act(wide(c)));
     for (int i = 0; i < 6; ++i)
       for (int j = i + 1; j < 6; ++j)
@@ -192,7 +192,7 @@ inline Wide pointSegment(const V3& p, const V3& x, const V3& y) {
 }
 
 inline Wide segments(const V3& a, const V3& b, const V3& c, const V3& d) {
-  // Nearest ends and, where they lie within both, the common perpendicular.
+  // The nearest points are ends, or, if they lie within both segments, the feet of the common perpendicular.
   Wide best = std::min({pointSegment(a, c, d), pointSegment(b, c, d), pointSegment(c, a, b), pointSegment(d, a, b)});
   const V3 u = b - a, v = d - c, w = a - c;
   const Wide uu = dot(u, u), uv = dot(u, v), vv = dot(v, v), uw = dot(u, w), vw = dot(v, w), D = uu * vv - uv * uv;
@@ -203,7 +203,7 @@ inline Wide segments(const V3& a, const V3& b, const V3& c, const V3& d) {
   return best;
 }
 
-/// Of polytopes (without margins): by separating axes where they overlap, else by nearest features.
+/// Signed distance of two polytopes without margins: by separating axes if they overlap, else by nearest features.
 inline Wide ofPolytopes(const Polytope& a, const Polytope& b) {
   const auto apart = [&](const V3& n) {
     Wide top = -std::numeric_limits<Wide>::infinity(), bottom = -top;

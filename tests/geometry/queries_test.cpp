@@ -1,4 +1,4 @@
-// Nothing that collides is missed, distances are those of the nearest parts, batches and derivatives are those of single states.
+// Geometry queries: no collision is missed, distances are those of the nearest parts, and batches and derivatives agree with single states.
 #include "geometry/scene.hpp"
 #include "support/skip.hpp"
 
@@ -12,7 +12,7 @@ namespace g = dyn::geometry;
 
 namespace {
 
-/// A random tree with a volume or two on each body, among `obstacles` of all kinds.
+/// A random tree with one or two volumes on each body, among obstacles of all kinds.
 Model clutter(int bodies, int obstacles, std::uint64_t seed) {
   Random random(seed);
   Model m = randomTree(registry(), bodies, seed);
@@ -149,7 +149,7 @@ TEST_CASE("a mesh's distance is that of its nearest triangle, voxels' that of th
     pose.p = random.vector(1.5);
     TwoSolids whole(a, at, b);
     const Distance found = whole.distance(pose);
-    // The same pieces as geometries of their own.
+    // The same triangles or cubes as separate geometries.
     Model m;
     m.addBody("body", 0, jointOf("joint", "free_flyer"), {1, {}, {1, 0, 0, 1, 0, 1}});
     int count = 0;
@@ -245,7 +245,7 @@ TEST_CASE("the derivative of the distance is that of its differences", "[geometr
         for (const Distance& d : computeDistances(geometry, geometry_data)) (s > 0 ? ahead : behind).push_back(d.distance);
       }
       for (std::size_t p = 0; p < distances.size(); ++p) {
-        // Where nearest features change within the step the two one-sided differences differ, and there is no derivative to compare with.
+        // If the nearest features change within the step, the one-sided differences differ, and there is no derivative to compare with.
         const double right = (ahead[p] - distances[p].distance) / h, left = (distances[p].distance - behind[p]) / h;
         if (distances[p].distance <= 0 || std::fabs(right - left) > 1e-3) continue;
         CHECK(analytic[p][k] == approx(0.5 * (right + left)).margin(2e-5));

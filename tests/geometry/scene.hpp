@@ -1,4 +1,4 @@
-// Small scenes: one solid in the world, one on a free body.
+// Small scenes with one solid in the world and one on a free body.
 #pragma once
 
 #include "support/random_model.hpp"
@@ -49,7 +49,7 @@ inline GeometryShape someShape(Random& random, double size) {
   }
 }
 
-/// `a` stands in the world, `b` moves freely.
+/// Solid `a` is fixed in the world at a given pose; solid `b` is on a free body.
 struct TwoSolids {
   Model description;
   CompactModel model;

@@ -1,4 +1,4 @@
-// Which pairs are checked, and what is loaded for them.
+// The pairs that a geometry model checks, and the geometries that it loads for them.
 #include "geometry/scene.hpp"
 
 #include <dyn/compile/edit.hpp>
@@ -14,7 +14,7 @@ namespace g = dyn::geometry;
 
 namespace {
 
-/// base - upper - lower - tool (fixed to lower), a ball on each; the base is fixed to the world.
+/// The chain base - upper - lower - tool, with a ball on each body. The tool is fixed to lower, the base to the world.
 Model arm() {
   Model m;
   const auto joint = [](const char* name, const char* type) {
@@ -46,7 +46,7 @@ TEST_CASE("pairs of one rigid body and of neighbours are left out, those with th
   const Model description = arm();
   const CompactModel model = compile(description, registry());
   const GeometryModel geometry = compileGeometry(model, description);
-  // The base is welded to the world as the table is; the first moving body is the base's neighbour but not the table's.
+  // The base and the table are both fixed to the world. The first moving body is a neighbour of the base but not of the table.
   CHECK(pairsOf(geometry) ==
         std::set<std::string>{"base_ball lower_ball", "base_ball tool_ball", "upper_ball table", "lower_ball table", "tool_ball table"});
   CHECK(geometry.report().rigid == 2);
@@ -55,7 +55,7 @@ TEST_CASE("pairs of one rigid body and of neighbours are left out, those with th
   CHECK(geometry.pairId("table", "tool_ball") == geometry.pairId("tool_ball", "table"));
   CHECK(geometry.pairId("table", "base_ball") == -1);
   CHECK(geometry.pairId("table", "nobody") == -1);
-  // Nor is a link of another model that stands in the world.
+  // A link of another model that is fixed to the world is not its neighbour, either.
   Model scene;
   scene.addBody("shelf", 0, jointOf("stand", "fixed"), {1, {}, {1, 0, 0, 1, 0, 1}});
   scene.addGeometry("board", 1, {}, g::Box{{1, 1, 1}});
@@ -87,7 +87,7 @@ TEST_CASE("what an appended model disables with its world is still asked of what
 }
 
 TEST_CASE("what held joints make collide is found, and makes no contact forces", "[geometry]") {
-  // The elbow is bent so far that the tool lies in the base; then all joints are held there.
+  // The elbow is bent so far that the tool overlaps the base. Then all joints are held there.
   const Model description = arm();
   const CompactModel free = compile(description, registry());
   const std::vector<double> bent{2 * M_PI / 3, 2 * M_PI / 3};
@@ -108,7 +108,7 @@ TEST_CASE("what held joints make collide is found, and makes no contact forces",
 }
 
 TEST_CASE("what stands in the world beside a base is no neighbour of its first link", "[geometry]") {
-  // A link of the description's own for the world, as URDFs have it, carries a table and a pedestal; the base stands on the pedestal.
+  // The description has a link for the world, as many URDFs do. This link carries a table and a pedestal; the base is on the pedestal.
   Model m;
   const auto fixed = [](const char* name) { return jointOf(name, "fixed"); };
   JointDescription shoulder = jointOf("shoulder", "revolute");
@@ -254,7 +254,7 @@ TEST_CASE("a model that is appended brings its geometries", "[geometry]") {
   CHECK(both.geometries.size() == 11);
   CHECK(both.geometries[5].name == "second/base_ball");
   CHECK(both.bodies[static_cast<std::size_t>(both.geometries[5].body)].name == "second/base");
-  // What stood in the second's world stands on what carries it.
+  // Geometries of the second model's world move to the body that carries the second model.
   CHECK(both.geometries[9].name == "second/table");
   CHECK(both.bodies[static_cast<std::size_t>(both.geometries[9].body)].name == "tool");
   CHECK(both.geometries[9].placement.p.z == 1);

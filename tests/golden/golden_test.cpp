@@ -1,4 +1,4 @@
-// Real robots against reference results made by another library in extended precision (shared/golden), by way of the public API.
+// Results for real robots, by the public API, compared with results of another library in extended precision (shared/golden).
 #include "errors.hpp"
 #include "support/shared.hpp"
 
@@ -18,7 +18,7 @@ Eigen::VectorXd vectorOf(const nlohmann::json& x) {
 
 std::vector<double> flat(const Motion<double>& m) { return {m.linear.x, m.linear.y, m.linear.z, m.angular.x, m.angular.y, m.angular.z}; }
 
-/// max |x - x*| <= 5 e max |x*|, where e is the error that the same library makes in double (at least an ulp or two).
+/// Checks max |x - x*| <= 5 e max |x*|, where e is the error that the reference library makes in double (at least an ulp or two).
 class Checker {
  public:
   Checker(std::string robot, const nlohmann::json& double_rel_err) : robot_(std::move(robot)), errors_(double_rel_err) {}
@@ -63,10 +63,10 @@ void checkFrames(const CompactModel& model, Data& data, const nlohmann::json& do
 void checkDerivatives(const CompactModel& model, Data& data, const nlohmann::json& s, const Checker& check) {
   const Eigen::VectorXd q = vectorOf(s["q"]), v = vectorOf(s["v"]), a = vectorOf(s["a"]), tau = vectorOf(s["tau"]);
   check(s, "Minv", rowMajor(computeMinverse(model, data, q)));
-  const RneaDerivatives x = computeRNEADerivatives(model, data, q, v, a);
+  const RNEADerivatives x = computeRNEADerivatives(model, data, q, v, a);
   check(s, "dtau_dq", rowMajor(x.dtau_dq));
   check(s, "dtau_dv", rowMajor(x.dtau_dv));
-  const AbaDerivatives y = computeABADerivatives(model, data, q, v, tau);
+  const ABADerivatives y = computeABADerivatives(model, data, q, v, tau);
   check(s, "ddq_dq", rowMajor(y.ddq_dq));
   check(s, "ddq_dv", rowMajor(y.ddq_dv));
   check(s, "coriolis_matrix", rowMajor(computeCoriolisMatrix(model, data, q, v)));

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# install.sh BUILD SOURCE: installs libdyn, builds example plugins and a user's program out of tree, and runs them with a `dyn` that is not
-# rebuilt; then moves the installed tree elsewhere and runs it again.
+# install.sh BUILD SOURCE: installs libdyn, builds example plugins and a user's program out of tree, and runs them with a `dyn` that is not rebuilt.
+# Then it moves the installed tree elsewhere and runs it again.
 set -euo pipefail
 umask 022
 build=$1 source=$2
@@ -20,7 +20,7 @@ for folder in "$work"/examples/*/; do
   name=$(basename "$folder")
   cmake -S "$folder" -B "$folder/build" -G Ninja -DCMAKE_PREFIX_PATH="$prefix" >/dev/null
   cmake --build "$folder/build" >/dev/null
-  # Another build of the same plugin is in the path.
+  # The plugin path contains another build of the same plugin.
   DYN_PLUGIN_PATH=$build/examples "$prefix/bin/dyn" plugin check "$folder/build/$name.so" --rounds 1 | tail -1
   for urdf in "$folder"/*.urdf; do DYN_PLUGIN_PATH=$folder/build "$prefix/bin/dyn" demo "$urdf" | tail -1; done
 done

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# user_flags.sh BUILD SOURCE: a user's program and a plugin, each compiled with flags of its own (alignment, instruction sets, assertions,
-# another compiler), against the libdyn that install.sh has installed; all of them run under AddressSanitizer and agree.
+# user_flags.sh BUILD SOURCE: compiles a user's program and a plugin with different flags each (alignment, instruction sets, assertions, another
+# compiler) against the libdyn that install.sh has installed. All combinations run under AddressSanitizer and must agree.
 set -euo pipefail
 umask 022
 build=$1 source=$2
@@ -18,8 +18,8 @@ else
   echo "skipped: clang++-16 with its AddressSanitizer is not installed, so there is no other compiler"
 fi
 
-# The two runtimes of AddressSanitizer do not mix in one process: a program runs with plugins of its own compiler sanitized, and with
-# plain ones of the other.
+# The AddressSanitizer runtimes of two compilers do not mix in one process. So a program runs with sanitized plugins of its own compiler and with
+# plain plugins of the other.
 plugin() {  # index, suffix, extra flags
   mkdir -p "$work/plugin$1$2"
   ${variants[$1]} $3 -std=c++20 -fPIC -shared -fvisibility=hidden "${libdyn[0]}" "$source/plugins/examples/cam_follower/cam_follower.cpp" \
@@ -38,7 +38,7 @@ for compiler in "${variants[@]%% *}"; do echo "$compiler"; done | sort -u | whil
     { echo "a user who asks $compiler for warnings gets some" >&2; exit 1; }
 done
 
-# What lays out containers in another way is refused as it is compiled, by its name.
+# Macros that change the layout of containers are refused by name when the program is compiled.
 for macro in _GLIBCXX_DEBUG _GLIBCXX_USE_CXX11_ABI=0; do
   if g++ -std=c++20 -fsyntax-only "-D$macro" "$source/tests/install/user/main.cpp" "${headers[@]}" 2>"$work/refusal"; then
     echo "a program with $macro compiles, and would crash" >&2
@@ -55,7 +55,7 @@ for i in "${!variants[@]}"; do
     [ "${variants[$i]%% *}" = "${variants[$k]%% *}" ] && suffix=-asan
     answer=$(DYN_PLUGIN_PATH=$work/plugin$k$suffix "$work/user$i" "$source/plugins/examples/cam_follower/cam_follower.urdf") ||
       { echo "program '${variants[$i]}' with plugin '${variants[$k]}' failed" >&2; exit 1; }
-    # Sums in another order, or fused, may differ in the last digits.
+    # Sums in another order or with fused operations may differ in the last digits.
     rounded=$(awk '{printf "%.11e %.11e %.11e", $2, $4, $6}' <<<"$answer")
     [ "${expected:=$rounded}" = "$rounded" ] ||
       { echo "program '${variants[$i]}' with plugin '${variants[$k]}' says $rounded, not $expected" >&2; exit 1; }

@@ -1,4 +1,4 @@
-// Contacts and limits of joints in simulations, against what rigid bodies do in closed form.
+// Contacts and joint limits in simulations, compared with closed forms for rigid bodies.
 #include "integrate/problems.hpp"
 
 #include <algorithm>
@@ -12,7 +12,7 @@ constexpr double g = 9.81;
 
 CompactModel ball() { return compile(tool::body("translation", 2, {}, {0.1, 0.1, 0.1}, g), registry()); }
 
-/// Of edges 1, 1, 0.5 m and 3 kg, with frames at the corners of its lower face.
+/// A box of 1 x 1 x 0.5 m and 3 kg, with frames at the corners of its lower face.
 CompactModel box(std::vector<std::string>& corners) {
   Model model = tool::body("free_flyer", 3, {}, {3 * (1 + 0.25) / 12, 3 * (1 + 0.25) / 12, 3 * 2.0 / 12}, g);
   for (int k = 0; k < 4; ++k) {
@@ -30,7 +30,7 @@ Vector at(const CompactModel& model, std::initializer_list<double> first) {
   return q;
 }
 
-/// A pendulum whose joint stops at these angles.
+/// A pendulum with these joint limits.
 CompactModel stopped(double lower, double upper) {
   Model model = tool::pendulum(1);
   model.bodies[1].joint.limits.lower = {lower};
@@ -48,14 +48,14 @@ TEST_CASE("an elastic ball keeps bouncing to where it came from", "[contact]") {
   s.reset(at(model, {0, 0, 1}), Vector::Zero(3));
   const double before = s.energy();
   s.advance(20);
-  // Every second passage of 2 sqrt(2 d / g) it is on top.
+  // The period between bounces is 2 sqrt(2 d / g); the ball starts at the top.
   const double period = 2 * std::sqrt(2 / g);
   const long bounces = static_cast<long>(std::floor(20 / period + 0.5));
   const double since = 20 - (static_cast<double>(bounces) - 0.5) * period, v = std::sqrt(2 * g) - g * since;
   INFO(infoOf(integrator).name);
   CHECK(s.statistics().impacts == bounces);
   CHECK(s.statistics().contact_steps == 0);
-  // Each impact is solved to 1e-9 m/s, of 4.43.
+  // Each impact at 4.43 m/s is solved to 1e-9 m/s.
   const double wrong = static_cast<double>(bounces) * ContactSettings().tolerance;
   CHECK(std::abs(s.energy() - before) < wrong * 2 * std::sqrt(2 * g));
   CHECK(std::abs(s.q()[2] - (1 - 0.5 * (v / g) * v)) < wrong * 20);
@@ -66,7 +66,7 @@ TEST_CASE("a ball that loses half its speed at each bounce comes to rest when th
   Simulator s(model, {.dt = 1e-3, .restitution = 0.5});
   s.setContacts(pointsOnPlane(model, {"body"}));
   s.reset(at(model, {0, 0, 1}), Vector::Zero(3));
-  // sqrt(2 d / g) (1 + e) / (1 - e): Zeno's time.
+  // The series of bounces ends at the time sqrt(2 d / g) (1 + e) / (1 - e).
   const double end = std::sqrt(2 / g) * 3;
   s.advance(0.9 * end);
   CHECK(s.q()[2] > 1e-4);
@@ -75,7 +75,7 @@ TEST_CASE("a ball that loses half its speed at each bounce comes to rest when th
   CHECK(static_cast<double>(s.statistics().impacts) > bounces_before);
   CHECK(s.statistics().impacts < 20);
   CHECK(std::abs(s.q()[2]) < 1e-9);
-  // At rest to the solver's tolerance, and what brings back what it lets pass.
+  // The ball is at rest up to the solver's tolerance and the correction of the resulting penetration.
   CHECK(std::abs(s.v()[2]) < 1e-7);
   const double height = s.q()[2];
   s.advance(end + 1);
@@ -88,7 +88,7 @@ TEST_CASE("a box slides down a slope as Coulomb says, or not at all", "[contact]
   const double slope = 0.3;
   const Vec3<double> normal{std::sin(slope), 0, std::cos(slope)};
   Vector q = neutral(model);
-  // Turned with the slope, its lower face on it.
+  // The box is tilted with the slope and lies on it with its lower face.
   q[4] = std::sin(slope / 2);
   q[6] = std::cos(slope / 2);
   q.head<3>() = 0.25 * Eigen::Vector3d(normal.x, normal.y, normal.z);
@@ -101,7 +101,7 @@ TEST_CASE("a box slides down a slope as Coulomb says, or not at all", "[contact]
     return Eigen::Vector3d(s.q().head<3>() - q.head<3>()).dot(Eigen::Vector3d(normal.z, 0, -normal.x));
   };
   CHECK(std::abs(slid(1.01 * std::tan(slope), 1e-2)) < 1e-6);
-  // Semi-implicit steps of constant acceleration: a t (t + dt) / 2 to the last digit but the solver's, 1e-9 m/s a step.
+  // Semi-implicit steps with constant acceleration give a t (t + dt) / 2, up to the solver's tolerance of 1e-9 m/s a step.
   const double friction = 0.5 * std::tan(slope), a = g * (std::sin(slope) - friction * std::cos(slope)), dt = 1e-2;
   CHECK(std::abs(slid(friction, dt) - 0.5 * a * (1 + dt)) < 1e-6);
 }
@@ -151,7 +151,7 @@ TEST_CASE("joints bounce off their limits, and rest at them while something push
       highest = std::max(highest, s.q()[0]);
     }
     CHECK(s.statistics().impacts > 10);
-    // Each impact is solved to 1e-9 m/s, of at most 1.5, on 1 kg m^2.
+    // Each impact, at no more than 1.5 rad/s on 1 kg m^2, is solved to 1e-9 rad/s.
     CHECK(std::abs(s.energy() - before) < static_cast<double>(s.statistics().impacts) * ContactSettings().tolerance * 1.5);
     CHECK(lowest > -0.3 - 1e-10);
     CHECK(highest < 0.2 + 1e-10);
@@ -173,7 +173,7 @@ TEST_CASE("joints bounce off their limits, and rest at them while something push
     CHECK(s.statistics().impacts == 0);
   }
   SECTION("within one long step, from both sides") {
-    // Free motion that goes through a limit and back again: v = 2 - 9 t.
+    // Without limits the motion v = 2 - 9 t would pass a limit and come back.
     const CompactModel model = stopped(-0.15, 0.15);
     for (const Integrator integrator : {Integrator::dormand_prince, Integrator::gauss6})
       for (const double way : {1.0, -1.0}) {
@@ -206,7 +206,7 @@ TEST_CASE("a closed loop stays closed while it lies against a limit", "[contact]
   Simulator s(model, {.dt = 1e-3, .limits = true});
   s.reset(m.q, m.v);
   s.advance(2);
-  // It fell to the side that it was pushed to.
+  // The mechanism fell to the side to which it was pushed.
   CHECK(std::abs(s.q()[m.dof("crank0")] + 1.0) < 1e-6);
   CHECK(s.constraintError() < 1e-10);
   CHECK(s.v().cwiseAbs().maxCoeff() < 1e-6);

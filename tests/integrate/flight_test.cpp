@@ -1,4 +1,4 @@
-// Bodies that fly, slide and roll while they spin: how fast their axes turn is not to be seen in where they go.
+// Bodies that fly, slide and roll while they spin. The rotation of their axes must not disturb their paths.
 #include "integrate/problems.hpp"
 
 #include <Eigen/Geometry>
@@ -10,7 +10,7 @@ namespace {
 
 constexpr double u = 0x1p-53, g = 9.81, radius = 0.1;
 
-/// 1 kg.
+/// A ball of 1 kg on a free flyer.
 Model ballDescription(double gravity = g) {
   const double I = 0.4 * radius * radius;
   return tool::body("free_flyer", 1, {}, {I, I, I}, gravity);
@@ -29,7 +29,7 @@ Eigen::Vector3d inWorld(const Simulator& s) {
   return Eigen::Quaterniond(q[6], q[3], q[4], q[5]) * Eigen::Vector3d(v.head<3>());
 }
 
-/// The ball's lowest point, wherever that is on it.
+/// A contact at the ball's lowest point, whatever the ball's attitude.
 ContactFinder ballOnPlane(const CompactModel& model, double friction) {
   return [frame = model.frameId("body"), friction](const VectorResult& q, std::vector<ContactPoint>& found) {
     const Eigen::Vector3d down = Eigen::Quaterniond(q[6], q[3], q[4], q[5]).conjugate() * Eigen::Vector3d(0, 0, -radius);
@@ -58,7 +58,7 @@ TEST_CASE("a spinning projectile keeps its momentum and flies its parabola by Eu
   CHECK((inWorld(s) - (v + t * down)).norm() < rounding);
   CHECK((s.v().tail<3>() - w).norm() < 10 * rounding);
   const double late = integrator == Integrator::semi_implicit_euler ? h : integrator == Integrator::explicit_euler ? -h : 0;
-  // The variational way of a step is a screw's, whose direction is off by a part of (h w)^2.
+  // The variational method moves along a screw in each step. The relative error of its direction is of order (h w)^2.
   const double screw = integrator == Integrator::variational ? 1e-3 : 0;
   CHECK((s.q().head<3>() - (t * v + 0.5 * t * (t + late) * down)).norm() < rounding + screw * t * v.norm());
 }
@@ -87,10 +87,10 @@ TEST_CASE("a ball slides without friction, or rolls, at the speed it had, howeve
     s.advance(1);
     INFO(infoOf(integrator).name << ", rolls " << rolls << ", dt " << dt);
     CHECK(s.energy() < (1 + 1e-5) * before);
-    // At a radian a step rk4 brakes what turns, and lifts it off the ground: that is its own error.
+    // At one radian a step rk4 slows the rotation down and lifts the ball off the ground by its own error.
     if (integrator == Integrator::rk4 && rolls && dt > 1e-3) continue;
     CHECK(s.statistics().contact_steps > static_cast<long>(0.9 / dt));
-    // The solver's tolerance, 1e-9 m/s a step.
+    // The bounds follow from the solver's tolerance of 1e-9 m/s a step.
     CHECK(std::abs(s.energy() - before) < 1e-5 * before);
     CHECK((s.q().head<3>() - Eigen::Vector3d(speed, 0, radius)).norm() < 1e-5);
     CHECK((inWorld(s) - Eigen::Vector3d(speed, 0, 0)).norm() < 1e-5);

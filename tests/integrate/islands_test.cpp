@@ -1,4 +1,4 @@
-// Mechanisms that do not touch are simulated apart, and those that rest not at all.
+// IslandSimulator simulates each mechanism without contact to others separately, and skips mechanisms at rest.
 #include "integrate/problems.hpp"
 
 #include <dyn/compile/edit.hpp>
@@ -8,7 +8,7 @@ using namespace dyn::test;
 
 namespace {
 
-/// A double pendulum, a damped one, and a ball over the ground.
+/// A double pendulum, a damped pendulum, and a ball over the ground.
 Model threeThings() {
   Model damped = tool::pendulum(1);
   damped.bodies[1].joint.damping = {4};
@@ -51,7 +51,7 @@ TEST_CASE("islands move as they do in the whole scene", "[islands]") {
   q[idx("ball/joint") + 2] = 0.5;
   all.reset(q, Vector::Zero(whole.nv()));
   all.advance(2);
-  // In the whole all take the contact's steps of first order, alone only the ball does: equal to what those keep, 1e-3 s of order one.
+  // In the whole scene all bodies take first-order steps of 1e-3 s with the contact; as islands only the ball does. So results agree to about 1e-3.
   const Simulator& swinging = s.island(s.islandOf("j1"));
   for (const char* joint : {"j1", "j2"}) {
     const auto alone = swinging.model().joints()[static_cast<std::size_t>(swinging.model().jointId(joint))].idx_q;
@@ -69,15 +69,15 @@ TEST_CASE("what rests falls asleep, costs nothing, and wakes as it was", "[islan
   CHECK_FALSE(s.asleep(swinging));
   CHECK(s.asleep(damped));
   CHECK(s.asleep(ball));
-  // The one that moves does so as if nobody slept, to the last bit.
+  // The moving island moves bit for bit as if no island slept.
   CHECK(s.island(swinging).q() == awake.island(swinging).q());
-  // Those asleep are where they would be awake, to what the speed allows.
+  // Sleeping islands are where they would be awake, up to the sleep speed times the time.
   CHECK(std::abs(s.island(damped).q()[0] - awake.island(damped).q()[0]) < 1e-6 * 20);
   CHECK(std::abs(s.island(ball).q()[2] - awake.island(ball).q()[2]) < 1e-6 * 20);
   const Vector before = s.island(damped).q();
   s.advance(25);
   CHECK(s.island(damped).q() == before);
-  CHECK(s.island(damped).statistics().steps == 0);  // since it fell asleep
+  CHECK(s.island(damped).statistics().steps == 0);  // no steps since it fell asleep
   s.wake(damped);
   CHECK_FALSE(s.asleep(damped));
   CHECK(s.island(damped).q() == before);
@@ -95,7 +95,7 @@ TEST_CASE("islands come to one time, whatever happens in them", "[islands]") {
   s.island(swinging).setEvents({{"late", [](double t, const VectorResult&, const VectorResult&) { return t - 0.05; }}});
   s.advance(0.1);
   for (int k = 0; k < s.count(); ++k) CHECK(s.island(k).time() == 0.1);
-  // The last one throws when the others are there already: they wait for it.
+  // The last island throws when the others have already arrived. They wait for it.
   s.island(s.count() - 1).setController([&](double t, const VectorResult&, const VectorResult&, const VectorMap&) {
     if (t > 0.15 && passed++ == 0) throw std::runtime_error("a moment");
   });
@@ -114,7 +114,7 @@ TEST_CASE("nothing falls asleep unasked, or while it only turns back", "[islands
   IslandSimulator unasked = start({});
   unasked.advance(10);
   for (int k = 0; k < unasked.count(); ++k) CHECK_FALSE(unasked.asleep(k));
-  // At its turning points a pendulum is still for a moment; it does not stay so.
+  // A pendulum is at rest at its turning points, but only for a moment.
   IslandSimulator s = start({.allowed = true, .speed = 0.05, .time = 0.2}, {{"j1"}, {}, true});
   CHECK(s.count() == 1);
   s.advance(10);
@@ -124,13 +124,13 @@ TEST_CASE("nothing falls asleep unasked, or while it only turns back", "[islands
 }
 
 TEST_CASE("what has touched something before does not fall asleep in the air", "[islands]") {
-  // A ball that bounces: at the top it is slower than the sleep's speed for 0.02 s, longer than the sleep's time.
+  // At the top a bouncing ball is slower than the sleep speed for 0.02 s, longer than the sleep time.
   IslandSimulator s(tool::body("translation", 1, {}, {0.1, 0.1, 0.1}, 9.81), registry(), {}, {.dt = 1e-3, .restitution = 0.5}, {true, 0.1, 0.015});
   REQUIRE(s.count() == 1);
   Simulator& ball = s.island(0);
   ball.setContacts(pointsOnPlane(ball.model(), {"body"}));
   ball.reset(Vector(Eigen::Vector3d(0, 0, 0.2)), Vector::Zero(3));
-  s.advance(0.33);  // at the top after the first bounce: 0.2 s down, 0.1 s up
+  s.advance(0.33);  // the top after the first bounce: 0.2 s down, 0.1 s up
   REQUIRE(ball.statistics().impacts == 1);
   CHECK(!s.asleep(0));
   CHECK(ball.q()[2] > 0.03);

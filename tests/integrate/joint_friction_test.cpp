@@ -1,4 +1,4 @@
-// Joints with Coulomb friction of their own: they stop, stay, and start again when they are pushed hard enough.
+// Joints with Coulomb friction stop, stay at rest, and start again when the force exceeds the friction.
 #include "integrate/problems.hpp"
 #include "support/random_model.hpp"
 
@@ -9,7 +9,7 @@ using namespace dyn::test;
 
 namespace {
 
-/// A point of 1 kg that friction of these forces holds along the axes.
+/// A body of 1 kg that translates, with these friction forces along the axes.
 CompactModel slider(const std::vector<double>& friction, double gravity = 0) {
   Model model = tool::body("translation", 1, {}, {0.1, 0.1, 0.1}, gravity);
   model.bodies[1].joint.friction = friction;
@@ -59,7 +59,7 @@ TEST_CASE("a joint at rest moves when it is pushed harder than its friction", "[
     CHECK(std::abs(weak.acceleration()[0]) < 1e-12);
     CHECK(std::abs(strong.q()[0] + 0.05) < (info.order == 1 ? 1e-4 : 1e-10));
     CHECK(std::abs(strong.acceleration()[0] + 0.1) < 1e-9);
-    // A force that grows: it holds as much as it can, and then what is left.
+    // The force grows from zero. Friction holds the joint until the force exceeds its limit, then the rest accelerates the joint.
     Simulator grows(model, {.integrator = info.integrator, .dt = 1e-3});
     grows.setController([](double t, const VectorResult&, const VectorResult&, VectorMap tau) { tau[0] = t; });
     grows.advance(1.5);
@@ -100,7 +100,7 @@ TEST_CASE("that a joint comes to rest is an event that happens once", "[joint_fr
       if (found.back() == 0) CHECK(s.v()[0] == 0);
     } while (s.time() < 6);
     INFO(info.name);
-    // After the last swing it does not come back to where it hangs.
+    // After the last swing the pendulum stops before it comes back to where it hangs.
     CHECK(found == std::vector<int>{1, 0, 1, 0, 1, 0, 1, 0, 0, -1});
   }
 }
@@ -157,7 +157,7 @@ TEST_CASE("joints with friction rest while something touches, and slide on it", 
   const double there = s.q()[0];
   s.advance(3);
   CHECK(s.q()[0] == there);
-  // Held high up.
+  // Friction holds this body above the ground.
   const CompactModel clamped = slider({0, 0, 9.9}, 9.81);
   Simulator hangs(clamped, {.limits = true});
   hangs.setContacts(pointsOnPlane(clamped, {"body"}));
@@ -187,9 +187,9 @@ TEST_CASE("a robot whose joints have friction lies on the ground until nothing m
   Simulator s(model, {.dt = 1e-3, .limits = true});
   s.setContacts(pointsOnPlane(model, {"left_foot", "right_foot", "head", "torso", "left_forearm", "right_forearm"}, {0, 0, 1}, -1, 0.8));
   s.advance(6);
-  // Forces of 40 kg and friction of 0.05 N m side by side: they are found to the tolerance all the same.
+  // The weight of 40 kg and friction of 0.05 N m act together, but the solver still reaches its tolerance.
   CHECK(s.statistics().inexact_contacts < 10);
-  // No joint slips by as much as the forces' tolerance every now and then.
+  // The tolerance of the forces must not let a joint slip now and then.
   double fastest = 0;
   for (int k = 0; k < 1000; ++k) {
     s.step();
@@ -252,7 +252,7 @@ TEST_CASE("runs with friction are the same to the last byte, resumed ones too", 
 }
 
 TEST_CASE("a joint that stops and turns back within one step stops", "[joint_friction]") {
-  // 2 kg against 3 N, pushed by -4 + 8 t N: it stops, rests until the push is 3 N, and goes on.
+  // A force of -4 + 8 t N acts on 2 kg against friction of 3 N. The body stops, rests until the force is 3 N, and moves on.
   const CompactModel model = compile(
       [] {
         Model m = tool::body("translation", 2, {}, {0.1, 0.1, 0.1}, 0);

@@ -1,4 +1,4 @@
-// Motions of closed loops, against digits that are known.
+// Motions of closed loops compared with accurate references.
 #include "integrate/problems.hpp"
 #include "support/random_model.hpp"
 
@@ -25,7 +25,7 @@ TEST_CASE("loops stay closed and keep their energy through positions where they 
   }
   const double angle = -s.q()[m.dof("crank0")];
   INFO("energy " << energy << ", closure " << closure << ", steps " << s.statistics().steps);
-  // The tolerance a step, over so many steps, times the mechanism's stiffness in J/rad.
+  // The bound is the tolerance of a step, times the number of steps and the mechanism's stiffness in J/rad.
   CHECK(energy < 1e-9 * number(truth["E0_above_base"]));
   CHECK(closure < 1e-12);
   CHECK(std::abs(angle - number(truth["theta10"])) < 1e-8);
@@ -110,7 +110,7 @@ TEST_CASE("every method follows loops with its order, through singular positions
       };
       const double coarse = error(loop.dt), fine = error(loop.dt / 2);
       INFO(loop.name << ", " << info.name << ": " << coarse << ", " << fine);
-      // To the order, or down to what is rounding in so many steps.
+      // The error falls with the method's order, or down to the rounding of so many steps.
       CHECK(fine < std::max(std::exp2(-0.95 * info.order) * coarse, 1e-10));
       CHECK(coarse < 0.05);
     }
@@ -119,8 +119,8 @@ TEST_CASE("every method follows loops with its order, through singular positions
 
 namespace {
 
-/// A crank, a coupler and a rocker on a carriage that slides; lengths of all bars, crank and ground the first and the last. Where the longest and the
-/// shortest bar are as long as the others it can fold flat, and unfold in two ways.
+/// Lengths of the bars of a four-bar linkage on a sliding carriage. If the longest and the shortest bar together are as long as the other two, the
+/// linkage can fold flat and unfold in two ways.
 struct FoldingBars {
   double crank, coupler, rocker, ground;
 };
@@ -162,7 +162,7 @@ FoldingMotion fold(const FoldingBars& bars, std::uint64_t seed) {
   put("crank", angle);
   put("coupler", coupler - angle);
   put("rocker", std::atan2(meet_y, meet_x - bars.ground));
-  // Any velocity: the first projection makes it one that the loop allows.
+  // The loop need not allow this velocity, because the first projection corrects it.
   out.v << 0, random.uniform(4, 8), -5, 1;
   return out;
 }
@@ -206,14 +206,14 @@ TEST_CASE("sudden forces, stiff dampers and starts that loops do not allow are n
       tau.setZero();
       tau[1] = t > start && t < end ? 3 : 0;
     });
-    s.reset(motion.q, Vector::Zero(4));  // at rest until it is pushed
+    s.reset(motion.q, Vector::Zero(4));  // at rest until the sudden force acts
     s.advance(0.1);
     CHECK(s.statistics().rejected == 0);
-    s.reset(motion.q, motion.v);  // no velocity that the loop allows
+    s.reset(motion.q, motion.v);  // a velocity that the loop does not allow
     s.advance(0.01);
     CHECK(s.statistics().rejected == 0);
   }
-  // A mechanism that swings: it turns where it is slow.
+  // A swinging mechanism turns back where it is slow.
   const CompactModel swing = compile(urdf::load(DYN_SOURCE_DIR "/models/four_bar.urdf"), registry());
   for (const IntegratorInfo& info : integrators()) {
     if (info.adaptive) continue;

@@ -1,5 +1,5 @@
-// Motions that are hard to follow, against digits that are known. Each bound says where it comes from: the method's order, or what
-// rounding must cost (steps times u, times the growth of a disturbance of the start).
+// Difficult motions compared with accurate references. Each bound follows from the method's order or from the inevitable rounding error (number of
+// steps times u, times the growth of a disturbance of the start).
 #include "integrate/problems.hpp"
 #include "oracle.hpp"
 
@@ -14,9 +14,9 @@ namespace {
 
 constexpr double u = 0x1p-53;
 
-/// Of the energy, at every step.
+/// Largest absolute changes of the energy since the start, taken at every step.
 struct Drift {
-  double most = 0, early = 0, late = 0;  ///< whole time, first and last tenth
+  double most = 0, early = 0, late = 0;  ///< over the whole time, its first and its last tenth
 
   Drift(Simulator& s, long steps) {
     const double before = s.energy();
@@ -36,7 +36,8 @@ TEST_CASE("the free body's attitude is kept through its flips, to the growth of 
   DYN_NEEDS_SHARED();
   const CompactModel model = compile(tool::freeBody(), registry());
   const std::vector<State> reference = rigidReference("torque_free");
-  // Passing the unstable axis every 17.5 s multiplies disturbances; 100 s cost a method without error of its own 3e-11 (hardcases.md, 4.3).
+  // The body passes the unstable axis every 17.5 s, which multiplies disturbances. After 100 s even a method without own error is off by 3e-11
+  // (hardcases.md, 4.3).
   for (std::size_t k = 1; k < reference.size(); ++k) {
     const double bound = reference[k].time > 10 ? 1e-10 : 1e-12;
     CHECK(errorAt(model, {.integrator = Integrator::gauss6, .dt = 0x1p-6}, reference[0], reference[k]) < bound);
@@ -58,7 +59,7 @@ TEST_CASE("implicit midpoint keeps the free body's energy and the size of its mo
     dE = std::max(dE, std::abs(s.energy() - E) / E);
     dL = std::max(dL, std::abs(moments.cwiseProduct(s.v()).norm() - L) / L);
   }
-  // Both are quadratic in v, and Gauss' methods keep those: what is left is a rounding a step.
+  // Energy and squared momentum are quadratic in v, and Gauss methods keep quadratic invariants. So one rounding a step remains.
   CHECK(dE < static_cast<double>(steps) * u);
   CHECK(dL < static_cast<double>(steps) * u);
 }
@@ -68,7 +69,7 @@ TEST_CASE("the heavy top nutates, precesses and spins as the elliptic functions 
   const CompactModel model = compile(tool::heavyTop(), registry());
   const std::vector<State> reference = rigidReference("heavy_top");
   for (std::size_t k = 1; k < reference.size(); ++k) {
-    // The spin alone is 30 t rad, so a rounding a step of the angle that has been turned: 30 t u steps.
+    // The spin alone is 30 t rad. Each step rounds this angle, so the error is 30 t u times the number of steps.
     const double t = reference[k].time, dt = 0x1p-9, bound = 30 * t * u * t / dt;
     INFO("at " << t << " s");
     CHECK(errorAt(model, {.integrator = Integrator::gauss6, .dt = dt}, reference[0], reference[k]) < bound);
@@ -84,7 +85,8 @@ TEST_CASE("the simple pendulum is where it should be after ten seconds", "[motio
   Simulator s(model, {.integrator = Integrator::gauss6, .dt = dt});
   s.reset(Vector::Constant(1, M_PI / 2), Vector::Zero(1));
   s.advance(10);
-  // About y, hanging down at 0: the mass is at (-sin q, -cos q). It started at x = -1; a rounding a step at speeds up to 4.4 rad/s.
+  // The pendulum rotates about y and hangs down at q = 0, so the mass is at (-sin q, -cos q). It started at x = -1. The bound is one rounding a step
+  // at speeds up to 4.4 rad/s.
   const double bound = 4.4 * u * 10 / dt;
   CHECK(std::abs(-std::sin(s.q()[0]) - number(truth["x"])) < bound);
   CHECK(std::abs(-std::cos(s.q()[0]) - number(truth["y"])) < bound);
@@ -101,7 +103,7 @@ TEST_CASE("the double pendulum is followed to rounding where it is regular, to g
     const double dt = 0x1p-8, bound = growth[k] * u * end.time / dt;
     INFO("at " << end.time << " s, chaotic " << chaotic);
     CHECK(errorAt(model, {.integrator = Integrator::gauss6, .dt = dt}, reference[0], end) < bound);
-    // Its own steps: a rounding each, and what the tolerance lets pass.
+    // This method chooses its own steps. Each adds a rounding error and an error within the tolerance.
     CHECK(errorAt(model, {.integrator = Integrator::dormand_prince, .tolerance = 1e-14}, reference[0], end) < 100 * bound);
   }
 }
@@ -116,10 +118,10 @@ TEST_CASE("over a million steps the energy of symmetric and variational methods 
   const double E = std::abs(s.energy());
   const Drift drift(s, 1000000);
   INFO(infoOf(integrator).name << ": most " << drift.most << ", first tenth " << drift.early << ", last tenth " << drift.late);
-  // Bounded like dt^2 with the motion's own rates: w^2 = (2 + sqrt 2) g = 33 of the faster mode.
+  // The energy error is bounded by a multiple of dt^2 with the frequency of the faster mode, w^2 = (2 + sqrt 2) g = 33.
   CHECK(drift.most < 33 * dt * dt * E);
   CHECK(drift.most > 1e-3 * dt * dt * E);
-  // No trend: what the last tenth reaches the first one did.
+  // There is no trend: the last tenth is no worse than the first.
   CHECK(drift.late < 1.01 * drift.early);
 }
 
@@ -128,7 +130,7 @@ TEST_CASE("semi-implicit Euler drifts where the inertia depends on the configura
   Simulator s(model, {.integrator = Integrator::semi_implicit_euler, .dt = 1e-2});
   s.reset((Vector(2) << 0.5, 0.25).finished(), Vector::Zero(2));
   const Drift drift(s, 100000);
-  CHECK(drift.most > 20);  // 43 J of 24 (hardcases.md, 4.3): it has gained more than it had
+  CHECK(drift.most > 20);  // it gains 43 J, more than the 24 J that it had (hardcases.md, 4.3)
 }
 
 TEST_CASE("free fall: Euler's methods lose or win m g^2 h t / 2, all others nothing", "[motion]") {
@@ -140,7 +142,7 @@ TEST_CASE("free fall: Euler's methods lose or win m g^2 h t / 2, all others noth
     s.advance(t);
     const double law = info.integrator == Integrator::explicit_euler ? 0.5 : info.integrator == Integrator::semi_implicit_euler ? -0.5 : 0.0;
     INFO(info.name);
-    const double energies = m * g * g * t * t;  // of motion and height, that cancel
+    const double energies = m * g * g * t * t;  // kinetic and potential energy, which cancel
     CHECK(std::abs(s.energy() - before - law * m * g * g * h * t) < energies * u * t / h);
   }
 }
@@ -156,7 +158,7 @@ TEST_CASE("symmetric methods come back to where they started when time is turned
   CHECK(largest(s.q() - q) > 0.1);
   s.reset(Vector(s.q()), Vector(-s.v()));
   s.advance(t);
-  // 3.5 is the growth over ten seconds; equations are solved to 2^-40 of the velocities at worst, and mostly to rounding.
+  // Disturbances grow by 3.5 in ten seconds. The implicit equations are solved mostly to rounding, at worst to 2^-40 of the velocities.
   CHECK(largest(s.q() - q) < 3.5 * 3.5 * 2 * t / dt * u * 10);
 }
 
@@ -167,7 +169,7 @@ TEST_CASE("a rotation of ten million steps stays a rotation, and the right one",
   s.reset(neutral(model), w);
   const long steps = 10000000;
   for (long k = 0; k < steps; ++k) s.step();
-  // The exact angle, taken to a turn with more digits than a double has.
+  // The exact angle, reduced by whole turns with more digits than a double has.
   const long double angle =
       std::sqrt(static_cast<long double>(0.3) * 0.3 + static_cast<long double>(0.4) * 0.4 + static_cast<long double>(0.5) * 0.5) * 1e4L;
   const double rest = static_cast<double>(std::remainder(angle, 4 * 3.14159265358979323846264338327950288L));
@@ -177,7 +179,7 @@ TEST_CASE("a rotation of ten million steps stays a rotation, and the right one",
 }
 
 TEST_CASE("a ball joint turns through pi and on as a hinge does", "[motion]") {
-  // About y, from rest at 3 rad, with enough push to go round and round.
+  // The bodies rotate about y, from 3 rad, with enough speed to go round and round.
   const Vec3<double> com{0, 0, -0.7}, moments{0.3, 0.2, 0.25};
   const CompactModel ball = compile(tool::body("spherical", 1.5, com, moments, 9.81), registry());
   Model hinged = tool::body("revolute", 1.5, com, moments, 9.81);
@@ -199,7 +201,7 @@ TEST_CASE("a ball joint turns through pi and on as a hinge does", "[motion]") {
     }
     INFO(info.name << ", " << hinging.q()[0] << " rad");
     CHECK(hinging.q()[0] > 4 * M_PI);
-    // The same equations, whatever the coordinates: apart by rounding and by what iterations and steps are chosen to.
+    // Both joints have the same equations. Results differ by rounding and by the tolerances of iterations and steps.
     CHECK(most < (info.adaptive ? 1e-9 : 1e-11));
   }
 }
@@ -214,7 +216,7 @@ TEST_CASE("how far off a robot stands does not change how its joints move, to th
     Vector q = integrate(model, neutral(model), Vector::Constant(model.nv(), 0.2)), v = Vector::Constant(model.nv(), 0.3);
     q[0] = distance;
     q[1] = -distance;
-    // A base's speed counts as little as its place.
+    // The velocity of the base must not matter either.
     s.reset(q, v);
     s.advance(0.5);
     return Vector(s.q().tail(joints));
@@ -234,17 +236,17 @@ TEST_CASE("the stiff governor needs no small steps", "[motion][stiff]") {
     double worst = 0;
     for (const auto& state : truth["states"]) {
       s.advance(number(state["t"]));
-      // The first oscillation dies in 1 ms, which long steps pass over: what they make of its end is seen later.
+      // The first oscillation dies in 1 ms. Long steps do not resolve it, so only later states are compared.
       if (number(state["t"]) >= 0.1) worst = std::max(worst, std::abs(s.q()[m.dof("slider")] - number(state["s"])));
     }
     return worst;
   };
   const double long_steps = error(Integrator::radau5, 1e-2), short_steps = error(Integrator::radau5, 2.5e-3);
   INFO(long_steps << ", " << short_steps);
-  // Fifth order: a quarter of the step, a thousandth of the error, down to what 10 s of rounding leave of a motion of 1 m.
+  // With order five a quarter of the step gives a thousandth of the error, down to the rounding in 10 s of a motion of 1 m.
   CHECK(long_steps < 1e-6);
   CHECK(short_steps < long_steps / 100);
-  // Explicit steps are bounded by the damper's rate, whatever accuracy is asked for.
+  // The damper's rate bounds explicit steps, whatever the accuracy.
   CHECK_THROWS_WITH(error(Integrator::rk4, 2.5e-3), containing("the step of 0.0025 s from t ="));
 }
 
@@ -288,7 +290,7 @@ TEST_CASE("the adaptive pair keeps what it was asked for", "[motion][adaptive]")
       s.advance(task.end.time);
       return Vector(s.q());
     };
-    // How disturbances of the start grow, of one coordinate or velocity at a time; of a loop those that keep it closed, its velocities'.
+    // Growth of disturbances of the start, in one coordinate or velocity at a time. For a loop only its velocity is scaled, so that it stays closed.
     const Vector undisturbed = run(task.start.q, task.start.v, 1e-11);
     const double h = 1e-6;
     double growth = 1;

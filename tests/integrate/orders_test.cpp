@@ -1,4 +1,4 @@
-// Every method converges to the true motion with the order that theory gives it.
+// Every method converges to the true motion with its theoretical order.
 #include "integrate/problems.hpp"
 #include "support/random_model.hpp"
 
@@ -9,7 +9,7 @@ using namespace dyn::test;
 
 namespace {
 
-/// Slope of the error over steps that are halved, between those where it is neither rounding nor beyond the first term.
+/// The order of convergence from the errors at dt and dt / 2. At these steps the leading error term must dominate higher terms and rounding.
 double orderOf(const CompactModel& model, Integrator integrator, const State& start, const State& end, double dt) {
   const double coarse = errorAt(model, {.integrator = integrator, .dt = dt}, start, end);
   const double fine = errorAt(model, {.integrator = integrator, .dt = dt / 2}, start, end);
@@ -18,7 +18,7 @@ double orderOf(const CompactModel& model, Integrator integrator, const State& st
   return std::log2(coarse / fine);
 }
 
-/// Steps at which the leading term of each method's error rules, on problems with times of about a second.
+/// Steps at which the leading term of each method's error dominates, for problems with time scales of about a second.
 double stepFor(Integrator integrator) {
   switch (integrator) {
     case Integrator::explicit_euler:
@@ -59,7 +59,7 @@ TEST_CASE("orders of convergence in the attitude of a free body are those of the
   const std::vector<State> reference = rigidReference(top ? "heavy_top" : "torque_free");
   for (const IntegratorInfo& info : integrators()) {
     if (info.adaptive) continue;
-    // The top spins 30 times as fast as the free body, which is asked for at 10 s.
+    // The top spins 30 times as fast as the free body. The free body is compared at 10 s.
     const double dt = stepFor(info.integrator) * (top ? 1.0 / 16 : info.order > 2 ? 8 : 1);
     const double order = orderOf(model, info.integrator, reference[0], reference[top ? 1 : 2], dt);
     INFO(info.name << (top ? ", top" : ", free body"));

@@ -1,4 +1,4 @@
-// States that motions are known to pass, read from the shared data.
+// Accurate states of reference motions, read from the shared data.
 #pragma once
 
 #include "support/mechanisms.hpp"
@@ -13,7 +13,7 @@ struct State {
   Vector q, v;
 };
 
-/// Torque-free body or heavy top: states at the reference's times, the first at 0.
+/// States of the torque-free body or the heavy top at the reference's times, the first at t = 0.
 inline std::vector<State> rigidReference(const std::string& which) {
   const nlohmann::json all = readJson(sharedFolder() + "/truth/data/ref_rigid.json")[which];
   std::vector<State> out{{0, numbers(all.contains("quat0") ? all["quat0"] : all["q0"]), numbers(all["omega0"])}};
@@ -21,7 +21,7 @@ inline std::vector<State> rigidReference(const std::string& which) {
   return out;
 }
 
-/// Double pendulum from rest at (0.5, 0.25), or, chaotic, at (2, 0.5).
+/// States of the double pendulum that starts at rest, at (0.5, 0.25) or, if `chaotic`, at (2, 0.5).
 inline std::vector<State> pendulumReference(bool chaotic) {
   std::vector<State> out;
   const nlohmann::json all = readJson(sharedFolder() + "/truth/data/ref_pendula.json")["double_pendulum"];
@@ -36,7 +36,7 @@ inline std::vector<State> pendulumReference(bool chaotic) {
 
 inline double largest(const Vector& x) { return x.cwiseAbs().maxCoeff(); }
 
-/// The end of `problem` by steps of dt: largest difference of configuration to where it should be.
+/// Simulates from `start` to the time of `end`. Returns the largest difference of the configuration from that of `end`.
 inline double errorAt(const CompactModel& model, const SimulatorOptions& options, const State& start, const State& end) {
   Simulator simulator(model, options);
   simulator.reset(start.q, start.v, start.time);

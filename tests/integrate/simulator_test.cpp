@@ -1,4 +1,4 @@
-// What a user of the simulator relies on: times, states between steps, events, saved and resumed runs, errors that leave the state alone.
+// Behaviour that users of the simulator rely on: times, states between steps, events, saved and resumed runs, errors that leave the state unchanged.
 #include "integrate/problems.hpp"
 #include "support/random_model.hpp"
 #include "support/saved.hpp"
@@ -16,7 +16,7 @@ namespace {
 
 bool sameBytes(const VectorResult& a, const Vector& b) { return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin()); }
 
-/// A tree with every kind of joint, turning.
+/// A random tree of many joint types, with a state in motion.
 struct Tree {
   CompactModel model;
   Vector q, v;
@@ -142,7 +142,7 @@ TEST_CASE("what was not saved here is refused, and the simulator stays as it was
       CHECK_THROWS_AS(s.resume(flipped), Error);
     }
   refused(sealed(bodyOf(saved) + "1\n"), "after the end");
-  // As many coordinates, other numbers.
+  // The other model has the same number of coordinates but another gravity.
   Model other = tool::pendulum(1);
   other.gravity = {0, 0, -9};
   refused(Simulator(compile(other, registry()), {}).save(), "another model");
@@ -182,7 +182,7 @@ TEST_CASE("states between steps are of fourth order", "[simulator]") {
     coarse.reset(tree.q, tree.v);
     fine.reset(tree.q, tree.v);
     double most = 0;
-    const double whole = integrator == Integrator::dormand_prince ? dt : 4 * dt;  // with such a tolerance steps would grow
+    const double whole = integrator == Integrator::dormand_prince ? dt : 4 * dt;  // at this tolerance steps would grow
     std::vector<double> times;
     for (int k = 1; k < 16; ++k) times.push_back(whole * k / 16);
     coarse.advance(whole, times, [&](double t, const VectorResult& q, const VectorResult& v) {
@@ -207,7 +207,7 @@ TEST_CASE("whole steps keep their grid, and the last one ends where it was asked
   Simulator grid(model, {.dt = 0.1});
   for (int k = 0; k < 1000; ++k) grid.step();
   CHECK(grid.time() == 1000 * 0.1);
-  for (int k = 1; k <= 10; ++k) grid.advance(100 + 0.1 * k);  // 100.1 and its like are no multiples to the last bit
+  for (int k = 1; k <= 10; ++k) grid.advance(100 + 0.1 * k);  // 100.1 and the like are not exact multiples of dt
   CHECK(grid.statistics().steps == 1010);
 }
 
@@ -241,13 +241,13 @@ TEST_CASE("events are found where they happen, once, in their direction", "[simu
     CHECK(std::abs(s.time() - (2 * k + 1) * quarter) < 1e-7);
     CHECK(std::abs(s.q()[0]) < 1e-10);
   }
-  // None of them: it goes on to the end.
+  // This event never happens, so the simulation goes on to the end.
   s.setEvents({{"never", [](double, const VectorResult& q, const VectorResult&) { return q[0] + 1; }}});
   CHECK(s.advance(s.time() + 3) == -1);
 }
 
 TEST_CASE("events of one time, and events before one that others have, are each told once", "[simulator][event]") {
-  // A stone thrown up from 0: at 0.8 m twice, at the top in between, all of it in one step of the adaptive method.
+  // A stone is thrown up from 0. It passes 0.8 m twice and reaches the top in between, all within one step of the adaptive method.
   const CompactModel stone = compile(tool::body("translation", 1, {}, {0.1, 0.1, 0.1}, 9.81), registry());
   const auto above = [](double, const VectorResult& q, const VectorResult&) { return q[2] - 0.8; };
   const auto rises = [](double, const VectorResult&, const VectorResult& v) { return v[2]; };
@@ -276,7 +276,7 @@ TEST_CASE("events of one time, and events before one that others have, are each 
       }
       CHECK(s.time() == 2);
     }
-  // One that only counts the other way round ends nothing, whatever it does within a step.
+  // An event that counts only in the other direction does not stop the simulation, whatever its sign changes within a step.
   Simulator s(stone, {.integrator = Integrator::dormand_prince, .dt = 0.9});
   s.reset(Vector::Zero(3), Vector(Eigen::Vector3d(0, 0, up)));
   s.setEvents({{"falls below 0.8 m", above, Event::Direction::falling}});
@@ -295,7 +295,7 @@ TEST_CASE("a step tells nothing of what happened before it", "[simulator][event]
 }
 
 TEST_CASE("what damping brings to rest stays there, however small its speed becomes", "[simulator]") {
-  // Speeds reach the smallest numbers there are after 0.36 s.
+  // Speeds reach the smallest positive numbers after 0.36 s.
   Model wheel = tool::body("revolute", 1, {}, {0.01, 0.01, 0.01}, 0);
   wheel.bodies[1].joint.parameters["axis"] = std::vector<double>{0, 0, 1};
   wheel.bodies[1].joint.damping = {20};
@@ -321,7 +321,7 @@ TEST_CASE("an adaptive step that was cut short says nothing of the next", "[simu
   s.advance(std::nextafter(1.0, 2.0));
   s.advance(2);
   CHECK(s.statistics().steps - before < 80);
-  // On the ground, in steps of the caller's own, which are dt.
+  // A body lies on the ground, and the caller advances by dt each time.
   Simulator lying(compile(tool::body("translation", 1, {}, {0.1, 0.1, 0.1}, 9.81), registry()),
                   {.integrator = Integrator::dormand_prince, .dt = 0.003});
   lying.setContacts(pointsOnPlane(lying.model(), {"body"}));
@@ -339,7 +339,7 @@ TEST_CASE("steps that time does not resolve, or that would never end, are refuse
   late.reset(Vector::Zero(1), Vector::Zero(1), 1e9);
   CHECK_THROWS_WITH(late.advance(1e9 + 1e-6), containing("less than what tells two times apart"));
   CHECK_THROWS_WITH(late.step(), containing("take a longer one"));
-  // Of adaptive methods dt is only where they begin.
+  // For adaptive methods dt is only the first step.
   Simulator adaptive(model, {.integrator = Integrator::dormand_prince, .dt = 1e-14});
   adaptive.reset(Vector::Constant(1, 0.5), Vector::Zero(1));
   CHECK(adaptive.advance(1) == -1);
@@ -474,7 +474,7 @@ TEST_CASE("a motion that cannot go on names time and joint, and leaves the state
   const Controller nan = [](double t, const VectorResult&, const VectorResult&, VectorMap tau) {
     if (t > 0.5) tau[0] = std::nan("");
   };
-  // dv/dt = 10 v^2 from v = 1 or so: infinite before 0.6 s.
+  // dv/dt is about 10 v^2 from v = 1 or so, so v is infinite before 0.6 s.
   const Controller blows = [](double t, const VectorResult&, const VectorResult& v, VectorMap tau) { tau[0] = t < 0.2 ? 5 : 50 * (v[0] * v[0] + 1); };
   for (const IntegratorInfo& info : integrators()) {
     const SimulatorOptions options{.integrator = info.integrator, .dt = 1e-3};

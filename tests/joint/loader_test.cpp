@@ -1,4 +1,4 @@
-// Shared objects that are wrong in every way known: each is an Error that names the file, and the registry stays as it was.
+// Shared objects with every known fault. Each gives an Error that names the file, and the registry stays as it was.
 #include "support/folder.hpp"
 #include "support/skip.hpp"
 
@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 const fs::path bad_plugins = fs::path(DYN_BINARY_DIR) / "bad_plugins";
 
-/// A folder of shared objects.
+/// A temporary folder to which a test copies shared objects.
 struct Folder : dyn::test::Folder {
   fs::path copy(const std::string& file) const { return copy(file, file); }
   fs::path copy(const std::string& file, const fs::path& as) const {
@@ -37,7 +37,7 @@ struct Counts {
   bool operator==(const Counts&) const = default;
 };
 
-/// Loading fails as it should, with all of these words; returns nothing else.
+/// Checks that loading fails with Error(plugin), that the message contains the path and all `words`, and that the registry is unchanged.
 void requireRefused(const std::string& path, const std::vector<std::string>& words, dyn::Trust trust = dyn::Trust::any) {
   dyn::JointRegistry registry = dyn::JointRegistry::standard();
   const Counts before(registry);
@@ -90,11 +90,11 @@ TEST_CASE("stamps of another library") {
 }
 
 TEST_CASE("a static constructor that throws, or ends the process") {
-  for (int i = 0; i < 2; ++i) {  // the second time as the first
+  for (int i = 0; i < 2; ++i) {  // the second attempt must fail as the first
     requireRefused(bad("throws_in_constructor.so"), {"static constructor", "no licence found"});
     requireRefused(bad("crashes_in_constructor.so"), {"static constructor"});
   }
-  // The dynamic loader is not left locked: another thread can still use it.
+  // The dynamic loader must not stay locked, so that another thread can still use it.
   std::thread([] { dyn::JointRegistry().load(bad("sound.so"), dyn::Trust::any); }).join();
 }
 
@@ -144,7 +144,7 @@ TEST_CASE("a file in folders that others can exchange is loaded as it was when i
   dyn::JointRegistry registry;
   registry.load(file);
   CHECK_NOTHROW(registry.jointType("sound_slider"));
-  // Another one is another one, whatever number its descriptor would have.
+  // Another file must be loaded as another plugin, even if its file descriptor has the same number.
   registry.load(open.copy("never_ends_or_crashes.so", fs::path("inner") / "other.so").string());
   CHECK_NOTHROW(registry.jointType("sound_after_them"));
 }
@@ -184,7 +184,7 @@ TEST_CASE("links are followed, and it is the file behind them that is judged") {
   dyn::JointRegistry registry;
   registry.load(link.string());
   CHECK_NOTHROW(registry.jointType("sound_slider"));
-  registry.load(file.string());  // the same file by another way
+  registry.load(file.string());  // the same file by another path
   CHECK(registry.jointTypes().size() == 1);
   fs::permissions(file, fs::perms::group_write, fs::perm_options::add);
   requireRefused(link.string(), {"can be written by"}, dyn::Trust::owner_only);

@@ -1,9 +1,9 @@
-// The recursions themselves on dual numbers, a derivative by construction, against the analytical ones: to rounding, for every joint type.
+// Analytical derivatives agree to rounding with the recursions run on dual numbers, for every joint type.
 #include "data/data_impl.hpp"
-#include "kernels/aba.hpp"
-#include "kernels/dual_derivatives.hpp"
-#include "kernels/losses.hpp"
-#include "kernels/rnea.hpp"
+#include "kernels/body/dissipation.hpp"
+#include "kernels/derivative/dual_derivatives.hpp"
+#include "kernels/recursion/aba.hpp"
+#include "kernels/recursion/rnea.hpp"
 #include "support/random_model.hpp"
 #include "support/registry.hpp"
 
@@ -14,7 +14,7 @@ namespace {
 
 using D = Dual<double>;
 
-/// The state of the last computeRNEADerivatives on dual numbers.
+/// Runs recursions on dual numbers, from the state of the last computeRNEADerivatives.
 struct DualRun {
   const CompactImpl& m;
   DataImpl& d;
@@ -25,11 +25,11 @@ struct DualRun {
   DualRun(const CompactModel& model, Data& data, const Eigen::VectorXd& v, const Eigen::VectorXd& a)
       : m(model.impl()), d(data.impl()), result(static_cast<std::size_t>(model.nv())) {
     Arena count(nullptr);
-    kernels::carve(s, m, count);
+    kernels::layOut(s, m, count);
     memory.resize(count.used() / sizeof(double) + 16);
     char* begin = reinterpret_cast<char*>(memory.data());
     Arena arena(begin + (64 - reinterpret_cast<std::uintptr_t>(begin) % 64) % 64);
-    kernels::carve(s, m, arena);
+    kernels::layOut(s, m, arena);
     kernels::loadState(m, d, d.derivatives, v.data(), a.data(), s);
   }
   template <class Run>

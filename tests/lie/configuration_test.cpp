@@ -1,4 +1,4 @@
-// Configuration-space functions: free flyer, spherical and planar against 60-digit references, and what holds for every joint type.
+// Configuration-space functions: free flyer, spherical and planar compared with 60-digit references, and properties that hold for every joint type.
 #include "errors.hpp"
 #include "support/random_model.hpp"
 #include "support/registry.hpp"
@@ -27,7 +27,7 @@ Eigen::VectorXd vector(const nlohmann::json& x) {
   return Eigen::Map<const Eigen::Matrix<long double, Eigen::Dynamic, 1>>(numbers.data(), static_cast<Eigen::Index>(numbers.size())).cast<double>();
 }
 
-/// q and -q are the same rotation: the sign nearer to the reference.
+/// Gives the quaternion in q the sign nearer to the reference, because q and -q are the same rotation.
 Eigen::VectorXd nearerQuaternion(Eigen::VectorXd q, const Eigen::VectorXd& truth, const std::string& type) {
   if (type != "planar" && q.tail(4).dot(truth.tail(4)) < 0) q.tail(4) *= -1;
   return q;
@@ -56,7 +56,7 @@ TEST_CASE("integrate, difference, interpolate and their Jacobians agree with 60 
       check("dIntegrate_dv", angle, dIntegrate(model, q0, v, ArgumentPosition::ARG1), c["dIntegrate_dv"], exp_bar);
       const nlohmann::json& us = c["interpolate_u"];
       if (c["near_cut"]) continue;
-      // q0 and q1 are rounded: an absolute error of a few u of the angle.
+      // q0 and q1 are rounded, which causes an absolute error of the angle of a few u.
       const std::vector<double> difference_found = rowMajor(difference(model, q0, q1));
       const std::vector<long double> truth = flatten(c["difference"]);
       const auto scale = static_cast<long double>(std::max({1.0, q0.cwiseAbs().maxCoeff(), q1.cwiseAbs().maxCoeff(), v.cwiseAbs().maxCoeff()}));
@@ -78,7 +78,7 @@ TEST_CASE("integrate, difference, interpolate and their Jacobians agree with 60 
 
 namespace {
 
-/// One model with every joint type that is loaded.
+/// A model with every loaded joint type.
 struct EveryType {
   explicit EveryType(std::uint64_t seed)
       : model(compile(randomTree(registry(), static_cast<int>(registry().jointTypes().size()), seed), registry())) {}
@@ -115,7 +115,7 @@ TEST_CASE("dIntegrate and dDifference are the derivatives, for every joint type"
   Random random(static_cast<std::uint64_t>(seed));
   const Eigen::VectorXd q = every.somewhere(21), v = random.vector(m.nv(), 0.9), q1 = integrate(m, q, v);
   const auto column = [&](auto&& at) {
-    // Fourth-order central difference of a tangent-valued function of a step.
+    // Central difference of fourth order of a tangent-valued function of a step.
     constexpr double h = 1e-3;
     return Eigen::VectorXd((8.0 * (at(h) - at(-h)) - (at(2 * h) - at(-2 * h))) / (12 * h));
   };
@@ -268,7 +268,7 @@ TEST_CASE("random configurations are finite and within whatever limits there are
 }
 
 TEST_CASE("random rotations are even over their group", "[lie]") {
-  // The angle of an even rotation has the density (1 - cos angle) / pi, and its axis prefers no direction.
+  // The angle of a uniformly distributed rotation has the density (1 - cos angle) / pi, and its axis prefers no direction.
   for (const char* type : {"spherical", "free_flyer"}) {
     const CompactModel m = single(type);
     constexpr int count = 20000;
@@ -279,7 +279,7 @@ TEST_CASE("random rotations are even over their group", "[lie]") {
       squares += x * x.transpose() / count;
       fourths += x.array().pow(4).matrix() / count;
     }
-    // Means over the sphere of x^2 and x^4 are 1/4 and 1/8; six deviations.
+    // The means of x^2 and x^4 over the unit sphere in R^4 are 1/4 and 1/8. The bounds are six standard deviations.
     CHECK((squares - 0.25 * Eigen::Matrix4d::Identity()).cwiseAbs().maxCoeff() < 6 * std::sqrt(1.0 / 16 / count));
     CHECK((fourths.array() - 0.125).abs().maxCoeff() < 6 * std::sqrt((7.0 / 128 - 1.0 / 64) / count));
   }

@@ -1,4 +1,4 @@
-// SO(3) and SE(3) against 25 digits, at every angle from 5e-324 to 1e8 and around pi and 2 pi.
+// SO(3) and SE(3) compared with 25-digit references, at angles from 5e-324 to 1e8 and around pi and 2 pi.
 #include "errors.hpp"
 #include "support/shared.hpp"
 
@@ -20,7 +20,7 @@ std::vector<double> flat(const Mat3<double>& M) { return {M.m, M.m + 9}; }
 std::vector<double> flat(const Quaternion<double>& q) { return {q.x, q.y, q.z, q.w}; }
 std::vector<double> flat(const Motion<double>& m) { return {m.linear.x, m.linear.y, m.linear.z, m.angular.x, m.angular.y, m.angular.z}; }
 
-/// Worst errors by quantity; printed when DYN_SHOW_ERRORS is set.
+/// Worst errors by quantity. The destructor prints them if DYN_SHOW_ERRORS is set.
 class Worst {
  public:
   ~Worst() {
@@ -37,17 +37,18 @@ class Worst {
   std::map<std::string, std::pair<double, double>> errors_;
 };
 
-/// max |x - x*| / scale, in u.
+/// Returns max |x - x*| / scale, in u.
 double absoluteError(const std::vector<double>& x, const std::vector<long double>& truth, long double scale) {
   return scaledError(x, truth, std::vector<long double>(truth.size(), scale));
 }
 
-/// The oracle left out what it could not compute (a block at 5e-324, the logarithm where it has two values).
+/// Tells whether a case has this value. The reference lacks values that it could not compute (a block at 5e-324, the logarithm where it has two
+/// values).
 bool given(const nlohmann::json& c, const char* key) {
   return c.contains(key) && c[key].is_array() && std::none_of(c[key].begin(), c[key].end(), [](const nlohmann::json& x) { return x.is_null(); });
 }
 
-/// At pi both w and -w are the logarithm.
+/// Gives the reference's rotation part the sign of x, because at pi both w and -w are logarithms.
 std::vector<long double> nearerSign(std::vector<long double> truth, const std::vector<double>& x, std::size_t rotation) {
   long double product = 0;
   for (std::size_t i = rotation; i < rotation + 3; ++i) product += truth[i] * static_cast<long double>(x[i]);
@@ -67,7 +68,7 @@ TEST_CASE("exponentials, logarithms and their Jacobians are exact to a few round
   for (const nlohmann::json& c : cases) {
     const Vec3<double> w = vec3(c["w"]), v = vec3(c["v"]);
     const double angle = c["angle"].get<double>();
-    // One rounding of a large |w| is an absolute error of the angle.
+    // One rounding of a large |w| causes a large absolute error of the angle.
     const double exp_bar = std::max(4.0, angle / 2 + 3), jacobian_bar = std::max(10.0, angle / 2 + 3);
     worst.check("exp_quat", angle, relativeError(flat(expQuaternion(w)), flatten(c["exp_quat"])), exp_bar);
     worst.check("exp_R", angle, relativeError(flat(exp3(w)), flatten(c["exp_R"])), exp_bar);
@@ -75,7 +76,7 @@ TEST_CASE("exponentials, logarithms and their Jacobians are exact to a few round
     worst.check("Jexp3", angle, relativeError(flat(Jexp3(w)), flatten(c["Jexp3"])), jacobian_bar);
     if (given(c, "Jexp6_Q"))
       worst.check("Jexp6_Q", angle, relativeError(flat(Jexp6(Motion<double>{v, w}).upper), flatten(c["Jexp6_Q"])), jacobian_bar);
-    // Of a logarithm, so of at most half a turn; towards 2 pi it grows without bound.
+    // Jlog3 is used at logarithms, which are at most half a turn. Towards 2 pi it grows without bound.
     if (given(c, "Jlog3") && angle < 3.2) worst.check("Jlog3", angle, relativeError(flat(Jlog3(w)), flatten(c["Jlog3"])), 10);
 
     if (!given(c, "log_quat")) continue;
@@ -90,7 +91,7 @@ TEST_CASE("exponentials, logarithms and their Jacobians are exact to a few round
     Mat3<double> R;
     for (int i = 0; i < 9; ++i) R.m[i] = c["log_in_R"][static_cast<std::size_t>(i)].get<double>();
     const std::vector<double> log_matrix = flat(log3(R));
-    // The matrix given carries half an ulp an entry, up to u/2 each, against the rotation whose log is stated: up to about 2 u of angle.
+    // Each entry of the given matrix is rounded by half an ulp, up to u/2. So its angle differs by up to about 2 u from the stated logarithm.
     worst.check("log_R", angle,
                 absoluteError(log_matrix, nearerSign(flatten(c["log_R"]), log_matrix, 0), std::max(1.0L, std::min<long double>(angle, pi))), 4);
   }

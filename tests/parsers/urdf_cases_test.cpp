@@ -1,4 +1,4 @@
-// The parser cases of the reference data: what must be read, what must be read with a note, what must be refused.
+// The parser cases of the reference data: files that must be read, read with a note, or refused.
 #include "support/shared.hpp"
 
 #include <dyn/dyn.hpp>
@@ -46,7 +46,7 @@ void checkNumbers(const std::string& path, const Model& model, const nlohmann::j
     } else if (key == "mass_free_flyer") {
       CHECK(massOf(path, "free_flyer") == value.get<double>());
     } else if (key == "plane") {
-      // The body may move along x and z, not along y.
+      // The body may move along x and z but not along y.
       Data data(compact);
       Eigen::VectorXd q = neutral(compact);
       q[0] = 0.3;
@@ -95,7 +95,7 @@ TEST_CASE("all robots of the reference data load and compile", "[parser]") {
       urdf::Options options;
       options.root = "free_flyer";
       options.mimic = mimic;
-      options.inertias = urdf::Inertias::any;  // TIAGo's antennas have inertias that no body has
+      options.inertias = urdf::Inertias::any;  // TIAGo's antennas have inertias that are physically impossible
       const CompactModel model = compile(urdf::load(file.path().string(), options), JointRegistry::standard());
       Data data(model, Need::mass_matrix);
       const Eigen::VectorXd q = randomConfiguration(model, 3), v = Eigen::VectorXd::Constant(model.nv(), 0.3);

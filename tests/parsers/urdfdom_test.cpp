@@ -1,4 +1,4 @@
-// The reader against urdfdom, which shares no code with it, on every robot at hand; and why libdyn has a reader of its own.
+// libdyn's URDF reader compared with urdfdom, which shares no code with it, on every available robot. Also shows why libdyn has its own reader.
 #include "support/catch.hpp"
 #include "support/registry.hpp"
 #include "support/shared.hpp"
@@ -62,7 +62,7 @@ void checkJoint(const JointDescription& joint, const ::urdf::Joint& other) {
     CHECK(joint.limits.effort.at(0) == other.limits->effort);
     CHECK(joint.limits.velocity.at(0) == other.limits->velocity);
   }
-  // urdfdom gives 0 for what is not there.
+  // urdfdom gives 0 for missing values.
   CHECK((joint.damping.empty() ? 0 : joint.damping[0]) == (other.dynamics ? other.dynamics->damping : 0));
   CHECK((joint.friction.empty() ? 0 : joint.friction[0]) == (other.dynamics ? other.dynamics->friction : 0));
   CHECK(joint.coupling.type.empty() == !other.mimic);
@@ -73,7 +73,7 @@ void checkJoint(const JointDescription& joint, const ::urdf::Joint& other) {
   }
 }
 
-/// Bodies in the order in which urdfdom's tree is walked depth first.
+/// Compares `link` and its descendants. The bodies are in the order of a depth-first walk of urdfdom's tree.
 void walk(const Model& model, const ::urdf::Link& link, std::size_t& next) {
   const BodyDescription& body = model.bodies.at(next++);
   INFO("link " << link.name);
@@ -115,7 +115,7 @@ TEST_CASE("the reader agrees with urdfdom on every robot that both can read", "[
 
 TEST_CASE("the reader takes what urdfdom refuses, and refuses what urdfdom lets pass", "[urdf]") {
   console_bridge::setLogLevel(console_bridge::CONSOLE_BRIDGE_LOG_NONE);
-  // Joints without limits are unlimited; urdfdom has no model for a file with one.
+  // In libdyn joints without limits are unlimited. urdfdom refuses a file with such a joint.
   CHECK(::urdf::parseURDF(revolute_without_limits) == nullptr);
   CHECK(::urdf::parseURDF(speed_limit_only) == nullptr);
   const CompactModel unlimited = compile(dyn::urdf::parse(revolute_without_limits, "text"), registry());
@@ -123,7 +123,7 @@ TEST_CASE("the reader takes what urdfdom refuses, and refuses what urdfdom lets 
   const CompactModel fast = compile(dyn::urdf::parse(speed_limit_only, "text"), registry());
   CHECK(fast.limits().velocity.at(0) == 2);
   CHECK(fast.limits().effort.at(0) == std::numeric_limits<double>::infinity());
-  // A decimal comma is a link without a mass to urdfdom, an error with its line to us.
+  // urdfdom silently drops an inertial whose mass has a decimal comma. libdyn reports an error with its line.
   const auto silent = ::urdf::parseURDF(mass_with_comma);
   REQUIRE(silent);
   CHECK_THROWS_WITH(dyn::urdf::parse(mass_with_comma, "text"), containing("text:1") && containing("1,5"));

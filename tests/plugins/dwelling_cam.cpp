@@ -1,4 +1,4 @@
-// For tests: a type with a selection, and nothing but its pose. It rests below q = 0.2 and is lifted above; a thread turns with it all the while.
+// A joint type for tests that consists of a pose map with a select(). The cam rotates about z by q, and above q = 0.2 it also lifts the body.
 #include <dyn_sdk/joint_plugin.hpp>
 
 struct DwellingCam : dyn::sdk::Joint<DwellingCam, 1> {

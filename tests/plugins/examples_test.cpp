@@ -1,4 +1,4 @@
-// The example plugins against closed forms of their own geometry, and the robots that come with them.
+// The example plugins compared with closed forms of their geometry, and the robots that come with them.
 #include "support/catch.hpp"
 #include "support/registry.hpp"
 
@@ -61,8 +61,8 @@ TEST_CASE("a rail that turns once around closes, and its arcs are circles", "[ex
   }
   const SE3<double> before = poseAt(rail, 2), after = poseAt(rail, 2 + 2 * pi / k);
   for (int i = 0; i < 3; ++i) CHECK(before.p[i] == approx(after.p[i]).margin(1e-14));
-  CHECK(poseAt(rail, -3).p.x == approx(-3));                     // straight on before the start
-  CHECK(poseAt(rail, 2 + 2 * pi / k + 7).p.x == approx(2 + 7));  // and behind the end
+  CHECK(poseAt(rail, -3).p.x == approx(-3));                     // the rail goes straight on before the start
+  CHECK(poseAt(rail, 2 + 2 * pi / k + 7).p.x == approx(2 + 7));  // and after the end
 }
 
 TEST_CASE("a carriage keeps its speed along an arc without a force, and needs its mass and its moment to speed up", "[examples]") {
@@ -81,7 +81,7 @@ TEST_CASE("a function joint's spline is the natural cubic through its knots and 
   for (std::size_t k = 0; k < x.size(); ++k) knots.insert(knots.end(), {x[k], y[k]});
   const CompactModel joint =
       carry("function_joint", {{"tx_spline", knots}, {"tz_polynomial", Numbers{0.5, -1, 2}}, {"r2_polynomial", Numbers{0, 1}}});
-  // The same spline as sum of a line and of truncated cubes: s(t) = a + b t + sum_k c_k (t - x_k)_+^3 with sum c_k = sum c_k x_k = 0.
+  // The same spline as the sum of a line and truncated cubes: s(t) = a + b t + sum_k c_k (t - x_k)_+^3 with sum c_k = sum c_k x_k = 0.
   const auto n = static_cast<Eigen::Index>(x.size());
   const auto at = [](Eigen::Index i) { return static_cast<std::size_t>(i); };
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n + 2, n + 2);

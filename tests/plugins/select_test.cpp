@@ -1,4 +1,4 @@
-// A type that selects: dual numbers, packs and generated code take the branch that is meant, and no NaN of the other one.
+// A joint type with select(). Dual numbers, packs and generated code take the selected branch and no NaN from the other one.
 #include "support/catch.hpp"
 #include "support/registry.hpp"
 
@@ -22,7 +22,7 @@ const JointRegistry& withCam() {
   return all;
 }
 
-/// Two cams, one on the other, and an arm at the end.
+/// Two cams, one on the other, and an arm on top.
 CompactModel tower() {
   Model m;
   const Inertia<double> Y{1.5, {0.1, 0.2, 0}, {0.1, 0, 0, 0.2, 0, 0.3}};
@@ -57,7 +57,7 @@ TEST_CASE("derivatives of a graph with selections are those of the branch that i
     CAPTURE(q.transpose());
     std::vector<double> in;
     for (const Eigen::Vector3d& x : {Eigen::Vector3d(q), v, a}) in.insert(in.end(), x.begin(), x.end());
-    const RneaDerivatives x = computeRNEADerivatives(model, data, q, v, a);
+    const RNEADerivatives x = computeRNEADerivatives(model, data, q, v, a);
     Eigen::MatrixXd expected(3, 9);
     expected << x.dtau_dq, x.dtau_dv, x.dtau_da;
     REQUIRE(expected.allFinite());
@@ -86,7 +86,7 @@ TEST_CASE("derivatives of a graph with selections are those of the branch that i
 }
 
 TEST_CASE("selections within selections hide what is singular in either", "[select]") {
-  // x log x where it is there, and within that 1 / (x - 1) beside 1.
+  // x log x is selected only for x > 0, where it is finite, and 1 / (x - 1) within it only for x < 1.
   const Graph graph = traceFunction(1, 1, [](const Traced* x, Traced* y) {
     const Traced inner = select(x[0] < Traced(1), 1 / (x[0] - 1), x[0] * 5);
     y[0] = select(x[0] > Traced(0), x[0] * log(x[0]) + inner, 3 * x[0]) + x[0];

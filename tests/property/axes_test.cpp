@@ -1,5 +1,5 @@
-// A robot is what it is, however the axes of its bodies are chosen: where placements only exchange axes, or are at their parent's origin, kernels
-// leave out what would be multiplied with zeros.
+// Results do not depend on how the axes of bodies are chosen. Where placements only exchange axes, or joint offsets are zero, kernels leave out
+// multiplications with zeros.
 #include "support/difference.hpp"
 #include "support/random_model.hpp"
 #include "support/registry.hpp"
@@ -21,7 +21,7 @@ Vec3<double> alongAxis(int k, double length) {
   return out;
 }
 
-/// From roundings of angles up to any, about one or both of the other axes.
+/// A rotation about none, one or both of the other two axes, by angles from rounding errors up to 3 rad.
 Mat3<double> tilt(Random& random, int axis) {
   const double sizes[] = {5e-12, 7e-9, 4e-6, 0.5, 3};
   Vec3<double> angle{};
@@ -30,9 +30,9 @@ Mat3<double> tilt(Random& random, int axis) {
   return exp3(angle);
 }
 
-/// Two descriptions of one robot whose joints are about or along axes of their parents, either way, some of them turned about that axis, tilted from
-/// it, without a lever, or with one along an axis, or with axes that cross the parent's elsewhere: as such, and with each body's frame turned at
-/// random. Two joints of three stand on the one before.
+/// Two descriptions of one robot: one as it is, and one with each body's frame rotated at random. Joint axes are positive or negative coordinate
+/// axes of the parent. Some placements are rotated about that axis or tilted from it. Some joint offsets are zero or along a coordinate axis, and
+/// some axes cross the parent's axis elsewhere. Two joints in three are on the body before.
 struct Described {
   std::array<Model, 2> models;
   std::vector<Mat3<double>> turned{Mat3<double>::identity()};
@@ -75,7 +75,7 @@ Described describe(int n, std::uint64_t seed, const char* other, double armature
 
 TEST_CASE("robots whose placements exchange axes move as they do in frames turned at random", "[property]") {
   const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 7)));
-  // Prismatic joints move their origin, and end runs.
+  // Prismatic joints move the origin of their body and interrupt runs of revolute joints.
   const Described described = describe(37, seed, seed % 2 == 0 ? "prismatic" : "revolute", seed % 3 == 0 ? 0.1 : 0);
   const CompactModel model = compile(described.models[0], registry()), turned = compile(described.models[1], registry());
   Random random(seed);

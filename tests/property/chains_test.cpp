@@ -1,4 +1,4 @@
-// Long chains: how errors grow with their length, and that nothing else does.
+// Long chains: bounds on the growth of errors and memory with their length.
 #include "errors.hpp"
 #include "oracle.hpp"
 #include "problems.hpp"
@@ -32,7 +32,7 @@ TEST_CASE("scaled errors of chains do not grow with their length, relative ones 
     }
     INFO(n << " links: rnea " << inverse.most() << " u, aba " << forward.most() << " u, Cholesky " << by_factors.most() << " u, aba relative "
            << relative << " u");
-    // The budgets of every model, whatever its length.
+    // These are the budgets of every model, whatever its length.
     CHECK(inverse.most() < 10);
     CHECK(forward.most() < 4);
     CHECK(by_factors.most() < 4);
@@ -46,7 +46,7 @@ TEST_CASE("forward and inverse dynamics of ten thousand links undo each other", 
     Data data(model);
     const tool::State s = tool::randomStates(model, 1, 3)[0];
     const Eigen::VectorXd ddq = aba(model, data, s.q, s.v, s.tau), tau = rnea(model, data, s.q, s.v, ddq);
-    // What the summands of tau come to: weights and accelerations of n links at their levers, which turn from link to link as walks at random do.
+    // The size of the terms of tau: weights and accelerations of n links times their moment arms, which grow as a random walk of n links does.
     const double lever = 0.3 * std::sqrt(n), scale = n * 1.5 * lever * (9.81 + ddq.cwiseAbs().maxCoeff() * lever);
     INFO(n << " links: residual " << (tau - s.tau).cwiseAbs().maxCoeff() << ", scale " << scale);
     CHECK((tau - s.tau).cwiseAbs().maxCoeff() < 100 * 0x1p-53 * scale);

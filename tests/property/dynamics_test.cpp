@@ -1,4 +1,4 @@
-// What must hold between the algorithms, on random trees of all joint types.
+// Identities between the algorithms, on random trees of all joint types.
 #include "support/catch.hpp"
 #include "support/random_model.hpp"
 #include "support/registry.hpp"
@@ -19,7 +19,7 @@ struct Subject {
   explicit Subject(const Model& description, std::uint64_t seed, const CompileOptions& options = {})
       : model(compile(description, registry(), options)), data(model, Need::mass_matrix) {
     Random random(seed + 1000);
-    // Far enough from neutral that subspaces that vanish there (a cam's) do not.
+    // q is far enough from neutral that motion subspaces which vanish there (a cam's) do not vanish here.
     q = integrate(model, neutral(model), Eigen::VectorXd(random.vector(model.nv(), 0.4).array() + 0.8));
     v = random.vector(model.nv(), 1);
     a = random.vector(model.nv(), 2);
@@ -31,7 +31,7 @@ double relative(const Eigen::Ref<const Eigen::MatrixXd>& x, const Eigen::Ref<con
   return (x - y).cwiseAbs().maxCoeff() / std::max(1e-300, std::max(x.cwiseAbs().maxCoeff(), y.cwiseAbs().maxCoeff()));
 }
 
-/// Derivative of f along q(t) = q (+) t v, by Richardson's extrapolation of central differences.
+/// Derivative of f along q(t) = q (+) t v, by Richardson extrapolation of central differences.
 template <class F>
 Eigen::MatrixXd alongMotion(const CompactModel& model, const Eigen::VectorXd& q, const Eigen::VectorXd& v, F&& f) {
   const auto central = [&](double h) {
@@ -52,7 +52,7 @@ TEST_CASE("rnea inverts aba, and M's columns are its differences", "[property]")
   const Eigen::VectorXd ddq = aba(s.model, s.data, s.q, s.v, s.tau);
   const Eigen::VectorXd tau = rnea(s.model, s.data, s.q, s.v, ddq);
   const Eigen::MatrixXd M = crba(s.model, s.data, s.q);
-  // The round trip is as good as the terms that make tau up: |M| |ddq|.
+  // The error of the round trip is relative to the terms of tau, |M| |ddq|.
   const Eigen::VectorXd terms = M.cwiseAbs() * ddq.cwiseAbs() + s.tau.cwiseAbs();
   CHECK(((tau - s.tau).cwiseAbs().array() / terms.maxCoeff()).maxCoeff() < 1e-12);
 
@@ -94,7 +94,7 @@ TEST_CASE("power of the joints is the rate of energy", "[property]") {
   const int seed = GENERATE(range(1, 20));
   Subject s(randomTree(registry(), 3 + seed % 15, static_cast<std::uint64_t>(seed)), static_cast<std::uint64_t>(seed));
   const Eigen::VectorXd tau = rnea(s.model, s.data, s.q, s.v, s.a);
-  // E along q(t) with velocity v + t a; q's second order does not enter the first derivative of E at t = 0.
+  // E along q(t) with velocity v + t a. The second-order term of q(t) does not enter the first derivative of E at t = 0.
   const auto energy = [&](double t) {
     const Eigen::VectorXd q = integrate(s.model, s.q, Eigen::VectorXd(t * s.v)), v = s.v + t * s.a;
     return computeKineticEnergy(s.model, s.data, q, v) + computePotentialEnergy(s.model, s.data, q);
@@ -142,7 +142,8 @@ TEST_CASE("joints have velocities, accelerations and Jacobians as frames do", "[
       getJointJacobian(s.model, s.data, j, reference, again);
       CHECK(J == again);
       CHECK(relative(J * s.v, toEigen(jointVelocity(s.model, s.data, j, reference))) < 1e-12);
-      // Of a moving frame, the derivative of the velocity's coordinates is the spatial acceleration but for its own turning.
+      // The derivative of the velocity's coordinates is the spatial acceleration, but in LOCAL_WORLD_ALIGNED, whose origin moves, it is the classical
+      // one.
       Vector6<double> rate = toEigen(jointAcceleration(s.model, s.data, j, reference));
       if (reference == ReferenceFrame::LOCAL_WORLD_ALIGNED) rate = toEigen(jointClassicalAcceleration(s.model, s.data, j, reference));
       CHECK((J * s.a + dJ * s.v - rate).norm() < 1e-11 * (1 + rate.norm() + (dJ.cwiseAbs() * s.v.cwiseAbs()).norm()));
@@ -169,7 +170,7 @@ TEST_CASE("external forces act as J^T f, in rnea and in aba", "[property]") {
   Eigen::VectorXd generalised = Eigen::VectorXd::Zero(s.model.nv());
   for (int j = 1; j < s.model.njoints(); ++j) {
     fext[static_cast<std::size_t>(j)] = {random.vector(3), random.vector(3)};
-    int frame = -1;  // the frame that is the joint's own
+    int frame = -1;  // a frame of this joint
     for (std::size_t f = 0; f < s.model.frames().size() && frame < 0; ++f)
       if (s.model.frames()[f].joint == j) frame = static_cast<int>(f);
     REQUIRE(frame >= 0);
@@ -188,7 +189,7 @@ TEST_CASE("external forces act as J^T f, in rnea and in aba", "[property]") {
 TEST_CASE("results do not depend on the order in which bodies were added", "[property]") {
   const int seed = GENERATE(range(1, 10));
   const Model original = randomTree(registry(), 10, static_cast<std::uint64_t>(seed));
-  // Breadth first instead of depth first, last children first.
+  // Adds the bodies breadth first instead of depth first, last children first.
   Model shuffled;
   shuffled.name = original.name;
   shuffled.gravity = original.gravity;

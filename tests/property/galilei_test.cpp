@@ -1,4 +1,4 @@
-// What does not depend on how fast a robot's base moves uniformly does not lose a digit by it.
+// Results that do not depend on a uniform velocity of the base lose no digits when the base is fast.
 #include "support/catch.hpp"
 #include "support/random_model.hpp"
 #include "support/registry.hpp"
@@ -10,7 +10,7 @@ using namespace dyn::test;
 
 namespace {
 
-/// A tree that a carriage carries along x, y and z.
+/// A tree on a carriage that translates along x, y and z.
 CompactModel carried(std::uint64_t seed) {
   Model m;
   JointDescription carriage;

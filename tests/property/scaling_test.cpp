@@ -1,4 +1,4 @@
-// No absolute thresholds: powers of two in the units of length, mass and time come out as powers of two in the results, bit for bit.
+// There are no absolute thresholds: if units of length, mass and time change by powers of two, results change by powers of two, bit for bit.
 #include "support/catch.hpp"
 #include "support/random_model.hpp"
 #include "support/registry.hpp"
@@ -10,7 +10,7 @@ using namespace dyn::test;
 
 namespace {
 
-/// A tree of joints whose parameters have no units, so that only placements and inertias carry them.
+/// A tree of joints whose parameters have no units, so that only placements and inertias have units.
 Model tree(std::uint64_t seed) {
   Random random(seed);
   const char* types[] = {"free_flyer", "revolute", "prismatic", "spherical", "continuous", "universal", "translation", "planar", "spherical_zyx"};
@@ -45,7 +45,7 @@ Model in(Model model, const Units& u) {
   return model;
 }
 
-/// Exponent of length in the unit of each velocity: 1 where S is a translation, 0 where it is a rotation.
+/// The factor of each coordinate or velocity if lengths are scaled by `length`: `length` for translations, 1 for rotations.
 Eigen::VectorXd lengthsOf(const CompactModel& m, double length, bool positions) {
   Eigen::VectorXd s = Eigen::VectorXd::Ones(positions ? m.nq() : m.nv());
   for (const JointRecord& r : m.joints()) {
@@ -95,15 +95,15 @@ TEST_CASE("a base far away or at a thousand kilometres a second changes nothing 
   CHECK(crba(m, data, q) == M);
   CHECK(rnea(m, data, q, v, acc) == tau);
   CHECK(aba(m, data, q, v, tau) == ddq);
-  // A faster base: its spatial acceleration changes by v x w, the forces do not.
+  // With a faster base its spatial acceleration changes by v x w, but the forces stay the same.
   Eigen::VectorXd fast = v;
   const Vec3<double> boost{1e6, -3e5, 7e5}, w{v[3], v[4], v[5]};
   for (int k = 0; k < 3; ++k) fast[k] += boost[k];
-  // a_spatial = a_classical - w x v: the classical acceleration is what must stay the same.
+  // The classical acceleration must stay the same, and a_spatial = a_classical - w x v.
   const Vec3<double> change = cross(boost, w);
   Eigen::VectorXd shifted = acc;
   for (int k = 0; k < 3; ++k) shifted[k] += change[k];
   const Eigen::VectorXd moving = rnea(m, data, q, fast, shifted);
-  // Adding w x v to a and taking it away again costs the roundings of a, 1e6 u.
+  // Adding w x v to a and subtracting it again costs the rounding errors of a, 1e6 u.
   CHECK((moving - tau).cwiseAbs().maxCoeff() < 4e6 * 0x1p-53 * (1 + M.cwiseAbs().maxCoeff()) * 10);
 }

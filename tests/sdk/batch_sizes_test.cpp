@@ -1,4 +1,4 @@
-// Joints of one type are computed in packs as wide as their number fills: it must not show.
+// Joints of one type are computed in packs whose width depends on the number of joints. Results must not depend on it.
 #include "support/cam_model.hpp"
 #include "support/catch.hpp"
 #include "support/random_model.hpp"
@@ -16,7 +16,7 @@ JointDescription revolute() {
   return joint;
 }
 
-/// Copies of a joint side by side on the world, each with a body that is not symmetric.
+/// Copies of a joint side by side on the world, each with an asymmetric body.
 CompactModel fan(JointDescription joint, int count) {
   Model description;
   for (int i = 0; i < count; ++i) {

@@ -1,4 +1,4 @@
-// Joints with a configuration space of their own behind a pose map: what their authors need not write is right, what they write wrong is caught.
+// Joints with their own configuration space and a pose map. Functions that the SDK derives are right, and wrong functions of authors are caught.
 #include "support/catch.hpp"
 #include "support/registry.hpp"
 
@@ -15,8 +15,8 @@ using namespace dyn::test;
 
 namespace {
 
-/// A point on a sphere whose radius is a parameter, q in R^3 with |q| = radius. Only the pose map and q (+) v are templates, which branch; the
-/// frame is turned by the least rotation from z.
+/// A point on a sphere whose radius is a parameter; q is in R^3 with |q| = radius. Only the pose map and q (+) v are templates, and they have
+/// branches. The frame is rotated by the least rotation that takes z to q.
 template <class Author>
 struct OnSphere : sdk::Joint<Author, 2, 3> {
   static constexpr const char* summary = "for tests";
@@ -67,7 +67,7 @@ struct OnSphere : sdk::Joint<Author, 2, 3> {
 struct Sphere : OnSphere<Sphere> {
   static constexpr const char* name = "sphere";
 };
-/// dq/dt as if the sphere had radius 1.
+/// A sphere whose dq/dt is wrong, because it assumes radius 1.
 struct WrongRates : OnSphere<WrongRates> {
   static constexpr const char* name = "wrong_rates";
   template <class S>
@@ -84,7 +84,7 @@ struct WrongDifference : OnSphere<WrongDifference> {
   }
 };
 
-/// A crank's angle as the point (cos, sin) on its circle: q (+) v without a template, so that dq/dt and Jacobians are written.
+/// A crank whose angle is stored as the point (cos, sin) on the unit circle. q (+) v is not a template, so dq/dt and Jacobians are written by hand.
 struct Crank : sdk::Joint<Crank, 1, 2> {
   static constexpr const char* name = "crank";
   static constexpr const char* summary = "for tests";
@@ -128,7 +128,7 @@ bool caughtBy(const std::vector<ConformanceFinding>& findings, const std::string
   return std::any_of(findings.begin(), findings.end(), [&](const ConformanceFinding& f) { return f.check.rfind(check, 0) == 0 && !f.passed; });
 }
 
-/// A point mass at the end of a rod that hangs on `type`, which points along z: gravity is upside down.
+/// A point mass at the end of a rod on a joint of type `type`. The rod points along +z, so gravity is along +z, too.
 CompactModel pendulum(const std::string& type, const Parameters& parameters, double length, double mass, double gravity) {
   Model model;
   model.gravity = {0, 0, gravity};
@@ -166,7 +166,7 @@ TEST_CASE("a conical pendulum on a joint that points goes round once in its peri
   const Eigen::Vector3d q(std::sin(tilt), 0, std::cos(tilt));
   const Eigen::MatrixXd M = crba(model, data, q);
   CHECK((M - mass * length * length * Eigen::Matrix2d::Identity()).norm() < 1e-14);
-  // The bob moves along y, which is the moved y, too: by turning about the moved x backwards.
+  // The bob moves along y, which is also the y axis of the moved frame, by a negative rotation about the x axis of the moved frame.
   for (const Integrator integrator : {Integrator::rk4, Integrator::gauss6, Integrator::radau5, Integrator::implicit_midpoint}) {
     SimulatorOptions options;
     options.integrator = integrator;

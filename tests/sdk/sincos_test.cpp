@@ -1,4 +1,4 @@
-// Sines and cosines of joints taken together, as poses show them, at every angle and for whatever instruction set is in use.
+// Sines and cosines of many joints together, read from their poses, at every angle and for the instruction set in use.
 #include "support/catch.hpp"
 #include "support/random_model.hpp"
 #include "support/registry.hpp"
@@ -8,9 +8,9 @@ using namespace dyn::test;
 
 namespace {
 
-constexpr int joints = 37;  // whole packs of every width, and some that are left
+constexpr int joints = 37;  // fills whole packs of every width and leaves a rest
 
-/// Joints side by side about z: their poses are their cosines and sines.
+/// Joints about z side by side. Their poses contain their cosines and sines.
 const CompactModel& fan() {
   static const CompactModel model = [] {
     Model description;
@@ -26,7 +26,7 @@ const CompactModel& fan() {
   return model;
 }
 
-/// In units of roundoff; a value below the normal numbers counts by their spacing.
+/// Error of x in units of roundoff u. It is relative to the truth, or to `tiny` (the least normal number) if the truth is smaller.
 double error(double x, long double truth, double u, double tiny) {
   return static_cast<double>(std::fabs(static_cast<long double>(x) - truth) / (u * std::max(std::fabs(truth), static_cast<long double>(tiny))));
 }
@@ -55,26 +55,26 @@ TEST_CASE("sines and cosines are right to rounding at every finite angle", "[sin
     const double x = random.uniform(-1, 1);
     angles.push_back(i % 4 == 0 ? 4 * x : std::ldexp(x, random.below(2040) - 1020));
   }
-  // Next to multiples of pi / 2, where what is left of the angle is smallest; large ones; the ends of the number line.
+  // Large angles, the ends of the number line, and angles next to multiples of pi / 2, where the reduced angle is smallest.
   for (const double x : {0.0, -0.0, 1e15, -1e15, 1e6, 1.6e6, 1e22, 1e308, 5e-324, 1e-310})
     for (int k = 0; k < joints; ++k) angles.push_back(x);
   for (int n = -20000; n < 20000; n += 7) {
     const double x = static_cast<double>(n * (3.14159265358979323846264338327950288L / 2));
     for (const double y : {std::nextafter(x, -1e300), x, std::nextafter(x, 1e300)}) angles.push_back(y);
   }
-  // At every distance from multiples that are taken away in parts, and from some that are not.
+  // Angles at every distance from multiples of pi / 2, both those that the reduction subtracts in parts and others.
   for (int i = 0; i < 200 * joints; ++i) {
     const double multiple = std::round(std::ldexp(random.uniform(-1, 1), random.below(23)));
     angles.push_back(
         static_cast<double>(multiple * (3.14159265358979323846264338327950288L / 2) + std::ldexp(random.uniform(-1, 1), -random.below(60))));
   }
-  CHECK(worstDouble(angles) < 1.2);  // 1 is the rounding itself
+  CHECK(worstDouble(angles) < 1.2);  // rounding alone gives 1
 }
 
 TEST_CASE("the double that comes nearest to a multiple of pi / 2 keeps all digits", "[sincos]") {
   Data data(fan());
   forwardKinematics(fan(), data, Eigen::VectorXd::Constant(joints, 0x1.6ac5b262ca1ffp+849));
-  for (int j = 1; j <= joints; ++j)  // by 60-digit arithmetic: long doubles are off here
+  for (int j = 1; j <= joints; ++j)  // the reference is from 60-digit arithmetic, because long double is not accurate enough here
     CHECK(error(jointPlacement(fan(), data, j).R(0, 0), -4.687165924254627611122582801963884e-19L, 0x1p-53, 0) < 1.2);
 }
 
@@ -99,7 +99,7 @@ TEST_CASE("floats' sines and cosines are right to rounding", "[sincos]") {
   Random random(6);
   Eigen::MatrixXf q(joints, states);
   for (float& x : q.reshaped()) x = static_cast<float>(std::ldexp(random.uniform(-1, 1), random.below(60) - 30));
-  // The column of a joint that turns a point on its x axis: (-sin, cos).
+  // The Jacobian column of a point on the x axis of a joint about z is (-sin, cos).
   Model description;
   JointDescription joint;
   joint.name = "joint";

@@ -1,4 +1,4 @@
-// Inertias against dense 6x6 matrices, in every scalar that they are used with.
+// Inertias compared with dense 6x6 matrices, for every scalar type in use.
 #include "spatial/samples.hpp"
 
 using namespace dyn;
@@ -33,7 +33,7 @@ TEMPLATE_TEST_CASE("inertias are symmetric 6x6 matrices that transform by congru
     CHECK_NEAR(toEigen(Y + Z), M + toEigen(Z));
     CHECK_NEAR(toEigen(Y.transformed(aMb)), X.inverse().transpose() * M * X.inverse());
   }
-  // Massless bodies add without dividing by zero.
+  // The sum of massless bodies must not divide by zero.
   const Inertia<S> nothing = Inertia<S>{} + Inertia<S>{};
   CHECK(nothing.mass == 0);
   CHECK(nothing.com.x == 0);

@@ -1,4 +1,4 @@
-// Random spatial quantities of any scalar, and how near matrices are to one another.
+// Random spatial quantities of any scalar type, and the difference of matrices.
 #pragma once
 
 #include "support/catch.hpp"
@@ -36,5 +36,5 @@ S largestDifference(const Eigen::Matrix<S, rows, columns>& a, const Eigen::Matri
 
 }  // namespace dyn::test
 
-// Both sides are evaluated first: else compilers would make a difference and a maximum for each kind of expression, in three scalars.
+// Both sides are evaluated first. Otherwise compilers would instantiate the difference for each kind of expression and three scalar types.
 #define CHECK_NEAR(a, b) CHECK(largestDifference((a).eval(), (b).eval()) < tolerance<S>)

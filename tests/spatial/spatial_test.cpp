@@ -1,4 +1,4 @@
-// Spatial algebra against dense 6x6 matrices, in every scalar it is used with.
+// Spatial algebra compared with dense 6x6 matrices, for every scalar type in use.
 #include "spatial/samples.hpp"
 
 #include <dyn/scalar/dual.hpp>
@@ -10,7 +10,7 @@ using namespace dyn::test;
 
 namespace {
 
-/// v x as a 6x6 matrix on motions; its negative transpose acts on forces.
+/// v x as a 6x6 matrix that acts on motions. Its negative transpose acts on forces.
 template <class S>
 Matrix6<S> crossMatrix(const Motion<S>& v) {
   Matrix6<S> X = Matrix6<S>::Zero();
@@ -72,7 +72,7 @@ TEST_CASE("poses carry derivatives: a dual pose moves with its velocity", "[spat
   for (int i = 0; i < 10; ++i) {
     const SE3<double> X = s.pose();
     const Motion<double> v = s.motion();
-    // X(t) = X exp(v t): in the body's axes the point x moves with v.linear + v.angular x x.
+    // With X(t) = X exp(v t) the point x moves with v.linear + v.angular x x in the body's axes.
     Motion<D> step;
     for (int k = 0; k < 3; ++k) {
       step.linear[k] = D(0, v.linear[k]);

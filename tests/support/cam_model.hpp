@@ -1,4 +1,4 @@
-// A model whose mass matrix is singular at q = 0: its joint, "cam", does not move there.
+// A model whose mass matrix is singular at q = 0, because its joint, "cam", does not move there.
 #pragma once
 
 #include <dyn/model/model.hpp>

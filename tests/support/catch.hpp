@@ -1,4 +1,4 @@
-// Catch2, version 2 or 3, under the same names.
+// Catch2, version 2 or 3, with the same names.
 #pragma once
 
 #if __has_include(<catch2/catch_all.hpp>)
@@ -11,7 +11,7 @@
 
 namespace dyn::test {
 
-/// Equal to a relative error; .epsilon() and .margin() set it.
+/// Compares with a relative tolerance. .epsilon() sets it; .margin() sets an absolute one.
 inline auto approx(double x) {
 #if __has_include(<catch2/catch_all.hpp>)
   return Catch::Approx(x);
@@ -20,7 +20,7 @@ inline auto approx(double x) {
 #endif
 }
 
-/// Matcher of strings that contain `text`.
+/// Matches strings that contain `text`.
 inline auto containing(const std::string& text) {
 #if __has_include(<catch2/catch_all.hpp>)
   return Catch::Matchers::ContainsSubstring(text);

@@ -1,4 +1,4 @@
-// How far two matrices are from each other.
+// The difference of two matrices.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,7 +7,7 @@
 
 namespace dyn::test {
 
-/// Largest difference of two entries; relative to the largest expected one where that is above 1.
+/// Largest difference of two entries, relative to the largest expected entry if that is above 1.
 inline double off(const Eigen::MatrixXd& x, const Eigen::MatrixXd& expected) {
   return (x - expected).cwiseAbs().maxCoeff() / std::max(1.0, expected.cwiseAbs().maxCoeff());
 }

@@ -1,4 +1,4 @@
-// A folder of a test's own, gone with it. Only its owner can write it.
+// A temporary folder, removed with its object. Only its owner can write to it.
 #pragma once
 
 #include "support/catch.hpp"
@@ -22,7 +22,7 @@ struct Folder {
   Folder(const Folder&) = delete;
   Folder& operator=(const Folder&) = delete;
 
-  /// Writes a file, with the folders above it; returns its path.
+  /// Writes a file and makes the folders above it. Returns the file's path.
   std::string write(const std::string& name, const std::string& bytes) const {
     std::filesystem::create_directories((path / name).parent_path());
     std::ofstream(path / name, std::ios::binary) << bytes;

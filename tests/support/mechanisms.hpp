@@ -1,4 +1,4 @@
-// Closed loops and stiff springs of the reference data, as models with their forces and first states.
+// Closed loops and stiff springs of the reference data, as models with their forces and initial states.
 #pragma once
 
 #include "problems.hpp"
@@ -25,7 +25,7 @@ inline Vector numbers(const nlohmann::json& x) {
 }
 inline nlohmann::json truthFile(const std::string& path) { return readJson(sharedFolder() + "/truth/" + path); }
 
-/// Loops of the reference models. Their rows are point (3), hinge (5) or frame (6).
+/// Loops of a reference model. A loop has the rows of a point (3), a revolute joint (5) or a frame (6).
 inline std::vector<ConstraintDescription> loopsOf(const nlohmann::json& document) {
   std::vector<ConstraintDescription> out;
   for (const auto& loop : document["loops"]) {
@@ -53,7 +53,7 @@ inline std::vector<ConstraintDescription> loopsOf(const nlohmann::json& document
   return out;
 }
 
-/// A mechanism, the forces on it, and where it starts. Constraints are those of the model's description.
+/// A mechanism, the forces on it, and its initial state. The constraints are those of the model's description.
 struct Mechanism {
   CompactModel model;
   std::function<Vector(const Vector& q, const Vector& v)> force;
@@ -68,7 +68,8 @@ struct Mechanism {
   int dof(const std::string& joint) const { return model.joints()[static_cast<std::size_t>(model.jointId(joint))].idx_v; }
 };
 
-/// See tool::fourBars. B0, the top of the first crank, moves at 1 m/s to the right: all cranks turn, couplers keep their direction.
+/// tool::fourBars with an initial velocity: B0, the top of the first crank, moves at 1 m/s to the right. All cranks rotate; couplers keep their
+/// direction.
 inline Mechanism fourBars(int squares) {
   Mechanism m(tool::fourBars(squares));
   for (const JointRecord& j : m.model.joints()) {
@@ -78,7 +79,7 @@ inline Mechanism fourBars(int squares) {
   return m;
 }
 
-/// By the name of a file of the reference data.
+/// The mechanism of a file of the reference data, by the file's name.
 inline Mechanism bricard(const std::string& name) {
   const nlohmann::json document = truthFile("models/" + name + ".json");
   Model model = readTruthModel(document);
@@ -131,7 +132,8 @@ inline Mechanism andrewsSqueezer() {
 }
 
 inline Mechanism flyballGovernor() {
-  // A shaft, a slider on it, two rods with balls; spring-dampers of 0.5 m at rest tie the slider to the rods' middles. Stiff: 1.5 ms.
+  // The governor has a shaft, a slider on it and two rods with balls. Spring-dampers with rest length 0.5 m connect the slider with the middles of
+  // the rods. The mechanism is stiff, with a time scale of 1.5 ms.
   constexpr double K = 8e5, C = 4e4, length = 0.5, middle = 0.5;
   const nlohmann::json document = truthFile("models/flyball.json");
   Model model;
@@ -160,7 +162,8 @@ inline Mechanism flyballGovernor() {
   m.force = [=, n = m.model.nv()](const Vector& q, const Vector& v) {
     Vector tau = Vector::Zero(n);
     for (const int rod : rods) {
-      // In the rod's plane, from the slider's end, as far from the shaft as the rod hangs, to the middle of the rod; up is z.
+      // (x, z) is the vector in the rod's plane from the spring's end at the slider to the middle of the rod; z is up. The spring's end at the slider
+      // is as far from the shaft as the rod's pivot.
       const double c = std::cos(q[rod]), s = std::sin(q[rod]), x = middle * c, z = 1 - middle * s - q[slider];
       const double dx = -middle * s * v[rod], dz = -middle * c * v[rod] - v[slider];
       const double l = std::hypot(x, z), pull = K * (l - length) + C * (x * dx + z * dz) / l;

@@ -1,4 +1,4 @@
-// Random trees of every joint type that is loaded, the same for the same seed.
+// Random trees of all loaded joint types. Equal seeds give equal trees.
 #pragma once
 
 #include "support/catch.hpp"
@@ -24,7 +24,7 @@ class Random {
     return x;
   }
   SE3<double> pose() { return {exp3(vector(2)), vector(0.5)}; }
-  /// Of a body made of eight points and a ball, so it is physical.
+  /// The inertia of a ball and eight points, so it is physically consistent.
   Inertia<double> inertia() {
     Inertia<double> Y{uniform(0.1, 0.5), vector(0.2), {}};
     const double r = uniform(0.05, 0.2);
@@ -47,14 +47,15 @@ inline int degreesOfFreedom(const JointDescription& joint, const JointRegistry& 
   return compile(alone, registry).nv();
 }
 
-/// n moving bodies; types cycle through the registry from a random start, so that a few seeds meet them all. Some fixed joints between.
+/// A tree of n bodies. Joint types, "fixed" included, cycle through the registry from a random start, so a few seeds cover all types. With `losses`
+/// joints have damping, friction and armature.
 inline Model randomTree(const JointRegistry& registry, int n, std::uint64_t seed, bool losses = false) {
   Random random(seed);
   Model model;
   model.name = "random" + std::to_string(seed);
   model.gravity = random.vector(10);
   const auto& types = registry.jointTypes();
-  if (types.empty()) registry.jointType("revolute");  // throws, and says why there are none
+  if (types.empty()) registry.jointType("revolute");  // throws and says why there are no types
   const int start = random.below(static_cast<int>(types.size()));
   for (int i = 0; i < n; ++i) {
     JointDescription joint;
@@ -69,7 +70,7 @@ inline Model randomTree(const JointRegistry& registry, int n, std::uint64_t seed
       joint.friction.assign(nv, random.uniform(0, 0.5));
       joint.armature.assign(nv, random.uniform(0, 0.2));
     }
-    // Apart: arguments are evaluated in any order, and trees are to be the same with every compiler.
+    // A statement of its own, because compilers evaluate arguments in any order, and trees must not depend on the compiler.
     const Inertia<double> inertia = random.inertia();
     model.addBody("b" + std::to_string(i), random.below(3) == 0 ? random.below(i + 1) : i, joint, inertia);
   }
@@ -77,12 +78,13 @@ inline Model randomTree(const JointRegistry& registry, int n, std::uint64_t seed
   return model;
 }
 
-/// Adds a revolute joint, "follower", that follows one of the model's revolute joints, or a new one if it has none; its body is "followed".
-inline void addFollower(Model& model, const std::string& number = "", const std::vector<double>& coefficients = {0.1, 2}) {
-  JointDescription follower;
-  follower.name = "follower" + number;
-  follower.type = "revolute";
-  follower.parameters["axis"] = std::vector<double>{0, 1, 0};
+/// Adds a dependent revolute joint, "follower" + number, with the body "followed" + number. It depends on the model's last revolute joint, or on a
+/// new joint "master" if the model has none.
+inline void addDependent(Model& model, const std::string& number = "", const std::vector<double>& coefficients = {0.1, 2}) {
+  JointDescription dependent;
+  dependent.name = "follower" + number;
+  dependent.type = "revolute";
+  dependent.parameters["axis"] = std::vector<double>{0, 1, 0};
   std::string master;
   for (const BodyDescription& b : model.bodies)
     if (b.joint.type == "revolute") master = b.joint.name;
@@ -90,14 +92,14 @@ inline void addFollower(Model& model, const std::string& number = "", const std:
     JointDescription joint;
     joint.name = master = "master";
     joint.type = "revolute";
-    joint.parameters = follower.parameters;
+    joint.parameters = dependent.parameters;
     model.addBody("turned", 2, joint, Random(8).inertia());
   }
-  follower.coupling = {"mimic", master, {{"coefficients", coefficients}}};
-  model.addBody("followed" + number, 3, follower, Random(9).inertia());
+  dependent.coupling = {"mimic", master, {{"coefficients", coefficients}}};
+  model.addBody("followed" + number, 3, dependent, Random(9).inertia());
 }
 
-/// n moving bodies, each on any of those before it, their joints' types from the list in turn; all with armature and damping.
+/// A tree of n bodies, each on a random earlier one. Joint types come from the list in turn. All joints have armature and damping.
 inline Model treeOf(const JointRegistry& registry, const std::vector<std::string>& types, int n, std::uint64_t seed) {
   Random random(seed);
   Model model;

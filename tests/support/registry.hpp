@@ -1,4 +1,4 @@
-// The registry that tests share: the standard plugin and, through DYN_PLUGIN_PATH, the examples.
+// The registry that tests share. It has the standard plugin and, through DYN_PLUGIN_PATH, the examples.
 #pragma once
 
 #include <dyn/joint/registry.hpp>
@@ -10,7 +10,7 @@ inline const JointRegistry& registry() {
   return r;
 }
 
-/// Its joints but those whose configuration space is no group, which the variational integrator refuses; no couplings.
+/// The registry without couplings and without joint types whose configuration space is not a group, which the variational integrator refuses.
 inline const JointRegistry& groups() {
   static const JointRegistry r = [] {
     JointRegistry all;

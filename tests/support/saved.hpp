@@ -1,4 +1,4 @@
-// Saved simulations that are changed, and fit all the same.
+// Helpers to change saved simulations and give them a valid check sum again.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 
 namespace dyn::test {
 
-/// A saved simulation without its last line, and with one that fits.
+/// bodyOf() returns a saved simulation without its last line. sealed() appends a last line with the check sum.
 inline std::string bodyOf(const std::string& saved) { return saved.substr(0, saved.rfind("end ")); }
 inline std::string sealed(const std::string& body) {
   std::string out = body + "end ";

@@ -1,5 +1,5 @@
-// Reference data beside the project. Tests that need it are skipped where it is not, and fail where DYN_SHARED or DYN_REQUIRE_SHARED=1 says that it
-// is.
+// Reference data beside the project. Tests that need it are skipped if it is missing, and fail if DYN_SHARED or DYN_REQUIRE_SHARED=1 says that it is
+// there.
 #pragma once
 
 #include "support/skip.hpp"
@@ -13,7 +13,7 @@
 
 namespace dyn::test {
 
-/// DYN_SHARED, or ../shared beside the sources; empty if that is not there.
+/// The folder DYN_SHARED, or else ../shared beside the sources; empty if the latter does not exist.
 inline std::string sharedFolder() {
   const char* given = std::getenv("DYN_SHARED");
   const std::filesystem::path folder = given ? std::filesystem::path(given) : std::filesystem::path(DYN_SOURCE_DIR) / ".." / "shared";
@@ -30,7 +30,7 @@ inline nlohmann::json readJson(const std::string& path) {
 
 }  // namespace dyn::test
 
-/// Leaves the test case when the reference data is absent.
+/// Leaves the test case if the reference data is absent.
 #define DYN_NEEDS_SHARED()                                                                                        \
   if (dyn::test::sharedFolder().empty()) {                                                                        \
     dyn::test::noteSkipped("no reference data (set DYN_SHARED to the folder that has it)", "DYN_REQUIRE_SHARED"); \

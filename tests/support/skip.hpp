@@ -1,4 +1,4 @@
-// Tests that cannot run here say so, and so does ctest; with DYN_REQUIRE_ALL=1, as on the machine that decides, they fail.
+// Tests that cannot run here report that they are skipped, and so does ctest. With DYN_REQUIRE_ALL=1, as on the machine that decides, they fail.
 #pragma once
 
 #include "support/catch.hpp"
@@ -8,14 +8,14 @@
 
 namespace dyn::test {
 
-constexpr int skipped_exit_code = 100;  ///< of a test program that skipped something and found nothing wrong
+constexpr int skipped_exit_code = 100;  ///< exit code of a test program that skipped tests and had no failure
 
 inline bool& skippedAny() {
   static bool any = false;
   return any;
 }
 
-/// `demanded`: the environment variable that makes a failure of it.
+/// Notes that a test was skipped. This is a failure if the environment variable `demanded` is 1.
 inline void noteSkipped(const std::string& why, const char* demanded) {
   const char* value = std::getenv(demanded);
   if (value && std::string(value) == "1") FAIL("skipped, though " << demanded << "=1: " << why);
@@ -25,7 +25,7 @@ inline void noteSkipped(const std::string& why, const char* demanded) {
 
 }  // namespace dyn::test
 
-/// Leaves the test case where something that it needs is not there.
+/// Leaves the test case because something that it needs is missing.
 #define DYN_SKIP(why)                               \
   do {                                              \
     dyn::test::noteSkipped(why, "DYN_REQUIRE_ALL"); \

@@ -1,4 +1,4 @@
-// Functions of a model, traced or compiled, called with vectors; and a cache for what a test compiles.
+// Calls of traced and compiled functions with vectors, and a cache for code that a test compiles.
 #pragma once
 
 #include "support/catch.hpp"
@@ -14,7 +14,7 @@
 
 namespace dyn::test {
 
-/// A cache of the test's own.
+/// A compiler cache in a temporary folder.
 struct CompilerCache : Folder {
   NativeOptions options() const {
     NativeOptions o;
@@ -24,7 +24,7 @@ struct CompilerCache : Folder {
   }
 };
 
-/// Why a model cannot be traced; empty if it can.
+/// The reason why a model cannot be traced; empty if it can.
 inline std::string whyNotTraced(const CompactModel& model) {
   try {
     trace(model, "rnea");
@@ -35,19 +35,19 @@ inline std::string whyNotTraced(const CompactModel& model) {
   }
 }
 
-/// q, v, and a or tau.
+/// A random state: q, v, and a or tau.
 inline std::array<Eigen::VectorXd, 3> randomState(const CompactModel& model, std::uint64_t seed) {
   Random random(seed);
   return {integrate(model, neutral(model), random.vector(model.nv(), 1)), random.vector(model.nv(), 1), random.vector(model.nv(), 2)};
 }
 
-/// The largest difference beside the largest number.
+/// The largest difference relative to the largest entry of b.
 inline double difference(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
   REQUIRE(a.size() == b.size());
   return (a - b).cwiseAbs().maxCoeff() / std::max(b.cwiseAbs().maxCoeff(), 1e-300);
 }
 
-/// Each output of a graph, from all inputs one after the other.
+/// The outputs of a graph. `in` holds all inputs one after the other.
 inline std::vector<Eigen::VectorXd> byGraph(const TracedFunction& f, const std::vector<double>& in) {
   const std::vector<double> out = replay<double>(f.graph, in);
   std::vector<Eigen::VectorXd> parts;
@@ -58,7 +58,7 @@ inline std::vector<Eigen::VectorXd> byGraph(const TracedFunction& f, const std::
   }
   return parts;
 }
-/// Of a function with one, two or three arguments q, v, a.
+/// The outputs of a graph with the arguments q, q and v, or q, v and a.
 inline std::vector<Eigen::VectorXd> byGraph(const TracedFunction& f, const Eigen::VectorXd& q, const Eigen::VectorXd& v, const Eigen::VectorXd& a) {
   std::vector<double> in;
   for (std::size_t i = 0; i < f.inputs.size(); ++i) {
@@ -68,7 +68,7 @@ inline std::vector<Eigen::VectorXd> byGraph(const TracedFunction& f, const Eigen
   return byGraph(f, in);
 }
 
-/// The same of a compiled one.
+/// The outputs of a compiled function.
 inline std::vector<Eigen::VectorXd> byCode(const CompiledFunction& f, const Eigen::VectorXd& q, const Eigen::VectorXd& v, const Eigen::VectorXd& a) {
   std::vector<Eigen::VectorXd> parts;
   const void* in[] = {q.data(), v.data(), a.data()};

@@ -1,4 +1,4 @@
-// Models of the reference data's own JSON form.
+// Reads models in the JSON format of the reference data.
 #pragma once
 
 #include <dyn/model/model.hpp>
@@ -10,7 +10,7 @@
 
 namespace dyn::test {
 
-/// Rounded once, from extended precision.
+/// Rotation matrix from roll, pitch and yaw, computed in extended precision and rounded once.
 inline Mat3<double> rollPitchYaw(long double r, long double p, long double y) {
   const long double cr = std::cos(r), sr = std::sin(r), cp = std::cos(p), sp = std::sin(p), cy = std::cos(y), sy = std::sin(y);
   const Mat3<long double> Z{{cy, -sy, 0, sy, cy, 0, 0, 0, 1}}, Y{{cp, 0, sp, 0, 1, 0, -sp, 0, cp}}, X{{1, 0, 0, 0, cr, -sr, 0, sr, cr}};
@@ -20,7 +20,7 @@ inline Mat3<double> rollPitchYaw(long double r, long double p, long double y) {
   return out;
 }
 
-/// Custom joints of the data are formulas; these two have a plugin of ours with the same motion.
+/// Reads a joint. The two custom joints of the data are formulas; example plugins with the same motion replace them.
 inline JointDescription jointOf(const nlohmann::json& j, const std::string& model) {
   JointDescription joint;
   joint.name = j["name"];

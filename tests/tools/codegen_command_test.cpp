@@ -1,4 +1,4 @@
-// dyn codegen: what it writes builds anywhere, and passes its own test.
+// dyn codegen writes source that builds anywhere and passes its own test.
 #include "command.hpp"
 
 using namespace dyn::test;

@@ -1,4 +1,4 @@
-// The command dyn as a user runs it: what it answers to a line of arguments.
+// Runs the command dyn as a user does and returns its answer to a line of arguments.
 #pragma once
 
 #include "support/folder.hpp"
@@ -35,7 +35,7 @@ inline Answer run(const std::string& arguments) {
   return {WEXITSTATUS(status), textOf(out), textOf(err)};
 }
 
-/// Of the biped that stands on nothing.
+/// A state file for the biped with a floating base.
 inline const std::string zero_state = R"({"samples":[{"q":[0,0,0,0,0,0,1)" + [] {
   std::string rest;
   for (int i = 0; i < 16; ++i) rest += ",0.1";

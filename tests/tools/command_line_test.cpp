@@ -1,4 +1,4 @@
-// The command line of dyn: what is refused, with exit code 2, and in which words.
+// The command line of dyn: arguments that it refuses with exit code 2, and the messages.
 #include "command.hpp"
 
 using namespace dyn::test;

@@ -1,4 +1,4 @@
-// dyn compute: states in, keys out.
+// dyn compute reads states and writes results by key.
 #include "command.hpp"
 #include "errors.hpp"
 #include "support/shared.hpp"

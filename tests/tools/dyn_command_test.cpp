@@ -1,4 +1,4 @@
-// Every subcommand of dyn: exit codes, messages, on good and on broken input.
+// Every subcommand of dyn: exit codes and messages for valid and for broken input.
 #include "command.hpp"
 #include "support/skip.hpp"
 
@@ -108,7 +108,7 @@ TEST_CASE("bench measures what is asked for", "[command]") {
   std::istringstream lines(a.out);
   std::string names;
   for (std::string line; std::getline(lines, line);) names += nlohmann::json::parse(line)["algorithm"].get<std::string>() + " ";
-  CHECK(names == "rnea step_rk4 rnea rnea ");  // single, batches of doubles and floats
+  CHECK(names == "rnea step_rk4 rnea rnea ");  // one state, then batches of doubles and floats
   const Answer few = run("bench " + biped + " --only rnea --states 8 --json");
   CHECK_THAT(few.out, containing("\"mode\":\"batch\",\"states\":8") && containing("\"mode\":\"single\",\"states\":256"));
   CHECK(run("bench " + biped + " --states 0").code == 2);
@@ -135,7 +135,7 @@ TEST_CASE("plugins are listed, checked, and begun", "[command]") {
   const std::string there = " --directory " + folder.path.string();
   CHECK(run("plugin new my_joint" + there).code == 0);
   for (const char* file : {"CMakeLists.txt", "my_joint.cpp", "my_joint.urdf", "README.md"}) CHECK(fs::exists(folder.path / "my_joint" / file));
-  CHECK(run("plugin new my_joint" + there).code == 1);  // is there already
+  CHECK(run("plugin new my_joint" + there).code == 1);  // the folder exists already
   CHECK(run("plugin new 7up" + there).code == 2);
   const Answer taken = run("plugin new revolute" + there);
   CHECK(taken.code == 1);

@@ -1,4 +1,4 @@
-// Ctrl-C and TERM while dyn works.
+// SIGINT (Ctrl-C) and SIGTERM while dyn works.
 #include "command.hpp"
 
 #include <nlohmann/json.hpp>
@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Whether the process is dyn, and no copy of this one any more, and has a handler for the signal.
+/// Tells whether the process already runs dyn, not a copy of the test, and has a handler for the signal.
 bool handles(pid_t process, int signal) {
   std::error_code error;
   if (fs::read_symlink("/proc/" + std::to_string(process) + "/exe", error).filename() != "dyn") return false;
@@ -24,7 +24,7 @@ bool handles(pid_t process, int signal) {
   return false;
 }
 
-/// The exit code of dyn with these arguments, which a signal reaches once it has a handler for it.
+/// Runs dyn with these arguments, sends the signal once dyn has a handler for it, and returns the exit code.
 int interrupted(const std::vector<std::string>& arguments, int signal, const std::string& out) {
   std::vector<char*> argv{const_cast<char*>("dyn")};
   for (const std::string& word : arguments) argv.push_back(const_cast<char*>(word.c_str()));

@@ -1,4 +1,4 @@
-// The fifty-digit reference agrees with the shared data, which other people's code of other methods has made.
+// The fifty-digit reference agrees with the shared data, which independent code with other methods has made.
 #include "oracle.hpp"
 
 #include "errors.hpp"
@@ -16,7 +16,7 @@ using dyn::tool::TruthSample;
 
 namespace {
 
-/// max |a - b| / max |b|.
+/// Returns max |a - b| / max |b|.
 double apart(const std::vector<long double>& a, const std::vector<long double>& b) {
   if (a.size() != b.size()) return HUGE_VAL;
   long double worst = 0, size = 0;
@@ -24,7 +24,7 @@ double apart(const std::vector<long double>& a, const std::vector<long double>& 
     worst = std::max(worst, std::abs(a[k] - b[k]));
     size = std::max(size, std::abs(b[k]));
   }
-  // Differences leave noise where the truth is zero.
+  // Data made by differences has noise where the truth is zero.
   return size > 1e-30L ? static_cast<double>(worst / size) : static_cast<double>(worst);
 }
 
@@ -35,14 +35,14 @@ void compare(const Model& description, const std::string& data, bool derivatives
   const tool::Oracle oracle(description, model);
   std::size_t samples = 0;
   for (const auto& [state, entry] : tool::readSamples(sharedFolder() + "/truth/data/" + data + ".json", model)) {
-    if (++samples > 2) break;  // seconds each
+    if (++samples > 2) break;  // each sample takes seconds
     const TruthSample ours = oracle.evaluate(state, derivatives);
     for (const auto& [key, numbers] : ours.truth) {
       if (!entry["truth"].contains(key)) continue;
       INFO(data << ", sample " << samples << ", " << key);
       const std::vector<long double> theirs = tool::flatten(entry["truth"][key]);
       if (key == "rnea_scale" || key == "aba_scale") {
-        // Bounds of the same kind, of which no digit matters; ours may be sharper, not wider.
+        // Both are bounds of the same kind, whose digits do not matter. Ours may be sharper but not much wider.
         for (std::size_t k = 0; k < theirs.size(); ++k) {
           CHECK(numbers[k] <= 4 * theirs[k]);
           CHECK(numbers[k] > 0);
@@ -61,7 +61,7 @@ void compare(const Model& description, const std::string& data, bool derivatives
 
 TEST_CASE("the reference has all the digits of the shared data, where models are described exactly", "[oracle]") {
   DYN_NEEDS_SHARED();
-  // Differences lose the digits that the inertias of free_body_a are apart, twice nine.
+  // The inertias of free_body_a differ by nine orders of magnitude, so differences lose twice nine digits.
   for (const char* name : {"pendulum_double", "rope_10", "free_body_a", "free_body_c"})
     compare(readTruthModel(readJson(sharedFolder() + "/truth/models/" + name + ".json")), name, true, 1e-16);
 }
@@ -73,7 +73,7 @@ TEST_CASE("the reference agrees for robots to what their placements are rounded 
     options.root = root;
     return urdf::load(sharedFolder() + "/models/" + name + ".urdf", options);
   };
-  // A rounding of the placements' rotations is multiplied by the condition of M (4e3 to 9e4) where that is inverted.
+  // Where M is inverted, its condition number (4e3 to 9e4) multiplies the rounding errors of the placements' rotations.
   for (const char* name : {"joint_translation", "chain_2"})
     compare(readTruthModel(readJson(sharedFolder() + "/truth/models/" + name + ".json")), name, true, 1e-14);
   compare(robot("lwr", "fixed"), "lwr", true, 1e-10);
@@ -98,9 +98,9 @@ TEST_CASE("the reference moves as closed forms and others' series say", "[oracle
     return tool::Oracle(description, model).move(start, time, steps);
   };
   const auto largest = [](const Eigen::VectorXd& x) { return x.cwiseAbs().maxCoeff(); };
-  // Rounded to doubles at the end: as near as numbers of that size are to each other.
+  // Results are rounded to doubles at the end, so they agree only to the spacing of doubles of that size.
   for (const bool chaotic : {false, true}) {
-    // The chaotic one, a second of which takes as much as ten of the other.
+    // The chaotic motion is compared at an earlier time, because one second of it takes as long as ten seconds of the other.
     const std::vector<State> reference = pendulumReference(chaotic);
     const State& truth = reference[chaotic ? 1 : 2];
     tool::State start;

@@ -1,4 +1,4 @@
-// dyn simulate and dyn collide.
+// The commands dyn simulate and dyn collide.
 #include "command.hpp"
 
 #include <nlohmann/json.hpp>
@@ -19,7 +19,7 @@ TEST_CASE("collide says what touches and how far the rest is, and learns which p
   REQUIRE(answer.code == 0);
   const auto json = nlohmann::json::parse(answer.out);
   CHECK(json["states"].size() == 2);
-  // The arm stands upright, its flange ends at z = 1.3 m; the table's underside is at 1.35 m.
+  // The arm is upright and its flange ends at z = 1.3 m. The table's underside is at 1.35 m.
   CHECK(json["states"][0]["collisions"].empty());
   CHECK(json["states"][0]["minimum"]["a"] == "flange_0");
   CHECK(json["states"][0]["minimum"]["b"] == "scene/table_0");
@@ -59,14 +59,14 @@ TEST_CASE("simulate writes what it passed through, and says what was kept", "[co
   }
   const std::string table = textOf(csv);
   CHECK(table.rfind("t,q:", 0) == 0);
-  CHECK(std::count(table.begin(), table.end(), '\n') == 52);  // names, and a state a step with both ends
+  CHECK(std::count(table.begin(), table.end(), '\n') == 52);  // the header, the first state and one state after each step
   CHECK(run(robot + "--out " + json + " --plot " + svg + " --every 0.01").code == 0);
   const nlohmann::json states = nlohmann::json::parse(textOf(json));
   CHECK(states["states"].size() == 6);
   CHECK(states["states"][5]["t"] == 0.05);
   CHECK_THAT(textOf(svg), containing("</svg>"));
 
-  // Half and half is the whole.
+  // A run in two parts gives the same as the whole run.
   const std::string saved = (folder.path / "saved").string(), whole = (folder.path / "whole").string(), halves = (folder.path / "halves").string();
   CHECK(run(robot + "--save " + whole).code == 0);
   CHECK(run("simulate " + biped + " --root free_flyer --time 0.02 --save " + saved).code == 0);
@@ -90,7 +90,7 @@ TEST_CASE("simulate lets bodies touch by their volumes", "[command][simulate]") 
   const auto energy = [](const Answer& a) { return std::stod(a.out.substr(a.out.find("at first, ") + 10)); };
   const Answer lies = run(arm + "--touching --scene " + table), falls = run(arm);
   CHECK_THAT(lies.out, containing("steps in touch"));
-  CHECK(energy(falls) > 100);  // all of what it started with
+  CHECK(energy(falls) > 100);  // it keeps all of its initial energy
   CHECK(energy(lies) < 10);
   CHECK_THAT(run(arm + "--scene " + table).err, containing("requires --touching"));
   CHECK_THAT(run(arm + "--touching --scene nowhere.urdf").err, containing("nowhere.urdf"));
@@ -119,7 +119,7 @@ TEST_CASE("simulate refuses what makes no sense, and keeps what there was of a m
   fails(biped + " --restitution 2", "restitution", 2);
   fails("missing.urdf", "missing.urdf");
   for (const char* option : {"--out none/x.csv", "--plot none/x.svg", "--save none/x"}) {
-    // Before the run, not after it.
+    // The error must come before the run, not after it.
     const Answer a = run("simulate " + biped + " --time 0.01 " + option);
     CHECK(a.code == 1);
     CHECK_THAT(a.err, containing("none/x") && containing("cannot be written"));
@@ -129,13 +129,13 @@ TEST_CASE("simulate refuses what makes no sense, and keeps what there was of a m
   const fs::path broken = folder.path / "state.json", out = folder.path / "out.csv";
   std::ofstream(broken) << R"({"samples":[{"q":[NaN]}]})";
   fails(biped + " --state " + broken.string(), "not finite");
-  // Speeds whose squares no double holds.
+  // The squares of these speeds overflow.
   std::ofstream(broken) << R"({"samples":[{"q":[0.1,0.1,0.1,0.1,0.1,0.1,0.1],"v":[1e160,1e160,1e160,1e160,1e160,1e160,1e160]}]})";
   fails(DYN_SOURCE_DIR "/models/arm.urdf --state " + broken.string() + " --out " + out.string(), "the energy is not finite");
   CHECK_FALSE(fs::exists(out));
-  // And speeds that grow so large.
+  // These speeds grow until they overflow.
   std::ofstream(broken) << R"({"samples":[{"q":[0.1,0.1,0.1,0.1,0.1,0.1,0.1],"v":[1e100,1e100,1e100,1e100,1e100,1e100,1e100]}]})";
   fails(DYN_SOURCE_DIR "/models/arm.urdf --state " + broken.string() + " --out " + out.string(), "t = ");
   const std::string kept = textOf(out);
-  CHECK(std::count(kept.begin(), kept.end(), '\n') == 2);  // names and the first state
+  CHECK(std::count(kept.begin(), kept.end(), '\n') == 2);  // the header and the first state
 }

@@ -1,4 +1,4 @@
-// The sets of the 25-digit truth: models, samples, and how errors of them are judged.
+// The sets of the 25-digit reference data: models, samples, and error budgets.
 #pragma once
 
 #include "errors.hpp"
@@ -43,7 +43,7 @@ inline Set load(const std::string& name) {
   return {compile(model, JointRegistry::standard(), options), document};
 }
 
-/// Worst errors of a set, by quantity; printed when DYN_SHOW_ERRORS is set.
+/// Worst errors of a set by quantity. The destructor prints them if DYN_SHOW_ERRORS is set.
 class Worst {
  public:
   explicit Worst(std::string set) : set_(std::move(set)) {}
@@ -68,21 +68,22 @@ inline long double largest(const std::vector<long double>& x) {
   return most;
 }
 
-/// Sets that were made to lose the digits of a relative error: M is close to singular, or what the derivatives are made of cancels to
-/// nothing.
+/// Tells whether a set was made so that relative errors lose digits: M is close to singular, or the terms of the derivatives cancel almost
+/// completely.
 inline bool isExtreme(const std::string& set) {
   for (const char* kind : {"chain_", "massratio", "collinear", "free_body", "tinyangle", "pendulum"})
     if (set.find(kind) != std::string::npos) return true;
   return false;
 }
 
-/// nv x nv.
+/// Computed derivatives, nv x nv each.
 struct DerivativesFound {
   Eigen::MatrixXd dtau_dq, dtau_dv, dtau_da, ddq_dq, ddq_dv, ddq_dtau;
 };
 
-/// Relative errors, at most 100 u; for extreme sets errors by what cancels, at most 4 u, as for aba: for ddq, |M^-1| |dtau| and what a
-/// ddq that is right to its own scale brings; for dtau_dv, |M| |v|, 15 u as for M; for M^-1, |M^-1| |M| |M^-1|. What the sample has truths of.
+/// Checks the derivatives for which the sample has references. Relative errors are at most 100 u (15 u for dtau_da, as for M). For extreme sets the
+/// other derivatives' errors are relative to the terms that cancel: dtau_dv within 15 u of |M| |v|; derivatives of ddq, as aba, within 4 u of
+/// |M^-1| |dtau| and of the scale of ddq; M^-1 within 4 u of |M^-1| |M| |M^-1|. dtau_dq keeps its relative budget of 100 u.
 inline void checkDerivatives(const nlohmann::json& sample, const DerivativesFound& x, const std::string& mode, bool extreme, Worst& worst) {
   const nlohmann::json& truth = sample["truth"];
   const long double speed = static_cast<long double>(vectorOf(sample["v"]).cwiseAbs().maxCoeff());

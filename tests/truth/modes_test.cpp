@@ -1,4 +1,4 @@
-// The same budgets for every way to compute the same: many states a call, in double and in float, and operations as code generation writes them.
+// The same error budgets for other ways to compute the same results: batches in double and in float, and operations of generated code.
 #include "support/traced.hpp"
 #include "truth/data_sets.hpp"
 
@@ -12,8 +12,8 @@ Eigen::MatrixXd squareOf(const Eigen::VectorXd& x) {
   return x.reshaped(n, n);
 }
 
-/// All samples of a set as one batch. Floats start from states, and a model, rounded to floats: their reference is the double computation of the
-/// rounded states, which is right to a 10^-8 of a float's rounding.
+/// Checks all samples of a set as one batch. Float batches start from states and a model that are rounded to floats. Their reference is the double
+/// computation from the rounded states, whose error is 10^-8 of a float's rounding.
 template <class T>
 void checkBatch(const std::string& name) {
   const Set set = load(name);
@@ -22,7 +22,7 @@ void checkBatch(const std::string& name) {
   const auto n = static_cast<Eigen::Index>(samples.size());
   using Matrix = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>;
   Matrix q(model.nq(), n), v(model.nv(), n), a(model.nv(), n), tau(model.nv(), n);
-  // Extreme sets have masses and distances whose products leave no digits of a float: M is singular there.
+  // Products of masses and distances in extreme sets leave no digits of a float, so M is singular there.
   bool regular = std::is_same_v<T, double> || !isExtreme(name), differentiable = true;
   for (Eigen::Index k = 0; k < n; ++k) {
     const nlohmann::json& sample = samples[static_cast<std::size_t>(k)];
@@ -38,7 +38,7 @@ void checkBatch(const std::string& name) {
   BasicBatchData<T> batch(model, static_cast<int>(n), Need::derivatives | Need::mass_matrix, 2);
   Data data(model, Need::derivatives);
   Worst worst(name);
-  const double unit = is_double ? 1 : 0x1p-24 / 0x1p-53;  // of T's own rounding
+  const double unit = is_double ? 1 : 0x1p-24 / 0x1p-53;  // roundoff of T relative to that of double
   const auto column = [](const auto& states, Eigen::Index k) { return Eigen::VectorXd(states.col(k).template cast<double>()); };
   const Matrix forces = rnea(model, batch, q, v, a), M = crba(model, batch, q);
   const Matrix accelerations = regular ? Matrix(aba(model, batch, q, v, tau)) : Matrix();
@@ -76,7 +76,7 @@ void checkBatch(const std::string& name) {
                      mode, isExtreme(name), worst);
 }
 
-/// A traced function's outputs at a sample, one after the other.
+/// The outputs of a traced function at a sample.
 std::vector<Eigen::VectorXd> replayed(const TracedFunction& f, const nlohmann::json& sample) {
   std::vector<double> in;
   for (const ArgumentShape& argument : f.inputs) {
@@ -88,7 +88,7 @@ std::vector<Eigen::VectorXd> replayed(const TracedFunction& f, const nlohmann::j
 
 void checkTraced(const std::string& name, const TraceOptions& how) {
   const Set set = load(name);
-  const std::string mode = how.abreast ? ", generated, abreast" : ", generated";
+  const std::string mode = how.packable ? ", generated, abreast" : ", generated";
   Worst worst(name);
   const auto traced = [&](const char* function) { return trace(set.model, function, how); };
   const TracedFunction rnea = traced("rnea"), crba = traced("crba"), aba = traced("aba");
@@ -101,7 +101,7 @@ void checkTraced(const std::string& name, const TraceOptions& how) {
     if (truth.contains("aba_scale"))
       worst.check("aba" + mode, scaledError(rowMajor(replayed(aba, sample)[0]), flatten(truth["aba"]), flatten(truth["aba_scale"])), 4);
     const auto x = replayed(by_rnea, sample), y = replayed(by_aba, sample);
-    // Replayed one by one operations are not fused, as compiled ones are: all sets are judged by what cancels.
+    // Replayed operations are not fused, unlike compiled ones. So all sets are judged relative to the terms that cancel.
     checkDerivatives(sample, {squareOf(x[0]), squareOf(x[1]), squareOf(x[2]), squareOf(y[0]), squareOf(y[1]), squareOf(y[2])}, mode, true, worst);
   }
 }
@@ -118,5 +118,5 @@ TEST_CASE("operations of generated code are within the same budgets", "[truth]")
   DYN_NEEDS_SHARED();
   for (const std::string& name : truth_sets)
     if (name != "chain_100" && name != "big_chain_200")  // graphs of millions of operations
-      for (const bool abreast : {false, true}) checkTraced(name, {.abreast = abreast});
+      for (const bool packable : {false, true}) checkTraced(name, {.packable = packable});
 }

@@ -1,4 +1,4 @@
-// Every algorithm against references of 25 digits that share no code with it, within the project's error budgets.
+// Every algorithm agrees within the project's error budgets with 25-digit references that share no code with it.
 #include "truth/data_sets.hpp"
 
 using namespace dyn;
@@ -80,7 +80,7 @@ void checkSet(const std::string& name) {
       worst.check("potential_energy", off / std::max(magnitude, static_cast<double>(std::fabs(potential))), 20);
       const CenterOfMass c = centerOfMass(model, data, q, v, a);
       worst.check("com", relativeError(vec3(c.position), flatten(truth["com"])), 20);
-      // Velocities of the bodies may cancel in the mean: the yardstick is their sum without signs, |Jcom| |v|.
+      // Velocities of the bodies may cancel in the mean, so the error is relative to their sum without signs, |Jcom| |v|.
       const Eigen::VectorXd terms = Eigen::MatrixXd(jacobianCenterOfMass(model, data, q)).cwiseAbs() * v.cwiseAbs();
       const std::vector<long double> yardstick(3, std::max(static_cast<long double>(terms.maxCoeff()), 1e-300L));
       worst.check("vcom", scaledError(vec3(c.velocity), flatten(truth["vcom"]), yardstick), 10);
@@ -99,13 +99,13 @@ void checkSet(const std::string& name) {
     checkFrames(model, data, q, v, a, truth, far, worst);
     DerivativesFound found;
     if (truth.contains("dtau_dq")) {
-      const RneaDerivatives x = computeRNEADerivatives(model, data, q, v, a);
+      const RNEADerivatives x = computeRNEADerivatives(model, data, q, v, a);
       found.dtau_dq = x.dtau_dq;
       found.dtau_dv = x.dtau_dv;
       found.dtau_da = x.dtau_da;
     }
     if (truth.contains("ddq_dq")) {
-      const AbaDerivatives x = computeABADerivatives(model, data, q, v, tau);
+      const ABADerivatives x = computeABADerivatives(model, data, q, v, tau);
       worst.check("aba beside its derivatives", scaledError(vec(x.ddq), flatten(truth["aba"]), flatten(truth["aba_scale"])), 4);
       worst.check("aba beside its derivatives, relative", relativeError(vec(x.ddq), flatten(truth["aba"])), no_match);
       found.ddq_dq = x.ddq_dq;

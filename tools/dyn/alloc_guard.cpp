@@ -1,10 +1,10 @@
-// The program's own malloc & co. count and hand on to the C library's. Definitions in the executable come before those of every shared
-// object, so plugins are counted too; operator new of libstdc++ calls malloc. A sanitizer has its own allocator, which must stay.
+// The program's own malloc & co. count, then call the C library's. Definitions in the executable precede those of every shared object, so plugins
+// are counted too; operator new of libstdc++ calls malloc. A sanitizer has its own allocator, which must stay: then nothing is counted.
 #include "alloc_guard.hpp"
 
 #include <cstddef>
 
-// gcc and clang say in different ways that there is one.
+// gcc and clang announce a sanitizer in different ways.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define DYN_SANITIZED
 #elif defined(__has_feature)
@@ -18,7 +18,7 @@
 #include <cerrno>
 
 namespace {
-// Of the executable, hence in the static TLS block: touching it allocates nothing.
+// This variable belongs to the executable, so it lies in the static TLS block, and accessing it allocates nothing.
 thread_local long count = 0;
 }  // namespace
 

@@ -3,7 +3,8 @@
 
 namespace dyn::tool {
 
-/// malloc, calloc, realloc, aligned forms and with them operator new, since the thread began; -1 where they cannot be counted.
+/// The number of allocations since the thread began, by malloc, calloc, realloc, their aligned forms and hence operator new; -1 where they cannot be
+/// counted.
 long allocationCount();
 bool canCountAllocations();
 

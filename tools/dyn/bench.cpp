@@ -1,4 +1,4 @@
-// dyn bench: ns a call of each algorithm, median of repetitions over random states; beside it, where there is a truth, the error.
+// dyn bench: ns per call of each algorithm, the median of repetitions over random states; with a truth file, the error too.
 #include "bench.hpp"
 
 #include "commands.hpp"
@@ -13,7 +13,8 @@ namespace dyn::tool {
 
 namespace {
 
-/// Matrices of nv x nv, some twenty, and 256 times four in a batch.
+/// The largest nv for which derivatives are measured unless --only names them: they take about twenty nv x nv matrices, and four for each of 256
+/// states of a batch.
 constexpr int most_with_derivatives = 1000;
 
 struct Options {
@@ -24,7 +25,7 @@ struct Options {
   std::vector<std::string> contacts, codegen, only;
 };
 
-/// Those that the command line names; else the model's own; else where the robot stands.
+/// The constraints that the command line names; otherwise the model's own; otherwise contacts at its lowest leaves.
 ConstraintSet constraintsOf(const Options& o, const CompactModel& model) {
   if (!o.contacts.empty()) return ConstraintSet(model, readContacts(o.contacts));
   const ConstraintSet own(model);
@@ -37,7 +38,7 @@ std::string namesOf(const ConstraintSet& set) {
   return names;
 }
 
-/// Leaves out what --only does not name.
+/// Removes the entries that --only does not name. Throws CLI::ValidationError for a name that no entry has.
 void choose(const std::vector<std::string>& only, std::vector<Entry>& entries) {
   const auto isAmong = [](const std::vector<std::string>& names, const std::string& name) {
     return std::find(names.begin(), names.end(), name) != names.end();

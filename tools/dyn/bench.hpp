@@ -1,4 +1,4 @@
-// What `dyn bench` measures: one entry a line.
+// The measurements of `dyn bench`: one entry per line of its output.
 #pragma once
 
 #include "states.hpp"
@@ -17,19 +17,19 @@
 
 namespace dyn::tool {
 
-/// One line: how long `round` takes for each of the `states` that it goes through, and the errors at those of the truth.
+/// One line: the time that `round` takes for each of its `states`, and the errors at the states of the truth file.
 struct Entry {
   std::string algorithm, scalar, mode;
-  Need need = Need::state;  ///< of the data that it is given
+  Need need = Need::state;  ///< of the Data that the entry uses
   std::size_t states = 0;
   std::function<void()> round;
   std::function<ErrorSummary()> error;
 };
 
-/// Where nobody says how many.
+/// The default number of states.
 constexpr int state_count = 256;
 
-/// Everything that is measured lives here. Data is made when the first entry asks for it, with what those that are left need: `needs`.
+/// Owns everything that is measured. Data is made when the first entry uses it, with `needs`: the union of the needs of the chosen entries.
 struct Subjects {
   Subjects(const CompactModel& m, const ConstraintSet& set, int in_a_batch = state_count)
       : model(m), batch_states(in_a_batch), states(randomStates(m, std::max(state_count, in_a_batch), 1)), constraint_set(set) {}
@@ -38,7 +38,7 @@ struct Subjects {
   std::vector<State> states;
   ConstraintSet constraint_set;
   std::vector<TruthSample> truth;
-  Need needs = Need::derivatives | Need::kinematics | Need::jacobians;  ///< everything, unless somebody says less
+  Need needs = Need::derivatives | Need::kinematics | Need::jacobians;  ///< everything, unless the caller narrows it
 
   Data& data() {
     if (!data_) data_.emplace(model, needs);
@@ -54,17 +54,17 @@ struct Subjects {
   std::optional<ConstraintData> constraints_;
 };
 
-/// Every algorithm, one state a call; and those that take batches, T being double or float.
+/// addSingle adds every algorithm, one state per call; addBatch those that take batches. T is double or float.
 void addSingle(Subjects& x, std::vector<Entry>& entries);
 template <class T>
 void addBatch(Subjects& x, const char* scalar, int threads, std::vector<Entry>& entries);
 extern template void addBatch<double>(Subjects&, const char*, int, std::vector<Entry>&);
 extern template void addBatch<float>(Subjects&, const char*, int, std::vector<Entry>&);
 
-/// ns for each of the things, `count` of them, that a round goes through: quartiles of eleven repetitions of about 2 ms each.
+/// [ns] Time per item of a round that processes `count` items: quartiles of eleven repetitions of about 2 ms each.
 benchmark::Quartiles measure(const std::function<void()>& round, std::size_t count);
 
-/// Functions of this model as generated code, state by state and several states a call. Compiles them, or finds them in the cache.
+/// Adds functions of this model as generated code, with one state and with several states per call. Compiles them, or finds them in the cache.
 void addGenerated(Subjects& x, const std::vector<std::string>& functions, std::vector<Entry>& entries);
 
 }  // namespace dyn::tool

@@ -1,4 +1,4 @@
-// The modes codegen and codegen_batch of `dyn bench`.
+// Modes codegen and codegen_batch of `dyn bench`.
 #include "bench.hpp"
 
 #include <dyn/codegen/native.hpp>
@@ -11,7 +11,7 @@ namespace dyn::tool {
 
 namespace {
 
-/// As the other modes call them.
+/// The name that the other modes use for the same function.
 std::string entryName(const std::string& function) {
   static const std::map<std::string, std::string> names = {
       {"nonLinearEffects", "nle"}, {"forwardKinematics", "forward_kinematics"}, {"jacobians", "joint_jacobians"}, {"centroidal_map", "ccrba"}};
@@ -19,11 +19,11 @@ std::string entryName(const std::string& function) {
   return found == names.end() ? function : found->second;
 }
 
-/// A function and room for what it writes: `lanes` states side by side.
+/// A function with memory for its arguments and results, for `lanes` states side by side.
 struct Subject {
   CompiledFunction function;
   int lanes;
-  std::vector<std::vector<double>> in;  ///< by argument, all states, groups of `lanes` one after the other
+  std::vector<std::vector<double>> in;  ///< by argument: all states, one group of `lanes` after the other
   std::vector<std::vector<double>> out;
 
   Subject(const CompiledFunction& f, const std::vector<State>& states, int l) : function(f), lanes(l) {

@@ -1,4 +1,4 @@
-// The lines of `dyn bench`: how each algorithm is called, state by state and in batches.
+// The entries of `dyn bench`: calls of each algorithm, for single states and for batches.
 #include "bench.hpp"
 
 #include <chrono>
@@ -9,36 +9,48 @@ namespace dyn::tool {
 
 namespace {
 
-/// The numbers of a result, for what has no truth none.
+/// The numbers of a result, column after column.
 template <class Result>
 Eigen::VectorXd numbersOf(const Result& result) {
   return result.template cast<double>().reshaped();
 }
 
-/// Derivatives w.r.t. q and v.
-struct Both {
-  MatrixResult by_q, by_v;
+/// The results of an algorithm of the catalogue.
+struct Numbered {
+  AlgorithmResults results;
+  const AlgorithmInfo& algorithm;
 };
-Eigen::VectorXd numbersOf(const Both& x) {
-  Eigen::VectorXd out(x.by_q.size() + x.by_v.size());
-  out << x.by_q.reshaped(), x.by_v.reshaped();
+/// The numbers of the results that have a key, one after the other.
+Eigen::VectorXd numbersOf(const Numbered& x) {
+  Eigen::VectorXd out;
+  for (std::size_t k = 0; k < x.algorithm.outputs.size(); ++k) {
+    if (x.algorithm.outputs[k].key == nullptr) continue;
+    const MatrixResult result = x.results(k);
+    out.conservativeResize(out.size() + result.size());
+    out.tail(result.size()) = result.reshaped();
+  }
   return out;
 }
 
-/// The same of many states.
-template <class States>
-struct BothOfStates {
-  States by_q, by_v;
-  Eigen::VectorXd col(Eigen::Index k) const {
-    Eigen::VectorXd out(by_q.rows() + by_v.rows());
-    out << by_q.col(k).template cast<double>(), by_v.col(k).template cast<double>();
+/// The same for many states.
+template <class T>
+struct NumberedStates {
+  detail::BatchViews<T> results;
+  const AlgorithmInfo& algorithm;
+
+  Eigen::VectorXd col(Eigen::Index state) const {
+    Eigen::VectorXd out;
+    for (std::size_t k = 0; k < algorithm.outputs.size(); ++k) {
+      if (algorithm.outputs[k].key == nullptr) continue;
+      const auto column = results(k).col(state);
+      out.conservativeResize(out.size() + column.size());
+      out.tail(column.size()) = column.template cast<double>();
+    }
     return out;
   }
 };
-template <class States>
-BothOfStates(States, States) -> BothOfStates<States>;
 
-/// Calls f at the state, and with each entry of q, in its tangent space, and of v and a moved.
+/// Calls f at the state, and once more for each direction of q (in its tangent space), of v and of tau, moved by 1e-8.
 template <class Function>
 void differences(const CompactModel& model, const State& s, Eigen::VectorXd& step, Function&& f) {
   static thread_local Eigen::VectorXd q, v, a;
@@ -67,14 +79,14 @@ void differences(const CompactModel& model, const State& s, Eigen::VectorXd& ste
 template <class T>
 using Columns = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>;
 
-/// States as columns, and what is computed of them.
+/// States as columns, and the batch that computes their results.
 template <class T>
 struct BatchSubject {
   Columns<T> q, v, a, tau;
 
   BatchSubject(const CompactModel& model, int states, int threads)
       : q(model.nq(), states), v(model.nv(), states), a(v), tau(v), model_(model), threads_(threads) {}
-  /// Made when it is asked for first.
+  /// The batch is made at the first call.
   BasicBatchData<T>& batch(Need needs) {
     if (!batch_) batch_.emplace(model_, static_cast<int>(q.cols()), needs, threads_);
     return *batch_;
@@ -115,7 +127,7 @@ benchmark::Quartiles measure(const std::function<void()>& round, std::size_t cou
 }
 
 void addSingle(Subjects& x, std::vector<Entry>& entries) {
-  // Of those with followers aba goes through M.
+  // With dependent joints aba uses M.
   const Need of_aba = x.model.follows() ? mass_matrix : Need::state;
   const auto add = [&](const char* name, Need need, auto run) {
     Entry entry{name, "double", "single", need, x.states.size(), {}, {}};
@@ -130,30 +142,18 @@ void addSingle(Subjects& x, std::vector<Entry>& entries) {
       };
     entries.push_back(std::move(entry));
   };
-  add("forward_kinematics", Need::state, [](auto& m, auto& d, auto& s) { forwardKinematics(m, d, s.q); });
-  add("forward_kinematics_1", Need::state, [](auto& m, auto& d, auto& s) { forwardKinematics(m, d, s.q, s.v); });
-  add("forward_kinematics_2", Need::state, [](auto& m, auto& d, auto& s) { forwardKinematics(m, d, s.q, s.v, s.a); });
-  add("rnea", Need::state, [](auto& m, auto& d, auto& s) { return rnea(m, d, s.q, s.v, s.a); });
-  add("nle", Need::state, [](auto& m, auto& d, auto& s) { return nonLinearEffects(m, d, s.q, s.v); });
-  add("gravity", Need::state, [](auto& m, auto& d, auto& s) { return generalizedGravity(m, d, s.q); });
-  add("crba", mass_matrix, [](auto& m, auto& d, auto& s) { return crba(m, d, s.q); });
-  add("aba", of_aba, [](auto& m, auto& d, auto& s) { return aba(m, d, s.q, s.v, s.tau); });
-  add("joint_jacobians", Need::state, [](auto& m, auto& d, auto& s) { computeJointJacobians(m, d, s.q); });
-  add("rnea_derivatives", derivatives, [](auto& m, auto& d, auto& s) {
-    const RneaDerivatives by = computeRNEADerivatives(m, d, s.q, s.v, s.a);
-    return Both{by.dtau_dq, by.dtau_dv};
-  });
-  add("aba_derivatives", derivatives, [](auto& m, auto& d, auto& s) {
-    const AbaDerivatives by = computeABADerivatives(m, d, s.q, s.v, s.tau);
-    return Both{by.ddq_dq, by.ddq_dv};
-  });
-  // Differences of one side, with which derivatives are compared: as many calls as there are directions.
+  for (const AlgorithmInfo& algorithm : algorithms())
+    if (algorithm.name != nullptr)
+      add(algorithm.name, algorithm.algorithm == Algorithm::aba ? of_aba : algorithm.need, [&algorithm](auto& m, auto& d, auto& s) {
+        return Numbered{runAlgorithm(m, d, algorithm.algorithm, s.q, s.v, algorithm.reads('t') ? s.tau : s.a), algorithm};
+      });
+  // One-sided differences, for comparison with the derivatives: one call per direction, and one more.
   const auto step = std::make_shared<Eigen::VectorXd>();
   add("rnea_finite_differences", Need::state,
       [step](auto& m, auto& d, auto& s) { differences(m, s, *step, [&](auto& q, auto& v, auto& a) { rnea(m, d, q, v, a); }); });
   add("aba_finite_differences", of_aba,
       [step](auto& m, auto& d, auto& s) { differences(m, s, *step, [&](auto& q, auto& v, auto& a) { aba(m, d, q, v, a); }); });
-  // n^3 numbers: for models of some dozens of degrees of freedom.
+  // The result has n^3 numbers, so larger models are skipped.
   if (x.model.nv() <= 100) {
     const auto second = std::make_shared<std::optional<SecondDerivativeData>>();
     add("rnea_second_derivatives", derivatives, [second](auto& m, auto& d, auto& s) {
@@ -161,17 +161,13 @@ void addSingle(Subjects& x, std::vector<Entry>& entries) {
       computeRNEASecondOrderDerivatives(m, d, **second, s.q, s.v, s.a);
     });
   }
-  add("minverse", derivatives, [](auto& m, auto& d, auto& s) { return computeMinverse(m, d, s.q); });
   add("cholesky_decompose", derivatives, [](auto& m, auto& d, auto&) { cholesky::decompose(m, d); });
   add("cholesky_solve", derivatives, [step](auto& m, auto& d, auto& s) {
     *step = s.tau;
     cholesky::solve(m, d, *step);
   });
   add("forward_dynamics_cholesky", derivatives, [](auto& m, auto& d, auto& s) { return forwardDynamics(m, d, s.q, s.v, s.tau); });
-  add("ccrba", derivatives, [](auto& m, auto& d, auto& s) { ccrba(m, d, s.q, s.v); });
-  add("centroidal_derivatives", derivatives, [](auto& m, auto& d, auto& s) { computeCentroidalDynamicsDerivatives(m, d, s.q, s.v, s.a); });
   add("kinematics_derivatives", derivatives, [](auto& m, auto& d, auto& s) { computeForwardKinematicsDerivatives(m, d, s.q, s.v, s.a); });
-  add("coriolis", derivatives, [](auto& m, auto& d, auto& s) { computeCoriolisMatrix(m, d, s.q, s.v); });
   add("torque_regressor", derivatives, [](auto& m, auto& d, auto& s) { computeJointTorqueRegressor(m, d, s.q, s.v, s.a); });
   add("center_of_mass_jacobian", Need::state, [](auto& m, auto& d, auto& s) { jacobianCenterOfMass(m, d, s.q); });
   add("constraint_dynamics", derivatives, [&x](auto& m, auto& d, auto& s) { constraintDynamics(m, d, s.q, s.v, s.tau, x.constraints()); });
@@ -180,7 +176,7 @@ void addSingle(Subjects& x, std::vector<Entry>& entries) {
   add("constraint_dynamics_derivatives", derivatives,
       [&x](auto& m, auto& d, auto& s) { computeConstraintDynamicsDerivatives(m, d, s.q, s.v, s.tau, x.constraints()); });
   add("impulse", derivatives, [&x](auto& m, auto& d, auto& s) { impulseDynamics(m, d, s.q, s.v, 0.0, x.constraints()); });
-  // Steps a second are 1e9 over these. Steps so short that the motion goes nowhere.
+  // Steps per second are 1e9 divided by these times. The steps are so short that the state hardly changes.
   for (const IntegratorInfo& info : integrators()) {
     if (info.adaptive || (info.implicit && x.model.nv() > 100)) continue;
     if (info.integrator == Integrator::variational && x.model.follows()) continue;
@@ -231,27 +227,11 @@ void addBatch(Subjects& x, const char* scalar, int threads, std::vector<Entry>& 
       };
     entries.push_back(std::move(entry));
   };
-  add("forward_kinematics", Need::kinematics, [](auto& m, auto& s, auto& d) { forwardKinematics(m, d, s.q); });
-  add("forward_kinematics_1", Need::kinematics, [](auto& m, auto& s, auto& d) { forwardKinematics(m, d, s.q, s.v); });
-  add("forward_kinematics_2", Need::kinematics, [](auto& m, auto& s, auto& d) { forwardKinematics(m, d, s.q, s.v, s.a); });
-  add("rnea", Need::state, [](auto& m, auto& s, auto& d) { return rnea(m, d, s.q, s.v, s.a); });
-  add("nle", Need::state, [](auto& m, auto& s, auto& d) { return nonLinearEffects(m, d, s.q, s.v); });
-  add("gravity", Need::state, [](auto& m, auto& s, auto& d) { return generalizedGravity(m, d, s.q); });
-  add("crba", mass_matrix, [](auto& m, auto& s, auto& d) { return crba(m, d, s.q); });
-  add("aba", Need::state, [](auto& m, auto& s, auto& d) { return aba(m, d, s.q, s.v, s.tau); });
-  add("joint_jacobians", Need::jacobians, [](auto& m, auto& s, auto& d) { computeJointJacobians(m, d, s.q); });
-  add("rnea_derivatives", derivatives, [](auto& m, auto& s, auto& d) {
-    const auto by = computeRNEADerivatives(m, d, s.q, s.v, s.a);
-    return BothOfStates{by.dtau_dq, by.dtau_dv};
-  });
-  add("aba_derivatives", derivatives, [](auto& m, auto& s, auto& d) {
-    const auto by = computeABADerivatives(m, d, s.q, s.v, s.tau);
-    return BothOfStates{by.ddq_dq, by.ddq_dv};
-  });
-  add("minverse", derivatives, [](auto& m, auto& s, auto& d) { return computeMinverse(m, d, s.q); });
-  add("ccrba", derivatives, [](auto& m, auto& s, auto& d) { ccrba(m, d, s.q, s.v); });
-  add("centroidal_derivatives", derivatives, [](auto& m, auto& s, auto& d) { computeCentroidalDynamicsDerivatives(m, d, s.q, s.v, s.a); });
-  add("coriolis", derivatives, [](auto& m, auto& s, auto& d) { computeCoriolisMatrix(m, d, s.q, s.v); });
+  for (const AlgorithmInfo& algorithm : algorithms())
+    if (algorithm.name != nullptr && algorithm.batched)
+      add(algorithm.name, algorithm.batch_need, [&algorithm](auto& m, auto& s, auto& d) {
+        return NumberedStates{runAlgorithm(m, d, algorithm.algorithm, s.q, s.v, algorithm.reads('t') ? s.tau : s.a), algorithm};
+      });
 }
 
 template void addBatch<double>(Subjects&, const char*, int, std::vector<Entry>&);

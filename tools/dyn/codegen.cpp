@@ -1,4 +1,4 @@
-// dyn codegen: algorithms of one model as C source, with a CMakeLists and a test of itself against the library.
+// dyn codegen: algorithms of one model as C source, with a CMakeLists.txt and a test that compares them with the library.
 #include "commands.hpp"
 #include "model_options.hpp"
 #include "states.hpp"
@@ -28,14 +28,14 @@ struct CodegenOptions : ModelOptions {
   int lanes = 1;
 };
 
-/// Letters, digits and underscores of a model's name.
+/// A C identifier made of a model's name: other characters become underscores, and a leading digit gets a prefix.
 std::string identifier(const std::string& name) {
   std::string out;
   for (const char c : name) out += std::isalnum(static_cast<unsigned char>(c)) ? c : '_';
   return out.empty() || std::isdigit(static_cast<unsigned char>(out[0])) ? "model_" + out : out;
 }
 
-/// One number where there are none: C has no arrays of no size. Infinity too is NAN, which the test takes for no number.
+/// An array definition. It has one number where `numbers` is empty, as C has no empty arrays. Infinity is written as NAN; the test skips NAN.
 std::string array(const char* type, const std::string& name, std::span<const double> numbers, int repeat) {
   std::string out = std::string("static ") + type + " " + name + "[] = {";
   char text[40];
@@ -47,8 +47,8 @@ std::string array(const char* type, const std::string& name, std::span<const dou
   return out + (numbers.empty() ? "0};\n" : "};\n");
 }
 
-/// A C program that calls each function at a few states and compares with what the library found there, where that is a number: an inverse of a
-/// mass matrix that is singular has none. Lanes hold one state each, the same.
+/// A C program that calls each function at a few states and compares the results with the library's. It skips expected values that are not finite, as
+/// in the inverse of a singular mass matrix. All lanes hold the same state.
 std::string testOf(const CodegenOptions& o, const CompactModel& model, const std::vector<TracedFunction>& functions, const std::string& header) {
   std::string arrays, calls;
   const std::vector<State> states = randomStates(model, 3, 7);
@@ -92,7 +92,7 @@ std::string testOf(const CodegenOptions& o, const CompactModel& model, const std
          std::string(o.single_precision ? "1e-3" : "1e-12") + " * largest)) failed = 1;\n}\n\nint main(void) {\n" + calls + "  return failed;\n}\n";
 }
 
-/// No target may be called as a model may: `test` and `all` are CMake's, `m` is a library.
+/// Target names have a suffix, so that no model name can clash: `test` and `all` belong to CMake, `m` is a library.
 std::string listsOf(const std::string& name) {
   return "cmake_minimum_required(VERSION 3.16)\nproject(" + name +
          " C)\n\nif(NOT CMAKE_BUILD_TYPE)\n  set(CMAKE_BUILD_TYPE Release CACHE STRING \"\" FORCE)\nendif()\n"
@@ -122,7 +122,7 @@ void run(const CodegenOptions& o) {
   const auto start = Clock::now();
   for (const std::string& f : o.functions) {
     std::fprintf(stderr, "tracing %s\n", f.c_str());
-    functions.push_back(trace(model, f, {.abreast = o.lanes == 1 && !o.plain}));
+    functions.push_back(trace(model, f, {.packable = o.lanes == 1 && !o.plain}));
   }
   SourceOptions how;
   how.single_precision = o.single_precision;

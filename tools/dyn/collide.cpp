@@ -1,4 +1,4 @@
-// dyn collide: which volumes of a robot and its surroundings touch, how far the others are apart, and which pairs need no asking.
+// dyn collide: which volumes of a robot and its surroundings collide, how far apart the others are, and which pairs need no check.
 #include "commands.hpp"
 #include "interrupt.hpp"
 #include "options.hpp"
@@ -40,7 +40,7 @@ struct CollideOptions : ModelOptions {
   }
 };
 
-/// A robot, compiled, with room for one state.
+/// A compiled robot with memory for one state.
 struct Robot {
   CompactModel model;
   GeometryModel geometry;
@@ -82,7 +82,7 @@ Json answer(const CollideOptions& o, const GeometryModel& geometry, GeometryData
     for (const Distance& x : computeDistances(geometry, data)) out["distances"].push_back(json(geometry, x));
   }
   const Distance least = computeMinimumDistance(geometry, data);
-  // Pairs that are all further apart than numbers reach are not none.
+  // There are pairs, but all distances overflow: the minimum is infinite, not missing.
   if (least.pair < 0 && !geometry.pairs().empty())
     out["minimum"] = std::numeric_limits<double>::infinity();
   else
@@ -116,7 +116,7 @@ void collide(const CollideOptions& o, const Model& description) {
   interruption.end();
 }
 
-/// Pairs of links by what sampling says of them. Pairs with the world are the scene's and not the robot's.
+/// Samples configurations and classifies the pairs of links. Pairs with the world belong to the scene, not to the robot, and are left out.
 void learn(const CollideOptions& o, const Model& description) {
   if (!o.out.empty()) checkReplaceable(o.out);
   Robot robot(o, description);
@@ -124,7 +124,7 @@ void learn(const CollideOptions& o, const Model& description) {
   const std::vector<GeometryRecord>& records = geometry.geometries();
   const auto bodies = [&](int pair) {
     const CollisionPair& p = geometry.pairs()[static_cast<std::size_t>(pair)];
-    // In one order, whichever of their geometries comes first.
+    // The names are sorted, so that the order of the geometries does not matter.
     const std::string &a = records[static_cast<std::size_t>(p.a)].body, &b = records[static_cast<std::size_t>(p.b)].body;
     return a < b ? std::pair(a, b) : std::pair(b, a);
   };

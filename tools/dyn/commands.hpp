@@ -1,11 +1,11 @@
-// One function a subcommand: it adds its options to the app and what to do to its callback.
+// One function per subcommand. It adds the subcommand's options to the app and sets its callback.
 #pragma once
 
 #include <CLI/CLI.hpp>
 
 namespace dyn::tool {
 
-/// A subcommand's answer that is not an error of its own: the process exits with this code.
+/// Thrown by a subcommand to end the process with this code, without an error message.
 struct ExitCode {
   int code;
 };

@@ -1,4 +1,4 @@
-// dyn compute: states in, dynamics out, as JSON with the keys of the golden data.
+// dyn compute: reads states and writes their dynamics, as JSON with the keys of the golden data.
 #include "commands.hpp"
 #include "condition.hpp"
 #include "contacts.hpp"
@@ -17,14 +17,14 @@ namespace dyn::tool {
 
 namespace {
 
-/// One key of the output. `write` puts it, and keys that come with it, into the sample.
+/// One key of the output. `write` puts it, and related keys, into the sample.
 struct Quantity {
   const char* key;
   std::function<void(const CompactModel&, Data&, const State&, Json&)> write;
-  Need need = Need::mass_matrix;  ///< derivatives take much more memory, of size nv^2
+  Need need = Need::mass_matrix;  ///< derivatives need several more nv x nv matrices
 };
 
-/// A result that a singular mass matrix, or a model without mass, does not have is null, and KEY_error says why.
+/// Writes a result. It is null, and KEY_error says why, where the mass matrix is singular or the model has no mass.
 template <class Compute>
 void writeRegular(const char* key, Json& out, Compute&& compute) {
   try {
@@ -36,17 +36,13 @@ void writeRegular(const char* key, Json& out, Compute&& compute) {
   }
 }
 
-/// One key of one result, and one that a singular mass matrix does not have.
-template <class Compute>
-Quantity plain(const char* key, Compute compute, Need need = Need::mass_matrix) {
-  return {key, [key, compute](auto& m, auto& d, auto& s, Json& out) { out[key] = flat(compute(m, d, s)); }, need};
-}
+/// One key of one result, null where M is singular or the model has no mass.
 template <class Compute>
 Quantity regular(const char* key, Compute compute, Need need = Need::mass_matrix) {
   return {key, [key, compute](auto& m, auto& d, auto& s, Json& out) { writeRegular(key, out, [&] { return compute(m, d, s); }); }, need};
 }
 
-/// One of the centre of mass, which a model without mass has not.
+/// A result about the centre of mass, which does not exist for a model without mass.
 template <class Compute>
 Quantity ofMass(const char* key, Compute compute) {
   return regular(key, [compute](auto& m, auto& d, auto& s) {
@@ -55,42 +51,21 @@ Quantity ofMass(const char* key, Compute compute) {
   });
 }
 
-const std::vector<Quantity>& quantities() {
-  constexpr Need matrices = Need::derivatives;
-  static const std::vector<Quantity> all = {
-      plain("rnea", [](auto& m, auto& d, auto& s) { return rnea(m, d, s.q, s.v, s.a); }),
-      plain("nle", [](auto& m, auto& d, auto& s) { return nonLinearEffects(m, d, s.q, s.v); }),
-      plain("gravity_torque", [](auto& m, auto& d, auto& s) { return generalizedGravity(m, d, s.q); }),
-      plain("M", [](auto& m, auto& d, auto& s) { return crba(m, d, s.q); }),
-      regular("aba", [](auto& m, auto& d, auto& s) { return aba(m, d, s.q, s.v, s.tau); }),
-      regular(
-          "Minv", [](auto& m, auto& d, auto& s) { return computeMinverse(m, d, s.q); }, matrices),
-      plain(
-          "dtau_dq", [](auto& m, auto& d, auto& s) { return computeRNEADerivatives(m, d, s.q, s.v, s.a).dtau_dq; }, matrices),
-      plain(
-          "dtau_dv", [](auto& m, auto& d, auto& s) { return computeRNEADerivatives(m, d, s.q, s.v, s.a).dtau_dv; }, matrices),
-      regular(
-          "ddq_dq", [](auto& m, auto& d, auto& s) { return computeABADerivatives(m, d, s.q, s.v, s.tau).ddq_dq; }, matrices),
-      regular(
-          "ddq_dv", [](auto& m, auto& d, auto& s) { return computeABADerivatives(m, d, s.q, s.v, s.tau).ddq_dv; }, matrices),
-      plain(
-          "coriolis_matrix", [](auto& m, auto& d, auto& s) { return computeCoriolisMatrix(m, d, s.q, s.v); }, matrices),
-      regular(
-          "hg", [](auto& m, auto& d, auto& s) { return ccrba(m, d, s.q, s.v).hg; }, matrices),
-      regular(
-          "Ag", [](auto& m, auto& d, auto& s) { return ccrba(m, d, s.q, s.v).Ag; }, matrices),
-      regular(
-          "dAg", [](auto& m, auto& d, auto& s) { return computeCentroidalMomentumTimeVariation(m, d, s.q, s.v, s.a).dAg; }, matrices),
-      regular(
-          "dhg", [](auto& m, auto& d, auto& s) { return computeCentroidalMomentumTimeVariation(m, d, s.q, s.v, s.a).dhg; }, matrices),
-      regular(
-          "dhg_dq", [](auto& m, auto& d, auto& s) { return computeCentroidalDynamicsDerivatives(m, d, s.q, s.v, s.a).dhg_dq; }, matrices),
-      regular(
-          "dhgdot_dq", [](auto& m, auto& d, auto& s) { return computeCentroidalDynamicsDerivatives(m, d, s.q, s.v, s.a).dhgdot_dq; }, matrices),
-      regular(
-          "dhgdot_dv", [](auto& m, auto& d, auto& s) { return computeCentroidalDynamicsDerivatives(m, d, s.q, s.v, s.a).dhgdot_dv; }, matrices),
-      regular(
-          "dhgdot_da", [](auto& m, auto& d, auto& s) { return computeCentroidalDynamicsDerivatives(m, d, s.q, s.v, s.a).dhgdot_da; }, matrices),
+/// Output k of an algorithm of the catalogue.
+Quantity catalogued(const AlgorithmInfo& algorithm, std::size_t k) {
+  const char* key = algorithm.outputs[k].key;
+  const auto write = [key, &algorithm, k](const CompactModel& m, Data& d, const State& s, Json& out) {
+    writeRegular(key, out, [&] { return runAlgorithm(m, d, algorithm.algorithm, s.q, s.v, algorithm.reads('t') ? s.tau : s.a)(k); });
+  };
+  return {key, write, algorithm.need | Need::mass_matrix};  // aba of models with dependent joints takes M, too
+}
+
+std::vector<Quantity> allQuantities() {
+  std::vector<Quantity> all;
+  for (const AlgorithmInfo& algorithm : algorithms())
+    for (std::size_t k = 0; k < algorithm.outputs.size(); ++k)
+      if (algorithm.outputs[k].key != nullptr) all.push_back(catalogued(algorithm, k));
+  const Quantity others[] = {
       ofMass("com", [](auto& m, auto& d, auto& s) { return centerOfMass(m, d, s.q).position; }),
       ofMass("vcom", [](auto& m, auto& d, auto& s) { return centerOfMass(m, d, s.q, s.v).velocity; }),
       ofMass("acom", [](auto& m, auto& d, auto& s) { return centerOfMass(m, d, s.q, s.v, s.a).acceleration; }),
@@ -108,10 +83,16 @@ const std::vector<Quantity>& quantities() {
          out["oMf"] = frames;
        }},
   };
+  all.insert(all.end(), std::begin(others), std::end(others));
   return all;
 }
 
-/// The same of contacts, which the command line names.
+const std::vector<Quantity>& quantities() {
+  static const std::vector<Quantity> all = allQuantities();
+  return all;
+}
+
+/// One key of the output that depends on the contacts of the command line.
 struct ContactQuantity {
   const char* key;
   std::function<void(const CompactModel&, Data&, ConstraintData&, const State&, Json&)> write;
@@ -150,7 +131,7 @@ bool isKeyOf(const Quantities& quantities, const std::string& key) {
   return std::any_of(quantities.begin(), quantities.end(), [&](const auto& q) { return key == q.key; });
 }
 
-/// The Jacobian entries of a frame, named frame<index>_...
+/// Writes the Jacobians of a frame, under keys frame<index>_...
 void writeFrame(const CompactModel& m, Data& d, const State& s, int frame, const std::string& prefix, Json& out) {
   const std::pair<const char*, ReferenceFrame> references[] = {
       {"local", ReferenceFrame::LOCAL}, {"local_world_aligned", ReferenceFrame::LOCAL_WORLD_ALIGNED}, {"world", ReferenceFrame::WORLD}};
@@ -222,10 +203,10 @@ struct Options {
   std::vector<std::string> only, frames, contacts;
 };
 
-/// Quantities that M^-1 is in.
+/// Quantities that depend on M^-1.
 constexpr const char* by_inverse[] = {"aba", "Minv", "ddq_dq", "ddq_dv", "contact_ddq", "contact_lambda"};
 
-/// Of the first state where M is nearly singular.
+/// Warns about the first state where M is nearly singular.
 void warnOfCondition(const CompactModel& model, const std::vector<State>& states) {
   for (std::size_t i = 0; i < states.size(); ++i) {
     const std::string warning = warningOfCondition(model, states[i].q);
@@ -257,7 +238,7 @@ void run(const Options& o) {
   Json head = describe(model, o.model.root);
   head["samples"] = Json::array();
   print(head, out);
-  out.resize(out.size() - 2);  // the samples follow one by one: "]}" comes last
+  out.resize(out.size() - 2);  // removes "]}": the samples are printed one by one, and it comes last
   const Interruption interruption;
   for (std::size_t i = 0; i < states.size() && !interruption; ++i) {
     const State& s = states[i];

@@ -1,4 +1,4 @@
-// What a mass matrix that is nearly singular does to results, said in words.
+// A warning about the digits that a nearly singular mass matrix costs.
 #pragma once
 
 #include <dyn/dyn.hpp>
@@ -7,7 +7,7 @@
 
 namespace dyn::tool {
 
-/// Empty while accelerations and M^-1 keep four digits at q; else the condition of M and the digits that are left.
+/// Empty if accelerations and M^-1 keep four digits at q; otherwise a text with the condition number of M and the digits that are left.
 std::string warningOfCondition(const CompactModel& model, const Eigen::VectorXd& q);
 
 }  // namespace dyn::tool

@@ -1,4 +1,4 @@
-// Contacts as the command line names them.
+// Contacts in the notation of the command line.
 #pragma once
 
 #include <dyn/dyn.hpp>
@@ -8,11 +8,11 @@
 
 namespace dyn::tool {
 
-/// FRAME:6d (all of a frame is held) or FRAME:3d (a point of it). Throws CLI::ValidationError for anything else.
+/// Reads FRAME:6d (position and orientation of the frame are held) or FRAME:3d (its origin is held). Throws CLI::ValidationError for anything else.
 std::vector<ConstraintDescription> readContacts(const std::vector<std::string>& words);
 
-/// Where a robot stands, for measurements of models that say nothing of contacts: the leaves of the tree that are lowest at the neutral
-/// configuration, held as points, or as frames where there are no more than two.
+/// Default contacts for measurements: the leaves of the tree whose joints are lowest at the neutral configuration, to 1 % of the joints' height
+/// range. One or two leaves are held as frames, more are held as points.
 std::vector<ConstraintDescription> lowestLeaves(const CompactModel& model);
 
 }  // namespace dyn::tool

@@ -1,4 +1,4 @@
-// What the processor counts of this thread, where the system lets a program ask.
+// The processor's event counters for this thread, where the system gives access to them.
 #pragma once
 
 #include <string>
@@ -12,14 +12,14 @@ class Counters {
   Counters(const Counters&) = delete;
   Counters& operator=(const Counters&) = delete;
 
-  /// Why there are none; empty if there are.
+  /// Why the counters are not available; empty if they are.
   const std::string& problem() const { return problem_; }
 
   struct Reading {
     double instructions = 0, branch_misses = 0;
   };
   void start();
-  /// Since start.
+  /// The counts since start().
   Reading stop();
 
  private:

@@ -1,4 +1,4 @@
-// dyn demo: inverse dynamics, mass matrix and forward dynamics at one random state, for reading.
+// dyn demo: prints inverse dynamics, mass matrix and forward dynamics at one random state.
 #include "commands.hpp"
 #include "model_options.hpp"
 #include "states.hpp"

@@ -1,4 +1,4 @@
-// Errors in units of roundoff, u, against references with more digits than a double has.
+// Errors in units of roundoff u, against references with more digits than a double has.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,7 +14,7 @@ namespace dyn::tool {
 
 constexpr long double unit_roundoff = 0x1p-53L;  ///< of doubles
 
-/// Numbers or numeric strings, nested or not, in order.
+/// Appends the numbers and numeric strings of x, nested or not, in their order.
 inline void flatten(const nlohmann::json& x, std::vector<long double>& out) {
   if (x.is_array()) {
     for (const auto& entry : x) flatten(entry, out);

@@ -1,4 +1,4 @@
-// Numbers of fifty digits: vectors, rotations, and poses as power series of time.
+// Fifty-digit vectors and rotations, and poses as power series of time.
 #pragma once
 
 #include "exact_number.hpp"
@@ -27,7 +27,7 @@ inline Mat cross(const Vec& w) {
 }
 inline Vec uncross(const Mat& W) { return Vec(W(2, 1) - W(1, 2), W(0, 2) - W(2, 0), W(1, 0) - W(0, 1)) / Real(2); }
 
-/// By Rodrigues' formula.
+/// The rotation about an axis, by Rodrigues' formula; and that of a quaternion of any length but zero.
 inline Mat rotation(const Vec& axis, const Real& cosine, const Real& sine) {
   const Mat K = cross(axis);
   return Mat::Identity() + sine * K + (Real(1) - cosine) * (K * K);
@@ -40,7 +40,7 @@ inline Mat rotation(const VectorR& quaternion) {
   return Mat::Identity() + (Real(2) / n2) * (w * K + K * K);
 }
 
-/// A pose as a power series in t: value, and first and second derivatives.
+/// A pose as a power series in t: its value and its first and second derivatives.
 struct Series {
   std::array<Mat, 3> R;
   std::array<Vec, 3> p;

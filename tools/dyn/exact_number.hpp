@@ -1,5 +1,5 @@
-// Numbers of fifty and of a hundred decimal digits, for references. Their operations are compiled once, in exact_number.cpp: Boost's templates would
-// cost every source that computes with them a gigabyte and twenty seconds of the compiler.
+// Numbers with fifty and with a hundred decimal digits, for references. Their operations are compiled once, in exact_number.cpp: Boost's templates
+// would cost the compiler a gigabyte and twenty seconds in every source that uses them.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,7 +8,7 @@
 
 namespace dyn::tool {
 
-/// A number of so many decimal digits, 50 or 100.
+/// A number with 50 or 100 decimal digits.
 template <int digits>
 class ExactNumber {
  public:
@@ -27,7 +27,7 @@ class ExactNumber {
   ExactNumber& operator-=(const ExactNumber& x);
   ExactNumber& operator*=(const ExactNumber& x);
   ExactNumber& operator/=(const ExactNumber& x);
-  /// Negative, zero or positive, as a is less than b, equal or greater.
+  /// Negative, zero or positive where a is less than, equal to or greater than b.
   static int compare(const ExactNumber& a, const ExactNumber& b);
   static ExactNumber squareRoot(const ExactNumber& x);
   static ExactNumber sine(const ExactNumber& x);
@@ -52,7 +52,7 @@ class ExactNumber {
 
  private:
   static constexpr std::size_t size = digits == 50 ? 64 : 80;
-  alignas(16) std::byte room_[size];  ///< of Boost's number
+  alignas(16) std::byte room_[size];  ///< memory of Boost's number
 };
 
 }  // namespace dyn::tool

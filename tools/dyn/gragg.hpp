@@ -1,5 +1,5 @@
-// Gragg's extrapolation: midpoint rules of 2, 4, ... steps, freed of the error's powers of h^2 (Hairer, Norsett and Wanner 1993, sec. II.9). For
-// references: it shares nothing with the library's integrators.
+// Gragg's extrapolation: midpoint rules with 2, 4, ... steps, whose error terms in powers of h^2 are eliminated (Hairer, Norsett and Wanner 1993,
+// sec. II.9). It is for references and shares nothing with the library's integrators.
 #pragma once
 
 #include <array>
@@ -7,7 +7,7 @@
 
 namespace dyn::tool {
 
-/// y after a step of h by rate(y), of order 2 `columns`. Scalar is that of the vector's entries.
+/// y after one step of h along dy/dt = rate(y). The method has order 2 `columns`. Scalar is the type of the vector's entries.
 template <int columns, class Vector, class Scalar, class Rate>
 Vector extrapolate(const Vector& y, const Scalar& h, Rate&& rate) {
   std::array<std::array<Vector, columns>, columns> T;

@@ -1,4 +1,4 @@
-// dyn info: what was loaded, what the compiler made of it, and the tree.
+// dyn info: the plugins and types that were loaded, the model compiler's report, and the tree.
 #include "commands.hpp"
 #include "model_options.hpp"
 
@@ -13,7 +13,7 @@ void printTree(const CompactModel& model) {
   const auto& joints = model.joints();
   std::vector<std::vector<std::size_t>> children(joints.size());
   for (std::size_t j = 1; j < joints.size(); ++j) children[static_cast<std::size_t>(joints[j].parent)].push_back(j);
-  // A stack of (joint, prefix, last child) instead of recursion: chains may be long.
+  // Chains may be long, so a stack of (joint, prefix, last child) replaces recursion.
   struct Entry {
     std::size_t joint;
     std::string prefix;
@@ -44,7 +44,7 @@ void printTypes(const CompactModel& model, const JointRegistry& registry) {
   }
 }
 
-/// Those of links and fixed joints too, which need not be frames of joints.
+/// Prints all frames. Links and fixed joints have frames too, which need not coincide with a joint's frame.
 void printFrames(const CompactModel& model) {
   for (std::size_t f = 1; f < model.frames().size(); ++f) {
     const auto& frame = model.frames()[f];

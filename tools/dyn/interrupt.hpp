@@ -1,5 +1,5 @@
-// Ctrl-C and TERM: what was computed is kept and written before the command ends, with exit code 130 or 143. The user is told so; a second signal
-// ends it at once.
+// Ctrl-C and TERM: the command writes the results so far and ends with exit code 130 or 143. A message tells the user; a second signal ends the
+// command at once.
 #pragma once
 
 #include "commands.hpp"
@@ -11,7 +11,7 @@
 
 namespace dyn::tool {
 
-/// As long as it lives; one at a time.
+/// Handles the two signals during its lifetime. Only one may exist at a time.
 class Interruption {
  public:
   Interruption() {
@@ -36,9 +36,9 @@ class Interruption {
   Interruption& operator=(const Interruption&) = delete;
 
   explicit operator bool() const { return pending(); }
-  /// Whether the one that lives has come.
+  /// Whether a signal has arrived during the lifetime of the present or last Interruption.
   static bool pending() { return came() != 0; }
-  /// Throws ExitCode if there was one; for when all is written.
+  /// Throws ExitCode if a signal has arrived. Called after all results are written.
   void end() const {
     if (*this) throw ExitCode{128 + came()};
   }

@@ -1,4 +1,4 @@
-// The command dyn. Exit codes: 0 done, 1 the model, the input or the answer is wrong, or the output is lost, 2 the command line is wrong.
+// The command dyn. Exit codes: 0 success; 1 the model, the input or the answer is wrong, or output was lost; 2 the command line is wrong.
 #include "commands.hpp"
 #include "options.hpp"
 
@@ -13,7 +13,7 @@
 
 namespace {
 
-/// Says which word is no subcommand, and which there are. False if that is not what is wrong.
+/// If a word is no subcommand, prints it with the list of subcommands. Returns false if the error is another one.
 bool explainUnknown(const CLI::App& app) {
   const CLI::App* inner = &app;
   while (!inner->get_subcommands().empty()) inner = inner->get_subcommands().front();
@@ -63,7 +63,7 @@ int run(int argc, char** argv) {
   return 0;
 }
 
-/// Set once main() ends the process; until then only what it has loaded can.
+/// Set when main() ends the process. If the process ends before, code that it loaded has ended it.
 bool ending = false;
 
 void reportForeignEnd() {
@@ -76,14 +76,14 @@ void reportForeignEnd() {
 
 int main(int argc, char** argv) {
   std::atexit(reportForeignEnd);
-  // What a plugin's functions throw has been said where it was caught.
+  // An exception of a plugin's function has already been reported where it was caught.
   std::set_terminate([] {
     std::fputs("dyn: an exception reached where none may be thrown; the process ends\n", stderr);
     _exit(1);
   });
   const int code = run(argc, argv);
   ending = true;
-  // What was printed may have got no further than a buffer: whoever reads the exit code is to know that the disk was full.
+  // Output may still be in a buffer. The exit code must tell if it cannot be written, for example because the disk is full.
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
   std::fputs("dyn: not all of the output could be written\n", stderr);
   return code == 0 ? 1 : code;

@@ -1,4 +1,4 @@
-// What every subcommand that reads a model takes: the file, its root joint, and how the file is read.
+// Options of every subcommand that reads a model: the file, its root joint, and how the file is read.
 #pragma once
 
 #include <dyn/dyn.hpp>
@@ -27,14 +27,14 @@ struct ModelOptions {
   JointRegistry registry() const;
   urdf::Options urdfOptions() const;
   Model read() const;
-  /// The same, and prints its notes.
+  /// Reads the model and prints its notes.
   Model description() const;
   CompileOptions compileOptions() const;
   CompactModel compile(const Model& described) const { return dyn::compile(described, registry(), compileOptions()); }
   CompactModel compile() const { return compile(description()); }
 };
 
-/// To standard error, where they are in nobody's data.
+/// Prints notes to standard error, so that they do not mix with data on standard output.
 void printNotes(const Model& description);
 
 }  // namespace dyn::tool

@@ -1,4 +1,4 @@
-// What the options of dyn's subcommands accept, and how they refuse the rest.
+// Validators for the options of dyn's subcommands, and their error messages.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -8,17 +8,17 @@
 
 namespace dyn::tool {
 
-/// A finite number that is positive, or not negative, or in a range.
+/// Each accepts a finite number: one that is positive, one that is not negative, or one within a range.
 CLI::Validator positive();
 CLI::Validator notNegative();
 CLI::Validator inRange(double low, double high);
 
-/// The name of a file to read or write: any that is not empty.
+/// Accepts the name of a file to read or write: any text that is not empty.
 CLI::Validator fileName();
-/// The name of a file to write in one of several formats, which its ending chooses. Where there is one format alone, a name without ending will do.
+/// Accepts the name of a file to write, whose ending chooses one of several formats. If there is only one format, the ending may be missing.
 CLI::Validator fileName(const std::vector<std::string>& endings, const std::string& what);
 
-/// "dyn simulate: --time: ...": what is wrong with a command line, and where to read how it is written.
+/// The message for a wrong command line, such as "dyn simulate: --time: ...": the error, and where to find help.
 std::string refusal(const CLI::App* app, const CLI::Error& error);
 
 }  // namespace dyn::tool

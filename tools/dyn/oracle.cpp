@@ -15,7 +15,7 @@ namespace {
 
 enum class Kind { fixed, turning, circle, sliding, ball, flying, translating };
 
-/// A joint's own motion: R exp(cross(turn t + turn' t^2 / 2)) and p + slide t + slide' t^2 / 2.
+/// A joint. Its own motion is R exp(cross(turn t + turn' t^2 / 2)) and p + slide t + slide' t^2 / 2; in a free joint, slide turns with the body.
 struct Joint {
   Kind kind = Kind::fixed;
   Vec axis = Vec::Zero();
@@ -27,7 +27,7 @@ struct Joint {
   Real mass = 0;
 };
 
-/// Where the joints stand: positions within joints, before they move.
+/// The joints' own poses at a configuration, in the joint frames.
 struct Place {
   std::vector<Mat> R;
   std::vector<Vec> p;
@@ -42,7 +42,7 @@ struct Oracle::Impl {
   Vec gravity;
   int nv = 0;
 
-  /// Of the joint's coordinates, with its place in `at`.
+  /// The joint's own pose (R, p) at its coordinates in q.
   void placeJoint(const Joint& j, const VectorR& q, Mat& R, Vec& p) const {
     R = Mat::Identity();
     p = Vec::Zero();
@@ -78,7 +78,7 @@ struct Oracle::Impl {
     return at;
   }
 
-  /// Turning and sliding velocities of a joint, each in its moving frame.
+  /// Angular and linear velocity of a joint, both in its moving frame.
   void rates(const Joint& j, const VectorR& v, Vec& turn, Vec& slide) const {
     turn = slide = Vec::Zero();
     if (j.kind == Kind::turning || j.kind == Kind::circle) turn = v[j.v] * j.axis;
@@ -94,7 +94,7 @@ struct Oracle::Impl {
     rates(j, v, w, s);
     rates(j, a, dw, ds);
     const Mat &R = at.R[i], W = cross(w), RW = R * W;
-    // A free body's linear velocity turns with it, other joints do not turn and slide at once.
+    // The linear velocity of a free body turns with it. No other joint turns and slides at once.
     Series out;
     out.R = {R, RW, RW * W + R * cross(dw)};
     out.p = {at.p[i], R * s, RW * s + R * ds};
@@ -106,7 +106,7 @@ struct Oracle::Impl {
     return out;
   }
 
-  /// Velocities of centres of mass and angular velocities of bodies for unit velocities.
+  /// Columns: velocities of the centres of mass and angular velocities of the bodies, for unit joint velocities.
   struct Jacobians {
     std::vector<Eigen::Matrix<Real, 3, Eigen::Dynamic>> linear, angular;
   };
@@ -136,7 +136,7 @@ struct Oracle::Impl {
       const Vec force = j.mass * (x[i].p[2] + x[i].R[2] * j.com - gravity);
       const Vec w = x[i].omega();
       const Mat &R0 = x[i].R[0], &R1 = x[i].R[1];
-      // d/dt (R I R^T w), as the product of series that it is.
+      // d/dt (R I R^T w), by the product rule on the series.
       const Vec moment = (R1 * j.inertia * R0.transpose() + R0 * j.inertia * R1.transpose()) * w + R0 * j.inertia * R0.transpose() * x[i].alpha();
       tau += J.linear[i].transpose() * force + J.angular[i].transpose() * moment;
     }
@@ -153,14 +153,14 @@ struct Oracle::Impl {
     return M;
   }
 
-  /// In doubles: no digit of a scale matters.
+  /// Upper bounds of the summands of each torque. Doubles suffice, as the digits of a scale do not matter.
   std::vector<double> scale(const Place& at, const VectorR& v, const VectorR& a) const {
     std::vector<double> out(static_cast<std::size_t>(nv), 0.0);
     struct Bound {
-      double force = 0, turn = 0, w = 0;  ///< of acceleration, angular acceleration; angular velocity
+      double force = 0, turn = 0, w = 0;  ///< bounds of acceleration and angular acceleration; size of the angular velocity
     };
     std::vector<Bound> bound(joints.size());
-    std::vector<double> reach(joints.size(), 0.0);  ///< from the parent's origin to the joint's
+    std::vector<double> reach(joints.size(), 0.0);  ///< distance from the parent's origin to the joint's
     const std::vector<Series> x = motions(at, v, a);
     bound[0].force = length(gravity);
     for (std::size_t i = 1; i < joints.size(); ++i) {
@@ -179,7 +179,7 @@ struct Oracle::Impl {
       double lever = com;
       for (std::size_t k = i; k > 0; k = static_cast<std::size_t>(joints[k].parent)) {
         const Joint& on = joints[k];
-        // The joint's own sliding lies between its frame and the body's.
+        // The joint's own displacement lies between its frame and the body's.
         const double own = lever + (on.kind == Kind::sliding || on.kind == Kind::translating ? length(at.p[k]) : 0.0);
         for (int d = 0; d < on.nv; ++d) {
           const bool slides = on.kind == Kind::sliding || on.kind == Kind::translating || (on.kind == Kind::flying && d < 3);
@@ -191,7 +191,7 @@ struct Oracle::Impl {
     return out;
   }
 
-  /// Of (q, v), one after the other, moving freely: dq/dt in the coordinates that joints have, and M^-1 (- nle).
+  /// The time derivative of y = (q, v) in free motion: dq/dt in the joints' coordinates, and M^-1 (- nle).
   VectorR rate(const VectorR& y, int nq) const {
     const VectorR q = y.head(nq), v = y.tail(nv), still = VectorR::Zero(nv);
     const Place at = place(q);
@@ -231,7 +231,7 @@ struct Oracle::Impl {
     return out;
   }
 
-  /// Column k: the derivative of f along the k-th direction, of configurations or of velocities.
+  /// Column k of either is the derivative of f along the k-th direction: of the configuration, or of the velocity.
   MatrixR byConfiguration(const Place& at, const std::function<VectorR(const Place&)>& f) const {
     MatrixR out(nv, nv);
     for (std::size_t i = 1; i < joints.size(); ++i)
@@ -244,7 +244,7 @@ struct Oracle::Impl {
           Vec w, s;
           rates(joints[i], v, w, s);
           const Mat W = cross(w);
-          // exp to the second order: what is left out cancels, or is of the size of the difference's own error.
+          // The exponential is taken to second order. The terms left out cancel, or are as small as the difference's own error.
           moved.p[i] += at.R[i] * s;
           moved.R[i] = at.R[i] * (Mat::Identity() + W + (W * W) / Real(2));
           values[side] = f(moved);
@@ -357,7 +357,7 @@ TruthSample Oracle::evaluate(const State& state, bool derivatives) const {
   const MatrixR by_v = x.byVelocity(v, [&](const VectorR& w) { return x.rnea(at, w, a, J); });
   out.truth["dtau_dq"] = rounded(x.byConfiguration(at, inverseDynamics(a)));
   out.truth["dtau_dv"] = rounded(by_v);
-  // M ddq + nle = tau, differentiated.
+  // These follow by differentiating M ddq + nle = tau.
   out.truth["ddq_dq"] = rounded(-Minv * x.byConfiguration(at, inverseDynamics(ddq)));
   out.truth["ddq_dv"] = rounded(-Minv * by_v);
   out.truth["Minv"] = rounded(Minv);

@@ -1,4 +1,4 @@
-// dyn plugin: what is loaded; the other subcommands have files of their own.
+// dyn plugin list. The other subcommands of dyn plugin have files of their own.
 #include "plugin.hpp"
 
 #include <dyn/joint/registry.hpp>

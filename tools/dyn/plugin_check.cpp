@@ -1,4 +1,4 @@
-// dyn plugin check: the conformance kit on every type of a shared object. Exit code 1 on a failure.
+// dyn plugin check: runs the conformance checks on every type of a shared object. Exit code 1 on a failure.
 #include "alloc_guard.hpp"
 #include "options.hpp"
 #include "plugin.hpp"
@@ -35,7 +35,7 @@ struct CheckOptions {
   bool any_plugin = false;
 };
 
-/// "name=1,2,3"; what is not made of numbers is a text.
+/// Reads "name=1,2,3". A value that is not a list of numbers is a text.
 void readParameter(const std::string& text, Parameters& parameters) {
   const std::size_t equals = text.find('=');
   if (equals == 0 || equals == std::string::npos)
@@ -81,7 +81,7 @@ int printFindings(const std::vector<ConformanceFinding>& findings) {
   int failures = 0;
   for (const ConformanceFinding& f : findings) {
     failures += f.passed ? 0 : 1;
-    if (f.passed && f.bound == 0 && !f.detail.empty()) {  // nothing was measured, something is told
+    if (f.passed && f.bound == 0 && !f.detail.empty()) {  // a note without a measurement
       std::printf("  ok      %-54s %s\n", f.check.c_str(), f.detail.c_str());
     } else if (f.passed) {
       std::printf("  ok      %-54s %8.1e  (<= %.0e)\n", f.check.c_str(), f.error, f.bound);
@@ -92,7 +92,7 @@ int printFindings(const std::vector<ConformanceFinding>& findings) {
   return failures;
 }
 
-/// The record of that file, whatever way it was reached.
+/// The record of that file, even if the registry knows it under another path.
 const PluginRecord& recordOf(const JointRegistry& registry, const std::string& file) {
   for (const PluginRecord& plugin : registry.plugins()) {
     std::error_code error;
@@ -101,7 +101,7 @@ const PluginRecord& recordOf(const JointRegistry& registry, const std::string& f
   throw Error(ErrorCode::plugin, "was loaded but is not among the plugins", {file, 0, ""});
 }
 
-/// Builds of the same plugin for other instruction sets lie beside it, in folders of their names.
+/// Prints the builds of the same plugin for other instruction sets. They lie beside it, in folders named after the sets.
 void printUnchecked(const PluginRecord& record) {
   namespace fs = std::filesystem;
   std::error_code error;
@@ -116,14 +116,14 @@ void printUnchecked(const PluginRecord& record) {
 
 using Progress = std::function<void(const char*)>;
 
-/// What a child process reported: a line for each group of checks that it began, and "=" and a number at the end of each part of its work.
+/// The report of a child process. The child writes a line when it begins a group of checks, and "=" with a number at the end of each part.
 struct Report {
   std::string group;
-  int number = -1;    ///< the last of those; -1: it did not get that far
-  bool late = false;  ///< a group took longer than it may
+  int number = -1;    ///< the last number; -1 if the child did not get that far
+  bool late = false;  ///< a group exceeded its time limit
 };
 
-/// A process of its own, which what it runs may crash or never leave, or end with any exit code.
+/// A child process for code that may crash, hang, or end the process with any exit code.
 class Child {
  public:
   Child() {
@@ -136,12 +136,12 @@ class Child {
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;
 
-  /// Whether this is that process.
+  /// Whether the caller runs in the child process.
   bool here() const { return process_ == 0; }
   void say(const std::string& line) const {
     if (write(ends_[1], (line + "\n").c_str(), line.size() + 1) < 0) _exit(1);
   }
-  /// What it says up to its end, or up to "=" and this number; no line may take longer.
+  /// Reads the child's lines until it ends, or until "=" and the number `last`. Stops with report.late if one line takes longer than time_limit [s].
   Report listen(double time_limit, int last = std::numeric_limits<int>::max()) {
     Report report;
     while (true) {
@@ -165,7 +165,7 @@ class Child {
       text_.append(buffer, static_cast<std::size_t>(size));
     }
   }
-  /// Its exit status as waitpid() tells it; 0 if others have asked before.
+  /// The child's exit status from waitpid(); 0 if other code has collected it before. Kills a child that is late.
   int end(const Report& report) const {
     close(ends_[0]);
     if (report.late) kill(process_, SIGKILL);
@@ -179,7 +179,7 @@ class Child {
  private:
   int ends_[2];
   pid_t process_;
-  std::string text_;  ///< of the line that has begun
+  std::string text_;  ///< received, but not yet processed
 };
 
 void printUnended(const CheckOptions& o, const Report& report, int status, const std::string& what) {
@@ -194,7 +194,7 @@ void printUnended(const CheckOptions& o, const Report& report, int status, const
   std::printf("  FAILED  %s\n          %s\n", what.c_str(), how.c_str());
 }
 
-/// Returns how many checks failed; -1 if they did not end, which is said.
+/// Returns the number of failed checks; -1 if the checks did not end, which is then printed.
 template <class Check>
 int checkInChild(const CheckOptions& o, const Check& check) {
   Child child;
@@ -210,8 +210,8 @@ int checkInChild(const CheckOptions& o, const Check& check) {
   return report.number;
 }
 
-/// Each round has another seed: other parameters (unless given), other configurations. Returns how many checks failed. The first that does not
-/// end is the last.
+/// Each round has another seed, hence other parameters (unless they are given) and other configurations. Returns the number of failed checks. A round
+/// that does not end is the last one.
 template <class Type, class Check>
 int checkType(const Type& type, const CheckOptions& o, const Check& check) {
   int failures = 0;
@@ -230,7 +230,7 @@ int checkType(const Type& type, const CheckOptions& o, const Check& check) {
 template <class Loaded>
 void check(const CheckOptions& o, const Loaded& loaded) {
   const Trust trust = o.any_plugin ? Trust::any : Trust::owner_only;
-  // Of this file alone: an older build of it in the path would have its types.
+  // Only this file is checked: an older build in the path would own its type names.
   unsetenv("DYN_PLUGIN_PATH");
   JointRegistry registry = JointRegistry::standard(trust);
   registry.load(o.file, trust);
@@ -270,7 +270,7 @@ void check(const CheckOptions& o, const Loaded& loaded) {
   if (failures > 0) throw ExitCode{1};
 }
 
-/// In a process that must say that it has come to its end.
+/// Runs everything in a child process that must report its end.
 void run(const CheckOptions& o) {
   constexpr int loaded = 0, done = 1;
   Child child;
@@ -278,14 +278,14 @@ void run(const CheckOptions& o) {
   if (child.here()) {
     try {
       check(o, [&] { say(loaded); });
-    } catch (...) {  // what it says is main()'s to print
+    } catch (...) {  // main() prints the message
       say(done);
       throw;
     }
     return say(done);
   }
   Report report = child.listen(o.time_limit, loaded);
-  // From there on each group of checks has its own time.
+  // After loading, each group of checks has its own time limit.
   if (report.number == loaded) report = child.listen(1e6, done);
   const int status = child.end(report);
   if (report.number == done && WIFEXITED(status)) throw ExitCode{WEXITSTATUS(status)};

@@ -1,4 +1,4 @@
-// dyn plugin new: a folder with a joint type to start from.
+// dyn plugin new: writes a folder with a joint type to start from.
 #include "plugin.hpp"
 
 #include <dyn/error.hpp>
@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// In all of them @NAME@ is the type, @CLASS@ the class.
+// In all these texts, @NAME@ stands for the type and @CLASS@ for the class.
 const char* const cmake_text = R"(cmake_minimum_required(VERSION 3.25)
 project(@NAME@ LANGUAGES CXX)
 
@@ -88,7 +88,7 @@ const char* const urdf_text = R"(<?xml version="1.0"?>
 </robot>
 )";
 
-// Words that are no names in C++ although they look like them.
+// Keywords of C and C++, which cannot be names.
 constexpr std::array keywords{
     "alignas",   "alignof",  "and",      "and_eq",   "asm",          "auto",       "bitand",       "bitor",         "bool",
     "break",     "case",     "catch",    "char",     "char16_t",     "char32_t",   "char8_t",      "class",         "co_await",
@@ -109,7 +109,7 @@ bool isIdentifier(const std::string& name) {
          std::find(keywords.begin(), keywords.end(), name) == keywords.end();
 }
 
-/// cam_follower -> CamFollowerJoint; the suffix keeps it apart from the names that C++ and its library take.
+/// cam_follower -> CamFollowerJoint. The suffix avoids clashes with names of C++ and its library.
 std::string className(const std::string& name) {
   std::string text;
   bool start = true;

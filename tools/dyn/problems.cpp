@@ -59,7 +59,7 @@ Model fourBars(int squares) {
   const Inertia<double> crank{1, {0, 0.5, 0}, {I, 0, 0, 0, 0, I}}, coupler{1, {0.5, 0, 0}, {0, 0, 0, I, 0, I}};
   int above = addBar(model, "crank0", 0, {0, 0, 1}, {}, crank);
   for (int k = 1; k <= squares; ++k) {
-    // A coupler from the top of the crank before, and a crank that hangs on the ground.
+    // A coupler from the top of the previous crank, and a crank whose base is on the ground.
     const std::string n = std::to_string(k);
     addBar(model, "coupler" + n, above, {0, 0, 1}, {0, 1, 0}, coupler);
     above = addBar(model, "crank" + n, 0, {0, 0, 1}, {static_cast<double>(k), 0, 0}, crank);
@@ -76,7 +76,7 @@ Model fourBarsCrank(int squares) {
   model.name = "four_bars_crank";
   model.gravity = {0, -9.81, 0};
   const double cranks = squares + 1, couplers = squares;
-  // Cranks of 1 kg, whose centres are half way; couplers move with their ends without turning.
+  // Each crank has 1 kg and its centre of mass at half its length. The couplers translate with the cranks' ends and do not turn.
   Inertia<double> all{cranks, {0, 0.5, 0}, {cranks / 12, 0, 0, 0, 0, cranks / 12}};
   all = all + Inertia<double>{couplers, {0, 1, 0}, {}};
   addBar(model, "crank", 0, {0, 0, 1}, {}, all);

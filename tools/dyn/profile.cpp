@@ -1,4 +1,4 @@
-// dyn profile: the price of finding the code of a joint's type, in four ways of dispatch, interleaved in one process.
+// dyn profile: the price of finding the code of a joint's type, for four ways of dispatch, interleaved in one process.
 #include "commands.hpp"
 #include "counters.hpp"
 #include "model_options.hpp"
@@ -24,13 +24,13 @@ constexpr int repetitions = 21, state_count = 256;
 
 struct Line {
   benchmark::Contender contender;
-  std::vector<double> times;  ///< ns a call, a repetition each
-  Counters::Reading counted;  ///< a call
+  std::vector<double> times;  ///< ns per call, one entry per repetition
+  Counters::Reading counted;  ///< per call
   benchmark::Quartiles ns;
-  int rounds = 1;  ///< through all states, a repetition
+  int rounds = 1;  ///< passes through all states in one repetition
 };
 
-/// What a caller of libdyn gets, under the name "library". An algorithm that refuses one of the states is left out, and says so.
+/// Adds the public functions of libdyn, under the name "library". An algorithm that throws at one of the states is left out; the error is printed.
 void addLibrary(const CompactModel& model, const std::shared_ptr<Data>& data, const std::vector<State>& states, std::vector<Line>& lines) {
   const auto add = [&](const char* algorithm, auto run) {
     benchmark::Contender c;
@@ -52,7 +52,7 @@ void addLibrary(const CompactModel& model, const std::shared_ptr<Data>& data, co
   add("aba", [](auto& m, auto& d, const auto& q, const auto& v, const auto& a) { aba(m, d, q, v, a); });
 }
 
-/// Every line once through all states, again and again, each time beginning with another, so that what disturbs the machine hits all alike.
+/// Measures the lines in turn, again and again. Each repetition begins with another line, so that disturbances of the machine affect all lines alike.
 void measure(std::vector<Line>& lines, const std::vector<State>& states, Counters& counters) {
   using Clock = std::chrono::steady_clock;
   const std::size_t n = lines.size();
@@ -64,7 +64,7 @@ void measure(std::vector<Line>& lines, const std::vector<State>& states, Counter
       const auto once = [&] {
         for (const State& s : states) line.contender.run(s.q.data(), s.v.data(), s.a.data());
       };
-      once();  // warm: the line before used other code and memory
+      once();  // warm-up: the previous line used other code and memory
       const auto start = Clock::now();
       for (int round = 0; round < line.rounds; ++round) once();
       const double ns = std::chrono::duration<double, std::nano>(Clock::now() - start).count();

@@ -1,4 +1,4 @@
-// How far something long has come, on a terminal only.
+// A progress bar for long work, shown on terminals only.
 #pragma once
 
 #include <unistd.h>

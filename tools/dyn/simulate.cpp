@@ -1,4 +1,4 @@
-// dyn simulate: a robot's motion through time, what it keeps on the way, and how fast it was computed.
+// dyn simulate: a robot's motion through time, the change of its conserved quantities, and the speed of the computation.
 #include "commands.hpp"
 #include "contacts.hpp"
 #include "interrupt.hpp"
@@ -22,7 +22,7 @@ namespace dyn::tool {
 
 namespace {
 
-constexpr std::size_t most_numbers = 1u << 28;  ///< of a trajectory that is kept in memory: 2 GiB
+constexpr std::size_t most_numbers = 1u << 28;  ///< in a trajectory kept in memory: 2 GiB
 
 struct SimulateOptions : ModelOptions {
   std::string integrator = "rk4", state, out, plot, save, resume;
@@ -59,7 +59,7 @@ struct SimulateOptions : ModelOptions {
 
   ConstraintSet constraints(const CompactModel& model) const { return {ConstraintSet(model), readContacts(contacts)}; }
 
-  /// Of the ground, of volumes, of both; none where nothing is to touch.
+  /// Finds contacts with the ground, between volumes, or both; empty if the options ask for neither.
   ContactFinder finder(const CompactModel& model, const Model& description) const {
     ContactFinder plane;
     if (!ground.empty()) plane = pointsOnPlane(model, ground, {0, 0, 1}, height, friction);
@@ -67,7 +67,7 @@ struct SimulateOptions : ModelOptions {
     return together(plane, geometryContacts(model, compileGeometry(model, description, volumes.geometry()), {.friction = friction}));
   }
 
-  /// Times of states to keep, the first and the last among them.
+  /// Times of the states to keep, including the first and the last. Throws Error(argument) if these need more than 2 GiB.
   std::vector<double> times(double from, std::size_t numbers_a_state) const {
     const double step = every > 0 ? every : std::max(dt, time / 1000), count = std::ceil(time / step - 1e-9);
     if (count * static_cast<double>(numbers_a_state) > static_cast<double>(most_numbers))
@@ -79,7 +79,7 @@ struct SimulateOptions : ModelOptions {
   }
 };
 
-/// A free body on the world, all others on it: momentum changes by gravity alone, if nothing else acts.
+/// Whether the model is one tree on a free joint. Its momentum then changes by gravity alone, if nothing else acts.
 bool floats(const CompactModel& model) {
   int roots = 0;
   bool free = false;

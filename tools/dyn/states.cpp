@@ -13,7 +13,7 @@
 namespace dyn::tool {
 
 namespace {
-/// Its key, "key[3]" in an array; empty if all are finite.
+/// The key of the first number that is not finite, as "key[3]" in an array; empty if all are finite.
 std::string notFinite(const Json& value, const std::string& name) {
   if (value.is_number_float()) return std::isfinite(value.get<double>()) ? "" : name;
   if (!value.is_structured()) return "";
@@ -68,7 +68,7 @@ std::string readAll(const std::string& path) {
   return text.str();
 }
 
-/// The sample that position `end` of a text lies in: objects of depth two before it, less one.
+/// The index of the sample that contains position `end` of the text: the number of objects of depth two that begin before it, minus one.
 std::ptrdiff_t sampleAt(const std::string& text, std::size_t end) {
   std::ptrdiff_t sample = -1;
   int depth = 0;
@@ -90,13 +90,13 @@ nlohmann::json parseJson(const std::string& text, const Where& where) {
   try {
     return nlohmann::json::parse(text);
   } catch (const nlohmann::json::parse_error& e) {
-    // Programs write NaN and Infinity although JSON has neither; the reader stops within the word.
+    // Some programs write NaN and Infinity, which JSON does not have. The parser stops within the word.
     const std::string near = text.substr(e.byte > 12 ? e.byte - 12 : 0, 24);
     for (const char* word : {"NaN", "nan", "Inf", "inf"})
       if (near.find(word) != std::string::npos) notFinite(text, e.byte, where);
     throw Error(ErrorCode::syntax, std::string("is not JSON: ") + e.what(), where);
   } catch (const nlohmann::json::out_of_range& e) {
-    const std::string what = e.what();  // quotes the number that no double can hold
+    const std::string what = e.what();  // it quotes the number that exceeds the range of a double
     const std::size_t first = what.find('\''), last = what.rfind('\'');
     if (last > first) notFinite(text, text.find(what.substr(first + 1, last - first - 1)), where);
     throw Error(ErrorCode::syntax, "is not JSON that can be used: " + what, where);

@@ -1,4 +1,4 @@
-// States from a JSON file, and results back: numbers with 17 significant digits, sizes checked, NaN and Inf refused.
+// Reads states from JSON and writes results. Numbers have 17 significant digits, sizes are checked, NaN and Inf are refused.
 #pragma once
 
 #include <dyn/compile/compact_model.hpp>
@@ -12,7 +12,7 @@
 
 namespace dyn::tool {
 
-/// Results as they are written, in the order in which they are put in; numbers of a matrix row after row.
+/// Results in the order in which they were inserted. Matrices are written row after row.
 using Json = nlohmann::ordered_json;
 
 inline Json flat(const double* data, std::ptrdiff_t size) { return Json(std::vector<double>(data, data + size)); }
@@ -26,25 +26,25 @@ inline Json flat(const Eigen::Ref<const Eigen::MatrixXd>& M) {
   return rows;
 }
 
-/// Results that are not finite have no JSON form. Throws Error(argument) that names the first of them, and says of what it is.
+/// Throws Error(argument) if a result is not finite, since JSON cannot hold it. The message names the first such result and `of`, its owner.
 void requireFinite(const Json& results, const std::string& of);
 
 struct State {
   Eigen::VectorXd q, v, a, tau;
   bool has_v = false, has_a = false, has_tau = false;
 
-  /// By the name that functions give it: q, v, a or tau.
+  /// The vector with this name: q, v, a or tau.
   const Eigen::VectorXd& argument(const std::string& name) const { return name == "q" ? q : name == "v" ? v : name == "a" ? a : tau; }
 };
 
-/// Reads {"samples":[{"q":[],"v":[],"a":[],"tau":[]}, ...]}; "-" is standard input. Vectors that a sample leaves out are zero.
-/// Throws Error naming the sample's index.
+/// Reads {"samples":[{"q":[],"v":[],"a":[],"tau":[]}, ...]}; "-" is standard input. Vectors missing in a sample are zero. Throws Error, which names
+/// the sample's index.
 std::vector<State> readStates(const std::string& path, const CompactModel& model);
 
-/// The same, each with its entry in the file.
+/// Reads the same; each state comes with its JSON entry.
 std::vector<std::pair<State, nlohmann::json>> readSamples(const std::string& path, const CompactModel& model);
 
-/// Random states of a model: q within its limits, v, a in [-1, 1], tau in [-5, 5].
+/// Random states of a model: q within its limits, v and a in [-1, 1], tau in [-5, 5].
 std::vector<State> randomStates(const CompactModel& model, int count, std::uint64_t seed);
 
 }  // namespace dyn::tool

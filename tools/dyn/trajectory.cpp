@@ -14,13 +14,13 @@ namespace dyn::tool {
 
 namespace {
 
-/// In the fewest digits that read back to the same number, whatever the locale.
+/// Appends x with the fewest digits that read back to the same number, independent of the locale.
 void append(std::string& out, double x) {
   char text[32];
   out.append(text, std::to_chars(text, text + sizeof text, x).ptr);
 }
 
-/// A joint's name, with the entry's number where it has several.
+/// Each name is the joint's, with the entry's number if the joint has several.
 std::vector<std::string> columnNames(const CompactModel& model, bool configuration) {
   std::vector<std::string> names(static_cast<std::size_t>(configuration ? model.nq() : model.nv()));
   for (const JointRecord& joint : model.joints()) {
@@ -30,7 +30,7 @@ std::vector<std::string> columnNames(const CompactModel& model, bool configurati
   return names;
 }
 
-/// As a field of a table: quoted where it must be.
+/// The text as a CSV field, quoted if necessary.
 std::string field(const std::string& text) {
   if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
   std::string out = "\"";
@@ -91,7 +91,7 @@ void Trajectory::write(const std::string& path) const { replaceFile(path, path.e
 
 namespace {
 
-/// Of the coordinates of a joint of a type that comes with libdyn; none of other types'.
+/// Units of the coordinates of a joint type that comes with libdyn; empty for other types.
 std::vector<std::string> unitsOf(const std::string& type) {
   const std::string angle = "rad", length = "m", turn = "cos, sin", quaternion = "quaternion";
   static const std::map<std::string, std::vector<std::string>> known = {
@@ -111,19 +111,19 @@ std::vector<std::string> unitsOf(const std::string& type) {
   return found == known.end() ? std::vector<std::string>() : found->second;
 }
 
-/// Coordinates that are drawn together: of joints that follow one another without branching, and of one unit.
+/// Coordinates that are drawn together: they have the same unit, and their joints form a chain without branches.
 struct Panel {
   std::string first, last, unit;
   std::vector<int> coordinates;
 };
 
 std::vector<Panel> panelsOf(const CompactModel& model) {
-  constexpr std::size_t most = 8;  // curves that colours and names tell apart
+  constexpr std::size_t most = 8;  // curves that colours and names can distinguish
   const std::vector<JointRecord>& joints = model.joints();
   std::vector<int> children(joints.size());
   for (std::size_t j = 1; j < joints.size(); ++j) ++children[static_cast<std::size_t>(joints[j].parent)];
   std::vector<Panel> out;
-  std::size_t begin = 0;  // of the limb's panels
+  std::size_t begin = 0;  // first panel of the present limb
   for (std::size_t j = 1; j < joints.size(); ++j) {
     const JointRecord& joint = joints[j];
     const bool goes_on = static_cast<std::size_t>(joint.parent) + 1 == j && joint.parent != 0 && children[j - 1] == 1;
@@ -162,7 +162,7 @@ void Trajectory::plot(const std::string& path) const {
         least = std::min(least, q[c]);
         most = std::max(most, q[c]);
       }
-      // What stands still would only take room from the axis of what moves.
+      // A constant coordinate would only widen the axis of the moving ones.
       if (most - least <= 1e-9 * std::max(std::abs(least), std::abs(most))) {
         if (++stand <= 8) still += (stand == 1 ? "constant: " : ", ") + name + " = " + benchmark::shortNumber(least);
         continue;

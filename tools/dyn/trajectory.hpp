@@ -1,4 +1,4 @@
-// What a simulation passed through, as a table, as JSON and as a picture.
+// The states of a simulation over time, written as a table, as JSON or as a picture.
 #pragma once
 
 #include "states.hpp"
@@ -16,12 +16,12 @@ class Trajectory {
   bool empty() const { return times_.empty(); }
   double firstEnergy() const { return energies_.front(); }
   double lastEnergy() const { return energies_.back(); }
-  /// Largest difference to the first one.
+  /// Largest difference of the energy from the first one.
   double energyDrift() const;
 
-  /// By the file's ending: .csv (a line a state: t, q, v, energy) or .json. Throws Error(argument | file).
+  /// Writes the format of the file's ending: .csv (one line per state: t, q, v, energy) or .json. Throws Error(argument | file).
   void write(const std::string& path) const;
-  /// Coordinates over time, as SVG.
+  /// Draws the coordinates over time, as SVG.
   void plot(const std::string& path) const;
 
  private:

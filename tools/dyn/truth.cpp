@@ -35,8 +35,8 @@ const Quantity* find(const std::string& algorithm) {
   return nullptr;
 }
 
-/// Calls f(truth, first) for each matrix that the algorithm gives, as far as the sample has truths of them; the algorithm's numbers for it begin
-/// at `first`.
+/// Calls f(truth, first) for each matrix of the algorithm, up to the first one without a truth in the sample. The algorithm's numbers for the matrix
+/// begin at `first`.
 template <class Sample, class F>
 void eachTruth(const std::string& algorithm, Sample& sample, F&& f) {
   const Quantity* quantity = find(algorithm);
@@ -50,7 +50,7 @@ void eachTruth(const std::string& algorithm, Sample& sample, F&& f) {
   }
 }
 
-/// Of a truth's number k among an algorithm's: truths are row after row, results column after column.
+/// The place among an algorithm's numbers of number k of a truth: truths are row after row, results column after column.
 Eigen::Index placeOf(Eigen::Index k, Eigen::Index count, Eigen::Index n) { return count == n * n ? (k % n) * n + k / n : k; }
 
 }  // namespace

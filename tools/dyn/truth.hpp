@@ -1,4 +1,4 @@
-// References of more digits than a double has, and how far results are from them.
+// References with more digits than a double has, and the errors of results against them.
 #pragma once
 
 #include "states.hpp"
@@ -16,11 +16,11 @@ struct TruthSample {
 };
 
 /// Reads {"samples":[{"q":[],"v":[],"a":[],"tau":[],"truth":{"rnea":[],"rnea_scale":[],"nle":[],"gravity":[],"aba":[],"aba_scale":[],
-/// "M":[], ...}}]}: truths are numbers or strings of digits, matrices row after row; keys may be missing. Throws Error(file | syntax | size)
-/// naming the file.
+/// "M":[], ...}}]}. Truths are numbers or strings of digits, and matrices are row after row; keys may be missing. Throws Error(file | syntax | size),
+/// which names the file.
 std::vector<TruthSample> readTruth(const std::string& path, const CompactModel& model);
 
-/// Errors of many numbers, in units of roundoff. Both are NaN without any, infinite if one is not finite.
+/// Largest and root mean square error of many numbers, in units of roundoff. Both are NaN if there are none, and infinite if one is infinite.
 class ErrorSummary {
  public:
   void add(double error) {
@@ -36,15 +36,15 @@ class ErrorSummary {
   long count_ = 0;
 };
 
-/// The key of an algorithm's first matrix, by its name in dyn bench; null where truths have none of it.
+/// The truth key of an algorithm's first matrix; null if truth files have none for it. `algorithm` is its name in dyn bench.
 const char* truthKey(const std::string& algorithm);
 
-/// Adds how far the numbers that `algorithm` (by its name in dyn bench) gave are from the truth, in units of u: by the scales that the
-/// file gives for rnea, nle, gravity and aba, by the largest entry of each matrix for the others. Matrices are column after column; one after the
-/// other where the algorithm gives several. Nothing where the file has no such truth.
+/// Adds the errors of an algorithm's numbers against the truth, in units of u; `algorithm` is its name in dyn bench. Errors of rnea, nle, gravity and
+/// aba are relative to the scales in the file, others to the largest entry of each matrix. Matrices are column after column; if an algorithm has
+/// several, they follow each other. Adds nothing if the file has no such truth.
 void addErrors(const TruthSample& sample, const std::string& algorithm, const Eigen::VectorXd& numbers, double u, ErrorSummary& out);
 
-/// Puts numbers in the place of the file's: the truth of states that were rounded to floats is what doubles give for the rounded ones.
+/// Replaces the truth by these numbers. For states rounded to floats, the results in doubles at the rounded states serve as truth.
 void replaceTruth(TruthSample& sample, const std::string& algorithm, const Eigen::VectorXd& numbers);
 
 }  // namespace dyn::tool

@@ -1,4 +1,4 @@
-// Which volumes a command looks at: those of the robot, those around it, and which pairs of them.
+// Options that choose the volumes of a command: the robot's, those around it, and the pairs to check.
 #pragma once
 
 #include "model_options.hpp"

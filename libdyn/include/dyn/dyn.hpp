@@ -1,4 +1,4 @@
-// Everything a user of libdyn needs, without parsers.
+// Includes all of the library's dynamics and simulation. Parsers, geometry and code generation have headers of their own.
 #pragma once
 
 #include <dyn/algorithm/aba.hpp>

@@ -1,11 +1,12 @@
-// DYN_API marks what the shared library exports; everything else stays hidden. And what a program must not be compiled with.
+// DYN_API marks the symbols that the shared library exports; all others stay hidden. This header also refuses compiler options that change the
+// layout of standard containers.
 #pragma once
 
 #include <version>
 
 #define DYN_API __attribute__((visibility("default")))
 
-// Vectors and strings cross the boundary, laid out as the library was built with them.
+// Vectors and strings cross the library's boundary, so the program must lay them out as the library does.
 #if defined(_GLIBCXX_DEBUG) && !defined(DYN_GLIBCXX_DEBUG)
 #error "_GLIBCXX_DEBUG lays out standard containers in another way than this libdyn: use -D_GLIBCXX_ASSERTIONS, or build libdyn with it, too"
 #elif defined(_GLIBCXX_RELEASE) && defined(_GLIBCXX_USE_CXX11_ABI) && !_GLIBCXX_USE_CXX11_ABI

@@ -1,4 +1,4 @@
-// Files that are read or written whole or not at all.
+// Reading and replacing of whole files.
 #pragma once
 
 #include <dyn/export.hpp>
@@ -9,15 +9,15 @@
 
 namespace dyn {
 
-/// All bytes of a file, or of a pipe. Throws Error(file), for more than `largest` bytes, too, of which no more are read.
+/// Returns all bytes of a file or a pipe. Throws Error(file) if it cannot be read, or as soon as more than `largest` bytes have been read.
 DYN_API std::string readFile(const std::string& path, std::uintmax_t largest = std::numeric_limits<std::uintmax_t>::max());
 
-/// Writes a temporary beside the file, brings it to the disk and renames it; what was there before stays if that fails. Links are followed, and the
-/// file keeps its owner and its modes. Devices and pipes are written into, as is a file of another user that this process may write but not give
-/// away. Throws Error(file), for a file that nobody may write, too.
+/// Replaces a file as a whole: writes a temporary file beside it, flushes that to disk and renames it. If this fails, the old file is unchanged.
+/// Follows links; the file keeps its owner and its mode. Writes in place into devices and pipes, and into another user's file that this process may
+/// write but not give away. Throws Error(file), also for a file that its mode forbids everybody to write.
 DYN_API void replaceFile(const std::string& path, const std::string& content);
 
-/// Throws Error(file) where replaceFile could make no file, and leaves everything as it was: for programs that work long before they write.
+/// Throws Error(file) if replaceFile could not create its file; changes nothing. Programs call this before a long computation.
 DYN_API void checkReplaceable(const std::string& path);
 
 }  // namespace dyn

@@ -1,4 +1,4 @@
-// The inside of objects that can be moved and not copied.
+// The pointer to the implementation of objects that can be moved but not copied.
 #pragma once
 
 #include <dyn/export.hpp>
@@ -13,8 +13,7 @@ namespace detail {
 [[noreturn]] DYN_API void refuseMovedFrom();
 }  // namespace detail
 
-/// As std::unique_ptr, but never null where it is used: an object that was moved from throws Error(argument) then. It may be destroyed and assigned
-/// to.
+/// Like std::unique_ptr, but access to an object that was moved from throws Error(argument). Such an object may still be destroyed and assigned to.
 template <class T>
 class Owned {
  public:

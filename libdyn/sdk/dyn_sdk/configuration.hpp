@@ -1,7 +1,7 @@
-// A joint's configuration space as its author wrote it, and what follows where nothing is written.
+// A joint's configuration space: the functions that its author wrote, and defaults or derived functions for the others.
 //
-// Without functions of its own a joint has q in R^n and v = dq/dt. One with its own q (+) v gives neutral, integrate, difference and normalize;
-// rates and the Jacobians follow from these. Each function may take the joint's constants.
+// A joint without functions of its own has q in R^n and v = dq/dt. A joint with its own q (+) v provides neutral, integrate, difference and
+// normalize; rates and the Jacobians are derived from these. Each function may take the joint's constants.
 #pragma once
 
 #include <dyn_sdk/constants.hpp>
@@ -12,8 +12,8 @@
 
 namespace dyn::sdk {
 
-/// Writes the X of least |A X - B| for A of full column rank, by modified Gram-Schmidt on A's columns and then on B's (Bjorck 1967). Row-major;
-/// A and B are overwritten.
+/// Writes the X that minimises |A X - B|, for A of full column rank, by modified Gram-Schmidt on A's columns and then on B's (Bjorck 1967). Matrices
+/// are row-major: A rows x columns, B rows x wanted, X columns x wanted. A and B are overwritten.
 template <int rows, int columns, int wanted>
 void leastSquares(double* A, double* B, double* X) {
   double R[columns * columns], Y[columns * wanted];
@@ -54,9 +54,9 @@ struct Configuration {
   static constexpr int nq = A::nq, nv = A::nv;
   /// The author wrote q (+) v.
   static constexpr bool own = HasIntegrate<A, double>;
-  /// As a template over the scalar, which can be differentiated.
+  /// The author wrote q (+) v as a template over the scalar, so that it can be differentiated.
   static constexpr bool differentiable = own && HasIntegrate<A, Dual<double>>;
-  /// v need not be dq/dt.
+  /// v may differ from dq/dt.
   static constexpr bool curved = HasRates<A> || differentiable || nq != nv;
 
   static_assert(own || nq == nv, "a joint with more coordinates than velocities needs its own neutral, integrate, difference and normalize");
@@ -110,7 +110,7 @@ struct Configuration {
     }
   }
 
-  /// dq = dq/dt for velocities v.
+  /// Writes dq/dt for velocities v into dq.
   template <class S, class C>
   static void rates(const S* q, const S* v, const C& c, S* dq) {
     if constexpr (HasRates<A>) {
@@ -128,7 +128,7 @@ struct Configuration {
     }
   }
 
-  /// nv x nv, row-major: q (+) v by q and by v, both as displacements.
+  /// Derivatives of q (+) v by q and by v, nv x nv, row-major, both in tangent spaces.
   template <class C>
   static void dIntegrate(const double* q, const double* v, const C& c, double* Jq, double* Jv) {
     if constexpr (requires { A::dIntegrate(q, v, c, Jq, Jv); }) {
@@ -144,7 +144,7 @@ struct Configuration {
     }
   }
 
-  /// nv x nv, row-major: q1 (-) q0 by q0 and by q1, both as displacements.
+  /// Derivatives of q1 (-) q0 by q0 and by q1, nv x nv, row-major, both in tangent spaces.
   template <class C>
   static void dDifference(const double* q0, const double* q1, const C& c, double* J0, double* J1) {
     if constexpr (requires { A::dDifference(q0, q1, c, J0, J1); }) {
@@ -160,7 +160,8 @@ struct Configuration {
   }
 
  private:
-  /// Where q (+) v is differentiated at v = 0: so near that its square still has all digits, but sin(|v|) / |v| has a derivative.
+  /// The v at which q (+) v is differentiated in place of v = 0: not zero, so that sin(|v|) / |v| has a derivative, but so large that its square
+  /// still has all digits.
   template <class S>
   static constexpr Real<S> beside_zero = std::is_same_v<Real<S>, float> ? Real<S>(0x1p-30) : Real<S>(0x1p-250);
 
@@ -178,7 +179,7 @@ struct Configuration {
     for (int k = 0; k < nv * nv; ++k) J[k] = k % (nv + 1) == 0 ? value : 0.0;
   }
 
-  /// Changes of q (+) v's coordinates, as velocities there.
+  /// Derivatives of q (+) v in forward mode: changes of its coordinates, converted to velocities by least squares.
   template <class C>
   static void differentiated(const double* q, const double* v, const C& c, double* Jq, double* Jv) {
     using D = Dual<double>;
@@ -210,7 +211,7 @@ struct Configuration {
     }
   }
 
-  /// From d = q1 (-) q0 and q1 = q0 (+) d: Jv dd = dq1 - Jq dq0.
+  /// Derivatives of d = q1 (-) q0 from those of q1 = q0 (+) d: Jv dd = dq1 - Jq dq0.
   template <class C>
   static void inverted(const double* q0, const double* q1, const C& c, double* J0, double* J1) {
     double d[nv], Jq[nv * nv], Jv[nv * nv], right[nv * 2 * nv], J[nv * 2 * nv];
@@ -229,7 +230,7 @@ struct Configuration {
   }
 };
 
-/// Column k of the motion subspace, from the pose map.
+/// Column k of the motion subspace, derived from the pose map.
 template <class A, class S, class C>
 Motion<S> derivedColumn(const S* q, const C& c, int k) {
   S unit[A::nv], dq[A::nq];
@@ -242,7 +243,7 @@ Motion<S> derivedColumn(const S* q, const C& c, int k) {
   return poseVelocity<A::nq>([&c](const auto* x) { return A::pose(x, c); }, q, rate);
 }
 
-/// Pose, S v and (dS/dt) v, from the pose map.
+/// Pose, S v and (dS/dt) v, derived from the pose map.
 template <class A, class S, class C>
 PoseRates<S> derivedRates(const S* q, const S* v, const C& c) {
   const auto pose = [&c](const auto* x) { return A::pose(x, c); };

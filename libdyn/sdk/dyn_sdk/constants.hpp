@@ -1,4 +1,4 @@
-// A joint's constants as its author sees them: c[k], wherever they lie.
+// A joint's constants as its author's functions see them: c[k], independent of their layout in memory.
 #pragma once
 
 #include <cstddef>
@@ -17,8 +17,8 @@ class Constants {
   int count_;
 };
 
-/// The constants of neighbouring joints, a pack for each number. An author whose functions take `const auto& c`, and say S(c[k]) where a
-/// number of theirs is meant, gets these, too, and is computed for joints of different parameters at once.
+/// The constants of neighbouring joints, a pack for each number. Functions that take `const auto& c`, and write S(c[k]) for a number of it, also
+/// accept these constants. They are then computed for joints with different parameters at once.
 template <class S>
 class PackConstants {
  public:

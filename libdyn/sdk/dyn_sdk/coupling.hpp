@@ -1,4 +1,5 @@
-// Coupling types: y = f(x), a function templated on the scalar, whose derivatives come from forward-mode differentiation; or these in closed form.
+// Coupling types: y = f(x). The author writes f as a template over the scalar, and forward-mode differentiation gives its derivatives; or the author
+// writes f and its derivatives in closed form.
 #pragma once
 
 #include <dyn_sdk/implementation.hpp>
@@ -8,8 +9,8 @@ namespace dyn::sdk {
 template <class A>
 concept HasDerivatives = requires(double x, const Constants& c, double* f) { A::derivatives(x, c, f); };
 
-/// Author: name, summary, parameters, `template <class S> static S value(const S& x, const Constants& c)`; or, where they are at hand,
-/// `static void derivatives(double x, const Constants& c, double* f)`, which writes f and its first three derivatives.
+/// Author has name, summary, parameters, and `template <class S> static S value(const S& x, const Constants& c)`; or in place of value
+/// `static void derivatives(double x, const Constants& c, double* f)`, which writes f and its first three derivatives in closed form.
 template <class Author>
 class CouplingTypeOf final : public CouplingType {
  public:

@@ -1,7 +1,7 @@
-// Motion subspace and bias from the pose map alone, by forward-mode differentiation.
+// Derives the motion subspace and its bias from the pose map alone, by forward-mode differentiation.
 //
-// With the pose (R, p) along q(t), in the moving frame: S v = (R^T p', vee(R^T R')), and its derivative at constant v is
-// (R^T p'' + R'^T p', vee(R^T R'')); R'^T R' is symmetric and drops out of vee.
+// For the pose (R, p) along q(t), S v = (R^T p', vee(R^T R')) in the moving frame. Its derivative at constant v is
+// (R^T p'' + R'^T p', vee(R^T R'')): R'^T R' is symmetric and drops out of vee.
 #pragma once
 
 #include <dyn/scalar/dual.hpp>
@@ -9,13 +9,13 @@
 
 namespace dyn::sdk {
 
-/// A pose map's result, or its first or second derivative, by columns. Poses of dual numbers of packs are kilobytes: nothing is copied that is
-/// not computed with.
+/// A pose map's result, or its first or second derivative, by columns. It copies only the numbers that are needed, since poses of dual numbers of
+/// packs take kilobytes.
 template <class S>
 struct PosePart {
   Vec3<S> x, y, z, p;
 
-  /// part(number): one of the numbers that a dual one consists of.
+  /// part(x) selects one of the numbers of which the dual number x consists.
   template <class D, class Part>
   PosePart(const SE3<D>& X, Part part) : x(column(X.R, 0, part)), y(column(X.R, 1, part)), z(column(X.R, 2, part)) {
     p = {part(X.p.x), part(X.p.y), part(X.p.z)};
@@ -23,7 +23,7 @@ struct PosePart {
   SE3<S> pose() const { return {{{x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z}}, p}; }
   /// R^T a.
   Vec3<S> inAxes(const Vec3<S>& a) const { return {dot(x, a), dot(y, a), dot(z, a)}; }
-  /// vee(R^T D), D the other's rotation.
+  /// vee(R^T D), where D is the other's rotation part.
   Vec3<S> turning(const PosePart& D) const {
     return {S(0.5) * (dot(z, D.y) - dot(y, D.z)), S(0.5) * (dot(x, D.z) - dot(z, D.x)), S(0.5) * (dot(y, D.x) - dot(x, D.y))};
   }
@@ -35,7 +35,7 @@ struct PosePart {
   }
 };
 
-/// The velocity in the moving frame when the N coordinates change at dq. `pose` maps N scalars of any kind to an SE3 of that kind.
+/// The velocity in the moving frame when the N coordinates change at the rates dq. `pose` maps N scalars of any type to an SE3 of that type.
 template <int N, class S, class Pose>
 Motion<S> poseVelocity(const Pose& pose, const S* q, const S* dq) {
   using D = Dual<S>;
@@ -46,7 +46,7 @@ Motion<S> poseVelocity(const Pose& pose, const S* q, const S* dq) {
   return {X0.inAxes(X1.p), X0.turning(X1)};
 }
 
-/// Pose, velocity and its derivative in the moving frame along q(t).
+/// Pose, velocity and the velocity's derivative along q(t), in the moving frame.
 template <class S>
 struct PoseRates {
   SE3<S> pose;

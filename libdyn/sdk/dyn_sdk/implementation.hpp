@@ -1,4 +1,4 @@
-// From an author's class to the virtual interface: loops over the batch, closed forms where the author has them, derived ones elsewhere.
+// Implements the virtual interface by an author's class: loops over the batch, the author's closed forms, and derived functions in place of others.
 #pragma once
 
 #include <dyn_sdk/configuration.hpp>
@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <limits>
 
-// All that an author's functions call is inlined into the loop over packs; but sanitized code grows too much.
+// Inlines everything that an author's functions call into the loop over packs, except in sanitized builds, whose code would grow too much.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define DYN_INLINE_ALL
 #else
@@ -24,7 +24,7 @@ concept HasSubspace = requires(const double* q, const Constants& c, Motion<doubl
 template <class A>
 concept HasBias = requires(const double* q, const double* v, const Constants& c) { A::bias(q, v, c); };
 
-/// Runs an author's functions, which must not throw: whoever calls cannot do without their answer. What they throw ends the process, and is said.
+/// Runs an author's functions, which must not throw, since the callers need their results. An exception is printed and ends the process.
 template <class Call>
 void neverThrowing(const char* type, const Call& call) noexcept {
   try {
@@ -72,7 +72,7 @@ class JointTypeOf final : public JointType {
     });
   }
   void constants(const ParameterArgument* args, double* out) const noexcept override {
-    // What throws for these parameters has been refused, so this is memory that ran out; numbers that are none show it.
+    // prepare() has refused parameters for which this throws, so memory has run out. NaNs show it.
     char reason[64];
     if (!guarded(Refusal{reason, sizeof reason}, [&] { return Author::constants(args, out), true; }))
       for (int k = 0; k < Author::constantCount(args); ++k) out[k] = std::numeric_limits<double>::quiet_NaN();
@@ -154,7 +154,7 @@ class JointTypeOf final : public JointType {
   }
 
  private:
-  // Items of a batch: numbers, one after the other, or packs of neighbours. T is what the batch's arrays hold, S what is computed with.
+  // Items of a batch are read one by one as numbers, or as packs of neighbours. T is the type in the batch's arrays, S the type of the computation.
   template <class S, class T>
   static S read(const T* from) {
     if constexpr (lanes_of<S> > 1) {
@@ -203,7 +203,7 @@ class JointTypeOf final : public JointType {
       }
   }
 
-  /// Of item i, or of the joint whose lanes are items i and on.
+  /// Constants of item i, or of the joint whose lanes begin at item i.
   template <class Batch>
   static Constants constantsOf(const Batch& b, int i) {
     return {b.constants + i / b.lanes, b.constants_stride, b.constant_count};
@@ -214,7 +214,7 @@ class JointTypeOf final : public JointType {
     const int items = b.count * b.lanes;
 #if DYN_HAS_PACKS
     if constexpr (Author::branch_free) {
-      // A pack's items are the lanes of one joint, or neighbours: those without constants, or whose author takes those of all of them.
+      // The items of a pack are lanes of one joint, or neighbouring joints. Neighbours must have no constants, or functions that take packs of them.
       constexpr int width = Pack<T>::lanes;
       if (b.constant_count == 0 || (b.lanes == 1 && takes_pack_constants<T>)) {
         if (evaluateNeighbours<width>(b, items)) return;
@@ -226,14 +226,14 @@ class JointTypeOf final : public JointType {
     evaluateEach<double>(b);
   }
 
-  /// Number by number, computed with S.
+  /// Computes number by number, in S.
   template <class S, class T>
   static void evaluateEach(const JointBatch<T>& b) {
     for (int i = 0; i < b.count * b.lanes; ++i) evaluateAt<S>(b, i, constantsOf(b, i));
   }
 
 #if DYN_HAS_PACKS
-  /// Whether the author's functions take constants that differ from lane to lane. Those are doubles.
+  /// Whether the author's functions take constants that differ from lane to lane. Constants are doubles, so this needs packs of doubles.
   template <class T>
   static constexpr bool takes_pack_constants = [] {
     if constexpr (!std::is_same_v<T, double>) {
@@ -250,7 +250,7 @@ class JointTypeOf final : public JointType {
     }
   }();
 
-  /// Of as many items as fill a pack, or more. Where they do not fill the last one, those before them are computed once more.
+  /// Computes at least as many items as fill one pack. A last pack that they do not fill also takes the items before them, which are computed again.
   template <class P, class T>
   static void evaluatePacks(const JointBatch<T>& b, int items) {
     if constexpr (takes_pack_constants<T>) {
@@ -267,7 +267,7 @@ class JointTypeOf final : public JointType {
     }
   }
 
-  /// In packs of `width`, or of the widest that fill up; false if there are none.
+  /// Computes in packs of `width` lanes, or of fewer if the items do not fill one. Returns false if they fill no pack.
   template <int width, class T>
   static bool evaluateNeighbours(const JointBatch<T>& b, int items) {
     if constexpr (width * sizeof(T) < narrowest_pack) {
@@ -343,7 +343,7 @@ class JointTypeOf final : public JointType {
   }
 };
 
-/// The one instance of a type in this plugin.
+/// The only instance of a type in this plugin.
 template <class Author>
 const void* instance() {
   static constexpr JointTypeOf<Author> type;
@@ -352,7 +352,7 @@ const void* instance() {
 
 }  // namespace dyn::sdk
 
-/// Exports joint types; once per shared object.
+/// Exports joint types. Use it once in a shared object.
 #define DYN_EXPORT_JOINTS(...) DYN_EXPORT_PLUGIN(DYN_TYPES(__VA_ARGS__), DYN_TYPES())
 #define DYN_TYPES(...) ::dyn::sdk::TypeList<__VA_ARGS__>
 #define DYN_EXPORT_PLUGIN(JOINTS, COUPLINGS)                                                                  \

@@ -1,6 +1,6 @@
-// The one include of a plugin author.
+// The only header that a plugin author includes.
 //
-// A joint type is a class with a name, coordinates and a pose map, templated on the scalar:
+// A joint type is a class with a name, a summary, parameters and a pose map, which is a template over the scalar:
 //
 //     struct CamFollower : dyn::sdk::Joint<CamFollower, 1> {
 //       static constexpr const char* name = "cam_follower";
@@ -10,18 +10,20 @@
 //     };
 //     DYN_EXPORT_JOINTS(CamFollower)
 //
-// Optional members, detected by name; what is missing is derived:
-//     branch_free = true          pose map, subspace, bias and rates have no branches on q: they are computed for packs of joints or states
+// Optional members are found by name; the SDK derives missing ones:
+//     branch_free = true          pose map, subspace, bias and rates have no branches on q: they are then computed for packs of joints or states
 //     shape, check(args, instance, refuse), constantCount(args), constants(args, out)
 //     coordinates(q, c, pose)     the core's pose components in the order of its Shape, for shapes other than dense
 //     subspace(q, c, S)           S for dense shapes, column after column
 //     bias(q, v, c)               (dS/dt) v
 //
-// Without more, q is a vector and v = dq/dt. A joint whose q is something else, as a unit vector is, says what, with or without the argument c:
-//     neutral(c, q), normalize(c, q) -> distance from the configuration space before
+// By default q is a vector and v = dq/dt. A joint with another configuration space, for example unit vectors, also writes these members, each with
+// or without the argument c:
+//     neutral(c, q)               q where the joint is "at zero"
+//     normalize(c, q)             brings q back onto the configuration space; returns its distance from that space before
 //     integrate(q, v, c, out)     q (+) v: where the joint is after one second of v; a template over the scalar
 //     difference(q0, q1, c, v)    the v with q0 (+) v = q1
-// and, where these are at hand in closed form,
+// It may also write these closed forms:
 //     rates(q, v, c, dq)          dq/dt, a template over the scalar; dense shapes that are branch_free need it
 //     dIntegrate(q, v, c, Jq, Jv), dDifference(q0, q1, c, J0, J1)     nv x nv, row-major
 #pragma once
@@ -37,10 +39,11 @@
 
 namespace dyn::sdk {
 
-/// Numbers that a parameter of this kind is; a list is as long as a model makes it.
+/// How many numbers a parameter of this kind has; 0 for a list of numbers, whose length depends on the model, and for parameters without numbers.
 constexpr int numberCount(ParameterKind kind) { return kind == ParameterKind::number ? 1 : kind == ParameterKind::vector3 ? 3 : 0; }
 
-/// Whether each number of the schema has one place among the constants whatever a model leaves out: a list must be the last that has numbers.
+/// Whether each number of the schema has a fixed place among the constants, whatever a model leaves out. For this, a list of numbers must be the last
+/// parameter that has numbers.
 template <class Specs>
 constexpr bool hasPlaces(const Specs& parameters) {
   bool list = false;
@@ -51,8 +54,8 @@ constexpr bool hasPlaces(const Specs& parameters) {
   return true;
 }
 
-/// The numbers of all parameters in the order of the schema, each at its place: those of an optional parameter that is not given are 0. Returns
-/// how many; without `out` it only counts.
+/// Writes the numbers of all parameters in the order of the schema, each at its place. An optional parameter that is not given has zeros. Returns how
+/// many numbers there are; without `out` it only counts.
 template <class Specs>
 int placeNumbers(const Specs& parameters, const ParameterArgument* a, double* out) {
   int n = 0;
@@ -64,7 +67,7 @@ int placeNumbers(const Specs& parameters, const ParameterArgument* a, double* ou
   return n;
 }
 
-/// Reasons for refusing parameters are written here.
+/// Call it with the reason to refuse parameters: it writes down the reason and returns false.
 struct Refusal {
   char* text;
   int size;
@@ -74,8 +77,8 @@ struct Refusal {
   }
 };
 
-/// A unit vector along (x, y, z), safe from under- and overflow; false for the zero vector. Extended precision, so that what is made
-/// of it can be rounded once.
+/// Writes the unit vector along xyz, without underflow or overflow. Returns false if xyz is zero or not finite. The result has extended precision, so
+/// that numbers computed from it can be rounded once.
 inline bool unitVector(const double* xyz, Vec3<long double>& out) {
   const double m = std::fmax(std::fabs(xyz[0]), std::fmax(std::fabs(xyz[1]), std::fabs(xyz[2])));
   if (!(m > 0) || !std::isfinite(m)) return false;
@@ -85,7 +88,7 @@ inline bool unitVector(const double* xyz, Vec3<long double>& out) {
   return true;
 }
 
-/// A rotation whose third column is the unit vector n; a cyclic permutation when n is an axis of the frame.
+/// Returns a rotation whose third column is the unit vector n. It is a cyclic permutation if n is a positive axis of the frame.
 inline Mat3<double> frameWithZ(const Vec3<long double>& n) {
   const long double ax = std::fabs(n.x), ay = std::fabs(n.y), az = std::fabs(n.z);
   Vec3<long double> x = az >= ax && az >= ay ? Vec3<long double>{1, 0, 0} : (ax >= ay ? Vec3<long double>{0, 1, 0} : Vec3<long double>{0, 0, 1});
@@ -97,7 +100,7 @@ inline Mat3<double> frameWithZ(const Vec3<long double>& n) {
   return {{d(x.x), d(y.x), d(n.x), d(x.y), d(y.y), d(n.y), d(x.z), d(y.z), d(n.z)}};
 }
 
-/// What `judge` says, which may be an author's function that throws: then it is a refusal with the exception's text.
+/// Returns the result of `judge`, an author's function that may throw. An exception becomes a refusal with the exception's text.
 template <class Judge>
 bool guarded(const Refusal& refuse, const Judge& judge) noexcept {
   try {
@@ -109,7 +112,7 @@ bool guarded(const Refusal& refuse, const Judge& judge) noexcept {
   }
 }
 
-/// Has an author's `write` fill `count` constants once where it does no harm: refuses if that throws or writes more of them.
+/// Lets an author's `write` fill `count` constants once into a larger trial array. Refuses if it writes more than `count`. Exceptions pass.
 template <class Write>
 bool tryConstants(int count, int numbers, const Refusal& refuse, const Write& write) {
   if (count < 0) return refuse("its number of constants is negative");
@@ -121,14 +124,14 @@ bool tryConstants(int count, int numbers, const Refusal& refuse, const Write& wr
   return true;
 }
 
-/// Base of a joint type: Author is the class itself, NV its degrees of freedom, NQ its coordinates.
+/// Base class of a joint type. Author is the type's class itself, NV its degrees of freedom, NQ its coordinates.
 template <class Author, int NV, int NQ = NV>
 struct Joint {
   static constexpr int nv = NV, nq = NQ;
   static constexpr Shape shape = Shape::dense;
   static constexpr Structure structure = Structure::joint;
   static constexpr bool branch_free = false;
-  /// By default the numbers of all parameters are the constants, as placeNumbers places them.
+  /// By default the constants are the numbers of all parameters, as placeNumbers writes them.
   static int constantCount(const ParameterArgument* a) { return placeNumbers(Author::parameters, a, nullptr); }
   static void constants(const ParameterArgument* a, double* out) {
     static_assert(

@@ -1,8 +1,8 @@
-// Packs: as many numbers as the processor works on at once, with the arithmetic of one. The only installed header that names a SIMD
-// library; where xsimd is not installed there are no packs, and everything is computed number by number.
+// Packs: as many numbers as the processor works on at once, with the arithmetic of a single number. This is the only installed header that names a
+// SIMD library. Without xsimd there are no packs, and everything is computed number by number.
 //
-// A pack type belongs to the instruction set that the source file is compiled for, and never crosses a boundary: functions pass arrays of
-// numbers, and each side loads packs of its own from them.
+// A pack type belongs to the instruction set that the source file is compiled for, and never crosses a boundary. Functions pass arrays of numbers
+// instead, from which each side loads its own packs.
 #pragma once
 
 #include <dyn/scalar/select.hpp>
@@ -17,7 +17,7 @@
 
 namespace dyn {
 
-/// What comparing packs gives: a condition for each lane.
+/// Result of comparing packs: a condition for each lane.
 template <class T, class Arch>
 struct PackMask {
   xsimd::batch_bool<T, Arch> x;
@@ -35,17 +35,17 @@ struct Pack {
   using Mask = PackMask<T, Arch>;
   static constexpr int lanes = static_cast<int>(Batch::size);
 
-  /// The compilers' own vector: where numbers are written as one, other things than numbers stay known. What xsimd's intrinsics write may be
-  /// anything, and all that says where has to be read again.
+  /// The compiler's own vector type. A store through it can change numbers of type T only. A store through xsimd's intrinsics may alias any object,
+  /// so the compiler would have to read pointers and indices again after it.
   typedef T Native __attribute__((vector_size(sizeof(T) * static_cast<std::size_t>(lanes))));
   typedef T Anywhere __attribute__((vector_size(sizeof(T) * static_cast<std::size_t>(lanes)), aligned(alignof(T))));
 
   Native x;
 
-  /// As a number: zero only where that is asked for, Pack{}.
+  /// Like a plain number, a pack is uninitialised unless written as Pack{}, which is zero.
   Pack() = default;
-  /// Register by register. As bytes, structs of packs would be moved in blocks of other sizes than they were written in, and that stalls the core;
-  /// and compilers lose sight of what is in them.
+  /// Copies register by register. Trivial copies would move structs of packs as bytes, in blocks of other sizes than they were written in, which
+  /// stalls the core; and the compiler would lose track of their contents.
   Pack(const Pack& other) : x(other.x) {}
   Pack& operator=(const Pack& other) {
     x = other.x;
@@ -59,7 +59,7 @@ struct Pack {
   Batch batch() const { return Batch(x); }
 
   static Pack load(const T* from) {
-    const Native numbers = *reinterpret_cast<const Anywhere*>(from);  // copied: to clang a cast is the misaligned numbers themselves
+    const Native numbers = *reinterpret_cast<const Anywhere*>(from);  // a copy, since clang takes the cast for the misaligned numbers themselves
     return numbers;
   }
   void store(T* to) const { *reinterpret_cast<Anywhere*>(to) = x; }
@@ -93,10 +93,10 @@ struct RealOf<Pack<T, Arch>> {
   static constexpr int lanes = Pack<T, Arch>::lanes;
 };
 
-/// A pack of so many lanes, where the processor has registers of that size.
+/// A pack of `lanes` lanes, if the instruction set has registers of that size.
 template <class T, int lanes>
 using SizedPack = Pack<T, typename xsimd::make_sized_batch_t<T, static_cast<std::size_t>(lanes)>::arch_type>;
-inline constexpr std::size_t narrowest_pack = 16;  ///< bytes
+inline constexpr std::size_t narrowest_pack = 16;  ///< size in bytes
 
 }  // namespace dyn
 

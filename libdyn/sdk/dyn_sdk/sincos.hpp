@@ -1,7 +1,7 @@
-// Sines and cosines of packs, each right to rounding at every finite angle.
+// Sines and cosines of packs, each correct to rounding at every finite angle.
 //
-// The angle is taken modulo pi / 2 with pi / 2 in parts of so few digits that their multiples are exact (Cody and Waite 1980), and what is
-// left is carried in two numbers. Angles too large for that, and those so near a multiple that its digits run out, go to the C library.
+// The angle is reduced modulo pi / 2, with pi / 2 split into parts of so few digits that their multiples are exact (Cody and Waite 1980). Two numbers
+// hold the remainder. The C library computes angles too large for this, and angles so near a multiple of pi / 2 that the remainder loses digits.
 #pragma once
 
 #include <dyn/scalar/dual.hpp>
@@ -14,16 +14,18 @@ namespace dyn {
 
 namespace detail {
 
-/// Parts of pi / 2, each but the last so short that it times n of at most 20 bits (floats: 12) is exact. What is left of an angle has all digits from
-/// least(n) on, which for larger n is more than is ever left, so that one comparison tells all. Of polynomials in z = r^2 for |r| <= pi / 4, lowest
-/// first: sine (sin r / r - 1) / z, cosine ((cos r - 1) / z + 1/2) / z. They are Remez', each coefficient rounded before the next ones are found, and
-/// off by a thirtieth of rounding in sin r / r, less in cos r.
+/// Constants of the reduction and of the polynomials.
+/// Parts of pi / 2: each but the last is so short that its product with an n of at most 20 bits (floats: 12) is exact. A remainder r has all digits
+/// if |r| >= least(n). For larger n least(n) exceeds every possible remainder, so this one comparison also detects angles that are too large.
+/// Polynomials in z = r^2 for |r| <= pi / 4, lowest coefficient first: sine is (sin r / r - 1) / z, cosine is ((cos r - 1) / z + 1/2) / z. They come
+/// from Remez' algorithm, with each coefficient rounded before the next ones are found. Their error is a thirtieth of a rounding in sin r / r, and
+/// less in cos r.
 template <class T>
 struct Trigonometry;
 
 template <>
 struct Trigonometry<double> {
-  static constexpr double round = 0x1.8p52;               ///< added and taken away: the nearest whole number
+  static constexpr double round = 0x1.8p52;               ///< adding and subtracting it rounds to the nearest whole number
   static constexpr double part1 = 0x1.921fb544p+0;        ///< 33 bits
   static constexpr double part2 = 0x1.0b4611a6p-34;       ///< the next 33
   static constexpr double part3 = 0x1.3198a2e037073p-69;  ///< the rest
@@ -56,7 +58,8 @@ template <class T, class Arch>
 struct SineAndCosine {
   Pack<T, Arch> sine, cosine;
 };
-/// By the C library, in the lanes whose angle is not n pi / 2 + r to rounding. Values, so that the caller's stay in registers.
+/// Replaces x by the C library's results in the lanes whose angle is not n pi / 2 + r to rounding. Arguments are passed by value, so that the
+/// caller's variables stay in registers.
 template <class T, class Arch>
 [[gnu::noinline, gnu::cold]] SineAndCosine<T, Arch> sincosBeyond(Pack<T, Arch> angle, Pack<T, Arch> n, Pack<T, Arch> r, SineAndCosine<T, Arch> x) {
   for (int i = 0; i < Pack<T, Arch>::lanes; ++i)
@@ -64,7 +67,7 @@ template <class T, class Arch>
   return x;
 }
 
-/// By pairs, which do not wait for one another (Estrin): a polynomial in zz = z^2 of polynomials in z.
+/// Evaluates a polynomial by Estrin's scheme: pairs of coefficients, which do not depend on each other, form a polynomial in zz = z^2.
 template <class P, class T, std::size_t n>
 [[gnu::always_inline]] inline P polynomial(const std::array<T, n>& coefficients, const P& z, const P& zz) {
   const auto pair = [&](std::size_t k) { return k + 1 < n ? P(coefficients[k + 1]) * z + P(coefficients[k]) : P(coefficients[k]); };
@@ -74,8 +77,8 @@ template <class P, class T, std::size_t n>
   return sum;
 }
 
-/// Turns by n quarters, n in the last bits of `whole`. Bits, in the compilers' own vectors, since comparisons of numbers would keep multiplications
-/// waiting for a unit.
+/// Turns the angle by n quarter turns, where n is in the last bits of `whole`. It works on bits, in the compiler's own vectors, since comparisons of
+/// numbers would occupy units that multiplications wait for.
 template <class T, class Arch>
 [[gnu::always_inline]] inline void turnByQuarters(const Pack<T, Arch>& whole, Pack<T, Arch>& sine, Pack<T, Arch>& cosine) {
   using Whole = std::conditional_t<sizeof(T) == 8, std::int64_t, std::int32_t>;
@@ -91,18 +94,18 @@ template <class T, class Arch>
 
 }  // namespace detail
 
-// Inlined, since what it computes of one pack waits for itself most of the time: the next pack's begins meanwhile.
+// Always inlined: one pack's computation is mostly a chain of dependent operations, and the next pack's can begin meanwhile.
 template <class T, class Arch>
 [[gnu::always_inline]] inline void sincos(const Pack<T, Arch>& angle, Pack<T, Arch>& sine, Pack<T, Arch>& cosine) {
   using P = Pack<T, Arch>;
   using K = detail::Trigonometry<T>;
   const P whole = angle * P(T(0.63661977236758134308)) + P(K::round), n = whole - P(K::round);
-  // angle = n pi / 2 + r + e: the subtraction of each part is exact or its error is kept.
+  // angle = n pi / 2 + r + e. The subtraction of each part is exact, or e takes its error.
   const P a = angle - n * P(K::part1), b = n * P(K::part2);
   const P r0 = a - b;
   const P e0 = ((a - r0) - b) - n * P(K::part3);
   const P r = r0 + e0, e = (r0 - r) + e0;
-  // What follows the leading terms needs r to few digits only, and these are ready sooner.
+  // The terms after the leading ones need only the first digits of r, which are ready sooner.
   const P early = r0 - n * P(K::part3), z = early * early, zz = z * z;
   const P s = detail::polynomial(K::sine, z, zz), c = detail::polynomial(K::cosine, z, zz);
 

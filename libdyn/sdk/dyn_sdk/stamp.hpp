@@ -1,5 +1,5 @@
-// The stamp both sides compute from their own headers; a plugin whose stamp differs is refused before any of its types is used. What runs when it
-// is opened has run by then, in a child process first.
+// The stamp that the library and a plugin compute from their own headers. The library refuses a plugin with another stamp before it uses any of the
+// plugin's types. Code that runs when the plugin is opened has run by then, but in a child process first.
 #pragma once
 
 #include <dyn/joint/joint_type.hpp>

@@ -1,7 +1,7 @@
 #include "algorithm/crba.hpp"
-#include "algorithm/external.hpp"
-#include "kernels/dense_factors.hpp"
-#include "kernels/table.hpp"
+#include "algorithm/support/external.hpp"
+#include "kernels/isa/table.hpp"
+#include "kernels/recursion/dense_factors.hpp"
 
 #include <dyn/algorithm/aba.hpp>
 
@@ -10,7 +10,7 @@ namespace dyn::detail {
 const double* aba(const CompactModel& model, Data& data, VectorView q, VectorView v, VectorView tau, const Force<double>* fext, std::size_t count) {
   const CompactImpl& m = model.impl();
   DataImpl& d = data.impl();
-  keepArguments(data, {.q = &q, .v = &v, .tau = &tau});
+  copyAliasedArguments(data, {.q = &q, .v = &v, .tau = &tau});
   if (!m.couplings.empty()) {
     checkData("aba of a model with coupled joints", model, data, Need::mass_matrix);
     checkSize("aba", "tau", tau, m.nv);
@@ -25,10 +25,10 @@ const double* aba(const CompactModel& model, Data& data, VectorView q, VectorVie
   const Inputs in = readInputs("aba", model, data, q, &v, nullptr);
   checkSize("aba", "tau", tau, m.nv);
   const Force<double>* external = readExternalForces("aba", m, d, fext, count);
-  const double* effective = lessLosses(m, d, tau.data, in.v);
+  const double* effective = lessDissipation(m, d, tau.data, in.v);
   int body = 0;
-  if (const kernels::PackedKernels* k = kernels::packed(m, &StripUses::aba); k && external == nullptr) {
-    char* const scratch = d.packed[k->over_strips].data();
+  if (const kernels::PackedKernels* k = kernels::packed(m, &LaneGroupUses::aba); k && external == nullptr) {
+    char* const scratch = d.packed[k->over_lane_groups].data();
     if (!k->articulate(m, scratch, in.q, in.v, effective, body)) checkConfiguration("q", m, in.q);
     k->accelerate(m, scratch, m.gravity, d.ddq);
   } else {

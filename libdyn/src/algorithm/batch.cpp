@@ -1,12 +1,12 @@
-#include "algorithm/batch_support.hpp"
-#include "algorithm/placement.hpp"
+#include "algorithm/support/batch_support.hpp"
+#include "algorithm/support/placement.hpp"
 #include "at.hpp"
 
 namespace dyn {
 
 namespace {
 
-/// N numbers of a body and state, `lanes` apart, in memory by block, body, number, state.
+/// The first of N numbers of a body at a state, which are `lanes` apart. The memory is ordered by block, body, number, state.
 template <int N, class T>
 T* numbersOf(const BatchImpl<T>& d, const PackMemory& memory, int body, int state) {
   const int lanes = d.kernels->lanes;
@@ -19,105 +19,145 @@ namespace detail {
 
 namespace {
 
+std::ptrdiff_t extentOf(Extent extent, const CompactImpl& m) { return extent == Extent::one ? 1 : extent == Extent::six ? 6 : m.nv; }
+
+const char* nameOf(Need need) {
+  return need == Need::mass_matrix ? "mass_matrix" : need == Need::derivatives ? "derivatives" : need == Need::jacobians ? "jacobians" : "kinematics";
+}
+
+/// The memory of one result of an algorithm, for `states` states.
 template <class T>
-T* resultOf(BatchImpl<T>& d, BatchQuantity what, int states) {
-  switch (what) {
-    case BatchQuantity::rnea:
+T* memoryOf(BatchImpl<T>& d, Algorithm algorithm, std::size_t result, std::size_t states) {
+  StateMatrices<T>* const matrices[] = {&d.by_q, &d.by_v, &d.by_a};
+  switch (algorithm) {
+    case Algorithm::rnea:
       return d.tau.data();
-    case BatchQuantity::nle:
+    case Algorithm::nle:
       return d.nle.data();
-    case BatchQuantity::gravity:
+    case Algorithm::gravity:
       return d.gravity.data();
-    case BatchQuantity::mass_matrix:
-      return d.M.onPaths(at(states));
-    default:
+    case Algorithm::aba:
       return d.ddq.data();
+    case Algorithm::joint_jacobians:
+    case Algorithm::frame_jacobian:
+      return d.J.data();
+    case Algorithm::mass_matrix:
+      return d.M.onPaths(states);
+    case Algorithm::coriolis:
+      return d.by_a.onPaths(states);
+    case Algorithm::minverse:
+      return d.by_a.whole();
+    case Algorithm::rnea_derivatives:
+      return matrices[result]->onPaths(states);
+    case Algorithm::aba_derivatives:
+      return result == 3 ? d.ddq.data() : matrices[result]->whole();
+    case Algorithm::centroidal_map:
+      return d.maps[2 * result].data();
+    default:
+      return d.maps[result].data();
   }
+}
+
+template <class T>
+struct Run {
+  BatchViews<T> views;
+  Failure failure;  ///< fail() throws it
+};
+
+/// Runs an algorithm of the catalogue on all states. complete(block, first state) sets what a block needs in addition to states and results.
+template <class T, class Complete>
+Run<T> runAll(const char* name, const CompactModel& model, BasicBatchData<T>& data, const AlgorithmInfo& algorithm, const StatesView<T>& q,
+              const StatesView<T>& v, const StatesView<T>& a, Complete&& complete) {
+  BatchImpl<T>& d = data.impl();
+  const CompactImpl& m = model.impl();
+  const bool forward = algorithm.reads('t');
+  checkBatch(name, model, d, q, algorithm.batch_need, nameOf(algorithm.batch_need));
+  if (v.given) checkStates(name, "v", v, m.nv, q.cols);
+  if (a.given) checkStates(name, forward ? "tau" : "a", a, m.nv, q.cols);
+  if (isCentroidal(algorithm.algorithm) && !(m.mass > 0)) throw Error(ErrorCode::singular, std::string(name) + ": the model has no mass");
+  StatesOut<T> results[4];
+  const bool in_columns = algorithm.batch_need != Need::kinematics;
+  for (std::size_t k = 0; k < 4 && in_columns; ++k) {
+    const AlgorithmOutput& output = algorithm.outputs[k];
+    if (output.symbol == nullptr) break;
+    results[k] = {memoryOf(d, algorithm.algorithm, k, static_cast<std::size_t>(q.cols)), extentOf(output.rows, m) * extentOf(output.columns, m)};
+  }
+  const Failure failure = forBlocks(d, static_cast<int>(q.cols), d.kernels->lanes, [&](int t, int first, int count, Failure& f) {
+    kernels::Block<T> block;
+    block.algorithm = algorithm.algorithm;
+    readStates<T>(d, t, {q, v, a, forward}, first, count, block);
+    for (int k = 0; k < 4; ++k) block.results[k] = results[k].first ? results[k].first + first * results[k].rows : nullptr;
+    complete(block, first);
+    d.kernels->run(m, d.scratch[at(t)].data(), block);
+    if (in_columns) {
+      noteFailures(q, block, results, first, count, f);
+    } else if (block.not_finite) {
+      f.note(first, 0, count);
+    }
+  });
+  BatchViews<T> views{{}, {}, q.cols};
+  for (std::size_t k = 0; k < 4; ++k) {
+    views.results[k] = results[k].first;
+    views.rows[k] = results[k].rows;
+  }
+  return {views, failure};
 }
 
 }  // namespace
 
 template <class T>
-const T* computeBatch(const CompactModel& model, BasicBatchData<T>& data, BatchQuantity what, StatesView<T> q, StatesView<T> v, StatesView<T> a) {
-  const char* names[] = {"rnea", "nonLinearEffects", "generalizedGravity", "crba", "aba"};
-  const char* name = names[static_cast<int>(what)];
-  BatchImpl<T>& d = data.impl();
-  const CompactImpl& m = model.impl();
-  checkBatch(name, model, d, q, what == BatchQuantity::mass_matrix ? Need::mass_matrix : Need::state, "mass_matrix");
-  if (v.given) checkStates(name, "v", v, m.nv, q.cols);
-  if (a.given) checkStates(name, what == BatchQuantity::aba ? "tau" : "a", a, m.nv, q.cols);
-  const int states = static_cast<int>(q.cols);
-  const std::ptrdiff_t rows = what == BatchQuantity::mass_matrix ? static_cast<std::ptrdiff_t>(m.nv) * m.nv : m.nv;
-  const StatesOut<T> results[] = {{resultOf(d, what, states), rows}};
-  const Failure failure = forBlocks(d, states, d.kernels->lanes, [&](int t, int first, int count, Failure& f) {
-    kernels::Block<T> block;
-    const bool aba = what == BatchQuantity::aba;
-    block.task = what == BatchQuantity::mass_matrix ? kernels::Task::mass_matrix : (aba ? kernels::Task::aba : kernels::Task::rnea);
-    readStates<T>(d, t, {q, v, a, aba}, first, count, block);
-    block.results[0] = results[0].first + first * rows;
-    d.kernels->run(m, d.scratch[at(t)].data(), block);
-    noteFailures(q, block, results, first, count, f);
-  });
-  fail(name, m, failure, q);
-  return results[0].first;
-}
-
-template <class T>
-const T* batchJacobians(const CompactModel& model, BasicBatchData<T>& data, StatesView<T> q, Kind kind, int id, ReferenceFrame reference) {
-  const char* names[] = {"computeJointJacobian", "computeFrameJacobian", "computeJointJacobians"};
-  BatchImpl<T>& d = data.impl();
-  const CompactImpl& m = model.impl();
-  checkBatch(names[static_cast<int>(kind)], model, d, q, Need::jacobians, "jacobians");
+BatchViews<T> batchJacobians(const CompactModel& model, BasicBatchData<T>& data, StatesView<T> q, Kind kind, int id, ReferenceFrame reference) {
+  const AlgorithmInfo& entry = info(kind == Kind::all_joints ? Algorithm::joint_jacobians : Algorithm::frame_jacobian);
+  const char* name = kind == Kind::joint ? "computeJointJacobian" : entry.function;
   checkReference(reference);
-  const std::ptrdiff_t rows = 6 * static_cast<std::ptrdiff_t>(m.nv);
-  const int states = static_cast<int>(q.cols);
   kernels::FramePoint<double> point;
   if (kind == Kind::all_joints) {
-    refuseFollowers(names[static_cast<int>(kind)], m);
+    refuseDependentJoints(name, model.impl());
   } else {
     const PointOnBody where = kind == Kind::joint ? jointOnBody(model, id) : frameOnBody(model, id);
     point = {where.body, where.placement};
   }
-  const Failure failure = forBlocks(d, states, d.kernels->lanes, [&](int t, int first, int count, Failure& f) {
-    kernels::Block<T> block;
-    block.task = kind == Kind::all_joints ? kernels::Task::joint_jacobians : kernels::Task::frame_jacobian;
-    readStates<T>(d, t, {q, {}, {}}, first, count, block);
+  const Run<T> run = runAll(name, model, data, entry, q, {}, {}, [&](kernels::Block<T>& block, int) {
     block.frame = point;
     block.reference = reference;
-    block.results[0] = d.J.data() + first * rows;
-    d.kernels->run(m, d.scratch[at(t)].data(), block);
-    if (block.not_finite) f.note(first, 0, count);
   });
-  fail(names[static_cast<int>(kind)], m, failure, q);
-  return d.J.data();
+  fail(name, model.impl(), run.failure, q);
+  return run.views;
 }
 
 template <class T>
 void batchKinematics(const CompactModel& model, BasicBatchData<T>& data, StatesView<T> q, StatesView<T> v, StatesView<T> a) {
   BatchImpl<T>& d = data.impl();
-  const CompactImpl& m = model.impl();
-  checkBatch("forwardKinematics", model, d, q, Need::kinematics, "kinematics");
-  if (v.given) checkStates("forwardKinematics", "v", v, m.nv, q.cols);
-  if (a.given) checkStates("forwardKinematics", "a", a, m.nv, q.cols);
-  const int states = static_cast<int>(q.cols);
-  const Failure failure = forBlocks(d, states, d.kernels->lanes, [&](int t, int first, int count, Failure& f) {
-    kernels::Block<T> block;
-    block.task = kernels::Task::kinematics;
-    readStates<T>(d, t, {q, v, a}, first, count, block);
+  const AlgorithmInfo& entry = info(a.given ? Algorithm::accelerations : v.given ? Algorithm::velocities : Algorithm::placements);
+  const Run<T> run = runAll(entry.function, model, data, entry, q, v, a, [&](kernels::Block<T>& block, int first) {
     block.poses = numbersOf<12>(d, d.poses, 0, first);
     if (v.data) block.velocities = numbersOf<6>(d, d.velocities, 0, first);
     if (a.data) block.accelerations = numbersOf<6>(d, d.accelerations, 0, first);
-    d.kernels->run(m, d.scratch[at(t)].data(), block);
-    if (block.not_finite) f.note(first, 0, count);
   });
   d.stage = a.given ? KinematicsStage::accelerations : v.given ? KinematicsStage::velocities : KinematicsStage::poses;
-  fail("forwardKinematics", m, failure, q);
+  fail(entry.function, model.impl(), run.failure, q);
 }
 
-template const double* computeBatch(const CompactModel&, BatchData&, BatchQuantity, StatesView<double>, StatesView<double>, StatesView<double>);
-template const float* computeBatch(const CompactModel&, BatchDataFloat&, BatchQuantity, StatesView<float>, StatesView<float>, StatesView<float>);
-template const double* batchJacobians(const CompactModel&, BatchData&, StatesView<double>, Kind, int, ReferenceFrame);
-template const float* batchJacobians(const CompactModel&, BatchDataFloat&, StatesView<float>, Kind, int, ReferenceFrame);
+template <class T>
+BatchViews<T> runBatch(const CompactModel& model, BasicBatchData<T>& data, Algorithm algorithm, StatesView<T> q, StatesView<T> v, StatesView<T> a) {
+  const AlgorithmInfo& entry = info(algorithm);
+  if (algorithm == Algorithm::joint_jacobians) return batchJacobians(model, data, q, Kind::all_joints, 0, ReferenceFrame::WORLD);
+  if (entry.batch_need == Need::kinematics) {
+    batchKinematics(model, data, q, entry.reads('v') ? v : StatesView<T>(), entry.reads('a') ? a : StatesView<T>());
+    return {{}, {}, q.cols};
+  }
+  if (!entry.batched || entry.reads('f'))
+    throw Error(ErrorCode::argument, std::string(entry.function) + " does not run on columns of q, v and a alone; call it by itself");
+  const StatesView<T> third = entry.reads('a') || entry.reads('t') ? a : StatesView<T>();
+  const Run<T> run = runAll(entry.function, model, data, entry, q, entry.reads('v') ? v : StatesView<T>(), third, [](kernels::Block<T>&, int) {});
+  fail(entry.function, model.impl(), run.failure, q);
+  return run.views;
+}
+
+template BatchViews<double> runBatch(const CompactModel&, BatchData&, Algorithm, StatesView<double>, StatesView<double>, StatesView<double>);
+template BatchViews<float> runBatch(const CompactModel&, BatchDataFloat&, Algorithm, StatesView<float>, StatesView<float>, StatesView<float>);
+template BatchViews<double> batchJacobians(const CompactModel&, BatchData&, StatesView<double>, Kind, int, ReferenceFrame);
+template BatchViews<float> batchJacobians(const CompactModel&, BatchDataFloat&, StatesView<float>, Kind, int, ReferenceFrame);
 template void batchKinematics(const CompactModel&, BatchData&, StatesView<double>, StatesView<double>, StatesView<double>);
 template void batchKinematics(const CompactModel&, BatchDataFloat&, StatesView<float>, StatesView<float>, StatesView<float>);
 

@@ -1,8 +1,8 @@
-#include "algorithm/followers.hpp"
-#include "algorithm/sums.hpp"
+#include "algorithm/support/dependent_joints.hpp"
+#include "algorithm/support/sums.hpp"
 #include "at.hpp"
-#include "kernels/kinematics.hpp"
-#include "kernels/sweep.hpp"
+#include "kernels/order/sweep.hpp"
+#include "kernels/recursion/kinematics.hpp"
 
 #include <dyn/algorithm/center_of_mass.hpp>
 #include <dyn/algorithm/kinematics.hpp>
@@ -13,7 +13,7 @@ namespace dyn::detail {
 
 namespace {
 
-/// Beside the sum that of what its roundings lost (Neumaier 1974): what bodies above and below the origin have may cancel.
+/// A sum that also adds up its rounding errors (Neumaier 1974), because the energies of bodies above and below the origin may cancel.
 class CompensatedSum {
  public:
   void add(double x) {
@@ -61,7 +61,7 @@ const double* jacobianCenterOfMass(const CompactModel& model, Data& data, Vector
   }
   double* J = m.couplings.empty() ? d.Jcom : d.columns;
   kernels::Bodies<double>{m, d}.backward(kernels::passing(), [&]<class Joint>(const Joint& joint, int i, int iv) {
-    // The subtree's mass and first moment about the joint's origin, world axes: a rate S moves its centre by (m S_lin + S_ang x h).
+    // m and h are the subtree's mass and first moment about the joint's origin, world axes. Unit rate along S gives it momentum m S_lin + S_ang x h.
     for (int k = 0; k < kernels::nvOf(joint); ++k) {
       const Motion<double> S = joint.column(k);
       const Vec3<double> c = (1 / m.mass) * (d.mass[i] * (d.oM[i].R * S.linear) + cross(d.oM[i].R * S.angular, d.h[i]));
@@ -73,9 +73,9 @@ const double* jacobianCenterOfMass(const CompactModel& model, Data& data, Vector
     d.mass[p] += d.mass[i];
   });
   if (!m.couplings.empty()) {
-    const kernels::Followers<double> followers = followersOf(m, d);
-    followers.fold(3, J);
-    followers.keep(3, J, d.Jcom);
+    const kernels::DependentJoints<double> dependents = dependentsOf(m, d);
+    dependents.fold(3, J);
+    dependents.keep(3, J, d.Jcom);
   }
   return d.Jcom;
 }

@@ -1,8 +1,8 @@
 #include "algorithm/centroidal.hpp"
 
-#include "algorithm/followers.hpp"
-#include "algorithm/inputs.hpp"
-#include "kernels/table.hpp"
+#include "algorithm/support/dependent_joints.hpp"
+#include "algorithm/support/inputs.hpp"
+#include "kernels/isa/table.hpp"
 
 #include <dyn/error.hpp>
 
@@ -17,11 +17,11 @@ void flatten(const Force<double>& f, double* out) {
   }
 }
 
-kernels::CentroidalMaps<double> mapsOf(const DataImpl& d, CentroidalTask task) {
+kernels::CentroidalMaps<double> mapsOf(const DataImpl& d, Algorithm algorithm) {
   kernels::CentroidalMaps<double> maps;
   maps.Ag = d.Ag;
-  if (task == CentroidalTask::rate) maps.dAg = d.dAg;
-  if (task == CentroidalTask::derivatives) {
+  if (algorithm == Algorithm::centroidal_rate) maps.dAg = d.dAg;
+  if (algorithm == Algorithm::centroidal_derivatives) {
     maps.dh_dq = d.dh_dq;
     maps.dhdot_dq = d.dhdot_dq;
     maps.dhdot_dv = d.dhdot_dv;
@@ -29,38 +29,35 @@ kernels::CentroidalMaps<double> mapsOf(const DataImpl& d, CentroidalTask task) {
   return maps;
 }
 
-CentroidalViews views(const CompactImpl& m, DataImpl& d, CentroidalTask task, const kernels::CentroidalState<double>& state) {
+CentroidalViews views(const CompactImpl& m, DataImpl& d, Algorithm algorithm, const kernels::CentroidalState<double>& state) {
   flatten(state.momentum, d.hg);
   flatten(state.rate, d.dhg);
   d.locked_inertia = state.inertia.matrix();
-  if (!m.couplings.empty()) followersOf(m, d).foldMaps(mapsOf(d, task));
+  if (!m.couplings.empty()) dependentsOf(m, d).foldMaps(mapsOf(d, algorithm));
   return {d.hg, d.dhg, d.Ag, d.dAg, d.dh_dq, d.dhdot_dq, d.dhdot_dv, &d.locked_inertia};
 }
 
 }  // namespace
 
-CentroidalViews centroidal(const CompactModel& model, Data& data, CentroidalTask task, VectorView q, VectorView v, const VectorView* a) {
-  const char* algorithm = task == CentroidalTask::map    ? "ccrba"
-                          : task == CentroidalTask::rate ? "computeCentroidalMomentumTimeVariation"
-                                                         : "computeCentroidalDynamicsDerivatives";
-  checkData(algorithm, model, data, Need::derivatives);
+CentroidalViews centroidal(const CompactModel& model, Data& data, Algorithm algorithm, VectorView q, VectorView v, const VectorView* a) {
+  const char* name = info(algorithm).function;
+  checkData(name, model, data, Need::derivatives);
   const CompactImpl& m = model.impl();
   DataImpl& d = data.impl();
-  if (!(m.mass > 0))
-    throw Error(ErrorCode::singular, std::string(algorithm) + ": the model has no mass, so no centre of mass; give its bodies inertias");
-  const Inputs in = readInputs(algorithm, model, data, q, &v, a);
-  if (const kernels::PackedKernels* k = kernels::packed(m, &StripUses::centroidal_map); k && task == CentroidalTask::map) {
+  if (!(m.mass > 0)) throw Error(ErrorCode::singular, std::string(name) + ": the model has no mass, so no centre of mass; give its bodies inertias");
+  const Inputs in = readInputs(name, model, data, q, &v, a);
+  if (const kernels::PackedKernels* k = kernels::packed(m, &LaneGroupUses::centroidal_map); k && algorithm == Algorithm::centroidal_map) {
     kernels::CentroidalState<double> state;
-    if (!k->centroidalMap(m, d.packed[k->over_strips].data(), in.q, in.v, d.Ag, state)) checkConfiguration("q", m, in.user_q);
-    return views(m, d, task, state);
+    if (!k->centroidalMap(m, d.packed[k->over_lane_groups].data(), in.q, in.v, d.Ag, state)) checkConfiguration("q", m, in.user_q);
+    return views(m, d, algorithm, state);
   }
   evaluateJoints(m, d, in.q, in.v);
-  if (task != CentroidalTask::map) kernels::active().single.evaluateSubspaces(m, d.derivatives, in.q, in.v);
-  return centroidalOfEvaluated(m, d, task, in.v, in.a);
+  if (algorithm != Algorithm::centroidal_map) kernels::active().single.evaluateSubspaces(m, d.derivatives, in.q, in.v);
+  return centroidalOfEvaluated(m, d, algorithm, in.v, in.a);
 }
 
 CenterOfMassViews centerOfMassDerivatives(const CompactModel& model, Data& data, VectorView q, VectorView v, VectorView a) {
-  centroidal(model, data, CentroidalTask::derivatives, q, v, &a);
+  centroidal(model, data, Algorithm::centroidal_derivatives, q, v, &a);
   const CompactImpl& m = model.impl();
   DataImpl& d = data.impl();
   double* const out[3] = {d.columns, d.columns + static_cast<std::ptrdiff_t>(3) * m.nvx, d.columns + static_cast<std::ptrdiff_t>(6) * m.nvx};
@@ -71,8 +68,8 @@ CenterOfMassViews centerOfMassDerivatives(const CompactModel& model, Data& data,
   return {out[0], out[1], out[2]};
 }
 
-CentroidalViews centroidalOfEvaluated(const CompactImpl& m, DataImpl& d, CentroidalTask task, const double* v, const double* a) {
-  return views(m, d, task, kernels::active().single.centroidal(m, d, d.derivatives, v, a, mapsOf(d, task)));
+CentroidalViews centroidalOfEvaluated(const CompactImpl& m, DataImpl& d, Algorithm algorithm, const double* v, const double* a) {
+  return views(m, d, algorithm, kernels::active().single.centroidal(m, d, d.derivatives, v, a, mapsOf(d, algorithm)));
 }
 
 }  // namespace dyn::detail

@@ -7,7 +7,8 @@
 
 namespace dyn::detail {
 
-/// Of a model with mass; joints, and for more than the map the derivatives of their subspaces, have been evaluated. v, a: expanded.
-CentroidalViews centroidalOfEvaluated(const CompactImpl& m, DataImpl& d, CentroidalTask task, const double* v, const double* a);
+/// Computes centroidal quantities of a model with mass. The joints must have been evaluated and, for more than the map, the derivatives of their
+/// subspaces. v and a are in expanded coordinates.
+CentroidalViews centroidalOfEvaluated(const CompactImpl& m, DataImpl& d, Algorithm algorithm, const double* v, const double* a);
 
 }  // namespace dyn::detail

@@ -1,7 +1,7 @@
-#include "algorithm/inputs.hpp"
-#include "kernels/dense_factors.hpp"
-#include "kernels/evaluate.hpp"
-#include "kernels/table.hpp"
+#include "algorithm/support/inputs.hpp"
+#include "kernels/body/evaluate.hpp"
+#include "kernels/isa/table.hpp"
+#include "kernels/recursion/dense_factors.hpp"
 
 #include <dyn/algorithm/cholesky.hpp>
 #include <dyn/algorithm/crba.hpp>
@@ -50,7 +50,7 @@ void choleskyDecompose(const CompactModel& model, Data& data) {
   const CompactImpl& m = model.impl();
   DataImpl& d = data.impl();
   const int failed = kernels::active().single.choleskyDecompose(m, d.derivatives, d.M);
-  if (failed == 0 || !kernels::allFinite(d.M, static_cast<std::ptrdiff_t>(m.nv) * m.nv)) return;  // NaN of a state spreads
+  if (failed == 0 || !kernels::allFinite(d.M, static_cast<std::ptrdiff_t>(m.nv) * m.nv)) return;  // NaN in the state spreads
   checkFactors("cholesky::decompose", m, m.dof_body[static_cast<std::size_t>(failed - 1)]);
 }
 
@@ -81,8 +81,8 @@ double conditionOfMassMatrix(const CompactModel& model, Data& data) {
     for (int i = 0; i < n; ++i) sum += std::abs(entry(i, j)) / (scale(i) * scale(j));
     size = std::max(size, sum);
   }
-  double *x = d.kept_a, *y = d.kept_tau;
-  const auto solve = [&](auto&& right) {  // y = D M^-1 D right, D the roots of the diagonal
+  double *x = d.copied_a, *y = d.copied_tau;
+  const auto solve = [&](auto&& right) {  // y = D M^-1 D right, where D holds the roots of M's diagonal
     for (int k = 0; k < n; ++k) y[k] = scale(k) * right(k);
     if (coupled) {
       kernels::solveDense(m, d.Mx, y);
@@ -92,7 +92,7 @@ double conditionOfMassMatrix(const CompactModel& model, Data& data) {
     for (int k = 0; k < n; ++k) y[k] *= scale(k);
   };
   const auto sum = [&] { return std::accumulate(y, y + n, 0.0, [](double total, double value) { return total + std::abs(value); }); };
-  // A vector that no column of the inverse is orthogonal to, and then the columns that rising sums lead to.
+  // The first estimate uses the vector of alternating signs. Then Hager's iteration moves to columns that promise a larger sum.
   solve([&](int k) { return (k % 2 == 0 ? 1 : -1) * (1 + static_cast<double>(k) / std::max(n - 1, 1)); });
   double inverse = 2 * sum() / (3 * n);
   std::fill(x, x + n, 1.0 / n);
@@ -100,8 +100,8 @@ double conditionOfMassMatrix(const CompactModel& model, Data& data) {
   for (int k = 0; k < most_columns; ++k) {
     solve([&](int i) { return x[i]; });
     inverse = std::max(inverse, sum());
-    std::copy(y, y + n, d.kept_v);
-    solve([&](int i) { return d.kept_v[i] >= 0 ? 1.0 : -1.0; });
+    std::copy(y, y + n, d.copied_v);
+    solve([&](int i) { return d.copied_v[i] >= 0 ? 1.0 : -1.0; });
     const auto larger = [](double a, double b) { return std::abs(a) < std::abs(b); };
     const auto best = std::max_element(y, y + n, larger) - y;
     if (std::abs(y[best]) <= std::inner_product(x, x + n, y, 0.0)) break;
@@ -115,7 +115,7 @@ const double* forwardDynamics(const CompactModel& model, Data& data, VectorView 
   check("forwardDynamics", model, data);
   checkSize("forwardDynamics", "tau", tau, model.nv());
   DataImpl& d = data.impl();
-  keepArguments(data, {.q = &q, .v = &v, .tau = &tau});
+  copyAliasedArguments(data, {.q = &q, .v = &v, .tau = &tau});
   const double* bias = nonLinearEffects(model, data, q, v);
   for (int k = 0; k < model.nv(); ++k) d.ddq[k] = tau.data[k] - bias[k];
   crba(model, data, q);

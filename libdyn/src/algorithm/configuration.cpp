@@ -1,4 +1,4 @@
-#include "algorithm/inputs.hpp"
+#include "algorithm/support/inputs.hpp"
 #include "at.hpp"
 #include "joint/coordinate.hpp"
 
@@ -13,7 +13,7 @@ namespace dyn {
 
 namespace {
 
-/// Calls f(type, batch, idx_q, idx_v) for every independent joint; joints whose coordinates follow one another share a call.
+/// Calls f(batch, call, first coordinate, first velocity) for every independent joint. Joints of a batch with contiguous coordinates share a call.
 template <class F>
 void eachJoint(const CompactImpl& m, F&& f) {
   for (const TypeBatch& batch : m.batches) {
@@ -116,7 +116,7 @@ double distanceFromSpace(const CompactModel& model, VectorView q) {
 void randomConfiguration(const CompactModel& model, std::uint64_t seed, double* q) {
   const CompactImpl& m = model.impl();
   std::mt19937_64 generator(seed);
-  // mt19937_64 is the same everywhere; std::uniform_real_distribution is not.
+  // mt19937_64 gives the same numbers everywhere; std::uniform_real_distribution does not.
   const auto uniform = [&](double a, double b) {
     const double share = static_cast<double>(generator() >> 11) * 0x1p-53;
     return std::clamp((1 - share) * a + share * b, a, b);  // b - a may overflow
@@ -141,7 +141,7 @@ void randomConfiguration(const CompactModel& model, std::uint64_t seed, double* 
     const int positions = group_with_positions ? (batch.shape == Shape::free ? 3 : 2) : 0;
     for (int k = 0; k < x.nv; ++k) v[k] = k < positions ? 0.0 : uniform(-M_PI, M_PI);
     if (batch.shape == Shape::spherical || batch.shape == Shape::free) {
-      // Quaternions that are even over their sphere (Shoemake 1992, Graphics Gems III.6).
+      // Quaternions are distributed uniformly over their sphere (Shoemake 1992, Graphics Gems III.6).
       const double share = uniform(0, 1), first = std::sqrt(1 - share), second = std::sqrt(share);
       const Vec3<double> w = log3(Quaternion<double>{first * std::sin(v[positions]), first * std::cos(v[positions]),
                                                      second * std::sin(v[positions + 1]), second * std::cos(v[positions + 1])});

@@ -1,6 +1,6 @@
-#include "algorithm/followers.hpp"
-#include "algorithm/inputs.hpp"
-#include "kernels/table.hpp"
+#include "algorithm/support/dependent_joints.hpp"
+#include "algorithm/support/inputs.hpp"
+#include "kernels/isa/table.hpp"
 
 #include <dyn/algorithm/coriolis.hpp>
 
@@ -23,10 +23,10 @@ const double* coriolisMatrix(const CompactModel& model, Data& data, VectorView q
   k.massMatrix(m, d, M);
   k.coriolis(m, d, d.derivatives, in.v, d.zero);
   k.assemble(m, d.derivatives.by_v, C);
-  const kernels::Followers<double> followers = followersOf(m, d);
-  followers.foldCoriolis(C, M);
-  followers.keepSquare(C, d.C);
-  for (double* x : {C, M}) std::fill(x, x + static_cast<std::ptrdiff_t>(m.nvx) * m.nvx, 0.0);  // folding has written where there are no paths
+  const kernels::DependentJoints<double> dependents = dependentsOf(m, d);
+  dependents.foldCoriolis(C, M);
+  dependents.keepSquare(C, d.C);
+  for (double* x : {C, M}) std::fill(x, x + static_cast<std::ptrdiff_t>(m.nvx) * m.nvx, 0.0);  // folding also writes off the root paths
   return d.C;
 }
 

@@ -1,8 +1,8 @@
 #include "algorithm/crba.hpp"
 
-#include "algorithm/followers.hpp"
-#include "kernels/dense_factors.hpp"
-#include "kernels/table.hpp"
+#include "algorithm/support/dependent_joints.hpp"
+#include "kernels/isa/table.hpp"
+#include "kernels/recursion/dense_factors.hpp"
 
 #include <dyn/algorithm/crba.hpp>
 
@@ -13,18 +13,18 @@ namespace dyn {
 const double* massMatrix(const CompactImpl& m, DataImpl& d, const Inputs& in) {
   const bool coupled = !m.couplings.empty();
   double* M = coupled ? d.Mx : d.M;
-  // Folding rows fills entries that kernels leave as they are.
+  // Folding also writes entries off the root paths, which kernels leave as they are.
   if (coupled) std::fill(M, M + static_cast<std::ptrdiff_t>(m.nvx) * m.nvx, 0.0);
-  if (const kernels::PackedKernels* k = kernels::packed(m, &StripUses::mass_matrix)) {
-    if (!k->massMatrix(m, d.packed[k->over_strips].data(), in.q, M)) checkConfiguration("q", m, in.user_q);
+  if (const kernels::PackedKernels* k = kernels::packed(m, &LaneGroupUses::mass_matrix)) {
+    if (!k->massMatrix(m, d.packed[k->over_lane_groups].data(), in.q, M)) checkConfiguration("q", m, in.user_q);
   } else {
     evaluateJoints(m, d, in.q, nullptr);
     kernels::active().single.massMatrix(m, d, M);
   }
   if (coupled) {
-    const kernels::Followers<double> followers = followersOf(m, d);
-    followers.foldInertia(M);
-    followers.keepSquare(M, d.M);
+    const kernels::DependentJoints<double> dependents = dependentsOf(m, d);
+    dependents.foldInertia(M);
+    dependents.keepSquare(M, d.M);
   }
   return d.M;
 }

@@ -1,11 +1,11 @@
 #include "algorithm/derivatives.hpp"
 
 #include "algorithm/crba.hpp"
-#include "algorithm/external.hpp"
-#include "algorithm/followers.hpp"
-#include "algorithm/inputs.hpp"
-#include "kernels/dense_factors.hpp"
-#include "kernels/table.hpp"
+#include "algorithm/support/dependent_joints.hpp"
+#include "algorithm/support/external.hpp"
+#include "algorithm/support/inputs.hpp"
+#include "kernels/isa/table.hpp"
+#include "kernels/recursion/dense_factors.hpp"
 
 #include <dyn/algorithm/aba.hpp>
 #include <dyn/algorithm/crba.hpp>
@@ -17,7 +17,7 @@ namespace dyn {
 
 namespace {
 
-/// Joints evaluated, forces read.
+/// The inputs of a call whose joints have been evaluated and whose external forces have been read.
 struct Prepared {
   Inputs in;
   const Force<double>* external;
@@ -34,25 +34,25 @@ Prepared prepare(const char* algorithm, const CompactModel& model, Data& data, V
   return {in, external};
 }
 
-/// Of a model with couplings, M included.
+/// forceDerivatives() of a model with couplings, with M.
 void coupledDerivatives(const char* algorithm, const CompactModel& model, Data& data, VectorView q, const VectorView& v, const VectorView& a,
                         const Force<double>* fext, std::size_t count) {
   const CompactImpl& m = model.impl();
   DataImpl& d = data.impl();
-  detail::rnea(model, data, q, v, a, fext, count);  // leaves the followers' forces
+  detail::rnea(model, data, q, v, a, fext, count);  // leaves the dependent joints' forces in d.taux
   const Prepared x = prepare(algorithm, model, data, q, &v, &a, fext, count);
   const kernels::SingleKernels& k = kernels::active().single;
   double* const user[3] = {d.dtau_dq, d.dtau_dv, d.M};
   k.rneaDerivatives(m, d, d.derivatives, x.in.v, x.in.a, x.external, {d.expanded[0], d.expanded[1], d.expanded[2]});
-  const kernels::Followers<double> followers = followersOf(m, d);
-  followers.foldForceDerivatives(d.taux, d.expanded[0], d.expanded[1], d.expanded[2]);
+  const kernels::DependentJoints<double> dependents = dependentsOf(m, d);
+  dependents.foldForceDerivatives(d.taux, d.expanded[0], d.expanded[1], d.expanded[2]);
   for (int i = 0; i < 3; ++i) {
-    followers.keepSquare(d.expanded[i], user[i]);
-    std::fill_n(d.expanded[i], static_cast<std::ptrdiff_t>(m.nvx) * m.nvx, 0.0);  // folding has written where there are no paths
+    dependents.keepSquare(d.expanded[i], user[i]);
+    std::fill_n(d.expanded[i], static_cast<std::ptrdiff_t>(m.nvx) * m.nvx, 0.0);  // folding also writes off the root paths
   }
 }
 
-/// Zeros again when its time is over, be it by what is thrown.
+/// Memory of zeros that is used as scratch. The destructor sets it to zero again, also after an exception.
 struct BorrowedZeros {
   double* first;
   std::ptrdiff_t count;
@@ -76,7 +76,7 @@ void forceDerivatives(const char* algorithm, const CompactModel& model, Data& da
   const CompactImpl& m = model.impl();
   DataImpl& d = data.impl();
   VectorView velocity = v ? *v : VectorView{d.zero, m.nv}, acceleration = a ? *a : VectorView{d.zero, m.nv};
-  keepArguments(data, {.q = &q, .v = &velocity, .a = &acceleration});
+  copyAliasedArguments(data, {.q = &q, .v = &velocity, .a = &acceleration});
   if (!m.couplings.empty()) return coupledDerivatives(algorithm, model, data, q, velocity, acceleration, fext, count);
   const Prepared x = prepare(algorithm, model, data, q, &velocity, &acceleration, fext, count);
   kernels::active().single.rneaDerivatives(m, d, d.derivatives, x.in.v, x.in.a, x.external, {d.dtau_dq, d.dtau_dv, with_M ? d.M : nullptr});
@@ -116,7 +116,7 @@ DerivativeViews abaDerivatives(const CompactModel& model, Data& data, VectorView
   DataImpl& d = data.impl();
   const auto n = static_cast<Eigen::Index>(m.nv);
   using Matrix = Eigen::Map<Eigen::MatrixXd>;
-  keepArguments(data, {.q = &q, .v = &v, .tau = &tau});
+  copyAliasedArguments(data, {.q = &q, .v = &v, .tau = &tau});
   if (!m.couplings.empty()) {
     aba(model, data, q, v, tau, fext, count);
     const VectorView ddq{d.ddq, m.nv};
@@ -128,7 +128,7 @@ DerivativeViews abaDerivatives(const CompactModel& model, Data& data, VectorView
   }
   checkSize(algorithm, "tau", tau, m.nv);
   const Prepared x = prepare(algorithm, model, data, q, &v, nullptr, fext, count);
-  const double* effective = lessLosses(m, d, tau.data, x.in.v);
+  const double* effective = lessDissipation(m, d, tau.data, x.in.v);
   const int failed = kernels::active().single.abaDerivatives(m, d, d.derivatives, x.in.v, effective, x.external, d.ddq, d.ddq_dq, d.ddq_dv, d.Minv);
   checkFactors(algorithm, m, failed, x.in.q);
   return {d.ddq, d.ddq_dq, d.ddq_dv, d.Minv};

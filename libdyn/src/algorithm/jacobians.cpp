@@ -1,10 +1,10 @@
-#include "kernels/jacobians.hpp"
+#include "kernels/recursion/jacobians.hpp"
 
-#include "algorithm/followers.hpp"
-#include "algorithm/inputs.hpp"
-#include "algorithm/placement.hpp"
+#include "algorithm/support/dependent_joints.hpp"
+#include "algorithm/support/inputs.hpp"
+#include "algorithm/support/placement.hpp"
 #include "at.hpp"
-#include "kernels/table.hpp"
+#include "kernels/isa/table.hpp"
 
 #include <dyn/algorithm/jacobians.hpp>
 
@@ -17,23 +17,23 @@ namespace {
 using kernels::seen;
 using kernels::Walk;
 
-/// Their time derivative, where dS is the derivative of S in the body's axes.
+/// The time derivative of seen(walk, S), where dS is the derivative of S in the body's axes.
 Motion<double> seenRate(const Walk<double>& walk, const Motion<double>& S, const Motion<double>& dS) {
   const Vec3<double>& w = walk.rate.angular;
-  const Vec3<double> lever = S.linear + cross(S.angular, walk.x);
-  return {walk.Q * (dS.linear + cross(dS.angular, walk.x) + cross(S.angular, walk.rate.linear) - cross(w, lever)),
+  const Vec3<double> arm = S.linear + cross(S.angular, walk.x);
+  return {walk.Q * (dS.linear + cross(dS.angular, walk.x) + cross(S.angular, walk.rate.linear) - cross(w, arm)),
           walk.Q * (dS.angular - cross(w, S.angular))};
 }
 
-/// d.rel and d.oM of joints that have been evaluated.
+/// Writes d.rel and d.oM from joints that have been evaluated.
 void place(const CompactImpl& m, DataImpl& d) {
   kernels::active().single.forwardKinematics(m, d, nullptr, nullptr);
   d.stage = std::max(d.stage, KinematicsStage::poses);
 }
 
-/// Columns of the expanded coordinates, folded, into the user's.
-void keepColumns(const kernels::Followers<double>& followers, const double* expanded, const MatrixOut& user) {
-  for (int k = 0; k < followers.m.nv; ++k) std::copy_n(expanded + 6 * followers.m.v_of_user[at(k)], 6, user.column(k));
+/// Copies the user's columns of a folded matrix that has a column for each expanded coordinate.
+void keepColumns(const kernels::DependentJoints<double>& dependents, const double* expanded, const MatrixOut& user) {
+  for (int k = 0; k < dependents.m.nv; ++k) std::copy_n(expanded + 6 * dependents.m.v_of_user[at(k)], 6, user.column(k));
 }
 
 /// Writes J from joints that have been evaluated and placed. Throws Error(argument) for a reference that does not exist.
@@ -43,9 +43,9 @@ void writeJacobian(const CompactImpl& m, DataImpl& d, const PointOnBody& point, 
   const MatrixOut out = coupled ? MatrixOut(d.columns, 6, m.nvx) : J;
   kernels::frameJacobian<double>({m, d}, d, {point.body, point.placement}, reference, out.column(0), out.stride());
   if (!coupled) return;
-  const kernels::Followers<double> followers = followersOf(m, d);
-  followers.fold(6, d.columns);
-  keepColumns(followers, d.columns, J);
+  const kernels::DependentJoints<double> dependents = dependentsOf(m, d);
+  dependents.fold(6, d.columns);
+  keepColumns(dependents, d.columns, J);
 }
 
 PointOnBody pointOf(const CompactModel& model, detail::Kind kind, int id) {
@@ -69,7 +69,7 @@ void jacobian(const CompactModel& model, Data& data, VectorView q, Kind kind, in
 const double* jointJacobians(const CompactModel& model, Data& data, VectorView q) {
   const Inputs in = readInputs("computeJointJacobians", model, data, q, nullptr, nullptr);
   const CompactImpl& m = model.impl();
-  refuseFollowers("computeJointJacobians", m);
+  refuseDependentJoints("computeJointJacobians", m);
   DataImpl& d = data.impl();
   evaluateJoints(m, d, in.q, nullptr);
   kernels::active().single.jointJacobians(m, d, d.J);
@@ -90,7 +90,7 @@ void jacobianTimeVariation(const CompactModel& model, Data& data, VectorView q, 
   evaluateSubspaceRates(m, d, in.q, in.v);
   place(m, d);
   const SE3<double> oMf = d.oM[point.body] * point.placement;
-  // The frame's own velocity, by which LOCAL differs from the other two, sums up along the same walk; so two walks.
+  // LOCAL differs from the other references by the frame's velocity. The same walk sums it up, so the walk runs twice.
   double *base = d.columns + 6 * m.nvx, *rates = d.columns;
   const bool coupled = !m.couplings.empty();
   const MatrixOut out = coupled ? MatrixOut(rates, 6, m.nvx) : dJ;
@@ -105,16 +105,16 @@ void jacobianTimeVariation(const CompactModel& model, Data& data, VectorView q, 
     const int iv = bodies.index(i).idx_v + k;
     Motion<double> rate = seenRate(walk, S, subspaceRate(m, d, i, k));
     const Motion<double> c = seen(walk, S);
-    // d/dt of (X c) = X (dc + v x c) for the transform X into the reference: all of v for WORLD, its rotation for LOCAL_WORLD_ALIGNED.
+    // d/dt (X c) = X (dc + v x c) for X into the reference. v is the frame's velocity for WORLD, its angular part for LOCAL_WORLD_ALIGNED.
     if (reference == ReferenceFrame::WORLD) rate += vf.cross(c);
     if (reference == ReferenceFrame::LOCAL_WORLD_ALIGNED) rate += Motion<double>{cross(vf.angular, c.linear), cross(vf.angular, c.angular)};
     kernels::writeMotion(express(rate, oMf, reference), out.column(iv));
     kernels::writeMotion(express(c, oMf, reference), base + 6 * iv);
   });
   if (!coupled) return;
-  const kernels::Followers<double> followers = followersOf(m, d);
-  followers.foldWithRate(6, base, rates);
-  keepColumns(followers, rates, dJ);
+  const kernels::DependentJoints<double> dependents = dependentsOf(m, d);
+  dependents.foldWithRate(6, base, rates);
+  keepColumns(dependents, rates, dJ);
 }
 
 }  // namespace detail

@@ -1,7 +1,7 @@
-#include "algorithm/inputs.hpp"
-#include "algorithm/placement.hpp"
+#include "algorithm/support/inputs.hpp"
+#include "algorithm/support/placement.hpp"
 #include "at.hpp"
-#include "kernels/table.hpp"
+#include "kernels/isa/table.hpp"
 
 #include <dyn/error.hpp>
 
@@ -11,7 +11,7 @@ namespace dyn {
 
 namespace {
 
-/// What the last forwardKinematics found.
+/// Returns the results of the last forwardKinematics. Throws Error(argument) if they do not reach `stage`.
 const DataImpl& found(const char* function, const CompactModel& model, const Data& data, KinematicsStage stage) {
   checkData(function, model, data);
   checkStage(function, data.impl().stage, stage);

@@ -1,9 +1,9 @@
-#include "algorithm/followers.hpp"
-#include "algorithm/inputs.hpp"
-#include "algorithm/placement.hpp"
+#include "algorithm/support/dependent_joints.hpp"
+#include "algorithm/support/inputs.hpp"
+#include "algorithm/support/placement.hpp"
 #include "at.hpp"
-#include "kernels/jacobians.hpp"
-#include "kernels/table.hpp"
+#include "kernels/isa/table.hpp"
+#include "kernels/recursion/jacobians.hpp"
 
 #include <dyn/algorithm/kinematics_derivatives.hpp>
 
@@ -11,14 +11,14 @@ namespace dyn {
 
 namespace {
 
-/// How the motion of a body, seen from anything fixed to it, changes with one degree of freedom of a joint between it and the world, beside
-/// what turning it rigidly changes. In the axes of the joint's body, at its origin.
+/// How the motion of a body, in axes fixed to that body, changes with one degree of freedom of a joint between it and the world, in addition to the
+/// effect of rigid rotation. In the axes of the joint's body, at its origin.
 struct Variation {
-  Motion<double> column;  ///< of the motion subspace
-  Motion<double> velocity, acceleration, rate;
+  Motion<double> column;                        ///< of the motion subspace
+  Motion<double> velocity, acceleration, rate;  ///< of the velocity by q, of the acceleration by q, of the acceleration by v
 };
 
-/// With p the parent: dv = v_p x s + E, da = a_p x s + v_p x dv + v x E + A + H, by v: dv + ds/dt (kernels/rnea_derivatives.hpp).
+/// By q: dv = v_p x s + E, da = a_p x s + v_p x dv + v x E + A + H; by v: da = dv + ds/dt. p is the parent. See rnea_derivatives.hpp.
 Variation variationOf(const CompactImpl& m, const DataImpl& d, const Motion<double>& s, int i, int k) {
   const BodyIndex& x = m.index[at(i)];
   const TypeBatch& batch = m.batches[at(x.batch)];
@@ -45,15 +45,16 @@ Variation variationOf(const CompactImpl& m, const DataImpl& d, const Motion<doub
   return out;
 }
 
-/// Of a vector that is fixed in the reference, what turning the body with s adds: all of s x m in the world, its rotation in aligned axes.
+/// How the motion m, expressed in the reference, changes because the body moves along s: s x m for WORLD, the angular part of s on m for
+/// LOCAL_WORLD_ALIGNED, and not at all for LOCAL.
 Motion<double> carried(const Motion<double>& s, const Motion<double>& m, ReferenceFrame reference) {
   if (reference == ReferenceFrame::WORLD) return s.cross(m);
   if (reference == ReferenceFrame::LOCAL_WORLD_ALIGNED) return {cross(s.angular, m.linear), cross(s.angular, m.angular)};
   return {};
 }
 
-/// After computeForwardKinematicsDerivatives: columns of 6 numbers, nvx of them, the user's degrees of freedom first, of velocity by q and v
-/// and of acceleration by q, v and a.
+/// Writes the derivatives of velocity by q and v, and of acceleration by q, v and a. computeForwardKinematicsDerivatives must have run before. Each
+/// has room for nvx columns of 6 numbers, and the user's degrees of freedom come first.
 void motionDerivatives(const CompactImpl& m, DataImpl& d, const PointOnBody& point, ReferenceFrame reference, double* const columns[5]) {
   const SE3<double> oMf = d.oM[point.body] * point.placement;
   const Motion<double> v = point.placement.actInv(d.v[point.body]), a = point.placement.actInv(d.a[point.body]);
@@ -69,10 +70,10 @@ void motionDerivatives(const CompactImpl& m, DataImpl& d, const PointOnBody& poi
   if (!m.couplings.empty()) {
     double* none = d.columns;
     std::fill_n(none, 6 * m.nvx, 0.0);
-    const kernels::Followers<double> followers = followersOf(m, d);
-    followers.foldDerivatives(6, columns[0], columns[1], none);
-    followers.foldDerivatives(6, columns[2], columns[3], columns[4]);
-    for (int r = 0; r < 5; ++r) followers.keep(6, columns[r], columns[r]);
+    const kernels::DependentJoints<double> dependents = dependentsOf(m, d);
+    dependents.foldDerivatives(6, columns[0], columns[1], none);
+    dependents.foldDerivatives(6, columns[2], columns[3], columns[4]);
+    for (int r = 0; r < 5; ++r) dependents.keep(6, columns[r], columns[r]);
   }
 }
 

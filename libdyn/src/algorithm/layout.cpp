@@ -1,4 +1,4 @@
-#include "algorithm/inputs.hpp"
+#include "algorithm/support/inputs.hpp"
 #include "at.hpp"
 
 #include <dyn/algorithm/layout.hpp>
@@ -11,7 +11,7 @@ namespace dyn::detail {
 
 namespace {
 
-/// What a joint's coordinates are, as far as layouts differ.
+/// The kinds of joint coordinates that layouts treat differently.
 enum class JointKind { free, spherical, planar, pair, plain };
 
 JointKind kindOf(const TypeBatch& batch) {
@@ -22,7 +22,7 @@ JointKind kindOf(const TypeBatch& batch) {
   return JointKind::plain;
 }
 
-/// Coordinates that a joint has in the main part of another library's q.
+/// The number of coordinates of a joint in the main part of another library's q.
 int widthOf(JointKind kind, int nq, Layout layout) {
   if (layout == Layout::pinocchio) return nq;
   switch (kind) {
@@ -40,7 +40,7 @@ int widthOf(JointKind kind, int nq, Layout layout) {
   return nq;
 }
 
-/// Where RBDL's w components start: behind all other coordinates.
+/// The number of coordinates in the main part of q. RBDL's w components start there, after all other coordinates.
 int mainSize(const CompactImpl& m, Layout layout) {
   int size = 0;
   for (int i = 1; i < m.bodies(); ++i)
@@ -48,7 +48,7 @@ int mainSize(const CompactImpl& m, Layout layout) {
   return size;
 }
 
-/// Calls f(kind, body, its indices, index into the other q, index of its w) joint by joint.
+/// Calls f(kind, body, its indices, index into the other q, index of its w) for each joint.
 template <class F>
 void eachJoint(const CompactImpl& m, Layout layout, F&& f) {
   int iq = 0, iw = mainSize(m, layout);
@@ -62,7 +62,7 @@ void eachJoint(const CompactImpl& m, Layout layout, F&& f) {
   }
 }
 
-/// Indices of x, y, z, w of a quaternion whose four numbers start at `first` (RBDL: whose w stands apart).
+/// Indices of x, y, z, w of a quaternion whose numbers start at `first`. In RBDL, w is at the separate index `w`.
 struct QuaternionPlace {
   int x, y, z, w;
 };
@@ -84,7 +84,7 @@ void put(const Vec3<double>& x, double* out) {
 }
 Vec3<double> get(const double* x) { return {x[0], x[1], x[2]}; }
 
-/// Throws Error(argument) for four zeros, which stand for no rotation, where NaN and infinity just spread.
+/// Throws Error(argument) for four zeros, which are no rotation. NaN and infinity are not errors; they spread to the result.
 Quaternion<double> rotationOf(const CompactImpl& m, int body, const double* q, const QuaternionPlace& p) {
   const Quaternion<double> r = Quaternion<double>{q[p.x], q[p.y], q[p.z], q[p.w]}.normalized();
   if (std::isnan(r.w) && std::isfinite(q[p.x] + q[p.y] + q[p.z] + q[p.w])) refuseZero("q", m, body);

@@ -1,7 +1,7 @@
-#include "algorithm/inputs.hpp"
-#include "algorithm/placement.hpp"
+#include "algorithm/support/inputs.hpp"
+#include "algorithm/support/placement.hpp"
 #include "at.hpp"
-#include "kernels/jacobians.hpp"
+#include "kernels/recursion/jacobians.hpp"
 
 #include <dyn/algorithm/regressor.hpp>
 #include <dyn/spatial/inertial_parameters.hpp>
@@ -12,10 +12,10 @@ namespace dyn::detail {
 
 namespace {
 
-/// Whether joint j is where its body's parameters are counted: a body may be moved by several of the user's joints.
+/// Whether the parameters of joint j's body are counted at joint j. Several of the user's joints can belong to one body.
 bool carriesBody(const CompactImpl& m, int j) { return m.index[at(m.body_of_joint[at(j)])].joint == j; }
 
-/// Columns of the rotational inertia's six numbers: I x for unit entries, in the order of the ten-vector.
+/// Writes I x for a unit value of each of the six numbers of the rotational inertia I, in the order of the ten parameters.
 void writeInertiaTimes(const Vec3<double>& x, Vec3<double>* columns) {
   columns[0] = {x.x, 0, 0};
   columns[1] = {x.y, x.x, 0};
@@ -25,7 +25,7 @@ void writeInertiaTimes(const Vec3<double>& x, Vec3<double>* columns) {
   columns[5] = {0, 0, x.z};
 }
 
-/// The force columns; the origin's acceleration is the classical one, less gravity.
+/// Writes the force per unit of each of the ten parameters. `origin` is the origin's classical acceleration less gravity.
 void forceColumns(const Vec3<double>& origin, const Vec3<double>& w, const Vec3<double>& dw, Force<double>* columns) {
   columns[0] = {origin, {}};
   for (int k = 0; k < 3; ++k) {

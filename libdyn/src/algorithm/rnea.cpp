@@ -1,6 +1,6 @@
-#include "algorithm/external.hpp"
-#include "algorithm/inputs.hpp"
-#include "kernels/table.hpp"
+#include "algorithm/support/external.hpp"
+#include "algorithm/support/inputs.hpp"
+#include "kernels/isa/table.hpp"
 
 #include <dyn/algorithm/rnea.hpp>
 
@@ -10,8 +10,8 @@ namespace {
 
 const double* inverseDynamics(const CompactImpl& m, DataImpl& d, const Inputs& in, const Force<double>* fext, double* result) {
   double* tau = m.couplings.empty() ? result : d.taux;
-  if (const kernels::PackedKernels* k = kernels::packed(m, &StripUses::rnea); k && fext == nullptr) {
-    if (!k->rnea(m, d.packed[k->over_strips].data(), in.q, in.v, in.a, tau)) checkConfiguration("q", m, in.user_q);
+  if (const kernels::PackedKernels* k = kernels::packed(m, &LaneGroupUses::rnea); k && fext == nullptr) {
+    if (!k->rnea(m, d.packed[k->over_lane_groups].data(), in.q, in.v, in.a, tau)) checkConfiguration("q", m, in.user_q);
   } else {
     evaluateJoints(m, d, in.q, in.v);
     kernels::active().single.rnea(m, d, in.v, in.a, fext, tau);
@@ -36,6 +36,13 @@ const double* nonLinearEffects(const CompactModel& model, Data& data, VectorView
 const double* generalizedGravity(const CompactModel& model, Data& data, VectorView q) {
   const Inputs in = readInputs("generalizedGravity", model, data, q, nullptr, nullptr);
   return inverseDynamics(model.impl(), data.impl(), in, nullptr, data.impl().g);
+}
+
+const double* staticTorque(const CompactModel& model, Data& data, VectorView q, const Force<double>* fext, std::size_t count) {
+  const char* name = info(Algorithm::static_torque).function;
+  const Inputs in = readInputs(name, model, data, q, nullptr, nullptr);
+  DataImpl& d = data.impl();
+  return inverseDynamics(model.impl(), d, in, readExternalForces(name, model.impl(), d, fext, count), d.tau);
 }
 
 }  // namespace dyn::detail

@@ -1,6 +1,6 @@
-#include "algorithm/inputs.hpp"
-#include "kernels/dual_derivatives.hpp"
-#include "kernels/table.hpp"
+#include "algorithm/support/inputs.hpp"
+#include "kernels/derivative/dual_derivatives.hpp"
+#include "kernels/isa/table.hpp"
 
 #include <dyn/algorithm/derivatives.hpp>
 #include <dyn/algorithm/second_derivatives.hpp>
@@ -22,16 +22,16 @@ struct SecondDerivativeImpl {
 SecondDerivativeData::SecondDerivativeData(const CompactModel& model) : impl_(std::make_unique<SecondDerivativeImpl>(model)) {
   const CompactImpl& m = model.impl();
   const auto n = static_cast<std::size_t>(m.nvx);
-  const auto carveAll = [&](Arena& arena) {
-    kernels::carve(impl_->state, m, arena);
+  const auto layOutAll = [&](Arena& arena) {
+    kernels::layOut(impl_->state, m, arena);
     for (double** tensor : {&impl_->qq, &impl_->qv, &impl_->vv, &impl_->aq}) arena.take(*tensor, n * n * n);
     arena.take(impl_->unit, n);
   };
   Arena count(nullptr);
-  carveAll(count);
+  layOutAll(count);
   impl_->block = PackMemory(count.used());  // zeroed
   Arena arena(impl_->block.data());
-  carveAll(arena);
+  layOutAll(arena);
 }
 
 SecondDerivativeData::~SecondDerivativeData() = default;
@@ -48,11 +48,12 @@ SecondDerivativeViews rneaSecondDerivatives(const CompactModel& model, Data& dat
   const CompactImpl& m = model.impl();
   DataImpl& d = data.impl();
   SecondDerivativeImpl& s = second.impl();
-  refuseFollowers(algorithm, m);
+  refuseDependentJoints(algorithm, m);
   if (&s.model.impl() != &m) throw Error(ErrorCode::argument, std::string(algorithm) + ": the memory was made for another model");
-  keepArguments(data, {.q = &q, .v = &v, .a = &a}, &s.block);
+  copyAliasedArguments(data, {.q = &q, .v = &v, .a = &a}, &s.block);
   const std::ptrdiff_t n = m.nv, square = n * n;
-  // tau is quadratic in v, so that the derivative by v is linear in it: that at each unit velocity, less damping, which is constant.
+  // D = dtau/dv is linear in v, plus the constant damping, because tau is quadratic in v. The slope of D along a unit velocity is D there less
+  // damping.
   const VectorView unit{s.unit, n}, zero{d.zero, n};
   for (std::ptrdiff_t k = 0; k < n; ++k) {
     s.unit[k] = 1;

@@ -18,7 +18,7 @@ std::vector<std::uint32_t> aligned(const std::vector<GraphNode>& nodes, const st
     if (a == no_node || b == no_node) return 1;
     return nodes[a].operation == nodes[b].operation ? 3 : 0;
   };
-  // By how many of the shorter one have found their places among how many of the longer one's.
+  // at(i, j): the largest gain if the first i entries of the shorter run have places among the first j of the longer one.
   std::vector<int> most((rows + 1) * (columns + 1), 0);
   const auto at = [&](std::size_t i, std::size_t j) -> int& { return most[i * (columns + 1) + j]; };
   for (std::size_t i = 1; i <= rows; ++i)

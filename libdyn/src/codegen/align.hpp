@@ -1,4 +1,4 @@
-// Runs of the same code of which one has recorded less than another.
+// Alignment of two runs of the same code that recorded different numbers of operations.
 #pragma once
 
 #include <dyn/codegen/graph.hpp>
@@ -8,9 +8,9 @@
 
 namespace dyn {
 
-/// What a run has recorded, nodes or no_node, in the places of what a longer one has, others free. Of numbers that a run knows beforehand nothing
-/// is recorded: the places are chosen such that most nodes are beside those of their operation. Where the product of the lengths is beyond 2^22, and
-/// that would take long, the free places come last.
+/// Spreads the nodes of the shorter run, in order, over the places of the longer one; the places left over are no_node. A run that knows some values
+/// as constants records fewer operations, so the places are chosen such that as many nodes as possible stand opposite a node of the same operation.
+/// If the product of the lengths exceeds 2^22, that would take long, and the free places come last instead.
 std::vector<std::uint32_t> aligned(const std::vector<GraphNode>& nodes, const std::vector<std::uint32_t>& shorter,
                                    const std::vector<std::uint32_t>& longer);
 

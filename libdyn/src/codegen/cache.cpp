@@ -29,14 +29,14 @@ fs::path named(const std::string& given) {
   throw Error(ErrorCode::file, "there is no place for compiled functions: set LIBDYN_CACHE or HOME, or name a folder");
 }
 
-/// Without a slash at its end, which would make a link the folder behind it.
+/// The folder without a slash at its end: with the slash, lstat would follow a link.
 fs::path folderOf(const std::string& given) {
   fs::path folder = fs::absolute(named(given));
   while (!folder.has_filename() && folder.has_relative_path()) folder = folder.parent_path();
   return folder;
 }
 
-/// Workshops of processes that were ended amid their work. No compiler takes a day.
+/// Removes the workshops of processes that were killed while they worked. No compiler takes a day.
 void removeLeftOver(const fs::path& folder) {
   std::error_code error;
   for (auto entry = fs::directory_iterator(folder, error); !error && entry != fs::directory_iterator(); entry.increment(error)) {
@@ -47,7 +47,7 @@ void removeLeftOver(const fs::path& folder) {
   }
 }
 
-/// Whether it is a folder, and no link to one, that belongs to this user and that nobody else can write.
+/// Whether the path is a folder, and not a link to one, that belongs to this user and that nobody else can write to.
 bool trusted(const fs::path& folder) {
   struct stat s {};
   return lstat(folder.c_str(), &s) == 0 && S_ISDIR(s.st_mode) && s.st_uid == geteuid() && (s.st_mode & (S_IWGRP | S_IWOTH)) == 0;
@@ -84,10 +84,10 @@ void ObjectCache::enter(const std::string& key, const fs::path& object) const {
   const fs::path sum = object.parent_path() / "sum", place = folder_ / (key + ".so");
   replaceFile(sum, digest(readFile(object.string())));
   std::error_code error;
-  // A folder may lie where the entry is to be; nobody entered it.
+  // A folder in the entry's place did not come from enter(), so it is removed.
   for (const fs::path& entry : {place, folder_ / (key + ".sum")})
     if (fs::is_directory(fs::symlink_status(entry, error))) fs::remove_all(entry, error);
-  // An object whose sum is not there yet, or is another's, counts as damaged and is made anew.
+  // Between the two renames the object has no checksum, or that of another object. find() then takes it for damaged, and it is compiled again.
   fs::permissions(object, fs::perms::owner_all, error);
   fs::permissions(sum, fs::perms::owner_read | fs::perms::owner_write, error);
   fs::rename(object, place, error);

@@ -1,4 +1,4 @@
-// Compiled functions on disk, each a shared object and its check sum. Entries appear whole or not at all.
+// Compiled functions on disk, each a shared object and its checksum. Entries appear whole or not at all.
 #pragma once
 
 #include "trusted_file.hpp"
@@ -11,15 +11,15 @@ namespace dyn {
 
 class ObjectCache {
  public:
-  /// Makes the folder, for this user alone. Throws Error(file) if that fails, or if it is another user's or others can write it.
+  /// Creates the folder for this user alone. Throws Error(file) if that fails, if another user owns the folder, or if others can write to it.
   explicit ObjectCache(const std::string& given);
 
-  /// The entry if it is there, this user's, not writable by others, and whole.
+  /// Returns the entry if it exists, belongs to this user, cannot be written by others, and is whole.
   std::optional<OpenFile> find(const std::string& key) const;
-  /// A folder of the caller's own in the cache, for what becomes an entry; the caller removes it. Those that others left a day ago are removed.
-  /// Throws Error(file).
+  /// Creates a folder in the cache, where the caller prepares an entry and which the caller removes. Also removes such folders that are older than a
+  /// day. Throws Error(file) if the cache cannot be written.
   std::filesystem::path workshop() const;
-  /// Moves a finished object in; of two that come at once one stays. Throws Error(file).
+  /// Moves a finished object into the cache. If two processes enter the same key at once, one object stays. Throws Error(file) if that fails.
   void enter(const std::string& key, const std::filesystem::path& object) const;
 
  private:

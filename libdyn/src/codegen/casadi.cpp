@@ -8,7 +8,7 @@ namespace dyn {
 
 namespace {
 
-/// rows, columns, where each column begins, and the row of each entry.
+/// Compressed columns: rows, columns, where each column begins, and the row of each entry.
 std::string compressed(const Sparsity& s) {
   std::vector<int> begin(static_cast<std::size_t>(s.columns) + 1, 0);
   for (const int c : s.column) ++begin[static_cast<std::size_t>(c) + 1];
@@ -21,7 +21,7 @@ std::string compressed(const Sparsity& s) {
 
 std::string compressed(const ArgumentShape& dense) { return std::to_string(dense.rows) + ", " + std::to_string(dense.columns) + ", 1"; }
 
-/// Names and sparsities of arguments, asked for by number.
+/// C source of a function FUNCTION_WHAT(i) that returns value i, or 0 if there is none.
 std::string listed(const std::string& function, const char* what, const std::vector<std::string>& values, const char* type) {
   std::string out = "DYN_EXPORT " + std::string(type) + " " + function + "_" + what + "(casadi_int i) {\n  switch (i) {\n";
   for (std::size_t i = 0; i < values.size(); ++i) out += "    case " + std::to_string(i) + ": return " + values[i] + ";\n";
@@ -39,7 +39,7 @@ std::string sparsities(const std::string& function, const char* what, const std:
 }
 
 struct Interface {
-  std::string name, code;  ///< of the function that it calls
+  std::string name, code;  ///< `code` is the function that the wrapper calls
   std::vector<ArgumentShape> in, ignored, out;
   std::vector<std::string> out_patterns;
 };
@@ -104,7 +104,7 @@ JacobianBlocks jacobianBlocks(const TracedFunction& function) {
         if (J.sparsity.row[e] >= row0 && J.sparsity.row[e] < row0 + o.size() && J.sparsity.column[e] >= column0 &&
             J.sparsity.column[e] < column0 + i.size())
           entries.push_back(e);
-      // They come row after row.
+      // The entries come row after row; blocks have them column after column.
       std::stable_sort(entries.begin(), entries.end(), [&](std::size_t a, std::size_t b) { return J.sparsity.column[a] < J.sparsity.column[b]; });
       Sparsity block;
       block.rows = o.size();

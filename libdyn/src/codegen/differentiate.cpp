@@ -6,7 +6,7 @@ namespace dyn {
 
 namespace {
 
-/// The partial derivatives of a node by its arguments, where it has values x and its arguments a.
+/// Computes the partial derivatives of a node with respect to its arguments. The node has the value x, its arguments have the values a.
 void partials(const GraphNode& n, const Traced& x, const Traced* a, Traced* out) {
   switch (n.operation) {
     case Operation::input:
@@ -58,13 +58,13 @@ void partials(const GraphNode& n, const Traced& x, const Traced* a, Traced* out)
       out[0] = select(a[0] < 0, -1, 1);
       return;
     case Operation::select_less:
-      return;  // no factors: zero times what the other branch has may be no number
+      return;  // callers select the branch: a zero factor times the other branch's derivative could be NaN
   }
 }
 
-/// The graph once more in a builder, with all values at hand.
+/// The graph recorded again in a new builder, with the traced value of every node.
 struct Replayed {
-  /// Says whether a selection takes its third argument.
+  /// The condition under which a selection takes its third argument.
   TracedCondition conditionOf(const GraphNode& n) const { return values[n.argument[0]] < values[n.argument[1]]; }
 
   GraphBuilder builder;
@@ -83,7 +83,7 @@ struct Replayed {
 
 bool isZero(const Traced& x) { return !x.recorder && x.value == 0; }
 
-/// Changes by column, ascending; those that are zero are not there.
+/// A node's derivatives by column (input), in ascending order; zeros are left out.
 using Changes = std::vector<std::pair<int, Traced>>;
 
 void addScaled(Changes& to, const Changes& from, const Traced& factor) {
@@ -103,7 +103,7 @@ void addScaled(Changes& to, const Changes& from, const Traced& factor) {
   to = std::move(sum);
 }
 
-/// Column by column those of the branch that is taken.
+/// Selects, column by column, the derivative of the branch that is taken.
 Changes selected(const TracedCondition& condition, const Changes& yes, const Changes& no) {
   Changes out;
   auto a = yes.begin(), b = no.begin();
@@ -141,17 +141,17 @@ JacobianGraph forward(const Graph& g) {
   return out;
 }
 
-/// Whether a node is reached by branches that are taken: always, or where a number is above zero.
+/// Tracks whether a node contributes to an output through branches that are taken: always, or only where a traced number is positive.
 class Reached {
  public:
   explicit Reached(std::size_t nodes) : always_(nodes, 0), number_(nodes) {}
   void mark(std::size_t node) { always_[node] = 1; }
-  /// `by` leads to `node`.
+  /// Records that `node` is an argument of `by`.
   void lead(std::size_t by, std::size_t node) { add(node, always_[by] != 0, number_[by]); }
   void leadIf(const TracedCondition& condition, std::size_t by, std::size_t node) {
     add(node, false, select(condition, always_[by] ? Traced(1) : number_[by], Traced(0)));
   }
-  /// share * factor, but zero where the node is not reached, whatever the factor is there.
+  /// Returns share * factor, or zero where the node is not reached, even if the factor is infinite or NaN there.
   Traced product(std::size_t node, const Traced& share, const Traced& factor) const {
     const Traced plain = share * factor;
     return always_[node] || !factor.recorder ? plain : select(Traced(0) < number_[node], plain, Traced(0));
@@ -166,7 +166,7 @@ class Reached {
   std::vector<Traced> number_;
 };
 
-/// Shares of all nodes in what `share` starts with, handed from the last node to the first.
+/// Propagates adjoints from the last node to the first. `share` starts with those of the outputs and ends with those of all nodes.
 void handBack(const Graph& g, const Replayed& r, std::vector<Traced>& share) {
   Reached reached(g.nodes.size());
   for (const std::uint32_t output : g.outputs) reached.mark(output);

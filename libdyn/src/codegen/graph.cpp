@@ -59,21 +59,21 @@ struct GraphBuilder::Impl {
   GraphBuilder* self;
   std::vector<GraphNode> nodes;
   std::unordered_map<Key, std::uint32_t, KeyHash> known;
-  std::unordered_map<std::uint64_t, std::uint32_t> constants;  ///< by their bits
-  std::unordered_map<std::uint64_t, std::uint32_t> opaque;     ///< the same of those that are not to be seen as such
+  std::unordered_map<std::uint64_t, std::uint32_t> constants;  ///< nodes by the bits of their values
+  std::unordered_map<std::uint64_t, std::uint32_t> opaque;     ///< the same for constants that no operation is simplified for
   std::vector<char> is_opaque;
   int inputs = 0;
   std::size_t most_nodes = 0;
-  // Runs that go on: by step what was recorded, in turn.
+  // For each run, the results recorded in each step, in order.
   using Steps = std::map<int, std::vector<std::uint32_t>>;
-  std::array<Steps, most_abreast> runs;
+  std::array<Steps, most_packable> runs;
   std::vector<std::uint32_t>* step = nullptr;
   int run = -1, depth = 0;
   std::uint32_t first_of_runs = 0;
-  std::vector<NodesAbreast> abreast;
-  std::vector<char> is_abreast;  ///< by node
-  std::set<NodesAbreast> tried;
-  std::vector<std::uint32_t> seen;  ///< by node: the last of areIndependent's looks that met it
+  std::vector<PackableNodes> packable;
+  std::vector<char> is_packable;  ///< by node
+  std::set<PackableNodes> tried;
+  std::vector<std::uint32_t> seen;  ///< by node: the last search of areIndependent() that met it
   std::uint32_t looks = 0;
 
   bool isConstant(std::uint32_t node) const { return nodes[node].operation == Operation::constant && (node >= is_opaque.size() || !is_opaque[node]); }
@@ -93,11 +93,11 @@ struct GraphBuilder::Impl {
   }
   std::uint32_t nodeOf(const Traced& x) { return x.recorder ? x.node : constant(x.value); }
   bool isKnown(const Traced& x, double value) const { return !x.recorder && x.value == value; }
-  /// Runs do not look into what was there before them: by its signs they would differ.
+  /// Whether simplifications may look into x. Runs do not look into nodes older than themselves, whose signs would make the runs differ.
   bool isOpen(const Traced& x) const { return x.recorder && (run < 0 || x.node >= first_of_runs); }
   bool isNegation(const Traced& x) const { return isOpen(x) && nodes[x.node].operation == Operation::negate; }
   Traced argument(const Traced& x, int k) const { return traced(nodes[x.node].argument[k]); }
-  /// c x with c known: c, and x in `rest`.
+  /// Whether x = factor * rest with a known factor.
   bool isScaled(const Traced& x, double& factor, Traced& rest) const {
     if (!isOpen(x) || nodes[x.node].operation != Operation::multiply || !isConstant(nodes[x.node].argument[0])) return false;
     factor = nodes[nodes[x.node].argument[0]].value;
@@ -154,7 +154,7 @@ struct GraphBuilder::Impl {
     if (isNegation(a)) return -(argument(a, 0) / b);
     if (isNegation(b)) return -(a / argument(b, 0));
     if (a.recorder && b.recorder && a.node == b.node) return 1;
-    // A quotient costs several products: where the reciprocal is there already it is used.
+    // A quotient costs as much as several products, so a reciprocal that exists already is used.
     if (!isKnown(a, 1))
       if (const std::uint32_t* reciprocal = find(Operation::divide, 1, b)) return a * traced(*reciprocal);
     return node(Operation::divide, a, b);
@@ -187,12 +187,13 @@ struct GraphBuilder::Impl {
     }
   }
 
-  /// Nodes, or no_node: those of the operation that most have go abreast if none of them waits for another, and then their arguments.
-  void join(NodesAbreast tuple) {
-    is_abreast.resize(nodes.size(), 0);
+  /// Marks the nodes that have the tuple's most frequent operation as packable, unless one of them depends on another. Then does the same with their
+  /// arguments. Entries may be no_node.
+  void join(PackableNodes tuple) {
+    is_packable.resize(nodes.size(), 0);
     int count = 0;
     for (std::uint32_t& node : tuple) {
-      const bool open = node != no_node && !is_abreast[node] && arity(nodes[node].operation) > 0;
+      const bool open = node != no_node && !is_packable[node] && arity(nodes[node].operation) > 0;
       const std::uint32_t* same = std::find(tuple.begin(), &node, node);
       if (!open || same != &node) {
         node = no_node;
@@ -212,13 +213,13 @@ struct GraphBuilder::Impl {
     if (count < 2 || !tried.insert(tuple).second) return;
     if (areIndependent(tuple)) {
       for (const std::uint32_t node : tuple)
-        if (node != no_node) is_abreast[node] = 1;
-      abreast.push_back(tuple);
+        if (node != no_node) is_packable[node] = 1;
+      packable.push_back(tuple);
     }
     const bool exchangeable = first.operation == Operation::add || first.operation == Operation::multiply;
     const auto like = [&](std::uint32_t a, std::uint32_t b) { return nodes[a].operation == nodes[b].operation; };
     for (int k = 0; k < arity(first.operation); ++k) {
-      NodesAbreast arguments;
+      PackableNodes arguments;
       for (std::size_t l = 0; l < tuple.size(); ++l) {
         arguments[l] = no_node;
         if (tuple[l] == no_node) continue;
@@ -229,8 +230,8 @@ struct GraphBuilder::Impl {
       join(arguments);
     }
   }
-  /// Whether none of these takes, by whatever way, another one.
-  bool areIndependent(const NodesAbreast& tuple) {
+  /// Whether none of these nodes depends on another one, directly or indirectly.
+  bool areIndependent(const PackableNodes& tuple) {
     std::uint32_t least = no_node;
     for (const std::uint32_t node : tuple) least = std::min(least, node);
     seen.resize(nodes.size(), 0);
@@ -256,14 +257,14 @@ struct GraphBuilder::Impl {
     for (const Steps& steps : runs)
       for (const auto& [number, nodes_of] : steps) numbers.insert(number);
     for (const int number : numbers) {
-      std::array<std::vector<std::uint32_t>, most_abreast> of;
+      std::array<std::vector<std::uint32_t>, most_packable> of;
       for (std::size_t l = 0; l < of.size(); ++l)
         if (const auto found = runs[l].find(number); found != runs[l].end()) of[l] = std::move(found->second);
       const auto longest = *std::max_element(of.begin(), of.end(), [](const auto& a, const auto& b) { return a.size() < b.size(); });
       for (auto& nodes_of : of)
         if (!nodes_of.empty()) nodes_of = aligned(nodes, nodes_of, longest);
       for (std::size_t i = 0; i < longest.size(); ++i) {
-        NodesAbreast tuple;
+        PackableNodes tuple;
         for (std::size_t l = 0; l < of.size(); ++l) tuple[l] = of[l].empty() ? no_node : of[l][i];
         join(tuple);
       }
@@ -285,16 +286,16 @@ Traced GraphBuilder::input() {
 
 Traced GraphBuilder::record(Operation operation, const Traced& a, const Traced& b, const Traced& c, const Traced& d) noexcept {
   Impl& g = *impl_;
-  // A plugin's code may be on the way, which must not see an exception: known numbers bring it to its end soon.
+  // No exception may pass through a plugin's code, which may be the caller. Known numbers bring that code to its end soon.
   if (g.full()) return std::numeric_limits<double>::quiet_NaN();
   ++g.depth;
   const Traced result = g.simplified(operation, a, b, c, d);
-  // What simplifying records is part of it.
+  // Operations that simplification records belong to this one and are not entered by themselves.
   if (--g.depth == 0 && g.step) g.step->push_back(result.recorder ? result.node : no_node);
   return result;
 }
 
-void GraphBuilder::abreast(const std::function<void()>& runs) {
+void GraphBuilder::packable(const std::function<void()>& runs) {
   Impl& g = *impl_;
   g.first_of_runs = static_cast<std::uint32_t>(g.nodes.size());
   runs();
@@ -302,8 +303,8 @@ void GraphBuilder::abreast(const std::function<void()>& runs) {
   g.step = nullptr;
   g.joinRuns();
 }
-void GraphBuilder::alike(const std::array<Traced, most_abreast>& numbers) {
-  NodesAbreast tuple;
+void GraphBuilder::markPackable(const std::array<Traced, most_packable>& numbers) {
+  PackableNodes tuple;
   for (std::size_t l = 0; l < tuple.size(); ++l) tuple[l] = numbers[l].recorder ? numbers[l].node : no_node;
   impl_->join(tuple);
 }
@@ -350,7 +351,7 @@ Graph GraphBuilder::finish(std::span<const Traced> results) const {
     out.nodes.push_back(n);
   }
   for (const std::uint32_t e : ends) out.outputs.push_back(number[e]);
-  for (NodesAbreast tuple : g.abreast) {
+  for (PackableNodes tuple : g.packable) {
     int count = 0;
     for (std::uint32_t& node : tuple) {
       if (node != no_node && !live[node]) node = no_node;
@@ -358,7 +359,7 @@ Graph GraphBuilder::finish(std::span<const Traced> results) const {
       node = number[node];
       ++count;
     }
-    if (count > 1) out.abreast.push_back(tuple);
+    if (count > 1) out.packable.push_back(tuple);
   }
   return out;
 }

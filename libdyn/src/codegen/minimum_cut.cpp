@@ -26,21 +26,21 @@ struct Vertex {
 };
 using Network = boost::adjacency_list<boost::vecS, boost::vecS, boost::directedS, Vertex, Edge>;
 
-// Yes is the source's side.
+// Questions on the source's side of the cut are answered yes.
 constexpr std::size_t yes = 0, no = 1, first = 2;
 constexpr long forbidden = 1L << 40;
 std::size_t vertexOf(int question) { return first + static_cast<std::size_t>(question); }
 
-/// Costs to and fro between two questions.
+/// Costs between two questions, one for each direction.
 struct Pair {
   long there = 0, back = 0;
 };
 }  // namespace
 
-/// Sums, until all are known: Boost's search (1.74) finds too little flow where several edges go from one vertex to another.
+/// Sums up all costs before the network is built: Boost's search (1.74) finds too little flow if several edges go from one vertex to another.
 struct MinimumCut::Impl {
   std::vector<long> if_yes, if_no;
-  std::map<std::pair<int, int>, Pair> pairs;  ///< of (a, b) with a < b: a yes and b no, and the other way round
+  std::map<std::pair<int, int>, Pair> pairs;  ///< by (a, b) with a < b; `there` is for a yes and b no, `back` for a no and b yes
   Network network;
 
   void add(int question, int other, long cost) {

@@ -1,25 +1,25 @@
-// The cheapest of all ways to answer many questions with yes or no, where answers that do not go together cost something.
+// Finds the cheapest answers to many yes-or-no questions, where answers and pairs of answers have costs.
 #pragma once
 
 #include <memory>
 
 namespace dyn {
 
-/// Costs are not negative; those of one kind for the same questions add up.
+/// Costs must not be negative. Costs of one kind for the same question or pair add up.
 class MinimumCut {
  public:
   MinimumCut();
   ~MinimumCut();
-  /// Another question, numbered from 0.
+  /// Adds a question and returns its number, from 0 on.
   int add();
   void costsIfNo(int question, int cost);
   void costsIfYes(int question, int cost);
-  /// If the answers are yes to `question` and no to `other`.
+  /// Adds a cost for answering yes to `question` and no to `other`.
   void costsIf(int question, int other, int cost);
-  /// Rules that out.
+  /// Forbids the answers yes to `question` and no to `other` together.
   void follows(int question, int other);
 
-  /// Finds the answers, in about linear time for graphs like those of formulas (Boykov and Kolmogorov 2004).
+  /// Finds the cheapest answers. Takes about linear time for expression graphs (Boykov and Kolmogorov 2004).
   void solve();
   bool answer(int question) const;
 

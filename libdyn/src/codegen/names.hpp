@@ -1,4 +1,4 @@
-// Which functions can be written as C.
+// Checks whether functions can be written as C.
 #pragma once
 
 #include <dyn/codegen/source.hpp>
@@ -7,8 +7,8 @@
 
 namespace dyn {
 
-/// Throws Error(argument) for names of functions and arguments that C does not allow, that are there twice, or that the code has for itself, and
-/// for lanes and pieces that cannot be.
+/// Throws Error(argument) if the name of a function or argument is not a C identifier, occurs twice, or is used by the generated code itself, and for
+/// invalid numbers of lanes or of operations per piece.
 void checkSource(const std::vector<TracedFunction>& functions, const SourceOptions& options);
 
 }  // namespace dyn

@@ -27,7 +27,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// All arguments behind two pointers, whatever their number.
+/// C source of dyn_call(), which takes any number of arguments as two arrays of pointers.
 std::string uniformEntry(const TracedFunction& f) {
   std::string out = "__attribute__((visibility(\"default\"))) void dyn_call(const void* const* in, void* const* out) {\n  " + f.name + "(";
   for (std::size_t i = 0; i < f.inputs.size(); ++i) out += "(const dyn_real*)in[" + std::to_string(i) + "], ";
@@ -36,7 +36,7 @@ std::string uniformEntry(const TracedFunction& f) {
   return out + ");\n}\n";
 }
 
-/// The words of a command. CC may have several, as in a makefile: "ccache gcc".
+/// The compiler's command as words. CC may have several words, as in a makefile: "ccache gcc".
 std::vector<std::string> compilerOf(const NativeOptions& options) {
   if (!options.compiler.empty()) return {options.compiler};
   const char* given = secure_getenv("CC");
@@ -51,7 +51,7 @@ std::string joined(const std::vector<std::string>& words) {
   return out;
 }
 
-/// What the compiler says of itself, asked once for each.
+/// The compiler's answer to --version. Each compiler is run once. Throws Error(compiler) if it cannot be run.
 std::string versionOf(std::vector<std::string> command) {
   const std::string compiler = joined(command);
   static std::mutex mutex;
@@ -66,7 +66,7 @@ std::string versionOf(std::vector<std::string> command) {
   return known[compiler] = r.output;
 }
 
-/// Code for one processor is not for another.
+/// The processor's features. They are part of the cache's key, as code for one processor may not run on another.
 std::string processor() {
   std::ifstream info("/proc/cpuinfo");
   std::string line;
@@ -202,7 +202,7 @@ CompiledModel compileNative(const CompactModel& model, const std::vector<std::st
   traced.reserve(functions.size());
   for (const std::string& f : functions) {
     if (options.progress) options.progress("tracing " + f);
-    traced.push_back(trace(model, f, {.abreast = options.lanes == 1}));
+    traced.push_back(trace(model, f, {.packable = options.lanes == 1}));
   }
   return compileNative(traced, options);
 }

@@ -4,8 +4,8 @@ namespace dyn {
 
 namespace {
 
-/// Reduction modulo pi / 2 and series as in dyn_sdk/sincos.hpp, written so that compilers make vectors of the loop. Angles too large, or too
-/// near a multiple of pi / 2, for the digits of the parts go to the C library.
+/// Reduction modulo pi / 2 and series as in dyn_sdk/sincos.hpp, written for vectors. Angles that are too large, or too near a multiple of pi / 2, for
+/// the digits of DYN_PART1 to DYN_PART3 go to the C library.
 constexpr const char* sincos_double = R"(#define DYN_LIMIT 1e6
 #define DYN_LEAST 0x1p-30
 #define DYN_ROUND 0x1.8p52
@@ -29,7 +29,7 @@ constexpr const char* sincos_float = R"(#define DYN_LIMIT 4000.0f
 #define DYN_COS(z) (((z * -0x1.27e4fcp-22f + 0x1.a01a02p-16f) * z - 0x1.6c16c2p-10f) * z + 0x1.555556p-5f)
 )";
 
-/// Numbers' own functions, the wider type for angles that are too large, and 64 bytes of numbers as a vector.
+/// The number type's math functions, the wider type for angles that go to the C library, and the vector width (64 bytes).
 constexpr const char* double_type = R"(#define R(x) x
 #define DYN_LIBM(name) name
 #define DYN_WIDER(name) name##l
@@ -49,7 +49,7 @@ typedef int dyn_int;
 typedef double dyn_wider;
 )";
 
-/// Of whole vectors of DYN_WIDTH numbers where the compiler has them, number by number elsewhere.
+/// Sines and cosines of whole vectors of DYN_WIDTH numbers where the compiler has vector types, of single numbers elsewhere.
 constexpr const char* sincos_loop = R"(
 #if defined(__GNUC__)
 /* Vectors are passed between functions of this file only. */

@@ -1,4 +1,4 @@
-// What every generated source begins with: the number type, its functions, sines and cosines of many angles at once.
+// The beginning of every generated source: the number type, its functions, and sines and cosines of many angles at once.
 #pragma once
 
 #include <string>

@@ -16,7 +16,7 @@ namespace dyn {
 
 namespace {
 
-/// Whether it has ended, and how.
+/// Returns whether the child has ended, and stores its exit code.
 bool reap(pid_t child, int options, ProcessResult& result) {
   int status = 0;
   const pid_t waited = waitpid(child, &status, options);
@@ -42,9 +42,9 @@ ProcessResult runProcess(const std::vector<std::string>& command, double seconds
   posix_spawn_file_actions_adddup2(&actions, ends[1], 2);
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
-  // A group of its own: compilers start others, and all of them are ended together.
+  // The child gets its own process group: compilers start other programs, and a timeout ends them all.
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGDEF);
-  // They wait for those, whatever this process does about its own.
+  // Compilers wait for the programs that they start, so SIGCHLD gets its default action even if this process ignores it.
   sigset_t child_ends;
   sigemptyset(&child_ends);
   sigaddset(&child_ends, SIGCHLD);
@@ -62,7 +62,7 @@ ProcessResult runProcess(const std::vector<std::string>& command, double seconds
   const auto end = Clock::now() + std::chrono::duration<double>(seconds);
   bool open = true, ended = false;
   char chunk[4096];
-  // Until its output has come to an end and it has too: it may close the one long before the other.
+  // Read until the output is closed and the program has ended: it may close its output long before it ends.
   while (open || !ended) {
     if (Clock::now() >= end) {
       result.timed_out = true;

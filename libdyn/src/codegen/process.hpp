@@ -1,4 +1,4 @@
-// Another program, run to its end.
+// Runs another program to its end.
 #pragma once
 
 #include <string>
@@ -8,12 +8,13 @@ namespace dyn {
 
 struct ProcessResult {
   bool started = false, timed_out = false;
-  /// -1: ended by a signal. 0 also where this process ignores SIGCHLD or waits for all its children, and nobody knows: judge by what it made.
+  /// -1 if a signal ended the program. 0 also if this process ignores SIGCHLD or waits for its children elsewhere: the exit code is then unknown, and
+  /// the caller must check what the program made.
   int exit_code = -1;
-  std::string output;  ///< of both streams, the first 64 kB
+  std::string output;  ///< the first 64 kB of standard output and error together
 };
 
-/// Looks the program up in PATH, without a shell.
+/// Looks the program up in PATH and runs it without a shell. After `seconds` it is killed together with the processes that it started.
 ProcessResult runProcess(const std::vector<std::string>& command, double seconds);
 
 }  // namespace dyn

@@ -15,7 +15,7 @@ namespace dyn {
 
 namespace {
 
-bool goesAbreast(Operation o) {
+bool isPackable(Operation o) {
   switch (o) {
     case Operation::add:
     case Operation::subtract:
@@ -28,11 +28,11 @@ bool goesAbreast(Operation o) {
   }
 }
 
-constexpr NodesAbreast nobody{no_node, no_node, no_node, no_node};
+constexpr PackableNodes nobody{no_node, no_node, no_node, no_node};
 bool isThere(const std::vector<GraphNode>& nodes, std::uint32_t node) { return arity(nodes[node].operation) == 0 || isTurn(nodes, node); }
 
-/// Chooses what is done at once: of all choices that for which operations, and what brings their arguments into lanes and their results out of
-/// them, are fewest.
+/// Chooses which packable nodes a vector computes at once. The choice has the lowest total cost of operations and of moving their arguments into
+/// lanes and their results out of them.
 class Packer {
  public:
   explicit Packer(const Graph& graph) : nodes_(graph.nodes), unit_(nodes_.size(), -1), lane_(nodes_.size(), 0), is_fused_(nodes_.size(), 0) {
@@ -41,7 +41,7 @@ class Packer {
       for (int k = 0; k < arity(n.operation); ++k) uses[n.argument[k]] += n.operation == Operation::add || n.operation == Operation::subtract ? 1 : 2;
     for (const std::uint32_t output : graph.outputs) uses[output] += 2;
     for (std::size_t node = 0; node < uses.size(); ++node) is_fused_[node] = uses[node] == 1;
-    for (const NodesAbreast& tuple : graph.abreast) seat(tuple);
+    for (const PackableNodes& tuple : graph.packable) assignLane(tuple);
     for (const Unit& unit : units_) exchange(unit);
     choose(graph);
   }
@@ -57,11 +57,11 @@ class Packer {
   bool mayBeInVector(std::uint32_t node) const { return unit_[node] >= 0; }
   bool inPlace(std::uint32_t node, std::size_t lane) const { return mayBeInVector(node) && lane_[node] == static_cast<int>(lane); }
 
-  void seat(NodesAbreast tuple) {
+  void assignLane(PackableNodes tuple) {
     int count = 0;
     Operation operation = Operation::constant;
     for (std::uint32_t& node : tuple) {
-      if (node != no_node && (!goesAbreast(nodes_[node].operation) || isThere(nodes_, node))) node = no_node;
+      if (node != no_node && (!isPackable(nodes_[node].operation) || isThere(nodes_, node))) node = no_node;
       if (node == no_node) continue;
       operation = nodes_[node].operation;
       ++count;
@@ -75,14 +75,14 @@ class Packer {
     units_.push_back({tuple, true, operation});
   }
 
-  /// How alike two arguments are.
+  /// Scores how well two arguments fit into lanes of one vector, from 0 to 4.
   int likeness(std::uint32_t a, std::uint32_t b) const {
     if (mayBeInVector(a) && unit_[a] == unit_[b]) return 4;
     if (a == b) return 3;
     if (mayBeInVector(a) != mayBeInVector(b)) return 0;
     return nodes_[a].operation == nodes_[b].operation ? 2 : 1;
   }
-  /// Lets factors and summands of all lanes come in the first one's order.
+  /// Swaps factors or summands in the lanes so that their order matches that of the first lane.
   void exchange(const Unit& unit) {
     if (unit.operation != Operation::add && unit.operation != Operation::multiply) return;
     const GraphNode* first = nullptr;
@@ -98,11 +98,11 @@ class Packer {
     }
   }
 
-  // Costs, in quarters of an operation.
+  // Costs in quarters of an operation.
   static constexpr int operation_cost = 4, division_cost = 16, lane_cost = 4, first_lane_cost = 1;
-  /// Of a lane that is stored by itself; of the upper two twice that.
+  /// Cost of storing one lane by itself; the upper two lanes cost twice that.
   static constexpr int stored_cost = 1;
-  /// Of a product that nothing but one sum takes: the two are one instruction.
+  /// Cost of a product that is read only by one sum: the two are one instruction.
   static constexpr int fused_cost = 1;
   int costOf(std::uint32_t node) const {
     switch (nodes_[node].operation) {
@@ -115,17 +115,17 @@ class Packer {
     }
   }
 
-  /// Whether this output is stored together with its neighbours, by the vector that it may be in.
-  bool isStoredAbreast(const std::vector<std::uint32_t>& outputs, std::size_t o) const {
+  /// Whether output o and its neighbours are the lanes of the vector that may compute it, so that one store writes them all.
+  bool isStoredInPack(const std::vector<std::uint32_t>& outputs, std::size_t o) const {
     const std::uint32_t node = outputs[o];
     if (!mayBeInVector(node)) return false;
-    const NodesAbreast& of = units_[at(unit_[node])].nodes;
+    const PackableNodes& of = units_[at(unit_[node])].nodes;
     const std::size_t lane = at(lane_[node]);
     return o >= lane && o - lane + of.size() <= outputs.size() &&
            std::equal(of.begin(), of.end(), outputs.begin() + static_cast<std::ptrdiff_t>(o - lane));
   }
-  /// Asks of each unit whether its operations are done at once. Only those that are need their arguments in lanes, which are there if what
-  /// computes them is such a unit, too; what is read by itself must be brought out of lanes.
+  /// Decides for each unit whether a vector computes it. A vector needs its arguments in lanes; they are there already if another vector computes
+  /// them in the same lanes. A value that is read by itself must be moved out of its lane.
   void choose(const Graph& graph) {
     MinimumCut cut;
     for (const Unit& unit : units_) {
@@ -138,16 +138,16 @@ class Packer {
       cut.costsIfNo(cut.add(), all - most);
     }
     std::vector<char> read_alone(nodes_.size(), 0);
-    std::vector<std::vector<int>> readers(nodes_.size());  // units that take it in its lane
+    std::vector<std::vector<int>> readers(nodes_.size());  // units that read the node in its own lane
     std::vector<char> stored_alone(nodes_.size(), 0);
     for (std::size_t o = 0; o < graph.outputs.size(); ++o)
-      if (!isStoredAbreast(graph.outputs, o)) stored_alone[graph.outputs[o]] = 1;
+      if (!isStoredInPack(graph.outputs, o)) stored_alone[graph.outputs[o]] = 1;
     for (std::uint32_t node = 0; node < nodes_.size(); ++node)
       for (int k = 0; !mayBeInVector(node) && k < arity(nodes_[node].operation); ++k) read_alone[nodes_[node].argument[k]] = 1;
-    std::map<NodesAbreast, int> known;
+    std::map<PackableNodes, int> known;
     for (std::size_t u = 0; u < units_.size(); ++u)
       for (int k = 0; k < arity(units_[u].operation); ++k) {
-        const NodesAbreast tuple = argumentsOf(nodes_, units_[u], k);
+        const PackableNodes tuple = argumentsOf(nodes_, units_[u], k);
         const auto [found, is_new] = known.emplace(tuple, 0);
         if (is_new) found->second = askFor(tuple, cut);
         cut.follows(static_cast<int>(u), found->second);
@@ -177,10 +177,10 @@ class Packer {
     cut.solve();
     for (std::size_t u = 0; u < units_.size(); ++u) units_[u].several = cut.answer(static_cast<int>(u));
   }
-  /// Whether these are brought into lanes.
-  int askFor(const NodesAbreast& tuple, MinimumCut& cut) const {
+  /// Adds the question whether these nodes are moved into lanes, with its costs, and returns its number.
+  int askFor(const PackableNodes& tuple, MinimumCut& cut) const {
     const int question = cut.add();
-    int parts = 0;  // what is put together: vectors, single numbers, constants
+    int parts = 0;  // sources to put together: vectors, single numbers, all constants as one
     bool constants = false, same = true;
     std::map<int, int> lanes_of;  // by unit
     std::uint32_t first = no_node;
@@ -210,11 +210,12 @@ class Packer {
   std::vector<GraphNode> nodes_;
   std::vector<Unit> units_;
   std::vector<int> unit_, lane_;  ///< by node
-  std::vector<char> is_fused_;    ///< by node: taken by one sum, or difference, and nothing else
+  std::vector<char> is_fused_;    ///< by node: read by one sum or difference and by nothing else
 };
 
-/// Units one after the other, of those that have all that they take one that is the last to take most: registers are few, and what waits in memory
-/// meanwhile is written and read again. Of several the one with the first node. What waits for itself is taken apart.
+/// Puts the units in order. Among the units whose arguments are computed, the one that is the last reader of the most values comes next, and of
+/// several such units the one with the lowest node. This saves registers: values that wait long are written to memory and read again. A vector that
+/// waits for itself is split into single nodes.
 class Orderer {
  public:
   Orderer(const std::vector<GraphNode>& nodes, std::vector<Unit> vectors)
@@ -244,7 +245,7 @@ class Orderer {
       doAllReady();
       while (next != left.end() && done_[at(next->second)]) ++next;
       if (next == left.end()) return;
-      // Nothing is ready: the first vector of those left waits for itself, or for one that does.
+      // No unit is ready, so the first vector that is left waits for itself or for one that does. It is split.
       for (const std::uint32_t node : std::exchange(units_[at(next++->second)].nodes, nobody))
         if (node != no_node) offer(single(node));
     }
@@ -253,7 +254,7 @@ class Orderer {
   void fill(Schedule& out) const {
     for (const int u : order_) {
       const Unit& unit = units_[at(u)];
-      for (int l = 0; l < most_abreast; ++l)
+      for (int l = 0; l < most_packable; ++l)
         if (const std::uint32_t node = unit.nodes[at(l)]; node != no_node) out.places[node] = {static_cast<int>(out.units.size()), l};
       out.units.push_back(unit);
     }
@@ -275,16 +276,16 @@ class Orderer {
     ends_.resize(units_.size(), 0);
     return unit_[node];
   }
-  /// Calls use(argument), once each, for those that are not there from the start.
+  /// Calls use(argument) once for each different argument that a unit computes.
   template <class Use>
   void eachArgument(std::uint32_t node, Use&& use) const {
     const GraphNode& n = nodes_[node];
     for (int k = 0; k < arity(n.operation); ++k)
       if (!isThere(nodes_, n.argument[k]) && std::find(n.argument, n.argument + k, n.argument[k]) == n.argument + k) use(n.argument[k]);
   }
-  /// The only unit left that takes a node, or -1.
+  /// The only unit left that reads a node, or -1 if there is none or more than one.
   int lastUser(std::uint32_t node) const {
-    if (left_[node] > most_abreast) return -1;
+    if (left_[node] > most_packable) return -1;
     int last = -1;
     for (const std::uint32_t user : users_[node]) {
       const int u = unit_[user];
@@ -295,7 +296,7 @@ class Orderer {
     return last;
   }
   void offer(int u) {
-    const NodesAbreast& of = units_[at(u)].nodes;
+    const PackableNodes& of = units_[at(u)].nodes;
     if (std::all_of(of.begin(), of.end(), [&](std::uint32_t node) { return node == no_node || waits_[node] == 0; }))
       ready_.push({ends_[at(u)], firstOf(u), u});
   }
@@ -303,7 +304,7 @@ class Orderer {
     while (!ready_.empty()) {
       const Ready next = ready_.top();
       ready_.pop();
-      // What ends more now has been offered again.
+      // A unit that has become the last reader of more values since was offered again.
       if (done_[at(next.unit)] || next.ends != ends_[at(next.unit)]) continue;
       order_.push_back(next.unit);
       done_[at(next.unit)] = 1;
@@ -327,11 +328,11 @@ class Orderer {
 
   const std::vector<GraphNode>& nodes_;
   std::vector<Unit> units_;
-  std::vector<int> unit_, waits_;  ///< by node: of its arguments how many are not there yet
-  std::vector<int> left_;          ///< by node: of its users how many are not done yet
+  std::vector<int> unit_, waits_;  ///< by node: waits_ counts its arguments that are not computed yet
+  std::vector<int> left_;          ///< by node: how many of its users are not done yet
   std::vector<std::vector<std::uint32_t>> users_;
   std::vector<char> done_;  ///< by unit
-  std::vector<int> ends_;   ///< by unit: how many nodes it is the last to take
+  std::vector<int> ends_;   ///< by unit: how many nodes it is the last to read
   std::priority_queue<Ready> ready_;
   std::vector<int> order_;
 };
@@ -343,16 +344,16 @@ bool isTurn(const std::vector<GraphNode>& nodes, std::uint32_t node) {
   return (n.operation == Operation::sin || n.operation == Operation::cos) && nodes[n.argument[0]].operation == Operation::input;
 }
 
-NodesAbreast argumentsOf(const std::vector<GraphNode>& nodes, const Unit& unit, int k) {
-  NodesAbreast out;
+PackableNodes argumentsOf(const std::vector<GraphNode>& nodes, const Unit& unit, int k) {
+  PackableNodes out;
   for (std::size_t l = 0; l < out.size(); ++l) out[l] = unit.nodes[l] == no_node ? no_node : nodes[unit.nodes[l]].argument[k];
   return out;
 }
 
-Schedule schedule(const Graph& graph, bool abreast) {
+Schedule schedule(const Graph& graph, bool packable) {
   Schedule out;
   std::vector<Unit> vectors;
-  if (abreast) {
+  if (packable) {
     Packer packer(graph);
     vectors = packer.vectors();
     out.nodes = packer.nodes();

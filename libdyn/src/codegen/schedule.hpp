@@ -1,4 +1,4 @@
-// In which order the operations of a graph are done: one by one, or some abreast in the lanes of a vector.
+// The order in which a graph's operations are computed: one by one, or several at once in the lanes of a vector.
 #pragma once
 
 #include <dyn/codegen/graph.hpp>
@@ -8,32 +8,32 @@
 
 namespace dyn {
 
-/// What is done at once: a node, or several nodes of one operation.
+/// One step of the schedule: a single node, or several nodes of one operation that a vector computes at once.
 struct Unit {
-  NodesAbreast nodes;  ///< by lane; of a single one the first
+  PackableNodes nodes;  ///< by lane; a single node is in the first
   bool several = false;
   Operation operation = Operation::constant;
 };
 
-/// Where a node's value is.
+/// Where a node's value is computed.
 struct Place {
-  int unit = -1;  ///< none: an input, a constant, or a sine or cosine of an input, which are there from the start
+  int unit = -1;  ///< -1: none; inputs, constants, and sines and cosines of inputs are available from the start
   int lane = 0;
 };
 
 struct Schedule {
-  std::vector<GraphNode> nodes;  ///< the graph's; factors and summands may have changed places
-  std::vector<Unit> units;       ///< in their order
+  std::vector<GraphNode> nodes;  ///< the graph's; the two factors or summands of a node may be swapped
+  std::vector<Unit> units;       ///< in order of computation
   std::vector<Place> places;     ///< by node
 };
 
-/// A sine or cosine of an input.
+/// Whether the node is a sine or cosine of an input.
 bool isTurn(const std::vector<GraphNode>& nodes, std::uint32_t node);
 
-/// The k-th arguments of a unit's nodes, by lane.
-NodesAbreast argumentsOf(const std::vector<GraphNode>& nodes, const Unit& unit, int k);
+/// Returns the k-th arguments of a unit's nodes, by lane.
+PackableNodes argumentsOf(const std::vector<GraphNode>& nodes, const Unit& unit, int k);
 
-/// `abreast`: as far as that pays what it takes to bring numbers into lanes and out of them.
-Schedule schedule(const Graph& graph, bool abreast);
+/// Orders the graph's operations. With `packable`, vectors compute several at once where that outweighs moving numbers into and out of lanes.
+Schedule schedule(const Graph& graph, bool packable);
 
 }  // namespace dyn

@@ -20,12 +20,12 @@ std::string number(double x, bool single) {
   if (x - x != 0) return x > 0 ? "HUGE_VAL" : "-HUGE_VAL";
   std::snprintf(text, sizeof text, single ? "%.9gf" : "%.17g", single ? static_cast<double>(static_cast<float>(x)) : x);
   std::string out = text;
-  // "2" would be an int, "2f" is nothing.
+  // In C, "2" is an int and "2f" is not a number.
   if (out.find_first_of(".e") == std::string::npos) out.insert(single ? out.size() - 1 : out.size(), ".0");
   return x < 0 ? "(" + out + ")" : out;
 }
 
-/// One function: its operations in pieces, each a C function of its own; values that a later piece reads go through memory.
+/// Writes one function. Its operations are cut into pieces, each a C function of its own; values that a later piece reads go through memory.
 class Writer {
  public:
   Writer(const TracedFunction& f, const SourceOptions& options)
@@ -44,7 +44,7 @@ class Writer {
     for (std::size_t i = 0; i < nodes().size(); ++i) out += isTurned(static_cast<std::uint32_t>(i)) ? 1 : 0;
     return out;
   }
-  /// Of what is abreast; not of states.
+  /// Whether vectors compute several operations at once. Lanes of several states do not count.
   bool hasVectors() const { return vectors_; }
 
   std::string declaration() const {
@@ -71,7 +71,7 @@ class Writer {
   }
 
  private:
-  /// Of all angles, into s and c. They come in whole vectors of 64 bytes, the last one filled up.
+  /// Code that writes the sines and cosines of all angles to s and c, in whole vectors of 64 bytes. The last vector is padded.
   std::string sines() const {
     const std::size_t lanes = at(options_.lanes), width = std::max<std::size_t>((options_.single_precision ? 16 : 8) / lanes, 1);
     const std::string count = std::to_string((angles_.size() + width - 1) / width * width);
@@ -106,7 +106,7 @@ class Writer {
   bool isConstant(std::uint32_t node) const { return nodes()[node].operation == Operation::constant; }
   const Unit& unitOf(std::uint32_t node) const { return schedule_.units[static_cast<std::size_t>(schedule_.places[node].unit)]; }
 
-  /// Which values wait in memory, and where; in which order sines are taken.
+  /// Decides which values go through memory and where, and in which order sines are taken.
   void plan() {
     const auto& units = schedule_.units;
     pieces_ = std::max(1, (static_cast<int>(units.size()) + options_.piece - 1) / options_.piece);
@@ -119,10 +119,10 @@ class Writer {
       angle = static_cast<int>(angles_.size());
       angles_.push_back(nodes()[node].argument[0]);
     };
-    // Those that go abreast side by side.
+    // Angles whose sines or cosines a vector reads are placed side by side.
     for (const Unit& unit : units)
       for (int k = 0; unit.several && k < arity(unit.operation); ++k) {
-        const NodesAbreast tuple = argumentsOf(nodes(), unit, k);
+        const PackableNodes tuple = argumentsOf(nodes(), unit, k);
         if (std::all_of(tuple.begin(), tuple.end(), [&](std::uint32_t node) { return node == no_node || isTurned(node); }))
           for (const std::uint32_t node : tuple)
             if (node != no_node) turn(node);
@@ -135,18 +135,18 @@ class Writer {
           const int from = schedule_.places[nodes()[node].argument[k]].unit;
           if (from >= 0) last_use[at(from)] = static_cast<int>(u) / options_.piece;
         }
-    // Vectors first: none is to lie across two lines of the cache.
+    // Vectors come first, so that none lies across two cache lines.
     for (const bool several : {true, false}) {
-      // Addresses are short that are near w, before it or after, of vectors four times as far: it points amid the single ones.
+      // Addresses near w, before or after it, are short in the code; vectors may be four times as far. So w points amid the single values.
       middle_ += slots_;
       for (std::size_t u = 0; u < units.size(); ++u)
         if (units[u].several == several && last_use[u] > static_cast<int>(u) / options_.piece) {
           slot_[u] = slots_;
-          slots_ += several ? most_abreast : 1;
+          slots_ += several ? most_packable : 1;
         }
     }
     middle_ = (middle_ + slots_) / 2;
-    // A result is stored by the piece that computes it; those that none computes by the last one.
+    // The piece that computes a result stores it. The last piece stores results that no piece computes.
     stores_of_.resize(at(pieces_));
     for (std::size_t s = 0; s < stores_.size(); ++s) {
       const int p = pieceOf(stores_[s].node);
@@ -173,7 +173,7 @@ class Writer {
     return out;
   }
 
-  /// Where in memory a value that is there from the start is: array and index; of constants no array.
+  /// Array and index of a value that is in memory from the start. Constants have no array.
   std::pair<std::string, int> memoryOf(std::uint32_t i) const {
     const GraphNode& n = nodes()[i];
     if (n.operation == Operation::input) return inputs_[n.argument[0]];
@@ -191,16 +191,16 @@ class Writer {
     if (pieceOf(i) != piece) return "w[" + std::to_string(slot_[at(place.unit)] + place.lane - middle_) + "]";
     return unitOf(i).several ? "v" + std::to_string(place.unit) + "[" + std::to_string(place.lane) + "]" : "t" + std::to_string(place.unit);
   }
-  /// The same in lanes; lanes that nobody has may have anything.
-  std::string vector(const NodesAbreast& tuple, int piece) const {
+  /// Expression for a vector of these values. Lanes without a node may have any value.
+  std::string vector(const PackableNodes& tuple, int piece) const {
     const std::uint32_t first = *std::find_if(tuple.begin(), tuple.end(), [](std::uint32_t node) { return node != no_node; });
     const Place& place = schedule_.places[first];
     bool in_place = place.unit >= 0 && unitOf(first).several, side_by_side = place.unit < 0 && !isConstant(first);
     int start = -1;
-    for (int l = 0; l < most_abreast; ++l) {
+    for (int l = 0; l < most_packable; ++l) {
       const std::uint32_t node = tuple[at(l)];
       if (node == no_node) {
-        side_by_side = false;  // what follows may be past the end
+        side_by_side = false;  // a load of four numbers might read past the end of the array
         continue;
       }
       in_place = in_place && schedule_.places[node].unit == place.unit && schedule_.places[node].lane == l;
@@ -219,11 +219,11 @@ class Writer {
     return out + "}";
   }
 
-  /// Of four stores that are side by side what they store, if it is known or in the lanes of one vector; else nothing.
+  /// Expression for the values of four stores that are side by side, if all are constants or they are the lanes of one vector; else an empty text.
   std::string fourFrom(const std::vector<std::size_t>& stores, std::size_t k, int piece) const {
-    if (!vectors_ || k + most_abreast > stores.size()) return "";
+    if (!vectors_ || k + most_packable > stores.size()) return "";
     const Store& first = stores_[stores[k]];
-    NodesAbreast tuple;
+    PackableNodes tuple;
     bool known = true;
     for (std::size_t l = 0; l < tuple.size(); ++l) {
       const Store& store = stores_[stores[k + l]];
@@ -273,7 +273,8 @@ class Writer {
     return "";
   }
 
-  /// Of a piece, by unit what is stored after it, as soon as it is there, or it would take registers; -1: what is known.
+  /// Stores of piece p, by the unit that they follow: a result is stored as soon as it is computed, or else it would occupy a register. Unit -1 has
+  /// the values that no unit computes.
   std::map<int, std::string> storesOf(int p) const {
     std::map<int, std::string> out;
     const std::vector<std::size_t>& stores = stores_of_[at(p)];
@@ -282,7 +283,7 @@ class Writer {
       const std::string four = fourFrom(stores, k, p);
       if (!four.empty()) {
         out[schedule_.places[store.node].unit] += "  *(dyn_four*)(" + store.array + " + " + std::to_string(store.index) + ") = " + four + ";\n";
-        k += most_abreast - 1;
+        k += most_packable - 1;
         continue;
       }
       const std::string x = value(store.node, p);
@@ -299,14 +300,14 @@ class Writer {
       return found == stores.end() ? "" : found->second;
     };
     std::string out = "static DYN_PIECE void " + name_ + "_" + std::to_string(p) + "(" + parameters() + ") {\n";
-    std::map<NodesAbreast, std::string> gathered;
+    std::map<PackableNodes, std::string> gathered;
     const int count = static_cast<int>(schedule_.units.size());
     for (int u = p * options_.piece; u < std::min((p + 1) * options_.piece, count); ++u) {
       const Unit& unit = schedule_.units[at(u)];
       const std::string slot = std::to_string(slot_[at(u)] - middle_), id = std::to_string(u);
       if (unit.several) {
         const auto argument = [&](int k) {
-          const NodesAbreast tuple = argumentsOf(nodes(), unit, k);
+          const PackableNodes tuple = argumentsOf(nodes(), unit, k);
           std::string x = vector(tuple, p);
           if (x[0] == 'v') return x;
           std::string& name = gathered[tuple];
@@ -336,17 +337,17 @@ class Writer {
   const SourceOptions& options_;
   const Schedule schedule_;
   std::string name_;
-  // Arrays are called as their arguments, with "_" behind, which no name of the code's own has.
-  std::vector<std::pair<std::string, int>> inputs_;  ///< array and index of each
+  // Arrays have the names of their arguments followed by "_"; no other variable in the code has such a name.
+  std::vector<std::pair<std::string, int>> inputs_;  ///< array and index of each input
   struct Store {
     std::string array;
     int index;
     std::uint32_t node;
   };
   std::vector<Store> stores_;                        ///< where each output goes
-  std::vector<int> slot_;                            ///< by unit
-  std::vector<int> angle_;                           ///< by node of an input: its place among those whose sines are taken together
-  std::vector<std::uint32_t> angles_;                ///< these nodes
+  std::vector<int> slot_;                            ///< by unit: its place in w, or -1
+  std::vector<int> angle_;                           ///< by node of an input: its place in angles_, or -1
+  std::vector<std::uint32_t> angles_;                ///< nodes of the inputs whose sines or cosines are taken
   std::vector<std::vector<std::size_t>> stores_of_;  ///< by piece
   int pieces_ = 1, slots_ = 0;
   int middle_ = 0;  ///< the slot that w points to

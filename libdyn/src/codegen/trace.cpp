@@ -2,16 +2,17 @@
 #include "codegen/schedule.hpp"
 #include "codegen/traced_bodies.hpp"
 #include "compile/compact_impl.hpp"
-#include "kernels/aba.hpp"
-#include "kernels/aba_derivatives.hpp"
-#include "kernels/centroidal.hpp"
-#include "kernels/crba.hpp"
-#include "kernels/jacobians.hpp"
-#include "kernels/losses.hpp"
-#include "kernels/minverse.hpp"
-#include "kernels/rnea.hpp"
-#include "kernels/rnea_derivatives.hpp"
+#include "kernels/body/dissipation.hpp"
+#include "kernels/derivative/aba_derivatives.hpp"
+#include "kernels/derivative/centroidal.hpp"
+#include "kernels/derivative/minverse.hpp"
+#include "kernels/derivative/rnea_derivatives.hpp"
+#include "kernels/recursion/aba.hpp"
+#include "kernels/recursion/crba.hpp"
+#include "kernels/recursion/jacobians.hpp"
+#include "kernels/recursion/rnea.hpp"
 
+#include <dyn/catalogue/algorithm.hpp>
 #include <dyn/codegen/differentiate.hpp>
 #include <dyn/codegen/trace.hpp>
 #include <dyn/error.hpp>
@@ -26,19 +27,19 @@ namespace {
 
 using T = Traced;
 
-/// The recursions' memory in traced numbers, and the joints evaluated in them.
+/// Holds the recursions' memory in traced numbers and evaluates the joints into it.
 class Tracer {
  public:
-  Tracer(const CompactImpl& m, bool abreast) : limbs(m, abreast), bodies(m, w, limbs), m_(m) {
+  Tracer(const CompactImpl& m, bool packable) : limbs(m, packable), bodies(m, w, limbs), m_(m) {
     limbs.builder = &builder;
     w.limbs = &limbs;
     Arena counted(nullptr);
-    carve(counted);
+    layOut(counted);
     const std::size_t bytes = counted.used() + Arena::alignment;
-    memory_ = std::make_unique<char[]>(bytes);  // zero: known numbers that are zero
+    memory_ = std::make_unique<char[]>(bytes);  // zero bytes are numbers that are known to be zero
     const auto address = reinterpret_cast<std::uintptr_t>(memory_.get());
     Arena arena(memory_.get() + (Arena::alignment - address % Arena::alignment) % Arena::alignment);
-    carve(arena);
+    layOut(arena);
     atRest(static_cast<Workspace<T>&>(w));
   }
 
@@ -48,7 +49,7 @@ class Tracer {
     return in.data();
   }
 
-  /// Poses, subspaces and, with v, biases of all joints.
+  /// Evaluates the poses, subspaces and, unless v is null, biases of all joints.
   void evaluate(const T* q, const T* v) {
     for (std::size_t b = 0; b < m_.batches.size(); ++b) {
       const TypeBatch& batch = m_.batches[b];
@@ -65,11 +66,11 @@ class Tracer {
         call.v = v_of.data();
         call.bias = memory.bias;
       }
-      ask(batch, call);
+      evaluateBatch(batch, call);
     }
   }
 
-  /// How subspaces and biases that vary change along each of a joint's own degrees of freedom: their graphs, differentiated.
+  /// Differentiates the graphs of varying subspaces and biases along each of the joint's own degrees of freedom.
   void evaluateSubspaceDerivatives(const T* q, const T* v) {
     for (std::size_t b = 0; b < m_.batches.size(); ++b) {
       const TypeBatch& batch = m_.batches[b];
@@ -87,7 +88,7 @@ class Tracer {
           call.pose = pose;
           call.subspace = result;
           call.bias = result + 6 * batch.nv;
-          ask(batch, call);
+          evaluateBatch(batch, call);
         }));
         const BodyIndex& x = m_.index[at(batch.bodies[at(k)])];
         std::vector<T> in(q + x.idx_q, q + x.idx_q + batch.nq);
@@ -102,7 +103,7 @@ class Tracer {
           for (int row = 0; row < 6 * batch.nv + 6; ++row) place(row, along) = T(0);
         for (std::size_t e = 0; e < entries.size(); ++e) {
           const int row = changes.sparsity.row[e], coordinate = changes.sparsity.column[e];
-          if (coordinate >= batch.nq) continue;  // by v nothing is asked
+          if (coordinate >= batch.nq) continue;  // derivatives by v are not needed
           if (!batch.curved) place(row, coordinate) = entries[e];
           for (int along = 0; along < batch.nv && batch.curved; ++along) place(row, along) += rates[at(batch.nq * along + coordinate)] * entries[e];
         }
@@ -117,9 +118,9 @@ class Tracer {
   const kernels::TracedBodies bodies;
 
  private:
-  void carve(Arena& arena) {
-    dyn::carve(static_cast<Workspace<T>&>(w), m_, arena);
-    kernels::carve(d, m_, arena);
+  void layOut(Arena& arena) {
+    dyn::layOut(static_cast<Workspace<T>&>(w), m_, arena);
+    kernels::layOut(d, m_, arena);
   }
   static JointBatch<T> callOf(const TypeBatch& batch) {
     JointBatch<T> call;
@@ -136,7 +137,7 @@ class Tracer {
       for (int c = 0; c < batch.nv && v; ++c) v_of[at(c * batch.count + k)] = v[x.idx_v + c];
     }
   }
-  /// dq/dt of joint k for each of its unit velocities, one after the other; `in` begins with its q.
+  /// Returns dq/dt of joint k for each of its unit velocities, one after the other; `in` begins with the joint's q.
   static std::vector<T> ratesOf(const TypeBatch& batch, int k, const std::vector<T>& in) {
     std::vector<T> rates(at(batch.nq * batch.nv)), unit(at(batch.nv));
     ConfigurationBatch<T> call = batch.placeOf(k).question<T>();
@@ -150,7 +151,7 @@ class Tracer {
     }
     return rates;
   }
-  static void ask(const TypeBatch& batch, const JointBatch<T>& call) {
+  static void evaluateBatch(const TypeBatch& batch, const JointBatch<T>& call) {
     if (!batch.type->kinematics(call)) refuse(batch);
   }
   [[noreturn]] static void refuse(const TypeBatch& batch) {
@@ -161,7 +162,7 @@ class Tracer {
 
   const CompactImpl& m_;
   std::unique_ptr<char[]> memory_;
-  std::deque<std::vector<T>> inputs_;  ///< which stay where they are
+  std::deque<std::vector<T>> inputs_;  ///< a deque, as pointers to its elements must stay valid
 };
 
 using Numbers = std::vector<T>;
@@ -171,7 +172,7 @@ void append(const SE3<T>& X, Numbers& out) {
   out.insert(out.end(), {X.p.x, X.p.y, X.p.z});
 }
 
-/// n x n, column after column, entries off the paths zero.
+/// Appends an n x n matrix, column after column. Entries are zero unless one degree of freedom lies on the other's root path.
 void append(const CompactImpl& m, const kernels::PathMatrix<T>& from, Numbers& out) {
   const auto n = at(m.nvx);
   Numbers whole(n * n);
@@ -179,15 +180,43 @@ void append(const CompactImpl& m, const kernels::PathMatrix<T>& from, Numbers& o
   out.insert(out.end(), whole.begin(), whole.end());
 }
 
-/// What a function reads besides q, and how its results are called. `run` appends the results' numbers.
+int sizeOf(Extent extent, const CompactImpl& m) {
+  switch (extent) {
+    case Extent::one:
+      return 1;
+    case Extent::three:
+      return 3;
+    case Extent::six:
+      return 6;
+    case Extent::twelve:
+      return 12;
+    case Extent::nv:
+      return m.nv;
+    case Extent::joints:
+      return static_cast<int>(m.joints.size());
+    default:
+      return static_cast<int>(m.frames.size());
+  }
+}
+
+/// A function that can be traced. `run` appends the numbers of the results.
 struct Recipe {
+  using Run = void (*)(const CompactImpl&, Tracer&, const std::vector<T*>& in, Numbers& out);
   const char* name;
-  std::vector<const char*> inputs;  ///< "q" has nq numbers, others nv
-  std::vector<ArgumentShape> (*outputs)(const CompactImpl&);
-  void (*run)(const CompactImpl&, Tracer&, const std::vector<T*>& in, Numbers& out);
+  std::vector<const char*> inputs;  ///< "q" has nq numbers, the others have nv
+  std::vector<AlgorithmOutput> outputs;
+  Run run;
 };
 
-std::vector<ArgumentShape> matrix(const char* name, const CompactImpl& m) { return {{name, m.nv, m.nv}}; }
+/// An algorithm of the catalogue, with its first `count` results.
+Recipe fromCatalogue(Algorithm algorithm, Recipe::Run run, std::size_t count = 4) {
+  const AlgorithmInfo& entry = info(algorithm);
+  Recipe out{entry.traced, {}, {}, run};
+  for (const char* input : entry.inputs)
+    if (input != nullptr) out.inputs.push_back(input);
+  for (std::size_t k = 0; k < count && entry.outputs[k].symbol != nullptr; ++k) out.outputs.push_back(entry.outputs[k]);
+  return out;
+}
 
 void inverseDynamics(const CompactImpl& m, Tracer& t, const T* q, const T* v, const T* a, Numbers& out) {
   Numbers tau(at(m.nvx));
@@ -201,14 +230,15 @@ void inverseDynamics(const CompactImpl& m, Tracer& t, const T* q, const T* v, co
 void forwardDynamics(const CompactImpl& m, Tracer& t, const std::vector<T*>& in, Numbers& ddq) {
   Numbers tau(in[2], in[2] + m.nvx);
   ddq.assign(at(m.nvx), T(0));
-  kernels::addLosses(m, -1.0, static_cast<const T*>(in[1]), tau.data());
+  kernels::addDissipation(m, -1.0, static_cast<const T*>(in[1]), tau.data());
   t.evaluate(in[0], in[1]);
   kernels::abaOutward(t.bodies, t.w, static_cast<const T*>(in[1]));
   kernels::abaInward(t.bodies, t.w, static_cast<const T*>(tau.data()));
   kernels::abaSolve(t.bodies, t.w, t.bodies.gravity(), ddq.data());
 }
 
-/// kernels::downTheTree column by column, from zeros or the other sign of `below`; of a symmetric product each number once.
+/// Does the work of kernels::downTheTree column by column. Columns begin with zeros or, given `below`, with its negative. Without `below` the product
+/// is symmetric, and each entry is computed once.
 Numbers downTheTree(const CompactImpl& m, const Tracer& t, const Rows<T>& right, const Rows<T>* below) {
   const auto n = at(m.nvx);
   const kernels::TreeFactors<T>& factors = t.d.factors;
@@ -235,7 +265,7 @@ Numbers downTheTree(const CompactImpl& m, const Tracer& t, const Rows<T>& right,
 
 void abaDerivatives(const CompactImpl& m, Tracer& t, const std::vector<T*>& in, Numbers& out) {
   Numbers tau(in[2], in[2] + m.nvx), ddq(at(m.nvx));
-  kernels::addLosses(m, -1.0, static_cast<const T*>(in[1]), tau.data());
+  kernels::addDissipation(m, -1.0, static_cast<const T*>(in[1]), tau.data());
   t.evaluate(in[0], in[1]);
   t.evaluateSubspaceDerivatives(in[0], in[1]);
   kernels::abaDerivativesSweep<T>(kernels::recursion(m, static_cast<Workspace<T>&>(t.w), t.d), t.w, t.d, static_cast<const T*>(in[1]),
@@ -246,119 +276,78 @@ void abaDerivatives(const CompactImpl& m, Tracer& t, const std::vector<T*>& in, 
 }
 
 const std::vector<Recipe>& recipes() {
-  static const std::vector<Recipe> all = {
-      {"rnea",
-       {"q", "v", "a"},
-       [](const CompactImpl& m) {
-         return std::vector<ArgumentShape>{{"tau", m.nv}};
-       },
-       [](const CompactImpl& m, Tracer& t, const std::vector<T*>& in, Numbers& out) { inverseDynamics(m, t, in[0], in[1], in[2], out); }},
-      {"nonLinearEffects",
-       {"q", "v"},
-       [](const CompactImpl& m) {
-         return std::vector<ArgumentShape>{{"nle", m.nv}};
-       },
-       [](const CompactImpl& m, Tracer& t, const std::vector<T*>& in, Numbers& out) {
-         inverseDynamics(m, t, in[0], in[1], Numbers(at(m.nvx)).data(), out);
-       }},
-      {"gravity",
-       {"q"},
-       [](const CompactImpl& m) {
-         return std::vector<ArgumentShape>{{"g", m.nv}};
-       },
-       [](const CompactImpl& m, Tracer& t, const std::vector<T*>& in, Numbers& out) {
-         const Numbers zero(at(m.nvx));
-         inverseDynamics(m, t, in[0], zero.data(), zero.data(), out);
-       }},
-      {"crba",
-       {"q"},
-       [](const CompactImpl& m) { return matrix("M", m); },
-       [](const CompactImpl& m, Tracer& t, const std::vector<T*>& in, Numbers& out) {
-         out.resize(at(m.nvx) * at(m.nvx));
-         t.evaluate(in[0], nullptr);
-         kernels::massMatrix(t.bodies, t.w, out.data());
-       }},
-      {"aba",
-       {"q", "v", "tau"},
-       [](const CompactImpl& m) {
-         return std::vector<ArgumentShape>{{"ddq", m.nv}};
-       },
-       forwardDynamics},
-      {"minverse",
-       {"q"},
-       [](const CompactImpl& m) { return matrix("Minv", m); },
-       [](const CompactImpl& m, Tracer& t, const std::vector<T*>& in, Numbers& out) {
-         t.evaluate(in[0], nullptr);
-         kernels::treeFactors<T>(m, t.w, t.d);
-         out = downTheTree(m, t, t.d.factors.U, nullptr);
-       }},
-      {"forwardKinematics",
-       {"q"},
-       [](const CompactImpl& m) {
-         return std::vector<ArgumentShape>{{"oMi", 12, static_cast<int>(m.joints.size())}};
-       },
-       [](const CompactImpl& m, Tracer& t, const std::vector<T*>& in, Numbers& out) {
-         t.evaluate(in[0], nullptr);
-         kernels::forwardKinematics(t.bodies, t.w, static_cast<const T*>(nullptr), static_cast<const T*>(nullptr));
-         for (std::size_t j = 0; j < m.joints.size(); ++j) append(t.w.oM[m.body_of_joint[j]] * cast<T>(m.user_frame[j]), out);
-       }},
-      {"frames",
-       {"q"},
-       [](const CompactImpl& m) {
-         return std::vector<ArgumentShape>{{"oMf", 12, static_cast<int>(m.frames.size())}};
-       },
-       [](const CompactImpl& m, Tracer& t, const std::vector<T*>& in, Numbers& out) {
-         t.evaluate(in[0], nullptr);
-         kernels::forwardKinematics(t.bodies, t.w, static_cast<const T*>(nullptr), static_cast<const T*>(nullptr));
-         for (std::size_t f = 0; f < m.frames.size(); ++f) append(t.w.oM[m.frame_body[f]] * cast<T>(m.frame_placement[f]), out);
-       }},
-      {"jacobians",
-       {"q"},
-       [](const CompactImpl& m) {
-         return std::vector<ArgumentShape>{{"J", 6, m.nv}};
-       },
-       [](const CompactImpl& m, Tracer& t, const std::vector<T*>& in, Numbers& out) {
-         out.resize(6 * at(m.nvx));
-         t.evaluate(in[0], nullptr);
-         kernels::jointJacobians(t.bodies, t.w, out.data());
-       }},
-      {"rnea_derivatives",
-       {"q", "v", "a"},
-       [](const CompactImpl& m) {
-         return std::vector<ArgumentShape>{{"dtau_dq", m.nv, m.nv}, {"dtau_dv", m.nv, m.nv}, {"M", m.nv, m.nv}};
-       },
-       [](const CompactImpl& m, Tracer& t, const std::vector<T*>& in, Numbers& out) {
-         t.evaluate(in[0], in[1]);
-         t.evaluateSubspaceDerivatives(in[0], in[1]);
-         kernels::derivativesOutward(t.bodies, t.d, t.bodies.gravity(), static_cast<const T*>(in[1]), static_cast<const T*>(in[2]));
-         kernels::derivativesInward(t.bodies, t.d);
-         t.bodies.neighboursAlike(t.d.dof_force);
-         kernels::derivativesSweep<T>(kernels::recursion(m, static_cast<Workspace<T>&>(t.w), t.d), t.d);
-         append(m, t.d.by_q, out);
-         append(m, t.d.by_v, out);
-         append(m, t.d.by_a, out);
-       }},
-      {"aba_derivatives",
-       {"q", "v", "tau"},
-       [](const CompactImpl& m) {
-         return std::vector<ArgumentShape>{{"ddq_dq", m.nv, m.nv}, {"ddq_dv", m.nv, m.nv}, {"Minv", m.nv, m.nv}};
-       },
-       abaDerivatives},
-      {"centroidal_map",
-       {"q"},
-       [](const CompactImpl& m) {
-         return std::vector<ArgumentShape>{{"Ag", 6, m.nv}};
-       },
-       [](const CompactImpl& m, Tracer& t, const std::vector<T*>& in, Numbers& out) {
-         out.resize(6 * at(m.nvx));
-         if (m.bodies() == 1) return;  // nothing moves, and no tree has a root
-         const Numbers zero(at(m.nvx));
-         t.evaluate(in[0], nullptr);
-         kernels::CentroidalMaps<T> maps;
-         maps.Ag = out.data();
-         kernels::centroidal<T>(m, t.w, t.d, zero.data(), zero.data(), maps);
-       }},
-  };
+  static const std::vector<Recipe> all = [] {
+    using A = Algorithm;
+    Recipe centroidal_map = fromCatalogue(A::centroidal_map, [](const CompactImpl& m, Tracer& t, const std::vector<T*>& in, Numbers& out) {
+      out.resize(6 * at(m.nvx));
+      if (m.bodies() == 1) return;  // no body moves, so there is no root
+      const Numbers zero(at(m.nvx));
+      t.evaluate(in[0], nullptr);
+      kernels::CentroidalMaps<T> maps;
+      maps.Ag = out.data();
+      kernels::centroidal<T>(m, t.w, t.d, zero.data(), zero.data(), maps);
+    });
+    centroidal_map.inputs = {"q"};
+    centroidal_map.outputs = {info(A::centroidal_map).outputs[1]};
+    return std::vector<Recipe>{
+        fromCatalogue(A::rnea, [](const CompactImpl& m, Tracer& t, const std::vector<T*>& in,
+                                  Numbers& out) { inverseDynamics(m, t, in[0], in[1], in[2], out); }),
+        fromCatalogue(A::nle, [](const CompactImpl& m, Tracer& t, const std::vector<T*>& in,
+                                 Numbers& out) { inverseDynamics(m, t, in[0], in[1], Numbers(at(m.nvx)).data(), out); }),
+        fromCatalogue(A::gravity,
+                      [](const CompactImpl& m, Tracer& t, const std::vector<T*>& in, Numbers& out) {
+                        const Numbers zero(at(m.nvx));
+                        inverseDynamics(m, t, in[0], zero.data(), zero.data(), out);
+                      }),
+        fromCatalogue(A::mass_matrix,
+                      [](const CompactImpl& m, Tracer& t, const std::vector<T*>& in, Numbers& out) {
+                        out.resize(at(m.nvx) * at(m.nvx));
+                        t.evaluate(in[0], nullptr);
+                        kernels::massMatrix(t.bodies, t.w, out.data());
+                      }),
+        fromCatalogue(A::aba, forwardDynamics),
+        fromCatalogue(A::minverse,
+                      [](const CompactImpl& m, Tracer& t, const std::vector<T*>& in, Numbers& out) {
+                        t.evaluate(in[0], nullptr);
+                        kernels::treeFactors<T>(m, t.w, t.d);
+                        out = downTheTree(m, t, t.d.factors.U, nullptr);
+                      }),
+        fromCatalogue(A::placements,
+                      [](const CompactImpl& m, Tracer& t, const std::vector<T*>& in, Numbers& out) {
+                        t.evaluate(in[0], nullptr);
+                        kernels::forwardKinematics(t.bodies, t.w, static_cast<const T*>(nullptr), static_cast<const T*>(nullptr));
+                        for (std::size_t j = 0; j < m.joints.size(); ++j) append(t.w.oM[m.body_of_joint[j]] * cast<T>(m.user_frame[j]), out);
+                      }),
+        {"frames",
+         {"q"},
+         {{"oMf", nullptr, Extent::twelve, Extent::frames}},
+         [](const CompactImpl& m, Tracer& t, const std::vector<T*>& in, Numbers& out) {
+           t.evaluate(in[0], nullptr);
+           kernels::forwardKinematics(t.bodies, t.w, static_cast<const T*>(nullptr), static_cast<const T*>(nullptr));
+           for (std::size_t f = 0; f < m.frames.size(); ++f) append(t.w.oM[m.frame_body[f]] * cast<T>(m.frame_placement[f]), out);
+         }},
+        fromCatalogue(A::joint_jacobians,
+                      [](const CompactImpl& m, Tracer& t, const std::vector<T*>& in, Numbers& out) {
+                        out.resize(6 * at(m.nvx));
+                        t.evaluate(in[0], nullptr);
+                        kernels::jointJacobians(t.bodies, t.w, out.data());
+                      }),
+        fromCatalogue(A::rnea_derivatives,
+                      [](const CompactImpl& m, Tracer& t, const std::vector<T*>& in, Numbers& out) {
+                        t.evaluate(in[0], in[1]);
+                        t.evaluateSubspaceDerivatives(in[0], in[1]);
+                        kernels::derivativesOutward(t.bodies, t.d, t.bodies.gravity(), static_cast<const T*>(in[1]), static_cast<const T*>(in[2]));
+                        kernels::derivativesInward(t.bodies, t.d);
+                        t.bodies.neighboursPackable(t.d.dof_force);
+                        kernels::derivativesSweep<T>(kernels::recursion(m, static_cast<Workspace<T>&>(t.w), t.d), t.d);
+                        append(m, t.d.by_q, out);
+                        append(m, t.d.by_v, out);
+                        append(m, t.d.by_a, out);
+                      }),
+        fromCatalogue(A::aba_derivatives, abaDerivatives, 3),
+        centroidal_map,
+    };
+  }();
   return all;
 }
 
@@ -383,7 +372,7 @@ TracedFunction traced(const CompactImpl& m, const Recipe& recipe, Tracer& tracer
     out.inputs.push_back({name, size});
     in.push_back(tracer.input(size));
   }
-  out.outputs = recipe.outputs(m);
+  for (const AlgorithmOutput& output : recipe.outputs) out.outputs.push_back({output.symbol, sizeOf(output.rows, m), sizeOf(output.columns, m)});
   Numbers results;
   recipe.run(m, tracer, in, results);
   try {
@@ -405,9 +394,9 @@ TracedFunction trace(const CompactModel& model, const std::string& function, con
   }
   if (!m.couplings.empty())
     throw Error(ErrorCode::model, "joints that follow others cannot be traced; load the model with them independent, or keep them as constraints");
-  Tracer tracer(m, options.abreast);
+  Tracer tracer(m, options.packable);
   TracedFunction out = traced(m, *recipe, tracer);
-  if (tracer.limbs.has_columns && options.abreast) {
+  if (tracer.limbs.has_columns && options.packable) {
     Tracer other(m, true);
     other.limbs.columns_by_neighbours = true;
     TracedFunction by_neighbours = traced(m, *recipe, other);

@@ -1,7 +1,7 @@
-// Walking the bodies in traced numbers: those of limbs that are alike one after the other, as runs of the same code (GraphBuilder::abreast).
+// Visits the bodies in traced numbers. Bodies that share a lane group are visited as runs of the same code (GraphBuilder::packable).
 #pragma once
 
-#include "kernels/recursion.hpp"
+#include "kernels/derivative/recursion.hpp"
 
 #include <dyn/codegen/graph.hpp>
 
@@ -11,31 +11,33 @@
 
 namespace dyn {
 
-static_assert(most_abreast == strip_lanes);
+static_assert(most_packable == group_lanes);
 
-/// Which bodies, and degrees of freedom, are walked abreast: as the plan of strips seats them, or each for itself.
+/// Which bodies and degrees of freedom are packable: those that share a lane group, or none.
 class Limbs {
  public:
-  Limbs(const CompactImpl& m, bool abreast);
+  Limbs(const CompactImpl& m, bool packable);
 
   const CompactImpl& m;
-  const bool abreast;
+  const bool packable;
   GraphBuilder* builder = nullptr;
-  bool columns_by_neighbours = false;  ///< which columns of matrices go abreast: those of limbs that are alike, or neighbours
-  bool has_columns = false;            ///< whether there were some
-  StripPlan plan;
-  std::vector<Run> runs;                   ///< by body: itself
-  std::vector<char> gives_first;           ///< by body: of its parent's children the one that is met first on the way inward
-  std::vector<std::vector<char>> uniform;  ///< by strip: which of the bodies' constants are such that nothing may be simplified for one of them alone
+  bool columns_by_neighbours = false;  ///< columns of matrices are packed with their neighbours, else by lane groups
+  bool has_columns = false;            ///< whether columns of matrices were visited
+  LaneGroupPlan plan;
+  std::vector<Run> runs;          ///< by body: a run of this body alone
+  std::vector<char> gives_first;  ///< by body: whether backward() visits it first among its parent's children
+  /// By lane group and constant: whether the constant is 0, is 1, is -1, is negative or is positive in all bodies of the group alike. Then operations
+  /// are simplified for all of them or for none.
+  std::vector<std::vector<char>> uniform;
 
-  bool several(int strip) const {
-    const int* body = plan.strips[static_cast<std::size_t>(strip)].body;
-    return std::count_if(body, body + strip_lanes, [](int b) { return b >= 0; }) > 1;
+  bool several(int group) const {
+    const int* body = plan.lane_groups[static_cast<std::size_t>(group)].body;
+    return std::count_if(body, body + group_lanes, [](int b) { return b >= 0; }) > 1;
   }
-  const Seat& seat(int body) const { return plan.seats[static_cast<std::size_t>(body)]; }
+  const LaneSlot& laneSlot(int body) const { return plan.lane_slots[static_cast<std::size_t>(body)]; }
 };
 
-/// Workspaces of traced numbers are these.
+/// The workspace of traced numbers, through which OrderOf<Traced> finds the limbs.
 struct TracedWorkspace : Workspace<Traced> {
   Limbs* limbs = nullptr;
 };
@@ -44,7 +46,7 @@ namespace kernels {
 
 struct TracedBodies;
 
-/// Notes what bodies have by themselves.
+/// Notes the numbers that a body adds to those of its children.
 template <class T>
 struct NotedFromChildren : FromChildren<TracedBodies, T> {
   std::vector<Traced>& noted;
@@ -80,7 +82,7 @@ struct TracedBodies : Bodies<Traced> {
     }
     nextStep();
   }
-  // What lanes do in between is compared for itself: not all of them have children.
+  // Not all lanes have children, so the operations from here to unite() form a step of their own.
   bool isLeaf(int i) const {
     nextStep();
     return Bodies::isLeaf(i);
@@ -91,28 +93,30 @@ struct TracedBodies : Bodies<Traced> {
   }
 
   BodyEntry<TracedBodies, Traced> entry(Traced* M, int i, int iv) const { return {*this, M, i, iv}; }
-  void reaches(int i) const { limbs.builder->step(reached + limbs.seat(i).strip); }
+  void reaches(int i) const { limbs.builder->step(reached + limbs.laneSlot(i).group); }
   void goesUp(int dof) const { limbs.builder->step(reached + placeOf(dof)); }
   void goesDown(int dof) const { limbs.builder->step(down + dof); }
 
-  /// Tells that all degrees of freedom's numbers in the array are found by the same code.
+  /// Marks neighbouring degrees of freedom as packable, since the same code computes their numbers in the array.
   template <class Value>
-  void neighboursAlike(const Value* array) const {
-    neighboursAlike(m.nvx, sizeof(Value) / sizeof(Traced), [&](int dof, std::size_t k) { return reinterpret_cast<const Traced*>(array + dof)[k]; });
+  void neighboursPackable(const Value* array) const {
+    neighboursPackable(m.nvx, sizeof(Value) / sizeof(Traced),
+                       [&](int dof, std::size_t k) { return reinterpret_cast<const Traced*>(array + dof)[k]; });
   }
 
-  /// In lanes those of limbs that are alike, else neighbours; columns of matrices as the limbs say.
+  /// Calls use(dof) for the degrees of freedom from `first` to `end`. Those of one lane group are packed, else neighbours; for columns of matrices
+  /// Limbs::columns_by_neighbours decides.
   template <class Use>
   void eachDof(int first, int end, Use&& use) const {
     const bool columns = !visiting_;
     limbs.has_columns = limbs.has_columns || columns;
     eachTogether(first, end, use, [&](int dof, auto&& isOpen) {
       if (columns && limbs.columns_by_neighbours) return neighboursOf(dof, isOpen);
-      std::array<int, strip_lanes> dofs = nobody;
+      std::array<int, group_lanes> dofs = nobody;
       const int body = m.dof_body[static_cast<std::size_t>(dof)], k = dof - index(body).idx_v;
       int count = 0;
       for (std::size_t l = 0; l < dofs.size(); ++l) {
-        const int other = limbs.plan.strips[static_cast<std::size_t>(limbs.seat(body).strip)].body[l];
+        const int other = limbs.plan.lane_groups[static_cast<std::size_t>(limbs.laneSlot(body).group)].body[l];
         if (other < 0 || !isOpen(index(other).idx_v + k)) continue;
         dofs[l] = index(other).idx_v + k;
         ++count;
@@ -123,17 +127,17 @@ struct TracedBodies : Bodies<Traced> {
 
   template <class Body, class... T>
   void forward(std::tuple<T*...> arrays, Body&& body) const {
-    for (std::size_t s = 1; s < limbs.plan.strips.size(); ++s)
-      overStrip(static_cast<int>(s), [&]<class Joint>(const Joint& joint, int i) {
+    for (std::size_t s = 1; s < limbs.plan.lane_groups.size(); ++s)
+      overLaneGroup(static_cast<int>(s), [&]<class Joint>(const Joint& joint, int i) {
         std::apply([&](T*... x) { body(joint, i, index(i).idx_v, FromParent<TracedBodies, T>(*this, x, i)...); }, arrays);
       });
   }
-  /// What bodies have by themselves, neighbours have found by the same code.
+  /// Also marks neighbouring bodies as packable, since the same code computes what they add themselves.
   template <class Body, class... T>
   void backward(std::tuple<T*...> arrays, Body&& body) const {
     std::vector<std::vector<Traced>> own(static_cast<std::size_t>(m.bodies()));
-    for (std::size_t s = limbs.plan.strips.size(); s-- > 1;)
-      overStrip(static_cast<int>(s), [&]<class Joint>(const Joint& joint, int i) {
+    for (std::size_t s = limbs.plan.lane_groups.size(); s-- > 1;)
+      overLaneGroup(static_cast<int>(s), [&]<class Joint>(const Joint& joint, int i) {
         std::apply(
             [&](T*... x) {
               body(joint, i, index(i).idx_v, NotedFromChildren<T>{{*this, x, i}, own[static_cast<std::size_t>(i)]}...);
@@ -142,7 +146,7 @@ struct TracedBodies : Bodies<Traced> {
       });
     std::size_t most = 0;
     for (const std::vector<Traced>& numbers : own) most = std::max(most, numbers.size());
-    neighboursAlike(m.bodies(), most, [&](int i, std::size_t k) {
+    neighboursPackable(m.bodies(), most, [&](int i, std::size_t k) {
       const std::vector<Traced>& numbers = own[static_cast<std::size_t>(i)];
       return k < numbers.size() ? numbers[k] : Traced();
     });
@@ -151,24 +155,24 @@ struct TracedBodies : Bodies<Traced> {
  private:
   static constexpr int reached = 1 << 24, down = 2 << 24, along = 3 << 24;
 
-  static constexpr std::array<int, strip_lanes> nobody{-1, -1, -1, -1};
+  static constexpr std::array<int, group_lanes> nobody{-1, -1, -1, -1};
 
-  /// Of `count` items, which have `numbers` each.
+  /// Marks neighbours among `count` items as packable, number by number; each item has up to `numbers` of them.
   template <class NumberOf>
-  void neighboursAlike(int count, std::size_t numbers, NumberOf&& numberOf) const {
-    if (!limbs.abreast) return;
-    for (int first = count % most_abreast - most_abreast; first < count; first += most_abreast)
+  void neighboursPackable(int count, std::size_t numbers, NumberOf&& numberOf) const {
+    if (!limbs.packable) return;
+    for (int first = count % most_packable - most_packable; first < count; first += most_packable)
       for (std::size_t k = 0; k < numbers; ++k) {
-        std::array<Traced, most_abreast> neighbours;
-        for (int l = std::max(-first, 0); l < most_abreast; ++l) neighbours[static_cast<std::size_t>(l)] = numberOf(first + l, k);
-        limbs.builder->alike(neighbours);
+        std::array<Traced, most_packable> neighbours;
+        for (int l = std::max(-first, 0); l < most_packable; ++l) neighbours[static_cast<std::size_t>(l)] = numberOf(first + l, k);
+        limbs.builder->markPackable(neighbours);
       }
   }
-  /// choose(dof, isOpen): which go along with dof, by lane, of those that are open yet.
+  /// choose(dof, isOpen) returns by lane those degrees of freedom, out of the open ones, that are packed with dof.
   template <class Use, class Choose>
   void eachTogether(int first, int end, Use&& use, Choose&& choose) const {
     GraphBuilder& builder = *limbs.builder;
-    if (builder.inRun() || !limbs.abreast) {
+    if (builder.inRun() || !limbs.packable) {
       for (int dof = first; dof < end; ++dof) {
         builder.step(along + dof - first);
         use(dof);
@@ -178,10 +182,10 @@ struct TracedBodies : Bodies<Traced> {
     std::vector<char> done(static_cast<std::size_t>(end), 0);
     for (int dof = first; dof < end; ++dof) {
       if (done[static_cast<std::size_t>(dof)]) continue;
-      const std::array<int, strip_lanes> dofs =
+      const std::array<int, group_lanes> dofs =
           choose(dof, [&](int other) { return other >= first && other < end && !done[static_cast<std::size_t>(other)]; });
-      builder.abreast([&] {
-        for (int l = 0; l < strip_lanes; ++l) {
+      builder.packable([&] {
+        for (int l = 0; l < group_lanes; ++l) {
           const int next = dofs[static_cast<std::size_t>(l)];
           if (next < 0) continue;
           builder.run(l);
@@ -192,24 +196,25 @@ struct TracedBodies : Bodies<Traced> {
       });
     }
   }
-  /// Of dof and those that follow it the ones up to where lanes begin again, which they do such that the last ones, far from the root, fill them.
+  /// Returns dof and the degrees of freedom after it up to the end of their pack. The last pack ends with the last degree of freedom, so packs far
+  /// from the root are full.
   template <class May>
-  std::array<int, strip_lanes> neighboursOf(int dof, May&& may) const {
-    std::array<int, strip_lanes> dofs = nobody;
-    const int lane = (dof + strip_lanes - m.nvx % strip_lanes) % strip_lanes;
-    for (int l = lane; l < strip_lanes; ++l)
+  std::array<int, group_lanes> neighboursOf(int dof, May&& may) const {
+    std::array<int, group_lanes> dofs = nobody;
+    const int lane = (dof + group_lanes - m.nvx % group_lanes) % group_lanes;
+    for (int l = lane; l < group_lanes; ++l)
       if (const int other = dof - lane + l; may(other)) dofs[static_cast<std::size_t>(l)] = other;
     return dofs;
   }
   int placeOf(int dof) const {
     const int body = m.dof_body[static_cast<std::size_t>(dof)];
-    return limbs.seat(body).strip_dof + dof - index(body).idx_v;
+    return limbs.laneSlot(body).group_dof + dof - index(body).idx_v;
   }
-  /// Of the degrees of freedom of a range no other is in its strip.
+  /// Whether no other body of dof's lane group has degrees of freedom between `first` and `end`.
   bool alone(int dof, int first, int end) const {
     const int body = m.dof_body[static_cast<std::size_t>(dof)];
-    const Strip& strip = limbs.plan.strips[static_cast<std::size_t>(limbs.seat(body).strip)];
-    return std::none_of(strip.body, strip.body + strip_lanes,
+    const LaneGroup& group = limbs.plan.lane_groups[static_cast<std::size_t>(limbs.laneSlot(body).group)];
+    return std::none_of(group.body, group.body + group_lanes,
                         [&](int other) { return other >= 0 && other != body && index(other).idx_v >= first && index(other).idx_v < end; });
   }
   void nextStep(bool compared = true) const {
@@ -217,9 +222,9 @@ struct TracedBodies : Bodies<Traced> {
     limbs.builder->step(compared ? step_ : -1);
   }
   template <class Visit>
-  void overStrip(int s, Visit&& visit) const {
+  void overLaneGroup(int s, Visit&& visit) const {
     GraphBuilder& builder = *limbs.builder;
-    const Strip& strip = limbs.plan.strips[static_cast<std::size_t>(s)];
+    const LaneGroup& group = limbs.plan.lane_groups[static_cast<std::size_t>(s)];
     const auto visitBody = [&](int i) {
       const Run& run = limbs.runs[static_cast<std::size_t>(i)];
       withShape<Traced>(run.shape, run.nv, [&]<class Joint>() {
@@ -230,17 +235,17 @@ struct TracedBodies : Bodies<Traced> {
       });
     };
     if (!limbs.several(s)) {
-      for (const int i : strip.body)
+      for (const int i : group.body)
         if (i >= 0) visitBody(i);
       return;
     }
-    builder.abreast([&] {
-      for (int l = 0; l < strip_lanes; ++l) {
-        if (strip.body[l] < 0) continue;
+    builder.packable([&] {
+      for (int l = 0; l < group_lanes; ++l) {
+        if (group.body[l] < 0) continue;
         builder.run(l);
         step_ = 0;
         nextStep();
-        visitBody(strip.body[l]);
+        visitBody(group.body[l]);
       }
     });
   }

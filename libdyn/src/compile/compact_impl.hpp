@@ -1,7 +1,7 @@
-// The compact model: hot constants by body, batches by type, runs in depth-first order. Written once by pack(), then constant.
+// The compact model: frequently read constants by body, batches by type, and runs in depth-first order. pack() writes it once; then it is constant.
 #pragma once
 
-#include "compile/strips.hpp"
+#include "compile/lane_groups.hpp"
 #include "joint/coordinate.hpp"
 
 #include <dyn/compile/compact_model.hpp>
@@ -13,7 +13,7 @@
 
 namespace dyn {
 
-/// What the sweeps read of a body, 31 numbers side by side.
+/// The numbers of a body that the sweeps read, 31 side by side.
 template <class T>
 struct BodyConstants {
   SE3<T> placement;  ///< joint frame before its motion, in the parent body's frame
@@ -29,57 +29,57 @@ BodyConstants<To> broadcast(const BodyConstants<From>& c) {
   return {cast<To>(c.placement), To(c.mass), cast<To>(c.com), cast<To>(c.rotational), cast<To>(c.h), cast<To>(c.origin)};
 }
 
-/// A rotation that only exchanges axes, as placements are of joints about or along an axis of their parent's (canonicalise() turns joints' own
-/// frames so): its column k is unit vector (k + shift) mod 3, the last two of them its negative where it `flips`.
+/// A rotation that only exchanges axes. The placement of a joint about or along an axis of its parent is one, because canonicalise() turns the
+/// joint's own frame that way. Column k is the unit vector (k + shift) mod 3. If it `flips`, the last two columns are negative.
 struct AxisExchange {
-  std::int8_t shift = -1;  ///< -1: it is another rotation
+  std::int8_t shift = -1;  ///< -1 for any other rotation
   bool flips = false;
   bool changesNothing() const { return shift == 0 && !flips; }
 };
 
-/// Bookkeeping of a body, in a line of cache. idx_q and idx_v count all coordinates, coupled ones included ("expanded").
+/// Bookkeeping of a body, in one cache line. idx_q and idx_v count all coordinates, those of dependent joints included ("expanded").
 struct alignas(64) BodyIndex {
   int parent = 0;
   int idx_q = 0, idx_v = 0, nq = 0, nv = 0;
-  int user_q = -1, user_v = -1;  ///< in the user's vectors; -1 for a coupled joint
+  int user_q = -1, user_v = -1;  ///< indices in the user's vectors; -1 for a dependent joint
   int batch = 0, slot = 0;
-  int joint = 0;             ///< user's joint
-  int depth = 0;             ///< moving bodies up to the world
-  int piece = 0;             ///< first of the bodies with one axis to turn about that lead here, numbers without a gap; past this one if it has not
-  bool leaf = false;         ///< no body hangs on it
-  bool last_child = false;   ///< of its parent's, in their numbers
-  bool branches = false;     ///< more than one body hangs on it
-  bool follows = false;      ///< the body before is its parent, and of the same run
-  bool turns_only = false;   ///< the joint's motion subspace has no linear part
-  std::uint8_t lever = 0;    ///< bit k: its origin is elsewhere than its parent's along its axis k, or moves
-  AxisExchange exchange;     ///< what the placement's rotation is, if it is one
-  bool flying_root = false;  ///< a free body on the world: its subspace is the identity in aligned axes
+  int joint = 0;                 ///< the user's joint
+  int depth = 0;                 ///< number of moving bodies from this one up to the world
+  int contiguous_from = 0;       ///< first body of the contiguous run of revolute joints up to this one; this body + 1 if its own is not revolute
+  bool leaf = false;             ///< it has no children
+  bool last_child = false;       ///< it is the last child of its parent, by number
+  bool branches = false;         ///< it has several children
+  bool follows = false;          ///< the body before is its parent, and in the same run
+  bool turns_only = false;       ///< the joint's motion subspace has no linear part
+  std::uint8_t offset_axes = 0;  ///< bit k: the joint offset has a component along the parent's axis k, or the joint moves the origin
+  AxisExchange exchange;         ///< the placement's rotation, if it only exchanges axes
+  bool floating_base = false;    ///< it is a free body on the world; its subspace is the identity in aligned axes
 };
 
-/// All joints of one type and shape: one virtual call.
+/// All joints of one type and shape. One virtual call evaluates them.
 struct TypeBatch {
   const JointType* type = nullptr;
-  const JointType* fast = nullptr;  ///< the same type built for this processor, or `type`; for poses, subspaces and biases
+  const JointType* fast = nullptr;  ///< the same type built for this processor, or `type`; evaluates poses, subspaces and biases
   Shape shape = Shape::dense;
-  bool adds = false;    ///< coordinates are numbers that velocities are added to, zeros where it is neutral
-  bool curved = false;  ///< of a dense shape: v is not dq/dt
+  bool adds = false;    ///< coordinates are numbers to which velocities are added, and zeros at neutral
+  bool curved = false;  ///< v is not dq/dt; only for dense shapes
   int nq = 0, nv = 0, count = 0;
   std::vector<int> bodies;
-  std::vector<int> q_index, v_index;  ///< of each one's first coordinates
-  bool contiguous = false;            ///< coordinates are in q as the type reads them, so that they need no gathering
+  std::vector<int> q_index, v_index;  ///< of each joint's first coordinates
+  bool contiguous = false;            ///< coordinates lie in q as the type reads them, so they need no gathering
   int constant_count = 0;
-  std::vector<double> constants;  ///< component-major, stride = count; one row at least, so that each joint has a place
+  std::vector<double> constants;  ///< component-major, stride = count; at least one row, so that each joint has a place
 
   JointPlace placeOf(int slot) const { return {type, constants.data() + slot, constant_count, count}; }
 };
 
-/// Bodies that follow one another depth first and belong to one batch: one kernel call a pass.
+/// Consecutive bodies, depth first, that belong to one batch. A pass makes one kernel call for them.
 struct Run {
   Shape shape = Shape::dense;
   int nv = 0, first = 0, count = 0, batch = 0, slot = 0;
 };
 
-/// A coordinate that follows another one. Ordered so that a master's value is known before its followers'.
+/// The coupling of a dependent joint to its master. Couplings are ordered so that a master's value is known before those of its dependent joints.
 struct PackedCoupling {
   const CouplingType* type = nullptr;
   int body = 0, master = 0;
@@ -88,12 +88,12 @@ struct PackedCoupling {
 
 struct PackedConstraints;
 
-/// Degrees of freedom that follow one another on one path to the root, between two places where the tree branches.
+/// Consecutive degrees of freedom on one root path, between two places where the tree branches.
 struct DofChain {
   int begin = 0, end = 0;
-  int depth = 0;     ///< of `begin`
-  int fresh = 0;     ///< its path from this depth on has no dofs of higher numbers but these
-  bool leaf = true;  ///< no body hangs on it
+  int depth = 0;              ///< of `begin`
+  int first_fresh_depth = 0;  ///< from this depth on, the subtrees of its path's degrees of freedom end with this chain
+  bool leaf = true;           ///< it carries no other body
 };
 
 struct CompactImpl {
@@ -103,31 +103,31 @@ struct CompactImpl {
   int nqx = 0, nvx = 0;  ///< expanded; equal to the user's without couplings
   double mass = 0;
 
-  std::vector<BodyIndex> index;  ///< [0] is the universe
+  std::vector<BodyIndex> index;  ///< [0] is the world
   std::vector<BodyConstants<double>> constants;
   std::vector<BodyConstants<float>> constants_float;
-  std::vector<double> subspaces;  ///< dense_constant: 6 nv numbers a body that needs them
+  std::vector<double> subspaces;  ///< of dense_constant shapes: 6 nv numbers per body
   std::vector<float> subspaces_float;
-  std::vector<int> subspace_offset;  ///< into subspaces, -1 without
+  std::vector<int> subspace_offset;  ///< by body: index into subspaces, or -1
   std::vector<TypeBatch> batches;
   std::vector<Run> runs;
   std::vector<int> tree_end;  ///< one past the last body of each body's subtree
-  // By degree of freedom. Its path leads to the root through the joint's other degrees of freedom of lower number.
+  // By degree of freedom. Its path to the root goes through those degrees of freedom of its joint that have lower numbers.
   std::vector<int> dof_body;     ///< the body that it moves
   std::vector<int> dof_end;      ///< one past the last one of its joint's subtree
   std::vector<int> dof_parent;   ///< the next one on its path; -1 at the end
-  std::vector<int> dof_segment;  ///< how far down its path goes without a gap in the numbers
-  std::vector<int> dof_depth;    ///< how many others its path has
+  std::vector<int> dof_segment;  ///< the lowest number that its path reaches without a gap in the numbers
+  std::vector<int> dof_depth;    ///< the number of others on its path
   std::vector<DofChain> chains;
-  int path_room = 0;  ///< degrees of freedom of the longest path
+  int path_room = 0;  ///< the number of degrees of freedom on the longest path
 
-  StripPlan strips;
+  LaneGroupPlan lane_groups;
 
   std::vector<PackedCoupling> couplings;
   std::vector<int> q_of_user, v_of_user;  ///< user's index -> expanded index; empty without couplings
 
   std::vector<double> damping, friction, armature;  ///< nvx each, or empty when the model has none
-  bool roots_have_armature = false;                 ///< some of those that fly
+  bool roots_have_armature = false;                 ///< whether some floating base has armature
 
   std::vector<JointRecord> joints;
   std::vector<SE3<double>> user_frame;  ///< user's joint frame in its body's core frame
@@ -137,7 +137,7 @@ struct CompactImpl {
   std::vector<SE3<double>> frame_placement;  ///< in the body's core frame
   ModelLimits limits;
   CompileReport report;
-  std::shared_ptr<const PackedConstraints> constraints;  ///< of the description itself
+  std::shared_ptr<const PackedConstraints> constraints;  ///< those of the description itself
 
   template <class T>
   const auto& constantsIn() const {

@@ -55,10 +55,10 @@ std::size_t CompactModel::bytes() const {
                     bytesOf(m.frames) + bytesOf(m.frame_body) + bytesOf(m.frame_placement) + bytesOf(m.limits.lower) + bytesOf(m.limits.upper) +
                     bytesOf(m.limits.velocity) + bytesOf(m.limits.effort);
   for (const TypeBatch& batch : m.batches) sum += bytesOf(batch.bodies) + bytesOf(batch.constants);
-  const StripPlan& plan = m.strips;
-  sum += bytesOf(plan.strips) + bytesOf(plan.seats) + bytesOf(plan.batches) + bytesOf(plan.runs) + bytesOf(plan.dof_index) + bytesOf(plan.dof_row) +
-         bytesOf(plan.dof_place) + plan.constants.bytes() + bytesOf(plan.armature);
-  for (const StripBatch& batch : plan.batches)
+  const LaneGroupPlan& plan = m.lane_groups;
+  sum += bytesOf(plan.lane_groups) + bytesOf(plan.lane_slots) + bytesOf(plan.batches) + bytesOf(plan.runs) + bytesOf(plan.dof_index) +
+         bytesOf(plan.dof_row) + bytesOf(plan.dof_place) + plan.constants.bytes() + bytesOf(plan.armature);
+  for (const LaneGroupBatch& batch : plan.batches)
     sum += bytesOf(batch.bodies) + bytesOf(batch.constants) + bytesOf(batch.q_index) + bytesOf(batch.v_index);
   return sum;
 }

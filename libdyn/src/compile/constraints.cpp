@@ -80,7 +80,7 @@ class ConstraintPacker {
         if (!std::isfinite(k < 9 ? placements[e]->R.m[k] : placements[e]->p[k - 9])) refuse("its placement has an entry that is not finite");
     }
     if (p.body[0] == p.body[1]) refuse("'" + c.frame + "' and '" + c.other + "' belong to one body" + (p.body[0] == 0 ? ", the world" : ""));
-    // Numbers are depth first: the larger one is not above the other.
+    // Bodies are numbered depth first, so the body with the larger number is not above the other.
     int a = p.body[0], b = p.body[1];
     while (a != b) (a > b ? a : b) = m_.index[at(std::max(a, b))].parent;
     p.common = a;
@@ -121,7 +121,7 @@ class ConstraintPacker {
     };
     for (const int end : p.body)
       for (int i = end; i > 0; i = m_.index[at(i)].parent) list(m_.index[at(i)]);
-    // Followers come after their masters.
+    // Couplings of dependent joints come after those of their masters.
     for (auto coupling = m_.couplings.rbegin(); coupling != m_.couplings.rend(); ++coupling)
       if (slots.count(m_.index[at(coupling->body)].idx_v) > 0) list(m_.index[at(coupling->master)]);
     for (const auto& [dof, slot] : slots) p.slots.push_back(slot);
@@ -143,7 +143,7 @@ class ConstraintPacker {
     out_.couplings.push_back(std::move(p));
   }
 
-  /// The body of a joint of one degree of freedom that is the state's own.
+  /// The body of a joint that has one degree of freedom of its own. Refuses other joints.
   int single(int id) const {
     const JointRecord& record = model_.joints()[at(id)];
     if (record.nv != 1)
@@ -176,12 +176,12 @@ class ConstraintPacker {
     }
   }
 
-  /// Every body on a way from a constraint to the world, and the rows that act on its subtree.
+  /// Lists every body on a path from a constraint to the world, and the rows that act on its subtree.
   void listBodies() {
     struct Acting {
       int begin = std::numeric_limits<int>::max(), end = 0;
-      bool here = false;  ///< on the body itself
-      int children = 0;   ///< that rows act on
+      bool here = false;  ///< rows act on the body itself
+      int children = 0;   ///< children on whose subtrees rows act
     };
     std::vector<Acting> acting(m_.index.size());
     const auto acts = [&](int body, int row, int rows) {
@@ -203,10 +203,11 @@ class ConstraintPacker {
       const Acting& x = acting[at(i)];
       if (x.end == 0) continue;
       const int place = static_cast<int>(out_.bodies.size()), dof = static_cast<int>(out_.dofs.size());
-      // Subtrees are contiguous: an only child is the body before.
+      // Subtrees are contiguous, so an only child is the body listed before.
       if (x.here || x.children != 1) out_.chains.push_back({place, place, dof, dof, x.begin, x.end});
       out_.body_at[at(i)] = place;
-      out_.bodies.push_back({i, static_cast<int>(out_.chains.size()) - 1, dof, m_.strips.uses.rnea ? m_.strips.seats[at(i)] : Seat{}});
+      out_.bodies.push_back(
+          {i, static_cast<int>(out_.chains.size()) - 1, dof, m_.lane_groups.uses.rnea ? m_.lane_groups.lane_slots[at(i)] : LaneSlot{}});
       for (int k = 0; k < m_.index[at(i)].nv; ++k) out_.dofs.push_back(m_.index[at(i)].idx_v + k);
       out_.chains.back().end = static_cast<int>(out_.bodies.size());
       out_.chains.back().dof_end = static_cast<int>(out_.dofs.size());
@@ -215,7 +216,7 @@ class ConstraintPacker {
       const int parent = out_.body_at[at(m_.index[at(out_.bodies[at(chain.end - 1)].body)].parent)];
       if (parent >= 0) chain.parent = out_.bodies[at(parent)].chain;
     }
-    listStripDofs();
+    listLaneGroupDofs();
     for (const PackedFrameConstraint& c : out_.frames) out_.drift_with_velocity |= c.driftsWithVelocity();
     for (ConstrainedChain& chain : out_.chains) {
       const auto meets = [&](int row, int end) { return row < chain.row_end && end > chain.row_begin; };
@@ -228,19 +229,19 @@ class ConstraintPacker {
     }
   }
 
-  void listStripDofs() {
-    if (!m_.strips.uses.rnea) return;
-    std::vector<ConstrainedStripDof> all(at(m_.strips.dofs));
+  void listLaneGroupDofs() {
+    if (!m_.lane_groups.uses.rnea) return;
+    std::vector<ConstrainedLaneGroupDof> all(at(m_.lane_groups.dofs));
     for (const ConstrainedBody& body : out_.bodies)
       for (int k = 0; k < m_.index[at(body.body)].nv; ++k) {
-        ConstrainedStripDof& x = all[at(body.seat.strip_dof + k)];
-        x.strip_dof = body.seat.strip_dof + k;
-        x.lanes |= body.seat.lanes;
-        for (int l = 0; l < strip_lanes; ++l)
-          if ((body.seat.lanes >> l & 1) != 0) x.dofs[l] = body.dof + k;
+        ConstrainedLaneGroupDof& x = all[at(body.lane_slot.group_dof + k)];
+        x.group_dof = body.lane_slot.group_dof + k;
+        x.lanes |= body.lane_slot.lanes;
+        for (int l = 0; l < group_lanes; ++l)
+          if ((body.lane_slot.lanes >> l & 1) != 0) x.dofs[l] = body.dof + k;
       }
-    for (const ConstrainedStripDof& x : all)
-      if (x.lanes != 0) out_.strip_dofs.push_back(x);
+    for (const ConstrainedLaneGroupDof& x : all)
+      if (x.lanes != 0) out_.group_dofs.push_back(x);
   }
 
   const CompactModel& model_;
@@ -259,7 +260,7 @@ PackedConstraints packConstraints(const CompactModel& model, const std::vector<C
 
 void attachConstraints(const std::shared_ptr<CompactImpl>& compact, const std::vector<ConstraintDescription>& descriptions,
                        const JointRegistry& registry) {
-  // Looked up through a model that does not own what it is about to be part of.
+  // Names are looked up through a model that does not own `compact`, because the constraints become a part of it.
   const CompactModel seen(std::shared_ptr<const CompactImpl>(compact.get(), [](const CompactImpl*) {}));
   compact->constraints = std::make_shared<PackedConstraints>(packConstraints(seen, descriptions, &registry));
   if (!descriptions.empty())

@@ -15,7 +15,7 @@ namespace dyn {
 
 namespace {
 
-/// Pose of one joint that is not made of others, at q.
+/// Pose at q of one joint that is not made of joints.
 SE3<double> poseOf(const DraftBody& body, const double* q) {
   double pose[12], subspace[6 * max_joint_nv];
   JointBatch<double> batch;
@@ -39,7 +39,7 @@ JointDescription rigidAt(const JointDescription& joint, const SE3<double>& pose)
   return rigid;
 }
 
-/// Joints of a model by the names that couplings use: body and full name.
+/// The bodies that a model's joints and their parts carry, by the full names that couplings use.
 std::unordered_map<std::string, int> carriersOf(const Model& model) {
   std::unordered_map<std::string, int> out;
   for (std::size_t i = 1; i < model.bodies.size(); ++i)
@@ -48,7 +48,7 @@ std::unordered_map<std::string, int> carriersOf(const Model& model) {
   return out;
 }
 
-/// Makes joints rigid, and with them the joints and parts that follow them, but for those that are named to be held themselves.
+/// Makes joints rigid, and with them their dependent joints and parts, except those that are named to be held themselves.
 class Holder {
  public:
   Holder(const Model& model, const JointRegistry& registry, const std::vector<LockedJoint>& lock)
@@ -60,12 +60,12 @@ class Holder {
     for (std::size_t i = 1; i < model.bodies.size(); ++i) {
       if (named_.count(model.bodies[i].joint.name)) continue;
       visitParts(model.bodies[i].joint, model.bodies[i].joint.name, [&](const JointDescription& joint, const std::string& name) {
-        if (!joint.coupling.type.empty()) followers_[joint.coupling.master].push_back({static_cast<int>(i), name});
+        if (!joint.coupling.type.empty()) dependents_[joint.coupling.master].push_back({static_cast<int>(i), name});
       });
     }
   }
 
-  /// Makes body `index`, whose joint is named, and what follows it rigid in `out`.
+  /// Makes the joint of body `index`, which is named, and its dependent joints rigid in `out`.
   void hold(int index, Model& out) const {
     std::unordered_set<std::string> held;
     std::vector<int> bodies{index};
@@ -74,16 +74,16 @@ class Holder {
     visitParts(named, named.name, [&](const auto&, const std::string& name) { open.push_back(name); });
     held.insert(open.begin(), open.end());
     while (!open.empty()) {
-      const auto found = followers_.find(open.back());
+      const auto found = dependents_.find(open.back());
       open.pop_back();
-      if (found == followers_.end()) continue;
-      for (const Follower& follower : found->second) {
-        if (!held.insert(follower.name).second) continue;
-        open.push_back(follower.name);
-        if (std::find(bodies.begin(), bodies.end(), follower.body) == bodies.end()) bodies.push_back(follower.body);
+      if (found == dependents_.end()) continue;
+      for (const Dependent& dependent : found->second) {
+        if (!held.insert(dependent.name).second) continue;
+        open.push_back(dependent.name);
+        if (std::find(bodies.begin(), bodies.end(), dependent.body) == bodies.end()) bodies.push_back(dependent.body);
       }
     }
-    // The joints with something to hold, each on the world, and after them the joints that these follow.
+    // `alone` gets the joints with something to hold, each on the world, and after them the masters of these joints.
     const std::size_t with_something = bodies.size();
     for (std::size_t k = 0; k < bodies.size(); ++k)
       visitParts(out.bodies[at(bodies[k])].joint, "", [&](const JointDescription& part, const auto&) {
@@ -92,18 +92,18 @@ class Holder {
       });
     Model alone;
     for (std::size_t k = 0; k < bodies.size(); ++k) {
-      // What others of `lock` hold moves on in the model.
+      // Masters come from model_, because other entries of `lock` may have made them rigid in `out`.
       const BodyDescription& body = (k < with_something ? out : model_).bodies[at(bodies[k])];
       JointDescription joint = body.joint;
       joint.placement = {};
-      // A joint that is given coordinates of its own does not follow.
+      // A joint that is given coordinates of its own does not depend on another.
       if (!numbersOf(joint.name).empty()) joint.coupling = {};
       alone.addBody(body.name, 0, joint);
     }
     const Draft draft = resolve(alone, registry_);
     const std::vector<SE3<double>> poses = posesOf(draft);
     bodies.resize(with_something);
-    std::size_t next = 1;  // in the draft, which has a body for each joint that is not made of others
+    std::size_t next = 1;  // in the draft, which has a body for each joint that is not made of joints
     for (const int i : bodies) {
       JointDescription& joint = out.bodies[at(i)].joint;
       for (std::size_t k = next; k < draft.bodies.size() && draft.bodies[k].user_joint == draft.bodies[next].user_joint; ++k)
@@ -120,27 +120,28 @@ class Holder {
   }
 
  private:
-  struct Follower {
+  struct Dependent {
     int body;
     std::string name;
   };
 
-  /// The coordinates that a joint is to be held at; none: neutral, or where its coupling puts it.
+  /// The coordinates at which a joint is to be held. If there are none, it is held at neutral, or where its coupling puts it.
   const std::vector<double>& numbersOf(const std::string& joint) const {
     static const std::vector<double> none;
     const auto found = named_.find(joint);
     return found == named_.end() ? none : found->second;
   }
 
-  /// Poses of a draft's joints, each by itself: at its numbers or at neutral, followers where the couplings put them.
+  /// Poses of a draft's joints, each by itself, at its given coordinates or at neutral. Couplings determine the poses of dependent joints.
+  /// Throws Error(size) if a joint was given another number of coordinates than it has.
   std::vector<SE3<double>> posesOf(const Draft& draft) const {
     std::vector<SE3<double>> poses(draft.bodies.size());
     std::vector<std::vector<double>> q_of(draft.bodies.size());
-    std::vector<std::size_t> order;  // masters before followers
+    std::vector<std::size_t> order;  // masters before dependent joints
     for (std::size_t i = 1; i < draft.bodies.size(); ++i) order.push_back(i);
     const auto rank = [&](std::size_t i) { return draft.bodies[i].coupling ? draft.bodies[i].coupling->rank : 0; };
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return rank(a) < rank(b); });
-    std::unordered_map<std::string, std::size_t> used;  // of the numbers of a described joint
+    std::unordered_map<std::string, std::size_t> used;  // how many of a described joint's given coordinates are used
     Coordinates coordinates;
     for (const std::size_t i : order) {
       const DraftBody& body = draft.bodies[i];
@@ -169,7 +170,8 @@ class Holder {
     return poses;
   }
 
-  /// Makes those of a joint's parts (or itself) rigid that are held; the joint's limits and losses lose their entries. `next` counts along the draft.
+  /// Makes those parts of a joint (or the joint itself) rigid that are held, and removes their entries from the joint's limits and dissipation.
+  /// `next` counts along the draft.
   static void holdParts(JointDescription& joint, const std::string& name, const std::unordered_set<std::string>& held, const Draft& draft,
                         const std::vector<SE3<double>>& poses, std::size_t& next) {
     const std::size_t first = next;
@@ -200,10 +202,10 @@ class Holder {
   const JointRegistry& registry_;
   const std::unordered_map<std::string, int> carriers_;
   std::unordered_map<std::string, std::vector<double>> named_;
-  std::unordered_map<std::string, std::vector<Follower>> followers_;
+  std::unordered_map<std::string, std::vector<Dependent>> dependents_;
 };
 
-/// Names of an appended model get its prefix; its universe is where it hangs.
+/// Gives the names in a constraint of an appended model their prefix. The appended model's universe becomes the place where it is attached.
 void moveConstraint(ConstraintDescription& c, const std::string& prefix, const std::string& at, const SE3<double>& placement) {
   const auto moveFrame = [&](std::string& frame, SE3<double>& pose) {
     if (frame == "universe") {
@@ -263,7 +265,7 @@ Model keepOnly(const Model& model, const JointRegistry& registry, const std::vec
     return found != carriers.end() && kept.count(model.bodies[at(found->second)].joint.name);
   };
   std::vector<LockedJoint> lock;
-  // Followers of held joints are held with them; those of a kept joint stand still at their neutral.
+  // Dependent joints of held joints are held with them. Dependent joints of a kept joint are held at neutral if they are not kept themselves.
   Model uncoupled = model;
   for (std::size_t i = 1; i < uncoupled.bodies.size(); ++i) {
     JointDescription& joint = uncoupled.bodies[i].joint;
@@ -296,7 +298,7 @@ Model append(const Model& model, const Model& other, const std::string& at, cons
     if (!names.insert(name).second) throw Error(ErrorCode::model, "append: '" + name + "' would be there twice; give the copy a prefix");
   };
   const int offset = static_cast<int>(out.bodies.size()) - 1;
-  // What hung on the copy's world hangs where the copy does.
+  // Whatever was fixed to the copy's world is fixed where the copy is attached.
   const auto rehang = [&](int& body, SE3<double>& X) {
     if (body == 0) {
       X = pose * X;
@@ -339,7 +341,7 @@ Model append(const Model& model, const Model& other, const std::string& at, cons
     rehang(g.body, g.placement);
     out.geometries.push_back(std::move(g));
   }
-  // What was disabled with the copy's world is disabled with the volumes that hung there, not with what carries them now.
+  // Collisions disabled with the copy's world are disabled with the volumes that were fixed to it, not with the body that carries them now.
   const auto renamed = [&](const std::string& name) {
     if (name != other.bodies[0].name) return std::vector<std::string>{prefix + name};
     std::vector<std::string> volumes;

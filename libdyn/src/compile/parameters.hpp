@@ -1,4 +1,4 @@
-// Parameters of a description against the schema that a plugin declares.
+// Checks the parameters of a description against the schema that a plugin declares.
 #pragma once
 
 #include "compile/draft.hpp"
@@ -7,10 +7,10 @@
 
 namespace dyn {
 
-/// Throws Error(parameter) that names the joint and each parameter that is unknown, missing or ill-typed.
+/// Checks parameters. Throws Error(parameter) that names the joint and each parameter that is unknown, missing or ill-typed.
 CheckedParameters checkParameters(const Parameters& parameters, const JointTypeInfo& schema, const Where& where);
 
-/// The type of a coupling and its constants. Throws as checkParameters, and Error(joint_type) for a type that is not there.
+/// Returns a coupling's type and constants. Throws like checkParameters(), and Error(joint_type) if the registry has no such type.
 std::pair<const CouplingType*, std::vector<double>> prepareCoupling(const Coupling& coupling, const JointRegistry& registry, const Where& where);
 
 }  // namespace dyn

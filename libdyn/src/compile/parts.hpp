@@ -1,4 +1,4 @@
-// Joints and the joints that they are made of, by the names that couplings use for them: "joint", "joint/part".
+// Joints and their parts, by the names that couplings use for them: "joint", "joint/part".
 #pragma once
 
 #include <dyn/model/joint_description.hpp>
@@ -17,7 +17,7 @@ inline std::string partName(const std::string& joint, const JointDescription& pa
   return joint + "/" + (part.name.empty() ? std::to_string(k) : part.name);
 }
 
-/// Calls visit(joint, name) for a joint and then for its parts, in their order and theirs.
+/// Calls visit(joint, name) for a joint, and then in order for each of its parts, which is visited in the same way.
 template <class Joint, class Visit>
 void visitParts(Joint& joint, const std::string& name, const Visit& visit) {
   visit(joint, name);

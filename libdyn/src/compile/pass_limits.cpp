@@ -25,13 +25,13 @@ Range rangeOf(const DraftBody& body) {
   return {limits.lower.empty() ? -infinity : limits.lower[0], limits.upper.empty() ? infinity : limits.upper[0]};
 }
 
-/// A follower's coordinate as a function of its master's.
+/// A dependent joint's coordinate as a function of its master's.
 class Relation {
  public:
   explicit Relation(const DraftCoupling& coupling) : coupling_(coupling) {}
   double operator()(double x) const { return derivatives(x)[0]; }
   double slope(double x) const { return derivatives(x)[1]; }
-  /// As far as a few places tell.
+  /// Whether the function is affine, as far as a few places tell.
   bool isAffine() const {
     const double slope = derivatives(0)[1];
     return std::all_of(places.begin(), places.end(), [&](double x) {
@@ -50,7 +50,7 @@ class Relation {
   const DraftCoupling& coupling_;
 };
 
-/// From `x`, where f is within `wanted`, towards `end` as far as it stays there.
+/// Goes from `x`, where f is within `wanted`, towards `end`. Returns how far f stays within `wanted`.
 double reach(const Relation& f, const Range& wanted, double x, double end) {
   constexpr double step = 1e-3, far = 1e4;
   const double direction = end > x ? 1 : -1;
@@ -66,7 +66,7 @@ double reach(const Relation& f, const Range& wanted, double x, double end) {
   return end;
 }
 
-/// Where in `own` f is within `wanted`: of several ranges the one nearest to 0. False: nowhere.
+/// Narrows `own` to the range where f is within `wanted`. If there are several, it takes the one nearest to 0. Returns false if there is none.
 bool narrow(const Relation& f, const Range& wanted, Range& own) {
   if (f.isAffine()) {
     const double slope = f.slope(0), start = f(0);
@@ -95,21 +95,21 @@ void setFirst(std::vector<double>& values, double value) {
 }  // namespace
 
 void passLimitsOn(Draft& draft) {
-  std::vector<std::size_t> followers;
+  std::vector<std::size_t> dependents;
   for (std::size_t i = 1; i < draft.bodies.size(); ++i)
-    if (draft.bodies[i].coupling) followers.push_back(i);
-  // The last of a chain first: what leads it passes its limits on in turn.
-  std::stable_sort(followers.begin(), followers.end(),
+    if (draft.bodies[i].coupling) dependents.push_back(i);
+  // The last joint of a chain comes first, because its master passes the limits on in turn.
+  std::stable_sort(dependents.begin(), dependents.end(),
                    [&](std::size_t a, std::size_t b) { return draft.bodies[a].coupling->rank > draft.bodies[b].coupling->rank; });
-  for (const std::size_t i : followers) {
-    const DraftBody& follower = draft.bodies[i];
-    DraftBody& master = draft.bodies[at(follower.coupling->master)];
-    const Range wanted = rangeOf(follower);
+  for (const std::size_t i : dependents) {
+    const DraftBody& dependent = draft.bodies[i];
+    DraftBody& master = draft.bodies[at(dependent.coupling->master)];
+    const Range wanted = rangeOf(dependent);
     const auto warn = [&](const std::string& what) {
-      draft.report.warnings.push_back("the limits of '" + follower.joint.name + "', which follows '" + master.joint.name + "', " + what);
+      draft.report.warnings.push_back("the limits of '" + dependent.joint.name + "', which follows '" + master.joint.name + "', " + what);
     };
-    const Relation f(*follower.coupling);
-    if (follower.instance.nq != 1 || master.instance.nq != 1) {
+    const Relation f(*dependent.coupling);
+    if (dependent.instance.nq != 1 || master.instance.nq != 1) {
       if (wanted.limited()) warn("do not act: one of the two turns without end, and its position is no single number; load it as an angle");
       continue;
     }
@@ -122,9 +122,9 @@ void passLimitsOn(Draft& draft) {
         warn("exclude the other's own: they do not act");
       }
     }
-    const std::vector<double>& velocity = follower.joint.limits.velocity;
+    const std::vector<double>& velocity = dependent.joint.limits.velocity;
     if (velocity.empty() || !std::isfinite(velocity[0])) continue;
-    if (!f.isAffine()) continue;  // a limit that depends on the position is no number
+    if (!f.isAffine()) continue;  // a limit that depends on the position is not one number
     const double slope = std::abs(f.slope(0)), own = master.joint.limits.velocity.empty() ? infinity : master.joint.limits.velocity[0];
     if (slope > 0) setFirst(master.joint.limits.velocity, std::min(own, velocity[0] / slope));
   }

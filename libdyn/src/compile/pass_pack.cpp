@@ -1,6 +1,7 @@
 #include "at.hpp"
 #include "compile/compact_impl.hpp"
 #include "compile/draft.hpp"
+#include "joint/processor.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +13,7 @@ namespace dyn {
 
 namespace {
 
-/// What R is, to the last bit, if it only exchanges axes.
+/// R as an AxisExchange, if it only exchanges axes, exact to the last bit.
 AxisExchange exchangeOf(const Mat3<double>& R) {
   for (std::int8_t shift = 0; shift < 3; ++shift)
     for (const bool flips : {false, true}) {
@@ -24,10 +25,10 @@ AxisExchange exchangeOf(const Mat3<double>& R) {
   return {};
 }
 
-/// Of BodyIndex, where the joint moves nothing.
-std::uint8_t leverOf(const Vec3<double>& p) { return static_cast<std::uint8_t>((p.x != 0) | (p.y != 0) << 1 | (p.z != 0) << 2); }
+/// BodyIndex::offset_axes of a joint that does not move the origin.
+std::uint8_t offsetOf(const Vec3<double>& p) { return static_cast<std::uint8_t>((p.x != 0) | (p.y != 0) << 1 | (p.z != 0) << 2); }
 
-std::string namesOf(const StripUses& uses) {
+std::string namesOf(const LaneGroupUses& uses) {
   const std::pair<bool, const char*> all[] = {{uses.rnea, "rnea"},
                                               {uses.aba, "aba"},
                                               {uses.mass_matrix, "crba"},
@@ -57,12 +58,13 @@ class ModelPacker {
     losses();
     out_->report.passes.push_back("pack: " + std::to_string(out_->batches.size()) + " type batches, " + std::to_string(out_->runs.size()) +
                                   " runs: " + std::to_string(out_->batches.size() + out_->runs.size()) + " dispatches an evaluation");
-    if (options_.strips) out_->strips = planStrips(*out_);
-    const StripPlan& strips = out_->strips;
-    const std::string counts = std::to_string(out_->bodies() - 1) + " joints in " + std::to_string(strips.count) + " strips of 4 lanes; ";
-    out_->report.passes.push_back("strips: " + (strips.count < 1   ? std::string("none, one body after the other")
-                                                : strips.uses.rnea ? counts + "single states take them in " + namesOf(strips.uses)
-                                                                   : counts + "one body after the other is faster"));
+    if (options_.lane_groups)
+      out_->lane_groups = planLaneGroups(*out_, options_.instruction_set.empty() ? instructionSet() : options_.instruction_set);
+    const LaneGroupPlan& lane_groups = out_->lane_groups;
+    const std::string counts = std::to_string(out_->bodies() - 1) + " joints in " + std::to_string(lane_groups.count) + " lane groups of 4; ";
+    out_->report.passes.push_back("lane groups: " + (lane_groups.count < 1   ? std::string("none, one body after the other")
+                                                     : lane_groups.uses.rnea ? counts + "single states take them in " + namesOf(lane_groups.uses)
+                                                                             : counts + "one body after the other is faster"));
     return out_;
   }
 
@@ -97,12 +99,12 @@ class ModelPacker {
       c.h = about.com;
       c.origin = about.rotational;
       out_->mass += c.mass;
-      x.flying_root = b.parent == 0 && b.instance.shape == Shape::free;
+      x.floating_base = b.parent == 0 && b.instance.shape == Shape::free;
       x.turns_only = turnsOnly(b.instance.shape);
       x.exchange = exchangeOf(c.placement.R);
-      x.lever = x.turns_only ? leverOf(c.placement.p) : std::uint8_t(7);
-      const int here = static_cast<int>(i), before = x.parent == here - 1 && x.parent > 0 ? out_->index[i - 1].piece : here;
-      x.piece = x.turns_only && x.nv == 1 ? before : here + 1;
+      x.offset_axes = x.turns_only ? offsetOf(c.placement.p) : std::uint8_t(7);
+      const int here = static_cast<int>(i), before = x.parent == here - 1 && x.parent > 0 ? out_->index[i - 1].contiguous_from : here;
+      x.contiguous_from = x.turns_only && x.nv == 1 ? before : here + 1;
       if (b.instance.shape == Shape::dense_constant) {
         out_->subspace_offset[i] = static_cast<int>(out_->subspaces.size());
         out_->subspaces.insert(out_->subspaces.end(), b.instance.subspace, b.instance.subspace + 6 * b.instance.nv);
@@ -130,7 +132,7 @@ class ModelPacker {
         out_->dof_segment.push_back(next >= 0 && next == dof - 1 ? out_->dof_segment[at(next)] : dof);
         out_->dof_depth.push_back(next >= 0 ? out_->dof_depth[at(next)] + 1 : 0);
         out_->path_room = std::max(out_->path_room, out_->dof_depth.back() + 1);
-        // A parent that has other children, before or after, does not end where this one does or is not its neighbour.
+        // If the parent has other children, its subtree ends elsewhere than this one's, or it is not the neighbour in the numbers.
         if (dof > 0 && next == dof - 1 && out_->dof_end[at(next)] == end_of_tree) {
           out_->chains.back().end = dof + 1;
         } else {
@@ -138,14 +140,14 @@ class ModelPacker {
         }
       }
     }
-    // By degree of freedom, of its chain: from which depth on subtrees of its path end with its own.
+    // By degree of freedom: the depth from which on all subtrees along its path end with its own.
     std::vector<int> alone(at(out_->nvx));
     for (DofChain& chain : out_->chains) {
       const int end = out_->dof_end[at(chain.begin)], parent = out_->dof_parent[at(chain.begin)];
       const int from = parent >= 0 && out_->dof_end[at(parent)] == end ? alone[at(parent)] : chain.depth;
       std::fill(alone.begin() + chain.begin, alone.begin() + chain.end, from);
       chain.leaf = end == chain.end;
-      chain.fresh = chain.leaf ? from : chain.depth;
+      chain.first_fresh_depth = chain.leaf ? from : chain.depth;
     }
   }
 
@@ -199,13 +201,13 @@ class ModelPacker {
   }
 
   void couplings() {
-    std::vector<std::size_t> followers;
+    std::vector<std::size_t> dependents;
     for (std::size_t i = 1; i < draft_.bodies.size(); ++i)
-      if (draft_.bodies[i].coupling) followers.push_back(i);
-    // Masters first.
-    std::stable_sort(followers.begin(), followers.end(),
+      if (draft_.bodies[i].coupling) dependents.push_back(i);
+    // Masters come first.
+    std::stable_sort(dependents.begin(), dependents.end(),
                      [&](std::size_t a, std::size_t b) { return draft_.bodies[a].coupling->rank < draft_.bodies[b].coupling->rank; });
-    for (const std::size_t i : followers) {
+    for (const std::size_t i : dependents) {
       const DraftCoupling& c = *draft_.bodies[i].coupling;
       out_->couplings.push_back({c.type, static_cast<int>(i), c.master, c.constants});
     }
@@ -220,7 +222,7 @@ class ModelPacker {
     if (!out_->couplings.empty()) out_->report.passes.push_back("couple: " + std::to_string(out_->couplings.size()) + " coordinates follow others");
   }
 
-  /// One record for each described joint that still moves; the parts of a composite make one joint.
+  /// Makes one record for each described joint that still moves. The parts of a composite make one joint.
   void joints() {
     JointRecord universe;
     universe.name = "universe";
@@ -292,9 +294,9 @@ class ModelPacker {
     }
     if (options_.armature) out_->armature = collect(&JointDescription::armature);
     for (std::size_t k = 0; k < out_->armature.size(); ++k)
-      out_->roots_have_armature |= out_->armature[k] != 0 && out_->index[at(out_->dof_body[k])].flying_root;
+      out_->roots_have_armature |= out_->armature[k] != 0 && out_->index[at(out_->dof_body[k])].floating_base;
     const auto used = [](const std::vector<double>& values) { return values.empty() ? "none" : "used"; };
-    out_->report.passes.push_back(std::string("losses: damping ") + used(out_->damping) + ", friction " + used(out_->friction) + ", armature " +
+    out_->report.passes.push_back(std::string("dissipation: damping ") + used(out_->damping) + ", friction " + used(out_->friction) + ", armature " +
                                   used(out_->armature));
   }
 

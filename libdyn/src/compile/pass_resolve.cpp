@@ -22,7 +22,8 @@ Where whereOf(const JointDescription& joint, const std::string& name) {
   return where;
 }
 
-/// A rotation may be off by what numbers written with two digits are off; a reflection, a scale, or a matrix never filled in are none.
+/// Throws Error(model) if X is not a pose. A rotation may have the error of numbers written with two digits. Reflections, scalings and matrices that
+/// were never filled in are refused.
 void checkPlacement(const SE3<double>& X, const std::string& what, const Where& where) {
   for (const double x : {X.p.x, X.p.y, X.p.z})
     if (!std::isfinite(x)) throw Error(ErrorCode::model, what + " has an entry that is not finite", where);
@@ -166,7 +167,8 @@ class Resolver {
     }
   }
 
-  /// Limits and losses of a joint are shared out over the bodies that it became, from `first` on; where it is silent its parts' own stay.
+  /// Distributes a joint's limits and dissipation over the bodies that it became, from `first` on. Where the joint gives none, those of its parts
+  /// stay.
   void layOut(const JointDescription& joint, std::size_t first, const Where& where) {
     std::size_t nq = 0, nv = 0;
     for (std::size_t i = first; i < draft_.bodies.size(); ++i) {
@@ -245,7 +247,7 @@ class Resolver {
     rankCouplings();
   }
 
-  /// Counts the masters above each follower. Each body is visited once, however long the chains are.
+  /// Counts the masters above each dependent joint. Each body is visited once, however long the chains are.
   void rankCouplings() {
     constexpr int unknown = -1, open = -2;
     std::vector<int> rank(draft_.bodies.size(), unknown);

@@ -1,4 +1,4 @@
-// Passes that change which bodies there are and where: order, weld, canonicalise, inspect.
+// The passes that order, remove and move bodies (order, weld, canonicalise), and the pass that inspects the result.
 #include "at.hpp"
 #include "compile/compact_impl.hpp"
 #include "compile/draft.hpp"
@@ -10,7 +10,8 @@ namespace dyn {
 
 namespace {
 
-/// Puts bodies into the order of `old_of_new` and renumbers every reference to them. -1 in new_of_old would be a lost body.
+/// Puts bodies into the order of `old_of_new` and renumbers every reference to them. Bodies that are not in it are dropped, so nothing may refer to
+/// them.
 void renumber(Draft& draft, const std::vector<int>& old_of_new) {
   std::vector<int> new_of_old(draft.bodies.size(), -1);
   std::vector<DraftBody> bodies;
@@ -31,7 +32,7 @@ void renumber(Draft& draft, const std::vector<int>& old_of_new) {
 
 void orderDepthFirst(Draft& draft) {
   const std::size_t n = draft.bodies.size();
-  // Children in description order; a stack instead of recursion, since chains may be long.
+  // Children stay in description order. A stack replaces recursion, because chains may be long.
   std::vector<std::vector<int>> children(n);
   for (std::size_t i = n - 1; i >= 1; --i) children[at(draft.bodies[i].parent)].push_back(static_cast<int>(i));
   std::vector<int> order, stack{0};
@@ -55,7 +56,7 @@ void orderDepthFirst(Draft& draft) {
 void weld(Draft& draft) {
   const std::size_t n = draft.bodies.size();
   std::vector<int> carrier(n), kept{0};   // the moving body that carries each body
-  std::vector<SE3<long double>> pose(n);  // its pose there
+  std::vector<SE3<long double>> pose(n);  // its pose in that body's frame
   for (std::size_t i = 1; i < n; ++i) {
     DraftBody& body = draft.bodies[i];
     const std::size_t parent = at(body.parent);
@@ -67,7 +68,7 @@ void weld(Draft& draft) {
     } else {
       carrier[i] = carrier[parent];
       pose[i] = pose[parent] * body.placement;
-      // What is welded to the world carries no part in anything.
+      // Inertias of bodies that are welded to the world have no effect.
       if (carrier[i] != 0) {
         DraftBody& to = draft.bodies[at(carrier[i])];
         to.inertia = to.inertia + body.inertia.transformed(pose[i]);
@@ -85,10 +86,10 @@ void weld(Draft& draft) {
 
 namespace {
 
-/// Less than what doubles tell apart in a rotation is no turn: URDFs say 1.5707963267948966 where they mean a quarter.
+/// Replaces x by 0 if it is below the resolution of a rotation in doubles: URDFs say 1.5707963267948966 where they mean a quarter turn.
 long double settled(long double x) { return std::fabs(x) < 1e-16L ? 0 : x; }
 
-/// The rotation with R's z that only exchanges axes, if z is one of the parent's.
+/// The rotation with the z axis of R that only exchanges axes, if that z axis is one of the parent's axes.
 std::optional<Mat3<long double>> exchangeWithZ(const Mat3<long double>& R) {
   const Vec3<long double> z{settled(R(0, 2)), settled(R(1, 2)), settled(R(2, 2))};
   for (int k = 0; k < 3; ++k) {
@@ -102,16 +103,16 @@ std::optional<Mat3<long double>> exchangeWithZ(const Mat3<long double>& R) {
   return std::nullopt;
 }
 
-/// Puts the frame that a joint's motion is in at X, seen from where it was; the motion of the body that is described stays.
+/// Moves the core frame of a joint's motion by X, seen from that frame. The motion of the described body stays the same.
 void moveCore(JointInstance& joint, const SE3<long double>& X) {
   joint.before = cast<double>(cast<long double>(joint.before) * X);
   joint.after = cast<double>(X.inverse() * cast<long double>(joint.after));
 }
-/// A body's described frame seen from its core frame.
+/// A body's described frame, seen from its core frame.
 SE3<long double> describedInCore(const DraftBody& body) { return cast<long double>(body.instance.after); }
 
-/// Joints along or about z move alike in all frames turned about it: those are chosen in which placements exchange axes, where there are such.
-/// Whether this is one.
+/// A joint along or about z moves the same in all frames turned about z. The function chooses the one in which the placement only exchanges axes.
+/// Returns whether there is one.
 bool turnAboutAxis(DraftBody& body) {
   if (body.instance.shape != Shape::revolute && body.instance.shape != Shape::prismatic) return false;
   const Mat3<long double>& R = body.placement.R;
@@ -119,7 +120,7 @@ bool turnAboutAxis(DraftBody& body) {
   if (!chosen) return false;
   const long double x = settled(dot(R.col(0), chosen->col(0))), y = settled(dot(R.col(1), chosen->col(0))), length = std::hypot(x, y);
   const Mat3<long double> turn{{x / length, -y / length, 0, y / length, x / length, 0, 0, 0, 1}}, described = *chosen * transpose(turn);
-  // A placement that was described with few digits is no rotation to the last one, and stays as it is.
+  // A placement that was described with few digits is not a rotation to the last digit, and stays as it is.
   for (int i = 0; i < 9; ++i)
     if (!(std::fabs(described.m[i] - R.m[i]) <= 1e-15L)) return false;
   body.placement.R = *chosen;
@@ -127,9 +128,9 @@ bool turnAboutAxis(DraftBody& body) {
   return true;
 }
 
-/// A joint about z turns alike wherever on its axis its origin is. Origins are put where axes cross their parents', which leaves no lever there: each
-/// where the first one does that can, parents first, and only nearer to the mass that it carries. Pivots are read off inertias about origins, and
-/// lose what these have too much of.
+/// A joint about z moves the same wherever its origin is on the axis. The class puts origins where axes cross their parents' axes, so that the joint
+/// offsets become zero. Parents come first. An origin moves once, to the first crossing that is possible, and only nearer to the mass that it
+/// carries: pivots are read from inertias about the origins, and lose digits if these inertias grow.
 class OriginsOnAxes {
  public:
   explicit OriginsOnAxes(std::vector<DraftBody>& bodies)
@@ -138,7 +139,7 @@ class OriginsOnAxes {
     for (std::size_t i = 1; i < bodies.size(); ++i)
       if (bodies[i].parent != 0 && turnsOnly(bodies[i].instance.shape)) meetParent(i);
   }
-  /// How many levers there are no more.
+  /// Moves the origins. Returns how many joint offsets became zero.
   int put() {
     for (std::size_t i = 1; i < bodies_.size(); ++i) {
       DraftBody& body = bodies_[i];
@@ -154,7 +155,7 @@ class OriginsOnAxes {
   }
 
  private:
-  /// Of subtrees as they are described, on their joints' axes.
+  /// Computes where the centres of mass of the described subtrees are along their joints' axes.
   void findCentres() {
     std::vector<long double> mass(bodies_.size());
     std::vector<Vec3<long double>> moment(bodies_.size());
@@ -170,7 +171,7 @@ class OriginsOnAxes {
   }
   bool slides(std::size_t i) const { return bodies_[i].instance.shape == Shape::revolute && !settled_[i]; }
   bool isNearer(std::size_t i, long double there) const { return there == 0 || std::fabs(there - centre_[i]) < std::fabs(centre_[i]); }
-  /// Puts the origin of body i and of its parent where they are the same, if they can be moved there.
+  /// Moves the origins of body i and of its parent to a common point, if they can be moved there.
   void meetParent(std::size_t i) {
     const std::size_t parent = at(bodies_[i].parent);
     const SE3<long double>& placement = bodies_[i].placement;
@@ -180,7 +181,7 @@ class OriginsOnAxes {
     const long double least = 1e-16L * std::sqrt(dot(p, p));
     double own = 0, parents = 0;
     if (slides(parent)) {
-      // Where axes that are next to parallel cross is far away.
+      // Axes that are nearly parallel cross far away.
       const long double across = z.x * z.x + z.y * z.y;
       if (slides(i) && across > 0.25L) own = static_cast<double>(-(p.x * z.x + p.y * z.y) / across);
       parents = static_cast<double>(p.z + own * z.z);
@@ -196,8 +197,8 @@ class OriginsOnAxes {
   }
 
   std::vector<DraftBody>& bodies_;
-  std::vector<long double> along_;   ///< of the axis, from where its origin is described to be
-  std::vector<long double> centre_;  ///< the same of what the joint carries
+  std::vector<long double> along_;   ///< where the origin is on the axis, from its described place
+  std::vector<long double> centre_;  ///< the same for the centre of mass of what the joint carries
   std::vector<bool> settled_, met_;
 };
 

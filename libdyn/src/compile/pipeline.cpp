@@ -1,4 +1,4 @@
-// The list of passes: the compiler's table of contents.
+// The compiler's passes in their order.
 #include "compile/constraints.hpp"
 #include "compile/draft.hpp"
 

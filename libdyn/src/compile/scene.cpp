@@ -12,7 +12,7 @@ namespace dyn {
 
 namespace {
 
-/// Bodies by every name that a scene may use. A joint may be called as a body or frame is, which need not be the one that it carries.
+/// Bodies by every name that a scene may use. A joint may have the name of a body or frame, which need not be the one that it carries.
 class Names {
  public:
   explicit Names(const Model& model) {
@@ -25,17 +25,17 @@ class Names {
                  [&](const auto&, const std::string& name) { joint_.emplace(name, static_cast<int>(i)); });
     for (const FrameDescription& frame : model.frames) place_.emplace(frame.name, frame.body);
   }
-  /// Of a body, a frame or, where no such has that name, a joint.
+  /// The body of this name, or with a frame of this name, or else with a joint of this name. Throws Error(model) if there is none.
   int bodyOf(const std::string& name) const {
     const int body = place(name) < 0 ? joint(name) : place(name);
     if (body < 0) throw Error(ErrorCode::model, "the scene speaks of '" + name + "', and there is no such joint, body or frame");
     return body;
   }
-  /// Of a body or frame; -1 for a name that is not there: compile() will say so.
+  /// The body of this name, or with a frame of this name. It is -1 for an unknown name, which compile() reports.
   int place(const std::string& name) const { return find(place_, name); }
-  /// That the joint, or part of a joint, carries; -1 likewise.
+  /// The body that a joint, or a joint with a part of this name, carries. It is -1 for an unknown name.
   int joint(const std::string& name) const { return find(joint_, name); }
-  /// Calls visit(body) for what carries each joint that this one or a part of it follows.
+  /// Calls visit(body) for the body of each master on which this joint or a part of it depends.
   template <class Visit>
   void masters(const JointDescription& joint, const Visit& visit) const {
     visitParts(joint, joint.name, [&](const JointDescription& part, const auto&) {
@@ -53,7 +53,7 @@ class Names {
   Bodies place_, joint_;
 };
 
-/// Bodies that move each other, by union and find. The universe belongs to none.
+/// Groups of bodies that move each other, by union-find. The world belongs to none.
 class Islands {
  public:
   explicit Islands(std::size_t bodies) : parent_(bodies) { std::iota(parent_.begin(), parent_.end(), 0); }
@@ -84,7 +84,7 @@ Islands tied(const Model& model, const Names& names, const std::vector<std::stri
     if (const auto* coupling = std::get_if<JointCoupling>(&constraint.relation))
       islands.tie(names.joint(coupling->joint), names.joint(coupling->coupling.master));
   }
-  int last = 0;  // that moves: the world ties nothing together
+  int last = 0;  // the last one that moves: the world ties nothing together
   for (const std::string& name : touching) {
     const int body = names.bodyOf(name);
     islands.tie(last, body);
@@ -116,7 +116,7 @@ Model keepForScene(const Model& model, const Scene& scene, std::vector<std::stri
     for (const std::string& output : scene.outputs) wanted[static_cast<std::size_t>(islands.of(names.bodyOf(output)))] = true;
     for (std::size_t i = 1; i < count; ++i) kept[i] = wanted[static_cast<std::size_t>(islands.of(static_cast<int>(i)))];
   } else {
-    // What carries an output, and the joints that its joints follow.
+    // Bodies that carry an output are needed, and the masters of their joints.
     std::vector<int> needed;
     needed.reserve(scene.outputs.size());
     for (const std::string& output : scene.outputs) needed.push_back(names.bodyOf(output));
@@ -143,7 +143,7 @@ Model keepForScene(const Model& model, const Scene& scene, std::vector<std::stri
     number[i] = static_cast<int>(out.bodies.size());
     out.bodies.push_back(std::move(body));
   }
-  // A body that is not there stays, too: compile() will say so.
+  // An unknown body counts as present: compile() reports it.
   const auto present = [&](const std::string& name) {
     const int geometry = model.findGeometry(name);
     const int body = names.place(name) < 0 && geometry >= 0 ? model.geometries[static_cast<std::size_t>(geometry)].body : names.place(name);

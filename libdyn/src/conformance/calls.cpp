@@ -1,4 +1,4 @@
-// How a type answers the calls themselves, whatever the numbers mean.
+// Checks how a type implements the interface's calls, whatever the numbers mean.
 #include "conformance/checks.hpp"
 #include "floating_point.hpp"
 
@@ -9,11 +9,11 @@ namespace dyn::conformance {
 
 namespace {
 
-constexpr double sentinel = 0x1.23456789abcdep+77;  // nothing a joint computes
+constexpr double sentinel = 0x1.23456789abcdep+77;  // a number that no joint computes
 
 std::size_t size(std::ptrdiff_t n) { return static_cast<std::size_t>(n); }
 
-/// Component c of item i at [c * stride + i]; two items more than the batch has, and one component more, that nobody may write.
+/// Component c of item i is at [c * stride + i]. There are two items and one component more than the batch has, which the type must not write.
 template <class S>
 struct Array {
   Array(int count, int components) : stride(count + 2), data(size(stride * (components + 1)), S(sentinel)), count_(count), components_(components) {}
@@ -32,12 +32,12 @@ struct Array {
   int count_, components_;
 };
 
-/// All calls of the interface on one batch, with all memory taken before.
+/// Makes all calls of the interface on one batch, with all memory allocated beforehand.
 class BatchCalls {
  public:
-  static constexpr int count = 16;  // as many lanes as the widest packs have, so that types with constants use them, too
+  static constexpr int count = 16;  // as many lanes as the widest packs have, so that types with constants use packs, too
 
-  /// Each item with constants of its own, or all with the same.
+  /// `shared`: the items are states of one joint, with the same constants. Else they are joints, each with constants of its own.
   BatchCalls(const JointProbe& joint, bool shared, std::uint64_t seed)
       : joint_(joint), shared_(shared), nq_(joint.nq()), nv_(joint.nv()), constants_(count, joint.instance().constant_count) {
     Random random(seed);
@@ -98,7 +98,7 @@ class BatchCalls {
     for (std::size_t i = 0; i < duals().size(); ++i) same = same && duals()[i]->sameBits(*other.duals()[i]);
     return same;
   }
-  /// Against the same joint asked alone.
+  /// Compares the results with those of calls on one joint in one state.
   void compareWithSingles(Worst& worst) {
     for (int i = 0; i < count; ++i) {
       const Eigen::VectorXd &q = samples[size(i)], &v = velocities[size(i)];
@@ -125,7 +125,7 @@ class BatchCalls {
       for (int k = 0; k < nv_; ++k) worst.add(std::fabs(difference_.at(k, i) - back[k]), where);
     }
   }
-  /// Floats against doubles, by the size of the largest entry of the same kind.
+  /// Compares floats with doubles, relative to the item's largest entry of the same kind and at least to 1.
   void compareFloats(Worst& worst) {
     const auto compare = [&](Array<float>& a, Array<double>& b, int components) {
       for (int i = 0; i < count; ++i) {
@@ -141,7 +141,7 @@ class BatchCalls {
     compare(float_subspace_, subspace_, 6 * nv_);
     compare(float_bias_, bias_, 6);
   }
-  /// One item's q is NaN from here on; the others' results must not change.
+  /// Sets the q of item i to NaN; the others' results must not change.
   void poison(int i) {
     for (int k = 0; k < nq_; ++k) q_.at(k, i) = std::numeric_limits<double>::quiet_NaN();
   }
@@ -197,7 +197,7 @@ void verdict(const char* check, bool passed, const std::string& detail, Findings
 
 void checkThreads(const JointProbe& joint, std::uint64_t seed, const BatchCalls& reference, Findings& findings) {
   BatchCalls first(joint, false, seed), second(joint, false, seed);
-  // Often enough that the two overlap for sure.
+  // This many rounds make sure that the two threads overlap.
   const auto work = [](BatchCalls& calls, const BatchCalls& expected, bool& same) {
     for (int i = 0; i < 200; ++i) {
       calls.run();

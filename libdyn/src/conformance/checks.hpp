@@ -6,16 +6,16 @@
 
 namespace dyn::conformance {
 
-/// Pose in SE(3), S and bias against the pose map, behaviour far out and at singular configurations.
+/// Checks that poses are in SE(3), S and bias against the pose map, large q, NaN, jumps of S and singular configurations.
 void checkMotion(const JointProbe& joint, std::uint64_t seed, Findings& findings);
-/// neutral, integrate, difference, normalize and their Jacobians.
+/// Checks neutral, integrate, difference, normalize and their Jacobians.
 void checkConfiguration(const JointProbe& joint, std::uint64_t seed, Findings& findings);
-/// How the type answers calls: batches as single joints, nothing written outside, the same bits from two threads, no allocation.
+/// Checks the calls: batches agree with single joints, nothing is written outside a batch, two threads get the same bits, and nothing is allocated.
 void checkCalls(const JointProbe& joint, std::uint64_t seed, const AllocationCount& allocations, Findings& findings);
-/// The joint between two revolutes: inverse against forward dynamics, mass matrix, energy balance.
+/// Puts the joint between two revolute joints and checks inverse against forward dynamics, mass matrix, derivatives and energy balance.
 void checkDynamics(const JointType& type, const Parameters& parameters, const JointRegistry& registry, std::uint64_t seed, Findings& findings);
 
-/// A configuration reached from neutral by a random tangent vector.
+/// Returns a configuration that a random tangent vector reaches from neutral.
 Eigen::VectorXd randomConfiguration(const JointProbe& joint, Random& random);
 
 constexpr int sample_count = 8;

@@ -1,4 +1,4 @@
-// The configuration space of a joint: integrate and difference undo each other, their Jacobians are derivatives, normalize stays put.
+// Checks a joint's configuration space: integrate and difference are inverses, their Jacobians are derivatives, normalize keeps normalised q.
 #include "conformance/checks.hpp"
 
 namespace dyn::conformance {
@@ -11,7 +11,7 @@ Eigen::MatrixXd flatten(const SE3<double>& X) {
   return out;
 }
 
-/// Column k of `derivative`: the derivative at h = 0 of f(h e_k).
+/// Column k is the derivative of f(h e_k) at h = 0.
 template <class F>
 Eigen::MatrixXd jacobianByDifferences(int nv, const F& f) {
   Eigen::MatrixXd J(nv, nv);
@@ -25,7 +25,7 @@ void checkRoundTrips(const JointProbe& joint, Random& random, Findings& findings
   Worst back("q0 (+) (q1 (-) q0) is the pose of q1", 1e-12);
   for (int i = 0; i < sample_count; ++i) {
     const Eigen::VectorXd q0 = randomConfiguration(joint, random), q1 = randomConfiguration(joint, random);
-    // Shorter than pi, beyond which a rotation's difference is another one.
+    // Rotations stay below pi; beyond that difference() returns another vector.
     const Eigen::VectorXd v = random.vector(joint.nv(), 1.2);
     stay.compare(joint.integrate(q0, still), q0, show("q", q0));
     self.compare(joint.difference(q0, q0), still, show("q", q0));
@@ -74,7 +74,7 @@ void checkNormalize(const JointProbe& joint, Random& random, Findings& findings)
   neutral.add(std::fabs(distance), "the distance it returns");
   for (int i = 0; i < sample_count; ++i) {
     const Eigen::VectorXd q = randomConfiguration(joint, random);
-    // Two roundings, of the sum of squares and of the quotient, are allowed for in q that integrate() made.
+    // integrate() made q, so two roundings are allowed for: of the sum of squares and of the quotient.
     fixed.add((joint.normalize(q, distance) - q).cwiseAbs().maxCoeff() / 4, show("q", q));
     fixed.add(std::fabs(distance) / 4, show("q", q));
     const Eigen::VectorXd off = q + random.vector(joint.nq(), 0.3), once = joint.normalize(off, distance);

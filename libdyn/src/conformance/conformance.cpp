@@ -22,7 +22,7 @@ ConformanceFinding failure(const std::string& check, const std::string& why) {
   return {check, false, std::numeric_limits<double>::infinity(), 0, why};
 }
 
-/// Runs a group; what it throws is a finding.
+/// Runs a group of checks. An exception becomes a finding.
 template <class Group>
 void guarded(const char* name, Findings& findings, const Group& group) {
   try {
@@ -34,7 +34,7 @@ void guarded(const char* name, Findings& findings, const Group& group) {
   }
 }
 
-/// Why the numbers of coordinates cannot be those of the shape; empty if they can.
+/// Why nv does not fit the shape; empty if it does.
 std::string shapeProblem(const JointInstance& joint) {
   const auto wants = [&](int nv) {
     return joint.nv == nv || joint.nv == 0 ? std::string() : "its shape has nv = " + std::to_string(nv) + ", it says " + std::to_string(joint.nv);
@@ -56,7 +56,7 @@ std::string shapeProblem(const JointInstance& joint) {
   return "it names no shape";
 }
 
-/// Says of refused parameters that they may have been made up.
+/// If the type refuses the parameters, the error says that they may have been made up.
 JointProbe probe(const JointType& type, const Parameters& example) {
   try {
     return JointProbe(type, example);
@@ -84,7 +84,7 @@ std::vector<ConformanceFinding> checkJointType(const JointType& type, const Para
     const std::string problem = shapeProblem(joint.instance());
     if (!problem.empty()) throw Error(ErrorCode::parameter, problem);
     findings.push_back({"parameters are accepted", true, 0, 0, "nq = " + std::to_string(joint.nq()) + ", nv = " + std::to_string(joint.nv())});
-    // A joint made of others has no motion of its own.
+    // A joint that consists of others has no motion of its own.
     if (type.info().structure == Structure::joint) {
       group("motion", [&] { checkMotion(joint, seed, findings); });
       group("configuration", [&] { checkConfiguration(joint, seed + 1, findings); });

@@ -1,4 +1,4 @@
-// A coupling's derivatives against differences of its function.
+// Checks a coupling's derivatives against finite differences.
 #include "compile/parameters.hpp"
 #include "conformance/support.hpp"
 

@@ -1,4 +1,4 @@
-// The joint in a mechanism: between two revolutes the algorithms must agree with each other and with the energy.
+// Checks the joint in a mechanism: between two revolute joints the algorithms must agree with each other and with the energy balance.
 #include "conformance/checks.hpp"
 
 #include <dyn/dyn.hpp>
@@ -17,7 +17,7 @@ SE3<double> randomPlacement(Random& random) {
   return {rotationAbout(n, random.uniform(-3, 3)), {random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5)}};
 }
 
-/// Of a ball with three points on it: positive definite and obeying the triangle inequalities.
+/// Inertia of a ball with three point masses. It is positive definite and satisfies the triangle inequalities.
 Inertia<double> randomInertia(Random& random) {
   Inertia<double> Y{
       random.uniform(1, 3), {random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2), random.uniform(-0.2, 0.2)}, {0.02, 0, 0, 0.02, 0, 0.02}};
@@ -49,7 +49,7 @@ CompactModel sandwich(const JointType& type, const Parameters& parameters, const
   return compile(model, registry);
 }
 
-/// The registry with the type in it.
+/// Returns the registry with the type added, unless it has the type already.
 JointRegistry including(const JointType& type, const JointRegistry& registry) {
   JointRegistry extended = registry;
   for (const JointType* known : registry.jointTypes())
@@ -64,9 +64,9 @@ struct State {
 };
 
 void checkInverse(const CompactModel& model, Data& data, const State& s, Worst& worst) {
-  const Eigen::VectorXd tau = s.a;  // any numbers will do
+  const Eigen::VectorXd tau = s.a;  // any torques will do
   const Eigen::VectorXd a = aba(model, data, s.q, s.v, tau), back = rnea(model, data, s.q, s.v, a);
-  // Near a singular configuration accelerations are large, and with them the terms that cancel in rnea.
+  // Near a singular configuration accelerations are large, and so are the terms that cancel in rnea.
   const Eigen::MatrixXd M = crba(model, data, s.q);
   const double terms = std::max(1.0, (M.cwiseAbs() * a.cwiseAbs()).maxCoeff());
   worst.add((back - tau).allFinite() ? (back - tau).cwiseAbs().maxCoeff() / terms : std::numeric_limits<double>::infinity(), s.where());
@@ -81,7 +81,7 @@ void checkMassMatrix(const CompactModel& model, Data& data, const State& s, Wors
   worst.compare(M, columns, show("q", s.q));
 }
 
-/// dtau/dq and dtau/dv of rnea, which know how S and its bias change, against differences.
+/// Checks dtau/dq and dtau/dv of rnea, which contain the derivatives of S and its bias, against differences.
 void checkDerivatives(const CompactModel& model, Data& data, const State& s, Worst& by_q, Worst& by_v) {
   const auto& found = computeRNEADerivatives(model, data, s.q, s.v, s.a);
   const Eigen::MatrixXd dtau_dq = found.dtau_dq, dtau_dv = found.dtau_dv;
@@ -96,7 +96,7 @@ void checkDerivatives(const CompactModel& model, Data& data, const State& s, Wor
   }
 }
 
-/// dE/dt = v . tau along a motion that starts with v and a.
+/// Checks that dE/dt = v . tau along a motion that starts with v and a.
 void checkEnergy(const CompactModel& model, Data& data, const State& s, Worst& worst) {
   const Eigen::VectorXd tau = rnea(model, data, s.q, s.v, s.a);
   const Eigen::VectorXd rate = derivativeAtZero([&](double h) {

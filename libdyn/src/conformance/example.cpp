@@ -1,4 +1,4 @@
-// Parameters made up from a schema.
+// Makes up parameters from a schema.
 #include "conformance/support.hpp"
 
 #include <charconv>
@@ -12,7 +12,7 @@ using conformance::Random;
 
 std::vector<double> toNumbers(const Vec3<double>& x) { return {x.x, x.y, x.z}; }
 
-/// A direction that makes a fair angle with all before it.
+/// Returns a direction that is not nearly parallel to any of the others (|cosine| < 0.9).
 Vec3<double> newDirection(Random& random, const std::vector<Vec3<double>>& others) {
   while (true) {
     const Vec3<double> n = random.direction();
@@ -31,7 +31,7 @@ JointDescription part(const char* type, Random& random) {
   return joint;
 }
 
-/// What the type's author gives as an example.
+/// Returns the example that the type's author gave. Throws Error(parameter) if it should be numbers and is not.
 ParameterValue exampleValue(const ParameterSpec& spec) {
   if (spec.kind == ParameterKind::text) return std::string(spec.example);
   std::vector<double> numbers;
@@ -65,7 +65,7 @@ Parameters exampleParameters(const JointTypeInfo& info, std::uint64_t seed) {
         parameters[spec.name] = std::vector<double>{size()};
         break;
       case ParameterKind::vector3:
-        // With a unit it is no direction but three sizes, which may have to be positive (radii).
+        // A vector with a unit is not a direction but three sizes, which may have to be positive (radii).
         if (*spec.unit != '\0') {
           parameters[spec.name] = std::vector<double>{size(), size(), size()};
         } else if (directions.size() < 3) {

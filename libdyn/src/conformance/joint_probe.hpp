@@ -1,16 +1,16 @@
-// One joint of a type, asked one configuration at a time. What a batch would answer, unpacked.
+// One joint of a type, evaluated at one configuration at a time. Results are unpacked from the batch.
 #pragma once
 
 #include "compile/parameters.hpp"
 #include "joint/coordinate.hpp"
 #include "joint/pose_components.hpp"
-#include "kernels/shapes.hpp"
+#include "kernels/body/shapes.hpp"
 
 #include <Eigen/Core>
 
 namespace dyn::conformance {
 
-/// Core motion: the pose, the columns of S in the moving frame, (dS/dt) v where a velocity was given.
+/// The core motion: pose, columns of S in the moving frame and, for dense shapes with a velocity, the bias (dS/dt) v.
 template <class S>
 struct JointMotion {
   SE3<S> pose;
@@ -29,7 +29,7 @@ class JointProbe {
   const std::vector<double>& constants() const { return constants_; }
   int nq() const { return instance_.nq; }
   int nv() const { return instance_.nv; }
-  /// v = dq/dt.
+  /// Whether v = dq/dt.
   bool flat() const;
 
   /// v may be null.
@@ -40,16 +40,16 @@ class JointProbe {
 
   Eigen::VectorXd neutral() const;
   Eigen::VectorXd integrate(const Eigen::VectorXd& q, const Eigen::VectorXd& v) const;
-  /// dq/dt for velocities v, of types with rates of their own and those with v = dq/dt.
+  /// Returns dq/dt for velocities v. Only for types with v = dq/dt or with rates of their own.
   Eigen::VectorXd rates(const Eigen::VectorXd& q, const Eigen::VectorXd& v) const;
   Eigen::VectorXd difference(const Eigen::VectorXd& q0, const Eigen::VectorXd& q1) const;
-  /// By the first and by the second argument.
+  /// Derivatives by the first and by the second argument.
   struct Jacobians {
     Eigen::MatrixXd first, second;
   };
   Jacobians dIntegrate(const Eigen::VectorXd& q, const Eigen::VectorXd& v) const;
   Jacobians dDifference(const Eigen::VectorXd& q0, const Eigen::VectorXd& q1) const;
-  /// The distance from the configuration space before goes to `distance`.
+  /// Returns q normalised, and in `distance` how far q was from the configuration space.
   Eigen::VectorXd normalize(const Eigen::VectorXd& q, double& distance) const;
 
  private:

@@ -1,4 +1,4 @@
-// A joint's pose map against what it says of its motion.
+// Checks a joint's motion subspace and bias against its pose map.
 #include "conformance/checks.hpp"
 
 #include <Eigen/SVD>
@@ -21,7 +21,7 @@ Eigen::MatrixXd subspaceOf(const JointMotion<double>& motion, int nv) {
   return S;
 }
 
-/// Largest entry of R^T R - 1, and |det R - 1|.
+/// The largest of |R^T R - 1|, entry by entry, and |det R - 1|. Infinite if R is not finite.
 double distanceFromRotation(const Mat3<double>& R) {
   const Mat3<double> E = transpose(R) * R - Mat3<double>::identity();
   double worst = std::fabs(dot(R.col(0), cross(R.col(1), R.col(2))) - 1);
@@ -34,7 +34,7 @@ double distanceFromPose(const SE3<double>& X) {
   return finite ? distanceFromRotation(X.R) : std::numeric_limits<double>::infinity();
 }
 
-/// Velocity in the moving frame at h = 0 of the pose along a curve of configurations, from differences.
+/// Velocity of the pose in the moving frame at h = 0 along a curve of configurations, by finite differences.
 template <class Curve>
 Column velocityAlong(const JointProbe& joint, const Curve& curve) {
   const SE3<double> X0 = joint.pose(curve(0.0));
@@ -65,14 +65,14 @@ void checkSubspace(const JointProbe& joint, const std::vector<Eigen::VectorXd>& 
   check.into(findings);
 }
 
-/// The configuration as duals that move along `direction`.
+/// The configuration as dual numbers with the derivative `direction`.
 std::vector<Dual<double>> dualOf(const Eigen::VectorXd& q, const Eigen::VectorXd& direction) {
   std::vector<Dual<double>> x;
   for (Eigen::Index i = 0; i < q.size(); ++i) x.emplace_back(q[i], direction[i]);
   return x;
 }
 
-/// Where dq/dt is known: the kinematics call with duals differentiates exactly.
+/// Needs dq/dt. The kinematics call with dual numbers then differentiates exactly.
 void checkDual(const JointProbe& joint, const std::vector<Eigen::VectorXd>& samples, Findings& findings) {
   Worst check("subspace: S is the velocity of the pose (duals)", 1e-12), value("kinematics with duals has the same values", 1e-14);
   for (const Eigen::VectorXd& q : samples) {
@@ -95,7 +95,7 @@ void checkDual(const JointProbe& joint, const std::vector<Eigen::VectorXd>& samp
   value.into(findings);
 }
 
-/// (dS/dt) v from the duals of S along dq/dt = v.
+/// Checks the bias against (dS/dt) v from dual numbers of S along dq/dt = rates(q, v).
 void checkBias(const JointProbe& joint, const std::vector<Eigen::VectorXd>& samples, Random& random, Findings& findings) {
   Worst check("bias is (dS/dt) v", 1e-12);
   for (const Eigen::VectorXd& q : samples) {
@@ -113,7 +113,7 @@ void checkBias(const JointProbe& joint, const std::vector<Eigen::VectorXd>& samp
   check.into(findings);
 }
 
-/// Coordinates far from any a robot has are still answered with poses; NaN does not become a number that looks like infinity.
+/// Coordinates far beyond those of any robot must still give poses in SE(3), and NaN must not become infinity.
 void checkRange(const JointProbe& joint, Random& random, Findings& findings) {
   Worst far("poses of q up to 1e6 are in SE(3)", 1e-12), nan("NaN in q gives NaN or finite numbers", 0);
   for (const double size : {1e3, 1e6})
@@ -135,9 +135,9 @@ void checkRange(const JointProbe& joint, Random& random, Findings& findings) {
   nan.into(findings);
 }
 
-constexpr double jump = 1e-6;  // in S between configurations next to each other; what varies smoothly there changes by less
+constexpr double jump = 1e-6;  // a change of S between neighbouring configurations; a smooth S changes by less
 
-/// At a kink S is another one on either side, and may be a third between.
+/// Compares S at neutral with S on either side. At a kink S differs between the sides, and may have a third value at the kink itself.
 void checkNeutral(const JointProbe& joint, Findings& findings) {
   Worst check("subspace: S at neutral is S on either side of it", jump);
   const Eigen::MatrixXd S = subspaceOf(joint.motion(joint.neutral()), joint.nv());
@@ -149,8 +149,8 @@ void checkNeutral(const JointProbe& joint, Findings& findings) {
   check.into(findings);
 }
 
-/// Samples beside a jump of S do not show it, so it is closed in on along lines through neutral. Jumps are information, as a rail of lines and
-/// arcs has them; but where a column becomes zero at once the pose is clamped.
+/// Samples next to a jump of S do not show it, so bisection along lines through neutral finds it. A jump is reported as information, since a rail of
+/// lines and arcs has jumps. A column that becomes zero at once is a failure, since the pose is clamped there.
 void checkClamps(const JointProbe& joint, Random& random, Findings& findings) {
   constexpr int lines = 4, steps = 48, halvings = 32;
   constexpr double reach = 3;
@@ -180,7 +180,7 @@ void checkClamps(const JointProbe& joint, Random& random, Findings& findings) {
   if (!jumps.empty()) findings.push_back({"information: S jumps", true, 0, 0, jumps});
 }
 
-/// Reported, never a failure: many joints have singular configurations and must be able to say so.
+/// Reports the rank of S as information. It is never a failure: many joints have singular configurations.
 void reportRank(const JointProbe& joint, const Eigen::VectorXd& q, Findings& findings) {
   const auto rank = [&](const Eigen::VectorXd& at) {
     const Eigen::MatrixXd S = subspaceOf(joint.motion(at), joint.nv());
@@ -200,7 +200,7 @@ void checkMotion(const JointProbe& joint, std::uint64_t seed, Findings& findings
   std::vector<Eigen::VectorXd> samples;
   samples.reserve(sample_count + 1);
   for (int i = 0; i < sample_count; ++i) samples.push_back(randomConfiguration(joint, random));
-  samples.push_back(joint.neutral());  // where kinks and limits of series are
+  samples.push_back(joint.neutral());  // kinks and the limits of series often lie there
   checkPose(joint, samples, findings);
   if (joint.nv() == 0) return;
   checkSubspace(joint, samples, findings);

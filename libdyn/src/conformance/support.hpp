@@ -1,4 +1,4 @@
-// What the conformance checks share: random numbers, differences, and the worst error met.
+// Shared by the conformance checks: random numbers, finite differences, and the worst error of a check.
 #pragma once
 
 #include <dyn/conformance/conformance.hpp>
@@ -34,18 +34,18 @@ class Random {
   std::mt19937_64 engine_;
 };
 
-/// Collects one check over many samples; becomes one finding.
+/// Collects the worst error of one check over many samples, as one finding.
 class Worst {
  public:
   Worst(std::string check, double bound) : finding_{std::move(check), true, 0, bound, ""} {}
-  /// A result that is not a number is infinitely wrong.
+  /// An error that is not a finite number counts as infinite.
   void add(double error, const std::string& where) {
     if (!(error <= std::numeric_limits<double>::max())) error = std::numeric_limits<double>::infinity();
     if (error <= finding_.error) return;
     finding_.error = error;
     finding_.detail = where;
   }
-  /// |a - b| relative to max(1, |b|), by the largest entry.
+  /// Adds the error |a - b| / max(1, |b|), where |.| is the largest entry.
   void compare(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, const std::string& where) {
     if (a.size() == 0 && b.size() == 0) return;
     add(a.allFinite() && b.allFinite() ? (a - b).cwiseAbs().maxCoeff() / std::max(1.0, b.cwiseAbs().maxCoeff())
@@ -61,7 +61,7 @@ class Worst {
   ConformanceFinding finding_;
 };
 
-/// df/dh at h = 0 by central differences, extrapolated once: truncation O(h^4), rounding about 1e-12 of f.
+/// Returns df/dh at h = 0 by central differences, extrapolated once. Truncation is O(h^4), rounding about 1e-12 of f.
 template <class F>
 auto derivativeAtZero(const F& f) {
   constexpr double h = 1e-3;

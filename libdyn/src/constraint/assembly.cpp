@@ -1,6 +1,6 @@
 #include "constraint/kkt.hpp"
 #include "constraint/solution.hpp"
-#include "kernels/constraint_table.hpp"
+#include "kernels/isa/constraint_table.hpp"
 #include "number_text.hpp"
 
 #include <dyn/algorithm/configuration.hpp>
@@ -15,7 +15,7 @@ namespace dyn::detail {
 
 namespace {
 
-/// Everything of one configuration that a step starts from; returns the largest error, infinite where there is none.
+/// Computes all that a step needs at configuration q. Returns the largest error, or infinity if an error is NaN.
 double prepareStep(const CompactModel& model, Data& data, VectorView q, ConstraintDataImpl& c) {
   const char* algorithm = "projectConfiguration";
   const CompactImpl& m = model.impl();
@@ -34,7 +34,7 @@ double prepareStep(const CompactModel& model, Data& data, VectorView q, Constrai
   return largest;
 }
 
-/// M^-1 J^T lambda into d.ddq.
+/// Writes M^-1 J^T lambda to d.ddq.
 void motionOfForces(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c) {
   if (m.couplings.empty()) {
     actOnBodies(m, d, c, c.lambda);

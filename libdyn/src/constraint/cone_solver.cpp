@@ -1,13 +1,13 @@
 #include "constraint/cone_solver.hpp"
 
-#include "kernels/constraint_table.hpp"
+#include "kernels/isa/constraint_table.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 namespace dyn {
 
-void ConeSolver::carve(int rows, Arena& arena) {
+void ConeSolver::layOut(int rows, Arena& arena) {
   for (double** vector : {&scale_, &force_, &dual_, &right_, &velocity_, &sum_}) arena.take(*vector, static_cast<std::size_t>(rows) + most_lanes);
 }
 
@@ -53,12 +53,12 @@ void ConeSolver::project(const ConeProblem& problem, double* x) const {
   }
 }
 
-/// With x = S y of scales S: S G S y + S g, whose cones are the same but for bounds.
-/// Boyd et al. 2011, sec. 3; the penalty follows the ratio of the two residuals (sec. 3.4.1).
+/// The alternating direction method of multipliers (Boyd et al. 2011, sec. 3). The penalty follows the ratio of the two residuals (sec. 3.4.1). The
+/// problem is scaled: with x = S y it becomes S G S y + S g, with the same cones except for the bounds of both_ways.
 ConeSolution ConeSolver::solve(kernels::ConstraintWorkspace& w, const ConeProblem& problem, const ContactSettings& settings, double* x) {
   const kernels::ConstraintKernels& k = kernels::constraintKernels();
   const int n = problem.rows;
-  double largest = 0, mean = 0;  // what the matrix makes of entries of 1 at most; its mean diagonal
+  double largest = 0, mean = 0;  // the matrix' largest sum of absolute values in a row, and its mean diagonal entry
   for (int i = 0; i < n; ++i) {
     const double* row = w.delassus + i * w.stride;
     double sum = 0;
@@ -74,12 +74,13 @@ ConeSolution ConeSolver::solve(kernels::ConstraintWorkspace& w, const ConeProble
   chooseScales(w, problem, mean);
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j) w.delassus[i * w.stride + j] *= scale_[i] * scale_[j];
-  // Of the order of the matrix between its largest and its smallest entries; a trace of it keeps what is not determined from wandering.
+  // The penalty lies between the matrix' largest and smallest entries. A small proximal term keeps undetermined forces from drifting.
   double penalty = 0.1 * mean;
   const double proximal = 1e-6 * mean;
   k.invertDelassus(n, w, penalty + proximal, 0);
   int since = 0, wait = 10;
   int iteration = 0;
+  bool converged = false;
   for (; iteration < settings.max_iterations; ++iteration) {
     for (int i = 0; i < n; ++i) right_[i] = penalty * x[i] + proximal * force_[i] - scale_[i] * problem.g[i] - dual_[i];
     if (problem.dissipative)
@@ -89,7 +90,8 @@ ConeSolution ConeSolver::solve(kernels::ConstraintWorkspace& w, const ConeProble
         right_[problem.cones[c].normal()] -= problem.cones[c].friction * std::sqrt(y[0] * y[0] + y[1] * y[1]);
       }
     k.timesRows(n, w.stride, w.inverse, right_, force_);
-    // In velocities: forces that differ, and forces that still move, by what they do.
+    if (!std::all_of(force_, force_ + n, [](double f) { return std::isfinite(f); })) break;  // comparisons with NaN below would look like success
+    // Both residuals are velocities: the effects of the difference between the two copies of the forces, and of their last step.
     double primal = 0, change = 0, moved = 0;
     for (int i = 0; i < n; ++i) sum_[i] = force_[i] + dual_[i] / penalty;
     project(problem, sum_);
@@ -107,15 +109,15 @@ ConeSolution ConeSolver::solve(kernels::ConstraintWorkspace& w, const ConeProble
     }
     if (std::max(primal, change) <= settings.tolerance) {
       ++iteration;
+      converged = true;
       break;
     }
-    if (!(primal < HUGE_VAL) || !(change < HUGE_VAL)) break;
     if (++since >= wait) {
       const double ratio = mean * apart / std::max(penalty * moved, 1e-300);
       if (ratio > 5 || ratio < 0.2) {
         penalty = std::clamp(penalty * std::clamp(std::sqrt(ratio), 0.01, 100.0), 1e-8 * largest, 1e4 * largest);
         k.invertDelassus(n, w, penalty + proximal, 0);
-        // Ever later: iterations converge with a penalty that stays.
+        // Changes become ever rarer, because the iteration converges with a constant penalty.
         wait += wait / 4;
       }
       since = 0;
@@ -126,7 +128,7 @@ ConeSolution ConeSolver::solve(kernels::ConstraintWorkspace& w, const ConeProble
     velocity_[i] = velocity_[i] / scale_[i] + problem.g[i];
     x[i] *= scale_[i];
   }
-  return {iteration < settings.max_iterations, iteration};
+  return {converged, iteration};
 }
 
 }  // namespace dyn

@@ -37,7 +37,7 @@ DerivativePattern::DerivativePattern(const ConstraintSet& set) {
   const CompactImpl& m = set.model().impl();
   const auto n = static_cast<std::size_t>(m.nv);
   std::vector<std::size_t> counts;
-  // Runs of what is marked, which is unmarked.
+  // `list` appends the runs of marked numbers to `all` and removes the marks.
   std::vector<char> marked(n);
   const auto list = [&] {
     const std::size_t before = all.size();
@@ -91,13 +91,13 @@ DerivativePattern::DerivativePattern(const ConstraintSet& set) {
 }
 
 namespace {
-void carveAll(ConstraintDataImpl& d, Arena& arena) {
+void layOutAll(ConstraintDataImpl& d, Arena& arena) {
   const PackedConstraints& c = d.set.impl();
   const CompactImpl& m = d.set.model().impl();
   const std::size_t rows = static_cast<std::size_t>(c.rows) + most_lanes, nv = static_cast<std::size_t>(m.nvx);
   arena.take(d.frames, c.frames.size());
-  kernels::carve(d.workspace, c, arena);
-  d.solver.carve(c.rows, arena);
+  kernels::layOut(d.workspace, c, arena);
+  d.solver.layOut(c.rows, arena);
   for (double** vector :
        {&d.motion.bias, &d.motion.drift, &d.motion.fall, &d.motion.velocity, &d.motion.error, &d.lambda, &d.wanted, &d.step, &d.left, &d.gamma})
     arena.take(*vector, rows);
@@ -108,9 +108,9 @@ void carveAll(ConstraintDataImpl& d, Arena& arena) {
   arena.take(d.q, 2 * static_cast<std::size_t>(m.nqx));
   arena.take(d.matrix, rows * rows);
   arena.take(d.total, c.bodies.size());
-  arena.take(d.shares, c.dofs.size());
+  arena.take(d.projections, c.dofs.size());
   arena.take(d.cones, rows);
-  d.cone_solver.carve(c.rows, arena);
+  d.cone_solver.layOut(c.rows, arena);
   if (!has(d.needs, Need::derivatives)) return;
   std::size_t slots = 0;
   for (const PackedFrameConstraint& f : c.frames) slots = std::max(slots, f.slots.size());
@@ -119,7 +119,7 @@ void carveAll(ConstraintDataImpl& d, Arena& arena) {
   for (double** matrix : {&d.row_by_q, &d.row_by_v, &d.lambda_dq, &d.lambda_dv, &d.lambda_dtau}) arena.take(*matrix, rows * nv);
   for (double** matrix : {&d.motion_dq, &d.motion_dv, &d.motion_dtau}) arena.take(*matrix, nv * nv + most_lanes);
   arena.take(d.force, 2 * nv * nv);
-  kernels::carve(d.inverse, d.workspace, c.rows, m.nv, arena);
+  kernels::layOut(d.inverse, d.workspace, c.rows, m.nv, arena);
   arena.take(d.fext, m.joints.size());
   arena.take(d.change, nv + 1);
 }
@@ -127,10 +127,10 @@ void carveAll(ConstraintDataImpl& d, Arena& arena) {
 
 ConstraintData::ConstraintData(const ConstraintSet& set, Need needs) : impl_(std::make_unique<ConstraintDataImpl>(set, needs)) {
   Arena count(nullptr);
-  carveAll(*impl_, count);
+  layOutAll(*impl_, count);
   impl_->block = PackMemory(count.used());  // zeroed
   Arena arena(impl_->block.data());
-  carveAll(*impl_, arena);
+  layOutAll(*impl_, arena);
   if (has(needs, Need::derivatives)) impl_->pattern.emplace(set);
 }
 

@@ -9,13 +9,13 @@ namespace dyn::detail {
 
 namespace {
 
-/// Bodies articulated at rest, or M factored; rows located. After it degrees of freedom have no forces to yield to.
+/// Runs the articulated-body recursion at rest, or factors M, and locates the rows. Afterwards no forces act on the degrees of freedom.
 void prepare(const char* algorithm, const CompactModel& model, Data& data, VectorView q, ConstraintData& constraints) {
   checkConstraints(algorithm, model, data, constraints);
   const CompactImpl& m = model.impl();
   DataImpl& d = data.impl();
   ConstraintDataImpl& c = constraints.impl();
-  keepArguments(data, {.q = &q}, &c.block);
+  copyAliasedArguments(data, {.q = &q}, &c.block);
   if (!m.couplings.empty()) return projectInertia(algorithm, model, data, q, nullptr, c);
   const Inputs in = readInputs(algorithm, model, data, q, nullptr, nullptr);
   articulateBodies(algorithm, m, d, c, in.q, d.zero, d.zero, nullptr);
@@ -73,10 +73,10 @@ void applyDelassus(const CompactModel& model, Data& data, ConstraintData& constr
     addRowsOf(m, c, c.v_after, out.data());
     return;
   }
-  // One force a body, on its way to the world; each degree of freedom yields to its share.
+  // One force for each body goes to the world; each degree of freedom responds to its projection.
   const PlacedBodies bodies = placedBodies(d, c);
-  sumRowForces(m, packed, c.frames, c.q, x.data, c.total, c.shares);
-  bodies.run.yieldTo(m, bodies.memory, packed, c.total, c.shares);
+  sumRowForces(m, packed, c.frames, c.q, x.data, c.total, c.projections);
+  bodies.run.respondTo(m, bodies.memory, packed, c.total, c.projections);
   accelerateBodies(m, d, c, {}, c.expanded);
   bodies.run.takeAccelerations(m, bodies.memory, packed, c.workspace);
   rowAccelerations(m, packed, c.frames, c.q, c.workspace, c.expanded, c.gamma);

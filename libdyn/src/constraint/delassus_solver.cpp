@@ -1,6 +1,6 @@
 #include "constraint/delassus_solver.hpp"
 
-#include "kernels/constraint_table.hpp"
+#include "kernels/isa/constraint_table.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@ namespace dyn {
 
 namespace {
 
-/// In place, rows of a lower triangle, n apart.
+/// The Cholesky factor of A in place: the lower triangle, with rows `stride` apart.
 void factorTriangle(double* A, int n, int stride) {
   for (int j = 0; j < n; ++j) {
     double* row = A + static_cast<std::ptrdiff_t>(j) * stride;
@@ -36,7 +36,7 @@ void solveTriangle(const double* A, int n, int stride, double* x) {
 
 }  // namespace
 
-void DelassusSolver::carve(int rows, Arena& arena) {
+void DelassusSolver::layOut(int rows, Arena& arena) {
   n_ = rows;
   const auto n = static_cast<std::size_t>(rows);
   arena.take(C_, n * n);
@@ -54,11 +54,11 @@ void DelassusSolver::factor(kernels::ConstraintWorkspace& x, const ConstraintSet
   if (!regular_) factorSingular();
 }
 
-/// Cholesky by the largest pivots, as far as they are more than rounding: rows of C, in the order of D.
+/// Pivoted Cholesky: chooses the largest pivots and stops when the rest is rounding. C has its rows in the order of D.
 void DelassusSolver::factorSingular() {
   const double *D = x_->delassus, *bound = x_->bound;
   const std::ptrdiff_t stride = x_->stride;
-  double* left = left_;  // of the diagonal
+  double* left = left_;  // the rest of the diagonal
   for (int i = 0; i < n_; ++i) left[i] = D[i * stride + i];
   std::fill_n(C_, static_cast<std::ptrdiff_t>(n_) * n_, 0.0);
   for (rank_ = 0; rank_ < n_; ++rank_) {
@@ -120,7 +120,7 @@ int DelassusSolver::solve(const double* b, double* x) {
   apply(b, x);
   const bool proximal = settings_.mu > 0;
   if (regular_ && !proximal) return 1;
-  // What the constraints contradict each other in stays: no iteration takes it away, and it must not build up.
+  // If constraints contradict each other, a residual remains, which no iteration removes. The iteration must stop before it builds up.
   const int most = proximal ? settings_.max_iterations : 3;
   double before = HUGE_VAL;
   int iterations = 1;

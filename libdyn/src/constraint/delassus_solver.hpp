@@ -1,24 +1,24 @@
-// D x = b for the Delassus matrix D = J M^-1 J^T: positive semidefinite, and singular where constraints repeat each other.
+// Solves D x = b for the Delassus matrix D = J M^-1 J^T, which is positive semidefinite, and singular where constraints repeat each other.
 #pragma once
 
-#include "kernels/constraint_workspace.hpp"
+#include "kernels/constraint/constraint_workspace.hpp"
 
 #include <dyn/constraint/constraint_set.hpp>
 
 namespace dyn {
 
-/// Factors of one matrix. Where D is regular, its inverse. Otherwise D = C C^T to rounding with C of as many columns as D has rank, and
-/// solutions are of least norm among those of least squares: D^+ = C (C^T C)^-2 C^T.
+/// The factors of one matrix: its inverse if D is regular. Otherwise D = C C^T to rounding, where C has as many columns as D has rank, and solutions
+/// have the least norm among the least-squares solutions: D^+ = C (C^T C)^-2 C^T.
 class DelassusSolver {
  public:
-  void carve(int rows, Arena& arena);
+  void layOut(int rows, Arena& arena);
 
-  /// x.delassus. A pivot below tolerance times x.bound ends the factorisation, so that what is rounding is not divided by. With mu, of
-  /// D + mu 1, which is regular. O(rows^3).
+  /// Factors D = x.delassus, or D + mu 1, which is regular, if settings.mu > 0. A pivot not above settings.rank_tolerance times x.bound counts as
+  /// zero, so that rounding errors are not divided by. O(rows^3).
   void factor(kernels::ConstraintWorkspace& x, const ConstraintSettings& settings);
 
-  /// x = D^+ b by the last factors, improved where D is singular; with mu by proximal iterations until D x = b to the tolerance of the
-  /// settings, or they get no better. Vectors have room for a pack; x and b may not overlap. Returns the number of iterations.
+  /// x = D^+ b by the last factors, improved by iteration if D is singular. With mu, proximal iterations run until D x = b to settings.tolerance, or
+  /// until they improve no more. Vectors have room for a pack; x and b may not overlap. Returns the number of iterations.
   int solve(const double* b, double* x);
 
   /// out = D x - b; returns its largest entry.
@@ -28,7 +28,7 @@ class DelassusSolver {
 
  private:
   void factorSingular();
-  void apply(const double* b, double* x) const;  ///< x by the factors alone
+  void apply(const double* b, double* x) const;  ///< x by the factors, without iterations
   double* entry(double* matrix, int row) const { return matrix + static_cast<std::ptrdiff_t>(row) * n_; }
 
   int n_ = 0, rank_ = 0;

@@ -1,9 +1,9 @@
 #include "algorithm/derivatives.hpp"
 
-#include "algorithm/inputs.hpp"
+#include "algorithm/support/inputs.hpp"
 #include "constraint/linearize.hpp"
 #include "constraint/solution.hpp"
-#include "kernels/constraint_table.hpp"
+#include "kernels/isa/constraint_table.hpp"
 
 #include <dyn/constraint/derivatives.hpp>
 #include <dyn/error.hpp>
@@ -25,8 +25,9 @@ void check(const char* algorithm, const CompactModel& model, const Data& data, c
         std::string(algorithm) + ": the constraints' data was made without Need::derivatives; make it as ConstraintData(set, Need::derivatives)");
 }
 
-/// The inverse of the equations of motion, from d.Minv, c.J and the Delassus matrix that has been factored last: without mu, whose effect proximal
-/// iterations take away, but not where they begin with what no motion of the rows can be. Its columns too, unless null: motions and lambda by forces.
+/// Forms the inverse of the equations of motion in c.inverse, from d.Minv, c.J and the Delassus matrix that was factored last. It factors without mu:
+/// proximal iterations remove the effect of mu, but not for right-hand sides that no motion of the rows can produce. Unless null, motion_by_force and
+/// lambda_by_force get the derivatives of motions and lambda by forces.
 void invertConstrained(const DataImpl& d, ConstraintData& constraints, double* motion_by_force, double* lambda_by_force) {
   ConstraintDataImpl& c = constraints.impl();
   if (constraints.settings.mu > 0) {
@@ -52,7 +53,7 @@ void solve(const ConstraintDataImpl& c, int sides, const kernels::ConstrainedCol
   kernels::constraintKernels().solveConstrained[sides - 1](c.inverse, c.pattern->columns(), columns);
 }
 
-/// After forceDerivatives, which was asked at these.
+/// The state in expanded coordinates, after forceDerivatives at this state.
 Inputs expanded(const CompactModel& model, const DataImpl& d, const double* q, const double* v, const double* a) {
   if (model.impl().couplings.empty()) return {q, v, a};
   return {d.qx, d.vx, d.ax};
@@ -67,7 +68,7 @@ ConstrainedDerivativeViews constraintDynamicsDerivatives(const CompactModel& mod
   DataImpl& d = data.impl();
   ConstraintDataImpl& c = constraints.impl();
   const std::ptrdiff_t n = model.nv(), rows = c.set.rows();
-  keepArguments(data, {.q = &q, .v = &v, .tau = &tau}, &c.block);
+  copyAliasedArguments(data, {.q = &q, .v = &v, .tau = &tau}, &c.block);
   constraintDynamics(model, data, q, v, tau, constraints, ConstraintMethod::articulated, nullptr, 0);
   std::copy_n(d.ddq, n, c.v_after);
   const VectorView ddq{c.v_after, n};
@@ -75,7 +76,7 @@ ConstrainedDerivativeViews constraintDynamicsDerivatives(const CompactModel& mod
   forceDerivatives(algorithm, model, data, q, &v, &ddq, c.fext, model.impl().joints.size());
   double *force_by_q = d.dtau_dq, *force_by_v = d.dtau_dv;
   if (c.pattern->forces_turn) {
-    // Into matrices of their own: inverse dynamics leaves zeros where the tree has no paths, and counts on them.
+    // Separate matrices, because inverse dynamics relies on zeros in its own where the tree has no root paths.
     force_by_q = c.force;
     force_by_v = c.force + n * n;
     std::copy_n(d.dtau_dq, n * n, force_by_q);
@@ -97,7 +98,7 @@ ConstrainedDerivativeViews impulseDynamicsDerivatives(const CompactModel& model,
   DataImpl& d = data.impl();
   ConstraintDataImpl& c = constraints.impl();
   const Eigen::Index n = model.nv(), rows = c.set.rows();
-  keepArguments(data, {.q = &q, .v = &v}, &c.block);
+  copyAliasedArguments(data, {.q = &q, .v = &v}, &c.block);
   impulseDynamics(model, data, q, v, restitution, constraints);
   const VectorView zero{d.zero, n};
   // M (v_after - v) - J^T impulse by q: inverse dynamics at rest with the change for an acceleration, less gravity.

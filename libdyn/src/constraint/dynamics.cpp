@@ -13,14 +13,15 @@ namespace dyn::detail {
 
 namespace {
 
-/// lambda and what of the wanted motion it leaves undone, by the factors in c.solver.
+/// Solves for lambda with the factors in c.solver and returns it with the residual of the wanted motion.
 ConstrainedViews solved(ConstraintDataImpl& c, const double* motion) {
   const int iterations = c.solver.solve(c.wanted, c.lambda);
   return {motion, c.lambda, c.solver.residual(c.lambda, c.wanted, c.left), c.solver.rank(), iterations};
 }
 
-/// The forces in c.lambda, the accelerations that they make of the last articulateBodies, and between the two one correction: entries of the
-/// Delassus matrix have lost digits that the shares which they are made of still have. wantedOf(row): beside what degrees of freedom yield.
+/// Solves for the forces c.lambda, corrects them once, and computes the accelerations from the last articulateBodies. The correction recovers digits
+/// that the entries of the Delassus matrix have lost, but the projections still have. wantedOf(row): the wanted acceleration of the row, to be
+/// produced by the response of the degrees of freedom.
 template <class Wanted>
 ConstrainedViews refined(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c, const Vec3<double>& gravity, double* ddq, const double* motion,
                          Wanted&& wantedOf) {
@@ -29,16 +30,16 @@ ConstrainedViews refined(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& 
   const kernels::ConstraintKernels& k = kernels::constraintKernels();
   kernels::ConstraintWorkspace& x = c.workspace;
   ConstrainedViews out{motion, c.lambda, 0, c.solver.rank(), c.solver.solve(c.wanted, c.lambda)};
-  k.yieldToRows(packed, c.lambda, x);
-  k.rowsOfYielded(packed, x, c.gamma);
+  k.respondToRows(packed, c.lambda, x);
+  k.rowsOfResponse(packed, x, c.gamma);
   for (int r = 0; r < packed.rows; ++r) {
     c.left[r] = wantedOf(r) - c.gamma[r];
     if (!(std::abs(c.left[r]) <= out.residual)) out.residual = std::abs(c.left[r]);
   }
   c.solver.solve(c.left, c.step);
-  k.yieldToRows(packed, c.step, x);
+  k.respondToRows(packed, c.step, x);
   for (int r = 0; r < packed.rows; ++r) c.lambda[r] += c.step[r];
-  bodies.run.takeYielded(m, bodies.memory, packed, x);
+  bodies.run.takeResponse(m, bodies.memory, packed, x);
   accelerateBodies(m, d, c, gravity, ddq);
   return out;
 }
@@ -58,8 +59,8 @@ ConstrainedViews constraintDynamics(const CompactModel& model, Data& data, Vecto
   const CompactImpl& m = model.impl();
   DataImpl& d = data.impl();
   ConstraintDataImpl& c = constraints.impl();
-  keepArguments(data, {.q = &q, .v = &v, .tau = &tau}, &c.block);
-  // Nothing is constrained: as aba does it, to the last bit, which need not be the way that rows want bodies to go.
+  copyAliasedArguments(data, {.q = &q, .v = &v, .tau = &tau}, &c.block);
+  // Without rows the result is that of aba to the last bit. The recursions for rows might round differently.
   if (c.set.rows() == 0 && method == ConstraintMethod::articulated) {
     factorDelassus(constraints);
     return {aba(model, data, q, v, tau, fext, count), c.lambda, 0, 0, 0};
@@ -71,7 +72,7 @@ ConstrainedViews constraintDynamics(const CompactModel& model, Data& data, Vecto
     addMotionOf(m, c, c.lambda, d.ddq);
     return out;
   }
-  return refined(m, d, c, m.gravity, d.ddq, d.ddq, [&](int row) { return wantedOfYielded(c, row); });
+  return refined(m, d, c, m.gravity, d.ddq, d.ddq, [&](int row) { return wantedOfResponse(c, row); });
 }
 
 ConstrainedViews impulseDynamics(const CompactModel& model, Data& data, VectorView q, VectorView v, double restitution, ConstraintData& constraints) {
@@ -82,7 +83,7 @@ ConstrainedViews impulseDynamics(const CompactModel& model, Data& data, VectorVi
   const CompactImpl& m = model.impl();
   DataImpl& d = data.impl();
   ConstraintDataImpl& c = constraints.impl();
-  keepArguments(data, {.q = &q, .v = &v}, &c.block);
+  copyAliasedArguments(data, {.q = &q, .v = &v}, &c.block);
   double* change = d.ddq;
   ConstrainedViews out;
   const auto wanted = [&] {
@@ -112,7 +113,7 @@ ConstraintMotionViews constraintMotion(const CompactModel& model, Data& data, Ve
   const char* algorithm = "computeConstraintMotion";
   checkConstraints(algorithm, model, data, constraints);
   ConstraintDataImpl& c = constraints.impl();
-  keepArguments(data, {.q = &q, .v = &v}, &c.block);
+  copyAliasedArguments(data, {.q = &q, .v = &v}, &c.block);
   placeRows(algorithm, model, data, q, &v, c);
   for (int r = 0; r < c.set.rows(); ++r) c.gamma[r] += c.motion.bias[r];
   return {c.motion.velocity, c.gamma, c.motion.error};
@@ -122,7 +123,7 @@ const double* constraintJacobian(const CompactModel& model, Data& data, VectorVi
   const char* algorithm = "computeConstraintJacobian";
   checkConstraints(algorithm, model, data, constraints);
   ConstraintDataImpl& c = constraints.impl();
-  keepArguments(data, {.q = &q}, &c.block);
+  copyAliasedArguments(data, {.q = &q}, &c.block);
   placeRows(algorithm, model, data, q, nullptr, c);
   return c.J;
 }

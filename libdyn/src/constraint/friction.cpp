@@ -1,4 +1,4 @@
-#include "algorithm/turning.hpp"
+#include "algorithm/support/turning.hpp"
 #include "constraint/kkt.hpp"
 #include "constraint/solution.hpp"
 
@@ -32,7 +32,7 @@ namespace detail {
 
 namespace {
 
-/// Into c.cones. Throws Error(argument) for what is no cone.
+/// Reads the cones into c.cones. Throws Error(argument) if a cone does not fit its constraint or a number is out of range.
 void readCones(const char* algorithm, ConstraintDataImpl& c, const FrictionCone* cones, std::size_t count, const ContactSettings& settings) {
   const PackedConstraints& packed = c.set.impl();
   const auto refuse = [&](const std::string& why) { throw Error(ErrorCode::argument, std::string(algorithm) + ": " + why); };
@@ -67,7 +67,7 @@ void readCones(const char* algorithm, ConstraintDataImpl& c, const FrictionCone*
   }
 }
 
-/// By how much the normal velocity may be below zero after a step of dt, less what restitution asks for.
+/// Minus the least normal velocity after a step of dt: gap / dt, less the velocity that restitution demands.
 double allowance(const PackedCone& cone, double before, double dt, double restitution) {
   if (cone.both_ways) return 0;
   const double bounce = cone.gap <= 0 ? restitution * std::min(0.0, cone.sign * before) : 0.0;
@@ -80,8 +80,8 @@ bool inCone(const PackedCone& cone, const double* all) {
   return cone.rows == 1 ? cone.sign * x[0] >= 0 : std::hypot(x[0], x[1]) <= cone.friction * x[2];
 }
 
-/// Most contacts hold: forces that let none of the rows move are the solution wherever they are in their cones. Into c.lambda, and the velocities
-/// that are left into c.gamma.
+/// Tries forces that let no row move, since most contacts stick. They are the solution if all are in their cones. Writes the forces to c.lambda and
+/// the remaining velocities to c.gamma. Returns whether this is the solution.
 bool holdAll(ConstraintDataImpl& c, const ConstraintSettings& constraints, std::size_t count, double tolerance) {
   const int rows = c.set.rows();
   for (int r = 0; r < rows; ++r) c.step[r] = -c.wanted[r];
@@ -91,9 +91,8 @@ bool holdAll(ConstraintDataImpl& c, const ConstraintSettings& constraints, std::
   return std::all_of(c.cones, c.cones + count, [&](const PackedCone& cone) { return inCone(cone, c.lambda); });
 }
 
-/// What is to be added to the rows' accelerations for those of the same bodies seen from axes held as they are, at points of space that are held too,
-/// into c.step. It is not the point that touches now that must not go into the other body, but whichever does after the step: where bodies roll,
-/// the one that does now is pulled away to their centre.
+/// Writes to c.step the term that turns the rows' accelerations into those seen in fixed axes and at fixed points of space. The point that is in
+/// contact after the step must not penetrate. It is not the point in contact now, which accelerates towards the centre where bodies roll.
 void holdPlaces(const char* algorithm, const CompactModel& model, Data& data, VectorView q, VectorView v, ConstraintDataImpl& c) {
   placeRows(algorithm, model, data, q, &v, c);
   wantedAccelerations(c, c.gamma);
@@ -103,7 +102,7 @@ void holdPlaces(const char* algorithm, const CompactModel& model, Data& data, Ve
   addRowsOf(model.impl(), c, c.v_after, c.step);
 }
 
-/// d.ddq with forces of the rows.
+/// Writes the accelerations under the rows' forces to d.ddq.
 void accelerate(const CompactModel& model, DataImpl& d, ConstraintDataImpl& c, const double* forces) {
   const CompactImpl& m = model.impl();
   if (c.by_inertia) {
@@ -124,7 +123,7 @@ ContactViews contactStep(const CompactModel& model, Data& data, VectorView q, Ve
   if (!(dt > 0) || !std::isfinite(dt)) throw Error(ErrorCode::argument, "contactStep: the step of time must be positive");
   DataImpl& d = data.impl();
   ConstraintDataImpl& c = constraints.impl();
-  keepArguments(data, {.q = &q, .v = &v, .tau = &tau}, &c.block);
+  copyAliasedArguments(data, {.q = &q, .v = &v, .tau = &tau}, &c.block);
   readCones(algorithm, c, cones, count, settings);
   for (std::size_t k = 0; k < count; ++k)
     if (c.cones[k].both_ways) c.cones[k].friction *= dt;
@@ -173,12 +172,12 @@ ContactViews contactForces(const CompactModel& model, Data& data, VectorView q, 
   checkSize(algorithm, "a", a, model.nv());
   const CompactImpl& m = model.impl();
   ConstraintDataImpl& c = constraints.impl();
-  keepArguments(data, {.q = &q, .v = &v, .a = &a, .tau = &tau}, &c.block);
+  copyAliasedArguments(data, {.q = &q, .v = &v, .a = &a, .tau = &tau}, &c.block);
   readCones(algorithm, c, cones, count, settings);
   const int rows = c.set.rows();
   const double* wanted = rnea(model, data, q, v, a, nullptr, 0);
   for (int k = 0; k < m.nv; ++k) c.v_after[k] = wanted[k] - tau.data[k];
-  // Rows' accelerations at a, from the bodies' own; then what is missing from those without forces.
+  // The rows' accelerations at a; then their difference from the accelerations without row forces.
   placeRows(algorithm, model, data, q, &v, c);
   addRowsOf(m, c, a.data, c.gamma);
   wantedAccelerations(c, c.gamma);

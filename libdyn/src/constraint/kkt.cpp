@@ -2,8 +2,8 @@
 
 #include "algorithm/crba.hpp"
 #include "constraint/solution.hpp"
-#include "kernels/constraint_table.hpp"
-#include "kernels/dense_factors.hpp"
+#include "kernels/isa/constraint_table.hpp"
+#include "kernels/recursion/dense_factors.hpp"
 
 #include <dyn/algorithm/cholesky.hpp>
 #include <dyn/algorithm/crba.hpp>

@@ -1,4 +1,4 @@
-// Constraints by way of M: J, M^-1 J^T and the Delassus matrix as their product, for any model.
+// Constraints by way of M, for any model: J, M^-1 J^T, and the Delassus matrix as their product.
 #pragma once
 
 #include "constraint/constraint_data.hpp"
@@ -7,11 +7,11 @@
 
 namespace dyn {
 
-/// M, factored, J, X = M^-1 J^T, and the Delassus matrix with its bounds; rows located, and c.gamma what velocities give to their
-/// accelerations beside the rows' own bias. v: null at rest.
+/// Computes M and its factors, J, X = M^-1 J^T, and the Delassus matrix with its bounds. Locates the rows and writes to c.gamma the effect of
+/// velocities on their accelerations, without the rows' own bias. v: null at rest.
 void projectInertia(const char* algorithm, const CompactModel& model, Data& data, VectorView q, const VectorView* v, ConstraintDataImpl& c);
 
-/// x = M^-1 x by these factors.
+/// x = M^-1 x by the factors of projectInertia.
 void solveInertia(const CompactModel& model, Data& data, double* x);
 
 /// out += J x, and x += X lambda.

@@ -1,9 +1,9 @@
 #include "constraint/linearize.hpp"
 
-#include "algorithm/followers.hpp"
+#include "algorithm/support/dependent_joints.hpp"
 #include "at.hpp"
-#include "kernels/constraint_table.hpp"
-#include "kernels/frame_rows.hpp"
+#include "kernels/constraint/frame_rows.hpp"
+#include "kernels/isa/constraint_table.hpp"
 
 #include <dyn/lie/so3.hpp>
 
@@ -16,7 +16,7 @@ namespace {
 
 using Vec = Vec3<double>;
 
-/// angle / sine and its derivative by the cosine.
+/// angle / sine of an angle, and its derivative by the cosine.
 struct Quotient {
   double value, rate;
 };
@@ -28,8 +28,8 @@ Quotient quotient(double cosine) {
   return {ratio, (c * ratio - 1) / s2};
 }
 
-/// How the angular part of a constraint's error, in axes that turn with its first frame, changes as the first body turns against the second: all
-/// in the aligned axes of the first one's tree.
+/// The derivative of the angular part of a constraint's error, in axes that turn with its first frame, by the rotation of the first body against the
+/// second. All in the aligned axes of the first body's tree.
 Mat3<double> errorByTurning(const PackedFrameConstraint& f, const Mat3<double>& own, const Mat3<double>& other, const kernels::FrameRows& x) {
   const Mat3<double> first = own * f.placement[0].R, second = transpose(x.turn) * (other * f.placement[1].R);
   if (f.turnsFreely()) return {};
@@ -41,7 +41,7 @@ Mat3<double> errorByTurning(const PackedFrameConstraint& f, const Mat3<double>& 
       for (int column = 0; column < 3; ++column) {
         Vec turning;
         turning[column] = 1;
-        const Vec change = cross(there, turning);  // of the second's axis, as the first sees it
+        const Vec change = cross(there, turning);  // of the second frame's axis, as seen from the first
         const Vec tilt = q.value * cross(change, here) + (q.rate * dot(change, here)) * normal;
         for (int row = 0; row < 3; ++row) out(row, column) = tilt[row];
       }
@@ -50,7 +50,7 @@ Mat3<double> errorByTurning(const PackedFrameConstraint& f, const Mat3<double>& 
   return first * Jlog3(transposeTimes(first, x.error.angular)) * transpose(first);
 }
 
-/// A follower's columns added to its master's.
+/// Adds the columns of dependent joints to those of their masters.
 void foldColumns(const CompactImpl& m, const DataImpl& d, const PackedFrameConstraint& f, kernels::StoredColumn* columns) {
   const auto slotOf = [&](int body) {
     const int dof = m.index[at(body)].idx_v;
@@ -58,44 +58,44 @@ void foldColumns(const CompactImpl& m, const DataImpl& d, const PackedFrameConst
     return found != f.slots.end() && found->dof == dof ? columns + (found - f.slots.begin()) : nullptr;
   };
   for (std::size_t k = m.couplings.size(); k-- > 0;) {
-    const kernels::StoredColumn* follower = slotOf(m.couplings[k].body);
-    if (follower == nullptr) continue;
+    const kernels::StoredColumn* dependent = slotOf(m.couplings[k].body);
+    if (dependent == nullptr) continue;
     kernels::StoredColumn& master = *slotOf(m.couplings[k].master);
-    // As Followers::foldDerivatives() has it.
+    // The same formulas as in DependentJoints::foldDerivatives().
     const std::ptrdiff_t t = m.index[at(m.couplings[k].master)].idx_v;
     const double v = d.vx[t];
     const Vectored G = d.G[k], dGv = d.dG[k] * v, twice = 2 * d.dG[k] * v, more = d.dG[k] * d.ax[t] + d.ddG[k] * v * v;
-    master.velocity += G * follower->velocity + dGv * follower->displacement;
-    master.acceleration += G * follower->acceleration + dGv * follower->rate + more * follower->displacement;
-    master.rate += G * follower->rate + twice * follower->displacement;
-    master.displacement += G * follower->displacement;
+    master.velocity += G * dependent->velocity + dGv * dependent->displacement;
+    master.acceleration += G * dependent->acceleration + dGv * dependent->rate + more * dependent->displacement;
+    master.rate += G * dependent->rate + twice * dependent->displacement;
+    master.displacement += G * dependent->displacement;
   }
 }
 
-/// The motions of a constraint's point on its two bodies, and their columns to c.columns.
+/// Computes the motions of a constraint's point on its two bodies, and writes their columns to c.columns.
 void pointMotions(const CompactImpl& m, const DataImpl& d, const ConstraintDataImpl& c, const PackedFrameConstraint& f, const kernels::FrameRows& x,
                   kernels::PointMotion* points) {
   for (int e = 0; e < 2; ++e) {
-    // As if gravity were an acceleration of the world.
+    // Gravity counts as an acceleration of the world.
     points[e] = {{}, {-m.gravity, {}}};
     if (f.body[e] > 0) {
       if (f.path[e].size() < f.slots.size()) std::fill_n(c.columns[e], f.slots.size(), kernels::StoredColumn{});
-      points[e] = kernels::constraintKernels().pointColumns(m, d.derivatives, f.body[e], x.lever[e], f.path[e].data(), c.columns[e]);
+      points[e] = kernels::constraintKernels().pointColumns(m, d.derivatives, f.body[e], x.arm[e], f.path[e].data(), c.columns[e]);
       if (!m.couplings.empty()) foldColumns(m, d, f, c.columns[e]);
     }
   }
   for (Motion<double>* motion : {&points[1].velocity, &points[1].acceleration}) *motion = kernels::turnedBack(x.turn, *motion);
 }
 
-/// Constraints of joints; results by the user's degrees of freedom.
+/// The derivatives of the rows of constraints on joints, by the user's degrees of freedom.
 void linearizeJointRows(const CompactImpl& m, const ConstraintDataImpl& c, const Inputs& state, bool feedback, const kernels::RowDerivatives& out) {
   const PackedConstraints& packed = c.set.impl();
   Coordinates coordinates;
   for (const PackedJointCoupling& k : packed.couplings) {
-    const BodyIndex &follower = m.index[at(k.body)], &master = m.index[at(k.master)];
+    const BodyIndex &dependent = m.index[at(k.body)], &master = m.index[at(k.master)];
     double f[4];
     evaluateCoupling(m, k, coordinates, state.q, f);
-    const std::ptrdiff_t s = out.rows * follower.user_v + k.row, t = out.rows * master.user_v + k.row;
+    const std::ptrdiff_t s = out.rows * dependent.user_v + k.row, t = out.rows * master.user_v + k.row;
     const double vm = state.v[master.idx_v], am = state.a[master.idx_v];
     const Baumgarte b = feedback ? k.baumgarte : Baumgarte{};
     out.J[s] = 1;

@@ -1,9 +1,9 @@
 #include "constraint/rows.hpp"
 
-#include "algorithm/followers.hpp"
+#include "algorithm/support/dependent_joints.hpp"
 #include "at.hpp"
-#include "kernels/constraint_table.hpp"
-#include "kernels/frame_rows.hpp"
+#include "kernels/constraint/frame_rows.hpp"
+#include "kernels/isa/constraint_table.hpp"
 
 #include <algorithm>
 
@@ -11,9 +11,10 @@ namespace dyn {
 
 namespace {
 
-/// The unit forces of rows on joints: use(row, place of a degree of freedom among those of the constraints' bodies, its share).
+/// The unit forces of rows on joints: calls use(row, dof, projection), where dof is the place of a degree of freedom among those of the constraints'
+/// bodies.
 template <class Use>
-void eachShare(const CompactImpl& m, const PackedConstraints& c, const double* q, Use&& use) {
+void eachProjection(const CompactImpl& m, const PackedConstraints& c, const double* q, Use&& use) {
   const auto placeOf = [&](int body) { return c.bodies[at(c.body_at[at(body)])].dof; };
   Coordinates coordinates;
   for (const PackedJointCoupling& k : c.couplings) {
@@ -55,11 +56,11 @@ void locateRows(const CompactImpl& m, const PackedConstraints& c, const double* 
   for (const PackedJointCoupling& k : c.couplings) {
     double f[4], q_wanted[max_joint_nq], error;
     evaluateCoupling(m, k, coordinates, q, f);
-    const BodyIndex &follower = m.index[at(k.body)], &master = m.index[at(k.master)];
+    const BodyIndex &dependent = m.index[at(k.body)], &master = m.index[at(k.master)];
     const double vm = v ? v[master.idx_v] : 0.0;
     setCoordinate(m, k.body, coordinates, f[0], q_wanted);
-    differenceOf(m, k.body, q_wanted, q + follower.idx_q, &error);
-    put(k.row, (v ? v[follower.idx_v] : 0.0) - f[1] * vm, -f[2] * vm * vm, error, k.baumgarte);
+    differenceOf(m, k.body, q_wanted, q + dependent.idx_q, &error);
+    put(k.row, (v ? v[dependent.idx_v] : 0.0) - f[1] * vm, -f[2] * vm * vm, error, k.baumgarte);
   }
   for (const PackedJointLock& k : c.locks) {
     const BodyIndex& body = m.index[at(k.body)];
@@ -67,18 +68,18 @@ void locateRows(const CompactImpl& m, const PackedConstraints& c, const double* 
     if (!k.configuration.empty()) differenceOf(m, k.body, k.configuration.data(), q + body.idx_q, error);
     for (int r = 0; r < k.rows; ++r) put(k.row + r, v ? v[body.idx_v + r] : 0.0, 0, error[r], k.baumgarte);
   }
-  std::fill_n(x.share, x.room * static_cast<std::ptrdiff_t>(c.dofs.size()), 0.0);
-  eachShare(m, c, q, [&](int row, int dof, double share) { x.shareOf(dof)[row] += share; });
+  std::fill_n(x.projection, x.room * static_cast<std::ptrdiff_t>(c.dofs.size()), 0.0);
+  eachProjection(m, c, q, [&](int row, int dof, double share) { x.projectionOf(dof)[row] += share; });
 }
 
 void sumRowForces(const CompactImpl& m, const PackedConstraints& c, const kernels::FrameRows* frames, const double* q, const double* lambda,
-                  Force<double>* bodies, double* shares) {
+                  Force<double>* bodies, double* projections) {
   std::fill_n(bodies, c.bodies.size(), Force<double>{});
-  std::fill_n(shares, c.dofs.size(), 0.0);
+  std::fill_n(projections, c.dofs.size(), 0.0);
   for (std::size_t i = 0; i < c.frames.size(); ++i)
     for (int e = 0; e < 2; ++e)
       if (const int body = c.frames[i].body[e]; body > 0) bodies[c.body_at[at(body)]] += kernels::forceOnBody(c.frames[i], frames[i], lambda, e);
-  eachShare(m, c, q, [&](int row, int dof, double share) { shares[dof] += lambda[row] * share; });
+  eachProjection(m, c, q, [&](int row, int dof, double share) { projections[dof] += lambda[row] * share; });
 }
 
 void rowAccelerations(const CompactImpl& m, const PackedConstraints& c, const kernels::FrameRows* frames, const double* q,
@@ -87,8 +88,8 @@ void rowAccelerations(const CompactImpl& m, const PackedConstraints& c, const ke
   if (!c.actsOnJoints()) return;
   for (const PackedJointCoupling& k : c.couplings) out[k.row] = 0;
   for (const PackedJointLock& k : c.locks) std::fill_n(out + k.row, k.rows, 0.0);
-  // What forces share among degrees of freedom is what the rows' motion is made of.
-  eachShare(m, c, q, [&](int row, int dof, double share) { out[row] += share * ddq[c.dofs[at(dof)]]; });
+  // The projections of a row's unit force are also the row's Jacobian.
+  eachProjection(m, c, q, [&](int row, int dof, double share) { out[row] += share * ddq[c.dofs[at(dof)]]; });
 }
 
 }  // namespace dyn

@@ -1,7 +1,7 @@
 #include "constraint/solution.hpp"
 
-#include "algorithm/external.hpp"
-#include "algorithm/followers.hpp"
+#include "algorithm/support/dependent_joints.hpp"
+#include "algorithm/support/external.hpp"
 #include "at.hpp"
 #include "constraint/kkt.hpp"
 
@@ -21,15 +21,15 @@ void checkConstraints(const char* algorithm, const CompactModel& model, const Da
 
 PlacedBodies placedBodies(DataImpl& d, const ConstraintDataImpl& c) {
   const kernels::ConstraintKernels& k = kernels::constraintKernels();
-  if (c.in_strips) return {k.strips, d.packed[true].data()};
+  if (c.in_lane_groups) return {k.lane_groups, d.packed[true].data()};
   return {k.single, static_cast<Workspace<double>*>(&d)};
 }
 
 void articulateBodies(const char* algorithm, const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c, const double* q, const double* v,
                       const double* tau, const Force<double>* external) {
-  c.in_strips = kernels::useStrips(m) && external == nullptr;
-  if (c.in_strips) {
-    const kernels::PackedKernels& k = kernels::active().strips;
+  c.in_lane_groups = kernels::useLaneGroups(m) && external == nullptr;
+  if (c.in_lane_groups) {
+    const kernels::PackedKernels& k = kernels::active().lane_groups;
     int failed = 0;
     if (!k.articulate(m, d.packed[true].data(), q, v, tau, failed)) checkConfiguration("q", m, q);
     checkFactors(algorithm, m, failed, q);
@@ -43,13 +43,13 @@ void articulateBodies(const char* algorithm, const CompactImpl& m, DataImpl& d, 
 void actOnBodies(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c, const double* forces) {
   const PackedConstraints& packed = c.set.impl();
   const PlacedBodies bodies = placedBodies(d, c);
-  kernels::constraintKernels().yieldToRows(packed, forces, c.workspace);
-  bodies.run.takeYielded(m, bodies.memory, packed, c.workspace);
+  kernels::constraintKernels().respondToRows(packed, forces, c.workspace);
+  bodies.run.takeResponse(m, bodies.memory, packed, c.workspace);
 }
 
 void accelerateBodies(const CompactImpl& m, DataImpl& d, const ConstraintDataImpl& c, const Vec3<double>& gravity, double* ddq) {
-  if (c.in_strips) {
-    kernels::active().strips.accelerate(m, d.packed[true].data(), gravity, ddq);
+  if (c.in_lane_groups) {
+    kernels::active().lane_groups.accelerate(m, d.packed[true].data(), gravity, ddq);
   } else {
     kernels::active().single.accelerate(m, d, gravity, ddq);
   }
@@ -79,17 +79,17 @@ void rigidRows(const CompactImpl& m, DataImpl& d, ConstraintDataImpl& c) {
   bodies.run.sweep(m, bodies.memory, packed, false, c.workspace);
   const std::ptrdiff_t rows = packed.rows;
   std::fill_n(c.J, rows * m.nvx, 0.0);
-  for (std::size_t k = 0; k < packed.dofs.size(); ++k) std::copy_n(c.workspace.shareOf(static_cast<int>(k)), rows, c.J + rows * packed.dofs[k]);
+  for (std::size_t k = 0; k < packed.dofs.size(); ++k) std::copy_n(c.workspace.projectionOf(static_cast<int>(k)), rows, c.J + rows * packed.dofs[k]);
   std::copy_n(c.workspace.carried, rows, c.gamma);
   if (m.couplings.empty()) return;
-  // Followers accelerate by themselves where their masters do not.
+  // A dependent joint accelerates even if its master does not.
   for (std::size_t k = 0; k < m.couplings.size(); ++k) {
     const std::ptrdiff_t s = m.index[at(m.couplings[k].body)].idx_v;
     for (std::ptrdiff_t r = 0; r < rows; ++r) c.gamma[r] += d.ax[s] * c.J[rows * s + r];
   }
-  const kernels::Followers<double> followers = followersOf(m, d);
-  followers.fold(rows, c.J);
-  followers.keep(rows, c.J, c.J);
+  const kernels::DependentJoints<double> dependents = dependentsOf(m, d);
+  dependents.fold(rows, c.J);
+  dependents.keep(rows, c.J, c.J);
 }
 }  // namespace
 
@@ -99,7 +99,7 @@ void placeRows(const char* algorithm, const CompactModel& model, Data& data, Vec
   const Inputs in = readInputs(algorithm, model, data, q, v, nullptr);
   evaluateJoints(m, d, in.q, in.v);
   kernels::active().single.placeOutward(m, d, in.v);
-  c.in_strips = false;
+  c.in_lane_groups = false;
   prepareRows(m, d, c, in.q, v ? in.v : nullptr);
   rigidRows(m, d, c);
 }
@@ -118,12 +118,12 @@ void freeMotion(const char* algorithm, const CompactModel& model, Data& data, Ve
     wantedAccelerations(c, c.gamma);
   } else {
     const Inputs in = readInputs(algorithm, model, data, q, &v, nullptr);
-    articulateBodies(algorithm, m, d, c, in.q, in.v, lessLosses(m, d, tau.data, in.v), readExternalForces(algorithm, m, d, fext, count));
+    articulateBodies(algorithm, m, d, c, in.q, in.v, lessDissipation(m, d, tau.data, in.v), readExternalForces(algorithm, m, d, fext, count));
     prepareRows(m, d, c, in.q, in.v, velocity);
     articulateRows(m, d, c);
     const PackedConstraints& packed = c.set.impl();
-    kernels::constraintKernels().rowsOfYielded(packed, c.workspace, c.gamma);
-    for (int r = 0; r < packed.rows; ++r) c.wanted[r] = wantedOfYielded(c, r) - c.gamma[r];
+    kernels::constraintKernels().rowsOfResponse(packed, c.workspace, c.gamma);
+    for (int r = 0; r < packed.rows; ++r) c.wanted[r] = wantedOfResponse(c, r) - c.gamma[r];
   }
 }
 

@@ -22,7 +22,7 @@ BasicBatchData<T>::BasicBatchData(const CompactModel& model, int capacity, Need 
   d.kernels = &blockKernelsOf<T>(kernels::active());
   d.workers = std::make_unique<Workers>(threads);
   d.failures.resize(static_cast<std::size_t>(threads));
-  const bool coupled = !m.couplings.empty();  // then forward dynamics goes through M
+  const bool coupled = !m.couplings.empty();  // then forward dynamics factors M
   const kernels::Room room{has(needs, Need::mass_matrix) || coupled, has(needs, Need::jacobians), has(needs, Need::derivatives)};
   const double wide = m.nv, states = capacity;
   const double matrices = has(needs, Need::derivatives) ? 4 * wide + 24 : has(needs, Need::mass_matrix) ? wide : 0;

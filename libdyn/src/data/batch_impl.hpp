@@ -1,9 +1,9 @@
-// The memory behind BatchData: scratch for each thread, results of each kind.
+// The memory of BatchData: scratch for each thread, and results.
 #pragma once
 
 #include "data/kinematics_stage.hpp"
 #include "data/workers.hpp"
-#include "kernels/table.hpp"
+#include "kernels/isa/table.hpp"
 
 #include <dyn/data/batch_data.hpp>
 
@@ -16,11 +16,11 @@ namespace dyn {
 
 namespace detail {
 
-/// The first state, in order, that something is wrong with.
+/// The first state that failed, in the order of states.
 struct Failure {
   int state = std::numeric_limits<int>::max();
-  int body = 0;   ///< whose pivot vanished; 0: q may be no configuration
-  int count = 1;  ///< it is this state or one of those after it
+  int body = 0;   ///< the body whose pivot vanished; 0: q may not be a configuration
+  int count = 1;  ///< the failed state is one of this many, from `state` on
   void note(int s, int b, int n = 1) {
     if (s < state) *this = {s, b, n};
   }
@@ -28,8 +28,8 @@ struct Failure {
 
 }  // namespace detail
 
-/// n x n numbers a state. Results that have entries only where a path to the root leads write no zeros, which may be most of what there is to write:
-/// these stay from call to call, until something has been written whole.
+/// n x n numbers per state. Results with entries only on root paths do not write the other numbers, which may be most of the matrix. These stay zero
+/// from call to call until a whole matrix has been written.
 template <class T>
 class StateMatrices {
  public:
@@ -38,12 +38,12 @@ class StateMatrices {
     clear_ = states;
     numbers_.assign(square_ * states, T(0));
   }
-  /// For results that are written whole.
+  /// The memory for results that write whole matrices.
   T* whole() {
     clear_ = 0;
     return numbers_.data();
   }
-  /// For those of the first `states` that are written where paths are; the other numbers are zero.
+  /// The memory for results of the first `states` states that write only on root paths. The other numbers there are zero.
   T* onPaths(std::size_t states) {
     if (clear_ < states) std::fill(numbers_.begin() + difference(clear_), numbers_.begin() + difference(states), T(0));
     clear_ = std::max(clear_, states);
@@ -56,14 +56,14 @@ class StateMatrices {
 
   std::vector<T> numbers_;
   std::size_t square_ = 0;
-  std::size_t clear_ = 0;  ///< of the first states all numbers off the paths are zero
+  std::size_t clear_ = 0;  ///< in this many first states, all numbers off the root paths are zero
 };
 
-/// A block of states of a model with couplings in expanded coordinates, and the derivatives of its couplings: columns, a state each.
+/// A block of states of a model with couplings in expanded coordinates, and the derivatives of its couplings. Arrays have one column per state.
 template <class T>
 struct ExpandedStates {
   std::vector<T> q, v, a, couplings;
-  std::vector<double> given, expanded;  ///< numbers of one state, where T is another type
+  std::vector<double> given, expanded;  ///< numbers of one state in double, used if T is another type
 
   ExpandedStates(const CompactImpl& m, int lanes) {
     const auto states = static_cast<std::size_t>(lanes), nvx = static_cast<std::size_t>(m.nvx);
@@ -87,17 +87,17 @@ struct BatchImpl {
   int capacity = 0;
   const kernels::BlockKernels<T>* kernels = nullptr;
   std::unique_ptr<Workers> workers;
-  std::vector<PackMemory> scratch;          ///< a thread each
-  std::vector<detail::Failure> failures;    ///< a thread each, of the call that is under way
-  std::vector<ExpandedStates<T>> expanded;  ///< a thread each, for models with couplings
+  std::vector<PackMemory> scratch;          ///< one per thread
+  std::vector<detail::Failure> failures;    ///< one per thread, of the current call
+  std::vector<ExpandedStates<T>> expanded;  ///< one per thread, for models with couplings
 
-  std::vector<T> tau, nle, gravity, ddq;  ///< nv numbers a state
-  std::vector<T> J;                       ///< 6 * nv numbers a state
-  StateMatrices<T> M;                     ///< of Need::mass_matrix
-  StateMatrices<T> by_q, by_v, by_a;      ///< of Need::derivatives
-  std::vector<T> maps[4];                 ///< 6 * nv numbers a state, of the same
+  std::vector<T> tau, nle, gravity, ddq;  ///< nv numbers per state
+  std::vector<T> J;                       ///< 6 * nv numbers per state
+  StateMatrices<T> M;                     ///< with Need::mass_matrix
+  StateMatrices<T> by_q, by_v, by_a;      ///< with Need::derivatives
+  std::vector<T> maps[4];                 ///< 6 * nv numbers per state, with Need::derivatives
   KinematicsStage stage = KinematicsStage::nothing;
-  PackMemory poses, velocities, accelerations;  ///< by block of `lanes` states, then body, number, state
+  PackMemory poses, velocities, accelerations;  ///< ordered by block of `lanes` states, body, number, state
 
   int blocks() const { return (capacity + kernels->lanes - 1) / kernels->lanes; }
 };

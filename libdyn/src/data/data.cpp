@@ -1,6 +1,6 @@
 #include "data/data_impl.hpp"
 #include "data/room.hpp"
-#include "kernels/table.hpp"
+#include "kernels/isa/table.hpp"
 
 #include <algorithm>
 #include <cstring>
@@ -9,10 +9,10 @@ namespace dyn {
 
 namespace {
 
-void carveAll(DataImpl& d, const CompactImpl& m, Arena& arena) {
+void layOutAll(DataImpl& d, const CompactImpl& m, Arena& arena) {
   const auto n = static_cast<std::size_t>(m.bodies());
   const auto nqx = static_cast<std::size_t>(m.nqx), nvx = static_cast<std::size_t>(m.nvx), nv = static_cast<std::size_t>(m.nv);
-  carve<double>(d, m, arena);
+  layOut<double>(d, m, arena);
   for (std::size_t b = 0; b < m.batches.size(); ++b) {
     const TypeBatch& batch = m.batches[b];
     if (batch.shape != Shape::dense) continue;
@@ -39,7 +39,7 @@ void carveAll(DataImpl& d, const CompactImpl& m, Arena& arena) {
   arena.take(d.J, 6 * nvx);
   arena.take(d.columns, 12 * nvx);
   if (has(d.needs, Need::derivatives)) {
-    carve(d.derivatives, m, arena);
+    layOut(d.derivatives, m, arena);
     arena.take(d.dtau_dq, nvx * nvx);
     arena.take(d.dtau_dv, nvx * nvx);
     arena.take(d.ddq_dq, nvx * nvx + most_lanes);
@@ -60,54 +60,54 @@ void carveAll(DataImpl& d, const CompactImpl& m, Arena& arena) {
   }
 }
 
-void carveKept(DataImpl& d, const CompactImpl& m, Arena& arena) {
+void layOutCopies(DataImpl& d, const CompactImpl& m, Arena& arena) {
   arena.take(d.zero, static_cast<std::size_t>(std::max(m.nvx, 1)));
-  arena.take(d.kept_q, static_cast<std::size_t>(m.nq));
-  for (double** place : {&d.kept_v, &d.kept_a, &d.kept_tau}) arena.take(*place, static_cast<std::size_t>(m.nv));
+  arena.take(d.copied_q, static_cast<std::size_t>(m.nq));
+  for (double** place : {&d.copied_v, &d.copied_a, &d.copied_tau}) arena.take(*place, static_cast<std::size_t>(m.nv));
 }
 
-/// Memory of zeros for what carve(arena) asks for.
-template <class Carve>
-PackMemory memoryFor(const CompactImpl& m, const Carve& carve) {
+/// Makes memory of zeros for the arrays that layOut(arena) takes, and lays them out. Throws Error(memory) if it does not fit into this machine.
+template <class LayOut>
+PackMemory memoryFor(const CompactImpl& m, const LayOut& layOut) {
   Arena count(nullptr);
-  carve(count);
+  layOut(count);
   checkRoom("Data of a model with " + std::to_string(m.nv) + " degrees of freedom", static_cast<double>(count.used()));
   PackMemory memory(count.used());
   Arena arena(memory.data());
-  carve(arena);
+  layOut(arena);
   return memory;
 }
 
 }  // namespace
 
 Data::Data(const CompactModel& model, Need needs) : impl_(std::make_unique<DataImpl>()) {
-  kernels::active();  // chosen here, where it may still allocate and throw
+  kernels::active();  // makes the choice here, where allocation and exceptions are allowed
   const CompactImpl& m = model.impl();
   impl_->model = &m;
   impl_->keep = std::make_shared<CompactModel>(model);
   impl_->needs = has(needs, Need::derivatives) ? needs | Need::mass_matrix : needs;
   impl_->dual.resize(m.batches.size());
-  impl_->block = memoryFor(m, [&](Arena& arena) { carveAll(*impl_, m, arena); });
-  impl_->kept = memoryFor(m, [&](Arena& arena) { carveKept(*impl_, m, arena); });
+  impl_->block = memoryFor(m, [&](Arena& arena) { layOutAll(*impl_, m, arena); });
+  impl_->copies = memoryFor(m, [&](Arena& arena) { layOutCopies(*impl_, m, arena); });
   atRest<double>(*impl_);
   const kernels::PackedKernels* packed[2] = {};
-  const auto want = [&](bool StripUses::*algorithm) {
-    if (const kernels::PackedKernels* k = kernels::packed(m, algorithm)) packed[k->over_strips] = k;
+  const auto want = [&](bool LaneGroupUses::*algorithm) {
+    if (const kernels::PackedKernels* k = kernels::packed(m, algorithm)) packed[k->over_lane_groups] = k;
   };
-  want(&StripUses::rnea);
-  want(&StripUses::aba);
-  if (has(impl_->needs, Need::mass_matrix)) want(&StripUses::mass_matrix);
-  if (has(impl_->needs, Need::derivatives)) want(&StripUses::centroidal_map);
+  want(&LaneGroupUses::rnea);
+  want(&LaneGroupUses::aba);
+  if (has(impl_->needs, Need::mass_matrix)) want(&LaneGroupUses::mass_matrix);
+  if (has(impl_->needs, Need::derivatives)) want(&LaneGroupUses::centroidal_map);
   for (const kernels::PackedKernels* k : packed) {
     if (k == nullptr) continue;
-    PackMemory& memory = impl_->packed[k->over_strips];
+    PackMemory& memory = impl_->packed[k->over_lane_groups];
     memory = PackMemory(k->bytes(m));
     k->prepare(m, memory.data());
   }
-  if (has(impl_->needs, Need::derivatives) && kernels::useStripsForDerivatives(m)) {
+  if (has(impl_->needs, Need::derivatives) && kernels::useLaneGroupsForDerivatives(m)) {
     const kernels::SingleKernels& k = kernels::active().single;
-    impl_->strip_derivatives = PackMemory(k.stripBytes(m));
-    k.prepareStrips(m, impl_->strip_derivatives.data(), impl_->derivatives);
+    impl_->group_derivatives = PackMemory(k.laneGroupBytes(m));
+    k.prepareLaneGroups(m, impl_->group_derivatives.data(), impl_->derivatives);
   }
 }
 
@@ -116,8 +116,8 @@ Data::Data(Data&&) noexcept = default;
 Data& Data::operator=(Data&&) noexcept = default;
 
 std::size_t Data::bytes() const {
-  return impl_->block.bytes() + impl_->kept.bytes() + impl_->packed[false].bytes() + impl_->packed[true].bytes() + impl_->strip_derivatives.bytes() +
-         impl_->dual.size() * sizeof(DualMemory) + sizeof(DataImpl);
+  return impl_->block.bytes() + impl_->copies.bytes() + impl_->packed[false].bytes() + impl_->packed[true].bytes() +
+         impl_->group_derivatives.bytes() + impl_->dual.size() * sizeof(DualMemory) + sizeof(DataImpl);
 }
 
 }  // namespace dyn

@@ -19,11 +19,11 @@ int checked(int threads) {
 struct DataPool::Impl {
   struct Place {
     Data data;
-    std::ptrdiff_t failed = 0;  ///< the first state that did, if `why` says so
+    std::ptrdiff_t failed = 0;  ///< the first state that failed, if `why` is set
     std::exception_ptr why;
     Place(const CompactModel& model, Need needs) : data(model, needs) {}
   };
-  std::vector<Place> places;  ///< a thread each
+  std::vector<Place> places;  ///< one per thread
   Workers workers;
 
   Impl(const CompactModel& model, Need needs, int threads) : workers(checked(threads)) {
@@ -53,7 +53,7 @@ void DataPool::each(std::ptrdiff_t count, void (*call)(void*, Data&, std::ptrdif
       }
     }
   });
-  // Threads have ascending stretches: the first that failed has the smallest state.
+  // Later threads have later states, so the first thread that failed has the first failed state.
   for (const Impl::Place& place : impl_->places) {
     if (!place.why) continue;
     try {

@@ -1,9 +1,9 @@
-// How far the kinematics of a Data have come.
+// The stage that the kinematics of a Data have reached.
 #pragma once
 
 namespace dyn {
 
-/// Each stage has what those before it have.
+/// Each stage includes the results of the stages before it.
 enum class KinematicsStage { nothing, poses, velocities, accelerations, derivatives };
 
 }  // namespace dyn

@@ -1,4 +1,4 @@
-// Memory that there is not.
+// Checks that a request for memory fits into this machine.
 #pragma once
 
 #include <cstddef>
@@ -6,8 +6,8 @@
 
 namespace dyn {
 
-/// Throws Error(memory) saying how much `what` takes, if that is more than this machine has: asking for it would succeed, and writing to it end the
-/// process, or another one.
+/// Throws Error(memory) if `bytes` is more than the memory of this machine; the message says how much `what` takes. Without this check, the
+/// allocation would succeed, and the system would end this process or another one when the memory is written.
 void checkRoom(const std::string& what, double bytes);
 
 }  // namespace dyn

@@ -13,7 +13,7 @@ namespace {
 
 std::atomic<unsigned> forks{0};
 
-/// Counts the forks that lead to this process.
+/// Returns the number of forks between the first call and this process.
 unsigned forksSoFar() {
   static const int watched = pthread_atfork(nullptr, nullptr, [] { forks.fetch_add(1, std::memory_order_relaxed); });
   static_cast<void>(watched);
@@ -43,7 +43,7 @@ bool Workers::inherited() const { return !threads_.empty() && forks.load(std::me
 
 void Workers::end() {
   if (inherited()) {
-    // There is nothing to wait for, and no way to say so to the objects that stand for threads: they are left where they are.
+    // The threads do not exist in this process and cannot be joined. Destroying unjoined std::threads would end the process, so they are leaked.
     new std::vector<std::thread>(std::move(threads_));
     threads_.clear();
     return;

@@ -1,5 +1,5 @@
-// Threads that wait for work: started once, woken by each call, without locks or memory of their own in between. A child of fork() has none of its
-// parent's threads: its first call starts its own.
+// Threads that wait for work. They are started once and woken by each call, which takes no lock and allocates no memory. A child of fork() has none
+// of its parent's threads, so its first call starts new ones.
 #pragma once
 
 #include <atomic>
@@ -11,15 +11,15 @@ namespace dyn {
 
 class Workers {
  public:
-  /// With `count` = 1 there are no threads, and the caller does all the work. Throws Error(argument) if the system gives fewer.
+  /// Starts count - 1 threads; the caller of run() does the rest of the work. Throws Error(argument) if the system gives fewer.
   explicit Workers(int count);
   ~Workers();
   Workers(const Workers&) = delete;
   Workers& operator=(const Workers&) = delete;
 
   int count() const { return static_cast<int>(threads_.size()) + 1; }
-  /// Calls work(i) for i in [0, count()) at once, i = 0 by the caller, and returns when all are done. The first of what they throw is thrown
-  /// again.
+  /// Calls work(i) for each i in [0, count()) in parallel, i = 0 in the calling thread, and returns when all are done. If calls throw, the first
+  /// exception is thrown again.
   template <class Work>
   void run(const Work& work) {
     start([](const void* context, int i) { (*static_cast<const Work*>(context))(i); }, &work);
@@ -32,7 +32,7 @@ class Workers {
   void work(int i) noexcept;
   void launch(int count);
   void end();
-  /// Made in a process of which this one is a child.
+  /// Whether the threads were started in a parent of this process.
   bool inherited() const;
 
   std::vector<std::thread> threads_;
@@ -42,8 +42,8 @@ class Workers {
   Call call_ = nullptr;
   const void* context_ = nullptr;
   std::atomic<bool> failed_{false};
-  std::exception_ptr error_;  ///< of the first to fail
-  unsigned forks_;            ///< how many there had been when the threads were started
+  std::exception_ptr error_;  ///< the first exception of a round
+  unsigned forks_;            ///< the number of forks when the threads were started
 };
 
 }  // namespace dyn

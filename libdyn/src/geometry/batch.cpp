@@ -50,7 +50,7 @@ const unsigned char* batchCollisions(const CompactModel& model, GeometryBatch& b
   if (q.rows != model.nq() || q.cols > batch.capacity())
     throw Error(ErrorCode::size, "computeCollisions: Q is " + std::to_string(q.rows) + " x " + std::to_string(q.cols) + "; it needs nq = " +
                                      std::to_string(model.nq()) + " rows and at most " + std::to_string(batch.capacity()) + " columns");
-  // States cost very differently: whoever is done takes the next few.
+  // The cost of a state varies widely, so each worker takes the next few states when it is done.
   constexpr std::ptrdiff_t share = 16;
   b.next = 0;
   for (auto& s : b.scratch) s.failed = -1;

@@ -1,5 +1,5 @@
-// The one source that includes FCL, compiled for the instruction set that Debian's library is compiled for: FCL's classes have members whose
-// alignment follows from it.
+// This is the only source that includes FCL. It is compiled for the instruction set of Debian's FCL library, because the alignment of members of
+// FCL's classes depends on it.
 #include "geometry/broadphase.hpp"
 
 #include <fcl/broadphase/broadphase_dynamic_AABB_tree.h>
@@ -19,7 +19,7 @@ static_assert(EIGEN_MAX_ALIGN_BYTES == 16, "FCL's headers must be compiled for t
 namespace {
 
 fcl::AABBd boxOf(const Bounds& b) {
-  // FCL halves sums of corners; infinite ones would become NaN.
+  // FCL halves the sum of two corners. Infinite corners would give NaN.
   constexpr double large = std::numeric_limits<double>::max() / 4;
   fcl::AABBd box;
   for (int i = 0; i < 3; ++i) {
@@ -29,11 +29,11 @@ fcl::AABBd boxOf(const Bounds& b) {
   return box;
 }
 
-/// FCL's tree asks an object for nothing but its box, which we set ourselves: around a turned object ours is smaller.
+/// FCL's tree reads only the box of an object. We set this box ourselves, because ours is tighter around a rotated object.
 class Box : public fcl::CollisionObjectd {
  public:
   explicit Box(int number) : fcl::CollisionObjectd(nullptr), number_(number) {
-    // The tree asks for the kind of shape, but not for the shape. All share one, set past the constructor, which would write into it.
+    // The tree reads the type of the shape, but not the shape, so all boxes share one. The constructor would write into it, so it is set here.
     static const std::shared_ptr<fcl::CollisionGeometryd> any = std::make_shared<fcl::Sphered>(1.0);
     cgeom = any;
     cgeom_const = any;
@@ -45,13 +45,13 @@ class Box : public fcl::CollisionObjectd {
   int number_;
 };
 
-/// All objects of the trees are boxes.
+/// Number of an object of a tree. All objects of the trees are of class Box.
 int numberOf(const fcl::CollisionObjectd* object) { return static_cast<const Box*>(object)->number(); }
 
 }  // namespace
 
 struct Broadphase::Tree {
-  std::vector<std::unique_ptr<Box>> boxes;  ///< by number, null before they are placed
+  std::vector<std::unique_ptr<Box>> boxes;  ///< by number; null until a box is placed
   fcl::DynamicAABBTreeCollisionManagerd manager;
   bool registered = false;
 };
@@ -80,7 +80,7 @@ void Broadphase::update() {
 }
 
 namespace {
-/// A function and what it was made of, for FCL to carry.
+/// A function and its context, which FCL passes on as one pointer.
 template <class Found>
 struct Call {
   Found found;
@@ -95,7 +95,7 @@ void Broadphase::askMeeting(const Bounds& bounds, void (*found)(const void* cont
   tree_->manager.collide(&asked, &call, [](fcl::CollisionObjectd* a, fcl::CollisionObjectd* b, void* data) {
     const auto& c = *static_cast<Call<decltype(found)>*>(data);
     c.found(c.context, std::max(numberOf(a), numberOf(b)));
-    return false;  // goes on
+    return false;  // continue the search
   });
 }
 

@@ -1,5 +1,5 @@
-// Which boxes meet which: FCL's dynamic tree of axis-aligned boxes. Nothing of FCL is seen from outside: its types change with the flags that
-// they are compiled with.
+// Search for overlapping boxes in FCL's dynamic tree of axis-aligned boxes. The header hides FCL's types, because their layout depends on the
+// compiler flags.
 #pragma once
 
 #include "geometry/volume.hpp"
@@ -10,23 +10,23 @@ namespace dyn {
 
 class Broadphase {
  public:
-  /// Boxes numbered from 0 to count - 1. Those that are not placed before the first update() are never found.
+  /// Boxes are numbered from 0 to count - 1. A box that is not placed before the first update() is never found.
   explicit Broadphase(int count);
   ~Broadphase();
   Broadphase(const Broadphase&) = delete;
   Broadphase& operator=(const Broadphase&) = delete;
 
   void place(int box, const Bounds& bounds);
-  /// After boxes have been placed, before they are looked for.
+  /// Must be called after boxes have been placed and before a search.
   void update();
 
-  /// Calls found(box) for each box that meets `bounds`.
+  /// Calls found(box) for each box that overlaps `bounds`.
   template <class Found>
   void meeting(const Bounds& bounds, const Found& found) const {
     askMeeting(
         bounds, [](const void* context, int box) { (*static_cast<const Found*>(context))(box); }, &found);
   }
-  /// Calls found(a, b) for each two boxes that meet.
+  /// Calls found(a, b) for each two boxes that overlap.
   template <class Found>
   void pairs(const Found& found) const {
     askPairs([](const void* context, int a, int b) { (*static_cast<const Found*>(context))(a, b); }, &found);

@@ -1,4 +1,4 @@
-// From described volumes to compiled ones: which pairs are checked, what they need, and nothing else.
+// Compiles described geometries: chooses the pairs that are checked, and loads only the volumes that these pairs need.
 #include "at.hpp"
 #include "geometry/geometry_impl.hpp"
 #include "geometry/load.hpp"
@@ -12,11 +12,11 @@ namespace dyn {
 namespace {
 
 constexpr std::size_t most_pairs = std::size_t{1} << 24;
-/// From which on looking them up in FCL's tree is faster (measured: benchmarks/README.md): boxes that stand still, pairs that both move.
+/// From these numbers of static boxes and of pairs that both move, a search in FCL's tree is faster (measured: benchmarks/README.md).
 constexpr int still_for_tree = 512;
 constexpr std::size_t moving_pairs_for_tree = 32768;
 
-/// A collision geometry on its way.
+/// A collision geometry that is kept if a pair needs it.
 struct Candidate {
   const GeometryDescription* description;
   int joint;
@@ -102,8 +102,9 @@ class Compiler {
     pairs_.push_back(x);
   }
 
-  /// A joint connects rigid bodies that these are of. Of what stands in the world only the body that carries the joint is the other's neighbour:
-  /// a table is welded to a robot's base that stands there too, and is not part of it. Nor is the world itself anybody's neighbour.
+  /// True if a joint connects the rigid body of `carrier` with the rigid body of `carried`. Among the bodies that are fixed to the world only the
+  /// body that carries the joint is a neighbour: a table fixed to the world is not part of a robot's base fixed there too. The world itself (body
+  /// 0) is no neighbour.
   bool neighbours(int carrier, int carried) const {
     const int joint_of = group_[at(carried)];
     if (joint_of == 0) return false;
@@ -111,8 +112,8 @@ class Compiler {
     return group_[at(carrier)] == 0 ? carrier == parent && carrier != 0 : group_[at(carrier)] == group_[at(parent)];
   }
 
-  /// For each described body the first of those that it is welded to, by joints that have no freedom, the universe among them. Joints that are
-  /// held have: which pairs are asked does not depend on what is held.
+  /// Sets group_ of each described body to the first body that it is welded to by joints without freedom; 0 is the world. Held joints count as
+  /// joints with freedom, so the checked pairs do not depend on which joints are held.
   void groupBodies() {
     const std::vector<BodyDescription>& bodies = description_.bodies;
     group_.assign(bodies.size(), 0);
@@ -127,10 +128,10 @@ class Compiler {
       group_[i] = welded ? group_[p] : static_cast<int>(i);
     }
   }
-  /// Whether it does in the description: held joints may keep it from that.
+  /// True if the geometry moves in the description. Held joints may keep it still in the compiled model.
   bool moves(const Candidate& c) const { return group_[at(c.description->body)] != 0; }
 
-  /// Candidates of the body of this name, or else the one that is called so.
+  /// Candidates on the body of this name. If there is no such body: the candidates with this name.
   std::vector<int> disabledBy(const std::string& name) const {
     const int body = description_.findBody(name);
     std::vector<int> found;
@@ -222,7 +223,7 @@ class Compiler {
   }
 
   void chooseTrees() {
-    std::vector<bool> asked(out_->records.size());  // geometries that stand still and meet others by their boxes
+    std::vector<bool> asked(out_->records.size());  // static geometries whose boxes are searched
     for (std::size_t p = 0; p < out_->pairs.size(); ++p) {
       const auto [a, b] = out_->pairs[p];
       const bool moves_a = out_->moves(a), moves_b = out_->moves(b);

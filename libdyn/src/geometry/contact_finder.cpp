@@ -1,5 +1,5 @@
 #include "at.hpp"
-#include "geometry/manifold.hpp"
+#include "geometry/narrow/manifold.hpp"
 #include "geometry/queries.hpp"
 #include "number_text.hpp"
 
@@ -15,7 +15,7 @@ namespace dyn {
 
 namespace {
 
-constexpr std::size_t most = 8;  ///< contacts of a pair of many pieces
+constexpr std::size_t most = 8;  ///< contacts of a pair in which a volume has many pieces
 
 [[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::argument, "geometryContacts: " + what); }
 
@@ -61,7 +61,7 @@ class Finder {
       if (sphereBound(m, d, pair) > within) continue;
       const PlacedPair p = placed(m, d, pair);
       const auto [a, b] = m.pairs[at(pair)];
-      // Forces within one rigid body, of joints that are held, do nothing.
+      // Held joints may join both geometries to one rigid body; forces within it do nothing.
       if (m.records[at(a)].joint == m.records[at(b)].joint) continue;
       if (!p.a.bounded() && !p.b.bounded()) continue;
       points_.clear();
@@ -99,7 +99,7 @@ class Finder {
         fastest = std::max(fastest, norm(x.centre) + x.turning);
       }
     }
-    // Two of them may come towards each other.
+    // Two geometries may move towards each other, and the box of each grows by this margin.
     d.margin = 1.25 * fastest * seconds;
     updateGeometryPlacements(model_, data_, geometry_, placed_);
     Approach out;
@@ -108,7 +108,7 @@ class Finder {
       if (m.records[at(a)].joint == m.records[at(b)].joint) continue;
       const PlacedPair p = placed(m, d, pair);
       if (p.a.empty() || p.b.empty() || (!p.a.bounded() && !p.b.bounded())) continue;
-      double fastest_of_pair = 0;  // whatever the normal is
+      double fastest_of_pair = 0;  // bound for any normal
       for (std::size_t k = 0; k < states; ++k) {
         const PieceMotion &x = motions_[k * m.records.size() + at(a)], &y = motions_[k * m.records.size() + at(b)];
         fastest_of_pair = std::max(fastest_of_pair, norm(y.centre - x.centre) + x.turning + y.turning);
@@ -125,14 +125,14 @@ class Finder {
       }
       out.add(s.distance, speed, seconds, roomOf(p.a) + roomOf(p.b));
     }
-    // Whoever touches something may be thrown at something else.
+    // A body that touches something may be thrown at something else, so the reach covers more than the present motion.
     out.reach = std::max(out.reach, 4 * fastest * seconds);
     return out;
   }
 
  private:
-  /// Whether what has been found of a pair is a seam's: right before the surface that it is on lies another volume of the same body, which shares
-  /// that surface. Neither of the two alone would be touched there.
+  /// True if the contacts found for a pair lie on a seam: another volume of the same body adjoins the touched surface from outside. The body has
+  /// no surface there.
   bool isCovered(int pair, const PlacedPair& p) const {
     if (points_.empty()) return false;
     Vec3<double> middle, normal;
@@ -146,7 +146,7 @@ class Finder {
     const auto [a, b] = geometry_.impl().pairs[at(pair)];
     return covers(a, b, at_middle, away) || covers(b, a, at_middle, -away);
   }
-  /// Whether a point just before the surface of geometry `of`, against `other`, is in another volume of the body of `of` that meets `other`, too.
+  /// True if a point just outside the surface of geometry `of` lies in another volume of the same body that is also checked against `other`.
   bool covers(int of, int other, const Vec3<double>& point, const Vec3<double>& outwards) const {
     const GeometryImpl& m = geometry_.impl();
     const GeometryDataImpl& d = placed_.impl();
@@ -164,7 +164,7 @@ class Finder {
     return false;
   }
 
-  /// The velocity of the centre of a volume's bounding sphere in the world, and how fast its points move about that at most.
+  /// Velocity of the centre of a volume's bounding sphere in the world, and an upper bound of the speed of its points relative to that centre.
   struct PieceMotion {
     Vec3<double> centre;
     double turning = 0;
@@ -176,23 +176,23 @@ class Finder {
     const Motion<double> v = jointVelocity(model_, data_, r.joint, ReferenceFrame::LOCAL_WORLD_ALIGNED);
     const Vec3<double> centre =
         jointPlacement(model_, data_, r.joint).R * (volume.bounded() ? r.placement.act(volume.bounds().center()) : r.placement.p);
-    // A solid that is round about its centre covers the same points as it turns.
+    // The margin is round: a rotation moves the surface no more than it moves the core.
     const double radius = !volume.bounded() ? 0 : volume.single() ? volume.radius() - volume.piece(0).margin : volume.radius();
     return {v.linear + cross(v.angular, centre), norm(v.angular) * std::max(radius, 0.0)};
   }
-  /// Half of the least that it measures.
+  /// Half of the shortest side of the volume's bounding box [m]; infinite for a half-space.
   static double roomOf(const Volume& volume) {
     if (!volume.bounded()) return std::numeric_limits<double>::infinity();
     const Vec3<double> half = volume.bounds().half();
     return std::min({half.x, half.y, half.z});
   }
 
-  /// Those of each two pieces follow those of the two before.
+  /// Contact ids of a pair of geometries. Each pair of pieces has its own range of ids; the ranges follow one another.
   struct PairIds {
     std::int64_t first;
-    TouchingIds ids;  ///< by the piece that has most names for corners
+    TouchingIds ids;  ///< sized for the piece with the most corner names
   };
-  /// In a's axes.
+  /// A contact point in the axes of geometry a.
   struct Found {
     Vec3<double> on_a, normal;
     double gap;
@@ -215,8 +215,8 @@ class Finder {
     if (!any) refuse("no pair is of '" + p.names.a + "' and '" + p.names.b + "'");
   }
 
-  /// Of the points of many pieces those that say most: the one farthest from their middle, then again and again the one farthest from all
-  /// chosen, and the lowest in any case.
+  /// Keeps at most `most` points of a pair with many pieces: first the point farthest from their mean, then repeatedly the point farthest from
+  /// all chosen ones. The point with the smallest gap is always kept.
   void thinOut() {
     if (points_.empty()) return;
     Vec3<double> middle;
@@ -241,7 +241,7 @@ class Finder {
     if (lower(lowest, *std::min_element(points_.begin(), points_.end(), lower))) points_.back() = lowest;
   }
 
-  /// The point belongs to a body that moves, the surface to the other.
+  /// The contact point belongs to a body that moves (a, if it moves), and the surface to the other body.
   ContactPoint contact(int pair, const PlacedPair& p, const Found& x) const {
     const auto [a, b] = geometry_.impl().pairs[at(pair)];
     const Vec3<double> on_b = p.aMb.actInv(x.on_a + x.gap * x.normal), normal_b = transposeTimes(p.aMb.R, x.normal);
@@ -264,12 +264,12 @@ class Finder {
   Data data_;
   GeometryData placed_;
   std::vector<int> frames_;            ///< by geometry
-  std::vector<SE3<double>> in_frame_;  ///< its pose there
+  std::vector<SE3<double>> in_frame_;  ///< by geometry: its pose in that frame
   std::vector<double> friction_;       ///< by pair
   std::vector<PairIds> ids_;           ///< by pair
   std::vector<Found> points_;
   std::vector<std::vector<int>> of_joint_;  ///< geometries, by joint
-  std::vector<PieceMotion> motions_;        ///< by velocity, then geometry; what stands still at rest
+  std::vector<PieceMotion> motions_;        ///< by velocity, then by geometry; zero for static geometries
 };
 
 }  // namespace

@@ -16,7 +16,7 @@ Distance distanceOf(const GeometryImpl& m, const GeometryDataImpl& d, int pair, 
   return {pair, s.distance, p.oMa.R * s.normal, p.oMa.act(s.on_a), p.oMa.act(s.on_b)};
 }
 
-/// Adds sign * normal . J of the body's point at x to `row`.
+/// Adds normal . J to `row`, with J the Jacobian (3 x nv) of the body's point at x.
 void addVelocity(const CompactModel& model, Data& data, int joint, const Vec3<double>& x, const Vec3<double>& normal, std::vector<double>& jacobian,
                  double* row) {
   if (joint == 0) return;
@@ -49,7 +49,7 @@ Distance computeMinimumDistance(const GeometryModel& geometry, GeometryData& dat
   Distance best;
   best.distance = infinity;
   const int n = static_cast<int>(m.pairs.size());
-  // The pair whose spheres are nearest first: it rules out most of the others.
+  // The pair with the nearest bounding spheres comes first: its distance rules out most other pairs.
   int start = -1;
   double nearest_bound = infinity;
   for (int p = 0; p < n; ++p) {
@@ -59,7 +59,7 @@ Distance computeMinimumDistance(const GeometryModel& geometry, GeometryData& dat
   if (start < 0) return best;
   best = distanceOf(m, d, start, infinity);
   for (int p = 0; p < n; ++p) {
-    // Volumes that overlap may do so deeper than any other, whatever their spheres say.
+    // Overlapping spheres do not bound the depth of an overlap, so such pairs are never ruled out.
     if (p == start || sphereBound(m, d, p) > std::max(best.distance, 0.0)) continue;
     const Distance x = distanceOf(m, d, p, std::max(best.distance, 0.0));
     if (x.distance < best.distance || (x.distance == best.distance && p < best.pair)) best = x;

@@ -1,4 +1,4 @@
-// Meshes and octrees from files: where they are, and what is in them. The only geometry sources that know assimp and octomap are behind this.
+// Locating and reading mesh and octree files, and convex hulls. Only the sources behind this header use assimp, octomap and qhull.
 #pragma once
 
 #include <dyn/model/geometry_description.hpp>
@@ -8,25 +8,26 @@
 
 namespace dyn {
 
-/// The path that a uri stands for: "package://NAME/..." (and "model://") through `packages` and the environment's ROS_PACKAGE_PATH and
-/// AMENT_PREFIX_PATH, "file://", or a path, relative to the folder of `beside`. Empty if there is no such file.
+/// Returns the path of the file that a uri names, or an empty string if there is no such file. "package://NAME/..." (and "model://") is searched in
+/// `packages` and in the environment's ROS_PACKAGE_PATH and AMENT_PREFIX_PATH. Otherwise the uri is "file://" and a path, or a path alone; a relative
+/// path starts at the folder of the file `beside`.
 std::string resolveUri(const std::string& uri, const std::vector<std::string>& packages, const std::string& beside);
 
-/// Throws Error(file) for a file that cannot be read or is larger than 512 MB, of which `usual` says what it should be.
+/// Throws Error(file) if the file cannot be read or is larger than 512 MB; the message then ends with `usual`, which says what size is normal.
 void checkFileSize(const std::string& path, const std::string& usual);
 
-/// All triangles of an STL, OBJ, DAE or other file that assimp reads, equal vertices made one. It reads in a process of its own, with limits of time
-/// and memory that grow with the file. Throws Error(file | syntax) for a file that is broken, larger than 512 MB, beyond those limits, or has no
-/// triangle or a vertex that is not finite.
+/// Reads all triangles of an STL, OBJ, DAE or other file that assimp reads, and merges equal vertices. A child process reads the file, with limits of
+/// time and memory that grow with the file. Throws Error(file | syntax) if the file is broken, larger than 512 MB or beyond those limits, or if it
+/// has no triangle or a vertex that is not finite.
 geometry::TriangleMesh readMesh(const std::string& path);
 
-/// The occupied leaves of an octomap file, .bt or .ot. Throws Error(file | syntax) for a file that is broken or larger than 512 MB.
+/// Reads the occupied leaves of an octomap file, .bt or .ot. Throws Error(file | syntax) if the file is broken or larger than 512 MB.
 geometry::Voxels readOctree(const std::string& path);
 
-/// The corners of the convex hull of points, by qhull; of points that lie in a plane, all of them.
+/// Returns the corners of the convex hull of points, by qhull. Points that lie in a plane are all returned.
 std::vector<Vec3<double>> hullCorners(const std::vector<Vec3<double>>& points);
 
-/// Whether triangles bound a convex solid: every side between two of them, and all vertices behind all of them, to 1e-6 of its size.
+/// True if the triangles bound a convex solid: each edge joins two triangles, and all vertices lie behind all triangles, to 1e-6 of the mesh's size.
 bool boundsConvexSolid(const geometry::TriangleMesh& mesh);
 
 }  // namespace dyn

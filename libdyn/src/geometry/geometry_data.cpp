@@ -17,7 +17,7 @@ GeometryDataImpl::GeometryDataImpl(const GeometryModel& geometry, int most_conta
   contacts.reserve(at(most_contacts));
   distances.reserve(m.pairs.size());
   jacobian.resize(6 * at(m.nv));
-  // Right for what stands still, whose joint is the universe; somewhere for the rest.
+  // These placements are final for static geometries, whose joint is the world. Moving geometries get provisional ones.
   for (std::size_t g = 0; g < n; ++g) place(static_cast<int>(g), m.records[g].placement);
 }
 
@@ -47,7 +47,7 @@ void updateGeometryPlacements(const CompactModel& model, const Data& data, const
   const GeometryImpl& m = geometry.impl();
   checkModel("updateGeometryPlacements", model, geometry);
   GeometryDataImpl& d = dataOf("updateGeometryPlacements", geometry, geometry_data);
-  // Geometries of one body follow one another.
+  // Consecutive geometries often belong to one joint, whose pose is then read once.
   int joint = -1;
   SE3<double> oMj;
   for (const int g : m.moving) {

@@ -18,7 +18,7 @@ std::vector<Vec3<double>> hullCorners(const std::vector<Vec3<double>>& points) {
   numbers.reserve(3 * points.size());
   for (const Vec3<double>& x : points) numbers.insert(numbers.end(), {x.x, x.y, x.z});
 
-  // qhull says on a stream that points lie in a plane; here that is no error.
+  // qhull prints a message if the points lie in a plane. Here that is no error.
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> nowhere(std::fopen("/dev/null", "w"), &std::fclose);
   qhT memory{};
   qhT* qh = &memory;
@@ -36,7 +36,7 @@ std::vector<Vec3<double>> hullCorners(const std::vector<Vec3<double>>& points) {
   qh_memfreeshort(qh, &still_long, &still_short);
   if (failed) return points;
 
-  std::sort(corners.begin(), corners.end());  // the order of the description, not of qhull's memory
+  std::sort(corners.begin(), corners.end());  // order of the input, since qhull's order depends on its memory
   std::vector<Vec3<double>> hull;
   hull.reserve(corners.size());
   for (const int i : corners) hull.push_back(points[static_cast<std::size_t>(i)]);
@@ -44,7 +44,7 @@ std::vector<Vec3<double>> hullCorners(const std::vector<Vec3<double>>& points) {
 }
 
 bool boundsConvexSolid(const geometry::TriangleMesh& mesh) {
-  // Each side of a triangle is a side of one other, the other way round.
+  // Each edge of a triangle must be an edge of one other triangle, in the opposite direction.
   std::map<std::pair<int, int>, int> sides;
   for (const auto& t : mesh.triangles)
     for (std::size_t k = 0; k < 3; ++k)
@@ -62,7 +62,7 @@ bool boundsConvexSolid(const geometry::TriangleMesh& mesh) {
     const Vec3<double> n = cross(b - a, c - a);
     const double area = norm(n);
     volume += dot(n, a - bounds.lower);
-    // A sliver has no plane of its own; its neighbours say what there is to say.
+    // The plane of a sliver is undefined; the planes of its neighbours suffice.
     if (area <= 1e-12 * dot(sides_of_box, sides_of_box)) continue;
     for (const Vec3<double>& x : mesh.vertices)
       if (dot(n, x - a) > slack * area) return false;

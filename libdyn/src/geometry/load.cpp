@@ -16,7 +16,7 @@ namespace {
   throw Error(ErrorCode::model, "geometry '" + g.name + "': " + why, g.where);
 }
 
-/// Lengths [m] whose products in the search for nearest points are numbers still.
+/// Bounds of lengths [m]. Between them the products in the search for nearest points neither overflow nor underflow.
 constexpr double smallest = 1e-75, largest = 1e75;
 
 void needPositive(const GeometryDescription& g, const char* what, double x) {
@@ -24,7 +24,7 @@ void needPositive(const GeometryDescription& g, const char* what, double x) {
   if (x < smallest || x > largest) refuse(g, std::string("its ") + what + " is " + number(x) + " m; lengths are between 1e-75 m and 1e75 m");
 }
 
-/// A length that may be zero.
+/// The same for a length that may be zero.
 void needLength(const GeometryDescription& g, const char* what, double x) {
   if (x != 0) needPositive(g, what, x);
 }
@@ -145,7 +145,7 @@ std::shared_ptr<const Volume> VolumeLoader::fromMesh(const geometry::MeshFile& f
   if (!meshes_.count(path)) meshes_.emplace(path, readMesh(path));
   geometry::TriangleMesh mesh = meshes_.at(path);
   for (Vec3<double>& x : mesh.vertices) x = {file.scale.x * x.x, file.scale.y * x.y, file.scale.z * x.z};
-  // A mirrored mesh has its triangles the wrong way round.
+  // Mirroring reverses the orientation of the triangles, which is restored here.
   if (file.scale.x * file.scale.y * file.scale.z < 0)
     for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
   known = std::make_shared<const Volume>(fromTriangles(g, mesh, file.convex));

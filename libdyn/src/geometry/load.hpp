@@ -1,4 +1,4 @@
-// Compiled volumes of described ones; each file is read once.
+// Builds volumes from their descriptions; each file is read once.
 #pragma once
 
 #include "geometry/volume.hpp"
@@ -10,16 +10,17 @@
 
 namespace dyn {
 
-/// Of a mesh or octree in a file; empty for others.
+/// Returns the uri of a mesh or octree file; an empty string for other shapes.
 std::string uriOf(const GeometryDescription& g);
 
 class VolumeLoader {
  public:
   explicit VolumeLoader(const std::vector<std::string>& packages) : packages_(packages) {}
 
-  /// Whether the file that it needs, if any, is there.
+  /// True if the geometry needs no file or its file exists.
   bool available(const GeometryDescription& g) const;
-  /// Throws Error(model) for a volume without size or with numbers that are not finite, Error(file | syntax) for a broken file.
+  /// Throws Error(model) for a volume without size, a number that is not finite, or a length outside 1e-75 m to 1e75 m, and Error(file | syntax) for
+  /// a broken file.
   std::shared_ptr<const Volume> load(const GeometryDescription& g);
   int filesRead() const { return static_cast<int>(meshes_.size() + octrees_.size()); }
 
@@ -31,7 +32,7 @@ class VolumeLoader {
   const std::vector<std::string>& packages_;
   std::map<std::string, geometry::TriangleMesh> meshes_;  ///< by path
   std::map<std::string, std::shared_ptr<const Volume>> octrees_;
-  std::map<std::string, std::shared_ptr<const Volume>> scaled_;  ///< by path, scale and whether it is to be convex
+  std::map<std::string, std::shared_ptr<const Volume>> scaled_;  ///< by path, scale and MeshFile::convex
 };
 
 }  // namespace dyn

@@ -16,7 +16,7 @@ namespace dyn {
 
 namespace {
 
-/// Equal vertices, which STL has one of for each corner, become one.
+/// Merges equal vertices: STL stores one vertex for each corner of each triangle.
 class Collector {
  public:
   int vertex(const aiVector3D& x) {
@@ -37,7 +37,7 @@ geometry::TriangleMesh readByAssimp(const std::string& path, const Where& where)
                                                           aiComponent_TEXCOORDS | aiComponent_BONEWEIGHTS | aiComponent_ANIMATIONS |
                                                           aiComponent_TEXTURES | aiComponent_LIGHTS | aiComponent_CAMERAS | aiComponent_MATERIALS);
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-  // Robots' meshes are drawn in the link's own axes, whatever axis a file calls up.
+  // Meshes of robots are drawn in the link's own axes, so the file's up direction is ignored.
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
   const aiScene* scene =
       importer.ReadFile(path, aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_RemoveComponent | aiProcess_PreTransformVertices);
@@ -69,7 +69,7 @@ std::string bytesOf(const std::vector<T>& items) {
   return {reinterpret_cast<const char*>(items.data()), items.size() * sizeof(T)};
 }
 
-/// Takes so many items from a report, and what is left of it.
+/// Removes `count` items from the front of a report and returns them.
 template <class T>
 std::vector<T> itemsOf(std::string_view& bytes, std::uint64_t count) {
   std::vector<T> items(count);
@@ -84,9 +84,9 @@ geometry::TriangleMesh readMesh(const std::string& path) {
   const Where where{path, 0, ""};
   checkFileSize(path, "a mesh for collision should have thousands of triangles");
   const double megabytes = static_cast<double>(std::filesystem::file_size(path)) * 0x1p-20;
-  // Sound files of ten million bytes take about a second.
+  // Reading a valid file of ten million bytes takes about a second.
   const TrialLimits limits{.seconds = 5 + megabytes, .memory = static_cast<rlim_t>((2048 + 64 * megabytes) * 0x1p20)};
-  using Counts = std::array<std::uint64_t, 2>;  // of vertices and triangles; no vertices: an error's text follows
+  using Counts = std::array<std::uint64_t, 2>;  // numbers of vertices and triangles; without vertices an error's text follows
   const Trial trial = tryInProcess(limits, [&](const auto& report) {
     std::string why;
     try {
@@ -110,7 +110,7 @@ geometry::TriangleMesh readMesh(const std::string& path) {
   if (bytes.size() < sizeof(Counts)) refuse("is a mesh that ends its reader, assimp");
   const Counts counts = itemsOf<Counts>(bytes, 1)[0];
   if (counts[0] == 0) refuse(std::string(bytes));
-  // The child may have been ended amid its report, by a signal that somebody else was told of.
+  // The child may have died within its report by a signal that is unknown here, because other code waited for the child.
   if (bytes.size() != counts[0] * sizeof(Vec3<double>) + counts[1] * sizeof(std::array<int, 3>)) refuse("is a mesh that ends its reader, assimp");
   geometry::TriangleMesh mesh;
   mesh.vertices = itemsOf<Vec3<double>>(bytes, counts[0]);

@@ -13,7 +13,7 @@ namespace dyn {
 
 namespace {
 
-constexpr std::size_t most_depth = 16;  ///< of octomap's trees, whose keys have 16 bits
+constexpr std::size_t most_depth = 16;  ///< depth of octomap's trees, whose keys have 16 bits
 
 struct Header {
   std::string id;
@@ -26,7 +26,7 @@ void skipLine(std::istream& file) {
   }
 }
 
-/// Leaves the file where its nodes begin.
+/// Reads the header and leaves the stream where the nodes begin.
 Header readHeader(std::istream& file, bool binary, const Where& where) {
   const std::string wanted = binary ? "# Octomap OcTree binary file" : "# Octomap OcTree file";
   std::string first, word;
@@ -49,7 +49,7 @@ Header readHeader(std::istream& file, bool binary, const Where& where) {
   if (!first.starts_with(wanted) || word != "data" || !has_nodes || !(header.resolution > 0) || !std::isfinite(header.resolution))
     throw Error(ErrorCode::syntax, "is no octree (octomap's .bt or .ot): it needs '" + wanted + "', then id, size, res and data", where);
   file.clear();
-  // Of .bt, all types of trees are written the same way.
+  // All types of trees are written the same way in .bt, so only .ot needs the right type.
   if (!binary && header.id != "OcTree" && header.id != "1")
     throw Error(ErrorCode::syntax, "is an octree of type '" + header.id + "', not of occupancies, 'OcTree'; convert it to .bt", where);
   return header;
@@ -57,10 +57,10 @@ Header readHeader(std::istream& file, bool binary, const Where& where) {
 
 struct Children {
   std::size_t all = 0;
-  int read = 0;  ///< that have a record of their own
+  int read = 0;  ///< children that have a record of their own
 };
 
-/// In .bt a child has two bits: none, free, occupied, or a node with children and a record; in .ot each has a record.
+/// In .bt each child has two bits, which mean: no child, free, occupied, or a node with children and a record. In .ot each child has a record.
 Children childrenOf(bool binary, const char* record) {
   Children children;
   if (!binary) {
@@ -76,11 +76,11 @@ Children childrenOf(bool binary, const char* record) {
   return children;
 }
 
-/// Throws unless the nodes are a tree of the depth and the number of nodes that they should: octomap descends, by recursion, as long as bits of
-/// children say so, and takes a file that ends early for a smaller tree.
+/// Throws Error(syntax) unless the nodes form a tree of the promised number of nodes that is at most most_depth levels deep. Octomap itself recurses
+/// as deep as the children's bits say, and takes a file that ends early for a smaller tree.
 void checkNodes(std::istream& file, bool binary, std::size_t promised, const Where& where) {
   const auto refuse = [&](const std::string& why) { throw Error(ErrorCode::syntax, why, where); };
-  std::vector<int> open{1};  // nodes that are still to be read, by depth
+  std::vector<int> open{1};  // number of nodes still to be read, by depth
   std::size_t nodes = 1;
   char record[5];
   while (!open.empty()) {

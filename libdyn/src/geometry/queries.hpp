@@ -1,8 +1,8 @@
-// What collision and distance share: a pair's two volumes where they are.
+// Shared by collision and distance: the two placed volumes of a pair, and checks of arguments.
 #pragma once
 
 #include "geometry/geometry_impl.hpp"
-#include "geometry/narrow.hpp"
+#include "geometry/narrow/narrow.hpp"
 
 #include <string>
 
@@ -21,20 +21,20 @@ inline PlacedPair placed(const GeometryImpl& m, const GeometryDataImpl& d, int p
   return {*m.volumes[i], *m.volumes[j], oMa, oMb, {transpose(oMa.R) * oMb.R, oMa.actInv(oMb.p)}};
 }
 
-/// How far the bounding spheres of a pair are apart; -infinity where one is a half-space.
+/// Returns the signed distance between the bounding spheres of a pair; -infinity if one geometry is a half-space.
 inline double sphereBound(const GeometryImpl& m, const GeometryDataImpl& d, int pair) {
   const auto [a, b] = m.pairs[static_cast<std::size_t>(pair)];
   const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
   return norm(d.center[i] - d.center[j]) - m.volumes[i]->radius() - m.volumes[j]->radius();
 }
 
-/// Joints are those of the model that the geometry was compiled for, and of its copies.
+/// Throws Error(argument) unless the geometry was compiled for this model or a copy of it.
 inline void checkModel(const char* function, const CompactModel& model, const GeometryModel& geometry) {
   if (&geometry.impl().model->impl() != &model.impl())
     throw Error(ErrorCode::argument, std::string(function) + ": the geometry was compiled for another model; compile one for this");
 }
 
-/// Data is of the geometry that it was made for, and of its copies.
+/// Throws Error(argument) unless the data was made for this geometry or a copy of it.
 template <class AnyGeometryData>
 auto& dataOf(const char* function, const GeometryModel& geometry, AnyGeometryData& data) {
   auto& d = data.impl();

@@ -18,7 +18,7 @@ std::string existing(const fs::path& path) {
   return fs::is_regular_file(path, error) ? path.lexically_normal().string() : "";
 }
 
-/// Folders of an environment variable, separated by colons.
+/// Appends the folders that an environment variable lists, separated by colons, each followed by `below`.
 void addFrom(const char* variable, const char* below, std::vector<fs::path>& folders) {
   const char* value = secure_getenv(variable);
   if (value == nullptr) return;
@@ -30,7 +30,7 @@ void addFrom(const char* variable, const char* below, std::vector<fs::path>& fol
   }
 }
 
-/// Decodes a URI, in which %20 is a blank (RFC 3986, sec. 2.1). What is no such code stays.
+/// Decodes the percent codes of a URI, such as %20 for a blank (RFC 3986, sec. 2.1). Anything else stays as it is.
 std::string decoded(const std::string& text) {
   std::string out;
   for (std::size_t i = 0; i < text.size(); ++i) {

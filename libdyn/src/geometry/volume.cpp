@@ -28,7 +28,7 @@ Bounds boundsOf(const Convex& c) {
   return {b.lower - margin, b.upper + margin};
 }
 
-/// Around `center`.
+/// Returns the radius of a sphere around `center` that contains the solid; infinity for a half-space.
 double radiusOf(const Convex& c, const Vec3<double>& center) {
   switch (c.core) {
     case Core::half_space:
@@ -131,7 +131,7 @@ Volume Volume::cubes(const std::vector<geometry::Voxels::Cube>& cubes) {
   return v;
 }
 
-/// Halves at the median along the longest side, so that the tree is no deeper than the logarithm of its size.
+/// Splits at the median along the longest side, so the depth of the tree is the logarithm of its size.
 void Volume::buildTree(const std::vector<Bounds>& bounds) {
   if (bounds.empty()) return;
   std::vector<int> order(bounds.size());

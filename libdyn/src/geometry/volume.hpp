@@ -1,7 +1,7 @@
-// A volume as compiled: one convex solid, or many convex pieces (triangles, cubes) in a tree of boxes. All in the geometry's own frame.
+// A compiled volume: one convex solid, or many convex pieces (triangles, cubes) in a tree of boxes. All numbers are in the geometry's own frame.
 #pragma once
 
-#include "geometry/convex.hpp"
+#include "geometry/narrow/convex.hpp"
 
 #include <dyn/model/geometry_description.hpp>
 
@@ -38,15 +38,15 @@ struct Bounds {
   }
 };
 
-/// The smallest box with axes of the frame that X leads to around a box that X moves.
+/// Returns the smallest axis-aligned box around the box b after X has moved it.
 Bounds moved(const Bounds& b, const SE3<double>& X);
 
-/// Boxes side by side by coordinate, so that one instruction asks several.
+/// Boxes stored by coordinate, so that one instruction tests several of them.
 class BoxArray {
  public:
   void add(int number, const Bounds& b);
   int size() const { return static_cast<int>(numbers_.size()); }
-  /// Calls found(number) for each box that meets `b`.
+  /// Calls found(number) for each box that overlaps `b`.
   template <class Found>
   void meeting(const Bounds& b, const Found& found) const {
     constexpr std::size_t block = 64;
@@ -61,7 +61,7 @@ class BoxArray {
   }
 
  private:
-  /// The largest of the gaps along the three axes.
+  /// Writes, for each of `count` boxes, the largest of its gaps to `b` along the three axes; negative if the boxes overlap.
   void gaps(const Bounds& b, std::size_t first, std::size_t count, double* gap) const;
 
   std::vector<double> lower_[3], upper_[3];
@@ -72,7 +72,7 @@ class Volume {
  public:
   struct Node {
     Bounds bounds;
-    int left = -1, right = -1;  ///< -1: a leaf, of the piece `piece`
+    int left = -1, right = -1;  ///< -1 in a leaf, which holds the piece `piece`
     int piece = 0;
   };
 
@@ -81,23 +81,23 @@ class Volume {
   static Volume triangles(const std::vector<Vec3<double>>& vertices, const std::vector<std::array<int, 3>>& triangles);
   static Volume cubes(const std::vector<geometry::Voxels::Cube>& cubes);
 
-  Volume(const Volume&) = delete;  // pieces point into it
+  Volume(const Volume&) = delete;  // pieces point into points_
   Volume& operator=(const Volume&) = delete;
   Volume(Volume&&) = default;
   Volume& operator=(Volume&&) = default;
 
-  /// No pieces: nothing collides with it.
+  /// True if there are no pieces: nothing collides with the volume then.
   bool empty() const { return pieces_.empty(); }
-  /// One solid, without a tree.
+  /// True for one solid, which has no tree.
   bool single() const { return nodes_.empty() && !pieces_.empty(); }
-  /// A half-space has no bounds; its box is infinite.
+  /// False for a half-space, whose box is infinite.
   bool bounded() const { return pieces_.empty() || pieces_.front().core != Core::half_space; }
   int pieces() const { return static_cast<int>(pieces_.size()); }
   const Convex& piece(int i) const { return pieces_[static_cast<std::size_t>(i)]; }
-  const Vec3<double>& center(int i) const { return centers_[static_cast<std::size_t>(i)]; }  ///< of a piece, in the volume's frame
-  const Node& node(int i) const { return nodes_[static_cast<std::size_t>(i)]; }              ///< 0 is the root
+  const Vec3<double>& center(int i) const { return centers_[static_cast<std::size_t>(i)]; }  ///< centre of a piece in the volume's frame
+  const Node& node(int i) const { return nodes_[static_cast<std::size_t>(i)]; }              ///< node 0 is the root
   const Bounds& bounds() const { return bounds_; }
-  /// Of a sphere around the box's center that holds the volume.
+  /// Radius of a sphere around the centre of bounds() that contains the volume.
   double radius() const { return radius_; }
 
  private:

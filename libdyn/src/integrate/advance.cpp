@@ -1,4 +1,4 @@
-// From time to time: steps, the states shown between them, the event that ends them.
+// Simulator::advance: takes steps, shows states between their ends, and stops at events.
 #include "integrate/simulator_impl.hpp"
 #include "number_text.hpp"
 
@@ -10,7 +10,7 @@ namespace dyn {
 
 namespace {
 
-/// Times to show, ascending and within [from, to].
+/// Throws Error(argument) unless the times ascend and lie within [from, to].
 void checkTimes(double from, double to, const double* times, std::size_t count) {
   double before = from;
   for (std::size_t k = 0; k < count; ++k) {
@@ -24,7 +24,7 @@ void checkTimes(double from, double to, const double* times, std::size_t count) 
 }  // namespace
 
 void Simulator::Impl::show(double t, const double* q, const double* v, const Observer& observer) const {
-  const CompactModel& m = law.model();
+  const CompactModel& m = equations.model();
   guardCallback("the observer", t, [&] { observer(t, {q, m.nq()}, {v, m.nv()}); });
 }
 

@@ -1,5 +1,5 @@
-// Closed loops can go on in several ways from where all their bars are in line, or nearly so: there a step may end on another branch of the motion
-// than it began on, with a velocity and an energy that nothing has given it. Such steps are taken again in parts.
+// Where all bars of a closed loop are in line, or nearly so, the loop's motion can continue along several branches. There a step may end on another
+// branch than it began on, with a velocity and an energy that no force has caused. Such a step is repeated with shorter steps.
 #include "integrate/simulator_impl.hpp"
 #include "number_text.hpp"
 
@@ -11,30 +11,32 @@ namespace dyn {
 
 namespace {
 
-/// Of a velocity's change in a step, as a share of the velocity: what is less is not looked at.
+/// Smallest change of velocity in a step that is checked, relative to the velocity.
 constexpr double noticed_change = 0.02;
-/// Of the energy's, as a share of the kinetic energy: methods of low order are off by nearly as much.
+/// Smallest change of energy in a step that is checked, relative to the kinetic energy. Methods of low order have errors nearly as large.
 constexpr double noticed_energy = 0.03;
-/// A change over a step by more than this much of what its ends' rates make is none that they explain; smooth motions have up to 1.3.
+/// A change over a step is unexplained if it exceeds this factor times what the rates at the step's ends give. Smooth motions reach 1.3.
 constexpr double explained = 1.5;
-/// Nor do accelerations begin in a step that would change the velocity by this much of it in another.
+/// The acceleration at a step's end is unexplained if, over one more step, it changes the velocity by more than this factor times both the velocity
+/// and the change that the acceleration at the step's start gives.
 constexpr double sudden = 2;
 
 }  // namespace
 
 bool Simulator::Impl::hasStrayed(double h) {
   if (!now_closed) return false;
-  const double speed = std::max(law.speed(now.q.data(), now.v.data()), law.speed(next.q.data(), next.v.data()));
+  const double speed = std::max(equations.speed(now.q.data(), now.v.data()), equations.speed(next.q.data(), next.v.data()));
   change = next.v - now.v;
-  const double changed = law.speed(next.q.data(), change.data());
+  const double changed = equations.speed(next.q.data(), change.data());
   if (!(changed > noticed_change * speed)) return false;
-  const double before = h * law.speed(now.q.data(), accelerationAt(law, now)), after = h * law.speed(next.q.data(), accelerationAt(law, next));
+  const double before = h * equations.speed(now.q.data(), accelerationAt(equations, now)),
+               after = h * equations.speed(next.q.data(), accelerationAt(equations, next));
   if (changed > explained * std::max(before, after) || after > sudden * std::max(before, speed)) return true;
-  // Where a motion turns, it is slow, and what a step is off counts by the speed that it makes.
-  const double gained = std::abs(law.energy(next.q.data(), next.v.data()) - law.energy(now.q.data(), now.v.data()));
+  // Near a reversal the motion is slow, so the bound also counts the speed that the acceleration gives in one step.
+  const double gained = std::abs(equations.energy(next.q.data(), next.v.data()) - equations.energy(now.q.data(), now.v.data()));
   const double unnoticed = noticed_energy * speed * speed + before * before;
   if (!(gained > unnoticed)) return false;
-  const auto power = [&](const Moment& x) { return std::abs(law.power(x.time, x.q.data(), x.v.data())); };
+  const auto power = [&](const Moment& x) { return std::abs(equations.power(x.time, x.q.data(), x.v.data())); };
   return gained > unnoticed + explained * h * std::max(power(now), power(next));
 }
 
@@ -44,7 +46,7 @@ double Simulator::Impl::followBranch(double h) {
   double part = h;
   for (int i = 0; i < most_halvings; ++i) {
     part /= 2;
-    ++law.statistics.rejected;
+    ++equations.statistics.rejected;
     stepBy(part, now.time + part);
     project();
     if (!hasStrayed(part)) return part;

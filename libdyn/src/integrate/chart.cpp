@@ -1,19 +1,19 @@
 #include "integrate/chart.hpp"
 
-#include "algorithm/turning.hpp"
+#include "algorithm/support/turning.hpp"
 
 #include <algorithm>
 
 namespace dyn {
 
-/// nv x nv, row-major.
+/// Derivatives of one joint, nv x nv, row-major.
 struct Chart::Blocks {
   double by_q[max_joint_nv * max_joint_nv], by_v[max_joint_nv * max_joint_nv];
 };
 
 namespace {
 
-/// out = B^T x, or B x.
+/// out = B^T x if transposed, else B x.
 void multiply(const double* B, int n, bool transposed, const double* x, double* out) {
   double sum[max_joint_nv];
   for (int r = 0; r < n; ++r) {
@@ -37,7 +37,7 @@ Chart::Chart(const CompactModel& model) : model_(model) {
         continue;
       }
       turned_.push_back(joint);
-      // A rotation about one axis has v as the rate of its chart; what a dense joint's is, its type alone knows.
+      // The chart of a rotation about one axis has the rate v. The rate of a dense joint is known only to its type.
       if (x.nv > 1 || batch.shape == Shape::dense) curved_.push_back(joint);
     }
   std::sort(added_.begin(), added_.end(), [](const Run& a, const Run& b) { return a.q < b.q; });
@@ -114,7 +114,7 @@ void Chart::midpointMaps(const double* u, double* momentum, const double* force,
   for (const Joint& joint : curved_) {
     Blocks end, middle;
     double start_q[max_joint_nq], end_q[max_joint_nq], half[max_joint_nv];
-    // About neutral: between positions far off the step would be lost in their rounding.
+    // The difference is taken about neutral: between positions far from the origin rounding would swamp the step.
     neutralOf(joint.place, start_q);
     pointOf(joint, start_q, u + joint.v, end_q);
     ConfigurationBatch<double> log = callOf(joint, end);

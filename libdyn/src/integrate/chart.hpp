@@ -1,4 +1,4 @@
-// The chart u -> q0 (+) u of a model's configuration space, and what it does to velocities.
+// The chart u -> q0 (+) u of a model's configuration space, and its action on velocities, momenta and forces.
 #pragma once
 
 #include "compile/compact_impl.hpp"
@@ -9,43 +9,44 @@
 
 namespace dyn {
 
-/// Coordinates that simply add are added, neighbours in one go; the other joints are few and have blocks of at most 6 x 6.
+/// Coordinates that simply add are added, contiguous runs at once. The other joints are few and have blocks of at most 6 x 6.
 class Chart {
  public:
   explicit Chart(const CompactModel& model);
 
-  /// q0 (+) u.
+  /// q = q0 (+) u.
   void point(const double* q0, const double* u, double* q) const;
   /// du/dt of a motion that passes q = q0 (+) u with velocity v.
   void rate(const double* q0, const double* q, const double* v, double* du) const;
 
-  /// q0 moved by u, which of joints that fly, or slide and turn, is a way straight on and a turn [m, rad] in axes held as they are at q0: steps of
-  /// velocities as components in turning axes lead off their way and make them longer. Such joints' v, in the same axes, is then in those at q.
+  /// Moves q0 by u with held axes. For free and planar joints u is a straight translation and a rotation [m, rad], both in the axes at q0. A step
+  /// with components in rotating axes would leave the straight path and increase the speed. On entry v of these joints is in the axes at q0, on
+  /// return in the axes at q.
   void pointInHeldAxes(const double* q0, const double* u, double* v, double* q) const;
 
-  /// What the discrete Lagrangian of the midpoint does to momenta and forces there, u being the step and A = exp(-ad(u/2)):
-  /// X = A T and Y1 = J T, Y0 = A Y1, with T the inverse of exp's derivative at u and J that derivative at u/2. All commute.
-  /// momentum <- X^T momentum, at_start <- Y0^T force, at_end <- Y1^T force.
+  /// Applies the maps of the midpoint's discrete Lagrangian to the momentum and force at the midpoint, where u is the step:
+  /// momentum <- X^T momentum, at_start <- Y0^T force, at_end <- Y1^T force, with X = A T, Y1 = J T and Y0 = A Y1. Here A = exp(-ad(u/2)), T is the
+  /// inverse of exp's derivative at u, and J is that derivative at u/2. All of them commute.
   void midpointMaps(const double* u, double* momentum, const double* force, double* at_start, double* at_end) const;
 
  private:
   struct Joint {
     JointPlace place;
-    int q, v, nv, linear;  ///< the first `linear` velocities are in axes that the others turn
+    int q, v, nv, linear;  ///< the first `linear` velocities are in axes that the other velocities rotate
   };
   struct Run {
     int q, v, count;
   };
   struct Blocks;
   static ConfigurationBatch<double> callOf(const Joint& joint, Blocks& blocks);
-  /// Of one joint's coordinates.
+  /// The same as point(), for one joint's coordinates.
   static void pointOf(const Joint& joint, const double* q0, const double* u, double* q);
   void add(const double* q0, const double* u, double* q) const;
 
   CompactModel model_;
   std::vector<Run> added_;
-  std::vector<Joint> turned_;  ///< all others
-  std::vector<Joint> curved_;  ///< those of them whose velocity is not the rate of their chart
+  std::vector<Joint> turned_;  ///< all other joints
+  std::vector<Joint> curved_;  ///< joints of turned_ whose velocity is not the rate of the chart
 };
 
 }  // namespace dyn

@@ -1,6 +1,6 @@
-// Implicit Runge-Kutta methods of collocation in the chart about the step's start, solved for the stages' accelerations by Newton's method:
+// Implicit Runge-Kutta methods of collocation in the chart about the step's start. Newton's method solves for the stages' accelerations:
 //   k_i = a(q (+) u_i, v_i),  v_i = v + h sum a_ij k_j,  u_i = h sum a_ij (du/dt)_j.
-// Newton's matrix takes du/dt for v, what is missing follows from iteration to iteration; its blocks are
+// Newton's matrix approximates du/dt by v, and the iterations correct the difference. The blocks of the matrix are
 //   delta_ij 1 - h a_ij da/dv - h^2 (A^2)_ij da/dq.
 #include "at.hpp"
 #include "integrate/stepper.hpp"
@@ -42,10 +42,10 @@ const CollocationTableau radau5{3,
 
 class CollocationStepper : public CubicStepper {
  public:
-  CollocationStepper(Law& law, const CollocationTableau& tableau)
-      : CubicStepper(law),
+  CollocationStepper(EquationsOfMotion& equations, const CollocationTableau& tableau)
+      : CubicStepper(equations),
         tableau_(tableau),
-        n_(law.model().nv()),
+        n_(equations.model().nv()),
         size_(tableau.stages * n_),
         k_(n_, tableau.stages),
         turning_(n_, tableau.stages),
@@ -54,7 +54,7 @@ class CollocationStepper : public CubicStepper {
         change_(size_),
         u_(n_),
         rate_(n_),
-        q_(law.model().nq()),
+        q_(equations.model().nq()),
         middle_v_(n_),
         v_(n_, tableau.stages),
         by_q_(n_, n_),
@@ -68,7 +68,7 @@ class CollocationStepper : public CubicStepper {
 
   StepOutcome step(double h, Moment& from, Moment& to) override {
     h_ = h;
-    accelerationAt(law_, from);
+    accelerationAt(equations_, from);
     k_ = from.a.replicate(1, tableau_.stages);
     turning_.setZero();
     next_turning_.setZero();
@@ -85,14 +85,14 @@ class CollocationStepper : public CubicStepper {
   }
 
  private:
-  /// Iterates to where changes are rounding, with the matrix anew where they do not halve: first one state's derivatives for all stages, then
-  /// each stage's own. Where loops are nearly singular those differ much.
+  /// Iterates until the changes are rounding errors. The first matrix takes one state's derivatives for all stages. If changes do not halve, the
+  /// matrix is computed again with each stage's own derivatives, which differ much where loops are nearly singular.
   StepOutcome solve(const Moment& from) {
     constexpr int most_iterations = 60;
     factorizeMiddle(from);
     double before = std::numeric_limits<double>::infinity();
     for (int i = 0; i < most_iterations; ++i) {
-      ++law_.statistics.iterations;
+      ++equations_.statistics.iterations;
       const double turned = evaluate(from);
       if (!residual_.allFinite()) return StepOutcome::not_finite;
       change_ = solver_.solve(residual_);
@@ -100,10 +100,10 @@ class CollocationStepper : public CubicStepper {
       k_ -= change;
       const double size = std::max(turned, n_ > 0 ? h_ * change_.cwiseAbs().maxCoeff() : 0);
       if (!std::isfinite(size)) return StepOutcome::not_finite;
-      const double scale = n_ > 0 ? std::max({from.v.cwiseAbs().maxCoeff(), h_ * k_.cwiseAbs().maxCoeff(), h_ * law_.cancelled}) : 0;
+      const double scale = n_ > 0 ? std::max({from.v.cwiseAbs().maxCoeff(), h_ * k_.cwiseAbs().maxCoeff(), h_ * equations_.cancelled}) : 0;
       if (size <= rounding(0x1p-52, scale)) return StepOutcome::taken;
       if (size > 0.5 * before) {
-        // No better: rounding, if it is that small; otherwise the matrix is that of another state.
+        // No progress: a change as small as this is rounding error; otherwise the matrix belongs to another state.
         if (size <= rounding(0x1p-40, scale)) return StepOutcome::taken;
         factorizeStages(from);
       }
@@ -112,7 +112,7 @@ class CollocationStepper : public CubicStepper {
     return StepOutcome::unsolved;
   }
 
-  /// Of the state in the middle of the stages as they are now.
+  /// Factorises the matrix with the derivatives at the state in the middle of the present stages.
   void factorizeMiddle(const Moment& from) {
     middle_v_ = from.v + 0.5 * h_ / tableau_.stages * k_.rowwise().sum();
     u_ = 0.5 * h_ * from.v;
@@ -132,13 +132,13 @@ class CollocationStepper : public CubicStepper {
     factorize();
   }
 
-  /// At q_.
+  /// Computes by_q_ and by_v_ at q_.
   template <class V>
   void differentiate(double t, const V& v) {
-    law_.derivatives(t, q_.data(), v.data(), MatrixMap(by_q_.data(), n_, n_), MatrixMap(by_v_.data(), n_, n_));
+    equations_.derivatives(t, q_.data(), v.data(), MatrixMap(by_q_.data(), n_, n_), MatrixMap(by_v_.data(), n_, n_));
   }
 
-  /// Newton's matrix of stage i, by the last derivatives.
+  /// Writes the rows of stage i of Newton's matrix from the last derivatives.
   void writeRows(int i) {
     for (int j = 0; j < tableau_.stages; ++j) {
       auto block = matrix_.block(i * n_, j * n_, n_, n_);
@@ -148,7 +148,7 @@ class CollocationStepper : public CubicStepper {
   }
 
   void factorize() {
-    ++law_.statistics.factorizations;
+    ++equations_.statistics.factorizations;
     solver_.compute(matrix_);
   }
 
@@ -159,21 +159,21 @@ class CollocationStepper : public CubicStepper {
     }
   }
 
-  /// q_ of stage i by all stages' velocities.
+  /// Computes q_ of stage i from all stages' velocities.
   void placeStage(const Moment& from, int i) {
     u_.setZero();
     for (int j = 0; j < tableau_.stages; ++j) u_ += h_ * tableau_.a[at(i)][at(j)] * (v_.col(j) + turning_.col(j));
     chart_.point(from.q.data(), u_.data(), q_.data());
   }
 
-  /// Stages of the present accelerations, and what these are off. Returns by how much the chart's rates have changed.
+  /// Computes the stages of the present accelerations and their residuals. Returns the largest change of the chart's rates.
   double evaluate(const Moment& from) {
     stageVelocities(from);
     double changed = 0;
     for (int i = 0; i < tableau_.stages; ++i) {
       placeStage(from, i);
       chart_.rate(from.q.data(), q_.data(), v_.col(i).data(), rate_.data());
-      const double* a = law_.acceleration(from.time + tableau_.c[at(i)] * h_, q_.data(), v_.col(i).data());
+      const double* a = equations_.acceleration(from.time + tableau_.c[at(i)] * h_, q_.data(), v_.col(i).data());
       residual_.segment(i * n_, n_) = k_.col(i) - VectorResult(a, n_);
       rate_ -= v_.col(i);
       if (n_ > 0) changed = std::max(changed, (rate_ - next_turning_.col(i)).cwiseAbs().maxCoeff());
@@ -187,7 +187,7 @@ class CollocationStepper : public CubicStepper {
   int n_, size_;
   std::array<std::array<double, most_collocation_stages>, most_collocation_stages> squared_{};
   Eigen::MatrixXd k_;
-  Eigen::MatrixXd turning_, next_turning_;  ///< du/dt less v, of the stages: bodies that turn about an axis that does
+  Eigen::MatrixXd turning_, next_turning_;  ///< du/dt - v by stage: not zero where a rotation axis itself turns
   Eigen::VectorXd residual_, change_, u_, rate_, q_, middle_v_;
   Eigen::MatrixXd v_, by_q_, by_v_, matrix_;
   Eigen::PartialPivLU<Eigen::MatrixXd> solver_;
@@ -195,8 +195,10 @@ class CollocationStepper : public CubicStepper {
 
 }  // namespace
 
-std::unique_ptr<Stepper> makeCollocationStepper(Law& law, Integrator integrator) {
-  return std::make_unique<CollocationStepper>(law, integrator == Integrator::radau5 ? radau5 : integrator == Integrator::gauss6 ? gauss6 : midpoint);
+std::unique_ptr<Stepper> makeCollocationStepper(EquationsOfMotion& equations, Integrator integrator) {
+  return std::make_unique<CollocationStepper>(equations, integrator == Integrator::radau5   ? radau5
+                                                         : integrator == Integrator::gauss6 ? gauss6
+                                                                                            : midpoint);
 }
 
 }  // namespace dyn

@@ -55,7 +55,7 @@ ContactFinder pointsOnPlane(const CompactModel& model, const std::vector<std::st
 }
 
 void Approach::add(double gap, double speed, double seconds, double room) {
-  // Velocities turn, and differ a little from those that are known.
+  // Velocities change direction and differ a little from the known ones, so the speed gets a reserve.
   speed *= 1.125;
   reach = std::max(reach, 2 * speed * seconds);
   if (!(gap < speed * seconds)) return;

@@ -1,4 +1,4 @@
-#include "algorithm/turning.hpp"
+#include "algorithm/support/turning.hpp"
 #include "integrate/stepper.hpp"
 
 namespace dyn {
@@ -7,13 +7,14 @@ namespace {
 
 class EulerStepper : public CubicStepper {
  public:
-  EulerStepper(Law& law, bool semi_implicit) : CubicStepper(law), semi_implicit_(semi_implicit), u_(law.model().nv()) {}
+  EulerStepper(EquationsOfMotion& equations, bool semi_implicit)
+      : CubicStepper(equations), semi_implicit_(semi_implicit), u_(equations.model().nv()) {}
 
   StepOutcome step(double h, Moment& from, Moment& to) override {
     h_ = h;
-    accelerationAt(law_, from);
+    accelerationAt(equations_, from);
     u_ = from.a;
-    addTurning(law_.model().impl(), from.v.data(), u_.data());
+    addTurning(equations_.model().impl(), from.v.data(), u_.data());
     to.v = from.v + h * u_;
     u_ = h * (semi_implicit_ ? to.v : from.v);
     chart_.pointInHeldAxes(from.q.data(), u_.data(), to.v.data(), to.q.data());
@@ -28,6 +29,8 @@ class EulerStepper : public CubicStepper {
 
 }  // namespace
 
-std::unique_ptr<Stepper> makeEulerStepper(Law& law, bool semi_implicit) { return std::make_unique<EulerStepper>(law, semi_implicit); }
+std::unique_ptr<Stepper> makeEulerStepper(EquationsOfMotion& equations, bool semi_implicit) {
+  return std::make_unique<EulerStepper>(equations, semi_implicit);
+}
 
 }  // namespace dyn

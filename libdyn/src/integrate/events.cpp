@@ -1,5 +1,5 @@
-// Zeros of functions of the state, looked for within each step. One step may have several: the first ends it, those that happen at the same time are
-// told by further calls, and what happens later is found by the steps that follow.
+// Finds zeros of functions of the state within each step. If one step has several, the first ends the step. Further calls report the events at the
+// same time, and the following steps find the later ones.
 #include "at.hpp"
 #include "integrate/passing.hpp"
 #include "integrate/simulator_impl.hpp"
@@ -22,7 +22,7 @@ void Simulator::setEvents(std::vector<Event> events) {
 
 double Simulator::Impl::valueOf(const Event& event, double t, const double* q, const double* v) const {
   double value = 0;
-  const CompactModel& m = law.model();
+  const CompactModel& m = equations.model();
   guardCallback(("the event '" + event.name + "'").c_str(), t, [&] { value = event.value(t, {q, m.nq()}, {v, m.nv()}); });
   return value;
 }
@@ -40,7 +40,7 @@ bool Simulator::Impl::counts(std::size_t k) const {
 
 double Simulator::Impl::onItsSide(std::size_t k, double t, const double* q, const double* v) const {
   const double value = signs[k] * valueOf(events[k], t, q, v);
-  // To have come to zero is to have passed.
+  // A function that has come to zero counts as having passed it.
   return value == 0 ? -std::numeric_limits<double>::denorm_min() : value;
 }
 
@@ -51,7 +51,7 @@ double Simulator::Impl::firstChange(double h, std::size_t& which) {
       if (signs[k] != 0) event_looks[k][at(look)] = onItsSide(k, now.time + shareOf(look) * h, looked_q[at(look)].data(), looked_v[at(look)].data());
   double earliest = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < events.size(); ++k) {
-    // Of a change that does not count, only what comes back within the step matters.
+    // A change that does not count matters only if the function comes back within the step.
     if (signs[k] == 0 || (!counts(k) && event_looks[k].back() < 0)) continue;
     const double share = firstNegative(event_looks[k], [&](double theta) {
       between(theta, shown_q.data(), shown_v.data());
@@ -69,9 +69,9 @@ int Simulator::Impl::findEvent(double h) {
   double earliest = firstChange(h, first);
   if (!(earliest <= 1)) return -1;
   const auto changed = [&](std::size_t k) { return signs[k] != 0 && onItsSide(k, next.time, next.q.data(), next.v.data()) < 0; };
-  // A speed that has come to zero is there, and not just past it.
+  // Where the step ends because a joint comes to rest, its speed is exactly zero, and not just past zero.
   if (!(h == cut && earliest > 1 - soon)) {
-    // The step once more, as far as that. Its end is nearer the truth than the polynomial, which may be past the zero where it is not yet.
+    // Take the step again, up to the event. Its end is more accurate than the polynomial, which may pass zero a little too early.
     for (double more = 0x1p-45; earliest < 1; more *= 4) {
       retake(earliest * h);
       if (changed(first)) break;

@@ -1,4 +1,4 @@
-// Explicit Runge-Kutta methods in the chart about the step's start: stage i is at u_i = h sum a_ij (du/dt)_j, v_i = v + h sum a_ij (dv/dt)_j.
+// Explicit Runge-Kutta methods in the chart about the step's start. Stage i is at u_i = h sum a_ij (du/dt)_j, v_i = v + h sum a_ij (dv/dt)_j.
 #include "integrate/stepper.hpp"
 
 #include <algorithm>
@@ -15,8 +15,8 @@ struct ExplicitTableau {
   int stages;
   std::array<std::array<double, most_explicit_stages>, most_explicit_stages> a;
   std::array<double, most_explicit_stages> b, c;
-  std::array<double, most_explicit_stages> error;  ///< b less that of the embedded method; zero without
-  bool ends_at_last_stage;                         ///< b is the last row of a: the last stage is the step's end
+  std::array<double, most_explicit_stages> error;  ///< b - b of the embedded method; zero if there is none
+  bool ends_at_last_stage;                         ///< b is the last row of a, so the last stage is the step's end
 };
 
 constexpr ExplicitTableau kutta{4,    {{{}, {1.0 / 2}, {0, 1.0 / 2}, {0, 0, 1}}}, {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6}, {0, 1.0 / 2, 1.0 / 2, 1}, {},
@@ -36,7 +36,7 @@ constexpr ExplicitTableau dormand_prince{7,
                                          {71.0 / 57600, 0, -71.0 / 16695, 71.0 / 1920, -17253.0 / 339200, 22.0 / 525, -1.0 / 40},
                                          true};
 
-/// Weights of Dormand and Prince's stages for the state at theta, of fourth order (Hairer, Norsett and Wanner 1993, eq. II.6.20 and on).
+/// Returns the weights of Dormand and Prince's stages for the state at theta, of fourth order (Hairer, Norsett and Wanner 1993, eq. II.6.20 and on).
 std::array<double, most_explicit_stages> dormandPrinceAt(double theta) {
   const double s = theta, blend = s * s * (3 - 2 * s), bump = s * s * (s - 1) * (s - 1);
   const auto& b = dormand_prince.b;
@@ -51,27 +51,27 @@ std::array<double, most_explicit_stages> dormandPrinceAt(double theta) {
 
 class ExplicitStepper : public CubicStepper {
  public:
-  ExplicitStepper(Law& law, const ExplicitTableau& tableau, double tolerance)
-      : CubicStepper(law),
+  ExplicitStepper(EquationsOfMotion& equations, const ExplicitTableau& tableau, double tolerance)
+      : CubicStepper(equations),
         tableau_(tableau),
         tolerance_(tolerance),
-        rates_(law.model().nv(), tableau.stages),
-        accelerations_(law.model().nv(), tableau.stages),
-        u_(law.model().nv()),
-        v_(law.model().nv()),
-        q_(law.model().nq()) {}
+        rates_(equations.model().nv(), tableau.stages),
+        accelerations_(equations.model().nv(), tableau.stages),
+        u_(equations.model().nv()),
+        v_(equations.model().nv()),
+        q_(equations.model().nq()) {}
 
   StepOutcome step(double h, Moment& from, Moment& to) override {
     h_ = h;
     rates_.col(0) = from.v;
-    accelerations_.col(0) = VectorResult(accelerationAt(law_, from), from.v.size());
+    accelerations_.col(0) = VectorResult(accelerationAt(equations_, from), from.v.size());
     for (int i = 1; i < tableau_.stages; ++i) {
       const bool last = tableau_.ends_at_last_stage && i + 1 == tableau_.stages;
       Eigen::VectorXd &q = last ? to.q : q_, &v = last ? to.v : v_;
       advance(from, tableau_.a[static_cast<std::size_t>(i)], i, q, v);
       chart_.rate(from.q.data(), q.data(), v.data(), rates_.col(i).data());
       const double time = last ? to.time : from.time + tableau_.c[static_cast<std::size_t>(i)] * h;
-      accelerations_.col(i) = VectorResult(law_.acceleration(time, q.data(), v.data()), v.size());
+      accelerations_.col(i) = VectorResult(equations_.acceleration(time, q.data(), v.data()), v.size());
     }
     if (tableau_.ends_at_last_stage) {
       to.a = accelerations_.col(tableau_.stages - 1);
@@ -94,7 +94,7 @@ class ExplicitStepper : public CubicStepper {
   }
 
  private:
-  /// From the step's start by the first stages with these weights.
+  /// Computes q and v from the step's start by the first `stages` stages with these weights.
   void advance(const Moment& from, const std::array<double, most_explicit_stages>& weights, int stages, Eigen::VectorXd& q, Eigen::VectorXd& v) {
     bool first = true;
     for (int j = 0; j < stages; ++j) {
@@ -122,13 +122,13 @@ class ExplicitStepper : public CubicStepper {
     }
     error_ = 0;
     const auto take = [&](Eigen::Index k, double e) {
-      if (e <= error_) return;
-      error_ = e;  // NaN stays
+      if (e <= error_ || std::isnan(error_)) return;  // NaN stays
+      error_ = e;
       worst_ = static_cast<int>(k);
     };
     for (Eigen::Index k = 0; k < u_.size(); ++k) {
       take(k, std::abs(u_[k]) / tolerance_);
-      // What rounding does to fast velocities no step takes away.
+      // No shorter step reduces the rounding errors of fast velocities, so they are allowed.
       const double rounding = 0x1p-48 * std::max(std::abs(from.v[k]), std::abs(to.v[k]));
       take(k, std::abs(v_[k]) / (tolerance_ + rounding));
     }
@@ -144,9 +144,9 @@ class ExplicitStepper : public CubicStepper {
 
 }  // namespace
 
-std::unique_ptr<Stepper> makeExplicitStepper(Law& law, const SimulatorOptions& options) {
+std::unique_ptr<Stepper> makeExplicitStepper(EquationsOfMotion& equations, const SimulatorOptions& options) {
   const bool adaptive = options.integrator == Integrator::dormand_prince;
-  return std::make_unique<ExplicitStepper>(law, adaptive ? dormand_prince : kutta, adaptive ? options.tolerance : 0);
+  return std::make_unique<ExplicitStepper>(equations, adaptive ? dormand_prince : kutta, adaptive ? options.tolerance : 0);
 }
 
 }  // namespace dyn

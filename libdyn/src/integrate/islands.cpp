@@ -25,12 +25,12 @@ struct IslandSimulator::Impl {
     return islands[static_cast<std::size_t>(k)];
   }
 
-  /// Whether it rests and goes on resting: its accelerations do not lead above the speed within the time that it is given.
+  /// True if the island rests and will go on resting: its accelerations do not lead above sleep.speed within sleep.time.
   bool quiet(Island& x) const {
     const VectorResult v = x.simulator.v();
     if (v.size() == 0) return true;
     if (!(v.cwiseAbs().maxCoeff() <= sleep.speed)) return false;
-    // What lies on the ground accelerates only in the eyes of the smooth law: there its speed alone tells.
+    // The smooth equations of motion ignore contacts and would accelerate a body on the ground, so only its speed counts.
     if (x.simulator.touches()) return true;
     return x.simulator.acceleration().cwiseAbs().maxCoeff() * sleep.time <= sleep.speed;
   }
@@ -54,7 +54,7 @@ IslandSimulator::IslandSimulator(const Model& model, const JointRegistry& regist
   impl_->sleep = sleep;
   const Model wanted = keepForScene(model, options.scene, impl_->report);
   CompileOptions each = options;
-  // Of what may touch only what is still there.
+  // Keep only the names in scene.touching that are still in the scene.
   std::erase_if(each.scene.touching, [&](const std::string& name) {
     const auto named = [&](const FrameDescription& frame) { return frame.name == name; };
     return wanted.findBody(name) < 0 && wanted.findJoint(name) < 0 && std::none_of(wanted.frames.begin(), wanted.frames.end(), named);
@@ -102,7 +102,7 @@ void IslandSimulator::advance(double until) {
   while (x.time < until) {
     const double next = x.sleep.allowed ? std::min(until, x.time + 0.1 * x.sleep.time) : until;
     for (Impl::Island& island : x.islands) {
-      // Events end the simulator's advance, not that of the scene. An island that is ahead, after another one threw, waits.
+      // An event ends the simulator's advance, but not that of the scene. An island that is ahead, because another one threw, waits.
       while (!island.asleep && island.simulator.time() < next) island.simulator.advance(next);
     }
     x.time = next;

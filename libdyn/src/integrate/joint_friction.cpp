@@ -1,6 +1,6 @@
-// Joints' own Coulomb friction. During a step it is a constant force, so that methods of any order have a smooth law: against the motion of a joint
-// that moves, and of one at rest what keeps it there, as far as friction can: found as forces of contacts are, at the level of velocities. A step
-// ends where a joint comes to rest; whether it stays there the next one finds.
+// Coulomb friction of joints. During a step it is a constant force, so that methods of any order have smooth equations of motion. On a joint that
+// moves it acts against the motion. On a joint at rest it keeps the joint there as far as it can; it is found like contact forces, at velocity
+// level. A step ends where a joint comes to rest; the next step finds whether the joint stays there.
 #include "at.hpp"
 #include "integrate/simulator_impl.hpp"
 
@@ -31,28 +31,28 @@ double Simulator::Impl::longestStep(double left) const {
 void Simulator::Impl::holdJoints(double h) {
   if (!rubs()) return;
   now.has_acceleration = false;
-  const Eigen::VectorXd& limits = law.frictionLimits(now.q.data());
+  const Eigen::VectorXd& limits = equations.frictionLimits(now.q.data());
   for (std::size_t k = 0; k < resting.size(); ++k) {
     const int dof = unilateral->rubbing()[k].dof;
     resting[k] = restsAt(k, now.v);
-    law.joint_friction[dof] = resting[k] ? 0 : now.v[dof] > 0 ? -limits[dof] : limits[dof];
+    equations.joint_friction[dof] = resting[k] ? 0 : now.v[dof] > 0 ? -limits[dof] : limits[dof];
   }
-  law.cancelled = 0;
+  equations.cancelled = 0;
   if (!any(resting)) return;
   if (infoOf(options.integrator).implicit)
-    law.cancelled = VectorResult(law.acceleration(now.time, now.q.data(), now.v.data()), now.v.size()).cwiseAbs().maxCoeff();
+    equations.cancelled = VectorResult(equations.acceleration(now.time, now.q.data(), now.v.data()), now.v.size()).cwiseAbs().maxCoeff();
   unilateral->chooseFriction(resting);
-  unilateral->hold(law, now.time, now.q.data(), now.v.data(), h);
+  unilateral->hold(equations, now.time, now.q.data(), now.v.data(), h);
 }
 
 void Simulator::Impl::settleJoints() {
   std::fill(stopped.begin(), stopped.end(), 0);
   if (!any(resting)) return;
   unilateral->markHeld(stopped);
-  // Where it was too weak over the step, but not at its end, it has stopped what it let go.
+  // Friction that was too weak to hold a joint, but at the step's end drives the joint along its velocity, has stopped it.
   for (std::size_t k = 0; k < resting.size(); ++k) {
     const int dof = unilateral->rubbing()[k].dof;
-    if (resting[k] && law.joint_friction[dof] * next.v[dof] > 0) stopped[k] = 1;
+    if (resting[k] && equations.joint_friction[dof] * next.v[dof] > 0) stopped[k] = 1;
   }
   stopJoints();
 }
@@ -60,7 +60,7 @@ void Simulator::Impl::settleJoints() {
 void Simulator::Impl::stopJoints() {
   if (!any(stopped) || !next.q.allFinite() || !next.v.allFinite()) return;
   unilateral->chooseFriction(stopped);
-  next.v = VectorResult(unilateral->stop(law, next.time, next.q.data(), next.v.data()), next.v.size());
+  next.v = VectorResult(unilateral->stop(equations, next.time, next.q.data(), next.v.data()), next.v.size());
   for (std::size_t k = 0; k < stopped.size(); ++k)
     if (stopped[k]) next.v[unilateral->rubbing()[k].dof] = 0;
   next.has_acceleration = false;
@@ -104,7 +104,7 @@ double Simulator::Impl::comeToRest(double h) {
       between(theta, shown_q.data(), shown_v.data());
       return markTurned(shown_v);
     };
-    // Joints of one mechanism come to rest at once, but for rounding.
+    // Joints of one mechanism come to rest at the same time, up to rounding.
     if (!turnsBefore(std::min(1.0, first + soon)) && !turnsBefore(first)) markTurned(next.v);
     if (first > soon) {
       cut = first * h;

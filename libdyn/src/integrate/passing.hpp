@@ -1,4 +1,4 @@
-// Where, within a step, a function of the state passes zero: not only by the signs at the step's ends.
+// Finds where a function of the state passes zero within a step, also if its signs at the step's ends are equal.
 #pragma once
 
 #include <algorithm>
@@ -9,14 +9,14 @@
 
 namespace dyn {
 
-/// A step is looked at where it ends and at equal shares between.
+/// A step is sampled ("looked at") at its two ends and at equal fractions between them: looks + 1 samples.
 inline constexpr int looks = 6;
 using Looks = std::array<double, looks + 1>;
 
 inline double shareOf(int look) { return static_cast<double>(look) / looks; }
 
-/// Least share of a step, to 2^-45 of it, at which g is negative; infinity if it is nowhere. `at`: g(shareOf(k)), of which the first is not negative.
-/// Where g comes near to zero between two looks, as far as parabolas through three of them tell, it is followed down.
+/// Returns the smallest fraction of a step, to 2^-45, at which g is negative; infinity if there is none. `at` holds the samples g(shareOf(k)); the
+/// first is not negative. If a parabola through three samples tells that g comes near to zero between two of them, a golden-section search follows.
 template <class G>
 double firstNegative(const Looks& at, G&& g) {
   constexpr double resolution = 0x1p-45, infinity = std::numeric_limits<double>::infinity();
@@ -30,7 +30,7 @@ double firstNegative(const Looks& at, G&& g) {
   for (std::size_t k = 1; k < at.size(); ++k) {
     const double left = shareOf(static_cast<int>(k) - 1), right = shareOf(static_cast<int>(k));
     if (at[k] < 0) return passing(left, right);
-    // A dip between these two looks, by the parabola through them and the next, or the one before.
+    // True if a parabola has a dip between these two samples. It goes through them and the next sample, or the one before.
     const auto dips = [&](std::size_t first) {
       const double slope = 0.5 * (at[first + 2] - at[first]), curvature = at[first + 2] - 2 * at[first + 1] + at[first];
       if (!(curvature > 0)) return false;

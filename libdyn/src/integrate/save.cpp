@@ -1,4 +1,4 @@
-// A simulation's time, state and step as text: numbers in hexadecimal, which loses nothing and no locale changes.
+// Saves a simulation's time, state and step as text. Numbers are hexadecimal, so they lose nothing and do not depend on the locale.
 #include "digest.hpp"
 #include "integrate/simulator_impl.hpp"
 #include "number_text.hpp"
@@ -63,7 +63,7 @@ class Reader {
   std::istringstream in_;
 };
 
-/// Of all that its motion follows from.
+/// Returns the digest of everything in the model that determines its motion.
 std::string digestOf(const CompactModel& model) {
   const CompactImpl& m = model.impl();
   std::string text;
@@ -84,7 +84,7 @@ std::string digestOf(const CompactModel& model) {
 
 constexpr const char* seal = "end ";
 
-/// The text before the last line, which says what its digest is.
+/// Returns the text before the last line. Throws Error(syntax) unless the last line holds the digest of that text.
 std::string unsealed(const std::string& text) {
   const std::size_t last = text.rfind(seal);
   if (last == std::string::npos || last == 0 || text[last - 1] != '\n') refuseText("it was cut short: its last line is missing");
@@ -105,7 +105,7 @@ std::string Simulator::save() const {
   for (const double value : {x.options.dt, x.now.time, x.anchor, x.trial}) write(out, value);
   put(x.now.q);
   put(x.now.v);
-  // Accelerations that the last step has left are those of its own evaluation, to the last bit.
+  // The accelerations that the last step left are saved, so that the resumed simulation has them to the last bit.
   out += x.now.has_acceleration ? "1\n" : "0\n";
   if (x.now.has_acceleration) put(x.now.a);
   out += x.now_closed ? "1\n" : "0\n";
@@ -149,7 +149,7 @@ void Simulator::resume(const std::string& saved) {
   x.start(std::move(state));
   x.trial = trial;
   x.now_closed = closed == 1;
-  // Whole steps of another length have a grid of their own, from here on.
+  // With another dt, whole steps are counted from here.
   if (dt != x.options.dt) return;
   x.anchor = anchor;
   x.steps = steps;

@@ -1,4 +1,4 @@
-#include "algorithm/inputs.hpp"
+#include "algorithm/support/inputs.hpp"
 #include "integrate/simulator_impl.hpp"
 #include "number_text.hpp"
 
@@ -34,21 +34,21 @@ Need needOf(Integrator integrator) { return infoOf(integrator).implicit ? Need::
 
 }  // namespace
 
-std::unique_ptr<Stepper> makeStepper(Law& law, const SimulatorOptions& options) {
+std::unique_ptr<Stepper> makeStepper(EquationsOfMotion& equations, const SimulatorOptions& options) {
   switch (options.integrator) {
     case Integrator::explicit_euler:
-      return makeEulerStepper(law, false);
+      return makeEulerStepper(equations, false);
     case Integrator::semi_implicit_euler:
-      return makeEulerStepper(law, true);
+      return makeEulerStepper(equations, true);
     case Integrator::rk4:
     case Integrator::dormand_prince:
-      return makeExplicitStepper(law, options);
+      return makeExplicitStepper(equations, options);
     case Integrator::implicit_midpoint:
     case Integrator::gauss6:
     case Integrator::radau5:
-      return makeCollocationStepper(law, options.integrator);
+      return makeCollocationStepper(equations, options.integrator);
     case Integrator::variational:
-      return makeVariationalStepper(law);
+      return makeVariationalStepper(equations);
   }
   refuse("there is no such integrator");
 }
@@ -56,8 +56,8 @@ std::unique_ptr<Stepper> makeStepper(Law& law, const SimulatorOptions& options) 
 Simulator::Impl::Impl(const CompactModel& model, const ConstraintSet* set, const SimulatorOptions& o)
     : options(checked(model, o)),
       constraints(set ? std::optional(*set) : std::nullopt),
-      law(model, set, needOf(o.integrator)),
-      stepper(makeStepper(law, options)),
+      equations(model, set, needOf(o.integrator)),
+      stepper(makeStepper(equations, options)),
       now(model),
       next(model),
       shown_q(model.nq()),
@@ -84,14 +84,14 @@ void Simulator::Impl::requireIdle(const char* function) const {
 }
 
 Unilateral& Simulator::Impl::contacts() {
-  if (!unilateral) unilateral.emplace(law.model(), constraints ? &*constraints : nullptr);
+  if (!unilateral) unilateral.emplace(equations.model(), constraints ? &*constraints : nullptr);
   return *unilateral;
 }
 
 void Simulator::Impl::checkFinite(const Moment& x, double h) const {
   if (x.q.allFinite() && x.v.allFinite()) return;
   const std::string after = h > 0 ? " after a step of " + number(h) + " s" : "";
-  for (const JointRecord& joint : law.model().joints()) {
+  for (const JointRecord& joint : equations.model().joints()) {
     const auto look = [&](const char* what, const Eigen::VectorXd& values, int first, int count) {
       for (int k = first; k < first + count; ++k)
         if (!std::isfinite(values[k]))
@@ -104,12 +104,12 @@ void Simulator::Impl::checkFinite(const Moment& x, double h) const {
 
 StepOutcome Simulator::Impl::stepOrPass(double h) {
   StepOutcome outcome = stepper->step(h, now, next);
-  if (outcome == StepOutcome::taken || !law.constrained()) return outcome;
+  if (outcome == StepOutcome::taken || !equations.constrained()) return outcome;
   struct Kept {
     ConstraintSettings& settings;
     ConstraintSettings own = settings;
     ~Kept() { settings = own; }
-  } kept{law.constraints().settings};
+  } kept{equations.constraints().settings};
   for (const double wider : {1e-6, 1e-4, 1e-2}) {
     kept.settings.rank_tolerance = wider;
     outcome = stepper->step(h, now, next);
@@ -120,19 +120,19 @@ StepOutcome Simulator::Impl::stepOrPass(double h) {
 
 bool Simulator::Impl::attempt(double h, double until, std::string& why) {
   next.time = until;
-  law.fault.clear();
+  equations.fault.clear();
   try {
     holdJoints(h);
     const StepOutcome outcome = stepOrPass(h);
-    if (outcome == StepOutcome::taken && law.fault.empty()) {
+    if (outcome == StepOutcome::taken && equations.fault.empty()) {
       settleJoints();
       return true;
     }
-    why = !law.fault.empty()                   ? law.fault
+    why = !equations.fault.empty()             ? equations.fault
           : outcome == StepOutcome::not_finite ? "what it leads to is not finite"
                                                : "it has equations that iterations do not solve; take shorter ones";
   } catch (const Error& e) {
-    // A callback's own failure is none of the step's.
+    // A failure of a callback is no failure of the step, so it is passed on.
     if (e.code() == ErrorCode::simulation) throw;
     why = e.what();
   }
@@ -153,7 +153,7 @@ void Simulator::Impl::countStep(double h) {
   counted_steps = 0;
   counted_time = 0;
   if (led >= least_share * many_steps * options.dt) return;
-  const std::vector<JointRecord>& joints = law.model().joints();
+  const std::vector<JointRecord>& joints = equations.model().joints();
   std::size_t worst = 1;
   while (worst + 1 < joints.size() && joints[worst + 1].idx_v <= stepper->worst()) ++worst;
   throw Error(
@@ -179,23 +179,23 @@ double Simulator::Impl::adaptiveStep(double most) {
     finite = taken && std::isfinite(error) && next.q.allFinite() && next.v.allFinite();
     const double factor = finite ? std::clamp(0.9 * std::pow(error, -0.2), 0.2, rejected ? 1.0 : 5.0) : 0.2;
     if (finite && error <= 1) {
-      // Of a step that was cut short only what the error itself asks for is remembered.
+      // A step that was cut short changes the trial step only if its error asks for a shorter one.
       if (!shortened || factor < 1) trial = h * factor;
       if (!shortened) countStep(h);
       return h;
     }
     trial = h * factor;
     rejected = true;
-    ++law.statistics.rejected;
+    ++equations.statistics.rejected;
   }
 }
 
 void Simulator::Impl::project() {
-  if (!options.project || !law.constrained()) return;
-  if (!law.project(next.q.data(), next.v.data()))
+  if (!options.project || !equations.constrained()) return;
+  if (!equations.project(next.q.data(), next.v.data()))
     throw Error(ErrorCode::simulation,
                 "after the step to t = " + number(next.time) + " s no configuration near keeps the constraints: take shorter ones");
-  // Those that rest do so to the last bit, whatever rounding has done.
+  // Joints at rest get a velocity of exactly zero, whatever rounding errors the projection has made.
   for (std::size_t k = 0; k < stopped.size(); ++k)
     if (stopped[k]) next.v[unilateral->rubbing()[k].dof] = 0;
   next.has_acceleration = false;
@@ -209,10 +209,10 @@ double Simulator::Impl::stepTowards(double until) {
   std::fill(halted.begin(), halted.end(), 0);
   if (infoOf(options.integrator).adaptive) {
     h = adaptiveStep(longestStep(until - now.time));
-    // The last step ends where it is asked to, however sums are rounded.
+    // The last step ends exactly at the requested time, however the sum is rounded.
     next.time = h == until - now.time ? until : now.time + h;
   } else {
-    // Times of whole steps are multiples, so that no rounding adds up.
+    // Times of whole steps are multiples of dt, so that rounding errors do not add up.
     const double whole = anchor + static_cast<double>(steps + 1) * options.dt;
     if (whole == now.time)
       throw Error(ErrorCode::simulation, "at t = " + number(now.time) + " s a step of dt = " + number(options.dt) +
@@ -242,12 +242,12 @@ void Simulator::Impl::retake(double h) {
 
 void Simulator::Impl::commit() {
   std::swap(now, next);
-  now_closed = options.project && law.constrained();
+  now_closed = options.project && equations.constrained();
   if (has_impact) {
     now.v = after_impact;
     now.has_acceleration = false;
   }
-  ++law.statistics.steps;
+  ++equations.statistics.steps;
   if (whole_step) {
     ++steps;
   } else {
@@ -263,33 +263,33 @@ Simulator::~Simulator() = default;
 Simulator::Simulator(Simulator&&) noexcept = default;
 Simulator& Simulator::operator=(Simulator&&) noexcept = default;
 
-const CompactModel& Simulator::model() const { return impl_->law.model(); }
+const CompactModel& Simulator::model() const { return impl_->equations.model(); }
 const SimulatorOptions& Simulator::options() const { return impl_->options; }
 double Simulator::time() const { return impl_->now.time; }
 VectorResult Simulator::q() const { return {impl_->now.q.data(), impl_->now.q.size()}; }
 VectorResult Simulator::v() const { return {impl_->now.v.data(), impl_->now.v.size()}; }
-const SimulatorStatistics& Simulator::statistics() const { return impl_->law.statistics; }
+const SimulatorStatistics& Simulator::statistics() const { return impl_->equations.statistics; }
 bool Simulator::touches() const { return impl_->contact_step; }
-double Simulator::energy() { return impl_->law.energy(impl_->now.q.data(), impl_->now.v.data()); }
-double Simulator::constraintError() { return impl_->law.constraintError(impl_->now.q.data(), impl_->now.v.data()); }
+double Simulator::energy() { return impl_->equations.energy(impl_->now.q.data(), impl_->now.v.data()); }
+double Simulator::constraintError() { return impl_->equations.constraintError(impl_->now.q.data(), impl_->now.v.data()); }
 VectorResult Simulator::acceleration() {
   const Work work(*impl_, "Simulator::acceleration");
   Moment& x = impl_->now;
   std::fill(impl_->halted.begin(), impl_->halted.end(), 0);
   impl_->holdJoints(impl_->options.dt);
-  return {impl_->law.acceleration(x.time, x.q.data(), x.v.data()), x.v.size()};
+  return {impl_->equations.acceleration(x.time, x.q.data(), x.v.data()), x.v.size()};
 }
 
 void Simulator::setController(Controller controller, ControllerDerivatives derivatives) {
   impl_->requireIdle("Simulator::setController");
-  impl_->law.controller = std::move(controller);
-  impl_->law.controller_derivatives = std::move(derivatives);
+  impl_->equations.controller = std::move(controller);
+  impl_->equations.controller_derivatives = std::move(derivatives);
   impl_->now.has_acceleration = false;
 }
 
 void Simulator::setForces(Forces forces) {
   impl_->requireIdle("Simulator::setForces");
-  impl_->law.forces = std::move(forces);
+  impl_->equations.forces = std::move(forces);
   impl_->now.has_acceleration = false;
 }
 
@@ -319,7 +319,7 @@ void Simulator::Impl::checkSteps(double until) const {
 }
 
 void Simulator::Impl::start(Moment from) {
-  checkConfiguration("q", law.model().impl(), from.q.data());
+  checkConfiguration("q", equations.model().impl(), from.q.data());
   std::vector<int> sides(events.size());
   readEvents(from, sides);
   now = std::move(from);
@@ -333,7 +333,7 @@ void Simulator::Impl::start(Moment from) {
   trial = options.dt;
   counted_steps = 0;
   counted_time = 0;
-  law.statistics = {};
+  equations.statistics = {};
 }
 
 void Simulator::step() {

@@ -1,4 +1,4 @@
-// What a Simulator holds.
+// Contents of a Simulator.
 #pragma once
 
 #include "integrate/passing.hpp"
@@ -12,146 +12,149 @@
 namespace dyn {
 
 struct Simulator::Impl {
-  /// Of dt: whole steps that end this near to a time asked for end there.
+  /// Whole steps that end within this fraction of dt of a requested time end exactly there.
   static constexpr double slack = 1e-9;
-  /// Of a step: joints that come to rest that soon rest from its beginning, so that steps do not become ever shorter.
+  /// Joints that come to rest within this fraction of a step rest from its beginning. Otherwise steps would become ever shorter.
   static constexpr double soon = 0x1p-20;
-  /// In one call of advance(): at a tenth of a microsecond each they take a day.
+  /// Most steps in one call of advance(). At a tenth of a microsecond each they take a day.
   static constexpr double most_steps = 0x1p40;
-  /// A motion is stiff if so many adaptive steps, made short by the tolerance alone, lead less than this share of as many dt further.
+  /// A motion is stiff if many_steps adaptive steps, shortened only by the tolerance, advance less than least_share * many_steps * dt.
   static constexpr int many_steps = 10000;
   static constexpr double least_share = 1e-5;
 
   SimulatorOptions options;
   std::optional<ConstraintSet> constraints;
-  Law law;
+  EquationsOfMotion equations;
   std::unique_ptr<Stepper> stepper;
   Moment now, next;
-  Eigen::VectorXd shown_q, shown_v;  ///< a state between
+  Eigen::VectorXd shown_q, shown_v;  ///< a state within a step
   double anchor = 0;                 ///< whole steps are counted from this time
-  long steps = 0;                    ///< since then
-  bool whole_step = true;            ///< the last one
+  long steps = 0;                    ///< whole steps since anchor
+  bool whole_step = true;            ///< true if the last step was whole
   double trial;                      ///< next step of adaptive integrators [s]
-  int counted_steps = 0;             ///< of the many
-  double counted_time = 0;           ///< [s] that these took
-  bool working = false;              ///< within a call that steps or starts, and so within its callbacks
+  int counted_steps = 0;             ///< steps counted by countStep() so far
+  double counted_time = 0;           ///< [s] by which these advanced
+  bool working = false;              ///< within a call that steps or starts (see Work), and in its callbacks
 
   std::optional<Unilateral> unilateral;
-  bool contact_step = false, has_impact = false;  ///< what the last step was, and whether an impulse follows it
+  bool contact_step = false, has_impact = false;  ///< whether the last step had lasting contacts; whether an impulse follows it
   Eigen::VectorXd after_impact;
-  Eigen::VectorXd contact_u, contact_v, shown_u;  ///< a contact step's way and velocity, in axes held at its start, and a part of the way
+  Eigen::VectorXd contact_u, contact_v, shown_u;  ///< displacement and velocity of a contact step, in axes held at its start; a part of contact_u
   std::vector<Unilateral::Gap> gaps_before, gaps_halfway, gaps_after;
-  std::vector<std::int64_t> closing, closing_pairs;  ///< contacts, and the frames of each
-  std::vector<std::int64_t> lost;                    ///< of the latter those of which some are called otherwise at the step's beginning
-  bool now_closed = false;                           ///< `now` has been projected, so that loops are closed and its velocity keeps them so
-  std::vector<std::int64_t> touching;                ///< what the last step touched
+  std::vector<std::int64_t> closing, closing_pairs;  ///< keys of closing contacts, and the key of each contact's pair
+  std::vector<std::int64_t> lost;                    ///< pairs of closing contacts whose keys are not seen at the step's beginning
+  bool now_closed = false;                           ///< `now` has been projected: loops are closed and its velocity keeps them closed
+  std::vector<std::int64_t> touching;                ///< keys of contacts and limits that the last step touched
 
-  // By Unilateral::rubbing().
-  std::vector<char> resting;  ///< at the step's beginning, or so near to it that friction takes them for that
-  std::vector<char> halted;   ///< the latter
-  std::vector<char> stopped;  ///< at the step's end
-  std::vector<char> turned;   ///< on the way
-  double cut = 0;             ///< [s] of the step that ends where a joint comes to rest; 0 of others
+  // These are indexed by Unilateral::rubbing().
+  std::vector<char> resting;  ///< at rest at the step's beginning, or so soon after it that friction treats them as resting
+  std::vector<char> halted;   ///< at rest only soon after the step's beginning
+  std::vector<char> stopped;  ///< at rest at the step's end
+  std::vector<char> turned;   ///< reversed within the step
+  double cut = 0;             ///< [s] length of a step that ends where a joint comes to rest; 0 for other steps
 
   std::vector<Event> events;
-  std::vector<int> signs;                                     ///< of the events' functions at `now`; 0: no side is known
-  std::vector<int> untold;                                    ///< events that have happened at `now`, beside those that have been told
-  std::vector<Looks> event_looks;                             ///< by event
-  std::array<Eigen::VectorXd, looks + 1> looked_q, looked_v;  ///< the state at each look
-  Eigen::VectorXd change;                                     ///< of the velocity in a step
-  Eigen::MatrixXd velocities;                                 ///< at now, at each look and at next
+  std::vector<int> signs;                                     ///< signs of the events' functions at `now`; 0: no side is known
+  std::vector<int> untold;                                    ///< events at `now` that have not been reported yet
+  std::vector<Looks> event_looks;                             ///< samples of the events' functions, by event
+  std::array<Eigen::VectorXd, looks + 1> looked_q, looked_v;  ///< state at each sample of a step
+  Eigen::VectorXd change;                                     ///< change of the velocity in a step
+  Eigen::MatrixXd velocities;                                 ///< velocities at `now`, within the step and at `next`
 
   Impl(const CompactModel& model, const ConstraintSet* constraints, const SimulatorOptions& options);
   Unilateral& contacts();
-  /// Throws Error(argument) in a callback of this simulation, which would change what is being computed.
+  /// Throws Error(argument) in a callback of this simulation: the call would change the state that is being computed.
   void requireIdle(const char* function) const;
 
-  /// From this state, with statistics at zero. Throws Error(argument | simulation) and leaves everything as it was.
+  /// Starts from this state, with statistics at zero. If it throws Error(argument | simulation), everything stays as it was.
   void start(Moment from);
-  /// From `now` to `next` by at most until - now.time; returns by how much. Throws and leaves `now` as it was.
+  /// Steps from `now` to `next` by at most until - now.time and returns the step's length. If it throws, `now` stays as it was.
   double stepTowards(double until);
-  /// `next` becomes `now`.
+  /// Makes `next` the new `now`.
   void commit();
 
-  /// The stepper's step to `next`. Where rows come to depend on each other within it, equations that ask for all of them may have no solution:
-  /// then again with those left out that hardly add anything, which the projection after the step brings back.
+  /// Takes the stepper's step to `next`. If constraint rows become dependent within the step, the equations with all rows may have no solution. The
+  /// step is then repeated without the rows that add hardly anything; the projection after the step restores them.
   StepOutcome stepOrPass(double h);
-  /// A step to `next`; false, and why, if there is none.
+  /// Tries a step to `next`. Returns false, with the reason in `why`, if the step cannot be taken.
   bool attempt(double h, double until, std::string& why);
+  /// The same, but throws Error(simulation) if the step cannot be taken.
   void stepBy(double h, double until);
-  /// Throws Error(argument) for more steps than any simulation takes.
+  /// Throws Error(argument) if more than most_steps steps lead to this time.
   void checkSteps(double until) const;
   double adaptiveStep(double most);
-  /// Throws Error(simulation) if this step is the last of many that lead nowhere.
+  /// Throws Error(simulation) if this step completes many_steps steps that hardly advance.
   void countStep(double h);
-  bool rubs() const { return law.joint_friction.size() > 0; }
+  bool rubs() const { return equations.joint_friction.size() > 0; }
   bool restsAt(std::size_t rubbing, const Eigen::VectorXd& v) const;
-  /// Of adaptive integrators: what rests is looked at every dt.
+  /// Returns `left`, or at most dt if a joint rests: adaptive integrators must check such a joint every dt.
   double longestStep(double left) const;
-  /// Before a smooth step of h: law.joint_friction.
+  /// Sets equations.joint_friction before a smooth step of h.
   void holdJoints(double h);
-  /// After it: joints that friction holds are at rest.
+  /// After a smooth step: brings the joints that friction holds to rest.
   void settleJoints();
-  /// `next` with the marked joints at rest.
+  /// Brings the joints marked in `stopped` to rest in `next`.
   void stopJoints();
-  /// And those that have turned.
+  /// The same, with those marked in `turned` added.
   void stopTurned();
-  /// `turned`: joints that move the one way at `now` and the other by v. Whether there are any.
+  /// Marks in `turned` the joints whose velocity in v has the opposite sign of that at `now`. Returns whether there are any.
   bool markTurned(const Eigen::VectorXd& v);
-  /// The share of the last step at which the first joint has turned; infinity if none does.
+  /// Returns the fraction of the last step at which the first joint has reversed; infinity if none does.
   double firstTurn();
-  /// After a smooth step of h: `next` where first a joint comes to rest within it; returns by how much.
+  /// After a smooth step of h: moves `next` to where the first joint comes to rest within the step. Returns the length of the step.
   double comeToRest(double h);
   void project();
-  /// Whether a smooth step of h, which has been projected, left the branch that the loops moved along: where branches meet, a step may end on
-  /// another. Accelerations at its ends do not explain how its velocity changed then.
+  /// True if a projected smooth step of h left the branch that the loops moved along. Where branches meet, a step may end on another branch; the
+  /// accelerations at its ends then do not explain the change of its velocity.
   bool hasStrayed(double h);
-  /// The step in a part so short that it keeps to the branch; returns its length.
+  /// Repeats the step with a length so short that it stays on the branch. Returns this length.
   double followBranch(double h);
-  /// Throws Error(simulation); h is the step that led there, 0 if none did.
+  /// Throws Error(simulation) if x is not finite. h is the step that led to x, 0 if none did.
   void checkFinite(const Moment& x, double h) const;
 
-  /// The last step's states at all looks.
+  /// Fills looked_q and looked_v with the states of the last step at all samples.
   void lookWithin();
-  /// The state at the share theta of the last step.
+  /// Computes the state at the fraction theta of the last step.
   void between(double theta, double* q, double* v);
-  /// After a smooth step of h to `next`: `next` as contacts and limits let it be; returns by how much.
+  /// After a smooth step of h to `next`: changes `next` to what contacts and limits allow. Returns the length of the step.
   double touch(double h);
-  /// This share of the contact step's way from now.q, and the velocity there.
+  /// Computes the state after this fraction of the contact step's displacement from now.q.
   void glide(double share, double* q, double* v);
+  /// Shortens the step to the first impact among `closing` and computes the velocity after it. Returns the length of the step.
   double collide(double h, double speed);
-  /// Where corners of two bodies lie upon each other their contacts may have other names in poses that hardly differ: then all of the pair take part.
+  /// Fills `lost`. Where corners of two bodies coincide, contacts may have other keys in nearly equal poses. All contacts of such a pair take part.
   void findLost(const std::vector<Unilateral::Gap>& seen);
-  /// The share of the last step at which a joint's limit is passed first; infinity if none is.
+  /// Returns the fraction of the last step at which a joint first passes a limit; infinity if none does.
   double firstLimit();
-  /// The share at which a contact is closed first, by conservative advancement (Mirtich 1996, sec. 2.3): as long as nothing can touch, on to the
-  /// state where something may; infinity if there is none. `near`: whether something touches or is too near to say.
+  /// Returns the fraction of the step at which a contact first closes; infinity if none does. By conservative advancement (Mirtich 1996, sec. 2.3)
+  /// it moves on to the first state where something may touch, and repeats. `near`: something touches, or is too near to say.
   double firstContact(double h, bool& near);
-  /// Counts what is touched now and was not before.
+  /// Counts the contacts and limits that are touched now and were not before.
   void countTouched(const std::vector<std::int64_t>& now_touching);
+  /// Takes a contact step of at most h and at most dt with the contacts in `closing`. Returns its length.
   double rest(double h);
-  /// Of the closing ones.
+  /// Returns the lowest gap among the contacts in `closing`, at the fraction theta of the last step.
   double lowestGap(double theta, double h);
-  /// The last step once more, of this length.
+  /// Takes the last step again, with this length.
   void retake(double h);
 
   void show(double t, const double* q, const double* v, const Observer& observer) const;
-  /// On which side of zero each event's function is.
+  /// Finds on which side of zero each event's function is.
   void readEvents(const Moment& at, std::vector<int>& sides) const;
   double valueOf(const Event& event, double t, const double* q, const double* v) const;
-  /// Whether leaving the side that event k is on at `now` is what it asks for.
+  /// True if event k counts when its function leaves the side of zero that it is on at `now`.
   bool counts(std::size_t k) const;
-  /// Its value, positive on that side and negative where it is left.
+  /// Returns the value of event k, with the sign changed so that it is positive on that side and negative beyond zero.
   double onItsSide(std::size_t k, double t, const double* q, const double* v) const;
-  /// The share of the last step at which the first event leaves its side, and which; infinity if none does.
+  /// Returns the fraction of the last step at which the first event leaves its side, and its index in `which`; infinity if none does.
   double firstChange(double h, std::size_t& which);
-  /// After a step of h: the first event in it, `next` then being just past it; -1 if there is none. The step may be shorter then even so.
+  /// After a step of h: returns the first event in it and moves `next` just past the event; -1 if there is none. Even then the step may be shorter.
   int findEvent(double h);
-  /// One of `untold`, which is told then; -1 if there is none.
+  /// Removes the first event from `untold` and returns it; -1 if there is none.
   int tellEvent();
 };
 
-/// A call that steps or starts, as long as it lives. Throws Error(argument) within another.
+/// Marks a call that steps or starts for as long as this object lives. Throws Error(argument) within another such call.
 class Work {
  public:
   Work(Simulator::Impl& x, const char* function) : x_(x) {

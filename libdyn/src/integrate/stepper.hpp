@@ -1,8 +1,8 @@
-// One step of a method, and the motion between its ends.
+// Interface of an integration method: one step, and the motion between its ends.
 #pragma once
 
 #include "integrate/chart.hpp"
-#include "integrate/law.hpp"
+#include "integrate/equations_of_motion.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -10,7 +10,7 @@
 
 namespace dyn {
 
-/// A state at its time, and the accelerations there, if they are known.
+/// A state, its time, and its accelerations if they are known.
 struct Moment {
   double time = 0;
   Eigen::VectorXd q, v, a;
@@ -19,52 +19,52 @@ struct Moment {
   explicit Moment(const CompactModel& model) : q(model.nq()), v(model.nv()), a(model.nv()) {}
 };
 
-/// The law's accelerations there, computed unless they are known.
-const double* accelerationAt(Law& law, Moment& x);
+/// Returns the accelerations of x, and computes them unless they are known.
+const double* accelerationAt(EquationsOfMotion& equations, Moment& x);
 
 enum class StepOutcome {
   taken,
   not_finite,
-  unsolved,  ///< the step's equations have no solution near, or iterations do not reach it
+  unsolved,  ///< the step's equations have no solution nearby, or the iterations do not reach it
 };
 
-/// What rounding may leave of a number of this size, where numbers have this relative resolution; the smallest normal number at least, below which
-/// they have none.
+/// Returns the rounding error of a number of this size at this relative resolution. It is at least the smallest normal number, below which numbers
+/// have no relative resolution.
 inline double rounding(double relative, double size) { return std::max(relative * size, std::numeric_limits<double>::min()); }
 
 class Stepper {
  public:
   virtual ~Stepper() = default;
 
-  /// From `from` by h to `to`, whose time is set.
+  /// Steps from `from` by h to `to`, whose time is already set.
   virtual StepOutcome step(double h, Moment& from, Moment& to) = 0;
-  /// Error of the last step in units of what the tolerance allows it; 0 for methods without an estimate.
+  /// Returns the last step's error divided by the error that the tolerance allows; 0 for methods without an estimate.
   virtual double error() const { return 0; }
-  /// The degree of freedom that this is of.
+  /// Returns the degree of freedom that has this error.
   virtual int worst() const { return 0; }
-  /// The state at the share theta of the last step, to about the method's order but no better than the fourth. `to` may have
-  /// been projected since.
+  /// Computes the state at the fraction theta of the last step, to about the method's order but at most the fourth. `to` may have been projected
+  /// since.
   virtual void between(double theta, Moment& from, Moment& to, double* q, double* v) = 0;
 };
 
-std::unique_ptr<Stepper> makeStepper(Law& law, const SimulatorOptions& options);
+std::unique_ptr<Stepper> makeStepper(EquationsOfMotion& equations, const SimulatorOptions& options);
 
-// One factory a family of methods, for makeStepper.
-std::unique_ptr<Stepper> makeEulerStepper(Law& law, bool semi_implicit);
-std::unique_ptr<Stepper> makeExplicitStepper(Law& law, const SimulatorOptions& options);
-std::unique_ptr<Stepper> makeCollocationStepper(Law& law, Integrator integrator);
-std::unique_ptr<Stepper> makeVariationalStepper(Law& law);
+// makeStepper calls these factories, one for each family of methods.
+std::unique_ptr<Stepper> makeEulerStepper(EquationsOfMotion& equations, bool semi_implicit);
+std::unique_ptr<Stepper> makeExplicitStepper(EquationsOfMotion& equations, const SimulatorOptions& options);
+std::unique_ptr<Stepper> makeCollocationStepper(EquationsOfMotion& equations, Integrator integrator);
+std::unique_ptr<Stepper> makeVariationalStepper(EquationsOfMotion& equations);
 
-/// The cubics through the ends of a step with their velocities and accelerations, in the chart about its start.
+/// Interpolates a step by cubics through its ends, with their velocities and accelerations, in the chart about its start.
 class CubicStepper : public Stepper {
  public:
-  explicit CubicStepper(Law& law);
+  explicit CubicStepper(EquationsOfMotion& equations);
   void between(double theta, Moment& from, Moment& to, double* q, double* v) override;
 
  protected:
-  Law& law_;
+  EquationsOfMotion& equations_;
   Chart chart_;
-  double h_ = 0;  ///< the last step
+  double h_ = 0;  ///< length of the last step
 
  private:
   Eigen::VectorXd u_, rate_;

@@ -1,6 +1,6 @@
 #include "integrate/unilateral.hpp"
 
-#include "algorithm/turning.hpp"
+#include "algorithm/support/turning.hpp"
 
 #include <dyn/algorithm/aba.hpp>
 #include <dyn/algorithm/configuration.hpp>
@@ -17,13 +17,13 @@ namespace {
 
 constexpr std::size_t most_bound = 16;
 
-/// [s] So short that no force but impulses counts.
+/// [s] Duration so short that only impulses count.
 constexpr double instant = 0x1p-60;
-/// Of a gap that is negative already: what is taken back of it in a step.
+/// Fraction of a negative gap that one step removes.
 constexpr double recovered = 0.2;
-/// [m/s] What this would make of it in a step is left.
+/// [m/s] A penetration of less than this speed times the step is left as it is.
 constexpr double creep = 1e-6;
-/// [m/s, rad/s] What the solver cannot tell from rest: its forces are off by its tolerance twice, beside their cones and beside the last ones.
+/// [m/s, rad/s] Speed that the solver cannot tell from rest. Its forces may differ by its tolerance from their cones, and again from the last ones.
 constexpr double still = 2 * ContactSettings{}.tolerance;
 
 bool same(const ContactPoint& a, const ContactPoint& b) {
@@ -188,10 +188,10 @@ void Unilateral::bind() {
                                       std::move(smooth), std::move(loose)});
 }
 
-void Unilateral::centreForces(Law& law, const double* q, const double* v, double dt) {
+void Unilateral::centreForces(EquationsOfMotion& equations, const double* q, const double* v, double dt) {
   const VectorResult configuration(q, model_.nq()), velocity(v, model_.nv());
   undone_.setZero();
-  law.undoFriction(q, v, undone_.data());
+  equations.undoFriction(q, v, undone_.data());
   middle_v_ = aba(model_, data_, configuration, velocity, undone_);
   middle_v_ -= aba(model_, data_, configuration, zero_, zero_);
   addTurning(model_.impl(), v, middle_v_.data());
@@ -205,27 +205,27 @@ void Unilateral::centreForces(Law& law, const double* q, const double* v, double
   tau_ += effects(v);
   tau_ -= effects(middle_v_.data());
   tau_ -= undone_;
-  law.undoFriction(q, middle_v_.data(), tau_.data());
+  equations.undoFriction(q, middle_v_.data(), tau_.data());
 }
 
-void Unilateral::limitFriction(Law& law, const double* q) {
+void Unilateral::limitFriction(EquationsOfMotion& equations, const double* q) {
   if (resting_.empty()) return;
-  const Eigen::VectorXd& limits = law.frictionLimits(q);
+  const Eigen::VectorXd& limits = equations.frictionLimits(q);
   for (std::size_t k = 0; k < resting_.size(); ++k) {
     const int dof = rubbing_[resting_[k]].dof;
     bound_.front().cones[chosen_.size() + k].friction = limits[dof];
-    law.joint_friction[dof] = 0;
+    equations.joint_friction[dof] = 0;
   }
 }
 
-void Unilateral::takeFriction(Law& law, const detail::ContactViews& x, double dt) {
+void Unilateral::takeFriction(EquationsOfMotion& equations, const detail::ContactViews& x, double dt) {
   const Bound& bound = bound_.front();
   slides_.clear();
   for (std::size_t k = 0; k < resting_.size(); ++k) {
     const FrictionCone& cone = bound.cones[chosen_.size() + k];
     const int dof = rubbing_[resting_[k]].dof;
     const double impulse = x.force[bound.data.set().firstRow(cone.constraint) + cone.coordinate];
-    law.joint_friction[dof] = impulse / dt;
+    equations.joint_friction[dof] = impulse / dt;
     const bool along = x.motion[dof] * impulse <= 0 && std::abs(x.motion[dof]) > still;
     slides_.push_back(std::abs(impulse) >= cone.friction * dt && along);
   }
@@ -236,15 +236,15 @@ void Unilateral::markHeld(std::vector<char>& held) const {
   for (std::size_t k = 0; k < resting_.size(); ++k) held[resting_[k]] = !slides_[k];
 }
 
-void Unilateral::hold(Law& law, double t, const double* q, const double* v, double dt) {
-  limitFriction(law, q);
-  const detail::ContactViews x = contactStep(q, v, law.applied(t, q, v), dt, bound_.front().cones, 0);
-  if (!x.converged) ++law.statistics.inexact_contacts;
-  takeFriction(law, x, dt);
+void Unilateral::hold(EquationsOfMotion& equations, double t, const double* q, const double* v, double dt) {
+  limitFriction(equations, q);
+  const detail::ContactViews x = contactStep(q, v, equations.applied(t, q, v), dt, bound_.front().cones, 0);
+  if (!x.converged) ++equations.statistics.inexact_contacts;
+  takeFriction(equations, x, dt);
 }
 
-const double* Unilateral::stop(Law& law, double t, const double* q, const double* v) {
-  return contactStep(q, v, law.applied(t, q, v), instant, bound_.front().loose, 0).motion;
+const double* Unilateral::stop(EquationsOfMotion& equations, double t, const double* q, const double* v) {
+  return contactStep(q, v, equations.applied(t, q, v), instant, bound_.front().loose, 0).motion;
 }
 
 void Unilateral::holdAxes(const double* v, const double* v_after, double dt) {
@@ -253,11 +253,11 @@ void Unilateral::holdAxes(const double* v, const double* v_after, double dt) {
   velocity_ = VectorResult(v_after, model_.nv()) + dt * turning_;
 }
 
-const double* Unilateral::step(Law& law, double t, const double* q, const double* v, double dt) {
+const double* Unilateral::step(EquationsOfMotion& equations, double t, const double* q, const double* v, double dt) {
   const int n = model_.nv();
-  limitFriction(law, q);
-  tau_ = VectorResult(law.applied(t, q, v), n);
-  centreForces(law, q, v, dt);
+  limitFriction(equations, q);
+  tau_ = VectorResult(equations.applied(t, q, v), n);
+  centreForces(equations, q, v, dt);
   Bound& bound = bound_.front();
   start_gaps_.clear();
   bool points = false;
@@ -280,8 +280,8 @@ const double* Unilateral::step(Law& law, double t, const double* q, const double
     }
     x = contactStep(q, v, tau_.data(), dt, bound.cones, 0);
   }
-  if (!x.converged) ++law.statistics.inexact_contacts;
-  takeFriction(law, x, dt);
+  if (!x.converged) ++equations.statistics.inexact_contacts;
+  takeFriction(equations, x, dt);
   holdAxes(v, x.motion, dt);
   for (std::size_t k = 0; k < resting_.size(); ++k)
     if (!slides_[k]) velocity_[rubbing_[resting_[k]].dof] = 0;
@@ -297,11 +297,11 @@ void Unilateral::pushOut(const double* q, double dt) {
   displacement_ += dt * VectorResult(contactStep(q, zero_.data(), tau_.data(), dt, bound.smooth, 0).motion, model_.nv());
 }
 
-const double* Unilateral::impact(Law& law, double t, const double* q, const double* v, double restitution) {
+const double* Unilateral::impact(EquationsOfMotion& equations, double t, const double* q, const double* v, double restitution) {
   std::vector<FrictionCone>& cones = bound_.front().cones;
   for (FrictionCone& cone : cones) cone.gap = 0;
-  const detail::ContactViews x = contactStep(q, v, law.applied(t, q, v), instant, cones, restitution);
-  if (!x.converged) ++law.statistics.inexact_contacts;
+  const detail::ContactViews x = contactStep(q, v, equations.applied(t, q, v), instant, cones, restitution);
+  if (!x.converged) ++equations.statistics.inexact_contacts;
   return x.motion;
 }
 

@@ -1,9 +1,9 @@
 // The variational integrator of the discrete Lagrangian L_d(q0, q1) = h L(q0 (+) h xi / 2, xi), q1 = q0 (+) h xi (Marsden and West 2001, sec.
 // 1.3 and 3; on groups Bou-Rabee and Marsden 2009). In momenta p = M v, with F = C^T xi - g + forces the rate of p at the midpoint,
-//   p0 = X^T p - h/2 Y0^T F,   p1 = X^T p + h/2 Y1^T F,   p = M(q) xi:
-// the first is solved for xi, the second gives p1. X, Y0, Y1 are 1 for coordinates that add; otherwise see Chart::midpointMaps.
-// Constraints act at the ends (Andersen 1983, Leimkuhler and Skeel 1994; Marsden and West 2001, sec. 3.4): p0 + J(q0)^T lambda in place of p0,
-// with lambda such that q1 keeps them, and p1 then such that J(q1) v1 = 0.
+//   p0 = X^T p - h/2 Y0^T F,   p1 = X^T p + h/2 Y1^T F,   p = M(q) xi.
+// The first equation is solved for xi, and the second gives p1. X, Y0, Y1 are 1 for coordinates that add; otherwise see Chart::midpointMaps.
+// Constraints act at the ends (Andersen 1983, Leimkuhler and Skeel 1994; Marsden and West 2001, sec. 3.4): p0 + J(q0)^T lambda replaces p0, where
+// lambda is such that q1 satisfies the constraints, and p1 is then such that J(q1) v1 = 0.
 #include "constraint/kkt.hpp"
 #include "integrate/stepper.hpp"
 
@@ -20,13 +20,13 @@ namespace dyn {
 
 namespace {
 
-/// Broyden's method (1965; Kelley 1995, sec. 7): how corrections have changed along the steps so far tells what the matrix that they were found with
-/// lacks. For bodies that fly further in a step than their radius of gyration that is more than it has.
+/// Broyden's method (1965; Kelley 1995, sec. 7): the changes of the corrections along the steps so far tell the error of the matrix that gave them.
+/// For bodies that move farther in a step than their radius of gyration this error exceeds the matrix.
 class Broyden {
  public:
   explicit Broyden(int n) : steps_(n, most) {}
   void start() { count_ = 0; }
-  /// A correction, to be subtracted from the unknowns, becomes the step that is.
+  /// Turns a correction into the step of Broyden's method. Either is subtracted from the unknowns.
   void improve(Eigen::VectorXd& x) {
     for (int k = 1; k < count_; ++k) x += steps_.col(k) * (steps_.col(k - 1).dot(x) / steps_.col(k - 1).squaredNorm());
     if (count_ > 0) {
@@ -48,9 +48,9 @@ class Broyden {
 
 class VariationalStepper : public CubicStepper {
  public:
-  explicit VariationalStepper(Law& law)
-      : CubicStepper(law),
-        n_(law.model().nv()),
+  explicit VariationalStepper(EquationsOfMotion& equations)
+      : CubicStepper(equations),
+        n_(equations.model().nv()),
         xi_(n_),
         u_(n_),
         momentum_(n_),
@@ -59,10 +59,10 @@ class VariationalStepper : public CubicStepper {
         at_start_(n_),
         at_end_(n_),
         residual_(n_),
-        q_(law.model().nq()),
+        q_(equations.model().nq()),
         broyden_(n_) {
-    if (!law.constrained()) return;
-    const ConstraintSet& set = law.constraints().set();
+    if (!equations.constrained()) return;
+    const ConstraintSet& set = equations.constraints().set();
     start_jacobian_.resize(set.rows(), n_);
     violation_.resize(set.rows());
     for (int k = 0; k < set.count(); ++k) {
@@ -76,46 +76,47 @@ class VariationalStepper : public CubicStepper {
 
   StepOutcome step(double h, Moment& from, Moment& to) override {
     h_ = h;
-    accelerationAt(law_, from);
-    if (law_.constrained())
-      start_jacobian_ = MatrixResult(detail::constraintJacobian(law_.model(), law_.data(), {from.q.data(), from.q.size()}, law_.constraints()),
-                                     start_jacobian_.rows(), n_);
+    accelerationAt(equations_, from);
+    if (equations_.constrained())
+      start_jacobian_ =
+          MatrixResult(detail::constraintJacobian(equations_.model(), equations_.data(), {from.q.data(), from.q.size()}, equations_.constraints()),
+                       start_jacobian_.rows(), n_);
     if (const StepOutcome outcome = solve(from, to); outcome != StepOutcome::taken) return outcome;
     massMatrix(to.q);
-    cholesky::decompose(law_.model(), law_.data());
+    cholesky::decompose(equations_.model(), equations_.data());
     to.v = momentum_ + 0.5 * h * at_end_;
-    cholesky::solve(law_.model(), law_.data(), to.v);
-    if (law_.constrained()) law_.projectVelocity(to.q.data(), to.v.data());
+    cholesky::solve(equations_.model(), equations_.data(), to.v);
+    if (equations_.constrained()) equations_.projectVelocity(to.q.data(), to.v.data());
     to.has_acceleration = false;
     return StepOutcome::taken;
   }
 
  private:
-  MatrixResult massMatrix(const Eigen::VectorXd& q) { return crba(law_.model(), law_.data(), q); }
+  MatrixResult massMatrix(const Eigen::VectorXd& q) { return crba(equations_.model(), equations_.data(), q); }
 
-  /// M at the midpoint is the matrix: what it lacks is of the order of h.
+  /// Solves for xi with M at the midpoint as the matrix of Newton's method; the error of this matrix is of the order of h.
   StepOutcome solve(const Moment& from, Moment& to) {
     constexpr int most_iterations = 200;
-    // Rounding: that of positions, which constraints look at, counts by the step's length.
-    const double floor = law_.constrained() ? 0x1p-30 : 0x1p-40;
-    const double far_off = law_.constrained() && n_ > 0 ? 0x1p-50 * from.q.cwiseAbs().maxCoeff() / h_ : 0;
+    // Bounds of rounding errors. Constraints depend on positions, whose rounding errors count divided by the step's length.
+    const double floor = equations_.constrained() ? 0x1p-30 : 0x1p-40;
+    const double far_off = equations_.constrained() && n_ > 0 ? 0x1p-50 * from.q.cwiseAbs().maxCoeff() / h_ : 0;
     broyden_.start();
     start_momentum_.noalias() = massMatrix(from.q) * from.v;
     xi_ = from.v + 0.5 * h_ * from.a;
     double before = std::numeric_limits<double>::infinity();
     int no_better = 0;
     for (int i = 0; i < most_iterations; ++i) {
-      ++law_.statistics.iterations;
+      ++equations_.statistics.iterations;
       evaluate(from, to);
       residual_ = momentum_ - 0.5 * h_ * at_start_ - start_momentum_;
-      cholesky::solve(law_.model(), law_.data(), residual_);
-      if (law_.constrained()) constrain();
+      cholesky::solve(equations_.model(), equations_.data(), residual_);
+      if (equations_.constrained()) constrain();
       const double size = n_ > 0 ? residual_.cwiseAbs().maxCoeff() : 0;
-      const double scale = n_ > 0 ? std::max(xi_.cwiseAbs().maxCoeff(), h_ * law_.cancelled) : 0;
+      const double scale = n_ > 0 ? std::max(xi_.cwiseAbs().maxCoeff(), h_ * equations_.cancelled) : 0;
       if (!residual_.allFinite()) return StepOutcome::not_finite;
       const bool solved = size <= rounding(0x1p-52, scale) || (size > 0.5 * before && size <= rounding(floor, scale) + far_off);
-      // Constraints' forces are unknowns beside.
-      if (!solved && !law_.constrained()) broyden_.improve(residual_);
+      // Constraint forces are further unknowns, so Broyden's method is not used with constraints.
+      if (!solved && !equations_.constrained()) broyden_.improve(residual_);
       xi_ -= residual_;
       if (solved) break;
       no_better = size > before ? no_better + 1 : 0;
@@ -126,41 +127,41 @@ class VariationalStepper : public CubicStepper {
     return StepOutcome::taken;
   }
 
-  /// Changes the correction of xi and the momentum at the start by the forces that bring q1 to where the constraints hold. The matrix is that
-  /// halfway, where it lacks least: near singular positions rows change quickly.
+  /// Changes the correction of xi and the momentum at the start by the constraint forces that make q1 satisfy the constraints. The matrix is that at
+  /// the midpoint, where it is most accurate: near singular positions rows change quickly.
   void constrain() {
-    ConstraintDataImpl& c = law_.constraints().impl();
-    const CompactImpl& m = law_.model().impl();
+    ConstraintDataImpl& c = equations_.constraints().impl();
+    const CompactImpl& m = equations_.model().impl();
     const int rows = c.set.rows();
-    // -residual + X lambda is to change the rows' velocities by -violation.
+    // -residual + X lambda must change the rows' velocities by -violation.
     for (int r = 0; r < rows; ++r) c.wanted[r] = -(placed_[static_cast<std::size_t>(r)] ? violation_[r] : c.motion.velocity[r]);
     addRowsOf(m, c, residual_.data(), c.wanted);
-    c.solver.factor(c.workspace, law_.constraints().settings);
+    c.solver.factor(c.workspace, equations_.constraints().settings);
     c.solver.solve(c.wanted, c.lambda);
     start_momentum_.noalias() += start_jacobian_.transpose().lazyProduct(VectorResult(c.lambda, rows));
     for (int r = 0; r < rows; ++r) c.lambda[r] = -c.lambda[r];
     addMotionOf(m, c, c.lambda, residual_.data());
   }
 
-  /// momentum_ = X^T p and the two ends' forces at the present xi; leaves the factors of M at the midpoint.
+  /// Computes momentum_ = X^T p and the forces at both ends for the present xi. The data then holds the factors of M at the midpoint.
   void evaluate(const Moment& from, Moment& to) {
-    const CompactModel& model = law_.model();
-    Data& data = law_.data();
+    const CompactModel& model = equations_.model();
+    Data& data = equations_.data();
     u_ = h_ * xi_;
     chart_.point(from.q.data(), u_.data(), to.q.data());
     u_ *= 0.5;
     chart_.point(from.q.data(), u_.data(), q_.data());
     u_ *= 2;
-    if (law_.constrained()) violate(to);
-    // F = (C + C^T) xi - (C xi + g + losses) + applied forces: gravity and losses come from rnea alone.
-    rate_ = VectorResult(law_.applied(from.time + 0.5 * h_, q_.data(), xi_.data()), n_);
+    if (equations_.constrained()) violate(to);
+    // F = (C + C^T) xi - (C xi + g + dissipation) + applied forces: gravity and dissipation come from rnea alone.
+    rate_ = VectorResult(equations_.applied(from.time + 0.5 * h_, q_.data(), xi_.data()), n_);
     rate_ -= nonLinearEffects(model, data, q_, xi_);
     const MatrixResult C = computeCoriolisMatrix(model, data, q_, xi_);
     rate_.noalias() += C * xi_;
     rate_.noalias() += C.transpose() * xi_;
-    if (law_.constrained()) {
+    if (equations_.constrained()) {
       const VectorView xi{xi_.data(), n_};
-      projectInertia("Simulator::step", model, data, {q_.data(), q_.size()}, &xi, law_.constraints().impl());
+      projectInertia("Simulator::step", model, data, {q_.data(), q_.size()}, &xi, equations_.constraints().impl());
       momentum_.noalias() = MatrixResult(data.impl().M, n_, n_) * xi_;
     } else {
       momentum_.noalias() = massMatrix(q_) * xi_;
@@ -169,22 +170,23 @@ class VariationalStepper : public CubicStepper {
     chart_.midpointMaps(u_.data(), momentum_.data(), rate_.data(), at_start_.data(), at_end_.data());
   }
 
-  /// By which q1 does not keep the constraints, as velocities over the step. Those without a place to keep ask for no velocity halfway.
+  /// Computes violation_, the constraints' errors at q1 divided by h. Constraints without a target ask for zero velocity at the midpoint instead.
   void violate(const Moment& to) {
     const VectorView q{to.q.data(), to.q.size()}, xi{xi_.data(), n_};
-    violation_ = VectorResult(detail::constraintMotion(law_.model(), law_.data(), q, xi, law_.constraints()).error, violation_.size()) / h_;
+    violation_ =
+        VectorResult(detail::constraintMotion(equations_.model(), equations_.data(), q, xi, equations_.constraints()).error, violation_.size()) / h_;
   }
 
   int n_;
   Eigen::MatrixXd start_jacobian_;
   Eigen::VectorXd violation_;
-  std::vector<bool> placed_;  ///< by row: whether its constraint has a target
+  std::vector<bool> placed_;  ///< by row: true if its constraint has a target
   Eigen::VectorXd xi_, u_, momentum_, start_momentum_, rate_, at_start_, at_end_, residual_, q_;
   Broyden broyden_;
 };
 
 }  // namespace
 
-std::unique_ptr<Stepper> makeVariationalStepper(Law& law) { return std::make_unique<VariationalStepper>(law); }
+std::unique_ptr<Stepper> makeVariationalStepper(EquationsOfMotion& equations) { return std::make_unique<VariationalStepper>(equations); }
 
 }  // namespace dyn

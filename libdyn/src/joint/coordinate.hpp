@@ -1,19 +1,19 @@
-// One joint's configuration: neutral, normalised, and the one-dimensional coordinate of a coupled joint: how far it is from neutral,
-// whatever q looks like.
+// One joint's configuration: the neutral one, normalisation, and the scalar coordinate of a coupled joint. That coordinate is the displacement from
+// neutral, whatever form q has.
 #pragma once
 
 #include <dyn/joint/joint_type.hpp>
 
 namespace dyn {
 
-/// A joint and where its constants are: number c at constants[c * stride].
+/// A joint and its constants; number c is at constants[c * stride].
 struct JointPlace {
   const JointType* type = nullptr;
   const double* constants = nullptr;
   int constant_count = 0;
   std::ptrdiff_t stride = 1;
 
-  /// To ask one question of this joint alone: the arrays are still to be set.
+  /// Returns a batch of this joint alone for one call. The caller sets the arrays.
   template <class S = double>
   ConfigurationBatch<S> question() const {
     ConfigurationBatch<S> b;
@@ -27,7 +27,7 @@ struct JointPlace {
 };
 
 void neutralOf(const JointPlace& joint, double* q);
-/// The same question to joint after joint: to clear what it is asked with takes longer than most answers.
+/// Reads and sets the scalar coordinates of joint after joint with one batch: to clear a batch takes longer than most calls.
 class Coordinates {
  public:
   Coordinates();
@@ -41,7 +41,7 @@ class Coordinates {
   double neutral_[max_joint_nq];
 };
 
-/// q brought onto the configuration space in `out` (may be null); returns its distance from there before.
+/// Writes q, normalised, to `out` (may be null). Returns how far q was from the configuration space.
 double normalizeJoint(const JointPlace& joint, const double* q, double* out);
 
 }  // namespace dyn

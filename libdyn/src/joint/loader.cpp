@@ -24,20 +24,20 @@ namespace fs = std::filesystem;
 
 constexpr const char* or_any = ", or load it with Trust::any";
 
-/// A build of the standard plugin, which comes with the library and is as much to be trusted.
+/// Whether the file is a build of the standard plugin, which comes with the library and can be trusted as much.
 bool partOfLibrary(const fs::path& file) { return file.filename() == "dyn_standard.so" && file.string().starts_with(builtinPluginDirectory() + "/"); }
 
 void requireTrusted(const std::string& problem, const std::string& path) {
   if (!problem.empty()) refuse(path, "refused: " + problem);
 }
 
-/// The folder of each link on the way must be owned, too: who writes one says what is loaded.
+/// Checks the folder of each link on the path, too: whoever can write there decides what is loaded.
 void checkLinks(const fs::path& way, const std::string& path) {
   fs::path walked;
   for (auto part = way.begin(); part != way.end(); ++part) {
     std::error_code error;
     const fs::path next = walked / *part, target = fs::read_symlink(next, error);
-    if (error == std::errc::invalid_argument) {  // no link
+    if (error == std::errc::invalid_argument) {  // not a link
       walked = next;
       continue;
     }
@@ -66,7 +66,7 @@ void compareStamps(const dyn_plugin_stamp& theirs, const std::string& path) {
 
 constexpr auto load_mode = static_cast<boost::dll::load_mode::type>(boost::dll::load_mode::rtld_now | boost::dll::load_mode::rtld_local);
 
-/// Libraries are never closed: types, models made of them, and copies of functions may be anywhere.
+/// Keeps a library open for the life of the process: types, models made of them, and copies of functions may be anywhere.
 boost::dll::shared_library& keep(boost::dll::shared_library library) {
   static std::mutex mutex;
   static auto& all = *new std::deque<boost::dll::shared_library>;
@@ -87,7 +87,7 @@ void readInfo(const Info& info) {
     for (const char* text : {info.parameters[i].name, info.parameters[i].unit, info.parameters[i].help, info.parameters[i].example}) read(text);
 }
 
-/// All that is ever read of a plugin before one of its types is used.
+/// Reads everything that is read of a plugin before one of its types is used.
 void readPlugin(void* library) {
   const auto entry = reinterpret_cast<const dyn_plugin_descriptor* (*)()>(dlsym(library, DYN_PLUGIN_ENTRY));
   const dyn_plugin_descriptor* d = entry != nullptr ? entry() : nullptr;
@@ -97,7 +97,7 @@ void readPlugin(void* library) {
   for (std::uint32_t i = 0; i < d->coupling_type_count; ++i) readInfo(static_cast<const CouplingType*>(d->coupling_types[i])->info());
 }
 
-/// Why dlopen() has failed last, without the name that it was given.
+/// Why dlopen() failed last, without the file's name at the beginning.
 std::string loaderSays(const std::string& name) {
   const char* text = dlerror();
   std::string why = text != nullptr ? text : "the loader gives no reason";

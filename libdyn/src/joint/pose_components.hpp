@@ -1,4 +1,4 @@
-// From the components a joint type writes to a transform: the one place, beside the kernels' own sparse forms, that knows their order.
+// Converts the components that a joint type writes to a transform and back. Only this file and the kernels' sparse forms know their order.
 #pragma once
 
 #include <dyn/joint/shape.hpp>
@@ -6,7 +6,7 @@
 
 namespace dyn {
 
-/// Core motion of a joint of that shape; `c` has poseSize(shape) components.
+/// Returns the core motion of a joint of this shape; `c` has poseSize(shape) components.
 template <class S>
 SE3<S> poseFromComponents(Shape shape, const S* c) {
   const S zero(0), one(1);
@@ -32,7 +32,7 @@ SE3<S> poseFromComponents(Shape shape, const S* c) {
   return core;
 }
 
-/// The other way, which is linear: of a pose, or of a derivative of one.
+/// Writes the components of a pose or of a derivative of one: this map is linear.
 template <class S>
 void componentsOfPose(Shape shape, const Mat3<S>& R, const Vec3<S>& p, S* c) {
   switch (shape) {

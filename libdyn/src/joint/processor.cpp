@@ -8,7 +8,7 @@ namespace dyn {
 
 namespace {
 
-/// Whether libdyn was built with kernels for it, as CMake lists them.
+/// Whether libdyn was built with kernels for this instruction set. CMake lists them in DYN_KERNEL_SETS.
 bool built(const std::string& name) { return std::string(" " DYN_KERNEL_SETS " ").find(" " + name + " ") != std::string::npos; }
 
 bool processorHas(const std::string& name) {

@@ -1,12 +1,12 @@
-// Which instruction set kernels and joint types are taken for.
+// The instruction set for which kernels and joint types are taken.
 #pragma once
 
 #include <string>
 
 namespace dyn {
 
-/// "scalar", "baseline", "avx2" or "avx512", the name of folders and files made for it: what DYN_SIMD asks for, or else the best that this processor
-/// has of those that libdyn is built for. Throws Error(argument) where there is none.
+/// Returns "scalar", "baseline", "avx2" or "avx512", which also names the folders and files built for it. DYN_SIMD chooses it; if that is not set,
+/// the best one is taken that this processor has and libdyn is built for. Throws Error(argument) if there is none, or not the one that was chosen.
 const std::string& instructionSet();
 
 }  // namespace dyn

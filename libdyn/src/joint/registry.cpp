@@ -19,7 +19,7 @@ struct JointRegistry::Impl {
   std::map<std::string, std::string> origin;  // type name -> file; empty: the program itself
   std::vector<PluginRecord> plugins;
   std::vector<std::string> searched;
-  std::map<const JointType*, const JointType*> fast;  // type -> the same for this processor
+  std::map<const JointType*, const JointType*> fast;  // type -> the same type built for this processor
 
   void add(const std::string& path, Trust trust);
 };
@@ -42,7 +42,7 @@ const Type* find(const std::vector<const Type*>& types, const std::string& name)
 
 bool same(const char* a, const char* b) { return a == b || (a && b && std::string_view(a) == b); }
 
-/// Whether two builds say the same of a type.
+/// Whether two builds describe a type in the same way.
 bool same(const JointTypeInfo& a, const JointTypeInfo& b) {
   const auto alike = [](const ParameterSpec& x, const ParameterSpec& y) {
     return same(x.name, y.name) && x.kind == y.kind && x.required == y.required && same(x.unit, y.unit) && same(x.help, y.help) &&
@@ -52,7 +52,7 @@ bool same(const JointTypeInfo& a, const JointTypeInfo& b) {
          std::equal(a.parameters, a.parameters + a.parameter_count, b.parameters, b.parameters + b.parameter_count, alike);
 }
 
-/// What keeps files from naming it; empty if nothing does.
+/// Why files cannot use this name; empty if they can.
 std::string nameProblem(const char* name) {
   if (name == nullptr) return "has no name";
   if (*name == '\0') return "has an empty name";
@@ -62,7 +62,7 @@ std::string nameProblem(const char* name) {
   return "";
 }
 
-/// Refuses what a type says of itself if models cannot name it or its parameters, or texts that are printed are not there.
+/// Throws Error(plugin) if models cannot name a type or its parameters, two parameters have the same name, or a text that is printed is missing.
 void checkInfo(const JointTypeInfo& info, const std::string& path) {
   const auto refuse = [&](const std::string& what) { throw Error(ErrorCode::plugin, what, {path, 0, ""}); };
   if (const std::string problem = nameProblem(info.name); !problem.empty()) refuse("a type of it " + problem);
@@ -78,7 +78,7 @@ void checkInfo(const JointTypeInfo& info, const std::string& path) {
   }
 }
 
-/// What lies in the folder of this process's instruction set beside a plugin, type by type.
+/// A plugin's build for this process's instruction set, from the folder of that name beside the plugin, type by type.
 struct FastBuild {
   std::string path;
   std::map<const JointType*, const JointType*> types;
@@ -124,7 +124,7 @@ void JointRegistry::Impl::add(const std::string& path, Trust trust) {
     const std::string& name = record.types[i];
     const auto known = origin.find(name);
     std::error_code ignored;
-    if (known != origin.end() && std::filesystem::equivalent(known->second, path, ignored)) return;  // the same file by another way
+    if (known != origin.end() && std::filesystem::equivalent(known->second, path, ignored)) return;  // the same file by another path
     if (known != origin.end()) {
       const std::string provider = known->second.empty() ? "the program" : known->second;
       throw Error(ErrorCode::plugin, "joint type '" + name + "' is already provided by " + provider + "; rename one of them", {path, 0, ""});

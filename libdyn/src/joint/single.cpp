@@ -11,7 +11,7 @@ namespace dyn {
 
 namespace {
 
-/// What it writes, all of it.
+/// Everything that a joint type writes for one joint.
 struct Answer {
   double pose[12] = {}, subspace[6 * max_joint_nv] = {}, bias[6] = {};
 };
@@ -26,7 +26,7 @@ double largest(const double* a, int count) {
   return std::accumulate(a, a + count, 0.0, [](double size, double x) { return std::max(size, std::abs(x)); });
 }
 
-/// Apart by what rounding of numbers of this scale leaves where numbers cancel.
+/// Whether a and b differ only by rounding; numbers of size `scale` may have cancelled in them.
 bool alike(const double* a, const double* b, int count, double scale) {
   double apart = 0;
   for (int k = 0; k < count; ++k) apart = std::max(apart, std::abs(a[k] - b[k]));

@@ -1,12 +1,12 @@
-// One joint of a type, asked by itself: a batch of one.
+// Evaluates one joint of a type by itself, as a batch of one.
 #pragma once
 
 #include <dyn/joint/joint_type.hpp>
 
 namespace dyn {
 
-/// What a joint of that instance writes at q: poseSize(shape) numbers of its pose and, of a dense shape, the 6 nv of its subspace and, with v, the
-/// 6 of its bias.
+/// Evaluates a joint of that instance at q. Writes poseSize(shape) numbers of its pose and, for a dense shape, the 6 nv of its subspace and, unless v
+/// is null, the 6 of its bias.
 template <class S>
 void evaluateJoint(const JointType& type, const JointInstance& instance, const double* constants, const S* q, const S* v, S* pose, S* subspace,
                    S* bias) {
@@ -27,8 +27,8 @@ void evaluateJoint(const JointType& type, const JointInstance& instance, const d
   type.kinematics(b);
 }
 
-/// Whether two builds of a type, which say the same of it, make joints of this instance that move alike, as seen off neutral; more than what
-/// compilers and instruction sets round differently counts as another motion.
+/// Whether two builds of a type with the same description give joints of this instance that move alike, compared at one configuration off neutral.
+/// Differences beyond what compilers and instruction sets round differently count as another motion.
 bool moveAlike(const JointType& one, const JointType& other, const ParameterArgument* arguments, const JointInstance& instance);
 
 }  // namespace dyn

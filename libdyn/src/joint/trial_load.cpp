@@ -16,14 +16,14 @@ namespace dyn {
 
 namespace {
 
-constexpr int patience = 10;  ///< [s] that static constructors may take
+constexpr int patience = 10;  ///< time limit for static constructors [s]
 
-/// Tells what is wrong with tables that the loader would follow without a look: parts beyond the file's end, whose pages kill the process that reads
-/// them, and parts beyond what it reserves for the file, with which it would write over what is loaded already. Empty if there is nothing.
+/// Returns what is wrong with the table of segments, which the loader follows without checking it; empty if nothing is. Parts beyond the file's end
+/// kill the process that reads their pages. Parts beyond the memory reserved for the file make the loader write over what is loaded already.
 std::string problemOfTables(const OpenFile& file) {
   const std::string bytes = file.content();
   Elf64_Ehdr header;
-  if (bytes.size() < sizeof header) return "";  // dlopen says what is wrong with these
+  if (bytes.size() < sizeof header) return "";  // dlopen says what is wrong with such files
   std::memcpy(&header, bytes.data(), sizeof header);
   if (std::memcmp(header.e_ident, ELFMAG, SELFMAG) != 0 || header.e_ident[EI_CLASS] != ELFCLASS64) return "";
   std::vector<Elf64_Phdr> segments(header.e_phnum);
@@ -31,8 +31,8 @@ std::string problemOfTables(const OpenFile& file) {
   if (segments.empty() || header.e_phentsize != sizeof(Elf64_Phdr) || header.e_phoff > bytes.size() || size > bytes.size() - header.e_phoff)
     return "";
   std::memcpy(segments.data(), bytes.data() + header.e_phoff, size);
-  constexpr std::uint64_t most = std::uint64_t{1} << 40;  // of memory that a library takes
-  std::uint64_t begin = most, end = 0;                    // of what the loader reserves
+  constexpr std::uint64_t most = std::uint64_t{1} << 40;  // bytes of memory that a library may take
+  std::uint64_t begin = most, end = 0;                    // the addresses that the loader reserves
   for (const Elf64_Phdr& s : segments) {
     if (s.p_offset > bytes.size() || s.p_filesz > bytes.size() - s.p_offset) return "the file is cut short";
     if (s.p_type != PT_LOAD) continue;
@@ -41,7 +41,7 @@ std::string problemOfTables(const OpenFile& file) {
     end = s.p_vaddr + s.p_memsz;
   }
   for (const Elf64_Phdr& s : segments) {
-    // A thread's variables that begin as zeros are of no file's memory.
+    // Thread variables that begin as zeros take no memory of the segments.
     const std::uint64_t own = s.p_type == PT_TLS ? s.p_filesz : s.p_memsz;
     if (own > 0 && s.p_type != PT_GNU_STACK && (s.p_vaddr < begin || s.p_vaddr > end || own > end - s.p_vaddr))
       return "the file's table of segments is damaged";
@@ -55,17 +55,17 @@ std::string trialLoad(const OpenFile& file, const std::function<void(void* libra
   if (std::string problem = problemOfTables(file); !problem.empty()) return problem;
   const std::string name = file.nameForLoader();
   if (void* loaded = dlopen(name.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NOLOAD)) {
-    dlclose(loaded);  // one reference back; it has been opened before and stays
+    dlclose(loaded);  // gives one reference back; the file was opened before and stays open
     return "";
   }
-  // One word at the end of the report: that of a plugin which ends the process while it is opened has none.
+  // The report ends with this word, unless the plugin ends the process while it is opened.
   const std::string opened = "opened";
   const Trial trial = tryInProcess({.seconds = patience}, [&](const auto& report) {
-    // Through a pointer that may throw, so that the exception gets here; the child ends at once, so the loader's lock matters to nobody.
+    // A call through a pointer may throw, so the exception gets here. It leaves the loader locked, but the child ends at once.
     void* (*volatile open_library)(const char*, int) = &dlopen;
     void* library = nullptr;
     try {
-      library = open_library(name.c_str(), RTLD_NOW | RTLD_LOCAL);  // what it refuses is said when it is opened for good
+      library = open_library(name.c_str(), RTLD_NOW | RTLD_LOCAL);  // if dlopen refuses the file, openPlugin() will say why
     } catch (const std::exception& e) {
       return report(std::string("a static constructor of it threw: ") + e.what());
     } catch (...) {
@@ -73,7 +73,7 @@ std::string trialLoad(const OpenFile& file, const std::function<void(void* libra
     }
     if (library != nullptr) try {
         read(library);
-      } catch (...) {  // as it will be when it is read for good
+      } catch (...) {  // openPlugin() will meet the same exception
       }
     report(opened);
   });

@@ -1,4 +1,4 @@
-// Body 0 of a description, which users' code can take away.
+// Checks that a description has body 0, which the user's code can remove.
 #pragma once
 
 #include <dyn/error.hpp>

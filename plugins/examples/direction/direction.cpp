@@ -1,4 +1,4 @@
-// A joint that points: its coordinates are the unit vector n that its z axis points along, and it does not twist about it.
+// A joint that points: its coordinates are the unit vector n that its z axis points along. It does not twist about n.
 #include <dyn_sdk/joint_plugin.hpp>
 
 struct Direction : dyn::sdk::Joint<Direction, 2, 3> {
@@ -6,13 +6,13 @@ struct Direction : dyn::sdk::Joint<Direction, 2, 3> {
   static constexpr const char* summary = "q = n, the unit vector that z points along; v: angular velocity about the moved x and y [rad/s]";
   static constexpr bool branch_free = true;
 
-  /// The least rotation from z to n: columns x, y and n. There is none for n = -z.
+  /// The smallest rotation that takes z to n. Its columns are the moved x, the moved y and n. There is none for n = -z.
   template <class S>
   static dyn::Mat3<S> axes(const S* n) {
     const S k = S(1) / (S(1) + n[2]);
     return {{S(1) - k * n[0] * n[0], -(k * n[0] * n[1]), n[0], -(k * n[0] * n[1]), S(1) - k * n[1] * n[1], n[1], -n[0], -n[1], n[2]}};
   }
-  /// Of the vector at q, which need not have length 1.
+  /// The vector at q need not have length 1.
   template <class S>
   static dyn::SE3<S> pose(const S* q, const auto&) {
     using std::sqrt;
@@ -25,13 +25,13 @@ struct Direction : dyn::sdk::Joint<Direction, 2, 3> {
     q[0] = q[1] = 0;
     q[2] = 1;
   }
-  /// Turning by v moves n along (v[1], -v[0], 0) of the moved axes.
+  /// The angular velocity v moves n along (v[1], -v[0], 0) in the moved axes.
   template <class S>
   static void rates(const S* q, const S* v, const auto&, S* dq) {
     const dyn::Vec3<S> dn = axes(q) * dyn::Vec3<S>{v[1], -v[0], S(0)};
     for (int i = 0; i < 3; ++i) dq[i] = dn[i];
   }
-  /// The great circle that starts that way, |v| far.
+  /// Moves n by the angle |v| along the great circle that starts in the direction of rates().
   template <class S>
   static void integrate(const S* q, const S* v, S* out) {
     using std::cos, std::sin, std::sqrt;
@@ -41,7 +41,7 @@ struct Direction : dyn::sdk::Joint<Direction, 2, 3> {
     normalize(out);
   }
   static void difference(const double* from, const double* to, double* v) {
-    // In the moved axes, where the way there is short without a loss of digits.
+    // The difference is taken in the moved axes, so that a small one keeps its digits.
     const dyn::Vec3<double> way = transposeTimes(axes(from), dyn::Vec3<double>{to[0] - from[0], to[1] - from[1], to[2] - from[2]});
     const double sine = std::hypot(way.x, way.y), share = sine > 0 ? std::atan2(sine, 1 + way.z) / sine : 1;
     v[0] = -share * way.y;

@@ -1,4 +1,4 @@
-// Polynomials and natural cubic splines as rows of constants: [coordinate, knots (0: a polynomial), numbers, numbers...].
+// Polynomials and natural cubic splines as rows of constants: [coordinate, count of knots (0: a polynomial), count of numbers, numbers...].
 // A polynomial's numbers are its coefficients; a spline's are x, y and the second derivative at each knot.
 #pragma once
 
@@ -66,14 +66,14 @@ S spline(const S& x, const dyn::sdk::Constants& c, int at, int knots) {
   while (k + 2 < knots && value > c[at + 3 * (k + 1)]) ++k;
   const int left = at + 3 * k, right = left + 3;
   const double h = c[right] - c[left], slope = (c[right + 1] - c[left + 1]) / h;
-  // Beyond the ends the second derivative is zero, as it is at them: a line with the slope that the spline ends with.
+  // Beyond the ends the second derivative is zero, as it is at the ends: the spline goes on as a line with the slope that it ends with.
   if (value < c[left]) return S(c[left + 1]) + S(slope - h / 6 * (2 * c[left + 2] + c[right + 2])) * (x - S(c[left]));
   if (value > c[right]) return S(c[right + 1]) + S(slope + h / 6 * (c[left + 2] + 2 * c[right + 2])) * (x - S(c[right]));
   const S b = (x - S(c[left])) / S(h), a = S(1) - b;
   return a * S(c[left + 1]) + b * S(c[right + 1]) + (S(h * h / 6 * c[left + 2]) * (a * a * a - a) + S(h * h / 6 * c[right + 2]) * (b * b * b - b));
 }
 
-/// The function whose row starts at `at`, which moves on to the next row.
+/// Evaluates the function whose row starts at `at`, and moves `at` to the next row.
 template <class S>
 S evaluate(const S* q, const dyn::sdk::Constants& c, int& at) {
   const S& x = q[static_cast<int>(c[at])];

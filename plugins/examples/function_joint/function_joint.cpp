@@ -1,6 +1,6 @@
 // A joint whose six pose coordinates are functions of one to six coordinates q, as users of OpenSim describe knees and shoulders:
-// rotations r1, r2, r3 about axis1, axis2, axis3 (each fixed to the frame that the rotations before it have turned), translations tx, ty,
-// tz in the joint frame. Each function is a polynomial or a natural cubic spline of one q; it is 0 where nothing is given.
+// rotations r1, r2, r3 about axis1, axis2, axis3 (each fixed to the frame that the rotations before it have turned), and translations tx, ty,
+// tz in the joint frame. Each function is a polynomial or a natural cubic spline of one q; it is 0 if neither is given.
 #include "function.hpp"
 
 #include <dyn_sdk/joint_plugin.hpp>
@@ -13,7 +13,7 @@ using dyn::ParameterSpec;
 constexpr int functions = 6, axes = 3;
 constexpr std::array function_names{"r1", "r2", "r3", "tx", "ty", "tz"};
 
-// The schema: three parameters a function, then the axes.
+// The schema has three parameters for each function, then the axes.
 constexpr int polynomialOf(int f) { return 3 * f; }
 constexpr int splineOf(int f) { return 3 * f + 1; }
 constexpr int coordinateOf(int f) { return 3 * f + 2; }
@@ -26,7 +26,7 @@ constexpr const char* axis_help = "direction of the rotation; x, y, z when left 
 
 constexpr const char* digits[]{"0", "1", "2", "3", "4", "5"};
 
-/// For tests, N coordinates are dealt out over the six functions in turn.
+/// In the examples, which tests use, the six functions take the N coordinates in turn.
 template <int N>
 constexpr std::array<ParameterSpec, 3 * functions + axes> schema{{
     {"r1_polynomial", ParameterKind::numbers, false, "rad", polynomial_help, "0 1"},

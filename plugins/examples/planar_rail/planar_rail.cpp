@@ -1,6 +1,6 @@
-// A carriage on a planar rail of lines and arcs. q is the way along the rail [m]; the carriage's x axis points along it.
+// A carriage on a planar rail of lines and arcs. q is the arc length along the rail [m]; the carriage's x axis points along it.
 //
-// On a segment that starts at (p0, heading h0) with curvature k, after a way d: heading h0 + k d, and the chord has the length
+// A segment starts at point p0 with heading h0 and has curvature k. After an arc length d the heading is h0 + k d, and the chord has the length
 // d sinc(k d / 2) and the direction h0 + k d / 2. Before the first and after the last segment the rail goes on straight.
 #include <dyn_sdk/joint_plugin.hpp>
 
@@ -11,7 +11,7 @@ struct PlanarRail : dyn::sdk::Joint<PlanarRail, 1> {
                                                             "length and curvature of each: curvature 0 is a line, > 0 turns to the left",
                                                             "0.5 0  0.7854 2  0.4 0  0.9 -1.5"}};
 
-  // Constants: for each segment, and for the straight rest behind the last one: where it starts (way, x, y, heading), and its curvature.
+  // Constants of each segment, and of the straight rest behind the last one: its start (arc length, x, y, heading) and its curvature.
   static constexpr int row = 5;
   static int constantCount(const dyn::ParameterArgument* a) { return row * (a[0].count / 2 + 1); }
   static bool check(const dyn::ParameterArgument* a, dyn::JointInstance&, const dyn::sdk::Refusal& refuse) {
@@ -35,7 +35,7 @@ struct PlanarRail : dyn::sdk::Joint<PlanarRail, 1> {
     }
   }
 
-  /// sin(u) / u. The series serves small u, where the quotient of dual numbers has no derivative.
+  /// sin(u) / u. Small u use a series, since the quotient of dual numbers has no derivative at 0.
   template <class S>
   static S sinc(const S& u) {
     using std::sin;
@@ -62,8 +62,8 @@ struct PlanarRail : dyn::sdk::Joint<PlanarRail, 1> {
     const S cs = cos(heading), sn = sin(heading);
     return {{{cs, -sn, S(0), sn, cs, S(0), S(0), S(0), S(1)}}, {S(c[k + 1]) + chord * cos(along), S(c[k + 2]) + chord * sin(along), S(0)}};
   }
-  /// Closed forms, checked against the pose by `dyn plugin check`: one metre on, one metre along x and a turn by the curvature, which is
-  /// constant on each segment.
+  /// Closed forms, which `dyn plugin check` compares with the pose: for each metre of arc length the carriage moves one metre along x and turns by
+  /// the curvature, which is constant on each segment.
   template <class S>
   static void subspace(const S* q, const dyn::sdk::Constants& c, dyn::Motion<S>* columns) {
     columns[0] = {{S(1), S(0), S(0)}, {S(0), S(0), S(curvatureAt(dyn::valueOf(q[0]), c))}};

@@ -1,4 +1,4 @@
-// A static constructor ends the process.
+// A static constructor aborts the process.
 #include <cstdlib>
 
 namespace {

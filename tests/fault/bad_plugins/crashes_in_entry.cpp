@@ -1,4 +1,4 @@
-// The exported function reads what is not there instead of describing the plugin.
+// The exported function reads an invalid address instead of describing the plugin.
 struct dyn_plugin_descriptor;
 extern "C" __attribute__((visibility("default"))) const dyn_plugin_descriptor* dyn_plugin_descriptor_v1() {
   return *reinterpret_cast<const dyn_plugin_descriptor* volatile*>(16);

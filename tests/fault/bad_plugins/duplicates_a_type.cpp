@@ -1,4 +1,4 @@
-// A type of its own, and one whose name the standard plugin has.
+// The plugin has a new type and a type with a name of the standard plugin.
 #include <dyn_sdk/joint_plugin.hpp>
 
 struct Original : dyn::sdk::Joint<Original, 1> {

@@ -1,4 +1,4 @@
-// Sound in a trial, which is silent: it ends the process that goes on to use it.
+// The plugin passes the loader's trial, in which stderr is /dev/null, but it ends the process that then loads it.
 #include <unistd.h>
 
 #include <cstdlib>

@@ -1,4 +1,4 @@
-// Its one static constructor ends the process as if all were well.
+// A static constructor ends the process with exit code 0.
 #include <cstdlib>
 
 namespace {

@@ -1,4 +1,4 @@
-// A function that is chosen while the dynamic loader links it, without any constructor, ends the process.
+// The resolver of an ifunc ends the process while the dynamic loader links the file, without any constructor.
 #include <cstdlib>
 
 namespace {

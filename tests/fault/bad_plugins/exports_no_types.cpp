@@ -1,4 +1,4 @@
-// A plugin with nothing in it.
+// A plugin without types.
 #include <dyn_sdk/joint_plugin.hpp>
 
 DYN_EXPORT_JOINTS()

@@ -1,4 +1,4 @@
-// Has small numbers flushed to zero as it is loaded, as what is linked with -ffast-math does.
+// While it is loaded, the plugin makes the processor flush subnormal numbers to zero, as libraries linked with -ffast-math do.
 #include <dyn_sdk/joint_plugin.hpp>
 
 #include <cfenv>
@@ -23,7 +23,7 @@ struct Flusher {
 #if defined(__x86_64__)
     fenv_t all;
     std::fegetenv(&all);
-    all.__mxcsr |= 0x8040;  // results and operands
+    all.__mxcsr |= 0x8040;  // flushes results and operands
     std::fesetenv(&all);
 #endif
   }

@@ -1,4 +1,4 @@
-// Its static constructor waits for good.
+// A static constructor never returns.
 #include <unistd.h>
 
 namespace {

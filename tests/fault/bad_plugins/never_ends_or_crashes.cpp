@@ -1,4 +1,4 @@
-// One type whose pose never ends, one whose pose ends the process, and one with nothing wrong with it.
+// The plugin has a type whose pose never returns, a type whose pose aborts the process, and a sound type.
 #include <dyn_sdk/joint_plugin.hpp>
 
 #include <cstdlib>

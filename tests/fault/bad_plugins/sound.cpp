@@ -1,4 +1,4 @@
-// Nothing is wrong with it, and it has a static constructor that does not throw.
+// A sound plugin, with a static constructor that does not throw.
 #include <dyn_sdk/joint_plugin.hpp>
 
 #include <string>

@@ -1,4 +1,4 @@
-// Laid beside sound.so as its build for a processor: the type of that name, from before it was described anew.
+// A test installs this file beside sound.so as its build for one processor. It has the same type with an older description.
 #include <dyn_sdk/joint_plugin.hpp>
 
 struct SoundBefore : dyn::sdk::Joint<SoundBefore, 1> {

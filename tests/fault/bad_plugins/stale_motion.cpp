@@ -1,4 +1,4 @@
-// Laid beside sound.so as its build for a processor: the type as it is described there, from when it slid the other way.
+// A test installs this file beside sound.so as its build for one processor. It has the same type and description, but slides the other way.
 #include <dyn_sdk/joint_plugin.hpp>
 
 struct SoundBefore : dyn::sdk::Joint<SoundBefore, 1> {

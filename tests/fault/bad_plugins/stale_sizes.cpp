@@ -1,4 +1,4 @@
-// Laid beside sound.so as its build for a processor: the type as it is described there, with other sizes.
+// A test installs this file beside sound.so as its build for one processor. It has the same type and description, but two degrees of freedom.
 #include <dyn_sdk/joint_plugin.hpp>
 
 struct SoundOfTwo : dyn::sdk::Joint<SoundOfTwo, 2> {

@@ -1,4 +1,4 @@
-// Its pose map throws where none may.
+// The pose map of this type throws, which is not allowed.
 #include <dyn_sdk/joint_plugin.hpp>
 
 #include <stdexcept>

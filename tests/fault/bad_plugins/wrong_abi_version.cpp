@@ -1,4 +1,4 @@
-// Built against an ABI version that is not this library's.
+// The plugin's stamp has an ABI version that is not this library's.
 #include <dyn_sdk/stamp.hpp>
 
 extern "C" __attribute__((visibility("default"))) const dyn_plugin_descriptor* dyn_plugin_descriptor_v1() {

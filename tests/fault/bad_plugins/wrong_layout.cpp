@@ -1,4 +1,4 @@
-// Built with structs of other sizes.
+// The plugin's stamp has another layout, as if it were built with structs of other sizes.
 #include <dyn_sdk/stamp.hpp>
 
 extern "C" __attribute__((visibility("default"))) const dyn_plugin_descriptor* dyn_plugin_descriptor_v1() {

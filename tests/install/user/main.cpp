@@ -1,5 +1,5 @@
-// A user's program: a robot from a file, its dynamics there and back, what it bumps into. Prints a result that must not depend on how it was
-// compiled.
+// A user's program: it reads a robot from a file and computes inverse and forward dynamics, collisions and distances. It prints a result that must
+// not depend on how the program was compiled.
 #include <dyn/dyn.hpp>
 #include <dyn/geometry/collision.hpp>
 #include <dyn/geometry/distance.hpp>
@@ -8,7 +8,7 @@
 #include <cstdio>
 #include <string>
 
-/// Of the robot's last body, grown by a ball, from a hundred balls in the world: so many that they are found through FCL's tree.
+/// Least distance of the robot, whose last body gets a sphere, from a hundred boxes in the world. So many boxes are searched with FCL's tree.
 static double leastDistance(dyn::Model description, const Eigen::VectorXd& q) {
   description.addGeometry("tip", static_cast<int>(description.bodies.size()) - 1, {}, dyn::geometry::Sphere{0.05});
   for (int i = 0; i < 100; ++i)
@@ -26,7 +26,7 @@ static double leastDistance(dyn::Model description, const Eigen::VectorXd& q) {
   return any == (distance <= 0) && any == dyn::anyCollision(geometry, placed) ? distance : -1e9;
 }
 
-/// A robot in words that say no more than they want to be otherwise.
+/// A robot described by designated initialisers, which name only the members that differ from their defaults.
 static dyn::Model slider() {
   dyn::Model model;
   model.addBody(
@@ -45,7 +45,7 @@ int main(int argc, char** argv) {
     const dyn::CompactModel model = dyn::compile(description, dyn::JointRegistry::standard());
     dyn::Data data(model, dyn::Need::mass_matrix);
     const Eigen::VectorXd q = Eigen::VectorXd::Constant(model.nq(), 0.6);
-    const Eigen::Matrix<double, 1, 1> v(0.3);  // of fixed size, aligned as this program's flags say
+    const Eigen::Matrix<double, 1, 1> v(0.3);  // a fixed-size matrix, aligned as this program's flags require
     Eigen::MatrixXd a = Eigen::MatrixXd::Constant(model.nv(), 2, -0.8);
     const Eigen::VectorXd tau = dyn::rnea(model, data, q, v, 2 * a.col(1) - a.col(0));
     const Eigen::VectorXd back = dyn::aba(model, data, q, v, tau);

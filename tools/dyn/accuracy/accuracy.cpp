@@ -1,4 +1,4 @@
-// dyn accuracy: what speed costs in digits, as one page.
+// dyn accuracy: speed against error, as one page.
 #include "commands.hpp"
 #include "interrupt.hpp"
 #include "problems.hpp"
@@ -12,22 +12,22 @@
 
 namespace dyn::tool {
 
-Specimen specimenOf(const Model& description, const JointRegistry& registry, bool strips) {
+Specimen specimenOf(const Model& description, const JointRegistry& registry, bool lane_groups) {
   CompileOptions options;
   options.dissipation = options.armature = false;
-  options.strips = strips;
+  options.lane_groups = lane_groups;
   return {"", "", description, compile(description, registry, options)};
 }
 
 namespace {
 
-/// "FILE" or "FILE:ROOT".
+/// Reads "FILE" or "FILE:ROOT".
 Specimen specimenFrom(const std::string& word, const JointRegistry& registry) {
   const std::size_t colon = word.rfind(':');
   const bool rooted = colon != std::string::npos && word.find('/', colon) == std::string::npos;
   urdf::Options options;
   options.root = rooted ? word.substr(colon + 1) : "fixed";
-  options.mimic = urdf::Mimic::independent;  // as `dyn bench` has them, and the reference
+  options.mimic = urdf::Mimic::independent;  // `dyn bench` and the reference treat them in the same way
   const std::string path = rooted ? word.substr(0, colon) : word;
   Specimen out = specimenOf(urdf::load(path, options), registry);
   out.path = path;
@@ -43,7 +43,7 @@ void run(const AccuracyOptions& o) {
   std::error_code failed;
   std::filesystem::create_directories(o.out, failed);
   if (failed) throw Error(ErrorCode::file, "the folder cannot be made: " + failed.message(), {o.out, 0, ""});
-  // Before minutes of measuring: what is wrong with it is said at once.
+  // The file is read before minutes of measurement, so that its errors are reported at once.
   std::vector<Section> peers;
   if (!o.peers.empty()) peers = peerSections(o.peers);
   Page page("libdyn: speed against error");

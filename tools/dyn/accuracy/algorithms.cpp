@@ -19,7 +19,7 @@ namespace dyn::tool {
 
 namespace {
 
-/// Those that a reference judges.
+/// Algorithms that the reference has results for.
 const std::set<std::string> judged{"rnea", "crba", "aba", "forward_dynamics_cholesky", "minverse", "rnea_derivatives", "aba_derivatives"};
 
 struct Line {
@@ -28,32 +28,32 @@ struct Line {
 };
 
 std::string modeOf(const Line& line) { return line.scalar == "float" ? line.mode + " float" : line.mode; }
-bool usesStrips(const CompactModel& model) {
+bool usesLaneGroups(const CompactModel& model) {
   const std::vector<std::string>& passes = model.report().passes;
   return std::any_of(passes.begin(), passes.end(), [](const std::string& x) { return x.find("single states take them") != std::string::npos; });
 }
 
-/// Single states, one joint after the other.
-void addWithoutStrips(Subjects& x, std::vector<Entry>& entries) {
+/// Adds the single-state entries of a model compiled without lane groups.
+void addWithoutLaneGroups(Subjects& x, std::vector<Entry>& entries) {
   std::vector<Entry> single;
   addSingle(x, single);
   for (Entry& entry : single) {
-    entry.mode = "single, no strips";
+    entry.mode = "single, no lane groups";
     entries.push_back(std::move(entry));
   }
 }
 
-/// Beside its point: only what sets it apart.
+/// The label beside a line's point: only its difference from the default mode.
 std::string labelOf(const Line& line) {
   const std::string mode = modeOf(line), differences = "differences ", single = "single ";
   if (mode == "single") return "";
   if (mode == "batch float") return "float";
-  if (mode == "single, no strips") return "no strips";
+  if (mode == "single, no lane groups") return "no lane groups";
   if (mode.rfind(differences, 0) == 0) return "h = " + mode.substr(differences.size());
   return mode.rfind(single, 0) == 0 ? mode.substr(single.size()) : mode;
 }
 
-/// Derivatives in another way than the library's: run(state) writes them, w.r.t. q and v side by side, into what `out` gives.
+/// Derivatives by a method other than the library's. run(state) writes those by q and by v side by side into the matrix that out() returns.
 template <class Run, class Out>
 Entry derivativeEntry(Subjects& x, const char* algorithm, const std::string& mode, Run run, Out out) {
   return {algorithm,
@@ -74,7 +74,7 @@ Entry derivativeEntry(Subjects& x, const char* algorithm, const std::string& mod
           }};
 }
 
-/// By differences of one side with this step: the derivatives that aba_derivatives and rnea_derivatives give in closed form.
+/// One-sided differences with step h, for the derivatives that aba_derivatives and rnea_derivatives compute in closed form.
 Entry byDifferences(Subjects& x, bool forward_dynamics, double h) {
   char mode[32];
   std::snprintf(mode, sizeof mode, "differences %g", h);
@@ -96,8 +96,8 @@ Entry byDifferences(Subjects& x, bool forward_dynamics, double h) {
   return derivativeEntry(x, forward_dynamics ? "aba_derivatives" : "rnea_derivatives", mode, run, [out]() -> const Eigen::MatrixXd& { return *out; });
 }
 
-/// By differentiating rnea's own operations forward, as dual numbers do: its graph, differentiated and replayed. For coordinates that are their own
-/// tangent space.
+/// Differentiates the operations of rnea forward, as dual numbers do: the graph of rnea is differentiated and replayed. Only for models whose
+/// configuration space is its own tangent space (nq = nv).
 Entry byDualNumbers(Subjects& x) {
   const auto n = x.model.nv();
   struct Tape {
@@ -125,7 +125,7 @@ Entry byDualNumbers(Subjects& x) {
   return derivativeEntry(x, "rnea_derivatives", "dual", run, [tape]() -> const Eigen::MatrixXd& { return tape->out; });
 }
 
-/// States as a truth file has them, so that `dyn bench` in another process judges by the same.
+/// The samples in the format of a truth file, so that `dyn bench` in another process uses the same truth.
 std::string truthFile(const std::vector<TruthSample>& samples) {
   Json out;
   out["samples"] = Json::array();
@@ -149,7 +149,7 @@ std::string truthFile(const std::vector<TruthSample>& samples) {
   return out.dump();
 }
 
-/// Lines of `dyn bench --json` by this program, run once more with kernels for another instruction set.
+/// Runs this program again as `dyn bench --json`, with kernels for another instruction set, and returns its lines.
 std::vector<Line> linesOfOther(const Specimen& x, const std::string& isa, const std::string& truth) {
   const std::string self = std::filesystem::read_symlink("/proc/self/exe").string();
   const auto quoted = [](const std::string& text) {
@@ -187,7 +187,7 @@ Section algorithmSection(const std::vector<Specimen>& specimens, const AccuracyO
       "no "
       "code with the library. Errors of rnea, aba and Cholesky forward dynamics are scaled by what their summands could be before they cancel, the "
       "others by the largest entry. Times are medians of eleven repetitions over 256 random states. Points without a word are calls of one state; "
-      "no strips: without joints of several limbs side by "
+      "no lane groups: without joints of several limbs side by "
       "side; batch: many states a call; float: such in single precision; codegen: code generated for the model; others: an instruction set.",
       "What limits each: rounding alone. Finite differences are limited by their step, and gain or lose digits as it is chosen."};
   out.table.columns = {"model",      "algorithm",     "mode",          "ns a state",          "quartile 1",
@@ -201,17 +201,17 @@ Section algorithmSection(const std::vector<Specimen>& specimens, const AccuracyO
     const bool derivatives = model.nv() <= 40;
     for (const State& s : randomStates(model, options.quick ? 2 : model.nv() <= 20 ? 8 : 3, 7))
       subjects.truth.push_back(oracle.evaluate(s, derivatives));
-    // Floats are judged by the reference at what states round to, which doubles stand in for: their errors are a hundred million times less.
+    // For floats, the truth is the result in doubles at the rounded states, whose errors are a hundred million times smaller.
     std::vector<Entry> entries;
     addSingle(subjects, entries);
-    // Entries refer to these two.
+    // The entries keep references to these two.
     std::optional<CompactModel> one_by_one;
     std::optional<Subjects> plain;
-    if (usesStrips(model)) {
+    if (usesLaneGroups(model)) {
       one_by_one = specimenOf(specimen.description, JointRegistry::standard(), false).model;
       plain.emplace(*one_by_one, ConstraintSet(*one_by_one, {}));
       plain->truth = subjects.truth;
-      addWithoutStrips(*plain, entries);
+      addWithoutLaneGroups(*plain, entries);
     }
     addBatch<double>(subjects, "double", 1, entries);
     addBatch<float>(subjects, "float", 1, entries);
@@ -240,7 +240,7 @@ Section algorithmSection(const std::vector<Specimen>& specimens, const AccuracyO
     algorithms.joinPoints(false);
     derived.joinPoints(false);
     for (const Line& line : lines) {
-      // A result that is right to the last bit would lie beyond a logarithmic axis.
+      // Errors are clamped, because an error of zero has no place on a logarithmic axis.
       const bool derivative = line.algorithm.find("derivatives") != std::string::npos;
       (derivative ? derived : algorithms).add(line.algorithm, std::max(line.most, 0.01), line.ns, labelOf(line));
       const double digits = -std::log10(std::max(line.most, 0.01) * (line.scalar == "float" ? 0x1p-24 : 0x1p-53));

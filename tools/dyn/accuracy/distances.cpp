@@ -1,4 +1,4 @@
-// What it costs a robot to stand far from the origin.
+// Errors of a robot that stands far from the origin.
 #include "bench.hpp"
 #include "oracle.hpp"
 #include "problems.hpp"

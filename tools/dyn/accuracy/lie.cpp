@@ -1,4 +1,4 @@
-// Functions of rotations and rigid motions against a hundred digits: power series of matrices, their inverses, and the arc tangent.
+// Functions of rotations and rigid motions against hundred-digit references: power series of matrices, their inverses, and the arc tangent.
 #include "bench.hpp"
 #include "errors.hpp"
 #include "exact_number.hpp"
@@ -20,7 +20,7 @@ using Real = ExactNumber<100>;
 template <int n>
 using Matrix = Eigen::Matrix<Real, n, n>;
 
-/// Angles are at most half a turn, so that series of this length end below 1e-90.
+/// Angles are at most half a turn, so the last term of a series of this length is below 1e-90.
 constexpr int terms = 110;
 
 /// sum x^k / (k + m)!
@@ -61,7 +61,7 @@ struct Function {
   const char* name;
   std::function<std::vector<double>(const Motion<double>&)> value;
   std::function<std::vector<long double>(const Motion<double>&)> truth;
-  std::function<double(const Motion<double>&)> call;  ///< for its time: a number of the result
+  std::function<double(const Motion<double>&)> call;  ///< for timing; returns one number of the result
 };
 
 std::vector<Function> functions() {
@@ -80,7 +80,7 @@ std::vector<Function> functions() {
        [](const M& m) { return exp6(m).p.x; }},
       {"log3", [](const M& m) { return numbers(log3(expQuaternion(m.angular))); },
        [](const M& m) {
-         // Of the quaternion as it is rounded.
+         // The reference starts from the rounded quaternion.
          const Quaternion<double> q = expQuaternion(m.angular);
          const Eigen::Matrix<Real, 3, 1> im(Real(q.x), Real(q.y), Real(q.z));
          const Real size = im.norm(), angle = 2 * atan2(q.w < 0 ? Real(-size) : size, Real(std::abs(q.w)));
@@ -101,7 +101,7 @@ std::vector<Function> functions() {
   };
 }
 
-/// ns a call, over motions of all angles.
+/// ns per call, over motions of all angles.
 double nanoseconds(const Function& f, const std::vector<Motion<double>>& motions) {
   volatile double kept = 0;
   const auto round = [&] {
@@ -130,7 +130,7 @@ Section lieSection(const AccuracyOptions& options) {
     return (1 / std::sqrt(dot(x, x))) * x;
   };
   std::vector<double> angles;
-  const int points = options.quick ? 1 : 4;  // a decade
+  const int points = options.quick ? 1 : 4;  // per decade
   for (int k = -12 * points; k <= 0; ++k) angles.push_back(std::pow(10.0, static_cast<double>(k) / points));
   for (const double angle : {1.5, 2.0, 2.5, 3.0, M_PI - 1e-3, M_PI - 1e-8}) angles.push_back(angle);
   std::vector<std::vector<Motion<double>>> motions;

@@ -22,19 +22,19 @@ struct MotionProblem {
   CompactModel model;
   State start;
   double time;
-  State end;               ///< by the reference
-  double uncertainty = 0;  ///< by how much its last refinement changed it [rad, m]
+  State end;               ///< from the reference
+  double uncertainty = 0;  ///< change of `end` by the last refinement of the reference [rad, m]
 };
 
 struct Point {
-  double h = 0;        ///< step, or tolerance
+  double h = 0;        ///< step, or tolerance of an adaptive method
   double seconds = 0;  ///< median of three
-  double error = 0;    ///< largest difference of configuration to where it should be [rad, m]
-  double drift = 0;    ///< largest change of energy at the ends of 64 parts [J]
+  double error = 0;    ///< largest difference from the reference's configuration [rad, m]
+  double drift = 0;    ///< largest change of energy, at the ends of 64 parts of the motion [J]
   long evaluations = 0, factorizations = 0;
 };
 
-/// By the reference, in steps that are halved until their end stays where it is.
+/// Computes problem.end by the reference. Its steps are halved until the end changes by less than 1e-13, or up to 1600 steps.
 void follow(const Oracle& oracle, MotionProblem& problem) {
   constexpr int most_steps = 1600;
   State before = oracle.move(problem.start, problem.time, 25);
@@ -46,7 +46,7 @@ void follow(const Oracle& oracle, MotionProblem& problem) {
   }
 }
 
-/// Nothing if the motion cannot be followed with such steps.
+/// Empty if the simulation fails with such steps.
 std::optional<Point> measureMotion(const MotionProblem& problem, const SimulatorOptions& options, bool adaptive) {
   Point point;
   point.h = adaptive ? options.tolerance : options.dt;
@@ -66,7 +66,7 @@ std::optional<Point> measureMotion(const MotionProblem& problem, const Simulator
     Simulator s(problem.model, options);
     s.reset(problem.start.q, problem.start.v);
     const double before = s.energy();
-    // At the ends of steps, not between them, where its error would be that of the polynomial.
+    // Energy is read at the ends of steps. Between them its error would be that of the interpolating polynomial.
     for (int k = 1; k <= parts; ++k) {
       while (s.time() < problem.time * k / parts) s.step();
       point.drift = std::max(point.drift, std::abs(s.energy() - before));
@@ -83,7 +83,7 @@ std::optional<Point> measureMotion(const MotionProblem& problem, const Simulator
 MotionProblem falling(const Specimen& x) {
   const CompactModel& model = x.model;
   State start;
-  // Off its neutral posture, so that all joints move.
+  // The start differs from the neutral posture, so that all joints move.
   start.q = integrate(model, neutral(model), Eigen::VectorXd::Constant(model.nv(), 0.3));
   start.v = Eigen::VectorXd::Constant(model.nv(), 0.2);
   MotionProblem problem{model.name() + " falling", "from a bent posture, without torques or losses", model, start, 0.5, {}};
@@ -112,7 +112,7 @@ std::vector<MotionProblem> problemsOf(const std::vector<Specimen>& specimens, co
   start.v = vector({0x1p-7, 1, 0x1p-6});
   add("free body", "turns over about its intermediate axis", freeBody(), start, 10);
   {
-    // All cranks turn as one would with their inertia: the loop's motion is known without a loop.
+    // All cranks turn as one crank with their inertia does. So the loop's motion is known from a model without a loop.
     const Model description = fourBars(1), crank = fourBarsCrank(1);
     const CompactModel model = compile(description, registry), single = compile(crank, registry);
     MotionProblem one{"", "", single, {}, 10, {}};
@@ -124,7 +124,7 @@ std::vector<MotionProblem> problemsOf(const std::vector<Specimen>& specimens, co
     loop.start.v = Eigen::VectorXd::Zero(model.nv());
     for (const JointRecord& joint : model.joints()) {
       if (joint.nv == 0) continue;
-      const double sign = joint.name[1] == 'r' ? 1 : -1;  // couplers turn back what cranks turn
+      const double sign = joint.name[1] == 'r' ? 1 : -1;  // couplers turn opposite to the cranks
       loop.start.v[joint.idx_v] = sign * one.start.v[0];
       loop.end.q[joint.idx_q] = sign * one.end.q[0];
     }

@@ -1,4 +1,4 @@
-// The report of `dyn accuracy`: sections of text, pictures and tables, as one page that needs nothing but itself, and as JSON.
+// The report of `dyn accuracy`: sections of text, pictures and tables, as one self-contained page and as JSON.
 #pragma once
 
 #include "states.hpp"
@@ -10,7 +10,7 @@
 
 namespace dyn::tool {
 
-/// Rows of numbers and words; the same rows are shown and written as JSON.
+/// Rows of numbers and words. The page and the JSON file have the same rows.
 struct Table {
   std::vector<std::string> columns;
   std::vector<std::vector<Json>> rows;
@@ -27,7 +27,7 @@ class Page {
  public:
   explicit Page(std::string title) : title_(std::move(title)) {}
   void add(Section section) { sections_.push_back(std::move(section)); }
-  /// index.html and report.json in a folder, which is made if it is not there. Throws Error(file).
+  /// Writes index.html and report.json to a folder, which is created if it is missing. Throws Error(file).
   void write(const std::string& folder) const;
 
  private:
@@ -38,7 +38,7 @@ class Page {
   std::vector<Section> sections_;
 };
 
-/// "AMD EPYC ..., 2026-11-21": what figures are of.
+/// The processor and date of the measurements, such as "AMD EPYC ..., 2026-11-21".
 std::string machineAndDay();
 
 }  // namespace dyn::tool

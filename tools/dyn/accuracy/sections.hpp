@@ -1,4 +1,4 @@
-// What `dyn accuracy` measures.
+// The sections of the report of `dyn accuracy`.
 #pragma once
 
 #include "model_options.hpp"
@@ -9,15 +9,15 @@
 
 namespace dyn::tool {
 
-/// A model with its description, which the fifty-digit reference reads. `path` and `root` are empty for those made here.
+/// A model with its description, which the fifty-digit reference reads. `path` and `root` are empty for built-in models.
 struct Specimen {
   std::string path, root;
   Model description;
   CompactModel model;
 };
 
-/// Without damping, friction and armature, of which the reference knows nothing.
-Specimen specimenOf(const Model& description, const JointRegistry& registry, bool strips = true);
+/// Compiles without damping, friction and armature, which the reference does not model.
+Specimen specimenOf(const Model& description, const JointRegistry& registry, bool lane_groups = true);
 
 struct AccuracyOptions {
   std::vector<std::string> models, instruction_sets;
@@ -29,7 +29,7 @@ struct AccuracyOptions {
 Section algorithmSection(const std::vector<Specimen>& specimens, const AccuracyOptions& options);
 /// Time against error of the final state and against energy drift, for each integrator over its steps or tolerances.
 Section motionSection(const std::vector<Specimen>& specimens, const AccuracyOptions& options);
-/// Energy over a long time.
+/// Change of energy over a long time.
 Section driftSection(const AccuracyOptions& options);
 /// Errors and times against the length of a chain.
 Section lengthSection(const AccuracyOptions& options);
@@ -37,7 +37,7 @@ Section lengthSection(const AccuracyOptions& options);
 Section distanceSection(const AccuracyOptions& options);
 /// Errors of the functions of rotations and rigid motions against the angle.
 Section lieSection(const AccuracyOptions& options);
-/// Times and errors of other libraries, of algorithms and of motions, from the file that tools/bench-peers writes.
+/// Times and errors of other libraries' algorithms and motions, from the file that tools/bench-peers writes.
 std::vector<Section> peerSections(const std::string& file);
 
 }  // namespace dyn::tool

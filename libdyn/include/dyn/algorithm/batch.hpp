@@ -1,11 +1,13 @@
-// The algorithms over many states. Arguments are matrices whose columns are states, nq or nv rows, at most as many columns as the batch
-// has room for; so are results, which the batch owns until its next call.
+// The algorithms over many states (a batch). Each column of an argument is one state. Arguments have nq or nv rows, and at most as many columns
+// as the batch's capacity. Each column of a result belongs to one state, too. The batch owns the results until its next call.
 //
-// Throw Error(size) for matrices of wrong sizes, Error(argument) for a quaternion that is zero, naming the state; the other states' results are
-// there. As for single states, forward dynamics of models with joints that follow others goes through M, and computeJointJacobians refuses them.
+// The functions throw Error(size) for a matrix of the wrong size. They throw Error(argument), which names the state, for a zero quaternion; the
+// results of the other states are valid then. As for single states, forward dynamics of a model with dependent joints goes through M, and
+// computeJointJacobians refuses such a model.
 #pragma once
 
 #include <dyn/algorithm/jacobians.hpp>
+#include <dyn/catalogue/algorithm.hpp>
 #include <dyn/data/batch_data.hpp>
 
 #include <type_traits>
@@ -18,10 +20,10 @@ template <class T>
 struct StatesView {
   const T* data = nullptr;
   std::ptrdiff_t rows = 0, cols = 0, stride = 0;
-  bool given = false;  ///< an argument, even one without numbers
+  bool given = false;  ///< true for an argument, even for one without numbers
 };
 
-/// Argument: a column-major matrix, a block of columns, a Map. Nothing is copied.
+/// An argument: a column-major matrix, a block of columns, or a Map. Its numbers are not copied.
 template <class T>
 class StatesArg {
  public:
@@ -38,79 +40,83 @@ class StatesArg {
   StatesView<T> view_;
 };
 
-enum class BatchQuantity { rnea, nle, gravity, mass_matrix, aba };
-/// Returns the result's first number; v and a that are not given are zero.
-template <class T>
-DYN_API const T* computeBatch(const CompactModel&, BasicBatchData<T>&, BatchQuantity, StatesView<T> q, StatesView<T> v, StatesView<T> a);
-template <class T>
-DYN_API const T* batchJacobians(const CompactModel&, BasicBatchData<T>&, StatesView<T> q, Kind kind, int id, ReferenceFrame);
-template <class T>
-DYN_API void batchKinematics(const CompactModel&, BasicBatchData<T>&, StatesView<T> q, StatesView<T> v, StatesView<T> a);
-
-/// Not deduced from, so that any matrix converts.
-template <class T>
-using States = StatesArg<std::type_identity_t<T>>;
 template <class T>
 using StatesResult = Eigen::Map<const Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>>;
 
+/// Pointers to the first number of each result of an algorithm, in the order of the catalogue.
 template <class T>
-StatesResult<T> computeBatch(const CompactModel& model, BasicBatchData<T>& data, BatchQuantity what, Eigen::Index rows, const StatesView<T>& q,
-                             const StatesView<T>& v, const StatesView<T>& a) {
-  return {computeBatch<T>(model, data, what, q, v, a), rows, q.cols};
-}
+struct BatchViews {
+  const T* results[4];
+  std::ptrdiff_t rows[4], states;
+  StatesResult<T> operator()(std::size_t k) const { return {results[k], rows[k], states}; }
+};
+/// For forward dynamics, `a` is tau. If v or a is not given, it counts as zero.
+template <class T>
+DYN_API BatchViews<T> runBatch(const CompactModel&, BasicBatchData<T>&, Algorithm, StatesView<T> q, StatesView<T> v, StatesView<T> a);
+template <class T>
+DYN_API BatchViews<T> batchJacobians(const CompactModel&, BasicBatchData<T>&, StatesView<T> q, Kind kind, int id, ReferenceFrame);
+template <class T>
+DYN_API void batchKinematics(const CompactModel&, BasicBatchData<T>&, StatesView<T> q, StatesView<T> v, StatesView<T> a);
 
+/// The compiler does not deduce T from such an argument, so any matrix converts to it.
 template <class T>
-StatesResult<T> batchJacobians(const CompactModel& model, BasicBatchData<T>& data, Kind kind, int id, ReferenceFrame reference,
-                               const StatesView<T>& q) {
-  return {batchJacobians<T>(model, data, q, kind, id, reference), 6 * Eigen::Index(model.nv()), q.cols};
-}
+using States = StatesArg<std::type_identity_t<T>>;
 
 }  // namespace detail
 
-/// tau, nv x N, as the rnea of one state.
+/// Runs one algorithm of the catalogue, for programs that loop over the catalogue. The batch must have been made with info(algorithm).batch_need.
+/// Result k is output k of info(algorithm), one column per state. For aba and its derivatives, A is tau. Throws what the algorithm's own function
+/// throws, and Error(argument) for algorithms that are not batched or read more than q, v and a or tau.
 template <class T>
-auto rnea(const CompactModel& model, BasicBatchData<T>& data, const detail::States<T>& Q, const detail::States<T>& V, const detail::States<T>& A) {
-  return detail::computeBatch<T>(model, data, detail::BatchQuantity::rnea, model.nv(), Q, V, A);
-}
-/// rnea at zero acceleration.
-template <class T>
-auto nonLinearEffects(const CompactModel& model, BasicBatchData<T>& data, const detail::States<T>& Q, const detail::States<T>& V) {
-  return detail::computeBatch<T>(model, data, detail::BatchQuantity::nle, model.nv(), Q, V, detail::StatesView<T>{});
-}
-/// rnea at rest.
-template <class T>
-auto generalizedGravity(const CompactModel& model, BasicBatchData<T>& data, const detail::States<T>& Q) {
-  return detail::computeBatch<T>(model, data, detail::BatchQuantity::gravity, model.nv(), Q, detail::StatesView<T>{}, detail::StatesView<T>{});
-}
-/// Each column is a mass matrix, nv * nv numbers. The batch must have been made with Need::mass_matrix.
-template <class T>
-auto crba(const CompactModel& model, BasicBatchData<T>& data, const detail::States<T>& Q) {
-  return detail::computeBatch<T>(model, data, detail::BatchQuantity::mass_matrix, Eigen::Index(model.nv()) * model.nv(), Q, detail::StatesView<T>{},
-                                 detail::StatesView<T>{});
-}
-/// Joint accelerations, nv x N. Throws Error(singular) naming joint and state, whose column is NaN; the others are right.
-template <class T>
-auto aba(const CompactModel& model, BasicBatchData<T>& data, const detail::States<T>& Q, const detail::States<T>& V, const detail::States<T>& Tau) {
-  return detail::computeBatch<T>(model, data, detail::BatchQuantity::aba, model.nv(), Q, V, Tau);
+detail::BatchViews<T> runAlgorithm(const CompactModel& model, BasicBatchData<T>& data, Algorithm algorithm, const detail::States<T>& Q,
+                                   const detail::States<T>& V, const detail::States<T>& A) {
+  return detail::runBatch<T>(model, data, algorithm, Q, V, A);
 }
 
-/// Each column is a Jacobian, 6 x nv numbers, as the function of the same name writes it for one state. The batch must have been made with
-/// Need::jacobians.
+/// Computes the joint forces tau, nv x N, as rnea does for one state.
+template <class T>
+auto rnea(const CompactModel& model, BasicBatchData<T>& data, const detail::States<T>& Q, const detail::States<T>& V, const detail::States<T>& A) {
+  return detail::runBatch<T>(model, data, Algorithm::rnea, Q, V, A)(0);
+}
+/// Computes rnea at zero acceleration, nv x N.
+template <class T>
+auto nonLinearEffects(const CompactModel& model, BasicBatchData<T>& data, const detail::States<T>& Q, const detail::States<T>& V) {
+  return detail::runBatch<T>(model, data, Algorithm::nle, Q, V, {})(0);
+}
+/// Computes rnea at rest (v = a = 0), nv x N.
+template <class T>
+auto generalizedGravity(const CompactModel& model, BasicBatchData<T>& data, const detail::States<T>& Q) {
+  return detail::runBatch<T>(model, data, Algorithm::gravity, Q, {}, {})(0);
+}
+/// Computes mass matrices. Each column of the result is one, of nv * nv numbers. The batch must have been made with Need::mass_matrix.
+template <class T>
+auto crba(const CompactModel& model, BasicBatchData<T>& data, const detail::States<T>& Q) {
+  return detail::runBatch<T>(model, data, Algorithm::mass_matrix, Q, {}, {})(0);
+}
+/// Computes joint accelerations, nv x N. Throws Error(singular), which names the joint and the state, where M is singular. The columns of such
+/// states are NaN; the other columns are right.
+template <class T>
+auto aba(const CompactModel& model, BasicBatchData<T>& data, const detail::States<T>& Q, const detail::States<T>& V, const detail::States<T>& Tau) {
+  return detail::runBatch<T>(model, data, Algorithm::aba, Q, V, Tau)(0);
+}
+
+/// Each column of the result is a Jacobian of 6 x nv numbers, as the function of the same name writes it for one state. The batch must have
+/// been made with Need::jacobians.
 template <class T>
 auto computeJointJacobians(const CompactModel& model, BasicBatchData<T>& data, const detail::States<T>& Q) {
-  return detail::batchJacobians<T>(model, data, detail::Kind::all_joints, 0, ReferenceFrame::WORLD, Q);
+  return detail::batchJacobians<T>(model, data, Q, detail::Kind::all_joints, 0, ReferenceFrame::WORLD)(0);
 }
 template <class T>
 auto computeJointJacobian(const CompactModel& model, BasicBatchData<T>& data, const detail::States<T>& Q, int joint, ReferenceFrame reference) {
-  return detail::batchJacobians<T>(model, data, detail::Kind::joint, joint, reference, Q);
+  return detail::batchJacobians<T>(model, data, Q, detail::Kind::joint, joint, reference)(0);
 }
 template <class T>
 auto computeFrameJacobian(const CompactModel& model, BasicBatchData<T>& data, const detail::States<T>& Q, int frame, ReferenceFrame reference) {
-  return detail::batchJacobians<T>(model, data, detail::Kind::frame, frame, reference, Q);
+  return detail::batchJacobians<T>(model, data, Q, detail::Kind::frame, frame, reference)(0);
 }
 
-/// Poses, with V velocities, with A accelerations of all joints, to be read by the functions below. The batch must have been made with
-/// Need::kinematics.
+/// Computes the poses of all joints; with V their velocities, too; with A also their accelerations. The functions below read them. The batch
+/// must have been made with Need::kinematics.
 template <class T>
 void forwardKinematics(const CompactModel& model, BasicBatchData<T>& data, const detail::States<T>& Q) {
   detail::batchKinematics<T>(model, data, Q, {}, {});
@@ -125,8 +131,8 @@ void forwardKinematics(const CompactModel& model, BasicBatchData<T>& data, const
   detail::batchKinematics<T>(model, data, Q, V, A);
 }
 
-// What the last forwardKinematics of sufficient order found for one state. Throw Error(argument) for numbers out of range, or a
-// batch of another model.
+// These functions return what the last forwardKinematics found for one state. They throw Error(argument) for a frame or state number out of
+// range, for a batch of another model, and if the last forwardKinematics had no V or A where one is needed.
 template <class T>
 DYN_API SE3<T> framePlacement(const CompactModel& model, const BasicBatchData<T>& data, int frame, int state);
 template <class T>

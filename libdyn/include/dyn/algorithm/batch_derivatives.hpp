@@ -1,6 +1,6 @@
-// Derivatives, inverse inertias, Coriolis matrices and centroidal quantities of many states. Columns are states; each column of a result
-// is a matrix, written as the function of the same name writes it for one state. The batch must have been made with Need::derivatives, and
-// owns the results until its next call of any of these functions.
+// Derivatives, inverse mass matrices, Coriolis matrices and centroidal quantities of many states. Each column of an argument is one state. Each
+// column of a result is a matrix, as the function of the same name writes it for one state. The batch must have been made with
+// Need::derivatives. It owns the results until its next call. The centroidal functions throw Error(singular) for a model without mass.
 #pragma once
 
 #include <dyn/algorithm/batch.hpp>
@@ -9,89 +9,73 @@
 
 namespace dyn {
 
-namespace detail {
-enum class BatchDerivatives { rnea, aba, minverse, coriolis, centroidal_map, centroidal_rate, centroidal_derivatives };
 template <class T>
-struct BatchDerivativeViews {
-  const T* results[4];
-  std::ptrdiff_t states;
-  StatesResult<T> operator()(int result, Eigen::Index rows) const { return {results[result], rows, states}; }
+struct BatchRNEADerivatives {
+  detail::StatesResult<T> dtau_dq, dtau_dv, dtau_da;  ///< nv * nv numbers per state
 };
 template <class T>
-DYN_API BatchDerivativeViews<T> batchDerivatives(const CompactModel&, BasicBatchData<T>&, BatchDerivatives, StatesView<T> q, StatesView<T> v,
-                                                 StatesView<T> a);
-}  // namespace detail
-
-template <class T>
-struct BatchRneaDerivatives {
-  detail::StatesResult<T> dtau_dq, dtau_dv, dtau_da;  ///< nv * nv numbers a state
-};
-template <class T>
-struct BatchAbaDerivatives {
-  detail::StatesResult<T> ddq;                       ///< nv numbers a state
-  detail::StatesResult<T> ddq_dq, ddq_dv, ddq_dtau;  ///< nv * nv
+struct BatchABADerivatives {
+  detail::StatesResult<T> ddq;                       ///< nv numbers per state
+  detail::StatesResult<T> ddq_dq, ddq_dv, ddq_dtau;  ///< nv * nv numbers per state
 };
 template <class T>
 struct BatchCentroidalMomentum {
-  detail::StatesResult<T> hg, Ag;  ///< 6, and 6 * nv numbers a state
+  detail::StatesResult<T> hg, Ag;  ///< 6 and 6 * nv numbers per state
 };
 template <class T>
 struct BatchCentroidalRate {
-  detail::StatesResult<T> hg, dhg, Ag, dAg;
+  detail::StatesResult<T> hg, dhg, Ag, dAg;  ///< 6, 6, 6 * nv and 6 * nv numbers per state
 };
 template <class T>
 struct BatchCentroidalDerivatives {
-  detail::StatesResult<T> dhg_dq, dhgdot_dq, dhgdot_dv, dhgdot_da;  ///< 6 * nv numbers a state
+  detail::StatesResult<T> dhg_dq, dhgdot_dq, dhgdot_dv, dhgdot_da;  ///< 6 * nv numbers per state
 };
 
 template <class T>
-BatchRneaDerivatives<T> computeRNEADerivatives(const CompactModel& model, BasicBatchData<T>& data, const detail::States<T>& Q,
+BatchRNEADerivatives<T> computeRNEADerivatives(const CompactModel& model, BasicBatchData<T>& data, const detail::States<T>& Q,
                                                const detail::States<T>& V, const detail::States<T>& A) {
-  const auto x = detail::batchDerivatives<T>(model, data, detail::BatchDerivatives::rnea, Q, V, A);
-  const Eigen::Index n = Eigen::Index(model.nv()) * model.nv();
-  return {x(0, n), x(1, n), x(2, n)};
+  const auto x = detail::runBatch<T>(model, data, Algorithm::rnea_derivatives, Q, V, A);
+  return {x(0), x(1), x(2)};
 }
-/// nv * nv numbers a state.
+/// dg/dq, nv * nv numbers per state.
 template <class T>
 detail::StatesResult<T> computeGeneralizedGravityDerivatives(const CompactModel& model, BasicBatchData<T>& data, const detail::States<T>& Q) {
-  return detail::batchDerivatives<T>(model, data, detail::BatchDerivatives::rnea, Q, {}, {})(0, Eigen::Index(model.nv()) * model.nv());
+  return detail::runBatch<T>(model, data, Algorithm::rnea_derivatives, Q, {}, {})(0);
 }
-/// Throws Error(singular) naming joint and state, whose columns are NaN; the others are right. So do the next two.
+/// Throws Error(singular), which names the joint and the state, where M is singular. The columns of such states are NaN; the others are right.
 template <class T>
-BatchAbaDerivatives<T> computeABADerivatives(const CompactModel& model, BasicBatchData<T>& data, const detail::States<T>& Q,
+BatchABADerivatives<T> computeABADerivatives(const CompactModel& model, BasicBatchData<T>& data, const detail::States<T>& Q,
                                              const detail::States<T>& V, const detail::States<T>& Tau) {
-  const auto x = detail::batchDerivatives<T>(model, data, detail::BatchDerivatives::aba, Q, V, Tau);
-  const Eigen::Index n = Eigen::Index(model.nv()) * model.nv();
-  return {x(3, model.nv()), x(0, n), x(1, n), x(2, n)};
+  const auto x = detail::runBatch<T>(model, data, Algorithm::aba_derivatives, Q, V, Tau);
+  return {x(3), x(0), x(1), x(2)};
 }
-/// nv * nv numbers a state.
+/// M^-1, nv * nv numbers per state. Throws as computeABADerivatives.
 template <class T>
 detail::StatesResult<T> computeMinverse(const CompactModel& model, BasicBatchData<T>& data, const detail::States<T>& Q) {
-  return detail::batchDerivatives<T>(model, data, detail::BatchDerivatives::minverse, Q, {}, {})(0, Eigen::Index(model.nv()) * model.nv());
+  return detail::runBatch<T>(model, data, Algorithm::minverse, Q, {}, {})(0);
 }
-/// nv * nv numbers a state.
+/// C, nv * nv numbers per state.
 template <class T>
 detail::StatesResult<T> computeCoriolisMatrix(const CompactModel& model, BasicBatchData<T>& data, const detail::States<T>& Q,
                                               const detail::States<T>& V) {
-  return detail::batchDerivatives<T>(model, data, detail::BatchDerivatives::coriolis, Q, V, {})(0, Eigen::Index(model.nv()) * model.nv());
+  return detail::runBatch<T>(model, data, Algorithm::coriolis, Q, V, {})(0);
 }
 template <class T>
 BatchCentroidalMomentum<T> ccrba(const CompactModel& model, BasicBatchData<T>& data, const detail::States<T>& Q, const detail::States<T>& V) {
-  const auto x = detail::batchDerivatives<T>(model, data, detail::BatchDerivatives::centroidal_map, Q, V, {});
-  return {x(0, 6), x(1, 6 * model.nv())};
+  const auto x = detail::runBatch<T>(model, data, Algorithm::centroidal_map, Q, V, {});
+  return {x(0), x(1)};
 }
 template <class T>
 BatchCentroidalRate<T> computeCentroidalMomentumTimeVariation(const CompactModel& model, BasicBatchData<T>& data, const detail::States<T>& Q,
                                                               const detail::States<T>& V, const detail::States<T>& A) {
-  const auto x = detail::batchDerivatives<T>(model, data, detail::BatchDerivatives::centroidal_rate, Q, V, A);
-  return {x(0, 6), x(1, 6), x(2, 6 * model.nv()), x(3, 6 * model.nv())};
+  const auto x = detail::runBatch<T>(model, data, Algorithm::centroidal_rate, Q, V, A);
+  return {x(0), x(1), x(2), x(3)};
 }
 template <class T>
 BatchCentroidalDerivatives<T> computeCentroidalDynamicsDerivatives(const CompactModel& model, BasicBatchData<T>& data, const detail::States<T>& Q,
                                                                    const detail::States<T>& V, const detail::States<T>& A) {
-  const auto x = detail::batchDerivatives<T>(model, data, detail::BatchDerivatives::centroidal_derivatives, Q, V, A);
-  const Eigen::Index n = 6 * model.nv();
-  return {x(0, n), x(1, n), x(2, n), x(3, n)};
+  const auto x = detail::runBatch<T>(model, data, Algorithm::centroidal_derivatives, Q, V, A);
+  return {x(0), x(1), x(2), x(3)};
 }
 
 }  // namespace dyn

@@ -1,11 +1,11 @@
-// Centre of mass, its motion and Jacobian, and energies. Only what moves counts: bodies welded to the world carry no part.
+// Centre of mass, its motion and Jacobian, and energies. Only moving bodies count: bodies welded to the world contribute nothing.
 #pragma once
 
 #include <dyn/data/data.hpp>
 
 namespace dyn {
 
-/// World frame, of the last call that computed it.
+/// Given in the world frame. Velocity and acceleration are zero unless the call computes them.
 struct CenterOfMass {
   Vec3<double> position, velocity, acceleration;  ///< [m, m/s, m/s^2]; gravity not included
 };
@@ -17,7 +17,8 @@ DYN_API double kineticEnergy(const CompactModel&, Data&, VectorView q, VectorVie
 DYN_API double potentialEnergy(const CompactModel&, Data&, VectorView q);
 }  // namespace detail
 
-/// Runs forwardKinematics of the order given. O(n). A model without mass has its centre at NaN.
+/// Computes the centre of mass; with v its velocity, too; with a also its acceleration. Runs forwardKinematics with the same arguments. O(n).
+/// The centre of a model without mass is NaN. Throws Error(size | argument).
 inline CenterOfMass centerOfMass(const CompactModel& model, Data& data, const VectorArg& q) {
   return detail::centerOfMass(model, data, q, nullptr, nullptr);
 }
@@ -29,15 +30,15 @@ inline CenterOfMass centerOfMass(const CompactModel& model, Data& data, const Ve
   const VectorView vv = v, aa = a;
   return detail::centerOfMass(model, data, q, &vv, &aa);
 }
-/// 3 x nv, world axes: velocity of the centre of mass = Jcom v. O(n).
+/// Computes the Jacobian Jcom, 3 x nv, in world axes: the velocity of the centre of mass is Jcom v. O(n).
 inline MatrixResult jacobianCenterOfMass(const CompactModel& model, Data& data, const VectorArg& q) {
   return {detail::jacobianCenterOfMass(model, data, q), 3, model.nv()};
 }
-/// v^T M v / 2, armature included [J]. O(n).
+/// Computes the kinetic energy v^T M v / 2 [J], armature included. O(n).
 inline double computeKineticEnergy(const CompactModel& model, Data& data, const VectorArg& q, const VectorArg& v) {
   return detail::kineticEnergy(model, data, q, v);
 }
-/// - sum m g . c over the moving bodies [J]. O(n).
+/// Computes the potential energy [J], the sum of -m g . c over the moving bodies. O(n).
 inline double computePotentialEnergy(const CompactModel& model, Data& data, const VectorArg& q) { return detail::potentialEnergy(model, data, q); }
 
 }  // namespace dyn

@@ -1,10 +1,11 @@
-// Momentum about the centre of mass: its map, its rate, and their derivatives. All need Need::derivatives.
+// Momentum about the centre of mass, its map, its rate, and their derivatives. All functions need Need::derivatives.
 //
-// Momenta and forces are in world axes about the (moving) centre of mass, linear part first; so are the rows of the 6 x nv matrices. They are
-// exact wherever the base stands. O(n). Orin, Goswami and Lee 2013; derivatives by the formulas of computeRNEADerivatives, summed up at
-// the centre of mass. All throw Error(size | argument), and Error(singular) for a model without mass.
+// Momenta and forces are in world axes about the (moving) centre of mass, linear part first; so are the rows of the 6 x nv matrices. Their
+// accuracy does not depend on where the base stands. O(n). Orin, Goswami and Lee 2013; the derivatives use the formulas of
+// computeRNEADerivatives, summed at the centre of mass. All functions throw Error(size | argument), and Error(singular) for a model without mass.
 #pragma once
 
+#include <dyn/catalogue/algorithm.hpp>
 #include <dyn/data/data.hpp>
 #include <dyn/spatial/vector3.hpp>
 
@@ -13,18 +14,17 @@ namespace dyn {
 struct CentroidalMomentum {
   VectorResult hg;              ///< momentum [kg m/s, kg m^2/s]
   MatrixResult Ag;              ///< hg = Ag v
-  const Mat3<double>& inertia;  ///< rotational inertia of the whole as one rigid body about the centre of mass [kg m^2]
+  const Mat3<double>& inertia;  ///< rotational inertia of the whole model, taken as one rigid body, about the centre of mass [kg m^2]
 };
 struct CentroidalRate {
-  VectorResult hg, dhg;  ///< dhg = d hg / dt [N, N m]: the force that gravity, contacts and other bodies must have brought
+  VectorResult hg, dhg;  ///< dhg = d hg / dt [N, N m]: the total force of gravity, contacts and other bodies
   MatrixResult Ag, dAg;  ///< dhg = Ag a + dAg v
 };
 struct CentroidalDerivatives {
-  MatrixResult dhg_dq;                           ///< of the momentum; dhg/dv = Ag
-  MatrixResult dhgdot_dq, dhgdot_dv, dhgdot_da;  ///< of its rate; the last is Ag
+  MatrixResult dhg_dq;                           ///< derivative of the momentum; dhg/dv is Ag
+  MatrixResult dhgdot_dq, dhgdot_dv, dhgdot_da;  ///< derivatives of its rate; the last is Ag
 };
-/// World axes, 3 x nv each. The derivative of the position is jacobianCenterOfMass, which is also that of the velocity by v and of the
-/// acceleration by a.
+/// World axes, 3 x nv each. jacobianCenterOfMass is the derivative of the position by q, of the velocity by v and of the acceleration by a.
 struct CenterOfMassDerivatives {
   MatrixResult vcom_dq, acom_dq, acom_dv;
 };
@@ -34,36 +34,36 @@ struct CentroidalViews {
   const double *hg, *dhg, *Ag, *dAg, *dh_dq, *dhdot_dq, *dhdot_dv;
   const Mat3<double>* inertia;
 };
-enum class CentroidalTask { map, rate, derivatives };
 struct CenterOfMassViews {
   const double *vcom_dq, *acom_dq, *acom_dv;
 };
 DYN_API CenterOfMassViews centerOfMassDerivatives(const CompactModel&, Data&, VectorView q, VectorView v, VectorView a);
-DYN_API CentroidalViews centroidal(const CompactModel&, Data&, CentroidalTask, VectorView q, VectorView v, const VectorView* a);
+DYN_API CentroidalViews centroidal(const CompactModel&, Data&, Algorithm, VectorView q, VectorView v, const VectorView* a);
 }  // namespace detail
 
-/// Momentum and its map: the centroidal composite-rigid-body algorithm.
+/// Computes the momentum and its map with the centroidal composite-rigid-body algorithm.
 inline CentroidalMomentum ccrba(const CompactModel& model, Data& data, const VectorArg& q, const VectorArg& v) {
-  const detail::CentroidalViews x = detail::centroidal(model, data, detail::CentroidalTask::map, q, v, nullptr);
+  const detail::CentroidalViews x = detail::centroidal(model, data, Algorithm::centroidal_map, q, v, nullptr);
   return {{x.hg, 6}, {x.Ag, 6, model.nv()}, *x.inertia};
 }
-/// Momentum, its rate for accelerations a, and the time derivative of the map.
+/// Computes the momentum, its map, its rate for accelerations a, and the time derivative of the map.
 inline CentroidalRate computeCentroidalMomentumTimeVariation(const CompactModel& model, Data& data, const VectorArg& q, const VectorArg& v,
                                                              const VectorArg& a) {
   const VectorView acceleration = a;
-  const detail::CentroidalViews x = detail::centroidal(model, data, detail::CentroidalTask::rate, q, v, &acceleration);
+  const detail::CentroidalViews x = detail::centroidal(model, data, Algorithm::centroidal_rate, q, v, &acceleration);
   return {{x.hg, 6}, {x.dhg, 6}, {x.Ag, 6, model.nv()}, {x.dAg, 6, model.nv()}};
 }
-/// Of hg(q, v) and dhg(q, v, a), in the tangent space of q.
+/// Computes the derivatives of hg(q, v) and dhg(q, v, a), in the tangent space of q.
 inline CentroidalDerivatives computeCentroidalDynamicsDerivatives(const CompactModel& model, Data& data, const VectorArg& q, const VectorArg& v,
                                                                   const VectorArg& a) {
   const VectorView acceleration = a;
-  const detail::CentroidalViews x = detail::centroidal(model, data, detail::CentroidalTask::derivatives, q, v, &acceleration);
+  const detail::CentroidalViews x = detail::centroidal(model, data, Algorithm::centroidal_derivatives, q, v, &acceleration);
   const int n = model.nv();
   return {{x.dh_dq, 6, n}, {x.dhdot_dq, 6, n}, {x.dhdot_dv, 6, n}, {x.Ag, 6, n}};
 }
 
-/// Of velocity and acceleration (gravity not included) of the centre of mass, in the tangent space of q: those of momentum over mass.
+/// Computes the derivatives of the velocity and acceleration (gravity not included) of the centre of mass, in the tangent space of q. They are
+/// the derivatives of the linear momentum and its rate, divided by the mass.
 inline CenterOfMassDerivatives computeCenterOfMassDerivatives(const CompactModel& model, Data& data, const VectorArg& q, const VectorArg& v,
                                                               const VectorArg& a) {
   const detail::CenterOfMassViews x = detail::centerOfMassDerivatives(model, data, q, v, a);

@@ -1,8 +1,8 @@
-// The factors of M that follow the tree: M = U D U^T, U unit upper triangular, with entries for joints on one path to the root only.
+// Tree-sparse factors of M: M = U D U^T. U is unit upper triangular and has entries only between joints on one root path. Featherstone 2005.
 //
-// decompose() takes the M of the last crba(); the others the factors of the last decompose(). In place on the caller's vectors and matrices
-// of nv rows: O(n depth) a column. Need Need::derivatives. They throw Error(size | argument), and Error(argument) for models with joints that
-// follow others, whose M has entries between distant joints. Featherstone 2005.
+// decompose() reads the M of the last crba(). The other functions in this namespace read the factors of the last decompose() and overwrite the
+// caller's vector, or matrix of nv rows, with their result; O(n depth) a column. All need Need::derivatives. They throw Error(size | argument),
+// and Error(argument) for a model with dependent joints, because its M has entries between distant joints.
 #pragma once
 
 #include <dyn/algorithm/rnea.hpp>
@@ -27,7 +27,7 @@ MatrixOut columnsOf(T&& x) {
 
 namespace cholesky {
 
-/// O(n depth^2). Throws Error(singular) naming the joint where M is singular.
+/// Computes the factors. O(n depth^2). Throws Error(singular), which names the joint, where M is singular.
 inline void decompose(const CompactModel& model, Data& data) { detail::choleskyDecompose(model, data); }
 
 /// X <- M^-1 X.
@@ -53,14 +53,15 @@ void Utv(const CompactModel& model, Data& data, T&& X) {
 
 }  // namespace cholesky
 
-/// Condition of M by the factors of the last decompose(), of a model with joints that follow others by the M of the last crba(): how much of the
-/// accuracy of M is lost on the way to M^-1 and to accelerations. With 10^12 four digits of double are left, with 10^16 none. Each row and column is
-/// divided by the root of its diagonal entry first, so that units and sizes of bodies do not count. In the 1-norm, estimated from below, within a
-/// factor of three as a rule: Hager 1984, Higham 1988. O(n^2).
+/// Estimates the condition number of M: how much accuracy is lost on the way from M to M^-1 and to accelerations. At 10^12 four digits of a
+/// double are left, at 10^16 none. Each row and column is first divided by the root of its diagonal entry, so units and sizes of bodies do not
+/// count. The estimate is a lower bound in the 1-norm, as a rule within a factor of three: Hager 1984, Higham 1988.
+/// Reads the M of the last crba() and the factors of the last decompose(). O(n^2). For a model with dependent joints it factors M itself, O(n^3),
+/// needs only Need::mass_matrix, and returns infinity if M is singular.
 inline double conditionOfMassMatrix(const CompactModel& model, Data& data) { return detail::conditionOfMassMatrix(model, data); }
 
-/// ddq = M^-1 (tau - C v - g - losses) through crba and the factors of M: what aba gives, at about twice the cost, and with errors that grow
-/// with the condition of M instead of staying at a few roundings. Leaves M and its factors for cholesky::solve.
+/// Computes ddq = M^-1 (tau - C v - g - dissipation) through crba and the factors of M. aba gives the same at about half the cost, and its errors
+/// stay at a few roundings; here they grow with the condition of M. Leaves M and its factors for cholesky::solve. Throws as decompose().
 inline VectorResult forwardDynamics(const CompactModel& model, Data& data, const VectorArg& q, const VectorArg& v, const VectorArg& tau) {
   return {detail::forwardDynamics(model, data, q, v, tau), model.nv()};
 }

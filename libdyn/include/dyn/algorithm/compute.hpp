@@ -1,43 +1,28 @@
-// Several quantities of one state at once: the union of the passes that they need, each once.
+// Several quantities of one state at once. Each pass that they need runs only once.
 #pragma once
 
 #include <dyn/algorithm/center_of_mass.hpp>
+#include <dyn/catalogue/algorithm.hpp>
 #include <dyn/data/data.hpp>
+
+#include <array>
 
 namespace dyn {
 
-enum class Quantity : unsigned {
-  placements = 1,
-  velocities = 2,       ///< with placements
-  accelerations = 4,    ///< with velocities
-  joint_jacobians = 8,  ///< of all joints, WORLD; with placements
-  center_of_mass = 16,  ///< with its velocity and acceleration where those of bodies are asked for
-  energies = 32,
-  rnea = 64,
-  nle = 128,
-  gravity = 256,
-  mass_matrix = 512,
-  minverse = 1024,
-  coriolis = 2048,
-  centroidal_map = 4096,
-  centroidal_rate = 8192,
-  rnea_derivatives = 16384,  ///< M comes with them
-};
-constexpr Quantity operator|(Quantity a, Quantity b) { return static_cast<Quantity>(static_cast<unsigned>(a) | static_cast<unsigned>(b)); }
-/// Whether any of the wanted ones is in the set.
-constexpr bool has(Quantity set, Quantity wanted) { return (static_cast<unsigned>(set) & static_cast<unsigned>(wanted)) != 0; }
+/// A set of algorithms whose results compute() returns, for example Quantity::rnea | Quantity::mass_matrix.
+using Quantity = Algorithms;
 
-/// Walks over the model that a call made.
+/// How many passes over the model a call made, by kind.
 struct Passes {
   int joints = 0;       ///< poses, subspaces and biases of all joints
-  int subspaces = 0;    ///< derivatives of those that vary
+  int subspaces = 0;    ///< derivatives of subspaces that vary with q
   int kinematics = 0;   ///< placements, velocities, accelerations, Jacobians
-  int dynamics = 0;     ///< Newton-Euler recursions, there and back
-  int inertias = 0;     ///< composite or articulated inertias, there and back
+  int dynamics = 0;     ///< Newton-Euler recursions, outward and inward
+  int inertias = 0;     ///< composite or articulated inertias, with the sweeps that use them
   int derivatives = 0;  ///< the recursions of derivatives
 };
 
-/// What was asked for; views of the others are empty. Poses and motions are read by framePlacement, frameVelocity and their like.
+/// The quantities that were asked for; views of the others are empty. Read poses and motions with framePlacement, frameVelocity and the like.
 struct Computed {
   Passes passes;
   CenterOfMass center_of_mass;
@@ -48,40 +33,102 @@ struct Computed {
 };
 
 namespace detail {
+/// Pointers to the first number of each result of an algorithm, in the order of the catalogue; null where there is no result.
+struct AlgorithmViews {
+  const double* results[4] = {};
+  AlgorithmViews(const double* first = nullptr, const double* second = nullptr, const double* third = nullptr, const double* fourth = nullptr)
+      : results{first, second, third, fourth} {}
+};
 struct ComputedViews {
   Passes passes;
   CenterOfMass center_of_mass;
   double kinetic_energy = 0, potential_energy = 0;
-  const double *tau = nullptr, *nle = nullptr, *gravity = nullptr, *hg = nullptr, *dhg = nullptr, *J = nullptr, *M = nullptr, *Minv = nullptr,
-               *C = nullptr, *Ag = nullptr, *dAg = nullptr, *dtau_dq = nullptr, *dtau_dv = nullptr;
+  std::array<AlgorithmViews, algorithm_count> results;
+
+  AlgorithmViews& operator[](Algorithm algorithm) { return results[static_cast<std::size_t>(algorithm)]; }
 };
-DYN_API ComputedViews compute(const CompactModel&, Data&, Quantity, VectorView q, VectorView v, VectorView a);
+DYN_API ComputedViews compute(const CompactModel&, Data&, Algorithms, VectorView q, VectorView v, VectorView a);
+/// `a` is tau for forward dynamics. Throws Error(argument) for algorithms that read anything else.
+DYN_API AlgorithmViews runAlgorithm(const CompactModel&, Data&, Algorithm, VectorView q, VectorView v, VectorView a);
 }  // namespace detail
 
-/// Each as the function of its own gives it. Data must have what they need: Need::mass_matrix for M, Need::derivatives for minverse and
-/// what follows it. Throws Error(size | argument | singular). Models with joints that follow others share no passes.
-inline Computed compute(const CompactModel& model, Data& data, Quantity what, const VectorArg& q, const VectorArg& v, const VectorArg& a) {
-  const detail::ComputedViews x = detail::compute(model, data, what, q, v, a);
+/// The results of runAlgorithm(). results(k) is output k of info(algorithm), a view of memory that the Data owns.
+class AlgorithmResults {
+ public:
+  AlgorithmResults(const CompactModel& model, Algorithm algorithm, const detail::AlgorithmViews& views)
+      : algorithm_(algorithm), nv_(model.nv()), joints_(model.njoints()), frames_(static_cast<int>(model.frames().size())), views_(views) {}
+  /// Returns output k with the rows and columns of info(algorithm).outputs[k].
+  MatrixResult operator()(std::size_t k) const {
+    const AlgorithmOutput& output = info(algorithm_).outputs[k];
+    const double* const first = views_.results[k];
+    return {first, first ? sizeOf(output.rows) : 0, first ? sizeOf(output.columns) : 0};
+  }
+
+ private:
+  int sizeOf(Extent extent) const {
+    switch (extent) {
+      case Extent::one:
+        return 1;
+      case Extent::three:
+        return 3;
+      case Extent::six:
+        return 6;
+      case Extent::twelve:
+        return 12;
+      case Extent::nv:
+        return nv_;
+      case Extent::joints:
+        return joints_;
+      default:
+        return frames_;
+    }
+  }
+  Algorithm algorithm_;
+  int nv_, joints_, frames_;
+  detail::AlgorithmViews views_;
+};
+/// Runs one algorithm of the catalogue, for programs that loop over the catalogue. For aba and its derivatives, `a` is tau. Vectors that the
+/// algorithm does not read are ignored. Throws what the algorithm's own function throws. Throws Error(argument) for center_of_mass and energies, and
+/// for algorithms that read more than q, v and a or tau.
+inline AlgorithmResults runAlgorithm(const CompactModel& model, Data& data, Algorithm algorithm, const VectorArg& q, const VectorArg& v,
+                                     const VectorArg& a) {
+  return {model, algorithm, detail::runAlgorithm(model, data, algorithm, q, v, a)};
+}
+
+/// Computes each quantity in `what` as its own function does. Data must have been made with the need of each, info(algorithm).need. Throws
+/// Error(size | argument | singular); Error(argument) also for algorithms that read more than q, v and a. With dependent joints the quantities share
+/// no passes, and joint_jacobians throws Error(argument).
+inline Computed compute(const CompactModel& model, Data& data, Algorithms what, const VectorArg& q, const VectorArg& v, const VectorArg& a) {
+  detail::ComputedViews x = detail::compute(model, data, what, q, v, a);
   const int n = model.nv();
-  const auto vector = [](const double* p, int size) { return VectorResult(p, p ? size : 0); };
-  const auto matrix = [](const double* p, int rows, int cols) { return MatrixResult(p, p ? rows : 0, p ? cols : 0); };
+  const auto vector = [&](Algorithm algorithm, std::size_t k, int size) {
+    const double* const p = x[algorithm].results[k];
+    return VectorResult(p, p ? size : 0);
+  };
+  const auto matrix = [&](Algorithm algorithm, std::size_t k, int rows) {
+    const double* const p = x[algorithm].results[k];
+    return MatrixResult(p, p ? rows : 0, p ? n : 0);
+  };
+  // Some results come with those of another algorithm.
+  const bool rate = has(what, Quantity::centroidal_rate), derived = has(what, Quantity::rnea_derivatives);
+  const Algorithm momentum = rate ? Quantity::centroidal_rate : Quantity::centroidal_map;
   return {x.passes,
           x.center_of_mass,
           x.kinetic_energy,
           x.potential_energy,
-          vector(x.tau, n),
-          vector(x.nle, n),
-          vector(x.gravity, n),
-          vector(x.hg, 6),
-          vector(x.dhg, 6),
-          matrix(x.J, 6, n),
-          matrix(x.M, n, n),
-          matrix(x.Minv, n, n),
-          matrix(x.C, n, n),
-          matrix(x.Ag, 6, n),
-          matrix(x.dAg, 6, n),
-          matrix(x.dtau_dq, n, n),
-          matrix(x.dtau_dv, n, n)};
+          vector(Quantity::rnea, 0, n),
+          vector(Quantity::nle, 0, n),
+          vector(Quantity::gravity, 0, n),
+          vector(momentum, 0, 6),
+          vector(Quantity::centroidal_rate, 1, 6),
+          matrix(Quantity::joint_jacobians, 0, 6),
+          derived ? matrix(Quantity::rnea_derivatives, 2, n) : matrix(Quantity::mass_matrix, 0, n),
+          matrix(Quantity::minverse, 0, n),
+          matrix(Quantity::coriolis, 0, n),
+          matrix(momentum, rate ? 2 : 1, 6),
+          matrix(Quantity::centroidal_rate, 3, 6),
+          matrix(Quantity::rnea_derivatives, 0, n),
+          matrix(Quantity::rnea_derivatives, 1, n)};
 }
 
 }  // namespace dyn

@@ -1,4 +1,4 @@
-// The configuration space of a whole model: q (+) v, q1 (-) q0 and their Jacobians. v is a tangent vector as joint velocities are.
+// The configuration space of a whole model: q (+) v, q1 (-) q0 and their Jacobians. v is a tangent vector, as joint velocities are.
 #pragma once
 
 #include <dyn/compile/compact_model.hpp>
@@ -8,7 +8,7 @@
 
 namespace dyn {
 
-/// Argument that a derivative is taken by.
+/// The argument by which a derivative is taken.
 enum class ArgumentPosition { ARG0, ARG1 };
 
 namespace detail {
@@ -22,18 +22,18 @@ DYN_API void dIntegrate(const CompactModel&, VectorView q, VectorView v, Argumen
 DYN_API void dDifference(const CompactModel&, VectorView q0, VectorView q1, ArgumentPosition by, const MatrixOut& J);
 }  // namespace detail
 
-// All O(n) but the Jacobians, O(nv^2) for writing them. Results are the caller's: returned as new vectors, or written to an argument,
-// which does not allocate and may be an input. Quaternions and pairs are normalised where they are read. Throw Error(size), and all but
-// isNormalized Error(argument) for a quaternion or pair that is zero; then nothing has been written.
+// All functions are O(n), except the Jacobians: writing these takes O(nv^2). A function returns its result as a new vector, or writes it to an
+// argument. The latter does not allocate, and the argument may also be an input. Quaternions and (cos, sin) pairs are normalised when they are
+// read. The functions throw Error(size). All but isNormalized throw Error(argument) for a zero quaternion or pair and have written nothing then.
 
-/// The configuration at which every joint is at its zero.
+/// Returns the configuration at which every joint is at its zero.
 inline Eigen::VectorXd neutral(const CompactModel& model) {
   Eigen::VectorXd q(model.nq());
   detail::neutral(model, q.data());
   return q;
 }
 
-/// q (+) v: where q gets in unit time at constant joint velocity v.
+/// Computes q (+) v, the configuration that q reaches in unit time at constant joint velocity v.
 inline void integrate(const CompactModel& model, const VectorArg& q, const VectorArg& v, const VectorOut& out) {
   detail::integrate(model, q, v, out);
 }
@@ -43,7 +43,7 @@ inline Eigen::VectorXd integrate(const CompactModel& model, const VectorArg& q, 
   return out;
 }
 
-/// The v with q0 (+) v = q1, rotations by at most pi.
+/// Computes the v for which q0 (+) v = q1. Its rotations are by at most pi.
 inline void difference(const CompactModel& model, const VectorArg& q0, const VectorArg& q1, const VectorOut& v) {
   detail::difference(model, q0, q1, v);
 }
@@ -53,29 +53,29 @@ inline Eigen::VectorXd difference(const CompactModel& model, const VectorArg& q0
   return v;
 }
 
-/// q0 (+) t (q1 (-) q0).
+/// Returns q0 (+) t (q1 (-) q0).
 inline Eigen::VectorXd interpolate(const CompactModel& model, const VectorArg& q0, const VectorArg& q1, double t) {
   Eigen::VectorXd v = difference(model, q0, q1);
   v *= t;
   return integrate(model, q0, v);
 }
-/// Norm of the difference: metres and radians count alike.
+/// Returns the norm of the difference. Metres and radians count alike.
 inline double distance(const CompactModel& model, const VectorArg& q0, const VectorArg& q1) { return difference(model, q0, q1).norm(); }
 
-/// q with quaternions and (cos, sin) pairs of norm one.
+/// Computes q with its quaternions and (cos, sin) pairs scaled to norm one.
 inline void normalize(const CompactModel& model, const VectorArg& q, const VectorOut& out) { detail::normalize(model, q, out); }
 inline Eigen::VectorXd normalize(const CompactModel& model, const VectorArg& q) {
   Eigen::VectorXd out(model.nq());
   normalize(model, q, out);
   return out;
 }
-/// Whether every quaternion and pair has norm one to the given tolerance.
+/// Returns true if every quaternion and pair has norm one to within the tolerance.
 inline bool isNormalized(const CompactModel& model, const VectorArg& q, double tolerance = 1e-12) {
   return detail::distanceFromSpace(model, q) <= tolerance;
 }
 
-/// Uniform within the limits; unlimited coordinates in [-pi, pi], unlimited positions of groups in [-1, 1]; where there is one limit, within a
-/// range of at least 1 at it. Rotations are even over their group.
+/// Returns a random configuration. Coordinates are uniform within their limits. A missing limit is replaced by -pi or pi, or by -1 or 1 for
+/// positions of free and planar joints; if only one limit is missing, the range is made at least 1 long. Rotations are uniform over their group.
 /// The same seed gives the same configuration.
 inline Eigen::VectorXd randomConfiguration(const CompactModel& model, std::uint64_t seed) {
   Eigen::VectorXd q(model.nq());
@@ -83,7 +83,7 @@ inline Eigen::VectorXd randomConfiguration(const CompactModel& model, std::uint6
   return q;
 }
 
-/// nv x nv derivative of integrate by q (ARG0) or v (ARG1), in tangent vectors.
+/// Computes the nv x nv derivative of integrate by q (ARG0) or v (ARG1), in tangent vectors.
 inline void dIntegrate(const CompactModel& model, const VectorArg& q, const VectorArg& v, ArgumentPosition by, const MatrixOut& J) {
   detail::dIntegrate(model, q, v, by, J);
 }
@@ -93,7 +93,7 @@ inline Eigen::MatrixXd dIntegrate(const CompactModel& model, const VectorArg& q,
   return J;
 }
 
-/// nv x nv derivative of difference by q0 (ARG0) or q1 (ARG1), in tangent vectors.
+/// Computes the nv x nv derivative of difference by q0 (ARG0) or q1 (ARG1), in tangent vectors.
 inline void dDifference(const CompactModel& model, const VectorArg& q0, const VectorArg& q1, ArgumentPosition by, const MatrixOut& J) {
   detail::dDifference(model, q0, q1, by, J);
 }

@@ -9,7 +9,7 @@ namespace detail {
 DYN_API const double* crba(const CompactModel&, Data&, VectorView q);
 }
 
-/// M(q), nv x nv, both triangles filled, armature on the diagonal. Needs Need::mass_matrix. O(n depth).
+/// Computes the mass matrix M(q), nv x nv. Both triangles are filled; the diagonal includes armature. Needs Need::mass_matrix. O(n depth).
 /// Featherstone 2008, table 6.2, in the axes of the root body with the origin at each joint. Throws Error(size | argument).
 inline MatrixResult crba(const CompactModel& model, Data& data, const VectorArg& q) { return {detail::crba(model, data, q), model.nv(), model.nv()}; }
 

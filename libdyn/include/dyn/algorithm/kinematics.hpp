@@ -10,7 +10,8 @@ namespace detail {
 DYN_API void forwardKinematics(const CompactModel&, Data&, VectorView q, const VectorView* v, const VectorView* a);
 }  // namespace detail
 
-/// Poses of all joints; with v, velocities; with a, accelerations (gravity not included). O(n). Throws Error(size | argument).
+/// Computes the poses of all joints; with v their velocities, too; with a also their accelerations (gravity not included). O(n).
+/// Throws Error(size | argument).
 inline void forwardKinematics(const CompactModel& model, Data& data, const VectorArg& q) {
   detail::forwardKinematics(model, data, q, nullptr, nullptr);
 }
@@ -23,19 +24,21 @@ inline void forwardKinematics(const CompactModel& model, Data& data, const Vecto
   detail::forwardKinematics(model, data, q, &vv, &aa);
 }
 
-// What the last forwardKinematics of sufficient order found, O(1). Joint and frame numbers are those of the model.
-// Throw Error(argument) for a number out of range, or data of another model.
+// These functions return what the last forwardKinematics found. O(1), except for classical accelerations. Joint and frame numbers are those of
+// the model. They throw Error(argument) for a number out of range, for data of another model, and if the last forwardKinematics had no v or a
+// where one is needed.
 
-/// Pose in the world.
+/// Returns the pose in the world.
 DYN_API SE3<double> jointPlacement(const CompactModel& model, const Data& data, int joint);
 DYN_API SE3<double> framePlacement(const CompactModel& model, const Data& data, int frame);
-/// Spatial velocity.
+/// Returns the spatial velocity.
 DYN_API Motion<double> jointVelocity(const CompactModel& model, const Data& data, int joint, ReferenceFrame reference);
 DYN_API Motion<double> frameVelocity(const CompactModel& model, const Data& data, int frame, ReferenceFrame reference);
-/// Spatial acceleration.
+/// Returns the spatial acceleration.
 DYN_API Motion<double> jointAcceleration(const CompactModel& model, const Data& data, int joint, ReferenceFrame reference);
 DYN_API Motion<double> frameAcceleration(const CompactModel& model, const Data& data, int frame, ReferenceFrame reference);
-/// Acceleration of the origin as an observer sees it (linear part), and of the rotation; LOCAL or LOCAL_WORLD_ALIGNED.
+/// Returns the classical acceleration. Its linear part is the acceleration of the origin as an observer sees it, its angular part that of the
+/// rotation. O(depth). The reference is LOCAL or LOCAL_WORLD_ALIGNED; WORLD throws Error(argument).
 DYN_API Motion<double> jointClassicalAcceleration(const CompactModel& model, const Data& data, int joint, ReferenceFrame reference);
 DYN_API Motion<double> frameClassicalAcceleration(const CompactModel& model, const Data& data, int frame, ReferenceFrame reference);
 

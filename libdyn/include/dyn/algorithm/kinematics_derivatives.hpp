@@ -1,9 +1,9 @@
 // Derivatives of velocities and accelerations of joints and frames.
 //
-// computeForwardKinematicsDerivatives once, then for each joint or frame the 6 x nv matrices that are wanted, in the caller's memory: linear
-// part first, in the reference asked for, w.r.t. q in its tangent space. The derivative of a placement is the frame's Jacobian, LOCAL.
-// Accelerations are spatial, as frameAcceleration gives them. O(depth) a frame. Need Need::derivatives.
-// Throw Error(size | argument). Carpentier and Mansard 2018, with the terms of motion subspaces that vary with q.
+// Call computeForwardKinematicsDerivatives once, then a get function for each joint or frame. It writes 6 x nv matrices in the caller's memory,
+// linear part first, in the given reference, with respect to q in its tangent space. The derivative of a placement is the frame's LOCAL
+// Jacobian. Accelerations are spatial, as frameAcceleration returns them. O(depth) a frame. The functions need Need::derivatives and throw
+// Error(size | argument). Carpentier and Mansard 2018, extended by the terms of motion subspaces that vary with q.
 #pragma once
 
 #include <dyn/algorithm/kinematics.hpp>
@@ -13,7 +13,7 @@ namespace dyn {
 namespace detail {
 enum class Subject { joint, frame };
 DYN_API void forwardKinematicsDerivatives(const CompactModel&, Data&, VectorView q, VectorView v, VectorView a);
-/// Null matrices are not written.
+/// A null pointer stands for a matrix that is not wanted.
 DYN_API void motionDerivatives(const CompactModel&, Data&, Subject, int id, ReferenceFrame, const MatrixOut* v_dq, const MatrixOut* v_dv,
                                const MatrixOut* a_dq, const MatrixOut* a_dv, const MatrixOut* a_da);
 }  // namespace detail

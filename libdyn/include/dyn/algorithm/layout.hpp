@@ -7,8 +7,9 @@
 // | MuJoCo    | position, quaternion    | linear world, angular local      | w x y z    | in place                        |
 // | Drake     | quaternion, position    | angular world, linear world      | w x y z    | in place                        |
 //
-// All take q and v joint by joint in the model's order. Coordinates of other joints are copied, but (cos, sin) pairs: RBDL, MuJoCo and
-// Drake have one angle where libdyn and Pinocchio have a pair.
+// All layouts list q and v joint by joint in the model's order. Coordinates of other joints are copied, except (cos, sin) pairs: RBDL, MuJoCo and
+// Drake have one angle where libdyn and Pinocchio have a pair. These three have the linear velocity of a planar joint in the axes before its
+// motion, and Drake has the angular velocity of a spherical joint in such axes, too.
 #pragma once
 
 #include <dyn/compile/compact_model.hpp>
@@ -28,17 +29,17 @@ struct StateVectors {
   Eigen::VectorXd q, v;
 };
 
-/// Number of entries of q in another layout.
+/// Returns the number of entries of q in another layout.
 inline int layoutNq(const CompactModel& model, Layout layout) { return detail::layoutSize(model, layout); }
 
-/// libdyn's (q, v) in the layout of another library. Quaternions are normalised. O(n). Throws Error(size), and
-/// Error(argument) for a quaternion or (cos, sin) pair that is zero.
+/// Converts libdyn's (q, v) to the layout of another library. Quaternions are normalised, except for Layout::pinocchio, which copies q. O(n).
+/// Throws Error(size), and Error(argument) for a zero quaternion or (cos, sin) pair.
 inline StateVectors toLayout(const CompactModel& model, Layout layout, const VectorArg& q, const VectorArg& v) {
   StateVectors out{Eigen::VectorXd(detail::layoutSize(model, layout)), Eigen::VectorXd(model.nv())};
   detail::toLayout(model, layout, q, v, out.q.data(), out.v.data());
   return out;
 }
-/// The way back.
+/// Converts (q, v) from the layout of another library to libdyn's. The rest is as for toLayout.
 inline StateVectors fromLayout(const CompactModel& model, Layout layout, const VectorArg& q, const VectorArg& v) {
   StateVectors out{Eigen::VectorXd(model.nq()), Eigen::VectorXd(model.nv())};
   detail::fromLayout(model, layout, q, v, out.q.data(), out.v.data());

@@ -1,8 +1,8 @@
 // Dynamics as linear functions of the bodies' inertial parameters.
 //
-// Ten parameters a joint, the universe left out: pi = (m, m cx, m cy, m cz, Ixx, Ixy, Iyy, Ixz, Iyz, Izz) of all that moves with the joint,
-// in the joint's frame (dyn/spatial/inertial_parameters.hpp); joint j's are at 10 (j - 1). Need Need::derivatives; throw Error(size |
-// argument). Atkeson, An and Hollerbach 1986.
+// Each joint has ten parameters pi = (m, m cx, m cy, m cz, Ixx, Ixy, Iyy, Ixz, Iyz, Izz): those of its body and all bodies welded to it, in the
+// joint's frame (dyn/spatial/inertial_parameters.hpp). The world has none, so those of joint j begin at 10 (j - 1). Functions of a Data need
+// Need::derivatives and throw Error(size | argument). Atkeson, An and Hollerbach 1986.
 #pragma once
 
 #include <dyn/data/data.hpp>
@@ -17,28 +17,28 @@ DYN_API const double* energyRegressor(const CompactModel&, Data&, VectorView q, 
 DYN_API void dynamicParametersOf(const CompactModel&, double* out);
 }  // namespace detail
 
-/// 6 x 10: the force on a body, in its frame at its origin, that moves with the given spatial velocity and acceleration, is Y pi.
+/// Returns Y, 6 x 10. Y pi is the force that gives a body this spatial velocity and acceleration, in its frame at its origin, without gravity.
 inline Eigen::Matrix<double, 6, 10> bodyRegressor(const Motion<double>& velocity, const Motion<double>& acceleration) {
   Eigen::Matrix<double, 6, 10> Y;
   detail::bodyRegressor(velocity, acceleration, Y.data());
   return Y;
 }
 
-/// Y, nv x 10 (njoints - 1): rnea without armature and losses is Y pi. O(n depth).
+/// Computes Y, nv x 10 (njoints - 1). Y pi is rnea without armature and dissipation. O(n depth).
 inline MatrixResult computeJointTorqueRegressor(const CompactModel& model, Data& data, const VectorArg& q, const VectorArg& v, const VectorArg& a) {
   return {detail::jointTorqueRegressor(model, data, q, v, a), model.nv(), 10 * (model.njoints() - 1)};
 }
-/// Row of 10 (njoints - 1): the kinetic energy of the bodies (rotors left out) is its product with pi. O(n).
+/// Computes a row of 10 (njoints - 1) numbers. Its product with pi is the kinetic energy of the bodies, without armature. O(n).
 inline VectorResult computeKineticEnergyRegressor(const CompactModel& model, Data& data, const VectorArg& q, const VectorArg& v) {
   const VectorView velocity = v;
   return {detail::energyRegressor(model, data, q, &velocity), 10 * (model.njoints() - 1)};
 }
-/// The same for the potential energy. O(n).
+/// Computes the same for the potential energy. O(n).
 inline VectorResult computePotentialEnergyRegressor(const CompactModel& model, Data& data, const VectorArg& q) {
   return {detail::energyRegressor(model, data, q, nullptr), 10 * (model.njoints() - 1)};
 }
 
-/// pi of the model as it was compiled.
+/// Returns pi of the model as it was compiled.
 inline Eigen::VectorXd dynamicParameters(const CompactModel& model) {
   Eigen::VectorXd pi(10 * (model.njoints() - 1));
   detail::dynamicParametersOf(model, pi.data());

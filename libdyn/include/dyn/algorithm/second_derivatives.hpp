@@ -8,7 +8,7 @@ namespace dyn {
 
 struct SecondDerivativeImpl;
 
-/// Scratch and results of n^3 numbers each, for one thread. All memory is taken when it is made.
+/// Scratch and results, n^3 numbers for each result, for one thread. The constructor allocates all memory.
 class DYN_API SecondDerivativeData {
  public:
   explicit SecondDerivativeData(const CompactModel& model);
@@ -25,15 +25,15 @@ class DYN_API SecondDerivativeData {
   Owned<SecondDerivativeImpl> impl_;
 };
 
-/// n matrices of n x n: [k](i, j) is the change along degree of freedom k of the derivative of tau_i by the j-th.
+/// n matrices of n x n. [k](i, j) is the change, along degree of freedom k, of the derivative of tau_i by the j-th variable.
 struct TensorResult {
   const double* data;
   int n;
   MatrixResult operator[](int k) const { return {data + static_cast<std::ptrdiff_t>(k) * n * n, n, n}; }
 };
 
-/// q in its tangent space, each derivative at the q that the one before has led to: d2tau_dqdq is not symmetric in its two directions where
-/// motions do not commute.
+/// Derivatives by q are in its tangent space. The first derivative is in the tangent space at the q that has moved along direction k, so
+/// d2tau_dqdq is not symmetric in its two directions where motions do not commute.
 struct RneaSecondDerivatives {
   TensorResult d2tau_dqdq;  ///< [k] = d(dtau/dq)/dq_k
   TensorResult d2tau_dqdv;  ///< [k] = d(dtau/dv)/dq_k
@@ -48,8 +48,8 @@ struct SecondDerivativeViews {
 DYN_API SecondDerivativeViews rneaSecondDerivatives(const CompactModel&, Data&, SecondDerivativeData&, VectorView q, VectorView v, VectorView a);
 }  // namespace detail
 
-/// Of rnea(q, v, a), for every joint type: the recursion of computeRNEADerivatives on dual numbers, once a direction. O(n^2 depth).
-/// Needs Need::derivatives. Throws Error(size | argument), the latter for models with joints that follow others, too.
+/// Computes the second derivatives of rnea(q, v, a), for every joint type. It runs the recursion of computeRNEADerivatives on dual numbers, once
+/// per direction. O(n^2 depth). Needs Need::derivatives. Throws Error(size | argument), the latter also for a model with dependent joints.
 inline RneaSecondDerivatives computeRNEASecondOrderDerivatives(const CompactModel& model, Data& data, SecondDerivativeData& second,
                                                                const VectorArg& q, const VectorArg& v, const VectorArg& a) {
   const detail::SecondDerivativeViews x = detail::rneaSecondDerivatives(model, data, second, q, v, a);

@@ -1,4 +1,4 @@
-// Traced functions as CasADi externals: C source that, compiled to a shared object, casadi.external("rnea", "./file.so") loads.
+// Traced functions as CasADi externals. Compile the C source to a shared object and load it with casadi.external("rnea", "./file.so").
 #pragma once
 
 #include <dyn/codegen/differentiate.hpp>
@@ -9,13 +9,13 @@
 
 namespace dyn {
 
-/// For each function NAME the interface of casadi/core/external.hpp (CasADi 3.6): NAME, NAME_n_in, NAME_n_out, NAME_name_in, NAME_name_out,
-/// NAME_sparsity_in, NAME_sparsity_out, NAME_work; and with jacobians jac_NAME with the same, whose results are the blocks d(output i)/d(input j),
-/// in that order, sparse, by columns. Arguments that CasADi leaves out are zero, results that it leaves out are not written. Throws as
-/// writeSource().
+/// Writes the interface of casadi/core/external.hpp (CasADi 3.6) for each function NAME: NAME, NAME_n_in, NAME_n_out, NAME_name_in, NAME_name_out,
+/// NAME_sparsity_in, NAME_sparsity_out and NAME_work. With `jacobians` it writes the same for jac_NAME, whose results are the sparse blocks
+/// d(output i)/d(input j), output by output, entries column after column. Arguments that CasADi leaves out are zero; results that it leaves out
+/// are not written. Throws as writeSource().
 DYN_API std::string writeCasadiSource(const std::vector<TracedFunction>& functions, bool jacobians = true);
 
-/// The blocks of a function's Jacobian as a function of the same inputs: outputs are the entries of each block, column after column.
+/// The blocks of a function's Jacobian, as a function of the same inputs. It has one output per block: the block's entries, column after column.
 struct JacobianBlocks {
   TracedFunction function;
   std::vector<Sparsity> blocks;  ///< output by output, input by input; entries column after column

@@ -1,5 +1,5 @@
-// Expression graphs: what a function does with its inputs, operation by operation, to be replayed on any scalar, differentiated, or written
-// as source code.
+// Expression graphs: the operations of a function, one node each. A graph can be replayed on any scalar, differentiated, or written as source
+// code.
 #pragma once
 
 #include <dyn/export.hpp>
@@ -16,41 +16,41 @@ namespace dyn {
 
 struct GraphNode {
   Operation operation = Operation::constant;
-  std::uint32_t argument[4] = {};  ///< nodes before this one; of an input its number
-  double value = 0;                ///< of a constant
+  std::uint32_t argument[4] = {};  ///< earlier nodes; for an input, its number in argument[0]
+  double value = 0;                ///< for a constant, its value
 };
 
-/// How many of each, for one evaluation.
+/// The number of operations of each kind in one evaluation.
 struct OperationCounts {
-  int additions = 0;  ///< and subtractions and negations
+  int additions = 0;  ///< includes subtractions, negations and absolute values
   int multiplications = 0;
-  int divisions = 0;  ///< and square roots
+  int divisions = 0;  ///< includes square roots
   int functions = 0;  ///< sine and cosine of one angle count as one each
   int selections = 0;
   int total() const { return additions + multiplications + divisions + functions + selections; }
 };
 
-/// Nodes of one operation, from runs of the same code on other values (GraphBuilder::abreast), by run: what vectors may compute at once, each in a
-/// lane of its own. Several at least are not no_node.
+/// Nodes of one operation that a vector may compute at once, one in each lane. They come from runs of the same code on different values
+/// (GraphBuilder::packable), lane k from run k. At least two of them are not no_node.
 inline constexpr std::uint32_t no_node = 0xffffffff;
-inline constexpr int most_abreast = 4;
-using NodesAbreast = std::array<std::uint32_t, most_abreast>;
+inline constexpr int most_packable = 4;
+using PackableNodes = std::array<std::uint32_t, most_packable>;
 
-/// Arguments come before what uses them; every node leads to an output, and no two compute the same.
+/// Arguments come before the nodes that use them. Every node leads to an output, and no two nodes compute the same value.
 struct Graph {
   int inputs = 0;
   std::vector<GraphNode> nodes;
   std::vector<std::uint32_t> outputs;
-  std::vector<NodesAbreast> abreast;  ///< no node is there twice. Nothing but a hint
+  std::vector<PackableNodes> packable;  ///< hints only; no node occurs twice
 
   DYN_API OperationCounts count() const;
 };
 
-/// Nodes that a graph may have before it is given up: two million are 50 MB here, and more than compilers take in an hour.
+/// The number of nodes at which recording stops. Two million take 64 MiB here, and are more than compilers can process in an hour.
 inline constexpr std::size_t most_graph_nodes = std::size_t{1} << 21;
 
-/// Makes a graph: each operation once, constants folded, products with 0, 1 and -1 and sums with 0 left out (numbers are taken to be finite),
-/// signs moved to where they cost least.
+/// Builds a graph. It records each operation once, folds constants, leaves out products with 0, 1 and -1 and sums with 0 (it assumes finite
+/// numbers), and moves signs to where they cost least.
 class DYN_API GraphBuilder final : public Recorder {
  public:
   explicit GraphBuilder(std::size_t most_nodes = most_graph_nodes);
@@ -58,24 +58,26 @@ class DYN_API GraphBuilder final : public Recorder {
   GraphBuilder(const GraphBuilder&) = delete;
   GraphBuilder& operator=(const GraphBuilder&) = delete;
 
-  /// The next input, a value that is not known.
+  /// Adds the next input, an unknown value.
   Traced input();
   Traced record(Operation operation, const Traced& a, const Traced& b, const Traced& c, const Traced& d) noexcept override;
 
-  /// Runs of the same code on other values, one after the other: as many as most_abreast, each of which begins with run(k). Operations that come in
-  /// the same place of a step are taken for the same; a step is what is recorded from step(number) on, in whichever order, and none before the first.
-  /// Of numbers that a run knows nothing is recorded: what it has recorded less than another is where operations differ.
-  void abreast(const std::function<void()>& runs);
+  /// Calls runs(), which runs the same code on different values, up to most_packable times in sequence. Each run begins with run(k). A step is what a
+  /// run records after step(number); steps may come in any order. Operations at the same place of a step become packable. Nothing is compared
+  /// before the first step, or after a negative number. A run that knows some values as constants records fewer operations; gaps are found where
+  /// sequences differ.
+  void packable(const std::function<void()>& runs);
   void run(int k);
   void step(int number);
-  /// Numbers that the same code has found, of other values: may be computed abreast, and what they are made of, as far as none waits for another.
-  void alike(const std::array<Traced, most_abreast>& numbers);
-  bool inRun() const;
-  /// A known number that no operation is simplified for.
+  /// Declares values packable that the same code has computed from different values, and with them their arguments. Nodes that depend on each other
+  /// are left out.
+  void markPackable(const std::array<Traced, most_packable>& numbers);
+  bool inRun() const;  ///< true after run() until packable() returns
+  /// Returns a constant that is not used to simplify operations.
   Traced opaque(double x);
 
-  /// The graph of these results. What does not lead to one is left out. Throws Error(size) if there were more nodes than allowed: from then on
-  /// nothing was recorded.
+  /// Returns the graph of these results, without nodes that do not lead to one. Throws Error(size) if there were more nodes than allowed; recording
+  /// stopped there.
   Graph finish(std::span<const Traced> results) const;
 
  private:
@@ -83,14 +85,14 @@ class DYN_API GraphBuilder final : public Recorder {
   std::unique_ptr<Impl> impl_;
 };
 
-/// The graph of f(in, out), run once on values that are not known. Throws what f throws, and as finish().
+/// Returns the graph of f(in, out), which is run once on unknown values. Throws what f throws, and as finish().
 DYN_API Graph traceFunction(int inputs, int outputs, const std::function<void(const Traced* in, Traced* out)>& f);
 
-// Replaying. S has the arithmetic operators, is made from double, and its namespace has sqrt, sin, cos, tan, exp, log, atan2, abs as far as the
-// graph uses them. Scalars that record something themselves bring their own selectLess(a, b, x, y), a < b ? x : y: CppAD's CondExpLt, CasADi's
-// if_else, ADOL-C's condassign.
+// Replay evaluates a graph on a scalar type S. S has the arithmetic operators and can be made from double. Its namespace has those of sqrt, sin,
+// cos, tan, exp, log, atan2 and abs that the graph uses. Scalars that record operations themselves provide their own selectLess(a, b, x, y),
+// a < b ? x : y, for example by CppAD's CondExpLt, CasADi's if_else or ADOL-C's condassign.
 
-/// All values of the graph; `values` has as many as nodes.
+/// Computes the values of all nodes. `values` has room for one per node.
 template <class S>
 void replayNodes(const Graph& graph, const S* in, S* values) {
   for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
@@ -105,7 +107,7 @@ void replayNodes(const Graph& graph, const S* in, S* values) {
   }
 }
 
-/// The function itself: in has graph.inputs numbers, the result one for each output.
+/// Evaluates the function. `in` has graph.inputs numbers, the result has one per output.
 template <class S>
 std::vector<S> replay(const Graph& graph, std::span<const S> in) {
   std::vector<S> values(graph.nodes.size()), out;

@@ -1,22 +1,27 @@
-// compile(): from a description to a compact model.
+// compile(): turns a description into a compact model.
 #pragma once
 
 #include <dyn/compile/compact_model.hpp>
 #include <dyn/compile/edit.hpp>
 #include <dyn/compile/scene.hpp>
 
+#include <string>
+
 namespace dyn {
 
 struct CompileOptions {
   std::vector<LockedJoint> lock{};  ///< joints to hold, as reduce() does
   bool dissipation = true;          ///< joint damping and friction of the description act in the dynamics
-  bool armature = true;             ///< so does rotor inertia
-  bool strips = true;               ///< single states advance joints of several limbs side by side where that is faster; false: one after the other
-  Scene scene{};                    ///< what is wanted: the rest is left out, and the report says so
+  bool armature = true;             ///< so does its rotor inertia
+  bool lane_groups = true;          ///< single states advance joints of several limbs side by side where that is faster; if false, never
+  /// The instruction set that lane groups are chosen for, by its name in DYN_SIMD ("scalar", "avx2", ...). Empty: the set in use in this process.
+  std::string instruction_set{};
+  Scene scene{};  ///< what is wanted; the rest is left out, and the report says so
 };
 
-/// Turns a description into an immutable model. Deterministic: same model, same options, same bytes. O(n log n).
-/// Throws Error(model | joint_type | parameter | size | plugin), naming the joint.
+/// Turns a description into an immutable model. Deterministic: the same model, options and
+/// instruction set give the same bytes. O(n log n).
+/// Throws Error(model | joint_type | parameter | size | plugin), which names the joint.
 DYN_API CompactModel compile(const Model& model, const JointRegistry& registry, const CompileOptions& options = {});
 
 }  // namespace dyn

@@ -1,4 +1,5 @@
-// New models from old ones: joints held, models joined. Descriptions in, descriptions out; nothing is lost on the way.
+// Functions that make new models from old ones: they hold joints, or join models. They take and return descriptions and keep what they do not
+// change.
 #pragma once
 
 #include <dyn/joint/registry.hpp>
@@ -6,24 +7,26 @@
 
 namespace dyn {
 
-/// A joint held at a configuration (its nq numbers; empty: neutral).
+/// A joint to hold, and its nq coordinates there. An empty q means neutral.
 struct LockedJoint {
   std::string joint;
   std::vector<double> q;
 };
 
-/// The model with these joints rigid: they become joints of type "fixed" at the pose they are held at, keep their names, bodies, frames
-/// and inertias, and lose limits, losses and armature, which rigid joints do not have. Joints that follow a held one are held where
-/// it puts them, unless they are named themselves, and so are parts that do. A held joint that follows another one, or a part of it that does, is
-/// held where neutral() has it; of a joint with such parts q has the numbers of the others alone. Throws Error(model) for a joint that does not exist
-/// or is named twice, Error(size) for a q of the wrong size.
+/// Returns the model with these joints rigid. They become joints of type "fixed" at the pose at which they are held. They keep their names, bodies,
+/// frames and inertias. They lose limits, dissipation and armature, which rigid joints do not have.
+/// Joints, and parts of joints, that depend on a held joint are held where their coupling puts them, unless `lock` names them itself. If `lock`
+/// names a dependent joint, its q holds it; if that q is empty, its coupling does, with the master at its own q in `lock` or at neutral. Dependent
+/// parts of a named joint are always held by their couplings, and q has only the numbers of its other parts.
+/// Throws Error(model) for a joint that does not exist or is named twice, Error(size) for a q of the wrong size.
 DYN_API Model reduce(const Model& model, const JointRegistry& registry, const std::vector<LockedJoint>& lock);
 
-/// The model with all joints rigid at neutral but those named in `keep` (and the joints they follow).
+/// Returns the model with all joints rigid at neutral, except those named in `keep` and the joints on which these depend. Throws Error(model) for a
+/// name in `keep` that does not exist.
 DYN_API Model keepOnly(const Model& model, const JointRegistry& registry, const std::vector<std::string>& keep);
 
-/// `model` with a copy of `other` carried by the body or frame called `at`, at `placement` in it. Names of the copy get `prefix`.
-/// Gravity and name are the first model's. Throws Error(model) if `at` does not exist or a name would be used twice.
+/// Returns `model` with a copy of `other` that the body or frame called `at` carries, at `placement` in it. Names of the copy get `prefix`.
+/// Gravity and name are those of `model`. Throws Error(model) if `at` does not exist or a name would be used twice.
 DYN_API Model append(const Model& model, const Model& other, const std::string& at, const SE3<double>& placement = {},
                      const std::string& prefix = "");
 

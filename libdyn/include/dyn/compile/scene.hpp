@@ -1,4 +1,4 @@
-// What a program wants of a scene, so that the compiler can leave out the rest.
+// The parts of a scene that a program wants, so that the compiler can leave out the rest.
 #pragma once
 
 #include <dyn/model/model.hpp>
@@ -9,23 +9,24 @@
 namespace dyn {
 
 struct Scene {
-  /// Joints, bodies or frames whose motion is wanted; empty: all of them, and nothing is left out. A name that a body or frame and a joint
-  /// share is the body's or frame's.
+  /// Joints, bodies or frames whose motion is wanted. If empty, all are wanted, and nothing is left out. If a joint shares its name with a body or
+  /// frame, the name means the body or frame.
   std::vector<std::string> outputs{};
-  /// Bodies or frames that may touch each other while the scene moves: where one is wanted all are needed.
+  /// Bodies or frames that may touch each other while the scene moves. If one is wanted, all are kept.
   std::vector<std::string> touching{};
-  /// Whether motion follows from forces; otherwise positions and velocities are given, and only what carries an output matters.
+  /// True if motion follows from forces. If false, positions and velocities are given, and only bodies that carry an output matter.
   bool dynamics = true;
 };
 
-/// The model without what cannot influence the outputs: islands, trees that neither constraints, couplings nor contacts tie to one with an
-/// output; without dynamics all bodies that carry none; and frames that nothing speaks of. What stays moves as it would in the whole, up to
-/// rounding: all joints together decide which of them share lanes, and so the order of sums. `report` gets a line that says what was left out.
-/// Throws Error(model) for a name that is not there.
+/// Returns the model without the parts that cannot influence the outputs. With dynamics these are trees that no constraint, coupling or contact ties
+/// to a tree with an output. Without dynamics they are all constraints, and all bodies that neither carry an output nor the master of a joint that
+/// does. Frames that neither the scene nor a remaining constraint names are left out, too. The rest moves as in the whole model, up to rounding: all
+/// joints together decide which of them share lanes, and so the order of sums. `report` gets a line that says what was left out.
+/// Throws Error(model) for a name that does not exist.
 DYN_API Model keepForScene(const Model& model, const Scene& scene, std::vector<std::string>& report);
 
-/// The trees on the world that move independently of each other: for each its first body. Contacts between bodies of `touching` tie
-/// trees together as constraints and couplings do.
+/// Returns the islands: groups of trees on the world that move independently of each other, each named by its first body. Contacts between bodies
+/// of `touching` tie trees together as constraints and couplings do. Throws Error(model) for a name that does not exist.
 DYN_API std::vector<std::string> islandsOf(const Model& model, const std::vector<std::string>& touching = {});
 
 }  // namespace dyn

@@ -1,4 +1,4 @@
-// Configurations and velocities brought onto what constraints allow.
+// Projection of configurations and velocities onto constraints.
 #pragma once
 
 #include <dyn/constraint/dynamics.hpp>
@@ -6,7 +6,7 @@
 namespace dyn {
 
 struct AssemblySettings {
-  double tolerance = 1e-10;  ///< [m, rad] of each row's error
+  double tolerance = 1e-10;  ///< [m, rad] largest error of a row that counts as closed
   int max_iterations = 100;
 };
 
@@ -28,22 +28,23 @@ DYN_API AssemblyViews projectConfiguration(const CompactModel&, Data&, VectorVie
 DYN_API void assemble(const CompactModel&, Data&, const VectorOut& q, ConstraintData&, const AssemblySettings&);
 }  // namespace detail
 
-/// q moved to where the frames of constraints with a target coincide, couplings and locks hold: Newton steps in the tangent space, the
-/// shortest in the metric of the kinetic energy, halved where the error would grow, to the last digit that they win. Rows without a target
-/// (contacts) are not moved to first order. No exception if it does not close: see `closed`. O(n + rows^3) a step.
+/// Moves q to a configuration where the frames of constraints with a target coincide, and couplings and locks hold. Takes Newton steps in the
+/// tangent space, the shortest in the metric of the kinetic energy, and halves a step that would increase the error. Iteration stops when no step
+/// reduces the error. Rows without a target (contacts) do not move to first order. Does not throw if q does not close: see `closed`.
+/// O(n + rows^3) a step.
 inline Assembly projectConfiguration(const CompactModel& model, Data& data, const VectorArg& q, ConstraintData& constraints,
                                      const AssemblySettings& settings = {}) {
   const detail::AssemblyViews x = detail::projectConfiguration(model, data, q, constraints, settings);
   return {{x.q, model.nq()}, x.error, x.closed, x.iterations};
 }
 
-/// The same in place of a guess, q. Throws Error(closure) with the error that is left and the constraint that it is in if the guess leads to
-/// no closed configuration; q is then as it was.
+/// Replaces the guess q by a closed configuration. If the guess leads to none, throws Error(closure), which names the remaining error and its
+/// constraint, and leaves q unchanged.
 inline void assemble(const CompactModel& model, Data& data, const VectorOut& q, ConstraintData& constraints, const AssemblySettings& settings = {}) {
   detail::assemble(model, data, q, constraints, settings);
 }
 
-/// The velocity nearest to v, in the metric of the kinetic energy, that the constraints allow: that after an impact without restitution.
+/// Returns the velocity with J v = 0 that is nearest to v in the metric of the kinetic energy: the velocity after an impact without restitution.
 inline VectorResult projectVelocity(const CompactModel& model, Data& data, const VectorArg& q, const VectorArg& v, ConstraintData& constraints) {
   return impulseDynamics(model, data, q, v, 0.0, constraints).v_after;
 }

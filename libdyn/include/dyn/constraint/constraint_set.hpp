@@ -1,4 +1,4 @@
-// Constraints of one model, looked up once and used from then on; and the memory of their forces.
+// The constraints of one model, with their names resolved once, and the memory for their forces.
 #pragma once
 
 #include <dyn/data/data.hpp>
@@ -14,27 +14,27 @@ namespace dyn {
 struct PackedConstraints;
 struct ConstraintDataImpl;
 
-/// Immutable, cheap to copy, shareable between threads, as the model is. Rows follow one another in the order of the descriptions, those of
-/// a constraint in the order of its directions that are not free.
+/// The constraints of a model, with all names resolved. Immutable, cheap to copy and shareable between threads, like the model. Rows have the order
+/// of the descriptions; the rows of one constraint have the order of its directions that are not free.
 class DYN_API ConstraintSet {
  public:
-  /// The constraints of the model's own description, loops and couplings.
+  /// Takes the constraints of the model's own description: closed loops and couplings.
   explicit ConstraintSet(const CompactModel& model);
-  /// These; `registry` is for couplings only. Throws Error(model | argument | joint_type | parameter), naming the constraint: a frame or joint
-  /// that is not there, a name used twice, frames of one body, a joint without freedom.
+  /// Takes these constraints; only couplings need `registry`. Throws Error(model | argument | size | joint_type | parameter), naming the constraint,
+  /// for example for an unknown frame or joint, a name used twice, two frames of one body, or a joint without freedom.
   ConstraintSet(const CompactModel& model, const std::vector<ConstraintDescription>& constraints, const JointRegistry* registry = nullptr);
-  /// Those of `base`, whose couplings are as they were looked up, and these after them. Throws as the constructor before.
+  /// Takes the constraints of `base`, with its couplings as resolved there, followed by `more`. Throws as the constructor above.
   ConstraintSet(const ConstraintSet& base, const std::vector<ConstraintDescription>& more, const JointRegistry* registry = nullptr);
-  /// Moving copies, which is as cheap: none is ever empty.
+  /// Moving copies, which is as cheap, so that no set is ever empty.
   ConstraintSet(const ConstraintSet&) = default;
   ConstraintSet& operator=(const ConstraintSet&) = default;
 
   const CompactModel& model() const { return model_; }
-  /// Of the constraints together: entries of lambda.
+  /// Total number of rows: the size of lambda.
   int rows() const;
   int count() const;
+  /// Description, first row and number of rows of one constraint. Throws Error(argument) for a number out of range.
   const ConstraintDescription& description(int constraint) const;
-  /// Where a constraint's rows begin, and how many there are.
   int firstRow(int constraint) const;
   int rows(int constraint) const;
 
@@ -45,21 +45,21 @@ class DYN_API ConstraintSet {
   std::shared_ptr<const PackedConstraints> impl_;
 };
 
-/// How forces are found.
+/// How constraint forces are computed.
 struct ConstraintSettings {
-  /// A row is taken for one that others imply when what is left of its diagonal of the Delassus matrix is below this share of what it could
-  /// be. The errors of position that closures have drifted to must be below its root, in the model's own lengths.
+  /// A row counts as redundant when its remaining pivot of the Delassus matrix is below this fraction of its diagonal's upper bound. For this,
+  /// position errors of closed loops must stay below the square root of the fraction, relative to the model's lengths.
   double rank_tolerance = 1e-10;
-  /// Above zero [1/kg, 1/(kg m^2)]: the matrix is taken with mu on its diagonal, and proximal iterations take its effect away again.
+  /// [1/kg, 1/(kg m^2)] If positive, mu is added to the diagonal of the Delassus matrix, and proximal iterations remove its effect.
   double mu = 0;
-  int max_iterations = 20;  ///< of these
-  double tolerance = 0;     ///< [m/s^2, rad/s^2] they end when all rows keep this, or get no better
+  int max_iterations = 20;  ///< limit of proximal iterations
+  double tolerance = 0;     ///< [m/s^2, rad/s^2] proximal iterations end when all rows are within this, or improve no further
 };
 
-/// Scratch and results of a set of constraints, for one thread. All memory is taken when it is made.
+/// Scratch and results of a set of constraints, for one thread. The constructor takes all memory.
 class DYN_API ConstraintData {
  public:
-  /// Need::derivatives for those of constrained dynamics.
+  /// Derivatives of constrained dynamics need Need::derivatives.
   explicit ConstraintData(const ConstraintSet& set, Need needs = Need::state);
   ~ConstraintData();
   ConstraintData(ConstraintData&&) noexcept;
@@ -70,7 +70,7 @@ class DYN_API ConstraintData {
   const ConstraintSet& set() const;
   ConstraintSettings settings;
 
-  /// Bytes taken.
+  /// Memory taken, in bytes.
   std::size_t bytes() const;
   ConstraintDataImpl& impl() { return *impl_; }
   const ConstraintDataImpl& impl() const { return *impl_; }

@@ -1,4 +1,4 @@
-// The Delassus matrix J M^-1 J^T: what accelerations of the rows forces of the rows make.
+// The Delassus matrix J M^-1 J^T, which maps forces of the rows to the accelerations that they cause in the rows.
 #pragma once
 
 #include <dyn/algorithm/rnea.hpp>
@@ -13,21 +13,21 @@ DYN_API void prepareDelassus(const CompactModel&, Data&, VectorView q, Constrain
 DYN_API void applyDelassus(const CompactModel&, Data&, ConstraintData&, VectorView x, const VectorOut& out);
 }  // namespace detail
 
-/// rows x rows, [1/kg, 1/(kg m^2)]: symmetric, positive semidefinite. O(n + dofs between constraints and the world x rows^2). Featherstone 2010.
-/// Throws Error(size | argument | singular).
+/// Computes the Delassus matrix, rows x rows [1/kg, 1/(kg m^2)], symmetric and positive semidefinite.
+/// O(n + d rows^2) for d degrees of freedom between constraints and the world. Featherstone 2010. Throws Error(size | argument | singular).
 inline MatrixResult computeDelassusMatrix(const CompactModel& model, Data& data, const VectorArg& q, ConstraintData& constraints) {
   const int rows = constraints.set().rows();
   return {detail::delassusMatrix(model, data, q, constraints), rows, rows};
 }
 
-/// Its inverse, the inertia that is felt at the constraints' frames (Khatib 1987); where rows imply each other, the pseudo-inverse. Rank as
-/// ConstraintSettings say. O(n + rows^3).
+/// Computes the inverse of the Delassus matrix, rows x rows: the inertia that is felt at the constraints' frames (Khatib 1987). With redundant rows
+/// it is the pseudo-inverse; ConstraintSettings decide the rank. O(n + rows^3). Throws as computeDelassusMatrix.
 inline MatrixResult computeOperationalSpaceInertia(const CompactModel& model, Data& data, const VectorArg& q, ConstraintData& constraints) {
   const int rows = constraints.set().rows();
   return {detail::operationalSpaceInertia(model, data, q, constraints), rows, rows};
 }
 
-/// The same matrix as an operator, at one q, without forming it: O(n) a product.
+/// The Delassus matrix at one q as an operator, without forming it: O(n) a product. The operator keeps references to its arguments.
 /// No other algorithm may use this Data or ConstraintData between construction and the last product.
 class DelassusOperator {
  public:
@@ -36,7 +36,7 @@ class DelassusOperator {
       : model_(model), data_(data), constraints_(constraints) {
     detail::prepareDelassus(model, data, q, constraints);
   }
-  /// out = J M^-1 J^T x; both of `rows` numbers, and they may be the same.
+  /// out = J M^-1 J^T x. Both vectors have `rows` numbers, and they may be the same.
   void apply(const VectorArg& x, const VectorOut& out) const { detail::applyDelassus(model_, data_, constraints_, x, out); }
 
  private:

@@ -5,15 +5,15 @@
 
 namespace dyn {
 
-/// Of accelerations nv x nv, of forces rows x nv; w.r.t. q in its tangent space. Where rows imply each other these are derivatives of the
-/// least-norm forces for changes that leave the rank as it is.
+/// Derivatives of constraintDynamics: of ddq nv x nv, of lambda rows x nv; those w.r.t. q are in its tangent space. With redundant rows they are
+/// derivatives of the least-norm forces for changes that keep the rank.
 struct ConstraintDynamicsDerivatives {
   VectorResult ddq, lambda;
   MatrixResult ddq_dq, ddq_dv, ddq_dtau;
   MatrixResult lambda_dq, lambda_dv, lambda_dtau;
 };
 
-/// v_after and impulse likewise, w.r.t. q and the velocity before.
+/// Derivatives of impulseDynamics w.r.t. q and the velocity before the impact, with the same shapes.
 struct ImpulseDynamicsDerivatives {
   VectorResult v_after, impulse;
   MatrixResult v_after_dq, v_after_dv;
@@ -32,10 +32,9 @@ DYN_API ConstrainedDerivativeViews impulseDynamicsDerivatives(const CompactModel
                                                               ConstraintData&);
 }  // namespace detail
 
-/// Of constraintDynamics, by the articulated recursion: the equations of motion and of the rows differentiated (Carpentier and Mansard 2018,
-/// sec. V), forces turning with the axes of their constraints. Feedback (Baumgarte) included. Needs Need::derivatives of both Data and
-/// ConstraintData. `mu`, whose effect proximal iterations take away, has no part in it. O(n^2 depth + n^2 rows). Throws as
-/// constraintDynamics.
+/// Computes the derivatives of constraintDynamics (articulated method) by differentiating the equations of motion and of the rows (Carpentier and
+/// Mansard 2018, sec. V). Forces turn with the axes of their constraints, and Baumgarte feedback is included. Data and ConstraintData both need
+/// Need::derivatives. `mu` has no influence, since proximal iterations remove its effect. O(n^2 depth + n^2 rows). Throws as constraintDynamics.
 inline ConstraintDynamicsDerivatives computeConstraintDynamicsDerivatives(const CompactModel& model, Data& data, const VectorArg& q,
                                                                           const VectorArg& v, const VectorArg& tau, ConstraintData& constraints) {
   const detail::ConstrainedDerivativeViews x = detail::constraintDynamicsDerivatives(model, data, q, v, tau, constraints);
@@ -44,7 +43,7 @@ inline ConstraintDynamicsDerivatives computeConstraintDynamicsDerivatives(const 
           {x.motion_dtau, n, n}, {x.lambda_dq, r, n}, {x.lambda_dv, r, n}, {x.lambda_dtau, r, n}};
 }
 
-/// Of impulseDynamics. As above.
+/// Computes the derivatives of impulseDynamics in the same way, with the same needs.
 inline ImpulseDynamicsDerivatives computeImpulseDynamicsDerivatives(const CompactModel& model, Data& data, const VectorArg& q, const VectorArg& v,
                                                                     double restitution, ConstraintData& constraints) {
   const detail::ConstrainedDerivativeViews x = detail::impulseDynamicsDerivatives(model, data, q, v, restitution, constraints);

@@ -1,8 +1,8 @@
-// Dynamics of a model under constraints: accelerations and forces, impacts, and the quantities that they are made of.
+// Dynamics of a model under constraints: accelerations and constraint forces, impacts, and the motion and Jacobian of the rows.
 //
-// lambda: what the world, or the other body, does to the frame that a constraint is on, [N, N m] in the constraint's axes at its origin; for
-// couplings and locks the generalised force on the joint. All take their memory from Data and ConstraintData, and neither allocate nor throw
-// once arguments are right, but for Error(singular) naming the joint where M is singular, and Error(argument | size).
+// lambda is the force [N, N m] that the world, or the other body, exerts on a constraint's frame, in the constraint's axes at its origin; for
+// couplings and locks it is the generalised force on the joint. The functions take all memory from Data and ConstraintData and do not allocate.
+// They throw Error(argument | size) for wrong arguments, and Error(singular), naming the joint, where M is singular.
 #pragma once
 
 #include <dyn/algorithm/rnea.hpp>
@@ -10,29 +10,29 @@
 
 namespace dyn {
 
-/// articulated: the articulated-body recursion carries the constraints' forces along, linear in the number of bodies, and M is never formed.
-/// kkt: M by crba, its factors that follow the tree, J. A model with joints that follow others is always solved this way.
+/// articulated: the articulated-body recursion propagates the constraints' forces too. It is linear in the number of bodies and never forms M.
+/// kkt: computes M by crba, factors with the tree's sparsity, and J. Models with dependent joints always use this method.
 enum class ConstraintMethod { articulated, kkt };
 
 struct ConstrainedMotion {
   VectorResult ddq;     ///< nv
   VectorResult lambda;  ///< rows
-  double residual;      ///< largest violation of the rows' accelerations, as bodies move: rounding, unless constraints contradict each other
-  int rank;             ///< of the rows; less than their number where some imply others. Forces are those of least norm then
-  int iterations;       ///< of the solution for lambda
+  double residual;      ///< largest violation of a row's acceleration: only rounding, unless constraints contradict each other
+  int rank;             ///< of the rows; if some are redundant it is less than their number, and lambda has least norm
+  int iterations;       ///< of the solver for lambda
 };
 
 struct ConstrainedImpact {
   VectorResult v_after;  ///< nv
   VectorResult impulse;  ///< rows [N s, N m s]
-  double residual;       ///< as above, of velocities
+  double residual;       ///< largest violation of a row's velocity
   int rank;
 };
 
 struct ConstraintMotion {
   VectorResult velocity;  ///< J v
   VectorResult bias;      ///< gamma: acceleration of the rows at ddq = 0, without gravity
-  VectorResult error;     ///< of position, of constraints with a target: where the frame is less where it should be; rotation vectors
+  VectorResult error;     ///< position error [m, rad]: actual minus wanted, rotations as rotation vectors; 0 for constraints without a target
 };
 
 namespace detail {
@@ -51,14 +51,15 @@ DYN_API ConstraintMotionViews constraintMotion(const CompactModel&, Data&, Vecto
 DYN_API const double* constraintJacobian(const CompactModel&, Data&, VectorView q, ConstraintData&);
 }  // namespace detail
 
-/// M ddq + C v + g = tau + J^T lambda with J ddq + gamma = -velocity gain * J v - position gain * error. O(n + rows^3).
-/// Where rows imply each other the forces are those of least norm, where they contradict each other the accelerations those of least squares.
+/// Solves M ddq + C v + g = tau + J^T lambda with J ddq + gamma = -velocity gain * J v - position gain * error for ddq and lambda. O(n + rows^3).
+/// Redundant rows give the forces of least norm; rows that contradict each other give the accelerations of least squares.
 /// Popov and Vereshchagin 1978; Featherstone 2008, ch. 8.
 inline ConstrainedMotion constraintDynamics(const CompactModel& model, Data& data, const VectorArg& q, const VectorArg& v, const VectorArg& tau,
                                             ConstraintData& constraints, ConstraintMethod method = ConstraintMethod::articulated) {
   const detail::ConstrainedViews x = detail::constraintDynamics(model, data, q, v, tau, constraints, method, nullptr, 0);
   return {{x.motion, model.nv()}, {x.lambda, constraints.set().rows()}, x.residual, x.rank, x.iterations};
 }
+/// The same with external forces, as rnea takes them.
 inline ConstrainedMotion constraintDynamics(const CompactModel& model, Data& data, const VectorArg& q, const VectorArg& v, const VectorArg& tau,
                                             ConstraintData& constraints, const ExternalForces& fext,
                                             ConstraintMethod method = ConstraintMethod::articulated) {
@@ -66,15 +67,16 @@ inline ConstrainedMotion constraintDynamics(const CompactModel& model, Data& dat
   return {{x.motion, model.nv()}, {x.lambda, constraints.set().rows()}, x.residual, x.rank, x.iterations};
 }
 
-/// M (v_after - v) = J^T impulse with J v_after = -restitution * J v, restitution in [0, 1]. O(n + rows^3). Featherstone 2008, sec. 11.7.
+/// Solves M (v_after - v) = J^T impulse with J v_after = -restitution * J v for v_after and impulse; restitution is in [0, 1]. O(n + rows^3).
+/// Featherstone 2008, sec. 11.7.
 inline ConstrainedImpact impulseDynamics(const CompactModel& model, Data& data, const VectorArg& q, const VectorArg& v, double restitution,
                                          ConstraintData& constraints) {
   const detail::ConstrainedViews x = detail::impulseDynamics(model, data, q, v, restitution, constraints);
   return {{x.motion, model.nv()}, {x.lambda, constraints.set().rows()}, x.residual, x.rank};
 }
 
-/// Velocities, biases and errors of the rows. Contacts that hold a point take the acceleration of that point; all others the derivative of
-/// J v in the constraint's axes. O(n).
+/// Computes velocities, biases and errors of the rows. The acceleration of a row is that of the point for contacts that hold a point, and the
+/// derivative of J v in the constraint's axes for all other constraints. O(n).
 inline ConstraintMotion computeConstraintMotion(const CompactModel& model, Data& data, const VectorArg& q, const VectorArg& v,
                                                 ConstraintData& constraints) {
   const detail::ConstraintMotionViews x = detail::constraintMotion(model, data, q, v, constraints);
@@ -82,7 +84,7 @@ inline ConstraintMotion computeConstraintMotion(const CompactModel& model, Data&
   return {{x.velocity, n}, {x.bias, n}, {x.error, n}};
 }
 
-/// J, rows x nv: J v is the velocity of the rows. O(n + bodies between constraints and the world x rows).
+/// Computes J, rows x nv: J v is the velocity of the rows. O(n + b rows) for b bodies between constraints and the world.
 inline MatrixResult computeConstraintJacobian(const CompactModel& model, Data& data, const VectorArg& q, ConstraintData& constraints) {
   return {detail::constraintJacobian(model, data, q, constraints), constraints.set().rows(), model.nv()};
 }

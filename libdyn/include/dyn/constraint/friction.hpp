@@ -1,4 +1,4 @@
-// Contacts with friction and limits of joints: forces that only push, within Coulomb's cone.
+// Contacts with friction, limits of joints and joint friction: forces within Coulomb's cone or below a largest force.
 #pragma once
 
 #include <dyn/algorithm/rnea.hpp>
@@ -6,36 +6,37 @@
 
 namespace dyn {
 
-/// Of a set's constraint, either a contact whose rows are the three translations (x, y, z in its axes), with z along the normal, away from the
-/// other body; or the lock of a joint of one degree of freedom, which is then a limit that pushes its coordinate one way; or one coordinate of a
-/// lock, which is then the joint's own friction: it holds both ways, as well as its largest force can.
-/// Rows of the set that no cone names hold both ways whatever it takes.
+/// Limits the force of one constraint of a set. The constraint is
+///   - a contact, whose rows are the three translations (x, y, z in its axes), with z along the normal, away from the other body; or
+///   - the lock of a joint of one degree of freedom, which becomes a limit that pushes its coordinate one way; or
+///   - a lock of which one coordinate becomes the joint's own friction, which holds both ways up to its largest force.
+/// Rows of the set that no cone names hold both ways with any force.
 struct FrictionCone {
-  int constraint = 0;
-  /// Coefficient: tangential force at most friction * normal force; not negative, 0 for limits. Of a joint's own friction the largest force [N, N m].
+  int constraint = 0;  ///< its number in the set
+  /// Coefficient: the tangential force is at most friction * normal force. Not negative, 0 for limits. For joint friction the largest force [N, N m].
   double friction = 0;
-  double gap = 0;  ///< [m, rad] that contactStep may still close: the velocity after is at least -gap / dt; negative: where it is to be undone
-  bool downwards = false;  ///< of a limit: it pushes the coordinate down, an upper one
-  bool both_ways = false;  ///< of a lock: a joint's own friction
-  int coordinate = 0;      ///< of that: which of the joint's degrees of freedom
+  double gap = 0;          ///< [m, rad] that contactStep may close: the normal velocity after is at least -gap / dt. The step undoes a negative gap
+  bool downwards = false;  ///< for a limit: it is an upper limit, which pushes the coordinate down
+  bool both_ways = false;  ///< for a lock: it is the joint's own friction
+  int coordinate = 0;      ///< for joint friction: which of the joint's degrees of freedom
 };
 
 struct ContactSettings {
-  double tolerance = 1e-9;  ///< [m/s] for velocities, and with the Delassus matrix' mean for impulses
+  double tolerance = 1e-9;  ///< [m/s] for velocities, and for changes of impulses times the largest row sum of the Delassus matrix
   int max_iterations = 2000;
-  double restitution = 0;  ///< of normal velocities that approach where the gap is closed, in [0, 1]
+  double restitution = 0;  ///< of approaching normal velocities where the gap is closed, in [0, 1]
 };
 
-/// How well the conditions are kept: the force is in its cone exactly.
+/// How well the conditions are satisfied. Each force is exactly within its cone.
 struct ContactResidual {
-  double penetration;      ///< [m/s] largest normal velocity into the other body, or violation of a row that holds both ways
+  double penetration;      ///< [m/s] largest normal velocity into the other body, or velocity of a row that no cone names
   double complementarity;  ///< [J] largest |impulse . (velocity + friction |slip| normal)| of a contact: normal and dissipation conditions at once
 };
 
 struct ContactStep {
   VectorResult v_after;   ///< nv
-  VectorResult impulse;   ///< rows [N s]
-  VectorResult velocity;  ///< rows, after, as contactStep constrains them [m/s]
+  VectorResult impulse;   ///< rows [N s, N m s]
+  VectorResult velocity;  ///< rows [m/s, rad/s], after the step, as contactStep constrains them
   ContactResidual residual;
   bool converged;
   int iterations;
@@ -43,12 +44,13 @@ struct ContactStep {
 
 struct ContactForces {
   VectorResult lambda;  ///< rows [N, N m]
-  VectorResult left;    ///< nv: generalised force that they cannot explain
+  VectorResult left;    ///< nv: generalised force that lambda cannot explain
   bool converged;
   int iterations;
 };
 
-/// A point contact of `frame`, at `point` in its axes, with the other body, whose surface there has this normal, in the axes of `other`.
+/// Describes a point contact: `point`, in the axes of `frame`, touches the body of `other`. `normal` is that of the other's surface, in the axes of
+/// `other`, of any length. Throws Error(argument) for a normal without direction.
 DYN_API ConstraintDescription frictionContact(const std::string& name, const std::string& frame, const Vec3<double>& point,
                                               const Vec3<double>& normal, const std::string& other = "universe");
 
@@ -65,13 +67,13 @@ DYN_API ContactViews contactForces(const CompactModel&, Data&, VectorView q, Vec
                                    const FrictionCone* cones, std::size_t count, const ContactSettings&);
 }  // namespace detail
 
-/// One step of time at the level of velocities, q held: M (v_after - v) = dt (tau - C v - g) + J^T impulse with 0 <= normal impulse, normal
-/// velocity >= -gap / dt - restitution * before, one of the two zero, and friction that opposes slip at the edge of its cone (Signorini, Coulomb; the
-/// cone itself, not a pyramid). Velocities of contacts and limits are J(q) (v_after + dt w x v), the axes of joints that fly held with q: those of
-/// the places where bodies touch, not of the material points, which turn away as bodies roll. Rows that no cone names keep J v = 0 along the motion,
-/// dJ/dt v included. Where all contacts hold, by the Delassus matrix' factors, without iterations; else by the alternating direction
-/// method with de Saxce's correction (Carpentier, Le Lidec, Montaut 2024). Sets whose forces are not determined are as good as others. Nothing is
-/// thrown where it does not converge: see `converged` and the residual. O(n + rows^3 + iterations rows^2). Throws Error(argument | size | singular).
+/// Takes one time step at the level of velocities, with q held: M (v_after - v) = dt (tau - C v - g) + J^T impulse. Normal impulses are >= 0, normal
+/// velocities are >= -gap / dt - restitution * before, and one of the two is at its bound (Signorini). Friction opposes slip at the edge of its cone
+/// (Coulomb; the exact cone, not a pyramid). Contacts and limits constrain J(q) (v_after + dt w x v), with the axes of free and planar joints held
+/// as at q: these are velocities of the places of contact, not of material points, which turn away as bodies roll. Rows that no cone names keep
+/// J v = 0 along the motion, dJ/dt v included. If all contacts hold, the factors of the Delassus matrix give the solution without iterations.
+/// Otherwise the alternating direction method with de Saxce's correction finds it (Carpentier, Le Lidec, Montaut 2024). Forces need not be unique.
+/// O(n + rows^3 + iterations rows^2). Throws Error(argument | size | singular), but not if it does not converge: see `converged` and the residual.
 inline ContactStep contactStep(const CompactModel& model, Data& data, const VectorArg& q, const VectorArg& v, const VectorArg& tau, double dt,
                                ConstraintData& constraints, const std::vector<FrictionCone>& cones, const ContactSettings& settings = {}) {
   const detail::ContactViews x = detail::contactStep(model, data, q, v, tau, dt, constraints, cones.data(), cones.size(), settings);
@@ -79,7 +81,8 @@ inline ContactStep contactStep(const CompactModel& model, Data& data, const Vect
   return {{x.motion, model.nv()}, {x.force, rows}, {x.velocity, rows}, x.residual, x.converged, x.iterations};
 }
 
-/// Forces within their cones that explain the acceleration a under tau best: J^T lambda nearest to M a + C v + g - tau, in the metric of M^-1.
+/// Finds the forces within their cones that best explain the acceleration a under tau: J^T lambda is nearest to M a + C v + g - tau in the metric of
+/// M^-1. Gaps and restitution have no influence. Throws as contactStep.
 inline ContactForces contactForces(const CompactModel& model, Data& data, const VectorArg& q, const VectorArg& v, const VectorArg& a,
                                    const VectorArg& tau, ConstraintData& constraints, const std::vector<FrictionCone>& cones,
                                    const ContactSettings& settings = {}) {

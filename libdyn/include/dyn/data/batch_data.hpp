@@ -1,4 +1,4 @@
-// Results of many states at once: columns of matrices are states.
+// Memory for the algorithms over many states at once (dyn/algorithm/batch.hpp).
 #pragma once
 
 #include <dyn/data/data.hpp>
@@ -9,13 +9,15 @@ namespace dyn {
 template <class T>
 struct BatchImpl;
 
-/// Scratch and results for 1 to `capacity` states of one model, in double or float; a call with none throws Error(size). All memory is taken
-/// when it is made; it grows as the number of states. One batch is for one caller at a time; the threads it starts are its own. Results are the
-/// same bits whatever their number. In a child of fork(), which has none of its parent's threads, the first call starts as many, and allocates.
+/// Scratch and results for 1 to `capacity` states of one model, in double or float. A call with no states throws Error(size). The constructor
+/// allocates all memory, which grows with the number of states. Only one caller may use a batch at a time. A batch starts its own threads; their
+/// number does not change a bit of the results. A child of fork() has none of its parent's threads, so its first call starts as many anew, and
+/// allocates.
 template <class T>
 class DYN_API BasicBatchData {
  public:
-  /// Throws Error(argument) unless capacity and threads are positive, or if the system gives fewer threads.
+  /// Throws Error(argument) unless capacity and threads are positive, and if the system gives fewer threads. Throws Error(memory) if the machine has
+  /// less memory than the batch needs.
   BasicBatchData(const CompactModel& model, int capacity, Need needs = Need::state, int threads = 1);
   ~BasicBatchData();
   BasicBatchData(BasicBatchData&&) noexcept;
@@ -25,9 +27,9 @@ class DYN_API BasicBatchData {
 
   int capacity() const;
   int threads() const;
-  /// States that are computed by one instruction.
+  /// Returns how many states one instruction computes.
   int lanes() const;
-  /// Bytes taken.
+  /// Returns the size in bytes.
   std::size_t bytes() const;
 
   BatchImpl<T>& impl() { return *impl_; }

@@ -1,12 +1,12 @@
-// Threads with a Data each: any algorithm of single states, for many.
+// Threads with one Data each. They run any algorithm of single states for many states.
 //
 //   dyn::DataPool pool(model, dyn::Need::derivatives, 4);
 //   pool.forEach(Q.cols(), [&](dyn::Data& data, Eigen::Index k) {
 //     Y.col(k) = dyn::computeJointTorqueRegressor(model, data, Q.col(k), V.col(k), A.col(k)).reshaped();
 //   });
 //
-// For what has no overload for BatchData, which takes several states an instruction: regressors, kinematic derivatives, Cholesky factors, second
-// derivatives, constraints.
+// Use a pool for algorithms that have no overload for BatchData: regressors, kinematic derivatives, Cholesky factors, second derivatives,
+// constraints. A BatchData computes several states per instruction.
 #pragma once
 
 #include <dyn/data/data.hpp>
@@ -17,10 +17,11 @@
 
 namespace dyn {
 
-/// For one caller at a time. In a child of fork(), which has none of its parent's threads, the first call starts as many, and allocates.
+/// Only one caller may use a pool at a time. A child of fork() has none of its parent's threads, so its first call starts as many anew, and
+/// allocates.
 class DYN_API DataPool {
  public:
-  /// Throws Error(argument) unless threads is positive, or if the system gives fewer.
+  /// Throws Error(argument) unless threads is positive, and if the system gives fewer threads.
   explicit DataPool(const CompactModel& model, Need needs = Need::state, int threads = 1);
   ~DataPool();
   DataPool(DataPool&&) noexcept;
@@ -28,9 +29,9 @@ class DYN_API DataPool {
 
   int threads() const;
 
-  /// Calls f(data, k), or f(data, k, thread) for scratch of one's own, for each k in [0, count): each thread with its own Data and neighbours of k.
-  /// Returns when all are done. What f throws for the smallest such k is thrown again, an Error with the state in its message; the other states
-  /// are computed all the same.
+  /// Calls f(data, k), or f(data, k, thread) if f has scratch of its own per thread, for each k in [0, count). Each thread has its own Data and a
+  /// contiguous range of k. Returns when all calls are done. If f throws for some k, the other states are computed all the same, and the exception
+  /// of the smallest such k is thrown again; an Error then names the state in its message.
   template <class F>
   void forEach(std::ptrdiff_t count, F&& f) {
     auto call = [&f](Data& data, std::ptrdiff_t k, int thread) {

@@ -1,4 +1,4 @@
-// How vectors and matrices cross the library's boundary: as pointers with sizes. No Eigen object does, so flags never matter.
+// Vectors and matrices cross the library's boundary as pointers with sizes. No Eigen object crosses it, so compiler flags never matter.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,8 +14,8 @@ struct VectorView {
   std::ptrdiff_t size = 0;
 };
 
-/// Argument of an algorithm: any Eigen vector expression or a pointer with a size. Contiguous vectors are passed as they are; other
-/// expressions are evaluated into a temporary on the caller's side (which allocates: pass a vector in real-time loops).
+/// An argument of an algorithm: any Eigen vector expression, or a pointer with a size. Contiguous vectors are passed as they are. Other
+/// expressions are evaluated into a temporary on the caller's side; this allocates, so pass a vector in real-time loops.
 class VectorArg {
  public:
   VectorArg(const double* data, std::ptrdiff_t size) : view_{data, size} {}
@@ -40,7 +40,7 @@ class VectorArg {
 };
 
 namespace detail {
-/// Where results may be written: numbers of a matrix that is neither const nor about to vanish, columns one after the other.
+/// A type to which results may be written: its numbers are not const, and it is no temporary vector or matrix. A temporary Map or block is allowed.
 template <class T>
 concept Writable = requires(T& x) {
   { x.data() } -> std::same_as<double*>;
@@ -66,7 +66,7 @@ class VectorOut {
   std::ptrdiff_t size_;
 };
 
-/// The caller's matrix for a result: column-major, or a block of one.
+/// The caller's matrix for a result: a column-major matrix, or a block of one.
 class MatrixOut {
  public:
   MatrixOut(double* data, std::ptrdiff_t rows, std::ptrdiff_t cols) : MatrixOut(data, rows, cols, rows) {}
@@ -87,8 +87,8 @@ class MatrixOut {
   std::ptrdiff_t rows_, cols_, stride_;
 };
 
-/// Results: views of memory that the Data owns, valid until it is destroyed, overwritten by the next call. q, v, a and tau of that call may be
-/// such views (`aba(model, data, q, v, rnea(model, data, q, v, a))`): they are read before anything is written.
+/// Results are views of memory that the Data owns. They are valid until the Data is destroyed, and the next call overwrites them. q, v, a and tau of
+/// that call may be such views (`aba(model, data, q, v, rnea(model, data, q, v, a))`), because they are read before anything is written.
 using VectorResult = Eigen::Map<const Eigen::VectorXd>;
 using MatrixResult = Eigen::Map<const Eigen::MatrixXd>;
 

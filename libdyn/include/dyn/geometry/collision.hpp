@@ -1,4 +1,4 @@
-// Whether volumes touch, and where. Two that share a point collide.
+// Collision checks: whether volumes touch, and where. Two volumes that share a point collide.
 #pragma once
 
 #include <dyn/algorithm/batch.hpp>
@@ -7,31 +7,32 @@
 
 namespace dyn {
 
-/// Of a pair of geometries a and b, in the world.
+/// A contact of a pair of geometries a and b, in world coordinates.
 struct Contact {
   int pair = 0;
-  Vec3<double> position;  ///< between the two surfaces' points
-  Vec3<double> normal;    ///< unit, from a towards b: b is parted from a by moving it along `normal` by `depth`
+  Vec3<double> position;  ///< midpoint between the contact points of the two surfaces
+  Vec3<double> normal;    ///< unit, from a towards b; moving b along it by `depth` separates b from a
   double depth = 0;       ///< [m]
 };
 
-// At the placements of the last updateGeometryPlacements. Pairs whose bounding spheres or boxes do not meet cost no more than that.
+// These functions use the placements of the last updateGeometryPlacements. A pair whose bounding spheres or boxes do not meet costs only that test.
+// All throw Error(argument) if the data belongs to another geometry.
 
-/// Whether one pair collides. Throws Error(argument) for a number out of range.
+/// Returns whether one pair collides. Throws Error(argument) for a number out of range.
 DYN_API bool computeCollision(const GeometryModel& geometry, GeometryData& data, int pair);
-/// Whether any pair collides; stops at the first, which is firstCollision().
+/// Returns whether any pair collides. Stops at the first one found, which firstCollision() then returns.
 DYN_API bool anyCollision(const GeometryModel& geometry, GeometryData& data);
 DYN_API int firstCollision(const GeometryData& data);  ///< -1 if the last anyCollision() found none
-/// The pairs that collide, in the order of pairs().
+/// Returns the pairs that collide, in the order of pairs().
 DYN_API const std::vector<int>& computeCollisions(const GeometryModel& geometry, GeometryData& data);
-/// Contacts of all pairs that collide, in the order of pairs(); of meshes and voxels one for each two pieces that meet. No more than
-/// the data has room for.
+/// Returns contacts of all pairs that collide, in the order of pairs(). Meshes and voxels give one contact for each two pieces (triangles, cubes)
+/// that meet. Contacts for which the data has no room are left out.
 DYN_API const std::vector<Contact>& computeContacts(const GeometryModel& geometry, GeometryData& data);
 
 struct GeometryBatchImpl;
 
-/// Holds what computeCollisions of many states needs: for each thread a Data and a GeometryData. In a child of fork() the first call starts its
-/// threads anew.
+/// Memory for computeCollisions of many states: a Data and a GeometryData for each thread. After fork(), the first call in the child starts new
+/// threads.
 class DYN_API GeometryBatch {
  public:
   /// Throws Error(argument) unless capacity and threads are positive.
@@ -51,8 +52,8 @@ namespace detail {
 DYN_API const unsigned char* batchCollisions(const CompactModel&, GeometryBatch&, StatesView<double> q);
 }  // namespace detail
 
-/// For each column of Q, nq x N with N at most the capacity, 1 if any pair collides at it and 0 if none. The same whatever the number of
-/// threads. Throws Error(size); Error(argument) naming the state for a quaternion that is zero or a number that is not finite.
+/// Checks each column of Q, which is nq x N with N at most the capacity. Returns N flags: 1 if any pair collides, else 0. The result does not depend
+/// on the number of threads. Throws Error(size), and Error(argument), naming the state, for a zero quaternion or a number that is not finite.
 inline auto computeCollisions(const CompactModel& model, GeometryBatch& batch, const detail::States<double>& Q) {
   const detail::StatesView<double> view = Q;
   return Eigen::Map<const Eigen::Matrix<unsigned char, Eigen::Dynamic, 1>>(detail::batchCollisions(model, batch, view), view.cols);

@@ -1,4 +1,4 @@
-// How far volumes are from one another, and how that changes with q.
+// Distances between volumes, and their derivatives with respect to q.
 #pragma once
 
 #include <dyn/algorithm/jacobians.hpp>
@@ -6,27 +6,28 @@
 
 namespace dyn {
 
-/// Of a pair of geometries a and b, in the world: nearest_b - nearest_a = distance * normal.
+/// The distance of a pair of geometries a and b, in world coordinates: nearest_b - nearest_a = distance * normal.
 struct Distance {
   int pair = -1;
-  double distance = 0;  ///< [m]; negative: b must be moved by so much along the normal until the two only touch
+  double distance = 0;  ///< [m]; if negative, the two overlap, and moving b by -distance along the normal makes them just touch
   Vec3<double> normal;  ///< unit, from a towards b
   Vec3<double> nearest_a, nearest_b;
 };
 
-// At the placements of the last updateGeometryPlacements. Of meshes and voxels that overlap the distance is that of the two pieces, triangles
-// or cubes, that overlap deepest. Two half-spaces that are not parallel overlap by infinity.
+// These functions use the placements of the last updateGeometryPlacements. Overlapping meshes and voxels have the distance of the two pieces
+// (triangles, cubes) that overlap deepest. Two half-spaces have distance -infinity unless they are parallel and face each other.
 
-/// Throws Error(argument) for a number out of range.
+/// Returns the distance of one pair. Throws Error(argument) for a number out of range.
 DYN_API Distance computeDistance(const GeometryModel& geometry, GeometryData& data, int pair);
-/// Of all pairs, in their order.
+/// Returns the distances of all pairs, in the order of pairs().
 DYN_API const std::vector<Distance>& computeDistances(const GeometryModel& geometry, GeometryData& data);
-/// The least of all pairs, the first of several; pair = -1 and infinity where there are none. Most pairs are ruled out by bounding spheres.
+/// Returns the smallest distance of all pairs, the first of several. Without pairs it has pair = -1 and distance = infinity. Bounding spheres rule
+/// out most pairs.
 DYN_API Distance computeMinimumDistance(const GeometryModel& geometry, GeometryData& data);
 
-/// d(distance)/dq along the tangent, nv numbers: normal . (J_b - J_a), with the Jacobians of the two nearest points as the bodies carry them.
-/// The distance's own derivative wherever the nearest points are unique; one of its subgradients elsewhere. `data` holds the q that the
-/// placements are of. O(depth) beside two nv-vectors. Throws Error(size), Error(argument).
+/// Writes d(distance)/dq along the tangent, nv numbers: normal . (J_b - J_a), with the Jacobians of the two nearest points, each fixed to its body.
+/// This is the derivative of the distance where the nearest points are unique, and one of its subgradients elsewhere. `data` must hold the q of the
+/// placements. O(depth), beside passes over vectors of nv numbers. Throws Error(size | argument).
 DYN_API void computeDistanceDerivative(const CompactModel& model, Data& data, const GeometryModel& geometry, GeometryData& geometry_data,
                                        const Distance& distance, const VectorOut& derivative);
 

@@ -1,4 +1,4 @@
-// Where geometries are, and what was found about them: scratch and results for one thread.
+// Placements of geometries and results of collision checks.
 #pragma once
 
 #include <dyn/data/data.hpp>
@@ -9,10 +9,11 @@ namespace dyn {
 
 struct GeometryDataImpl;
 
-/// All memory is taken when it is made, but that of the broadphase, which FCL takes when a scene has many moving bodies.
+/// Placements, scratch and results, for one thread. The constructor takes all memory, except that of FCL's broadphase, which scenes with many moving
+/// bodies use.
 class DYN_API GeometryData {
  public:
-  /// `contacts`: how many one call can report.
+  /// One call reports at most `contacts` contacts. Throws Error(argument) if this is negative.
   explicit GeometryData(const GeometryModel& model, int contacts = 256);
   ~GeometryData();
   GeometryData(GeometryData&&) noexcept;
@@ -27,15 +28,15 @@ class DYN_API GeometryData {
   Owned<GeometryDataImpl> impl_;
 };
 
-/// Places all geometries by the joints' poses that the last forwardKinematics found. O(number of geometries that move).
-/// Throws Error(argument) if the geometry was compiled for another model, `data` is of another, or the two geometries do not belong together.
-/// Volumes meet by their places in the world: a base 10^9 m away leaves them 1e-7 m.
+/// Places all geometries according to the joint poses of the last forwardKinematics. O(number of geometries that move).
+/// Throws Error(argument) if the geometry or `data` belongs to another model, or `geometry_data` to another geometry.
+/// Placements are in the world, so their resolution falls with the distance from its origin: it is 1e-7 m at 10^9 m.
 DYN_API void updateGeometryPlacements(const CompactModel& model, const Data& data, const GeometryModel& geometry, GeometryData& geometry_data);
-/// The same at q, with its forwardKinematics.
+/// Runs forwardKinematics at q first, then does the same.
 DYN_API void updateGeometryPlacements(const CompactModel& model, Data& data, const GeometryModel& geometry, GeometryData& geometry_data,
                                       const VectorArg& q);
 
-/// Pose of a geometry in the world. Throws Error(argument) for a number out of range, or data of another geometry.
+/// Returns the pose of a geometry in the world. Throws Error(argument) for a number out of range, or data of another geometry.
 DYN_API SE3<double> geometryPlacement(const GeometryModel& geometry, const GeometryData& geometry_data, int id);
 
 }  // namespace dyn

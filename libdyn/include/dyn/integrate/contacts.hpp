@@ -1,4 +1,4 @@
-// What may touch in a simulation: points of bodies and surfaces of others, told anew for every configuration.
+// Possible contacts in a simulation: points of bodies near surfaces of other bodies, found anew for every configuration.
 #pragma once
 
 #include <dyn/compile/compact_model.hpp>
@@ -16,36 +16,36 @@ namespace dyn {
 
 /// A point of one body near the surface of another.
 struct ContactPoint {
-  std::int64_t id = 0;    ///< not negative; from call to call the same for the same place of the two bodies' surfaces, and of no other
-  int frame = 0;          ///< whose point it is, by number of CompactModel::frames()
-  Vec3<double> point{};   ///< in its axes [m]
-  int other = 0;          ///< whose surface it is; 0: the world
-  Vec3<double> normal{};  ///< of the surface, away from it, in the other's axes; of any length but zero
+  std::int64_t id = 0;    ///< not negative; in every call the same for the same place on the two bodies' surfaces, and different from all others
+  int frame = 0;          ///< frame of the point, its number in CompactModel::frames()
+  Vec3<double> point{};   ///< in that frame [m]
+  int other = 0;          ///< frame of the surface; 0: the world
+  Vec3<double> normal{};  ///< of the surface, pointing away from it, in the axes of `other`; any length but zero
   double gap = 0;         ///< [m] between point and surface; negative inside
   double friction = 0;    ///< coefficient
 };
 
-/// An Approach says what a step of a simulation may bring together.
+/// An Approach says what may come into contact during a step of a simulation.
 struct DYN_API Approach {
-  double clear =
-      std::numeric_limits<double>::infinity();  ///< [s] Nothing that is apart now comes to touch before this, but for what `soonest` counts.
-  /// [s] The same of what is so near that the step's end tells more than its beginning; infinity where nothing is.
+  /// [s] Nothing that is apart now touches before this time, except for things that `soonest` covers.
+  double clear = std::numeric_limits<double>::infinity();
+  /// [s] The same for things so near that the state at the step's end tells more than that at its beginning; infinity if there are none.
   double soonest = std::numeric_limits<double>::infinity();
-  double reach = 0;  ///< [m] No two things come nearer to each other than by this within the step.
+  double reach = 0;  ///< [m] During the step no two things approach each other by more than this.
 
-  /// Two things that are `gap` [m] apart and come nearer at no more than `speed` [m/s] in the next `seconds`. By `room` [m] the one may be in the
-  /// other before it is seen on the far side.
+  /// Adds two things that are `gap` [m] apart and approach each other at no more than `speed` [m/s] during the next `seconds`. One may be `room` [m]
+  /// deep inside the other before it appears on the far side.
   void add(double gap, double speed, double seconds, double room);
 };
 
-/// A finder tells a simulation what touches; it is called several times a step. A function of q that appends the points that are near enough to
-/// matter is one. The library's own finders are told how far away things may matter, and say for how long nothing can touch: then no body passes
-/// another unseen, whatever its speed. They keep scratch that their copies share, so each thread needs a finder of its own.
+/// Tells a simulation what touches; it is called several times a step. Any function of q that appends all points near enough to matter can be a
+/// finder. The library's own finders also look ahead: they learn within which distance things may matter, and say for how long nothing can touch.
+/// Then no body passes through another unseen, whatever its speed. Copies of these finders share scratch memory, so each thread needs its own finder.
 class DYN_API ContactFinder {
  public:
-  /// `reach` [m]: what is farther away need not be told of.
+  /// Appends points to `found`. It need not report points farther away than `reach` [m].
   using Find = std::function<void(VectorResult q, double reach, std::vector<ContactPoint>& found)>;
-  /// Velocities, nv rows, that occur in the next `seconds`: bounds of the motion are made of them.
+  /// The columns of `velocities`, nv rows, occur during the next `seconds`; the function bounds the motion by them.
   using Look = std::function<Approach(VectorResult q, MatrixResult velocities, double seconds)>;
 
   ContactFinder() = default;
@@ -65,11 +65,11 @@ class DYN_API ContactFinder {
   Look look_;
 };
 
-/// The finder that tells what either of two tells.
+/// Makes a finder that reports the contacts of both finders. It looks ahead if both do.
 DYN_API ContactFinder together(const ContactFinder& a, const ContactFinder& b);
 
-/// Origins of these frames above the plane normal . x = height of the world [m]. Throws Error(argument) for a frame that is not there, a
-/// normal without direction, a height that is not finite, a friction that is negative or not finite.
+/// Makes a finder of contacts between the origins of these frames and the plane normal . x = height [m], in world axes. Throws Error(argument) for an
+/// unknown frame, a normal without direction, a height that is not finite, and a friction that is negative or not finite.
 DYN_API ContactFinder pointsOnPlane(const CompactModel& model, const std::vector<std::string>& frames, const Vec3<double>& normal = {0, 0, 1},
                                     double height = 0, double friction = 0);
 

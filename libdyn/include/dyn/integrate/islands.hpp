@@ -1,4 +1,4 @@
-// A scene of mechanisms that do not touch each other, each simulated alone, and not at all while it rests.
+// Simulation of a scene of mechanisms that do not touch each other: each is simulated alone, and not at all while it is at rest.
 #pragma once
 
 #include <dyn/compile/compile.hpp>
@@ -10,18 +10,21 @@
 
 namespace dyn {
 
-/// When an island may be left alone: no speed of a joint above this [rad/s, m/s], and no acceleration that would lead above it, for this long [s].
+/// An island falls asleep when, for `time` [s], no joint is faster than `speed` [rad/s, m/s] and no acceleration would lead above that speed within
+/// `time`. Islands in which something touches are judged by speed alone.
 struct SleepOptions {
   bool allowed = false;
   double speed = 1e-6;
   double time = 0.5;
 };
 
-/// Islands are trees on the world, with what constraints, couplings and `scene.touching` tie to them. Each has its own CompactModel and Simulator,
-/// with the steps that it needs. A sleeping one costs nothing and stays where it was, at rest; woken it goes on from there.
+/// An island is a tree on the world together with all trees that constraints, couplings or `scene.touching` tie to it. Each island has its own
+/// CompactModel and Simulator, and takes the steps that it needs. A sleeping island costs nothing and stays where it is, with zero velocity; once
+/// woken, it goes on from there.
 class DYN_API IslandSimulator {
  public:
-  /// As compile() and Simulator; of `options.scene` with outputs only islands that have one.
+  /// Takes arguments and throws as compile() and Simulator. If `options.scene` has outputs, only islands with an output are simulated. Throws
+  /// Error(argument) for a sleep speed that is negative or a sleep time that is not positive.
   IslandSimulator(const Model& model, const JointRegistry& registry, const CompileOptions& options, const SimulatorOptions& simulation,
                   const SleepOptions& sleep = {});
   ~IslandSimulator();
@@ -29,21 +32,22 @@ class DYN_API IslandSimulator {
   IslandSimulator& operator=(IslandSimulator&&) noexcept;
 
   int count() const;
-  /// For its state, controller and contacts. Changing them does not wake it: see wake().
+  /// Gives access to an island's state, controller and contacts. Changing them does not wake the island: see wake().
   Simulator& island(int k);
-  /// The island that has this joint, body or frame; -1 if none has.
+  /// Number of the island that has this joint, body or frame; -1 if none has it.
   int islandOf(const std::string& name) const;
   bool asleep(int k) const;
-  /// What happens to it, an impulse, a new controller, makes it move again from now on.
+  /// Lets an island move again from the present time. Call this after an impulse or a new controller.
   void wake(int k);
 
-  /// That all islands have come to.
+  /// The time that all islands have reached.
   double time() const;
-  /// All islands to this time, one after the other, each as Simulator::advance; their events do not end it. Those that may fall asleep are looked
-  /// at every tenth of `sleep.time`. Throws as Simulator::advance: time() is then what all have come to, and those that are past it wait there.
+  /// Advances all islands to this time, one after the other, each by Simulator::advance; their events do not end it. If sleep is allowed, islands are
+  /// examined every tenth of `sleep.time`. Throws as Simulator::advance: time() is then the time that all islands have reached, and islands beyond it
+  /// wait there.
   void advance(double until);
 
-  /// What was left out, how many islands there are.
+  /// Says what was left out, and how many islands there are.
   const std::vector<std::string>& report() const;
 
  private:

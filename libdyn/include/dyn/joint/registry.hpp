@@ -1,4 +1,4 @@
-// Where joint types come from: shared objects, opened local and never unloaded.
+// The registry of joint types. They come from shared objects, which are opened with local symbols and never unloaded.
 #pragma once
 
 #include <dyn/error.hpp>
@@ -10,19 +10,19 @@
 
 namespace dyn {
 
-/// A plugin file, its folder, and folders of links to it must belong to this process's user or to root, and neither their group nor everyone may
-/// write them: others could replace what is loaded. Refused unless `any` is said.
+/// With `owner_only`, a plugin file, its folder and the folders of links to it must belong to root, this process's user or the owner of libdyn's
+/// file, and neither their group nor everyone may write to them: others could replace what is loaded. `any` skips this check.
 enum class Trust { owner_only, any };
 
 struct PluginRecord {
   std::string path;
-  std::vector<std::string> types;  ///< names of joint and coupling types; empty if it failed
-  std::string problem;             ///< why it was not loaded; empty if it was
-  std::string remark;              ///< what is wrong with it though it was; else empty
-  std::string fast;                ///< the file beside it that is built for this processor and used by compiled models; else empty
+  std::vector<std::string> types;  ///< names of joint and coupling types; empty if loading failed
+  std::string problem;             ///< why the plugin was not loaded; empty if it was
+  std::string remark;              ///< what is wrong with a plugin that was loaded; else empty
+  std::string fast;                ///< the file with its build for this processor, which compiled models use; empty if there is none
 };
 
-/// Name -> type. Reading is safe from several threads; loading is not.
+/// Maps names to types. Reading is safe from several threads; loading is not.
 class DYN_API JointRegistry {
  public:
   JointRegistry();
@@ -30,25 +30,26 @@ class DYN_API JointRegistry {
   JointRegistry(const JointRegistry&);
   JointRegistry& operator=(const JointRegistry&);
 
-  /// The plugins beside the library, then those in the folders of DYN_PLUGIN_PATH (separated by ':').
-  /// A plugin that cannot be loaded is recorded in plugins() and named when a type is not found.
+  /// Loads the plugins beside the library, then those in the folders of DYN_PLUGIN_PATH (separated by ':').
+  /// A plugin that cannot be loaded is recorded in plugins(), and named in the error when a type is not found.
   static JointRegistry standard(Trust trust = Trust::owner_only);
 
-  /// Loads one shared object (links are followed); throws Error(plugin) and leaves the registry as it was.
+  /// Loads one shared object (follows links). On failure throws Error(plugin) and leaves the registry unchanged.
   void load(const std::string& path, Trust trust = Trust::owner_only);
-  /// Loads every *.so of a folder, in the order of their names; failures are recorded, not thrown.
+  /// Loads every *.so of a folder, in the order of their names. Records failures in plugins() instead of throwing.
   void loadDirectory(const std::string& directory, Trust trust = Trust::owner_only);
 
-  /// A joint type of the program itself, which must outlive every copy of the registry. Throws Error(plugin) if its name is taken.
+  /// Adds a joint type of the program itself, which must outlive every copy of the registry. Throws Error(plugin) if its name is taken or cannot be a
+  /// name, or if its description is incomplete.
   void add(const JointType& type);
 
-  /// The type of that name; throws Error(joint_type) with every path searched and every problem met.
+  /// Returns the type of that name. Throws Error(joint_type), with every path searched and every problem met, if there is none.
   const JointType& jointType(const std::string& name, const Where& where = {}) const;
   const CouplingType& couplingType(const std::string& name, const Where& where = {}) const;
 
-  /// The same type built for this processor, if its plugin brings that (avx2/NAME.so and avx512/NAME.so beside NAME.so); else `type`.
-  /// For poses, subspaces and biases; DYN_SIMD says which, as for the library's own kernels. load() refuses a plugin whose two builds describe
-  /// a type differently, compile() a joint of which they say different sizes.
+  /// Returns the same type built for this processor if its plugin has such a build (avx2/NAME.so or avx512/NAME.so beside NAME.so), else `type`. It
+  /// computes poses, subspaces and biases. DYN_SIMD can choose the instruction set, as for the library's own kernels. load() refuses a plugin whose
+  /// two builds describe a type differently; compile() refuses a joint for which they differ in size or motion.
   const JointType& forProcessor(const JointType& type) const;
 
   const std::vector<const JointType*>& jointTypes() const;

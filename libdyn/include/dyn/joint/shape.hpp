@@ -1,12 +1,12 @@
-// The closed set of motion subspaces that the recursions know. A joint type declares one per joint; everything after the plugin sees
-// shapes, never types.
+// The closed set of motion subspaces that the recursions know. A joint type declares one shape for each joint; behind the plugin interface the
+// library sees shapes, never types.
 #pragma once
 
 #include <cstdint>
 
 namespace dyn {
 
-/// What a plugin writes per joint (`pose` components, in this order) and what the recursions assume of S, in the moving frame.
+/// Each shape defines the `pose` components that a plugin writes for a joint, in this order, and the motion subspace S in the moving frame.
 enum class Shape : std::int32_t {
   revolute,        ///< pose: cos, sin.          S = e6 (rotation about z)
   prismatic,       ///< pose: z.                 S = e3 (translation along z)
@@ -38,7 +38,7 @@ constexpr int poseSize(Shape shape) {
   }
 }
 
-/// Whether the motion subspace has no linear part.
+/// Returns whether the motion subspace has no linear part.
 constexpr bool turnsOnly(Shape shape) { return shape == Shape::revolute || shape == Shape::spherical; }
 
 }  // namespace dyn

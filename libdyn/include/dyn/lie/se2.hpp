@@ -1,4 +1,4 @@
-// SO(2) and SE(2): configurations (cos, sin) and (x, y, cos, sin), tangent (vx, vy, w) in the moving frame.
+// SO(2) and SE(2). Configurations are (cos, sin) and (x, y, cos, sin); tangent vectors are w and (vx, vy, w), in the moving frame.
 #pragma once
 
 #include <dyn/lie/so3.hpp>
@@ -19,7 +19,7 @@ struct SO2 {
   }
   SO2 inverse() const { return {c, -s}; }
   friend SO2 operator*(const SO2& a, const SO2& b) { return {a.c * b.c - a.s * b.s, a.s * b.c + a.c * b.s}; }
-  /// Divided by the norm, safe from overflow and underflow.
+  /// Divides by the norm, without overflow or underflow.
   SO2 normalized() const {
     using std::abs, std::sqrt;
     const S m = select(abs(c) > abs(s), S(abs(c)), S(abs(s)));
@@ -36,7 +36,7 @@ struct SE2 {
   friend SE2 operator*(const SE2& a, const SE2& b) { return {a.x + a.r.c * b.x - a.r.s * b.y, a.y + a.r.s * b.x + a.r.c * b.y, a.r * b.r}; }
   SE2 inverse() const { return {-(r.c * x + r.s * y), r.s * x - r.c * y, r.inverse()}; }
 
-  /// p = V(w) v, V = [[a, -b w], [b w, a]].
+  /// Exponential of (vx, vy, w): p = V(w) (vx, vy) with V = [[a, -b w], [b w, a]].
   static SE2 exp(const Vec3<S>& v) {
     const RotationCoefficients<S> k = rotationCoefficients(Vec3<S>{S(0), S(0), v.z});
     const S bw = k.b * v.z;
@@ -47,11 +47,11 @@ struct SE2 {
     const S d = S(1) - inverseCoefficient(w2) * w2, h = S(0.5) * w;  // V^-1 = [[d, h], [-h, d]]
     return {d * x + h * y, d * y - h * x, w};
   }
-  /// Matrix of the action on tangent vectors.
+  /// Matrix of the action on tangent vectors (the adjoint).
   Mat3<S> action() const { return {{r.c, -r.s, y, r.s, r.c, -x, S(0), S(0), S(1)}}; }
 };
 
-/// Right Jacobian of SE2::exp and its inverse at the logarithm.
+/// Right Jacobian of SE2::exp at v, and its inverse, Jlog2.
 template <class S>
 Mat3<S> Jexp2(const Vec3<S>& v) {
   const RotationCoefficients<S> k = rotationCoefficients(Vec3<S>{S(0), S(0), v.z});

@@ -1,4 +1,4 @@
-// Exponential, logarithm and Jacobians of SE(3), tangent vectors linear part first.
+// Exponential, logarithm and Jacobians of SE(3). Tangent vectors have their linear part first.
 #pragma once
 
 #include <dyn/lie/so3.hpp>
@@ -12,13 +12,13 @@ struct Jacobian6 {
   Mat3<S> diagonal, upper;
 };
 
-/// exp of a twist held for unit time: R = exp(w), p = V(w) v with V the left Jacobian.
+/// Exponential of a twist (v, w) held for unit time: R = exp(w), p = V(w) v with V the left Jacobian of SO(3).
 template <class S>
 SE3<S> exp6(const Motion<S>& m) {
   return {exp3(m.angular), transposeTimes(Jexp3(m.angular), m.linear)};
 }
 
-/// log of a transform whose rotation vector is known.
+/// Logarithm of a transform; the first form takes a rotation vector that is already known.
 template <class S>
 Motion<S> log6(const Vec3<S>& rotation, const Vec3<S>& p) {
   return {transposeTimes(Jlog3(rotation), p), rotation};
@@ -28,8 +28,8 @@ Motion<S> log6(const SE3<S>& X) {
   return log6(log3(X.R), X.p);
 }
 
-/// Right Jacobian of exp6 (Barfoot 2017, eq. 7.86, with the signs of both arguments turned). His products of up to four matrices are
-/// written out with s = v . w, which takes the high powers of the angle out and with them the cancellation at large ones:
+/// Right Jacobian of exp6 (Barfoot 2017, eq. 7.86, with the signs of both arguments changed). Barfoot's products of up to four matrices are expanded
+/// with s = v . w. This removes the high powers of the angle, and with them the cancellation at large angles:
 /// Q = -b [v] + c (v w' + w v') + s ((c - b) 1 - f [w] - g w w').
 template <class S>
 Jacobian6<S> Jexp6(const Motion<S>& m) {
@@ -44,7 +44,7 @@ Jacobian6<S> Jexp6(const Motion<S>& m) {
   return {Jexp3(w), Q};
 }
 
-/// Inverse of Jexp6 at m = log6(X), whose rotation's Jlog3 is D.
+/// Inverse of Jexp6 at m = log6(X). D is Jlog3 at m's angular part.
 template <class S>
 Jacobian6<S> Jlog6(const Motion<S>& m, const Mat3<S>& D) {
   return {D, S(-1) * (D * Jexp6(m).upper * D)};
@@ -54,7 +54,7 @@ Jacobian6<S> Jlog6(const Motion<S>& m) {
   return Jlog6(m, Jlog3(m.angular));
 }
 
-/// Jlog6 at -m, which is that of m with both blocks transposed.
+/// Jlog6 at -m from Jlog6 at m: both blocks are transposed.
 template <class S>
 Jacobian6<S> opposite(const Jacobian6<S>& Jlog) {
   return {transpose(Jlog.diagonal), transpose(Jlog.upper)};

@@ -1,6 +1,6 @@
-// Rotations: unit quaternions (x, y, z, w), exponential, logarithm and their Jacobians, exact to rounding at every angle.
+// Rotations: unit quaternions (x, y, z, w), exponential, logarithm and their Jacobians, accurate to rounding at every angle.
 //
-// Where the closed forms cancel (small angles) series take over; the switch lies where both are good to a few ulp.
+// At small angles, where the closed forms cancel, series replace them. At the switch both are accurate to a few ulp.
 #pragma once
 
 #include <dyn/scalar/dual.hpp>
@@ -14,8 +14,9 @@
 
 namespace dyn {
 
-/// Sum of four squares, right to rounding where S is a number or a pack: a rotation matrix inherits its whole error. Each is split into a
-/// leading part, of so few digits beside the largest that the squares of these and their sum are exact, and a rest (Rump, Ogita, Oishi 2008).
+/// Sum of four squares, correct to rounding if S is a number or a pack, since a rotation matrix inherits its whole error. Each number is split into a
+/// leading part and a rest (Rump, Ogita, Oishi 2008). Leading parts have so few digits, relative to the largest number, that their squares and the
+/// sum of these are exact.
 template <class S>
 S sumOfSquares(const S& x, const S& y, const S& z, const S& w) {
   using T = Real<S>;
@@ -38,12 +39,12 @@ struct Quaternion {
 
   Vec3<S> vec() const { return {x, y, z}; }
   Quaternion conjugate() const { return {-x, -y, -z, w}; }
-  /// Summed in pairs that cancel exactly in conj(q) q.
+  /// The terms are summed in pairs that cancel exactly in conj(q) q.
   friend Quaternion operator*(const Quaternion& a, const Quaternion& b) {
     return {(a.w * b.x + a.x * b.w) + (a.y * b.z - a.z * b.y), (a.w * b.y + a.y * b.w) + (a.z * b.x - a.x * b.z),
             (a.w * b.z + a.z * b.w) + (a.x * b.y - a.y * b.x), (a.w * b.w - a.x * b.x) - (a.y * b.y + a.z * b.z)};
   }
-  /// Divided by its norm, without overflow or underflow on the way. The zero quaternion gives NaN.
+  /// Divides by the norm, without overflow or underflow. The zero quaternion gives NaN.
   Quaternion normalized() const {
     using std::abs, std::sqrt;
     S m = abs(x);
@@ -52,8 +53,8 @@ struct Quaternion {
     const S n = sqrt(a * a + b * b + c * c + d * d);
     return {a / n, b / n, c / n, d / n};
   }
-  /// Rotation matrix of a quaternion of any norm but zero. Dividing the products by the squared norm is a rounding better than
-  /// normalising first; that is done only where the square would overflow or lose digits.
+  /// Rotation matrix of a quaternion of any norm but zero. The products are divided by the squared norm, which saves one rounding over normalising
+  /// first. The quaternion is normalised first only where the squared norm would overflow or lose digits.
   Mat3<S> matrix() const {
     const S n2 = sumOfSquares(x, y, z, w);
     const auto ordinary = both(n2 > S(1e-30), n2 < S(1e30));
@@ -65,7 +66,7 @@ struct Quaternion {
   }
 
  private:
-  /// With s = 2 / norm^2. The diagonal as a difference of sums of squares keeps every summand below one.
+  /// Rotation matrix for s = 2 / norm^2. The diagonal is a difference of sums of squares, which keeps every summand below one.
   Mat3<S> unitMatrix(const S& s) const {
     const S sx = s * x, sy = s * y, sz = s * z, h = S(0.5) * s;
     const S xx = x * x, yy = y * y, zz = z * z, ww = w * w;
@@ -75,7 +76,7 @@ struct Quaternion {
   }
 };
 
-/// Quaternion of a rotation matrix (Shepperd 1978: divide by the largest component), with w >= 0 unless w = 0.
+/// Unit quaternion with w >= 0 of a rotation matrix (Shepperd 1978: divides by the largest component).
 template <class S>
 Quaternion<S> quaternionOf(const Mat3<S>& R) {
   const S t = R(0, 0) + R(1, 1) + R(2, 2);
@@ -97,14 +98,14 @@ Quaternion<S> quaternionOf(const Mat3<S>& R) {
 }
 
 namespace detail {
-/// 1 / n! for n < 32, in more digits than any scalar here has.
+/// 1 / n! for n < 32, in extended precision.
 inline constexpr auto inverse_factorials = [] {
   std::array<long double, 32> out{1};
   for (std::size_t n = 1; n < out.size(); ++n) out[n] = out[n - 1] / static_cast<long double>(n);
   return out;
 }();
 
-/// sum (-t2)^k / (2k + m)! from k = 0 to `last`, by Horner.
+/// Sum of (-t2)^k / (2k + m)! from k = 0 to `last`, by Horner's scheme.
 template <int m, int last, class S>
 S alternatingSeries(const S& t2) {
   const auto coefficient = [](int k) {
@@ -120,13 +121,13 @@ S alternatingSeries(const S& t2) {
   return sum;
 }
 
-/// The whole series below t = 2: the first term left out is less than 1e-20 of the sum.
+/// The same series, long enough for t < 2: the first term left out is less than 1e-20 of the sum.
 template <int m, class S>
 S rotationSeries(const S& t2) {
   return valueOf(t2) < 0x1p-4 ? alternatingSeries<m, 6>(t2) : alternatingSeries<m, 13>(t2);
 }
 
-/// sin t / t.
+/// sin t / t, where t2 = t^2.
 template <class S>
 S sinc(const S& t2) {
   using std::sin, std::sqrt;
@@ -166,14 +167,14 @@ struct RotationCoefficients {
   }
 };
 
-/// sin(x/2)^2 from x2 = x^2: half of 1 - cos x without cancellation.
+/// sin(x/2)^2, where x2 = x^2: half of 1 - cos x, without cancellation.
 template <class S>
 S quarterVersine(const S& x2) {
   const S a = detail::sinc(S(0.25) * x2);
   return S(0.25) * x2 * a * a;
 }
 
-// Beyond two radians the roundings of |w| alone are several of the result's: there |w| and its sine are taken in extended precision.
+// Beyond two radians the rounding of |w| alone costs several roundings of the result, so |w| and its sine are computed in extended precision there.
 inline bool isLargeRotation(const Vec3<double>& w) { return dot(w, w) >= 4; }
 inline Vec3<long double> extended(const Vec3<double>& w) { return {w.x, w.y, w.z}; }
 
@@ -201,7 +202,7 @@ Quaternion<S> expQuaternion(const Vec3<S>& w) {
   }
   using std::cos, std::sin, std::sqrt;
   const S t2 = dot(w, w);
-  // t2 underflows for tiny w, and then sin(t/2) / t is 1/2 as it should.
+  // For tiny w, t2 underflows; sin(t/2) / t is then 1/2, as it should be.
   const S h2 = S(0.25) * t2;
   const S s = S(0.5) * detail::sinc(h2);
   const S c = valueOf(h2) < 1 ? S(1) - S(2) * quarterVersine(h2) : cos(S(0.5) * sqrt(t2));
@@ -219,7 +220,7 @@ Mat3<S> exp3(const Vec3<S>& w) {
            bx * w.z - ay, by * w.z + ax, S(1) - (bx * w.x + by * w.y)}};
 }
 
-/// log of a unit quaternion: rotation vector of norm at most pi; q and -q give the same.
+/// Logarithm of a unit quaternion: the rotation vector, of norm at most pi. q and -q give the same vector.
 template <class S>
 Vec3<S> log3(const Quaternion<S>& q) {
   using std::atan2, std::sqrt;
@@ -227,7 +228,7 @@ Vec3<S> log3(const Quaternion<S>& q) {
   const Vec3<S> v = flip ? -q.vec() : q.vec();
   const S w = flip ? -q.w : q.w;
   const S n2 = dot(v, v);
-  // 2 atan2(n, w) / n. For small n the vector is 2 v / w (1 - n^2 / (3 w^2) + ...), which needs no square root of an underflow.
+  // The vector is 2 atan2(n, w) / n v. For small n it is 2 v / w (1 - n^2 / (3 w^2) + ...), which needs no root of a number that may underflow.
   if (valueOf(n2) < 1e-9) {
     const S r = n2 / (w * w);
     return (S(2) / w * (S(1) - r * (S(1.0 / 3.0) - r * S(0.2)))) * v;
@@ -241,7 +242,7 @@ Vec3<S> log3(const Mat3<S>& R) {
   return log3(quaternionOf(R));
 }
 
-/// Right Jacobian of exp: exp(w + d) = exp(w) exp(J d + ...).  1 - b [w] + c [w]^2 (Sola et al. 2018, eq. 143).
+/// Right Jacobian of exp: exp(w + d) = exp(w) exp(J d + ...), with J = 1 - b [w] + c [w]^2 (Sola et al. 2018, eq. 143).
 template <class S>
 Mat3<S> Jexp3(const Vec3<S>& w) {
   const RotationCoefficients<S> k = rotationCoefficients(w);
@@ -259,7 +260,7 @@ Mat3<S> Jexp3(const Vec3<S>& w) {
   return J;
 }
 
-/// (1 - t/2 cot(t/2)) / t^2, the last coefficient of the inverse Jacobian; regular at 0, grows without bound at 2 pi.
+/// (1 - t/2 cot(t/2)) / t^2, the last coefficient of the inverse Jacobian. It is regular at 0 and unbounded at 2 pi.
 template <class S>
 S inverseCoefficient(const S& t2) {
   using std::cos, std::sin, std::sqrt;
@@ -272,7 +273,7 @@ S inverseCoefficient(const S& t2) {
   return (S(1) - h * cos(h) / sin(h)) / t2;
 }
 
-/// Inverse of Jexp3: log(exp(w) exp(d)) = w + J d + ...  1 + [w]/2 + g [w]^2.
+/// Inverse of Jexp3: log(exp(w) exp(d)) = w + J d + ..., with J = 1 + [w]/2 + g [w]^2.
 template <class S>
 Mat3<S> Jlog3(const Vec3<S>& w) {
   const S t2 = dot(w, w), g = inverseCoefficient(t2);

@@ -1,4 +1,4 @@
-// What a mechanism may not do beside what its joints say: contacts, closed loops, joints that are tied to others or held.
+// Constraints of a mechanism in addition to its joints: contacts, closed loops, joints coupled to others, and locked joints.
 #pragma once
 
 #include <dyn/model/joint_description.hpp>
@@ -10,57 +10,58 @@
 
 namespace dyn {
 
-/// Axes in which a constraint between two frames has its rows, forces and free directions:
-///   LOCAL                those of the frame that it is on
-///   OTHER                those of the other frame; of the world where the other is the universe
-///   LOCAL_WORLD_ALIGNED  the world's
+/// Axes of a constraint between two frames. Its rows, forces and free directions are along
+///   LOCAL                the axes of its own frame
+///   OTHER                the axes of the other frame, or of the world if that is the universe
+///   LOCAL_WORLD_ALIGNED  the axes of the world
 enum class ConstraintAxes { LOCAL, OTHER, LOCAL_WORLD_ALIGNED };
 
-/// Feedback that brings a violated constraint back: its acceleration is to be -velocity * (J v) - position * error (Baumgarte 1972).
-/// Zero: none. Critical damping with time constant T: position = 1 / T^2, velocity = 2 / T.
+/// Feedback that reduces constraint violations: the rows' acceleration shall be -velocity * (J v) - position * error (Baumgarte 1972).
+/// Zero gains mean no feedback. Critical damping with time constant T has position = 1 / T^2, velocity = 2 / T.
 struct Baumgarte {
   double position = 0;  ///< [1/s^2]
   double velocity = 0;  ///< [1/s]
 };
 
-/// Between two frames: the origin and the axes of `frame` may not move as seen from the body of `other`, but in the directions that are
-/// free. The velocity is that of the origin of `frame` relative to the point of the other body that is there.
+/// A constraint between two frames: seen from the body of `other`, the origin and axes of `frame` may move in the free directions only. The
+/// constrained velocity is that of the origin of `frame` relative to the point of the other body at the same place.
 struct FrameConstraint {
   std::string frame{}, other = "universe";     ///< bodies or frames
-  SE3<double> placement{}, other_placement{};  ///< of the constraint's frames in these
+  SE3<double> placement{}, other_placement{};  ///< of the constraint's frames, in `frame` and in `other`
   std::array<bool, 6> free{};                  ///< translations along x, y, z, rotations about x, y, z
   ConstraintAxes axes = ConstraintAxes::LOCAL;
-  /// Whether the two frames are meant to coincide (in the directions that are not free). A contact that holds its point wherever it has
-  /// touched has no such place, and so no error of position.
+  /// Whether the two frames shall coincide in the directions that are not free. A contact that holds a point wherever it has touched has no target,
+  /// and so no position error.
   bool has_target = false;
 };
 
-/// The coordinate of `joint` is a function of another's, kept by a force in place of taking the coordinate out of the model.
+/// The coordinate of `joint` is a function of another joint's. A force maintains the relation; the coordinate stays in the model.
 struct JointCoupling {
   std::string joint{};
   Coupling coupling{};
 };
 
-/// A joint that is held.
+/// Holds a joint.
 struct JointLock {
   std::string joint{};
-  std::vector<double> configuration{};  ///< where; empty: wherever it is
+  std::vector<double> configuration{};  ///< the joint's nq numbers; empty: holds it wherever it is
 };
 
 struct ConstraintDescription {
-  std::string name{};  ///< for messages; unique within a set
+  std::string name{};  ///< used in messages; unique within a set
   std::variant<FrameConstraint, JointCoupling, JointLock> relation{};
   Baumgarte baumgarte{};
   Where where{};
 };
 
-/// A point of a robot that rests on the world or on another body: three forces. Named as the frame.
+/// Describes a point of a robot that rests on the world or on another body: three forces. The constraint has the frame's name.
 DYN_API ConstraintDescription pointContact(const std::string& frame, const std::string& other = "universe");
-/// A foot that stands flat, a hand that holds: three forces, three moments.
+/// Describes a foot that stands flat or a hand that holds: three forces, three moments. The constraint has the frame's name.
 DYN_API ConstraintDescription frameContact(const std::string& frame, const std::string& other = "universe");
-/// Frames of two bodies that coincide in the directions that are not free, which are those of `other`.
+/// Describes a closed loop: frames of two bodies coincide in the directions that are not free, in axes of `other`.
 DYN_API ConstraintDescription closeLoop(const std::string& name, const std::string& frame, const std::string& other,
                                         const std::array<bool, 6>& free = {});
+/// Describes a coupled joint, and a locked joint. The constraint has the joint's name.
 DYN_API ConstraintDescription coupleJoint(const std::string& joint, const Coupling& coupling);
 DYN_API ConstraintDescription lockJoint(const std::string& joint, const std::vector<double>& configuration = {});
 

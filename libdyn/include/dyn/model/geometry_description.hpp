@@ -1,4 +1,4 @@
-// Volumes on bodies and in the world, as a parser or a user's program describes them. Lengths in metres, in the geometry's own frame.
+// Volumes on bodies and in the world, as a parser or a user's program describes them. Lengths are in metres, in the geometry's own frame.
 #pragma once
 
 #include <dyn/error.hpp>
@@ -13,7 +13,7 @@ namespace dyn {
 
 namespace geometry {
 
-/// Solids, centred at the origin of their frame.
+/// The solids from sphere to cone are centred at the origin of their frame.
 struct Sphere {
   double radius = 0;  ///< 0: a point
 };
@@ -21,7 +21,7 @@ struct Box {
   Vec3<double> size;  ///< along x, y, z
 };
 struct Capsule {
-  double radius = 0, length = 0;  ///< length of the segment on z between the centres of its two ends
+  double radius = 0, length = 0;  ///< `length` is that of the segment on z between the centres of the two round ends
 };
 struct Cylinder {
   double radius = 0, length = 0;  ///< along z
@@ -38,16 +38,17 @@ struct HalfSpace {
 struct ConvexHull {
   std::vector<Vec3<double>> points;
 };
-/// A surface of triangles: what lies inside without touching it does not collide. Where the triangles bound a convex solid it is that solid.
+/// A mesh of triangles. It collides as a surface, so a body inside that does not touch it does not collide. A mesh whose triangles bound a convex
+/// solid collides as that solid.
 struct TriangleMesh {
   std::vector<Vec3<double>> vertices;
   std::vector<std::array<int, 3>> triangles;
 };
-/// A mesh in a file, read when geometry that needs it is compiled. The uri is a path, "file://" or "package://".
+/// A mesh in a file. compileGeometry() reads it if a pair needs it. The uri is a path, "file://", "package://" or "model://".
 struct MeshFile {
   std::string uri;
   Vec3<double> scale{1, 1, 1};
-  bool convex = false;  ///< take its convex hull
+  bool convex = false;  ///< use the mesh's convex hull
 };
 /// Cubes, such as the occupied leaves of an octree.
 struct Voxels {
@@ -67,8 +68,8 @@ struct OctreeFile {
 using GeometryShape = std::variant<geometry::Sphere, geometry::Box, geometry::Capsule, geometry::Cylinder, geometry::Cone, geometry::HalfSpace,
                                    geometry::ConvexHull, geometry::TriangleMesh, geometry::MeshFile, geometry::Voxels, geometry::OctreeFile>;
 
-/// A height field as a mesh: heights[i * columns + j] at (x0 + i dx, y0 + j dy). Throws Error(size) unless there are rows * columns heights
-/// and two of either at least.
+/// Makes a mesh from a height field: heights[i * columns + j] is the height at (x0 + i dx, y0 + j dy). Throws Error(size) unless there are
+/// rows * columns heights, and at least two rows and two columns.
 DYN_API geometry::TriangleMesh heightField(int rows, int columns, const std::vector<double>& heights, double x0, double y0, double dx, double dy);
 
 /// A volume fixed to a body.
@@ -82,7 +83,7 @@ struct GeometryDescription {
   Where where{};
 };
 
-/// Two bodies, or volumes by name, that are not to be checked against each other, and why.
+/// Names of two bodies or volumes that are not checked against each other, and the reason.
 struct DisabledCollision {
   std::string body{}, other{};
   std::string reason{};

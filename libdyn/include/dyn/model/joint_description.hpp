@@ -1,4 +1,4 @@
-// A joint by the name of its type: parameters, limits, losses, and what it follows.
+// Description of a joint: the name of its type, parameters, limits, dissipation, and the joint that it depends on.
 #pragma once
 
 #include <dyn/error.hpp>
@@ -13,40 +13,40 @@ namespace dyn {
 
 struct JointDescription;
 
-/// Value of a joint's or coupling's parameter: numbers, a text, or (for joints made of joints) a list of joints.
+/// Value of a parameter of a joint or coupling: numbers, a text, or (for joints made of joints) a list of joints.
 using ParameterValue = std::variant<std::vector<double>, std::string, std::vector<JointDescription>>;
 using Parameters = std::map<std::string, ParameterValue>;
 
-// Members of descriptions and options have initializers, all of them: those that a designated one leaves out cause no warning.
+// All members of descriptions and options have initializers, so that designated initializers may leave members out without a warning.
 
-/// A relation that makes a joint's coordinate a function of another joint's: a coupling type of a plugin with its parameters.
+/// A relation that makes a joint's coordinate a function of another joint's: a coupling type of a plugin, with its parameters.
 struct Coupling {
   std::string type{};    ///< e.g. "mimic"; empty: the joint is independent
-  std::string master{};  ///< name of the joint that leads
+  std::string master{};  ///< name of the joint that this one depends on
   Parameters parameters{};
 };
 
-/// Limits of one joint, one entry a coordinate (position) or degree of freedom (the rest). Empty means unlimited.
+/// Limits of one joint: one entry for each coordinate (position) or degree of freedom (velocity, effort). Empty means unlimited.
 struct JointLimits {
   std::vector<double> lower{}, upper{};  ///< [rad or m]
   std::vector<double> velocity{};        ///< [rad/s or m/s]
   std::vector<double> effort{};          ///< [N m or N]
 };
 
-/// A joint by type name and parameters; what the names mean is known to the plugin alone.
+/// A joint by type name and parameters. Only the plugin knows what these names mean.
 struct JointDescription {
   std::string name{};
   std::string type = "fixed";
   Parameters parameters{};
   SE3<double> placement{};  ///< pose of the joint at its zero in the parent body's frame
   JointLimits limits{};
-  std::vector<double> damping{};   ///< viscous [N m s/rad or N s/m], a value a degree of freedom; empty: none
+  std::vector<double> damping{};   ///< viscous [N m s/rad or N s/m], one value for each degree of freedom; empty: none
   std::vector<double> friction{};  ///< Coulomb [N m or N]
   std::vector<double> armature{};  ///< rotor inertia seen by the joint [kg m^2 or kg]
   Coupling coupling{};
-  /// Rigid only because reduce() holds it. Pairs of volumes to be checked are chosen as if it could move.
+  /// The joint is rigid only because reduce() holds it. Collision pairs are chosen as if it could move.
   bool held = false;
-  Where where{};  ///< where it was read, for messages
+  Where where{};  ///< where the description was read, for messages
 };
 
 }  // namespace dyn

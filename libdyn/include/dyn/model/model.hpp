@@ -1,4 +1,4 @@
-// The description of a robot: bodies, the joint that carries each, frames. Parsers and builder calls write it, compile() reads it.
+// The description of a robot: bodies, the joint that carries each body, frames. Parsers and builder calls write it, compile() reads it.
 #pragma once
 
 #include <dyn/model/constraint.hpp>
@@ -10,10 +10,10 @@
 
 namespace dyn {
 
-/// A body and the joint that carries it. The body's frame is the joint's frame after its motion.
+/// A body and the joint that carries it. The body's frame is the joint's frame after the joint's motion.
 struct BodyDescription {
   std::string name{};
-  int parent = 0;  ///< index of the parent body, smaller than the body's own; 0 is the universe
+  int parent = 0;  ///< index of the parent body, smaller than the body's own; 0 is the world
   JointDescription joint{};
   Inertia<double> inertia{};
   Where where{};
@@ -26,27 +26,27 @@ struct FrameDescription {
   SE3<double> placement{};  ///< pose in the body's frame
 };
 
-/// Bodies in an order in which parents come first. bodies[0] is the universe.
+/// Parents come before their children in `bodies`. bodies[0] is the world, called "universe".
 struct DYN_API Model {
   std::string name;
   Vec3<double> gravity{0, 0, -9.81};  ///< in the world [m/s^2]
   std::vector<BodyDescription> bodies;
-  std::vector<FrameDescription> frames;            ///< beside those that every body is
+  std::vector<FrameDescription> frames;            ///< in addition to the frame of each body
   std::vector<ConstraintDescription> constraints;  ///< of the mechanism itself: closed loops, gears
   std::vector<GeometryDescription> geometries;
   std::vector<DisabledCollision> disabled_collisions;
-  std::vector<std::string> notes;  ///< what a parser ignored or found odd, once each
+  std::vector<std::string> notes;  ///< what a parser ignored or found odd, each once
 
   Model();
 
   /// Appends a body; returns its index. Throws Error(argument) for a parent that does not exist.
-  /// Names used twice are found by compile().
+  /// compile() finds names that are used twice.
   int addBody(const std::string& body, int parent, JointDescription joint, const Inertia<double>& inertia = {});
   /// Appends a frame; returns its index in `frames`. Throws as addBody.
   int addFrame(const std::string& frame, int body, const SE3<double>& placement);
   /// Appends a volume for collision; returns its index in `geometries`. Throws as addBody.
   int addGeometry(const std::string& geometry, int body, const SE3<double>& placement, GeometryShape shape);
-  /// Index of the body of that name, or of the body that the joint of that name carries; -1 if there is none.
+  /// Index of the body with that name, and of the body carried by the joint with that name; -1 if there is none.
   int findBody(const std::string& body) const;
   int findJoint(const std::string& joint) const;
   /// Index of the collision geometry of that name; -1 if there is none.

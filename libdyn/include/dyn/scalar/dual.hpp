@@ -1,4 +1,4 @@
-// Forward-mode differentiation: a value and its derivative in one direction. Nests, so Dual<Dual<double>> has second derivatives.
+// Forward-mode differentiation: a value and its derivative in one direction. Duals nest, so Dual<Dual<double>> has second derivatives.
 #pragma once
 
 #include <dyn/scalar/select.hpp>
@@ -11,14 +11,14 @@
 
 namespace dyn {
 
-/// Both at once, which costs packs and duals hardly more than one.
+/// Computes sine and cosine together. For packs and duals this costs hardly more than one of the two.
 template <class S>
 void sincos(const S& angle, S& sine, S& cosine) {
   using std::cos, std::sin;
   sine = sin(angle);
   cosine = cos(angle);
 }
-/// Large angles are taken modulo pi / 2 with more digits: the C library's own way leaves up to 15 u next to some multiples.
+/// Large angles are computed in a wider type: the C library's own reduction modulo pi / 2 leaves errors of up to 15 u next to some multiples.
 template <std::floating_point T>
 void sincos(const T& angle, T& sine, T& cosine) {
   using Wide = std::conditional_t<std::is_same_v<T, float>, double, long double>;
@@ -55,7 +55,7 @@ struct Dual {
   Dual& operator*=(const Dual& b) { return *this = *this * b; }
   Dual& operator/=(const Dual& b) { return *this = *this / b; }
 
-  // A comparison gives what comparing the values gives: a mask where they are many.
+  // Comparisons compare the values alone. For packs the result is a mask.
   friend auto operator<(const Dual& a, const Dual& b) { return a.v < b.v; }
   friend auto operator>(const Dual& a, const Dual& b) { return a.v > b.v; }
   friend auto operator<=(const Dual& a, const Dual& b) { return a.v <= b.v; }

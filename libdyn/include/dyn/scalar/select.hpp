@@ -1,4 +1,4 @@
-// Decisions that hold for one number or for many at once: packs of numbers bring their own overloads, with a mask for the condition.
+// Decisions for one number or for many at once. Packs of numbers bring their own overloads, with a mask as condition.
 #pragma once
 
 namespace dyn {
@@ -7,13 +7,13 @@ inline bool allOf(bool condition) { return condition; }
 inline bool anyOf(bool condition) { return condition; }
 inline bool both(bool a, bool b) { return a && b; }
 
-/// condition ? a : b, number by number.
+/// condition ? a : b, for each number of a pack separately.
 template <class T>
 T select(bool condition, const T& a, const T& b) {
   return condition ? a : b;
 }
 
-/// The number type that constants have beside scalars S: S itself, or the type of one lane of a pack.
+/// The number type of constants in computations with scalars S: S itself, or the type of one lane of a pack.
 template <class S>
 struct RealOf {
   using type = S;
@@ -24,7 +24,7 @@ using Real = typename RealOf<S>::type;
 template <class S>
 inline constexpr int lanes_of = RealOf<S>::lanes;
 
-/// Whether values are not known yet: code for numbers of every size then takes those of ordinary size for granted.
+/// Whether values are not known yet, as in tracing. Code with special cases for very large or small numbers then assumes ordinary numbers.
 template <class S>
 inline constexpr bool is_symbolic = false;
 

@@ -1,5 +1,5 @@
-// A scalar that records what is done with it. Any function that is written over scalars and has no branch on their values, run once on
-// these, leaves its expression graph in the recorder (dyn/codegen/graph.hpp).
+// A scalar that records operations. A function that is templated on the scalar and does not branch on values can run once on traced scalars; it then
+// leaves its expression graph in the recorder (dyn/codegen/graph.hpp).
 #pragma once
 
 #include <dyn/scalar/dual.hpp>
@@ -30,7 +30,7 @@ enum class Operation : std::int32_t {
   select_less,  ///< a < b ? c : d
 };
 
-/// How many values it takes.
+/// Returns the number of arguments of an operation.
 constexpr int arity(Operation o) {
   switch (o) {
     case Operation::input:
@@ -51,11 +51,11 @@ constexpr int arity(Operation o) {
 
 class Recorder;
 
-/// A number that is known, or the value of a node in a recorder's graph.
+/// A known number, or the unknown value of a node in a recorder's graph.
 struct Traced {
-  Recorder* recorder = nullptr;  ///< null: a known number
+  Recorder* recorder = nullptr;  ///< null for a known number
   double value = 0;              ///< of a known number
-  std::uint32_t node = 0;        ///< of one that is not
+  std::uint32_t node = 0;        ///< of an unknown one
 
   Traced() = default;
   template <class A>
@@ -68,23 +68,23 @@ struct Traced {
   Traced& operator/=(const Traced& b);
 };
 
-/// Takes down operations. Plugins call it through this interface, so that they need not be linked to the library.
+/// Records operations. Plugins call the recorder through this interface, so that they need not link to the library.
 class Recorder {
  public:
-  /// The result of an operation on up to four values, of which one at least is not known.
+  /// Records an operation on up to four values, at least one of them unknown, and returns its result.
   virtual Traced record(Operation operation, const Traced& a, const Traced& b, const Traced& c, const Traced& d) noexcept = 0;
 
  protected:
   ~Recorder() = default;
 };
 
-/// a < b ? x : y. Scalars that record something themselves bring their own.
+/// a < b ? x : y. Scalars that record operations themselves bring their own overload.
 template <class S>
 S selectLess(const S& a, const S& b, const S& x, const S& y) {
   return select(a < b, x, y);
 }
 
-/// What an operation gives for its values, value(0), value(1), ... Inputs and constants are not made of others: they give value(0).
+/// Applies an operation to its arguments value(0), value(1), ... and returns the result. Inputs and constants have no arguments: they give value(0).
 template <class Value>
 auto applied(Operation operation, const Value& value) {
   using std::sqrt, std::sin, std::cos, std::tan, std::exp, std::log, std::atan2, std::abs;
@@ -156,7 +156,7 @@ inline void sincos(const Traced& angle, Traced& sine, Traced& cosine) {
   cosine = cos(angle);
 }
 
-/// What comparing gives: a < b, or not so. There is nothing to branch on: select() takes it.
+/// Result of a comparison: a < b, or its negation. Code cannot branch on it, only pass it to select().
 struct TracedCondition {
   Traced a, b;
   bool negated = false;
@@ -173,7 +173,7 @@ inline TracedCondition operator&(const TracedCondition& x, const TracedCondition
 inline TracedCondition operator|(const TracedCondition& x, const TracedCondition& y) { return {0.5, select(x, 1, select(y, 1, 0))}; }
 inline TracedCondition operator==(const Traced& a, const Traced& b) { return (a <= b) & (b <= a); }
 inline TracedCondition both(const TracedCondition& x, const TracedCondition& y) { return x & y; }
-/// Of a condition that nobody knows yet neither may be relied on: code that asks must be right whichever way it goes on.
+/// A condition that is not known yet counts neither as true in all lanes nor as false in all, so code that asks must be correct on either branch.
 inline bool allOf(const TracedCondition&) { return false; }
 inline bool anyOf(const TracedCondition&) { return true; }
 

@@ -1,4 +1,4 @@
-// Forward-mode differentiation along N directions at once. With replay() (dyn/codegen/graph.hpp) over every algorithm that can be traced.
+// Forward-mode differentiation along N directions at once. With replay() (dyn/codegen/graph.hpp) it works for every algorithm that can be traced.
 #pragma once
 
 #include <array>
@@ -10,20 +10,20 @@ namespace dyn {
 template <class T, int N>
 struct WideDual {
   T v{};
-  std::array<T, N> d{};  ///< the change of v along each direction
+  std::array<T, N> d{};  ///< derivative of v along each direction
 
   WideDual() = default;
   template <class A>
     requires std::is_arithmetic_v<A>
   WideDual(A value) : v(static_cast<T>(value)) {}  // NOLINT: a number is a constant
 
-  /// A value that changes along one direction at rate 1.
+  /// A value with derivative 1 along one direction, and 0 along the others.
   static WideDual variable(T value, int direction) {
     WideDual x(value);
     x.d[static_cast<std::size_t>(direction)] = T(1);
     return x;
   }
-  /// f(x) with f' = slope there; f(x, y) with both slopes.
+  /// The chain rule: f(x), whose value and slope at x are given, or f(x, y) with both slopes.
   static WideDual chain(const T& value, const T& slope, const WideDual& x) {
     WideDual out;
     out.v = value;

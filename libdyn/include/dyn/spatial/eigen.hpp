@@ -1,5 +1,5 @@
-// Spatial quantities as Eigen's matrices and back. Inline, so that both sides of a conversion are compiled with the user's flags: none
-// of these types crosses the library's boundary.
+// Conversions between spatial quantities and Eigen's matrices. They are inline, so that both sides of a conversion are compiled with the user's
+// flags: no Eigen type crosses the library's boundary.
 #pragma once
 
 #include <dyn/spatial/inertia.hpp>
@@ -25,7 +25,7 @@ template <class S>
 Eigen::Matrix<S, 3, 3> toEigen(const Sym3<S>& A) {
   return toEigen(A.matrix());
 }
-/// Linear part first.
+/// The linear part comes first.
 template <class S>
 Vector6<S> toEigen(const Motion<S>& m) {
   return {m.linear.x, m.linear.y, m.linear.z, m.angular.x, m.angular.y, m.angular.z};
@@ -42,7 +42,7 @@ Eigen::Matrix<S, 4, 4> toEigen(const SE3<S>& X) {
   H.template topRightCorner<3, 1>() = toEigen(X.p);
   return H;
 }
-/// 6 x 6 matrix from a motion to a momentum.
+/// 6 x 6 matrix that maps a motion to a momentum.
 template <class S>
 Matrix6<S> toEigen(const Inertia<S>& Y) {
   const Eigen::Matrix<S, 3, 3> mc = toEigen(skew(Y.mass * Y.com));
@@ -56,7 +56,7 @@ auto fromEigen3(const Eigen::MatrixBase<Derived>& x) {
   EIGEN_STATIC_ASSERT_VECTOR_SPECIFIC_SIZE(Derived, 3);
   return Vec3<typename Derived::Scalar>{x[0], x[1], x[2]};
 }
-/// R must be a rotation: it is taken as it is.
+/// R must be a rotation; this is not checked.
 template <class Derived>
 auto rotationFromEigen(const Eigen::MatrixBase<Derived>& R) {
   EIGEN_STATIC_ASSERT_MATRIX_SPECIFIC_SIZE(Derived, 3, 3);

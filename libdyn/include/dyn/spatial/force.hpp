@@ -17,7 +17,7 @@ struct Force {
   Force& operator-=(const Force& b) { return *this = *this - b; }
 };
 
-/// Power [W] of a force on a motion.
+/// Power [W] of a force along a motion.
 template <class S>
 S dot(const Motion<S>& m, const Force<S>& f) {
   return dot(m.linear, f.linear) + dot(m.angular, f.angular);

@@ -12,19 +12,19 @@ struct Inertia {
   Vec3<S> com{};
   Sym3<S> rotational{};
 
-  /// Momentum of the body moving with v, both at the frame's origin.
+  /// Momentum of the body that moves with v; both are at the frame's origin.
   friend Force<S> operator*(const Inertia& Y, const Motion<S>& v) {
     const Vec3<S> l = Y.mass * (v.linear + cross(v.angular, Y.com));
     return {l, Y.rotational * v.angular + cross(Y.com, l)};
   }
-  /// The inertia of the two bodies welded together, both given in one frame.
+  /// Inertia of two bodies welded together, both given in the same frame.
   friend Inertia operator+(const Inertia& a, const Inertia& b) {
     const S m = a.mass + b.mass;
     if (!(m > S(0)) && !(m < S(0))) return {m, {}, a.rotational + b.rotational};
     const S wa = a.mass / m, wb = b.mass / m;
     return {m, wa * a.com + wb * b.com, a.rotational + b.rotational + (a.mass * wb) * pointInertia(a.com - b.com)};
   }
-  /// The same inertia seen from frame a, where aMb is the pose of its own frame b.
+  /// The same inertia in frame a, where aMb is the pose of this inertia's frame b.
   Inertia transformed(const SE3<S>& aMb) const { return {mass, aMb.act(com), congruence(aMb.R, rotational)}; }
   /// Rotational inertia about the frame's origin.
   Sym3<S> rotationalAtOrigin() const { return rotational + mass * pointInertia(com); }
@@ -35,15 +35,15 @@ Inertia<To> cast(const Inertia<From>& Y) {
   return {static_cast<To>(Y.mass), cast<To>(Y.com), cast<To>(Y.rotational)};
 }
 
-/// Symmetric 6x6 inertia [[linear, coupling], [coupling^T, angular]] that maps an acceleration to a force, both at one origin
-/// (Featherstone 2008, ch. 7).
+/// Symmetric 6x6 inertia [[linear, coupling], [coupling^T, angular]]. It maps an acceleration to a force, both at the same origin (Featherstone 2008,
+/// ch. 7).
 template <class S>
 struct ArticulatedInertia {
   Sym3<S> linear{};
   Mat3<S> coupling{};
   Sym3<S> angular{};
 
-  /// Of a rigid body with first moment h = m c and rotational inertia about the origin.
+  /// Inertia of a rigid body with first moment h = m c and rotational inertia about the origin.
   static ArticulatedInertia rigid(const S& mass, const Vec3<S>& h, const Sym3<S>& angularAtOrigin) {
     return {{mass, S(0), S(0), mass, S(0), mass}, {{S(0), h.z, -h.y, -h.z, S(0), h.x, h.y, -h.x, S(0)}}, angularAtOrigin};
   }
@@ -56,7 +56,7 @@ struct ArticulatedInertia {
   }
   ArticulatedInertia& operator+=(const ArticulatedInertia& b) { return *this = *this + b; }
 
-  /// this - factor W W^T (one term of a projection).
+  /// Subtracts factor W W^T, one term of a projection.
   void subtractSquare(const Force<S>& W, const S& factor) {
     const Force<S> row = factor * W;
     const Vec3<S>&a = W.linear, &b = W.angular, &c = row.linear, &d = row.angular;
@@ -66,14 +66,14 @@ struct ArticulatedInertia {
     angular = angular - Sym3<S>{b.x * d.x, b.x * d.y, b.x * d.z, b.y * d.y, b.y * d.z, b.z * d.z};
   }
 
-  /// The same inertia about the point at -r: r is the vector from the new origin to the old one, axes unchanged.
+  /// The same inertia about another origin, with unchanged axes: r is the vector from the new origin to the old one.
   /// With X the skew matrix of r: coupling' = coupling - linear X, angular' = angular + X coupling + (X coupling)^T - X linear X.
   ArticulatedInertia shifted(const Vec3<S>& r) const {
     ArticulatedInertia out;
     out.linear = linear;
     const Mat3<S> L = linear.matrix();
     for (int i = 0; i < 3; ++i) {
-      // Row i of linear X is (row i of linear) x r ... as a vector identity: (l^T X) = (l x r)^T with sign of X = [r]x.
+      // Row i of linear X is (row i of linear) x r, since l^T [r] = (l x r)^T.
       const Vec3<S> l = cross(L.row(i), r);
       out.coupling(i, 0) = coupling(i, 0) - l.x;
       out.coupling(i, 1) = coupling(i, 1) - l.y;

@@ -1,9 +1,9 @@
-// An inertia as numbers that identification works with, and whether a real body can have it.
+// Parameters of an inertia for identification, and a check whether a real body can have it.
 //
-// Ten-vector pi = (m, m cx, m cy, m cz, Ixx, Ixy, Iyy, Ixz, Iyz, Izz), the rotational inertia about the frame's origin: dynamics are linear in
-// it. Pseudo-inertia: the 4 x 4 matrix [[Sigma, m c], [m c^T, m]] with Sigma = sum m x x^T (Wensing, Kim and Slotine 2018): a body of
-// positive density has a positive definite one. Log-Cholesky parameters: ten numbers without bounds, of which each set is such a body
-// (Rucker and Wensing 2022).
+// The ten dynamic parameters pi = (m, m cx, m cy, m cz, Ixx, Ixy, Iyy, Ixz, Iyz, Izz) have the rotational inertia about the frame's origin. The
+// dynamics are linear in pi. The pseudo-inertia is the 4 x 4 matrix [[Sigma, m c], [m c^T, m]] with Sigma = sum m x x^T (Wensing, Kim and Slotine
+// 2018). It is positive definite for a body of positive density. The ten log-Cholesky parameters have no bounds: all their values describe such a
+// body (Rucker and Wensing 2022).
 #pragma once
 
 #include <dyn/export.hpp>
@@ -18,7 +18,7 @@ using PseudoInertia = std::array<double, 16>;          ///< row-major, symmetric
 using LogCholeskyParameters = std::array<double, 10>;  ///< (alpha, d1, d2, d3, s12, s23, s13, t1, t2, t3)
 
 DYN_API DynamicParameters toDynamicParameters(const Inertia<double>& Y);
-/// A mass of zero has no centre: its first moment must be zero, too. Throws Error(argument) otherwise.
+/// Throws Error(argument) if the mass is zero but the first moment is not.
 DYN_API Inertia<double> inertiaFromDynamicParameters(const DynamicParameters& pi);
 
 DYN_API PseudoInertia pseudoInertia(const DynamicParameters& pi);
@@ -29,11 +29,11 @@ DYN_API PseudoInertia pseudoInertiaFromLogCholesky(const LogCholeskyParameters& 
 /// Throws Error(argument) if J is not positive definite.
 DYN_API LogCholeskyParameters logCholesky(const PseudoInertia& J);
 
-/// Whether a body of positive density can have it: the smallest principal second moment (half the trace of the rotational inertia about the
-/// centre of mass less its largest principal moment), relative to the largest; negative where the triangle inequality does not hold, zero
-/// for a rod, a disc or a point. Mass zero: 0 if all is zero, else -1.
+/// Whether a body of positive density can have an inertia. The margin is the smallest principal second moment (half the trace of the rotational
+/// inertia about the centre of mass, minus its largest principal moment), relative to the largest second moment. The margin is negative where the
+/// triangle inequality is violated, and zero for a rod, a disc or a point. With mass zero it is 0 if the whole inertia is zero, else -1.
 struct PhysicalConsistency {
-  bool consistent;
+  bool consistent;  ///< the mass is not negative, and the margin is not negative up to rounding
   double margin;
 };
 DYN_API PhysicalConsistency physicalConsistency(const Inertia<double>& Y);

@@ -18,7 +18,7 @@ struct SE3 {
     const Mat3<S> Rt = transpose(R);
     return {Rt, -(Rt * p)};
   }
-  /// A point's coordinates from b to a, and back.
+  /// Maps the coordinates of a point from b to a, and back.
   Vec3<S> act(const Vec3<S>& x) const { return R * x + p; }
   Vec3<S> actInv(const Vec3<S>& x) const { return transposeTimes(R, x - p); }
 
@@ -36,7 +36,7 @@ struct SE3 {
   Force<S> actInv(const Force<S>& f) const { return {transposeTimes(R, f.linear), transposeTimes(R, f.angular - cross(p, f.linear))}; }
 };
 
-/// The same pose in another scalar; the compiler composes in long double and rounds once.
+/// The same pose in another scalar. compile() composes poses in long double and rounds once.
 template <class To, class From>
 SE3<To> cast(const SE3<From>& X) {
   return {cast<To>(X.R), cast<To>(X.p)};

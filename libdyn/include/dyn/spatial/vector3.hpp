@@ -1,5 +1,5 @@
-// Three-vectors and 3x3 matrices as plain arrays of scalars. Their layout depends on nothing but the scalar, so they may cross the
-// library's and a plugin's boundary whatever flags either side was compiled with.
+// Three-vectors and 3x3 matrices as plain arrays of scalars. Their layout depends on the scalar alone, so they may cross the boundary of the library
+// or of a plugin, whatever flags each side was compiled with.
 #pragma once
 
 #include <cmath>
@@ -75,25 +75,25 @@ Mat3<S> transpose(const Mat3<S>& a) {
   return {{a.m[0], a.m[3], a.m[6], a.m[1], a.m[4], a.m[7], a.m[2], a.m[5], a.m[8]}};
 }
 
-/// a^T b without forming the transpose.
+/// a^T b, without forming the transpose.
 template <class S>
 Vec3<S> transposeTimes(const Mat3<S>& a, const Vec3<S>& b) {
   return {a.m[0] * b.x + a.m[3] * b.y + a.m[6] * b.z, a.m[1] * b.x + a.m[4] * b.y + a.m[7] * b.z, a.m[2] * b.x + a.m[5] * b.y + a.m[8] * b.z};
 }
 
-/// The matrix of b -> a x b.
+/// The matrix that maps b to a x b.
 template <class S>
 Mat3<S> skew(const Vec3<S>& a) {
   return {{S(0), -a.z, a.y, a.z, S(0), -a.x, -a.y, a.x, S(0)}};
 }
 
-/// Inverse of skew on the antisymmetric part of a.
+/// The inverse of skew, applied to the antisymmetric part of a.
 template <class S>
 Vec3<S> vee(const Mat3<S>& a) {
   return {S(0.5) * (a.m[7] - a.m[5]), S(0.5) * (a.m[2] - a.m[6]), S(0.5) * (a.m[3] - a.m[1])};
 }
 
-/// Symmetric 3x3 matrix by its six entries.
+/// Symmetric 3x3 matrix, stored by its six entries.
 template <class S>
 struct Sym3 {
   S xx{}, xy{}, xz{}, yy{}, yz{}, zz{};
@@ -128,14 +128,14 @@ Sym3<To> cast(const Sym3<From>& a) {
   return {static_cast<To>(a.xx), static_cast<To>(a.xy), static_cast<To>(a.xz), static_cast<To>(a.yy), static_cast<To>(a.yz), static_cast<To>(a.zz)};
 }
 
-/// R a R^T for a symmetric a: the two products share their symmetric half.
+/// R a R^T for a symmetric a. Only the six entries of the symmetric result are computed.
 template <class S>
 Sym3<S> congruence(const Mat3<S>& R, const Sym3<S>& a) {
   const Vec3<S> u = a * R.row(0), v = a * R.row(1), w = a * R.row(2);
   return {dot(R.row(0), u), dot(R.row(0), v), dot(R.row(0), w), dot(R.row(1), v), dot(R.row(1), w), dot(R.row(2), w)};
 }
 
-/// |c|^2 1 - c c^T: the rotational inertia about the origin of a unit mass at c.
+/// |c|^2 1 - c c^T: the rotational inertia of a unit mass at c, about the origin.
 template <class S>
 Sym3<S> pointInertia(const Vec3<S>& c) {
   return {c.y * c.y + c.z * c.z, -(c.x * c.y), -(c.x * c.z), c.x * c.x + c.z * c.z, -(c.y * c.z), c.x * c.x + c.y * c.y};

@@ -1,4 +1,4 @@
-// Robots from URDF. Reading checks everything that urdfdom lets pass; messages name file and line.
+// Reads robots from URDF. Errors that urdfdom lets pass are reported, with file and line.
 #pragma once
 
 #include <dyn/model/model.hpp>
@@ -15,20 +15,19 @@ enum class Inertias { physical, any };
 
 struct Options {
   std::string root = "fixed";                       ///< joint type between world and root link, e.g. "free_flyer"
-  Mimic mimic = Mimic::coupled;                     ///< obey <mimic>, or leave those joints independent
-  Order order = Order::name;                        ///< siblings sorted by joint name (as urdfdom and Pinocchio) or as in the file
+  Mimic mimic = Mimic::coupled;                     ///< couple mimic joints to their masters, or leave them independent
+  Order order = Order::name;                        ///< siblings sorted by joint name (as in urdfdom and Pinocchio) or as in the file
   Continuous continuous = Continuous::unit_circle;  ///< q = (cos, sin), or one unbounded angle
   Inertias inertias = Inertias::physical;           ///< refuse inertias that are not positive semi-definite, or note them
 };
 
-/// Reads a robot. Root link's joint is called "root_joint", with _ behind it while the file has a joint of that name; every link is a body; fixed
-/// joints stay joints of type "fixed".
-/// Throws Error(file | syntax | model).
+/// Reads a robot. Every link becomes a body; fixed joints stay joints of type "fixed". The root link's joint is called "root_joint", with "_"
+/// appended until the file has no joint of that name. Throws Error(file | syntax | model).
 DYN_API Model load(const std::string& path, const Options& options = {});
-/// The same from text; `name` stands for the file in messages.
+/// The same from a text, which messages call `name`. Throws Error(syntax | model).
 DYN_API Model parse(const std::string& text, const std::string& name, const Options& options = {});
 
-/// All that is wrong with a file, where load() stops at the first; empty if it loads.
+/// Returns all errors of a file, of which load() throws the first; empty if the file loads.
 DYN_API std::vector<Error> check(const std::string& path, const Options& options = {});
 
 }  // namespace dyn::urdf

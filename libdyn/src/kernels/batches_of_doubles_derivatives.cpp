@@ -1,8 +1,0 @@
-#include "kernels/block_derivatives.hpp"
-#include "kernels/table_parts.hpp"
-
-namespace dyn::kernels {
-
-template void runDerivatives(const CompactImpl&, BlockScratch<Doubles>&, Block<double>&);
-
-}  // namespace dyn::kernels

@@ -1,0 +1,8 @@
+#include "kernels/isa/block_kernels.hpp"
+#include "kernels/isa/table_parts.hpp"
+
+namespace dyn::kernels {
+
+BlockKernels<double> batchesOfDoubles() { return blockKernels<Doubles>(); }
+
+}  // namespace dyn::kernels

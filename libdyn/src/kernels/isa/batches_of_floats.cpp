@@ -1,0 +1,8 @@
+#include "kernels/isa/block_kernels.hpp"
+#include "kernels/isa/table_parts.hpp"
+
+namespace dyn::kernels {
+
+BlockKernels<float> batchesOfFloats() { return blockKernels<Floats>(); }
+
+}  // namespace dyn::kernels

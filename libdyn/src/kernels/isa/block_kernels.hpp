@@ -1,0 +1,102 @@
+// Batches: loads states from the caller's columns into packs, runs the recursions on packs, and stores the results in columns.
+#pragma once
+
+#include "kernels/body/dissipation.hpp"
+#include "kernels/body/evaluate.hpp"
+#include "kernels/body/scratch.hpp"
+#include "kernels/isa/block.hpp"
+#include "kernels/isa/coupled_blocks.hpp"
+#include "kernels/isa/table.hpp"
+#include "kernels/order/register_cached.hpp"
+#include "kernels/pack/columns.hpp"
+#include "kernels/recursion/crba.hpp"
+#include "kernels/recursion/kinematics.hpp"
+#include "kernels/recursion/local_aba.hpp"
+#include "kernels/recursion/rnea.hpp"
+
+#include <algorithm>
+
+namespace dyn::kernels {
+
+template <class S, class T = Real<S>>
+void runBlock(const CompactImpl& m, char* scratch, Block<T>& b) {
+  BlockScratch<S>& s = *reinterpret_cast<BlockScratch<S>*>(scratch);
+  Workspace<S>& w = s.w;
+  const CachedBodies<S> bodies{{m, w}};
+  loadColumns(b.q, m.nqx, s.q);
+  loadColumns(b.v, m.nvx, s.v);
+  loadColumns(b.a, m.nvx, s.a);
+  const bool poses_only = b.algorithm == Algorithm::mass_matrix || b.algorithm == Algorithm::joint_jacobians ||
+                          b.algorithm == Algorithm::frame_jacobian || b.algorithm == Algorithm::minverse;
+  evaluateJoints(m, w, s.q, poses_only ? nullptr : s.v);
+  if (!m.couplings.empty() && b.poses == nullptr) return runCoupledBlock(m, s, b);
+  switch (b.algorithm) {
+    case Algorithm::placements:
+    case Algorithm::velocities:
+    case Algorithm::accelerations: {
+      Workspace<S> out = w;
+      out.oM = static_cast<SE3<S>*>(b.poses);
+      out.oM[0] = {};
+      if (b.velocities) out.v = static_cast<Motion<S>*>(b.velocities);
+      if (b.accelerations) out.a = static_cast<Motion<S>*>(b.accelerations);
+      out.sliding = nullptr;
+      kernels::forwardKinematics<Poses::in_world>(bodies, out, b.velocities ? s.v : nullptr, b.accelerations ? s.a : nullptr);
+      b.not_finite = !allFinite(reinterpret_cast<const S*>(out.oM), 12 * static_cast<std::ptrdiff_t>(m.bodies()));
+      return;
+    }
+    case Algorithm::joint_jacobians:
+    case Algorithm::frame_jacobian: {
+      const std::ptrdiff_t n = 6 * static_cast<std::ptrdiff_t>(m.nvx);
+      if (b.algorithm == Algorithm::joint_jacobians) {
+        kernels::jointJacobians(bodies, w, s.J);
+      } else {
+        kernels::forwardKinematics(bodies, w, static_cast<const S*>(nullptr), static_cast<const S*>(nullptr));
+        frameJacobian(bodies, w, {b.frame.body, cast<S>(b.frame.placement)}, b.reference, s.J, 6);
+      }
+      b.not_finite = !storeColumns(s.J, n, b.q.states, b.results[0], n);
+      return;
+    }
+    case Algorithm::rnea:
+    case Algorithm::nle:
+    case Algorithm::gravity:
+      rneaOutward(bodies, w, s.v, s.a);
+      rneaInward(bodies, w, s.result);
+      addJointForces(m, s.v, s.a, s.result);
+      break;
+    case Algorithm::mass_matrix: {
+      kernels::massMatrix(bodies, w, s.M);
+      const std::ptrdiff_t numbers = static_cast<std::ptrdiff_t>(m.nvx) * m.nvx;
+      const Results<S> results(b);
+      return s.squares.mass.empty() ? results.put(0, s.M, numbers) : results.putSquares(0, s.squares.mass, s.M, numbers);
+    }
+    case Algorithm::aba:
+      addDissipation(m, -1.0, s.v, s.a);
+      localAbaOutward(bodies, w, s.v);
+      localAbaInward(bodies, w, s.a);
+      localAbaSolve(bodies, w, bodies.gravity(), s.result);
+      for (int l = 0; l < b.q.states; ++l) b.failed[l] = w.failed[l];
+      break;
+    default:
+      return runDerivatives(m, s, b);
+  }
+  b.not_finite = !storeColumns(s.result, m.nvx, b.q.states, b.results[0], m.nvx);
+}
+
+template <class S>
+BlockKernels<Real<S>> blockKernels() {
+  using T = Real<S>;
+  BlockKernels<T> k;
+  k.lanes = lanes_of<S>;
+  k.bytes = [](const CompactImpl& m, Room room) { return scratchBytes<BlockScratch<S>>(m, room); };
+  k.prepare = [](const CompactImpl& m, Room room, char* scratch) {
+    BlockScratch<S>& s = makeScratch<BlockScratch<S>>(scratch, m, room);
+    atRest(s.w);
+    if (room.mass_matrix) std::fill(s.M, s.M + static_cast<std::ptrdiff_t>(m.nvx) * m.nvx, S(0));
+    if (room.mass_matrix) s.squares.prepare(m, room.derivatives, s.d.pairs);
+    if (room.derivatives) s.product.prepare(m, s.d.factors);
+  };
+  k.run = [](const CompactImpl& m, char* scratch, Block<T>& block) { runBlock<S>(m, scratch, block); };
+  return k;
+}
+
+}  // namespace dyn::kernels

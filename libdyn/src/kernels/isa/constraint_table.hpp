@@ -1,0 +1,55 @@
+// The kernels of constraints compiled for one instruction set. table.hpp has the other kernels; in separate files, a change of one does not rebuild
+// the other.
+#pragma once
+
+#include "kernels/constraint/constrained_inverse.hpp"
+#include "kernels/constraint/constraint_workspace.hpp"
+#include "kernels/constraint/row_derivatives.hpp"
+#include "kernels/isa/table.hpp"
+
+namespace dyn::kernels {
+
+constexpr std::size_t constraintLayoutStamp() {
+  return (((sizeof(PackedConstraints) + sizeof(PackedFrameConstraint)) * 1000003 + sizeof(ConstrainedBody) + sizeof(ConstrainedChain) +
+           sizeof(ConstrainedLaneGroupDof)) *
+              1000003 +
+          sizeof(ConstraintWorkspace) + sizeof(ChainState)) *
+             1000003 +
+         sizeof(ConstrainedInverse) + sizeof(RowState) + sizeof(RowMotion);
+}
+
+/// The recursions over bodies. `memory` holds what `articulate` or `placeOutward` wrote: a Workspace<double>, or the scratch of lane groups.
+struct ConstraintRecursions {
+  void (*locate)(const CompactImpl&, void* memory, const PackedConstraints&, const double* v, RowRates, ConstraintWorkspace&);
+  void (*sweep)(const CompactImpl&, void* memory, const PackedConstraints&, bool eliminated, ConstraintWorkspace&);
+  void (*respondTo)(const CompactImpl&, void* memory, const PackedConstraints&, Force<double>* F, const double* projections);
+  void (*takeResponse)(const CompactImpl&, void* memory, const PackedConstraints&, const ConstraintWorkspace&);
+  void (*takeAccelerations)(const CompactImpl&, void* memory, const PackedConstraints&, ConstraintWorkspace&);
+  void (*forgetForces)(const CompactImpl&, void* memory, const PackedConstraints&);
+};
+
+/// Vectors with one number per constraint row have room for a pack at the end, filled with zeros.
+struct ConstraintKernels {
+  std::size_t layout;  ///< constraintLayoutStamp(), like Kernels::layout
+  ConstraintRecursions single, lane_groups;
+  void (*placeFrames)(const CompactImpl&, const PackedConstraints&, RowRates, FrameRows*, const RowMotion&, ConstraintWorkspace&);
+  void (*frameAccelerations)(const PackedConstraints&, const FrameRows*, const ConstraintWorkspace&, double* out);
+  void (*delassusMatrix)(const PackedConstraints&, ConstraintWorkspace&);
+  void (*respondToRows)(const PackedConstraints&, const double* lambda, ConstraintWorkspace&);
+  void (*rowsOfResponse)(const PackedConstraints&, const ConstraintWorkspace&, double* out);
+  /// Inverts the Delassus matrix with mu added to its diagonal. Returns false if a pivot is not above tolerance times its bound.
+  bool (*invertDelassus)(int rows, ConstraintWorkspace&, double mu, double tolerance);
+  void (*timesRows)(int rows, std::ptrdiff_t stride, const double* A, const double* x, double* out);
+  PointMotion (*pointColumns)(const CompactImpl&, const DerivativeWorkspace<double>&, int body, const Vec3<double>& arm, const int* path,
+                              StoredColumn* out);
+  void (*rowDerivatives)(const PackedFrameConstraint&, const RowState&, const StoredColumn* const* columns, const Rows<double>& turning,
+                         const RowDerivatives& out);
+  void (*invertConstrained)(const double* M_inverse, const double* J, DofRuns moving, ConstrainedInverse, double* x_by_tau, double* lambda_by_tau);
+  /// [0] takes one matrix of each kind in ConstrainedColumns, [1] takes two.
+  void (*solveConstrained[2])(ConstrainedInverse, ColumnPattern, ConstrainedColumns);
+};
+
+/// The constraint kernels of the table in use.
+inline const ConstraintKernels& constraintKernels() { return *active().constraints; }
+
+}  // namespace dyn::kernels

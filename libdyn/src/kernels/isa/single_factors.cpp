@@ -1,0 +1,29 @@
+// Kernels of one table for factors of the mass matrix and centroidal quantities of single states.
+#include "kernels/derivative/centroidal.hpp"
+#include "kernels/derivative/minverse.hpp"
+#include "kernels/isa/table_parts.hpp"
+
+namespace dyn::kernels {
+
+void addFactors(SingleKernels& k) {
+  using W = Workspace<double>;
+  using D = DerivativeWorkspace<double>;
+  k.factorTimes = [](const CompactImpl& m, D& d, FactorProduct product, double* x) { kernels::factorTimes<Wide>(m, d.cholesky, product, x); };
+  k.centroidal = [](const CompactImpl& m, W& w, D& d, const double* v, const double* a, const CentroidalMaps<double>& out) {
+    return kernels::centroidal(m, w, d, v, a, out);
+  };
+  k.choleskyDecompose = [](const CompactImpl& m, D& d, const double* M) {
+    int failed = 0;
+    kernels::choleskyDecompose<WidestPack>(m, M, d.cholesky, &failed);
+    return failed;
+  };
+  k.treeFactors = [](const CompactImpl& m, W& w, D& d) {
+    kernels::treeFactors<WidestPack, Wide>(m, w, d);
+    return w.failed[0];
+  };
+  k.inverseOfMassMatrix = [](const CompactImpl& m, D& d, double* out) {
+    kernels::inverseOfMassMatrix<WidestPack>(m, d.factors, Rows<double>{out, m.nvx});
+  };
+}
+
+}  // namespace dyn::kernels

@@ -1,0 +1,46 @@
+// Loops over rows of constraints in packs, one pack or several packs at a time.
+#pragma once
+
+#include "kernels/pack/columns.hpp"
+#include "kernels/pack/neighbours.hpp"
+
+#include <type_traits>
+#include <utility>
+
+namespace dyn::kernels {
+
+/// Calls use(first, P) for the rows in [begin, end), in packs P. P is Wide, and Half at the end if the remaining rows fit into Half.
+template <class Wide, class Half, class Use>
+void inPacks(int begin, int end, Use&& use) {
+  while (end - begin > lanes_of<Half>) {
+    use(begin, std::type_identity<Wide>());
+    begin += lanes_of<Wide>;
+  }
+  if (begin < end) use(begin, std::type_identity<Half>());
+}
+
+/// The same in groups of packs: calls use(first, P, packs), where `packs` is a constant. A core computes several packs of a group at once.
+template <class Wide, class Half, class Use>
+void inGroups(int begin, int end, Use&& use) {
+  constexpr int most = 3, narrow = lanes_of<Half>;
+  while (end - begin > most * narrow) {
+    use(begin, std::type_identity<Wide>(), std::integral_constant<int, 2>());
+    begin += 2 * lanes_of<Wide>;
+  }
+  // Measured: through withConstant() compilers keep groups in memory, and constraintDynamics takes 8 % longer.
+  if (end - begin > 2 * narrow) return use(begin, std::type_identity<Half>(), std::integral_constant<int, 3>());
+  if (end - begin > narrow) return use(begin, std::type_identity<Half>(), std::integral_constant<int, 2>());
+  if (end > begin) use(begin, std::type_identity<Half>(), std::integral_constant<int, 1>());
+}
+
+/// Stores the first `count` numbers of a pack, or all if there are fewer.
+template <class P>
+void storeFirst(const P& value, int count, double* to) {
+  if constexpr (lanes_of<P> == 1) {
+    if (count > 0) *to = value;
+  } else {
+    storeFirst<lanes_of<P>>(static_cast<typename Square<double, lanes_of<P>>::Row>(value.x), count, to);
+  }
+}
+
+}  // namespace dyn::kernels
