@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Files are read or replaced as a whole or not at all.
 #include "support/folder.hpp"
 

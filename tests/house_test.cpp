@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The order of the source tree: every folder of the library is described, and small enough to be looked through.
 #include "support/catch.hpp"
 

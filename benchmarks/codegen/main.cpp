@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // dyn_codegen_benchmark OUT_DIR ROBOT.urdf[:floating] ...: times RNEA, ABA and CRBA, interpreted and generated, for single states and batches.
 // It prints a table and writes a picture like figure 3 of the Pinocchio paper (Carpentier et al., SII 2019).
 #include <dyn/codegen/native.hpp>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "fcl_pair.hpp"
 
 #include <fcl/geometry/shape/box.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // FCL's own distance between two solids, timed for comparison with libdyn's. Only fcl_pair.cpp includes FCL, for the reason that
 // libdyn/src/geometry/broadphase.cpp gives.
 #pragma once

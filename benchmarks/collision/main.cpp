@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // dyn_collision [STATES [OBSTACLES]]: compares libdyn's distances with FCL's for all pairs of solids, then measures how many states a second are
 // checked for an arm among obstacles.
 #include "fcl_pair.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The four algorithms with one way of dispatch. The static and the virtual ways are compiled in separate sources, because the inlined recursions
 // take a compiler half a minute each.
 #pragma once

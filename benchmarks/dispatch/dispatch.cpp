@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "dispatch/contest.hpp"
 
 namespace dyn::benchmark {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The four algorithms for one model, each with four ways of dispatch.
 #pragma once
 

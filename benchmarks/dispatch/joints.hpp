@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The standard joint types as members of a closed set. They use the plugin's formulas and compute one joint at a time.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Four ways from a body to the code of its joint. Each is an order of bodies, as the kernels expect it, with its own evaluation of the joints.
 #pragma once
 

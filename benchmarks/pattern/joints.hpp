@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Joints as libraries with a static variant write them: a class for each axis, a base class that has the derived class as template argument (CRTP),
 // and a closed std::variant. Each class exploits its own sparsity, computes its own sine and cosine, and keeps its axis as the model gives it.
 #pragma once

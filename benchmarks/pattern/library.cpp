@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "pattern/library.hpp"
 
 #include "at.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // A small library written as libraries with a static variant usually are, without libdyn's compiler.
 #pragma once
 

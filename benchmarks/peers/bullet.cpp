@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Bullet's btMultiBody in double precision: forward dynamics only. (Debian ships Bullet's inverse dynamics library without its headers.)
 #include "peers/peers.hpp"
 

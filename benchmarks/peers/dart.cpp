@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // DART: builds the tree by DART's own calls, without a World and without collision.
 #include "peers/peers.hpp"
 

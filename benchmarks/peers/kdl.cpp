@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Orocos KDL: inverse dynamics of trees; mass matrix and forward dynamics of chains only. KDL has no floating base.
 #include "peers/peers.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "peers/peers.hpp"
 
 #include <dyn/dyn.hpp>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // dyn_peers OUT_DIR FILE[:floating]...: gives every library the same tasks, robot by robot, in turn. It prints a table and writes a picture per task
 // and peers.json, which also has the errors at rest. Robots with a fixed base also fall under gravity, simulated by each library's own integrators.
 #include "peers/peers.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // MuJoCo: passes the tree as MJCF and calls MuJoCo's stages one by one, without contacts and constraints.
 #include "peers/peers.hpp"
 

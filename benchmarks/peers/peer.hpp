@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Other libraries behind one small interface, so that one program can time them in turn.
 #pragma once
 

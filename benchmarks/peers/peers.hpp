@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The functions that make a Peer, one per source file. A file is not compiled if its library was not found.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Pinocchio: builds the tree by Pinocchio's own calls.
 #include "peers/peers.hpp"
 

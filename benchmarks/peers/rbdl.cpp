@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // RBDL: builds the tree by RBDL's own calls.
 #include "peers/peers.hpp"
 

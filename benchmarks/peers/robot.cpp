@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "peers/robot.hpp"
 
 #include "compile/compact_impl.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // A robot that every library can represent: one-axis joints about or along z, and a floating base. This header is C++17, because some libraries'
 // headers need it.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Simbody: calls Simbody's operators without constraints.
 #include "peers/peers.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "report/bar_chart.hpp"
 
 #include "report/labels.hpp"

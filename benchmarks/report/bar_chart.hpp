@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // A bar chart in groups, as SVG, such as the times of several methods for several tasks.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Places text in a picture so that no text is cut off and no two texts overlap.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // A chart of curves over linear or logarithmic axes, as SVG that follows the reader's light or dark colour scheme.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Median and spread of repeated measurements.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Shared by all charts: axes with their marks, colours, and text that is safe within SVG.
 #pragma once
 

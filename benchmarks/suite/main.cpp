@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Benchmarks of all algorithms for robots, chains, stars and binary trees: `dyn_benchmarks --benchmark_filter=rnea/talos`.
 #include "suite/suite.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Measures the cost of a plugin joint whose author wrote only the pose map, compared with a revolute joint. Eight joints of either type are added
 // at the end of the robot's tree.
 #include "suite/suite.hpp"

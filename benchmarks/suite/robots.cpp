@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // For every URDF in models/ and in the shared test data: algorithms, the variant library for comparison, loading, compiling, memory.
 #include "suite/suite.hpp"
 

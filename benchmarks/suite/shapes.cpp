@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Chains, stars and binary trees of 2^3 to 2^14 joints. The time per joint must stay constant if the algorithm is O(n).
 #include "suite/suite.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Shared by the benchmarks: models, random states, and names such as "rnea/talos/single/double".
 #pragma once
 

@@ -1,26 +1,29 @@
+# SPDX-License-Identifier: BSD-2-Clause
 # Rules of `cmake --install`. The installed tree can be moved: libraries and the command find each other by $ORIGIN, and plugins lie beside the
 # library.
 include(CMakePackageConfigHelpers)
 
 set(DYN_CMAKE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/libdyn)
-install(TARGETS libdyn dyn_sdk libdyn_geometry libdyn_parsers EXPORT libdynTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
-install(EXPORT libdynTargets NAMESPACE libdyn:: DESTINATION ${DYN_CMAKE_DIR})
-install(DIRECTORY libdyn/include/dyn libdyn/sdk/dyn_sdk parsers/include/dyn DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
-install(TARGETS dyn_standard LIBRARY DESTINATION ${DYN_PLUGIN_DIR})
+install(TARGETS libdyn dyn_sdk libdyn_geometry libdyn_parsers EXPORT libdynTargets
+  LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT runtime NAMELINK_COMPONENT development)
+install(EXPORT libdynTargets NAMESPACE libdyn:: DESTINATION ${DYN_CMAKE_DIR} COMPONENT development)
+install(DIRECTORY libdyn/include/dyn libdyn/sdk/dyn_sdk parsers/include/dyn DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development)
+install(TARGETS dyn_standard LIBRARY DESTINATION ${DYN_PLUGIN_DIR} COMPONENT plugins)
+install(FILES LICENSE CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT runtime)
 foreach(isa ${libdyn_plugin_instruction_sets})
-  install(TARGETS dyn_standard_${isa} LIBRARY DESTINATION ${DYN_PLUGIN_DIR}/${isa})
+  install(TARGETS dyn_standard_${isa} LIBRARY DESTINATION ${DYN_PLUGIN_DIR}/${isa} COMPONENT plugins)
 endforeach()
 
 configure_package_config_file(libdyn/cmake/libdynConfig.cmake.in ${CMAKE_BINARY_DIR}/libdynConfig.cmake INSTALL_DESTINATION ${DYN_CMAKE_DIR})
 write_basic_package_version_file(${CMAKE_BINARY_DIR}/libdynConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_BINARY_DIR}/libdynConfig.cmake ${CMAKE_BINARY_DIR}/libdynConfigVersion.cmake libdyn/cmake/libdynPlugin.cmake
-  DESTINATION ${DYN_CMAKE_DIR})
+  DESTINATION ${DYN_CMAKE_DIR} COMPONENT development)
 
 # pkg-config files give paths relative to themselves.
 file(RELATIVE_PATH DYN_PC_PREFIX ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX})
 function(dyn_pkg_config DYN_PC_NAME DYN_PC_LIBRARY DYN_PC_REQUIRES DYN_PC_DESCRIPTION)
   configure_file(libdyn/cmake/libdyn.pc.in ${CMAKE_BINARY_DIR}/${DYN_PC_NAME}.pc @ONLY)
-  install(FILES ${CMAKE_BINARY_DIR}/${DYN_PC_NAME}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+  install(FILES ${CMAKE_BINARY_DIR}/${DYN_PC_NAME}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT development)
 endfunction()
 dyn_pkg_config(libdyn dyn eigen3 "Kinematics and dynamics of robots; joints come from plugins")
 dyn_pkg_config(libdyn-geometry dyn_geometry libdyn "Collision and distance, for libdyn")

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 # DYN_INSTRUCTION_SETS chooses the instruction sets that kernels and plugins are compiled for. Plugins are always built for the baseline too, which
 # every processor of this architecture has.
 #   all     baseline, avx2, avx512, and kernels without packs (scalar) for tests; packages are built with this value

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-2-Clause
 # libdyn_add_joint_plugin(NAME SOURCES... [OUTPUT_DIRECTORY DIR] [LINK_LIBRARIES LIBRARIES...]) builds a plugin of joint types in the layout that
 # libdyn expects: NAME.so for every processor, and beside it avx2/NAME.so and avx512/NAME.so, which libdyn prefers where the processor supports
 # them. Their targets are NAME_avx2 and NAME_avx512; libdyn_plugin_instruction_sets lists the suffixes.

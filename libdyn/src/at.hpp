@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Indices are int, as in the equations; containers take std::size_t.
 #pragma once
 

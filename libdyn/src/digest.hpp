@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // A digest tells one text from another, and a whole text from one that was changed or cut short by accident. It does not protect against forgery.
 #pragma once
 

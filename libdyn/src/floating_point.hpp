@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The floating-point environment: a shared object that was linked with -ffast-math sets it for the whole thread that loads it.
 #pragma once
 

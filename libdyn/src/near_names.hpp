@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Suggests names that the user may have meant, for messages.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Writes numbers in messages with nine digits at most, and with a point whatever the locale.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Does work that may crash, never end or exhaust memory in a process of its own, which reports what it found.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "trusted_file.hpp"
 
 #include <dyn/error.hpp>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Finds out who may have written a file. The open file is checked and not its name, which can mean another file a moment later.
 #pragma once
 

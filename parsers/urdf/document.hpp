@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // A URDF file as XML, with its bytes and syntax checked. Attributes mean the same under every locale.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "extension.hpp"
 
 #include <dyn/lie/so3.hpp>

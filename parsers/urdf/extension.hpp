@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Extensions to URDF, under <robot>: <libdyn> <joint name="..." type="..." parameter="..."/> <loop .../> </libdyn>.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // A link's <collision> and <visual> elements.
 #pragma once
 

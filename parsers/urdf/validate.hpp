@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Checks a file for errors that urdfdom lets pass. The README of this folder lists them.
 #pragma once
 

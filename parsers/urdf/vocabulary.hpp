@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The elements and attributes that the reader knows, and how often an element may occur. Everything else becomes a note.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Types without a motion of their own: the joint type composite, which the compiler expands, and the coupling type mimic.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Joints whose configuration space is a Lie group: spherical, free_flyer, planar; and the flat translation.
 #pragma once
 

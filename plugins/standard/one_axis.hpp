@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Joints about or along one axis: revolute, continuous, prismatic, helical, cylindrical; and fixed. The axis is any vector; the core motion is about
 // or along z.
 #pragma once

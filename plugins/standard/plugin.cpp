@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The standard joint types, in one shared object.
 #include "composite.hpp"
 #include "groups.hpp"

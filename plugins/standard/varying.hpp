@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Joints whose motion subspace depends on q: universal, spherical_zyx, ellipsoid.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Arguments of calls. Results of a Data may be arguments of the next call with the same Data. States with NaN give NaN and leave nothing behind that
 // affects the next call.
 #include "support/difference.hpp"

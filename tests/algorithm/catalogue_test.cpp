@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The catalogue of algorithms: it is complete, and its entries give what the algorithms' own functions give.
 #include "support/catch.hpp"
 #include "support/random_model.hpp"

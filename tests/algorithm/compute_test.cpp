@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // compute() of several quantities at once gives the results of the single functions, with no more passes than necessary.
 #include "data/data_impl.hpp"
 #include "support/catch.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Dependent joints and composite joints: their mechanics equal those of the joints that they stand for.
 #include "support/catch.hpp"
 #include "support/random_model.hpp"

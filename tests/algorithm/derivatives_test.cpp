@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Derivatives compared with differences of the algorithms themselves, for every loaded joint type, plugins included.
 #include "support/catch.hpp"
 #include "support/difference.hpp"

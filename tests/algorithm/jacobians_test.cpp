@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Jacobians of all joints at once and of many states, compared with Jacobians of one joint or frame and one state.
 #include "support/catch.hpp"
 #include "support/random_model.hpp"

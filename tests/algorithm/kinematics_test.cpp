@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Results of forwardKinematics are read only with their own model, and stay until the next forwardKinematics.
 #include "support/catch.hpp"
 #include "support/random_model.hpp"

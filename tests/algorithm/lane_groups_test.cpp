@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Lane groups give the same results as one joint after the other. Calls with external forces do not use lane groups in rnea and aba, so forces of
 // zero give the results to compare with.
 #include "support/catch.hpp"

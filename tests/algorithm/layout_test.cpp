@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // States in other libraries' layouts: compared with layouts written by hand for one model, and converted there and back for many models.
 #include "support/catch.hpp"
 #include "support/random_model.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Regressors: the dynamics are linear in the bodies' inertial parameters.
 #include "support/catch.hpp"
 #include "support/difference.hpp"

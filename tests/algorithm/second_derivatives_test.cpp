@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Second derivatives of inverse dynamics compared with differences of first derivatives, for every joint type.
 #include "support/random_model.hpp"
 #include "support/registry.hpp"

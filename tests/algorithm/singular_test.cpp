@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Errors where the mass matrix has no inverse: the message names the true reason.
 #include "support/catch.hpp"
 #include "support/random_model.hpp"

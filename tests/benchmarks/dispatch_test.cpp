@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The contenders of `dyn profile` must give libdyn's results; otherwise their times would mean nothing.
 #include "support/catch.hpp"
 #include "support/random_model.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The variant library is a fair contender only if it gives libdyn's results.
 #include "support/catch.hpp"
 #include "support/random_model.hpp"

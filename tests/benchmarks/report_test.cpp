@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Charts: no text is cut off, and no two texts overlap.
 #include "support/catch.hpp"
 

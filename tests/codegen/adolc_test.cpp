@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // A graph replayed with a scalar type that libdyn does not know: ADOL-C's adouble.
 #include "support/random_model.hpp"
 #include "support/registry.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The C interface of casadi.external, called as CasADi calls it.
 #include "support/folder.hpp"
 #include "support/random_model.hpp"

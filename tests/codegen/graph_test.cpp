@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Expression graphs: simplification, replay and differentiation.
 #include "support/random_model.hpp"
 

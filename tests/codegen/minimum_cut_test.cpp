@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Answers of least cost, compared with the best of all possible answers.
 #include "support/catch.hpp"
 #include "support/random_model.hpp"

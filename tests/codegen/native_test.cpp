@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Traced algorithms, compiled while the test runs, give the library's results. Also tests the cache and errors.
 #include "support/random_model.hpp"
 #include "support/registry.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Equal limbs traced as packable runs: the results stay the same, schedules are valid orders, and the source uses vectors.
 #include "support/random_model.hpp"
 #include "support/registry.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The documentation's table of functions that can be generated and differentiated. This test makes the table. With DYN_WRITE_TABLE=1 it writes the
 // table into the documentation; otherwise it requires that the two agree.
 #include "support/random_model.hpp"

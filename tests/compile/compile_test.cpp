@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Guarantees of each pass of the compiler, tested through the public API.
 #include "support/catch.hpp"
 #include "support/random_model.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Models made from other models by reduce, keepOnly and append: they keep everything that they should.
 #include "support/catch.hpp"
 #include "support/random_model.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The pack pass for types whose joints differ in size.
 #include "support/catch.hpp"
 

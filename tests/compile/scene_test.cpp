@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The compiler leaves out bodies that a scene does not need. The other bodies move as before.
 #include "support/random_model.hpp"
 #include "support/registry.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Every registered type passes the conformance kit. Joints that are broken in one place each fail the check for that place.
 #include "support/catch.hpp"
 

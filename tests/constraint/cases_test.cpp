@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Sets of constraints that are redundant or contradictory, act on joints or connect trees, and sets that are refused.
 #include "constraint/support.hpp"
 #include "support/registry.hpp"

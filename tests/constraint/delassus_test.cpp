@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The Delassus matrix computed in three ways, and loops read from files.
 #include "constraint/support.hpp"
 

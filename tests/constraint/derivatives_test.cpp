@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Derivatives of constrained dynamics and of impacts compared with differences of fourth order.
 #include "constraint/support.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Constrained dynamics compared with dense equations in extended precision, and laws that hold for all constraints.
 #include "constraint/support.hpp"
 #include "support/registry.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Contacts with friction compared with closed forms: blocks on slopes, tables on four legs, balls that roll on a sliding box.
 #include "constraint/support.hpp"
 

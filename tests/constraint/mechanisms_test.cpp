@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Mechanisms with closed loops whose motion is known to many digits (IFToMM's benchmark problems). They move for seconds, pass through singular
 // positions or have loops that are redundant everywhere.
 #include "support/mechanisms.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // References for constraints: rows from the velocities and accelerations of frames, and dense equations in extended precision.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Derivatives of a batch of states equal those of single states.
 #include "support/cam_model.hpp"
 #include "support/catch.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Batches give the same results as single states, whatever the lanes, the threads and the number of states.
 #include "support/cam_model.hpp"
 #include "support/catch.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // DataPool runs algorithms of single states for many states, on threads with a Data each.
 #include "support/cam_model.hpp"
 #include "support/catch.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // No algorithm allocates once Data exists. The test watches malloc itself, because Eigen does not use operator new.
 #include "support/catch.hpp"
 #include "support/random_model.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Threads that share one immutable model, with a Data each, get the same bits as one thread. The test, the library and the plugin are built with
 // ThreadSanitizer.
 #include "support/catch.hpp"

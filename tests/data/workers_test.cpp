@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Worker threads: errors when the system cannot create enough of them, and work that throws.
 #include "data/workers.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Broken files give an Error that says what is wrong and where, within seconds and bounded memory. Long chains do not exhaust the stack.
 #include "support/folder.hpp"
 #include "support/skip.hpp"

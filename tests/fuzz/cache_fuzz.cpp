@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Fuzzes entries in the cache of compiled functions. An accepted entry fits its check sum, belongs to this user alone and is a regular file.
 #include "fuzz.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Fuzzes the command dyn with URDF text. It must end by itself within a minute, with exit code 0, 1 or 2.
 #include "fuzz.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Runs every algorithm on a random model.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Fuzzes the text of extension elements such as <libdyn>, appended to a valid robot.
 #include "exercise.hpp"
 #include "fuzz.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Shared by the fuzz targets: bytes used as choices and as files, and calls that may fail only with dyn::Error.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Fuzzes mesh and octree files. The first byte chooses the format. libdyn reads meshes in a separate process.
 #include "fuzz.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Compiles random descriptions and runs every algorithm.
 #include "exercise.hpp"
 #include "fuzz.hpp"

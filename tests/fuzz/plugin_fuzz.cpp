@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Fuzzes the first 1024 bytes of a sound plugin, which include the headers of the file and of its loaded segments.
 #include "fuzz.hpp"
 

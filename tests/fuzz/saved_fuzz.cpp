@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Fuzzes saved simulations with a valid and with an invalid check sum.
 #include "fuzz.hpp"
 #include "support/random_model.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Fuzzes SRDF files, which list pairs of links that need no collision check.
 #include "fuzz.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Fuzzes the state files of `dyn compute`.
 #include "fuzz.hpp"
 #include "support/random_model.hpp"

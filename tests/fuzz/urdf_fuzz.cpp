@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Fuzzes URDF text: reads and compiles it, runs every algorithm, and computes collisions and distances of its volumes.
 #include "exercise.hpp"
 #include "fuzz.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Mutates the tree of an XML document. libFuzzer's own mutations change bytes, and only one result in a hundred is still XML.
 #include <tinyxml2.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Contacts of volumes lie on the solids, and bodies stand, slide, roll and pile up on these contacts as rigid bodies do.
 #include "geometry/scene.hpp"
 

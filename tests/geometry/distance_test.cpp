@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Signed distances of all pairs of solids compared with closed forms and with the definition.
 #include "geometry/oracle.hpp"
 #include "geometry/scene.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Meshes and octrees from files. Valid files give the shapes that they describe; broken files give an error within seconds and bounded memory.
 #include "geometry/scene.hpp"
 #include "support/folder.hpp"

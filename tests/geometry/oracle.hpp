@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Distances of placed solids in long double, by definitions and closed forms. This code shares only the description of shapes with the library.
 #pragma once
 

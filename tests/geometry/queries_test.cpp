@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Geometry queries: no collision is missed, distances are those of the nearest parts, and batches and derivatives agree with single states.
 #include "geometry/scene.hpp"
 #include "support/skip.hpp"

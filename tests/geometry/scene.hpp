@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Small scenes with one solid in the world and one on a free body.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The pairs that a geometry model checks, and the geometries that it loads for them.
 #include "geometry/scene.hpp"
 

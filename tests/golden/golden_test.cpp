@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Results for real robots, by the public API, compared with results of another library in extended precision (shared/golden).
 #include "errors.hpp"
 #include "support/shared.hpp"

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-2-Clause
 # install.sh BUILD SOURCE: installs libdyn, builds example plugins and a user's program out of tree, and runs them with a `dyn` that is not rebuilt.
 # Then it moves the installed tree elsewhere and runs it again.
 set -euo pipefail
@@ -45,20 +46,6 @@ export PKG_CONFIG_PATH=$prefix/lib/pkgconfig:$(dirname "$(find "$prefix" -name l
 g++ -std=c++20 -O1 "$work/user/main.cpp" -o "$work/user/plain" $(pkg-config --cflags --libs libdyn-geometry libdyn-parsers) \
   -Wl,-rpath,"$(pkg-config --variable=libdir libdyn)"
 "$work/user/plain" "$robot"
-
-say "the examples of the README"
-mkdir -p "$work/readme"
-awk -v folder="$work/readme" '/^```cpp$/ {n++; inside = 1; next} /^```$/ {inside = 0} inside {print > (folder "/" n ".cpp")}' "$source/README.md"
-for example in "$work"/readme/*.cpp; do
-  if grep -q DYN_EXPORT_JOINTS "$example"; then
-    g++ -std=c++20 -shared -fPIC "$example" -o "$work/readme/cam_follower.so" $(pkg-config --cflags libdyn)
-    env -u DYN_PLUGIN_PATH "$prefix/bin/dyn" plugin check "$work/readme/cam_follower.so" --rounds 1 | tail -1
-    continue
-  fi
-  g++ -std=c++20 "$example" -o "${example%.cpp}" $(pkg-config --cflags --libs libdyn-parsers libdyn-geometry) \
-    -Wl,-rpath,"$(pkg-config --variable=libdir libdyn)"
-  "${example%.cpp}" "$source/models/biped.urdf"
-done
 
 say "a component that is not there is refused by name"
 printf 'cmake_minimum_required(VERSION 3.25)\nproject(p LANGUAGES CXX)\nfind_package(libdyn REQUIRED COMPONENTS simulation)\n' >"$work/CMakeLists.txt"

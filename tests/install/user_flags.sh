@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-2-Clause
 # user_flags.sh BUILD SOURCE: compiles a user's program and a plugin with different flags each (alignment, instruction sets, assertions, another
 # compiler) against the libdyn that install.sh has installed. All combinations run under AddressSanitizer and must agree.
 set -euo pipefail

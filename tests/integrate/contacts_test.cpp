@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Contacts and joint limits in simulations, compared with closed forms for rigid bodies.
 #include "integrate/problems.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Bodies that fly, slide and roll while they spin. The rotation of their axes must not disturb their paths.
 #include "integrate/problems.hpp"
 

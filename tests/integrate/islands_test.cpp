@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // IslandSimulator simulates each mechanism without contact to others separately, and skips mechanisms at rest.
 #include "integrate/problems.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Joints with Coulomb friction stop, stay at rest, and start again when the force exceeds the friction.
 #include "integrate/problems.hpp"
 #include "support/random_model.hpp"

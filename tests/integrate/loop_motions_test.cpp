@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Motions of closed loops compared with accurate references.
 #include "integrate/problems.hpp"
 #include "support/random_model.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Difficult motions compared with accurate references. Each bound follows from the method's order or from the inevitable rounding error (number of
 // steps times u, times the growth of a disturbance of the start).
 #include "integrate/problems.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Every method converges to the true motion with its theoretical order.
 #include "integrate/problems.hpp"
 #include "support/random_model.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Accurate states of reference motions, read from the shared data.
 #pragma once
 

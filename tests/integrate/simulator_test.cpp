@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Behaviour that users of the simulator rely on: times, states between steps, events, saved and resumed runs, errors that leave the state unchanged.
 #include "integrate/problems.hpp"
 #include "support/random_model.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Shared objects with every known fault. Each gives an Error that names the file, and the registry stays as it was.
 #include "support/folder.hpp"
 #include "support/skip.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Analytical derivatives agree to rounding with the recursions run on dual numbers, for every joint type.
 #include "data/data_impl.hpp"
 #include "kernels/body/dissipation.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Configuration-space functions: free flyer, spherical and planar compared with 60-digit references, and properties that hold for every joint type.
 #include "errors.hpp"
 #include "support/random_model.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // SO(3) and SE(3) compared with 25-digit references, at angles from 5e-324 to 1e8 and around pi and 2 pi.
 #include "errors.hpp"
 #include "support/shared.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The parser cases of the reference data: files that must be read, read with a note, or refused.
 #include "support/shared.hpp"
 

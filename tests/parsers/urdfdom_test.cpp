@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // libdyn's URDF reader compared with urdfdom, which shares no code with it, on every available robot. Also shows why libdyn has its own reader.
 #include "support/catch.hpp"
 #include "support/registry.hpp"

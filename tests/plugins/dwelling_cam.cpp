@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // A joint type for tests that consists of a pose map with a select(). The cam rotates about z by q, and above q = 0.2 it also lifts the body.
 #include <dyn_sdk/joint_plugin.hpp>
 

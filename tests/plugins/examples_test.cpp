@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The example plugins compared with closed forms of their geometry, and the robots that come with them.
 #include "support/catch.hpp"
 #include "support/registry.hpp"

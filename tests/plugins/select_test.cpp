@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // A joint type with select(). Dual numbers, packs and generated code take the selected branch and no NaN from the other one.
 #include "support/catch.hpp"
 #include "support/registry.hpp"

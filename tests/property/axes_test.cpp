@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Results do not depend on how the axes of bodies are chosen. Where placements only exchange axes, or joint offsets are zero, kernels leave out
 // multiplications with zeros.
 #include "support/difference.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Long chains: bounds on the growth of errors and memory with their length.
 #include "errors.hpp"
 #include "oracle.hpp"

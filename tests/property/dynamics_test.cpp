@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Identities between the algorithms, on random trees of all joint types.
 #include "support/catch.hpp"
 #include "support/random_model.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Results that do not depend on a uniform velocity of the base lose no digits when the base is fast.
 #include "support/catch.hpp"
 #include "support/random_model.hpp"

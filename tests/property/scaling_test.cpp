@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // There are no absolute thresholds: if units of length, mass and time change by powers of two, results change by powers of two, bit for bit.
 #include "support/catch.hpp"
 #include "support/random_model.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Joints of one type are computed in packs whose width depends on the number of joints. Results must not depend on it.
 #include "support/cam_model.hpp"
 #include "support/catch.hpp"

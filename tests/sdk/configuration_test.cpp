@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Joints with their own configuration space and a pose map. Functions that the SDK derives are right, and wrong functions of authors are caught.
 #include "support/catch.hpp"
 #include "support/registry.hpp"

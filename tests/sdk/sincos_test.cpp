@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Sines and cosines of many joints together, read from their poses, at every angle and for the instruction set in use.
 #include "support/catch.hpp"
 #include "support/random_model.hpp"

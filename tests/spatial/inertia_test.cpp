@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Inertias compared with dense 6x6 matrices, for every scalar type in use.
 #include "spatial/samples.hpp"
 

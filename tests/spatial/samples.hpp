@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Random spatial quantities of any scalar type, and the difference of matrices.
 #pragma once
 

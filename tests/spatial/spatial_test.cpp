@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Spatial algebra compared with dense 6x6 matrices, for every scalar type in use.
 #include "spatial/samples.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // A model whose mass matrix is singular at q = 0, because its joint, "cam", does not move there.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Catch2, version 2 or 3, with the same names.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The difference of two matrices.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // A temporary folder, removed with its object. Only its owner can write to it.
 #pragma once
 

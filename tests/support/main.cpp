@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #if __has_include(<catch2/catch_all.hpp>)
 #include <catch2/catch_session.hpp>
 #else

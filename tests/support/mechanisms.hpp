@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Closed loops and stiff springs of the reference data, as models with their forces and initial states.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Random trees of all loaded joint types. Equal seeds give equal trees.
 #pragma once
 

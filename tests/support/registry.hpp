@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The registry that tests share. It has the standard plugin and, through DYN_PLUGIN_PATH, the examples.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Helpers to change saved simulations and give them a valid check sum again.
 #pragma once
 

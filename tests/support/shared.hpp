@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Reference data beside the project. Tests that need it are skipped if it is missing, and fail if DYN_SHARED or DYN_REQUIRE_SHARED=1 says that it is
 // there.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Tests that cannot run here report that they are skipped, and so does ctest. With DYN_REQUIRE_ALL=1, as on the machine that decides, they fail.
 #pragma once
 

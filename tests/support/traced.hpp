@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Calls of traced and compiled functions with vectors, and a cache for code that a test compiles.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Reads models in the JSON format of the reference data.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // dyn codegen writes source that builds anywhere and passes its own test.
 #include "command.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Runs the command dyn as a user does and returns its answer to a line of arguments.
 #pragma once
 

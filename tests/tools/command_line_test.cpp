@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The command line of dyn: arguments that it refuses with exit code 2, and the messages.
 #include "command.hpp"
 
@@ -32,6 +33,12 @@ TEST_CASE("help is there for every subcommand, and a wrong command line exits wi
     CHECK(!a.err.empty());
     CHECK(a.out.empty());
   }
+}
+
+TEST_CASE("dyn --version names the library, the instruction set and the plugin interface", "[command]") {
+  const Answer a = run("--version");
+  CHECK(a.code == 0);
+  CHECK_THAT(a.out, containing("dyn 0.") && containing("instruction set ") && containing("plugin interface "));
 }
 
 TEST_CASE("a word that is no subcommand is named, with those that there are", "[command]") {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // dyn compute reads states and writes results by key.
 #include "command.hpp"
 #include "errors.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Every subcommand of dyn: exit codes and messages for valid and for broken input.
 #include "command.hpp"
 #include "support/skip.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // SIGINT (Ctrl-C) and SIGTERM while dyn works.
 #include "command.hpp"
 

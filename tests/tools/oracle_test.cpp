@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The fifty-digit reference agrees with the shared data, which independent code with other methods has made.
 #include "oracle.hpp"
 

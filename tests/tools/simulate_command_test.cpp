@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The commands dyn simulate and dyn collide.
 #include "command.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The sets of the 25-digit reference data: models, samples, and error budgets.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The same error budgets for other ways to compute the same results: batches in double and in float, and operations of generated code.
 #include "support/traced.hpp"
 #include "truth/data_sets.hpp"

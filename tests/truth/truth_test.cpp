@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Every algorithm agrees within the project's error budgets with 25-digit references that share no code with it.
 #include "truth/data_sets.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The program's own malloc & co. count, then call the C library's. Definitions in the executable precede those of every shared object, so plugins
 // are counted too; operator new of libstdc++ calls malloc. A sanitizer has its own allocator, which must stay: then nothing is counted.
 #include "alloc_guard.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Counts the heap allocations of a thread, for `dyn plugin check`.
 #pragma once
 

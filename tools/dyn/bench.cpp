@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // dyn bench: ns per call of each algorithm, the median of repetitions over random states; with a truth file, the error too.
 #include "bench.hpp"
 

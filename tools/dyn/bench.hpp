@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The measurements of `dyn bench`: one entry per line of its output.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Modes codegen and codegen_batch of `dyn bench`.
 #include "bench.hpp"
 

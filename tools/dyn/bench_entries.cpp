@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The entries of `dyn bench`: calls of each algorithm, for single states and for batches.
 #include "bench.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // dyn check: finds what is wrong or suspicious in a model. Exit code 1 when there are errors.
 #include "commands.hpp"
 #include "condition.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // dyn codegen: algorithms of one model as C source, with a CMakeLists.txt and a test that compares them with the library.
 #include "commands.hpp"
 #include "model_options.hpp"

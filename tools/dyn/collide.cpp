@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // dyn collide: which volumes of a robot and its surroundings collide, how far apart the others are, and which pairs need no check.
 #include "commands.hpp"
 #include "interrupt.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // One function per subcommand. It adds the subcommand's options to the app and sets its callback.
 #pragma once
 

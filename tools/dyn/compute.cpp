@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // dyn compute: reads states and writes their dynamics, as JSON with the keys of the golden data.
 #include "commands.hpp"
 #include "condition.hpp"

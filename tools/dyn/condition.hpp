@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // A warning about the digits that a nearly singular mass matrix costs.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The processor's event counters for this thread, where the system gives access to them.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // dyn demo: prints inverse dynamics, mass matrix and forward dynamics at one random state.
 #include "commands.hpp"
 #include "model_options.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Errors in units of roundoff u, against references with more digits than a double has.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Fifty-digit vectors and rotations, and poses as power series of time.
 #pragma once
 

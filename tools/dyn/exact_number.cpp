@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "exact_number.hpp"
 
 #include <boost/multiprecision/cpp_bin_float.hpp>

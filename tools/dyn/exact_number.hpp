@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Numbers with fifty and with a hundred decimal digits, for references. Their operations are compiled once, in exact_number.cpp: Boost's templates
 // would cost the compiler a gigabyte and twenty seconds in every source that uses them.
 #pragma once

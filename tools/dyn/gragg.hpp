@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Gragg's extrapolation: midpoint rules with 2, 4, ... steps, whose error terms in powers of h^2 are eliminated (Hairer, Norsett and Wanner 1993,
 // sec. II.9). It is for references and shares nothing with the library's integrators.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // dyn info: the plugins and types that were loaded, the model compiler's report, and the tree.
 #include "commands.hpp"
 #include "model_options.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Ctrl-C and TERM: the command writes the results so far and ends with exit code 130 or 143. A message tells the user; a second signal ends the
 // command at once.
 #pragma once

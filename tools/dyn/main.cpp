@@ -1,8 +1,10 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The command dyn. Exit codes: 0 success; 1 the model, the input or the answer is wrong, or output was lost; 2 the command line is wrong.
 #include "commands.hpp"
 #include "options.hpp"
 
 #include <dyn/error.hpp>
+#include <dyn/version.hpp>
 
 #include <unistd.h>
 
@@ -10,6 +12,7 @@
 #include <cstdlib>
 #include <exception>
 #include <new>
+#include <string>
 
 namespace {
 
@@ -26,10 +29,17 @@ bool explainUnknown(const CLI::App& app) {
   return true;
 }
 
+std::string versionText() {
+  const dyn::Version version = dyn::version();
+  return "dyn " + version.number + " (" + version.build_type + ")\ninstruction set " + version.instruction_set + "\nplugin interface " +
+         std::to_string(version.plugin_interface) + "\nreads URDF and SRDF; meshes by assimp, octrees by octomap, broad phase by FCL";
+}
+
 int run(int argc, char** argv) {
   CLI::App app{"Kinematics and dynamics of robots; joints come from plugins."};
   app.require_subcommand(1);
   app.failure_message(dyn::tool::refusal);
+  app.set_version_flag("--version", versionText, "prints version, instruction set and plugin interface");
   dyn::tool::addInfo(app);
   dyn::tool::addCheck(app);
   dyn::tool::addCodegen(app);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Options of every subcommand that reads a model: the file, its root joint, and how the file is read.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "options.hpp"
 
 #include <report/svg.hpp>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Validators for the options of dyn's subcommands, and their error messages.
 #pragma once
 

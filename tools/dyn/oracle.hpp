@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Reference dynamics from their definitions with fifty digits.
 //
 // The oracle uses no spatial vectors, no recursion over forces, no composite or articulated inertia, and none of the library's algorithms. Poses are

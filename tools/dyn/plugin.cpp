@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // dyn plugin list. The other subcommands of dyn plugin have files of their own.
 #include "plugin.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The subcommands of `dyn plugin`.
 #pragma once
 

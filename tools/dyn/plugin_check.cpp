@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // dyn plugin check: runs the conformance checks on every type of a shared object. Exit code 1 on a failure.
 #include "alloc_guard.hpp"
 #include "options.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // dyn plugin new: writes a folder with a joint type to start from.
 #include "plugin.hpp"
 

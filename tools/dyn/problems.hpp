@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Mechanisms whose motion is known in closed form or to many digits. Methods are measured and tested on them.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // dyn profile: the price of finding the code of a joint's type, for four ways of dispatch, interleaved in one process.
 #include "commands.hpp"
 #include "counters.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // A progress bar for long work, shown on terminals only.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // dyn simulate: a robot's motion through time, the change of its conserved quantities, and the speed of the computation.
 #include "commands.hpp"
 #include "contacts.hpp"

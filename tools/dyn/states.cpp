@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "states.hpp"
 
 #include <dyn/algorithm/configuration.hpp>

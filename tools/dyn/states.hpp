@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Reads states from JSON and writes results. Numbers have 17 significant digits, sizes are checked, NaN and Inf are refused.
 #pragma once
 

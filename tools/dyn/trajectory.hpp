@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The states of a simulation over time, written as a table, as JSON or as a picture.
 #pragma once
 

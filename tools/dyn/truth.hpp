@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // References with more digits than a double has, and the errors of results against them.
 #pragma once
 

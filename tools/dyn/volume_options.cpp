@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "volume_options.hpp"
 
 #include <dyn/parsers/srdf.hpp>

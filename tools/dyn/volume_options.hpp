@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Options that choose the volumes of a command: the robot's, those around it, and the pairs to check.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Includes all of the library's dynamics and simulation. Parsers, geometry and code generation have headers of their own.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The library's only exception type. It says what was wrong, where, and how to repair it.
 #pragma once
 

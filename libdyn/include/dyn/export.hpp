@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // DYN_API marks the symbols that the shared library exports; all others stay hidden. This header also refuses compiler options that change the
 // layout of standard containers.
 #pragma once

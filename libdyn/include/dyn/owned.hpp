@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The pointer to the implementation of objects that can be moved but not copied.
 #pragma once
 

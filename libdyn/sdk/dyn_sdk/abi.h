@@ -1,4 +1,5 @@
-/* The handshake between libdyn and a plugin: a C descriptor under the symbol "dyn_plugin_descriptor". */
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* The handshake between libdyn and a plugin: a C descriptor that the function "dyn_plugin_descriptor_v1" returns. */
 #ifndef DYN_SDK_ABI_H
 #define DYN_SDK_ABI_H
 
@@ -8,12 +9,12 @@
 /* Raised whenever JointType, CouplingType or a struct they use changes. */
 #define DYN_PLUGIN_ABI_VERSION 6u
 
-/* Sizes of everything that crosses, folded into one number by the compiler that built the plugin. */
+/* What the library compares before it uses a plugin. */
 struct dyn_plugin_stamp {
   uint32_t magic;
   uint32_t abi_version;
   uint32_t descriptor_size;
-  uint32_t layout;       /* see dyn::sdk::layoutStamp */
+  uint32_t layout;       /* sizes of all that crosses the boundary, folded into one number: dyn::sdk::layoutStamp */
   char compiler_abi[32]; /* e.g. "itanium-x86_64-lp64" */
 };
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // A joint's configuration space: the functions that its author wrote, and defaults or derived functions for the others.
 //
 // A joint without functions of its own has q in R^n and v = dq/dt. A joint with its own q (+) v provides neutral, integrate, difference and

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // A joint's constants as its author's functions see them: c[k], independent of their layout in memory.
 #pragma once
 

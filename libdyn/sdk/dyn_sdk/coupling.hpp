@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Coupling types: y = f(x). The author writes f as a template over the scalar, and forward-mode differentiation gives its derivatives; or the author
 // writes f and its derivatives in closed form.
 #pragma once

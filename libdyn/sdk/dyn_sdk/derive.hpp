@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Derives the motion subspace and its bias from the pose map alone, by forward-mode differentiation.
 //
 // For the pose (R, p) along q(t), S v = (R^T p', vee(R^T R')) in the moving frame. Its derivative at constant v is

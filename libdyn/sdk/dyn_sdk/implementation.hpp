@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Implements the virtual interface by an author's class: loops over the batch, the author's closed forms, and derived functions in place of others.
 #pragma once
 

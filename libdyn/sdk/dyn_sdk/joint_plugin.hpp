@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The only header that a plugin author includes.
 //
 // A joint type is a class with a name, a summary, parameters and a pose map, which is a template over the scalar:

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Packs: as many numbers as the processor works on at once, with the arithmetic of a single number. This is the only installed header that names a
 // SIMD library. Without xsimd there are no packs, and everything is computed number by number.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Sines and cosines of packs, each correct to rounding at every finite angle.
 //
 // The angle is reduced modulo pi / 2, with pi / 2 split into parts of so few digits that their multiples are exact (Cody and Waite 1980). Two numbers

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The stamp that the library and a plugin compute from their own headers. The library refuses a plugin with another stamp before it uses any of the
 // plugin's types. Code that runs when the plugin is opened has run by then, but in a child process first.
 #pragma once

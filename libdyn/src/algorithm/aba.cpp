@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "algorithm/crba.hpp"
 #include "algorithm/support/external.hpp"
 #include "kernels/isa/table.hpp"

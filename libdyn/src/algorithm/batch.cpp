@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "algorithm/support/batch_support.hpp"
 #include "algorithm/support/placement.hpp"
 #include "at.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "algorithm/support/dependent_joints.hpp"
 #include "algorithm/support/sums.hpp"
 #include "at.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Centroidal quantities for algorithms that have evaluated the joints.
 #pragma once
 

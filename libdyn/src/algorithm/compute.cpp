@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "algorithm/centroidal.hpp"
 #include "algorithm/derivatives.hpp"
 #include "algorithm/support/inputs.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The mass matrix for algorithms that factor it.
 #pragma once
 

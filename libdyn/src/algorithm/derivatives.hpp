@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Derivatives of inverse dynamics and M^-1, for other algorithms.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "kernels/recursion/jacobians.hpp"
 
 #include "algorithm/support/dependent_joints.hpp"

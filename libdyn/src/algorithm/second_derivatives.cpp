@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "algorithm/support/inputs.hpp"
 #include "kernels/derivative/dual_derivatives.hpp"
 #include "kernels/isa/table.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Alignment of two runs of the same code that recorded different numbers of operations.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Compiled functions on disk, each a shared object and its checksum. Entries appear whole or not at all.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include <dyn/codegen/casadi.hpp>
 #include <dyn/codegen/source.hpp>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "codegen/minimum_cut.hpp"
 
 #if defined(__GNUC__) && !defined(__clang__)

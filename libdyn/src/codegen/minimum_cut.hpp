@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Finds the cheapest answers to many yes-or-no questions, where answers and pairs of answers have costs.
 #pragma once
 

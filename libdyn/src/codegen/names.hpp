@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Checks whether functions can be written as C.
 #pragma once
 

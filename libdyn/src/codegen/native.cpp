@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "codegen/cache.hpp"
 #include "codegen/process.hpp"
 #include "digest.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "codegen/prelude.hpp"
 
 namespace dyn {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The beginning of every generated source: the number type, its functions, and sines and cosines of many angles at once.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The order in which a graph's operations are computed: one by one, or several at once in the lanes of a vector.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "at.hpp"
 #include "codegen/names.hpp"
 #include "codegen/prelude.hpp"

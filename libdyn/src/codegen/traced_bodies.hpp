@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Visits the bodies in traced numbers. Bodies that share a lane group are visited as runs of the same code (GraphBuilder::packable).
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The compact model: frequently read constants by body, batches by type, and runs in depth-first order. pack() writes it once; then it is constant.
 #pragma once
 

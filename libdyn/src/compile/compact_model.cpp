@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "compile/compact_impl.hpp"
 #include "near_names.hpp"
 

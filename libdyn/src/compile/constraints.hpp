@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Constraints with their names looked up, as the kernels and algorithms of constrained dynamics read them.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The compiler's working copy: bodies by index, joints resolved to types. Passes read and write this and nothing else.
 // Poses and inertias are composed in long double, so that the numbers that pack() stores are rounded only once.
 #pragma once

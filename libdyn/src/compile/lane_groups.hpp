@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Lane groups: joints of one type that advance together, one in each lane of a pack.
 #pragma once
 
@@ -60,9 +61,9 @@ struct LaneGroup {
   unsigned united[2] = {0, 0};                ///< lanes with the same body, on which limbs of several lanes hang; one bit each
   LaneGroupParents parents[group_lanes];      ///< of lanes with a body and of those that mirror one
   int parents_count = 0;
-  bool aligned = true;    ///< there is one entry in `parents`, and each lane has its parent in the same lane, or the world
-  bool gives_all = true;  ///< the same, and every lane hands something over
-  bool apart = false;     ///< there are many parents, so lanes are read and written one by one
+  bool same_lanes = true;  ///< there is one entry in `parents`, and each lane has its parent in the same lane, or the world
+  bool gives_all = true;   ///< the same, and every lane hands something over
+  bool apart = false;      ///< there are many parents, so lanes are read and written one by one
   LaneParent lane_parents[group_lanes];
   unsigned bodies = 0;                    ///< lanes with a body of their own
   unsigned root_paths[group_lanes] = {};  ///< these by root path: lanes that go through the same lane groups until they meet

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Checks the parameters of a description against the schema that a plugin declares.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Joints and their parts, by the names that couplings use for them: "joint", "joint/part".
 #pragma once
 

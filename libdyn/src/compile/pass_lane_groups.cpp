@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "at.hpp"
 #include "compile/compact_impl.hpp"
 
@@ -174,7 +175,7 @@ class Planner {
       const bool alone = lanesOf(group.shows, [&](int other) { return other >= 0 && parentOf(other) == x.parent; }) == same;
       join(group, {parent.group, hasLane(x.parent, l) && (alone || parent.lanes != 1U << parent.lane) ? -1 : parent.lane, 1U << l});
     }
-    group.aligned = group.parents_count == 1 && group.parents[0].lane < 0;
+    group.same_lanes = group.parents_count == 1 && group.parents[0].lane < 0;
     plan_.lane_groups.push_back(group);
   }
   template <class Lanes, class Test>
@@ -209,7 +210,7 @@ class Planner {
           const bool along_trunk = !parts(parent) && plan_.lane_slots[at(parent)].lanes == plan_.lane_slots[at(body)].lanes;
           if (group.body[l] >= 0 || along_trunk) parents.given |= 1U << l;
         }
-        group.gives_all = group.gives_all && group.aligned && parents.given == parents.lanes;
+        group.gives_all = group.gives_all && group.same_lanes && parents.given == parents.lanes;
         bool& leaf = plan_.lane_groups[at(parents.group)].leaf;
         parents.first = leaf;
         leaf = false;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The passes that order, remove and move bodies (order, weld, canonicalise), and the pass that inspects the result.
 #include "at.hpp"
 #include "compile/compact_impl.hpp"

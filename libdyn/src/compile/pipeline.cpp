@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The compiler's passes in their order.
 #include "compile/constraints.hpp"
 #include "compile/draft.hpp"

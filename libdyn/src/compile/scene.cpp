@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "compile/parts.hpp"
 #include "model/universe.hpp"
 

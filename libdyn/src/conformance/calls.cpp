@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Checks how a type implements the interface's calls, whatever the numbers mean.
 #include "conformance/checks.hpp"
 #include "floating_point.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The groups of checks, one source file each. Every function appends its findings.
 #pragma once
 

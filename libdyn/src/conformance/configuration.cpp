@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Checks a joint's configuration space: integrate and difference are inverses, their Jacobians are derivatives, normalize keeps normalised q.
 #include "conformance/checks.hpp"
 

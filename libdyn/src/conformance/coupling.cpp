@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Checks a coupling's derivatives against finite differences.
 #include "compile/parameters.hpp"
 #include "conformance/support.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Checks the joint in a mechanism: between two revolute joints the algorithms must agree with each other and with the energy balance.
 #include "conformance/checks.hpp"
 

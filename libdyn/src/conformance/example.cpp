@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Makes up parameters from a schema.
 #include "conformance/support.hpp"
 

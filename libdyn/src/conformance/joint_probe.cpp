@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "conformance/joint_probe.hpp"
 
 #include "joint/single.hpp"

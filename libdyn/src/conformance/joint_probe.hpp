@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // One joint of a type, evaluated at one configuration at a time. Results are unpacked from the batch.
 #pragma once
 

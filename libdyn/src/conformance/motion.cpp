@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Checks a joint's motion subspace and bias against its pose map.
 #include "conformance/checks.hpp"
 

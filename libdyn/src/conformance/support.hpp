@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Shared by the conformance checks: random numbers, finite differences, and the worst error of a check.
 #pragma once
 

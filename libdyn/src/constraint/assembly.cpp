@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "constraint/kkt.hpp"
 #include "constraint/solution.hpp"
 #include "kernels/isa/constraint_table.hpp"

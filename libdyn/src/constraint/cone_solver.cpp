@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "constraint/cone_solver.hpp"
 
 #include "kernels/isa/constraint_table.hpp"

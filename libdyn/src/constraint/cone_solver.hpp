@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The solver for forces in Coulomb cones: 0 in G x + g + friction |tangential velocity| normal + normal cone of the cones at x.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The arena behind ConstraintData.
 #pragma once
 

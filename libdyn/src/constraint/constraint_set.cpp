@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "constraint/constraint_data.hpp"
 
 #include <dyn/constraint/constraint_set.hpp>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Solves D x = b for the Delassus matrix D = J M^-1 J^T, which is positive semidefinite, and singular where constraints repeat each other.
 #pragma once
 

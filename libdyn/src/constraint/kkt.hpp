@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Constraints by way of M, for any model: J, M^-1 J^T, and the Delassus matrix as their product.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "constraint/linearize.hpp"
 
 #include "algorithm/support/dependent_joints.hpp"

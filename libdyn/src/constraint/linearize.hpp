@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Derivatives of the rows' accelerations, and of the generalised force of given row forces.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "constraint/rows.hpp"
 
 #include "algorithm/support/dependent_joints.hpp"

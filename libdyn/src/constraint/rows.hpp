@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Positions, rates and forces of constraint rows, as one pass from each constraint to the world finds them. The kernels treat rows of constraints
 // between frames (frame_rows.hpp); rows on joints are treated here.
 #pragma once

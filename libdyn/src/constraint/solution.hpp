@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The steps that algorithms of constrained dynamics share.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "data/batch_impl.hpp"
 #include "data/room.hpp"
 

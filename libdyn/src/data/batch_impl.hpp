@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The memory of BatchData: scratch for each thread, and results.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "data/data_impl.hpp"
 #include "data/room.hpp"
 #include "kernels/isa/table.hpp"

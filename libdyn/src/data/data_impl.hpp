@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The memory of Data: arrays that are laid out in one block, and copies of arguments in another.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "data/workers.hpp"
 
 #include <dyn/data/data_pool.hpp>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The stage that the kinematics of a Data have reached.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Checks that a request for memory fits into this machine.
 #pragma once
 

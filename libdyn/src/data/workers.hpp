@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Threads that wait for work. They are started once and woken by each call, which takes no lock and allocates no memory. A child of fork() has none
 // of its parent's threads, so its first call starts new ones.
 #pragma once

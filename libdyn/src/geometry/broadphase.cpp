@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // This is the only source that includes FCL. It is compiled for the instruction set of Debian's FCL library, because the alignment of members of
 // FCL's classes depends on it.
 #include "geometry/broadphase.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Search for overlapping boxes in FCL's dynamic tree of axis-aligned boxes. The header hides FCL's types, because their layout depends on the
 // compiler flags.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Compiles described geometries: chooses the pairs that are checked, and loads only the volumes that these pairs need.
 #include "at.hpp"
 #include "geometry/geometry_impl.hpp"

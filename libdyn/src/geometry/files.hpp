@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Locating and reading mesh and octree files, and convex hulls. Only the sources behind this header use assimp, octomap and qhull.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Builds volumes from their descriptions; each file is read once.
 #pragma once
 

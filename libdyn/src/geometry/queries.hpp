@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Shared by collision and distance: the two placed volumes of a pair, and checks of arguments.
 #pragma once
 

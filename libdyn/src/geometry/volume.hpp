@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // A compiled volume: one convex solid, or many convex pieces (triangles, cubes) in a tree of boxes. All numbers are in the geometry's own frame.
 #pragma once
 

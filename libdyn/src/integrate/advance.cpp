@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Simulator::advance: takes steps, shows states between their ends, and stops at events.
 #include "integrate/simulator_impl.hpp"
 #include "number_text.hpp"

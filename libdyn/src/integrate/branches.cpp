@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Where all bars of a closed loop are in line, or nearly so, the loop's motion can continue along several branches. There a step may end on another
 // branch than it began on, with a velocity and an energy that no force has caused. Such a step is repeated with shorter steps.
 #include "integrate/simulator_impl.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "integrate/chart.hpp"
 
 #include "algorithm/support/turning.hpp"

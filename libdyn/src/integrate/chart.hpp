@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The chart u -> q0 (+) u of a model's configuration space, and its action on velocities, momenta and forces.
 #pragma once
 

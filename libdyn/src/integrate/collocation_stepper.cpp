@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Implicit Runge-Kutta methods of collocation in the chart about the step's start. Newton's method solves for the stages' accelerations:
 //   k_i = a(q (+) u_i, v_i),  v_i = v + h sum a_ij k_j,  u_i = h sum a_ij (du/dt)_j.
 // Newton's matrix approximates du/dt by v, and the iterations correct the difference. The blocks of the matrix are

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Steps with contacts. Impacts are located in time and answered with an impulse. Lasting contacts take steps at velocity level, which are of first
 // order (Moreau 1988; Stewart and Trinkle 1996).
 #include "at.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "number_text.hpp"
 
 #include <dyn/algorithm/kinematics.hpp>

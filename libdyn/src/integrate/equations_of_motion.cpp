@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "integrate/equations_of_motion.hpp"
 
 #include "algorithm/support/inputs.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The equations of motion that the steppers integrate: accelerations of a state under the callbacks' forces and the constraints.
 #pragma once
 

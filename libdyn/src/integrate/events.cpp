@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Finds zeros of functions of the state within each step. If one step has several, the first ends the step. Further calls report the events at the
 // same time, and the following steps find the later ones.
 #include "at.hpp"

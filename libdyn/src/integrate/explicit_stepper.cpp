@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Explicit Runge-Kutta methods in the chart about the step's start. Stage i is at u_i = h sum a_ij (du/dt)_j, v_i = v + h sum a_ij (dv/dt)_j.
 #include "integrate/stepper.hpp"
 

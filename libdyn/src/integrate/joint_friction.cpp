@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Coulomb friction of joints. During a step it is a constant force, so that methods of any order have smooth equations of motion. On a joint that
 // moves it acts against the motion. On a joint at rest it keeps the joint there as far as it can; it is found like contact forces, at velocity
 // level. A step ends where a joint comes to rest; the next step finds whether the joint stays there.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Finds where a function of the state passes zero within a step, also if its signs at the step's ends are equal.
 #pragma once
 

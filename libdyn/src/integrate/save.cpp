@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Saves a simulation's time, state and step as text. Numbers are hexadecimal, so they lose nothing and do not depend on the locale.
 #include "digest.hpp"
 #include "integrate/simulator_impl.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Interface of an integration method: one step, and the motion between its ends.
 #pragma once
 

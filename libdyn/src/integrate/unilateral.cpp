@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "integrate/unilateral.hpp"
 
 #include "algorithm/support/turning.hpp"

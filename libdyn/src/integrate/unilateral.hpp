@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Contacts, limits and joint friction in a simulation: finds the near ones, and computes steps and impacts under the chosen ones.
 #pragma once
 

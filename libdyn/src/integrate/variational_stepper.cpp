@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The variational integrator of the discrete Lagrangian L_d(q0, q1) = h L(q0 (+) h xi / 2, xi), q1 = q0 (+) h xi (Marsden and West 2001, sec.
 // 1.3 and 3; on groups Bou-Rabee and Marsden 2009). In momenta p = M v, with F = C^T xi - g + forces the rate of p at the midpoint,
 //   p0 = X^T p - h/2 Y0^T F,   p1 = X^T p + h/2 Y1^T F,   p = M(q) xi.

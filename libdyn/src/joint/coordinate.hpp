@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // One joint's configuration: the neutral one, normalisation, and the scalar coordinate of a coupled joint. That coordinate is the displacement from
 // neutral, whatever form q has.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Opens shared objects, which stay loaded for the life of the process. Only loader.hpp and loader.cpp use Boost.DLL.
 #pragma once
 

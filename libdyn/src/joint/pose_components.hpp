@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Converts the components that a joint type writes to a transform and back. Only this file and the kernels' sparse forms know their order.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The instruction set for which kernels and joint types are taken.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "joint/loader.hpp"
 #include "joint/processor.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Evaluates one joint of a type by itself, as a batch of one.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "joint/trial_load.hpp"
 
 #include "trial_process.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Finds out whether the static constructors of a shared object let it be opened, and its tables let it be read.
 //
 // An exception of a static constructor cannot be caught in this process: dlopen is declared not to throw, so the runtime ends the program. If it is
@@ -14,7 +15,8 @@
 namespace dyn {
 
 /// Returns what was wrong: the exception's text, the signal, that the file is cut short or damaged, that no answer came within ten seconds, or why
-/// there was no trial. Returns "" if the file can be opened and read(library) ends, or if opening or reading it will report the error again.
+/// there was no trial. Returns "" if the file can be opened and read(library) ends. Also returns "" for errors that opening or reading the file
+/// in this process will report.
 std::string trialLoad(const OpenFile& file, const std::function<void(void* library)>& read);
 
 }  // namespace dyn

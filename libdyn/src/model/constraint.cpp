@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include <dyn/model/constraint.hpp>
 #include <dyn/model/model.hpp>
 

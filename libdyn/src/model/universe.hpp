@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Checks that a description has body 0, which the user's code can remove.
 #pragma once
 

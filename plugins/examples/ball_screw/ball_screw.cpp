@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // A screw whose pitch changes along its travel: turning by q about z moves it by p q + c q^2.
 #include <dyn_sdk/joint_plugin.hpp>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // A follower on an eccentric cam: it moves along z by h (1 - cos q) as the cam turns by q. At q = 0 and pi it stands still, so the
 // motion subspace vanishes there.
 #include <dyn_sdk/joint_plugin.hpp>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // A joint that points: its coordinates are the unit vector n that its z axis points along. It does not twist about n.
 #include <dyn_sdk/joint_plugin.hpp>
 

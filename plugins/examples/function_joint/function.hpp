@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Polynomials and natural cubic splines as rows of constants: [coordinate, count of knots (0: a polynomial), count of numbers, numbers...].
 // A polynomial's numbers are its coefficients; a spline's are x, y and the second derivative at each knot.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // A joint whose six pose coordinates are functions of one to six coordinates q, as users of OpenSim describe knees and shoulders:
 // rotations r1, r2, r3 about axis1, axis2, axis3 (each fixed to the frame that the rotations before it have turned), and translations tx, ty,
 // tz in the joint frame. Each function is a polynomial or a natural cubic spline of one q; it is 0 if neither is given.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // A carriage on a planar rail of lines and arcs. q is the arc length along the rail [m]; the carriage's x axis points along it.
 //
 // A segment starts at point p0 with heading h0 and has curvature k. After an arc length d the heading is h0 + k d, and the chord has the length

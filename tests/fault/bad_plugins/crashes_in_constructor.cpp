@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // A static constructor aborts the process.
 #include <cstdlib>
 

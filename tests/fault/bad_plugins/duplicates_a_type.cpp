@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The plugin has a new type and a type with a name of the standard plugin.
 #include <dyn_sdk/joint_plugin.hpp>
 

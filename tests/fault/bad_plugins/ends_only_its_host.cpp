@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The plugin passes the loader's trial, in which stderr is /dev/null, but it ends the process that then loads it.
 #include <unistd.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // A static constructor ends the process with exit code 0.
 #include <cstdlib>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The resolver of an ifunc ends the process while the dynamic loader links the file, without any constructor.
 #include <cstdlib>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // While it is loaded, the plugin makes the processor flush subnormal numbers to zero, as libraries linked with -ffast-math do.
 #include <dyn_sdk/joint_plugin.hpp>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The plugin has a type whose pose never returns, a type whose pose aborts the process, and a sound type.
 #include <dyn_sdk/joint_plugin.hpp>
 

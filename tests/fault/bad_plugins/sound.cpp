@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // A sound plugin, with a static constructor that does not throw.
 #include <dyn_sdk/joint_plugin.hpp>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // A test installs this file beside sound.so as its build for one processor. It has the same type and description, but slides the other way.
 #include <dyn_sdk/joint_plugin.hpp>
 

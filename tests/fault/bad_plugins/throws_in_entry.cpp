@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The exported function throws instead of describing the plugin.
 #include <stdexcept>
 

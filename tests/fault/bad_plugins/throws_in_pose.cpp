@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The pose map of this type throws, which is not allowed.
 #include <dyn_sdk/joint_plugin.hpp>
 

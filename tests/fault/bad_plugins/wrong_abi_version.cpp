@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The plugin's stamp has an ABI version that is not this library's.
 #include <dyn_sdk/stamp.hpp>
 

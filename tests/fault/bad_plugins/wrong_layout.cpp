@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The plugin's stamp has another layout, as if it were built with structs of other sizes.
 #include <dyn_sdk/stamp.hpp>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // A user's program: it reads a robot from a file and computes inverse and forward dynamics, collisions and distances. It prints a result that must
 // not depend on how the program was compiled.
 #include <dyn/dyn.hpp>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // dyn accuracy: speed against error, as one page.
 #include "commands.hpp"
 #include "interrupt.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "bench.hpp"
 #include "interrupt.hpp"
 #include "oracle.hpp"

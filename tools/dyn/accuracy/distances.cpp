@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Errors of a robot that stands far from the origin.
 #include "bench.hpp"
 #include "oracle.hpp"

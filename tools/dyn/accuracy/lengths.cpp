@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "bench.hpp"
 #include "errors.hpp"
 #include "oracle.hpp"

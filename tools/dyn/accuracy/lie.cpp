@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Functions of rotations and rigid motions against hundred-digit references: power series of matrices, their inverses, and the arc tangent.
 #include "bench.hpp"
 #include "errors.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "interrupt.hpp"
 #include "oracle.hpp"
 #include "problems.hpp"

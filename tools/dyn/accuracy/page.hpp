@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The report of `dyn accuracy`: sections of text, pictures and tables, as one self-contained page and as JSON.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The sections of the report of `dyn accuracy`.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The algorithms over many states (a batch). Each column of an argument is one state. Arguments have nq or nv rows, and at most as many columns
 // as the batch's capacity. Each column of a result belongs to one state, too. The batch owns the results until its next call.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Derivatives, inverse mass matrices, Coriolis matrices and centroidal quantities of many states. Each column of an argument is one state. Each
 // column of a result is a matrix, as the function of the same name writes it for one state. The batch must have been made with
 // Need::derivatives. It owns the results until its next call. The centroidal functions throw Error(singular) for a model without mass.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Centre of mass, its motion and Jacobian, and energies. Only moving bodies count: bodies welded to the world contribute nothing.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Momentum about the centre of mass, its map, its rate, and their derivatives. All functions need Need::derivatives.
 //
 // Momenta and forces are in world axes about the (moving) centre of mass, linear part first; so are the rows of the 6 x nv matrices. Their

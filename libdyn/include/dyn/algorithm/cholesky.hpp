@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Tree-sparse factors of M: M = U D U^T. U is unit upper triangular and has entries only between joints on one root path. Featherstone 2005.
 //
 // decompose() reads the M of the last crba(). The other functions in this namespace read the factors of the last decompose() and overwrite the

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Several quantities of one state at once. Each pass that they need runs only once.
 #pragma once
 
@@ -56,7 +57,7 @@ DYN_API AlgorithmViews runAlgorithm(const CompactModel&, Data&, Algorithm, Vecto
 class AlgorithmResults {
  public:
   AlgorithmResults(const CompactModel& model, Algorithm algorithm, const detail::AlgorithmViews& views)
-      : algorithm_(algorithm), nv_(model.nv()), joints_(model.njoints()), frames_(static_cast<int>(model.frames().size())), views_(views) {}
+      : algorithm_(algorithm), model_(&model), views_(views) {}
   /// Returns output k with the rows and columns of info(algorithm).outputs[k].
   MatrixResult operator()(std::size_t k) const {
     const AlgorithmOutput& output = info(algorithm_).outputs[k];
@@ -76,15 +77,15 @@ class AlgorithmResults {
       case Extent::twelve:
         return 12;
       case Extent::nv:
-        return nv_;
+        return model_->nv();
       case Extent::joints:
-        return joints_;
+        return model_->njoints();
       default:
-        return frames_;
+        return static_cast<int>(model_->frames().size());
     }
   }
   Algorithm algorithm_;
-  int nv_, joints_, frames_;
+  const CompactModel* model_;
   detail::AlgorithmViews views_;
 };
 /// Runs one algorithm of the catalogue, for programs that loop over the catalogue. For aba and its derivatives, `a` is tau. Vectors that the

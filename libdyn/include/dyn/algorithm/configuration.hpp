@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The configuration space of a whole model: q (+) v, q1 (-) q0 and their Jacobians. v is a tangent vector, as joint velocities are.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Analytical derivatives of inverse and forward dynamics, and the inverse of the mass matrix.
 //
 // Derivatives with respect to q are in the tangent space: column k is the change along integrate(q, eps e_k). They hold for every joint type.
@@ -44,8 +45,8 @@ inline ABADerivatives abaDerivativesOf(const CompactModel& model, const Derivati
 }  // namespace detail
 
 /// Computes the derivatives of rnea(q, v, a), dissipation included (except the jump of friction at v = 0). O(n depth). Singh, Russell and Wensing
-/// 2022, in the axes of the root body with the origin at each joint. Positions and velocities are relative to the joints' origins, so a base
-/// that is far away or fast costs no accuracy. Throws Error(size | argument).
+/// 2022, in the axes of the floating base, or the world, with the origin at each joint. Positions and velocities are relative to the joints' origins,
+/// so a base that is far away or fast costs no accuracy. Throws Error(size | argument).
 inline RNEADerivatives computeRNEADerivatives(const CompactModel& model, Data& data, const VectorArg& q, const VectorArg& v, const VectorArg& a) {
   return detail::rneaDerivatives(model, data, q, v, a, nullptr, 0);
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Jacobians of joints and frames, and their time derivatives.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Poses, velocities and accelerations of joints and frames.
 #pragma once
 

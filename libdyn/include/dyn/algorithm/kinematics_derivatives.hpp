@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Derivatives of velocities and accelerations of joints and frames.
 //
 // Call computeForwardKinematicsDerivatives once, then a get function for each joint or frame. It writes 6 x nv matrices in the caller's memory,

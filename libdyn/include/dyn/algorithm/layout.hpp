@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // States in the layouts of other libraries.
 //
 // | library   | free flyer q            | free flyer v                     | quaternion | q of a spherical joint          |

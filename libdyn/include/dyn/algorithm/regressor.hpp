@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Dynamics as linear functions of the bodies' inertial parameters.
 //
 // Each joint has ten parameters pi = (m, m cx, m cy, m cz, Ixx, Ixy, Iyy, Ixz, Iyz, Izz): those of its body and all bodies welded to it, in the

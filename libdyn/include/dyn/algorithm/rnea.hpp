@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Inverse dynamics by the recursive Newton-Euler algorithm.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Second derivatives of inverse dynamics.
 #pragma once
 

@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The catalogue of algorithms: their names, arguments, results, and the memory that they need.
 //
-// This is the only list of them. Batches, compute(), traces, `dyn compute` and `dyn bench` take names, arguments, results and checks from here.
+// Batches, compute(), traces, `dyn compute` and `dyn bench` loop over this list, and take names, arguments, results and checks from it.
 // libdyn/doc/adding_an_algorithm.md walks through adding one.
 #pragma once
 
@@ -67,11 +68,11 @@ enum class Extent : std::uint8_t { one, three, six, twelve, nv, joints, frames }
 /// One result.
 struct AlgorithmOutput {
   const char* symbol = nullptr;  ///< null: there is none
-  const char* key = nullptr;     ///< of `dyn compute`; null: another algorithm's output has that key
+  const char* key = nullptr;     ///< of `dyn compute`; null: not printed there
   Extent rows = Extent::one, columns = Extent::one;
 };
 
-/// The walk over the model that compute() counts an algorithm as.
+/// The kind of pass over the model under which compute() counts an algorithm.
 enum class Pass : std::uint8_t { kinematics, dynamics, inertias, derivatives };
 
 /// One entry of the catalogue.

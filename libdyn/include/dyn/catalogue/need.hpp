@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Memory that is taken only when it is asked for.
 #pragma once
 

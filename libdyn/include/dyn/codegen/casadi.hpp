@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Traced functions as CasADi externals. Compile the C source to a shared object and load it with casadi.external("rnea", "./file.so").
 #pragma once
 

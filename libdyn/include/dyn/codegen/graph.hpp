@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Expression graphs: the operations of a function, one node each. A graph can be replayed on any scalar, differentiated, or written as source
 // code.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Machine code for one model, made while the program runs. Functions are traced, written as C, compiled by the system's compiler, cached on disk
 // and loaded.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // C source of traced functions. It is C99 and needs only <math.h>. Vectors, of states or of a graph's packable nodes, use the vector types of gcc
 // and clang.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The algorithms of one model as expression graphs.
 #pragma once
 

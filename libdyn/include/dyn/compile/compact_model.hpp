@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The compiled model, which compile() returns.
 #pragma once
 
@@ -33,8 +34,8 @@ struct CompileReport {
   std::vector<std::string> held;  ///< bodies whose joint could move but is rigid because it is held
 };
 
-/// Limits of the whole model; infinite where the description gives none. A master's limits are narrowed by those of its dependent joints, where
-/// that is possible; CompileReport::warnings names the others' position limits.
+/// Limits of the whole model; infinite where the description gives none. The limits of dependent joints narrow those of
+/// their master. CompileReport::warnings lists position limits that cannot be transferred.
 struct ModelLimits {
   std::vector<double> lower, upper;      ///< nq
   std::vector<double> velocity, effort;  ///< nv

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // compile(): turns a description into a compact model.
 #pragma once
 
@@ -13,7 +14,9 @@ struct CompileOptions {
   std::vector<LockedJoint> lock{};  ///< joints to hold, as reduce() does
   bool dissipation = true;          ///< joint damping and friction of the description act in the dynamics
   bool armature = true;             ///< so does its rotor inertia
-  bool lane_groups = true;          ///< single states advance joints of several limbs side by side where that is faster; if false, never
+  /// Single states advance up to four joints of one type together, as those of two legs and two arms, where that is faster: a lane group.
+  /// CompileReport::passes says where. If false, never.
+  bool lane_groups = true;
   /// The instruction set that lane groups are chosen for, by its name in DYN_SIMD ("scalar", "avx2", ...). Empty: the set in use in this process.
   std::string instruction_set{};
   Scene scene{};  ///< what is wanted; the rest is left out, and the report says so

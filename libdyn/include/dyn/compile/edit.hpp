@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Functions that make new models from old ones: they hold joints, or join models. They take and return descriptions and keep what they do not
 // change.
 #pragma once

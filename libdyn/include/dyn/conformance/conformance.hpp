@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Checks that a joint type satisfies the assumptions of the recursions. Each check compares two results of the plugin that must agree, at random
 // configurations: for example its subspace with differences of poses, or a Jacobian with differences of integrate.
 #pragma once

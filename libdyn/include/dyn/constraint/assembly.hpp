@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Projection of configurations and velocities onto constraints.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The constraints of one model, with their names resolved once, and the memory for their forces.
 #pragma once
 

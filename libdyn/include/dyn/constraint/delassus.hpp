@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The Delassus matrix J M^-1 J^T, which maps forces of the rows to the accelerations that they cause in the rows.
 #pragma once
 

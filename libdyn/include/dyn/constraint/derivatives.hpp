@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Analytical derivatives of constrained dynamics.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Dynamics of a model under constraints: accelerations and constraint forces, impacts, and the motion and Jacobian of the rows.
 //
 // lambda is the force [N, N m] that the world, or the other body, exerts on a constraint's frame, in the constraint's axes at its origin; for

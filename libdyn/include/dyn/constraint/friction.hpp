@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Contacts with friction, limits of joints and joint friction: forces within Coulomb's cone or below a largest force.
 #pragma once
 
@@ -70,7 +71,7 @@ DYN_API ContactViews contactForces(const CompactModel&, Data&, VectorView q, Vec
 /// Takes one time step at the level of velocities, with q held: M (v_after - v) = dt (tau - C v - g) + J^T impulse. Normal impulses are >= 0, normal
 /// velocities are >= -gap / dt - restitution * before, and one of the two is at its bound (Signorini). Friction opposes slip at the edge of its cone
 /// (Coulomb; the exact cone, not a pyramid). Contacts and limits constrain J(q) (v_after + dt w x v), with the axes of free and planar joints held
-/// as at q: these are velocities of the places of contact, not of material points, which turn away as bodies roll. Rows that no cone names keep
+/// as at q: this is the velocity of the contact's location. Material points rotate away from it when a body rolls. Rows that no cone names keep
 /// J v = 0 along the motion, dJ/dt v included. If all contacts hold, the factors of the Delassus matrix give the solution without iterations.
 /// Otherwise the alternating direction method with de Saxce's correction finds it (Carpentier, Le Lidec, Montaut 2024). Forces need not be unique.
 /// O(n + rows^3 + iterations rows^2). Throws Error(argument | size | singular), but not if it does not converge: see `converged` and the residual.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Memory for the algorithms over many states at once (dyn/algorithm/batch.hpp).
 #pragma once
 

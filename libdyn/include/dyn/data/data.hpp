@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Memory for all results and intermediate values of one state.
 #pragma once
 

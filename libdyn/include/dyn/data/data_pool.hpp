@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Threads with one Data each. They run any algorithm of single states for many states.
 //
 //   dyn::DataPool pool(model, dyn::Need::derivatives, 4);

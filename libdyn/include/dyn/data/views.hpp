@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Vectors and matrices cross the library's boundary as pointers with sizes. No Eigen object crosses it, so compiler flags never matter.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Collision checks: whether volumes touch, and where. Two volumes that share a point collide.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Contacts of a simulation, found from the volumes on its bodies.
 //
 //   simulator.setContacts(dyn::geometryContacts(model, dyn::compileGeometry(model, description), {.friction = 0.6}));

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Distances between volumes, and their derivatives with respect to q.
 #pragma once
 

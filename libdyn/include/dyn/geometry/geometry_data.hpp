@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Placements of geometries and results of collision checks.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Volumes compiled for collision checks. compileGeometry() returns a GeometryModel.
 #pragma once
 
@@ -76,8 +77,8 @@ class DYN_API GeometryModel {
 };
 
 /// Collects the collision volumes of `description`, from which `model` was compiled, and the pairs to check. Reads each file that a pair needs once.
-/// Bodies connected by fixed joints are one rigid body. A rigid body and the one that carries its joint are neighbours; of the bodies fixed to the
-/// world, only the one that carries the joint is a neighbour. Held joints count as if they could move. Throws Error(model) for volumes without size,
+/// Bodies connected by fixed joints are one rigid body. A rigid body and the body to which its joint is attached are neighbours; if that is fixed to
+/// the world, other bodies fixed to the world are not. Held joints count as if they could move. Throws Error(model) for volumes without size,
 /// names used twice, bodies that the model does not have, and more than 2^24 pairs; Error(argument) for pairs of unknown names; and
 /// Error(file | syntax) for missing or broken files. O(n^2) in the number of geometries.
 DYN_API GeometryModel compileGeometry(const CompactModel& model, const Model& description, const GeometryOptions& options = {});

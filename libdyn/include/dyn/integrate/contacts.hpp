@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Possible contacts in a simulation: points of bodies near surfaces of other bodies, found anew for every configuration.
 #pragma once
 
@@ -29,7 +30,7 @@ struct ContactPoint {
 struct DYN_API Approach {
   /// [s] Nothing that is apart now touches before this time, except for things that `soonest` covers.
   double clear = std::numeric_limits<double>::infinity();
-  /// [s] The same for things so near that the state at the step's end tells more than that at its beginning; infinity if there are none.
+  /// [s] The earliest contact of things that are so near that they must be checked at the step's end; infinity if there are none.
   double soonest = std::numeric_limits<double>::infinity();
   double reach = 0;  ///< [m] During the step no two things approach each other by more than this.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Integration methods of a simulation, and their properties.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Simulation of a scene of mechanisms that do not touch each other: each is simulated alone, and not at all while it is at rest.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Simulation of a model.
 //
 //   dyn::Simulator simulator(model, {.integrator = dyn::Integrator::rk4, .dt = 1e-3});

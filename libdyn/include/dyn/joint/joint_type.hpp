@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The interface that a plugin implements. It is called once per batch of joints of one type, never once per joint.
 //
 // Only plain types cross the interface: pointers to numbers, sizes, C strings. Implementations are stateless and re-entrant: a joint's parameters

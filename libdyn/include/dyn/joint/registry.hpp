@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The registry of joint types. They come from shared objects, which are opened with local symbols and never unloaded.
 #pragma once
 
@@ -34,7 +35,7 @@ class DYN_API JointRegistry {
   /// A plugin that cannot be loaded is recorded in plugins(), and named in the error when a type is not found.
   static JointRegistry standard(Trust trust = Trust::owner_only);
 
-  /// Loads one shared object (follows links). On failure throws Error(plugin) and leaves the registry unchanged.
+  /// Loads one shared object (follows links). Throws Error(plugin | file), and leaves the registry unchanged then.
   void load(const std::string& path, Trust trust = Trust::owner_only);
   /// Loads every *.so of a folder, in the order of their names. Records failures in plugins() instead of throwing.
   void loadDirectory(const std::string& directory, Trust trust = Trust::owner_only);
@@ -47,9 +48,9 @@ class DYN_API JointRegistry {
   const JointType& jointType(const std::string& name, const Where& where = {}) const;
   const CouplingType& couplingType(const std::string& name, const Where& where = {}) const;
 
-  /// Returns the same type built for this processor if its plugin has such a build (avx2/NAME.so or avx512/NAME.so beside NAME.so), else `type`. It
-  /// computes poses, subspaces and biases. DYN_SIMD can choose the instruction set, as for the library's own kernels. load() refuses a plugin whose
-  /// two builds describe a type differently; compile() refuses a joint for which they differ in size or motion.
+  /// Returns the same type built for this processor if its plugin has such a build (SET/NAME.so beside NAME.so, with the name of the instruction
+  /// set), else `type`. It computes poses, subspaces and biases. DYN_SIMD can choose the instruction set, as for the library's own kernels. load()
+  /// refuses a plugin whose two builds describe a type differently; compile() refuses a joint for which they differ in size or motion.
   const JointType& forProcessor(const JointType& type) const;
 
   const std::vector<const JointType*>& jointTypes() const;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The closed set of motion subspaces that the recursions know. A joint type declares one shape for each joint; behind the plugin interface the
 // library sees shapes, never types.
 #pragma once

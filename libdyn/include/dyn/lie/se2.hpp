@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // SO(2) and SE(2). Configurations are (cos, sin) and (x, y, cos, sin); tangent vectors are w and (vx, vy, w), in the moving frame.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Exponential, logarithm and Jacobians of SE(3). Tangent vectors have their linear part first.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Rotations: unit quaternions (x, y, z, w), exponential, logarithm and their Jacobians, accurate to rounding at every angle.
 //
 // At small angles, where the closed forms cancel, series replace them. At the switch both are accurate to a few ulp.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Constraints of a mechanism in addition to its joints: contacts, closed loops, joints coupled to others, and locked joints.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Volumes on bodies and in the world, as a parser or a user's program describes them. Lengths are in metres, in the geometry's own frame.
 #pragma once
 

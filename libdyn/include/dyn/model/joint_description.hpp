@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Description of a joint: the name of its type, parameters, limits, dissipation, and the joint that it depends on.
 #pragma once
 

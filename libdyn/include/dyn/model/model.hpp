@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The description of a robot: bodies, the joint that carries each body, frames. Parsers and builder calls write it, compile() reads it.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Forward-mode differentiation: a value and its derivative in one direction. Duals nest, so Dual<Dual<double>> has second derivatives.
 #pragma once
 

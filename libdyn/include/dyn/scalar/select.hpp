@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Decisions for one number or for many at once. Packs of numbers bring their own overloads, with a mask as condition.
 #pragma once
 

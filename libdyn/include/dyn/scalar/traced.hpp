@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // A scalar that records operations. A function that is templated on the scalar and does not branch on values can run once on traced scalars; it then
 // leaves its expression graph in the recorder (dyn/codegen/graph.hpp).
 #pragma once
@@ -173,7 +174,7 @@ inline TracedCondition operator&(const TracedCondition& x, const TracedCondition
 inline TracedCondition operator|(const TracedCondition& x, const TracedCondition& y) { return {0.5, select(x, 1, select(y, 1, 0))}; }
 inline TracedCondition operator==(const Traced& a, const Traced& b) { return (a <= b) & (b <= a); }
 inline TracedCondition both(const TracedCondition& x, const TracedCondition& y) { return x & y; }
-/// A condition that is not known yet counts neither as true in all lanes nor as false in all, so code that asks must be correct on either branch.
+/// While a condition is traced its value is unknown: allOf() is false and anyOf() is true, so the general code must be correct.
 inline bool allOf(const TracedCondition&) { return false; }
 inline bool anyOf(const TracedCondition&) { return true; }
 

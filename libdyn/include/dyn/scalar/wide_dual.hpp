@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Forward-mode differentiation along N directions at once. With replay() (dyn/codegen/graph.hpp) it works for every algorithm that can be traced.
 #pragma once
 

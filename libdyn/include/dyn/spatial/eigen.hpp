@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Conversions between spatial quantities and Eigen's matrices. They are inline, so that both sides of a conversion are compiled with the user's
 // flags: no Eigen type crosses the library's boundary.
 #pragma once

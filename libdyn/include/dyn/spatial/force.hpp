@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Spatial forces (wrenches) and momenta, linear part first.
 #pragma once
 

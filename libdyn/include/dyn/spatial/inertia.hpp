@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Rigid-body inertia and articulated-body inertia.
 #pragma once
 

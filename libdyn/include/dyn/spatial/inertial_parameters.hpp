@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Parameters of an inertia for identification, and a check whether a real body can have it.
 //
 // The ten dynamic parameters pi = (m, m cx, m cy, m cz, Ixx, Ixy, Iyy, Ixz, Iyz, Izz) have the rotational inertia about the frame's origin. The

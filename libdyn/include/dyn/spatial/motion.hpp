@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Spatial motions (twists): velocities and accelerations of a body, linear part first.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The axes and origin in which motions of frames are expressed.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Rigid transforms. aMb maps coordinates in frame b to coordinates in frame a, so inner letters cancel: aMc = aMb * bMc.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Three-vectors and 3x3 matrices as plain arrays of scalars. Their layout depends on the scalar alone, so they may cross the boundary of the library
 // or of a plugin, whatever flags each side was compiled with.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Shared parts of the algorithms over batches: checks, threads, and expanded states of models with couplings.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Evaluates couplings at a state, and gives algorithms the values that folding needs.
 #pragma once
 

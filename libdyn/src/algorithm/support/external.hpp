@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Transforms external forces from the user's joint frames to the bodies' core frames.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The first steps of every algorithm: check sizes, expand coordinates of models with couplings, evaluate the joints.
 #pragma once
 

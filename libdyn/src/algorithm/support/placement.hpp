@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Placements of joints and frames on bodies, and motions in the reference frame that the user wants.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Finds out why a pivot of the mass matrix vanished or is not finite. This runs only after a failure, so it need not be fast.
 #include "algorithm/support/inputs.hpp"
 #include "at.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Sums over the bodies of a state whose kinematics are in data.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Linear velocities of joints in axes that rotate with the body.
 #pragma once
 

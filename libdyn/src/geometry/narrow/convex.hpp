@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Convex solids by their support function: a core grown by a margin. A sphere is a point with a margin, a capsule is a segment with a margin.
 #pragma once
 

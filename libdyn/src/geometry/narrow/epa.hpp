@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Penetration depth of two convex cores by the expanding polytope algorithm (van den Bergen, "Proximity queries and penetration depth computation on
 // 3D game objects", 2001).
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Distance of two convex cores that do not overlap: Gilbert, Johnson, Keerthi, "A fast procedure for computing the distance between complex
 // objects in three-dimensional space", IEEE J. Robotics and Automation 4(2), 1988.
 #pragma once

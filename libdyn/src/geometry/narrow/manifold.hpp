@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Contact points of two convex solids: the face, edge or corner that each turns towards the other, clipped to the area that both share.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "geometry/narrow/narrow.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Collision and distance of two volumes. A descent of both trees of boxes finds the convex pieces that are near each other.
 #pragma once
 

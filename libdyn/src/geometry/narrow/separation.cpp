@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Signed distance of two solids: gjk() and epa() find that of the cores, from which the margins are subtracted.
 #include "geometry/narrow/epa.hpp"
 

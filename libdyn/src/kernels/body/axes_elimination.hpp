@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Elimination of the six degrees of freedom of a floating base. Their columns are the unit vectors of its own axes.
 #pragma once
 

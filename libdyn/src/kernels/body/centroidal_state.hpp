@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Centroidal quantities: momentum, its rate, and their maps from velocities.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Reduces results in expanded coordinates, which include those of dependent joints, to the user's coordinates.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Joint forces that do not come from the bodies' inertia: armature, damping and friction, in expanded coordinates.
 #pragma once
 

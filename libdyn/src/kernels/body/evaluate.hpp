@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Evaluates the joint types, with one virtual call per batch.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Joint offsets, from the parent's origin to the joint's origin. Most offsets lie along one or two of the parent's axes. They are processed axis by
 // axis, which saves products with zeros.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Effects of a body's rotation on points and masses that are fixed to it.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Scratch memory of recursions. A struct stands at the start of a block, and the arrays that its layOut() lays out follow.
 #pragma once
 

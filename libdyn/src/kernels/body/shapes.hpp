@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The joint shapes as the recursions see them. Each shape knows its sparsity at compile time and has these functions:
 //   rotate(E)       returns E times the joint's rotation. Shapes whose rotation is arbitrary also have rotation().
 //   translation()   returns the moving frame's origin in the joint frame.

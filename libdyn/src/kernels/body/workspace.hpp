@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The arrays that the recursions write, by body, in scalars S. S is a number, or a pack whose lanes are states (BatchData) or joints (lane groups).
 #pragma once
 
@@ -26,7 +27,7 @@ struct JointMemory {
 /// joint is solved first. For it abaInward() leaves W about the parent's origin and multiplied by inverse, and y with the part of beta subtracted.
 template <class S>
 struct DofFactor {
-  Motion<S> S_;  ///< column of the motion subspace, aligned axes, at the joint's origin
+  Motion<S> column;  ///< column of the motion subspace, aligned axes, at the joint's origin
   Force<S> W;
   S inverse{}, y{};
 };

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Access to the bodies between constraints and the world in the memory of the articulated-body recursion: as numbers, or as a lane of packs.
 #pragma once
 
@@ -39,8 +40,8 @@ struct ConstrainedDof {
   int lane;
   unsigned lanes;  ///< a bit for each lane that holds this body (a mirrored body is in several)
   template <class P = double>
-  Motion<P> S_() const {
-    return inLane<P>(dof.S_, lane);
+  Motion<P> column() const {
+    return inLane<P>(dof.column, lane);
   }
   template <class P = double>
   Force<P> W() const {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The equations of constrained motion for many right-hand sides at once,
 //   M x - J^T lambda = -force,   J x = -row,
 // by their inverse. With P the inverse of the Delassus matrix J M^-1 J^T, B = M^-1 J^T P and K = M^-1 - B J M^-1,

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The sweep that takes the unit forces of constraint rows to the world, all rows at once, in packs over rows.
 //
 // A constraint row is a unit force on one body, and the opposite force on another. On the root path, each degree of freedom takes the projection y of
@@ -29,7 +30,7 @@ void locateChains(const ConstrainedBodies<S>& bodies, const PackedConstraints& c
       velocity.linear += cross(velocity.angular, r);
       for (int k = 0; k < here.nv(); ++k) {
         const double rate = v[here.index.idx_v + k];
-        const Motion<double> s = here.dof(k).S_();
+        const Motion<double> s = here.dof(k).column();
         velocity.angular += rate * s.angular;
         if (!here.index.turns_only) velocity.linear += rate * s.linear;
       }
@@ -108,7 +109,7 @@ void climbChain(const ConstrainedBodies<S>& bodies, const PackedConstraints& c, 
     const bool turns_only = here.index.turns_only;
     for (int k = 0; k < nv; ++k) {
       const auto dof = here.dof(k);
-      const Motion<P> s = dof.template S_<P>();
+      const Motion<P> s = dof.template column<P>();
       const P inverse = dof.template inverse<P>(), reach_of_angular = dot(s.angular, s.angular);
       const bool last = k == nv - 1;
       x.response[body.dof + k] = dof.y();
@@ -209,7 +210,7 @@ void projectOutOfForces(const ConstrainedBodies<S>& bodies, const PackedConstrai
     Force<double> f = F[place];
     for (int k = 0; k < here.nv(); ++k) {
       const auto dof = here.dof(k);
-      const double projection = projections[body.dof + k] + dot(dof.S_(), f), scaled = dof.inverse() * projection;
+      const double projection = projections[body.dof + k] + dot(dof.column(), f), scaled = dof.inverse() * projection;
       dof.setY(scaled);
       const bool last = k == here.nv() - 1;
       if (last) f.angular += cross(here.r(), f.linear);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The memory that the recursions of constraints and the algorithms of constrained dynamics share.
 #pragma once
 

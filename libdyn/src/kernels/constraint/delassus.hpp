@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The Delassus matrix D = J M^-1 J^T, its inverse, and products with either (Popov and Vereshchagin 1978; Featherstone 2010 for the factors).
 //
 // With y(k, r) = x.projection, the projection of row r's unit force on degree of freedom k (constraint_recursions.hpp), and d_k the pivot of k:

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Rows of constraints between frames: their positions, rates and unit forces.
 //
 // A constraint's rows are side by side, the linear ones first: the numbers of up to three rows are one pack over directions. Packs are longer than

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Derivatives of constraints between frames, from the variations that derivativesOutward (rnea_derivatives.hpp) writes.
 //
 // Moving along a degree of freedom on the root path of a constraint's point P turns the body of P by theta. It changes the velocities of P and of the

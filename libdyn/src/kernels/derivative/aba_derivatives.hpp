@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Derivatives of forward dynamics, a = M(q)^-1 (tau - C(q, v) v - g(q)), by q, v and tau: the articulated-body algorithm (Featherstone 2008, ch. 7;
 // aba.hpp) differentiated. O(n depth) for the sweeps, O(n^2 depth) at most for the products (11).
 //
@@ -131,8 +132,8 @@ void writeHandedOver(const Order& order, const Workspace<S>& w, const Derivative
   };
   for (int k = iv; k < iv + nvOf<Joint>(order, i); ++k) {
     const DofVariation<S>& x = d.dof[k];
-    d.dof_force[k].by_q = with(IA * x.acceleration, x.velocity.angular) + turnedOf<Joint>(w.dof[k].S_, f);
-    d.dof_force[k].by_v = with(Column<Joint, S>{x.rate}.force(IA), w.dof[k].S_.angular);
+    d.dof_force[k].by_q = with(IA * x.acceleration, x.velocity.angular) + turnedOf<Joint>(w.dof[k].column, f);
+    d.dof_force[k].by_v = with(Column<Joint, S>{x.rate}.force(IA), w.dof[k].column.angular);
   }
 }
 

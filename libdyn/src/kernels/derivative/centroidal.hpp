@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Momentum about the centre of mass, its rate, the centroidal momentum matrix Ag (Orin and Goswami 2008) and their derivatives. O(n).
 //
 // Sums are in aligned axes about the joints' own origins, in inertial frames that move with these origins. They are moved to the centre of mass
@@ -141,7 +142,7 @@ CentroidalState<S> centroidalOf(const Order& bodies, DerivativeWorkspace<S>& d, 
       place.angular = places[x.parent].angular - rates[i];
     }
     for (int k = x.idx_v; k < x.idx_v + x.nv; ++k)
-      centroidalColumns(out, tree, place, subtrees[i], dofs[k].S_, variations[k], dof_forces[k],
+      centroidalColumns(out, tree, place, subtrees[i], dofs[k].column, variations[k], dof_forces[k],
                         [&](S* to, const Force<S>& f) { putSix(f, to + 6 * k); });
   }
   return sum;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The factors of M that follow the tree: M = L^T D L, L unit lower triangular with entries only for degrees of freedom on one root path
 // (Featherstone 2005, "Efficient factorization of the joint-space inertia matrix for branched kinematic trees").
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The right-hand sides of products with M^-1 for many states at once, where a number is a pack of states.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The Coriolis matrix C(q, v), with C v = nle - g and dM/dt - 2 C skew-symmetric (Echeandia and Wensing 2021, "Numerical methods to compute the
 // Coriolis matrix and Christoffel symbols"). O(n depth).
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The memory of the recursions of derivatives, and the derivatives of motion subspaces that vary with q.
 #pragma once
 

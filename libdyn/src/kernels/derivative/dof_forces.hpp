@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Forces of degrees of freedom that go from their joints to the root.
 #pragma once
 

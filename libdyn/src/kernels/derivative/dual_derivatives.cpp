@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "kernels/derivative/dual_derivatives.hpp"
 
 #include "at.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The recursions of derivatives on dual numbers: how their results change along one degree of freedom.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The factors of M^-1 over lane groups: the forces of four joints go to the root together.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The entries of the derivatives of inverse dynamics over lane groups: the forces of four joints go to the root together.
 #pragma once
 
@@ -20,7 +21,7 @@ struct LaneGroupDofs {
 
   template <class Step>
   decltype(auto) column(const Step& step, int l) const {
-    return step.reached(w.dof, l, [](const DofFactor<S>& dof) -> const Motion<S>& { return dof.S_; });
+    return step.reached(w.dof, l, [](const DofFactor<S>& dof) -> const Motion<S>& { return dof.column; });
   }
   /// One of the motions of the variation of the l-th degree of freedom.
   template <class Step>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The factors of M^-1 from articulated inertias, and their product: M^-1 = U^T D^-1 U. O(n depth) for the factors, O(n^2 depth) at most for M^-1.
 //
 // A unit force along a degree of freedom leaves its joint as the articulated force column row = IA S / D (Featherstone 2008, ch. 7). On the root path

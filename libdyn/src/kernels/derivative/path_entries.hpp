@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Where the sweeps along root paths enter their results for two degrees of freedom: in matrices, or in pairs.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The results of a sweep along root paths for many states at once, where a number is a pack of states. All numbers of two degrees of freedom are side
 // by side.
 #pragma once

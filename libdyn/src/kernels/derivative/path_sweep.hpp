@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Matrices with entries for two degrees of freedom on one root path. The forces of neighbouring degrees of freedom go to the root together, in
 // registers.
 #pragma once
@@ -185,7 +186,7 @@ void pathSweep(const R& recursion, DerivativeWorkspace<S>& d) {
           return;
         }
       }
-      const auto columnOf = [&](int k) { return Column<Joint, T>{dofs[iv + k].S_}; };
+      const auto columnOf = [&](int k) { return Column<Joint, T>{dofs[iv + k].column}; };
       for (int k = 0; k < nvOf<Joint>(order, i); ++k) enter(k, columnOf(k), below<Joint>(variations[iv + k], columnOf(k).s, U, offset));
       if (moves) {
         Force<Wide> moved = U;
@@ -236,7 +237,7 @@ void factorsSweep(const R& recursion, DerivativeWorkspace<S>& d) {
           return;
         }
       }
-      for (int k = nvOf<Joint>(order, i) - 1; k >= 0; --k) project_out(F, rowOf(own[k]), projection(k, Column<Joint, T>{dofs[iv + k].S_}));
+      for (int k = nvOf<Joint>(order, i) - 1; k >= 0; --k) project_out(F, rowOf(own[k]), projection(k, Column<Joint, T>{dofs[iv + k].column}));
       if (moves) ToParent<Wide, P, T>(recursion, part, i)(F);
       force = F;
     });
@@ -323,7 +324,7 @@ void articulatedSweep(const R& recursion, DerivativeWorkspace<S>& d) {
           return;
         }
       }
-      const auto columnOf = [&](int k) { return Column<Joint, T>{dofs[iv + k].S_}; };
+      const auto columnOf = [&](int k) { return Column<Joint, T>{dofs[iv + k].column}; };
       for (int k = nvOf<Joint>(order, i) - 1; k >= 0; --k) project_out(U, rowOf(own[k]), projection(k, columnOf(k)));
       for (int k = 0; k < nvOf<Joint>(order, i); ++k) entries.below(k, below<Joint>(variations[iv + k], columnOf(k).s, U, offset));
       if (moves) toParent(U, offset);

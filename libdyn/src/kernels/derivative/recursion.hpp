@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The order in which the recursions of derivatives visit bodies or lane groups, and access to their results.
 #pragma once
 
@@ -20,7 +21,7 @@ struct LeftByBodies {
   const Vec3<S>& offsetRate(int i) const { return d.shift_rate[i]; }
   const Vec3<S>& turning(int i) const { return w.w[i]; }  ///< angular velocity
   const Motion<S>& acceleration(int i) const { return w.acc[i]; }
-  const Motion<S>& column(int dof) const { return w.dof[dof].S_; }
+  const Motion<S>& column(int dof) const { return w.dof[dof].column; }
   const DofVariation<S>& variation(int dof) const { return d.dof[dof]; }
 };
 
@@ -91,7 +92,7 @@ auto recursion(const CompactImpl& m, Workspace<S>& w, DerivativeWorkspace<S>& d)
   } else {
     d.bodies.joints = reinterpret_cast<JointMemory<Vectored>*>(w.joints);
     d.bodies.R[0] = d.bodies.product[0] = Mat3<Vectored>::identity();
-    return BodyRecursion<AlignedBodies, Vectored, S>{{{{m, d.bodies}}}, *d.vectored};
+    return BodyRecursion<VectoredBodies, Vectored, S>{{{{m, d.bodies}}}, *d.vectored};
   }
 }
 

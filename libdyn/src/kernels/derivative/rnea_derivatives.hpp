@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Derivatives of inverse dynamics, tau = M(q) a + C(q, v) v + g(q), by q, v and a. O(n depth).
 //
 // Moving along degree of freedom k turns its subtree rigidly with the column S of k, and also changes the subtree's velocity and acceleration by (2)
@@ -111,7 +112,7 @@ void writeVariations(const Order& order, DerivativeWorkspace<S>& d, int i, int i
     if (order.isRoot(i)) return floatingBaseVariations(carried.linear, slide, omega, [&](int k, const DofVariation<S>& x) { d.dof[iv + k] = x; });
   const Motion<S> parent{carried.linear + offsetAcceleration(order, i, wp), carried.angular};
   for (int k = 0; k < nvOf<Joint>(order, i); ++k) {
-    const DofMotion<S> motion{w.dof[iv + k].S_, wp, omega, parent, slide};
+    const DofMotion<S> motion{w.dof[iv + k].column, wp, omega, parent, slide};
     SubspaceTerms<S> more;
     if constexpr (Joint::has_bias) {
       const BodyIndex& x = order.index(i);
@@ -157,7 +158,7 @@ void derivativesInward(const Order& order, DerivativeWorkspace<S>& d, const Forc
     if constexpr (Joint::is_free)
       if (order.isRoot(i)) return floatingBaseForces(d.dof + iv, all, [&](int k, const DofForces<S>& x) { d.dof_force[iv + k] = x; });
     const auto again = [&]() -> const Subtree<S>& { return readAgain(order, all); };
-    for (int k = iv; k < iv + nvOf<Joint>(order, i); ++k) writeForces<Joint>(w.dof[k].S_, d.dof[k], again, d.dof_force[k]);
+    for (int k = iv; k < iv + nvOf<Joint>(order, i); ++k) writeForces<Joint>(w.dof[k].column, d.dof[k], again, d.dof_force[k]);
     if (order.isRoot(i)) return;
     if (order.hasOffset(i)) {
       subtree.giveInPlace([&](Subtree<S>& at_parent) { move(again, w.r[i], d.shift_rate[i], at_parent); });

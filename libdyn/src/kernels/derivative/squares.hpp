@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Squares of packs, which a block of states transposes into the matrices of its states.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Tiles of a matrix in an elimination: a few packs of a few rows, held in registers.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The factors of M^-1 = U^T D^-1 U as sweeps over subtrees write them, and the root paths of degrees of freedom.
 #pragma once
 

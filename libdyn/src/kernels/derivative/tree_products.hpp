@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Products with the factors of M^-1 = U^T D^-1 U of one state: the pass down the tree.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The terms of each body and of each degree of freedom in the derivatives of the dynamics; numbers (n) are equations of rnea_derivatives.hpp.
 #pragma once
 

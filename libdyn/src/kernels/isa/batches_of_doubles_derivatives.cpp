@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 #include "kernels/isa/block_derivatives.hpp"
 #include "kernels/isa/table_parts.hpp"
 

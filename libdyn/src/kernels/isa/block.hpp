@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Scratch of one thread that computes blocks of states.
 #pragma once
 

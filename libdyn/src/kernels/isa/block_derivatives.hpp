@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Derivatives, factors and centroidal quantities of batches of states.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Batches: loads states from the caller's columns into packs, runs the recursions on packs, and stores the results in columns.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The kernels of constraints compiled for one instruction set. table.hpp has the other kernels; in separate files, a change of one does not rebuild
 // the other.
 #pragma once

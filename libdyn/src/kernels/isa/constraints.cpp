@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Constraint kernels of one table.
 #include "kernels/constraint/constrained_inverse.hpp"
 #include "kernels/constraint/constraint_recursions.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Blocks of states of models with couplings: the same steps as for one state (algorithm/), on packs. Inputs are in expanded coordinates, results in
 // the user's.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Derivatives of blocks of states of models with couplings, after CoupledBlock::beforeDerivatives(). Expanded matrices are folded to the user's.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Opens the table of kernels for the instruction set that this process uses.
 #include "joint/processor.hpp"
 #include "kernels/isa/constraint_table.hpp"

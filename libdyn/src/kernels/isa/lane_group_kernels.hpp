@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Recursions over lane groups: the kernels for bodies, with four joints in the lanes of a pack.
 //
 // A second implementation of an algorithm stays only if it is 15 % faster on two robots. With CompileOptions::lane_groups = false, recursions visit

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The centroidal momentum map over lane groups.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Kernels of one table for single states, without derivatives.
 #include "kernels/body/dissipation.hpp"
 #include "kernels/body/evaluate.hpp"

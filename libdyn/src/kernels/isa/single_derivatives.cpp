@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Kernels of one table for derivatives of single states.
 #include "kernels/body/scratch.hpp"
 #include "kernels/derivative/aba_derivatives.hpp"

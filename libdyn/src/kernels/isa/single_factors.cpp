@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Kernels of one table for factors of the mass matrix and centroidal quantities of single states.
 #include "kernels/derivative/centroidal.hpp"
 #include "kernels/derivative/minverse.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The table of kernels of one module. All DYN_TABLE_SOURCES are compiled for the instruction set of the module.
 #include "kernels/isa/table.hpp"
 

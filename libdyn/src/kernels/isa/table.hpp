@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The recursions compiled for one instruction set. Each instruction set has a table; dispatch.cpp chooses one when the library is first used.
 //
 // The code of a table is compiled with its own flags into a shared object of its own. Otherwise the linker could choose, for all processors, an

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The parts of a table of kernels. The sources of a table are compiled once for each instruction set, into the module of that set, and not into the
 // library. The compiler flags decide how wide packs are.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Kernels of one table for single states with vectors in registers.
 #include "kernels/isa/table_parts.hpp"
 

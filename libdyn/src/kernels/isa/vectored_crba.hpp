@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The mass matrix of one state: composite inertias with vectors in registers, then four columns at once. With massMatrix() of crba.hpp in its place
 // in vectored_kernels.hpp, on the same vectors, TALOS takes 1.36 times and iCub 1.29 times as long.
 #pragma once
@@ -84,7 +85,7 @@ struct ClimbingColumns {
 
 /// Writes the rows and columns of `count` degrees of freedom, from `first` on.
 template <int count>
-DYN_FLATTEN __attribute__((noinline)) void enterColumns(const AlignedBodies& bodies, double* M, int first) {
+DYN_FLATTEN __attribute__((noinline)) void enterColumns(const VectoredBodies& bodies, double* M, int first) {
   const std::ptrdiff_t n = bodies.m.nvx;
   double *const rows = M + first, *const columns = M + first * n;
   const DofFactor<Vectored>* const dofs = bodies.w.dof;
@@ -100,7 +101,7 @@ DYN_FLATTEN __attribute__((noinline)) void enterColumns(const AlignedBodies& bod
       const BodyIndex* here = &x;
       int left = body - x.contiguous_from;
       const auto climb = [&]<int joined>(std::integral_constant<int, joined>) {
-        climbing.enter(climbing.alongAxis(dof->S_), row, column, n);
+        climbing.enter(climbing.alongAxis(dof->column), row, column, n);
         if (left-- == 0) return false;
         if (here->offset_axes != 0) climbing.template shift<joined>(*r);
         --here;
@@ -130,7 +131,7 @@ DYN_FLATTEN __attribute__((noinline)) void enterColumns(const AlignedBodies& bod
       body = x.contiguous_from;
     } else {
       for (int k = 0; k < x.nv && x.idx_v + k < end; ++k) {
-        const Motion<Vectored>& s = dofs[x.idx_v + k].S_;
+        const Motion<Vectored>& s = dofs[x.idx_v + k].column;
         climbing.enter(x.turns_only ? climbing.alongAxis(s) : climbing.along(s), row + k * n, column + k, n);
       }
     }
@@ -142,7 +143,7 @@ DYN_FLATTEN __attribute__((noinline)) void enterColumns(const AlignedBodies& bod
 }
 
 /// Computes the same as massMatrix() of crba.hpp.
-inline void massMatrixByColumns(const AlignedBodies& bodies, Workspace<Vectored>& w, Vectored* M) {
+inline void massMatrixByColumns(const VectoredBodies& bodies, Workspace<Vectored>& w, Vectored* M) {
   columnsOutward(bodies, w);
   const auto composite = passing(w.mass, w.h, w.Io);
   bodies.backward(composite, [&]<class Joint>(const Joint&, int i, int iv, auto&& masses, auto&& moments, auto&& inertias) {
@@ -152,7 +153,7 @@ inline void massMatrixByColumns(const AlignedBodies& bodies, Workspace<Vectored>
     const Sym3<Vectored> I = inertias.with(own.Io);
     if constexpr (Joint::is_free)
       if (bodies.isRoot(i)) return enterFloatingBaseBlock(bodies, bodies.entry(M, i, iv), iv, mass, h, I);
-    for (int k = 0; k < nvOf<Joint>(bodies, i); ++k) w.dof[iv + k].W = compositeForce<Joint>(w.dof[iv + k].S_, mass, h, I);
+    for (int k = 0; k < nvOf<Joint>(bodies, i); ++k) w.dof[iv + k].W = compositeForce<Joint>(w.dof[iv + k].column, mass, h, I);
     if (bodies.isRoot(i)) return;
     giveComposite(bodies, i, inertias, moments, masses, mass, h, I);
   });

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The recursions of one state with vectors in registers. They visit bodies, and have scratch memory of their own.
 //
 // The kernels on single numbers, without lane groups, take 2.1 and 2.3 times as long for rnea (HyQ, ANYmal), 2.2 for aba and 2.4 for crba. To
@@ -44,7 +45,7 @@ inline PackedKernels vectoredKernels() {
   static constexpr auto in = [](const double* x) { return reinterpret_cast<const S*>(x); };
   static constexpr auto out = [](double* x) { return reinterpret_cast<S*>(x); };
   static constexpr auto scratchOf = [](char* memory) -> VectoredScratch& { return *reinterpret_cast<VectoredScratch*>(memory); };
-  static constexpr auto bodies = [](const CompactImpl& m, VectoredScratch& s) { return AlignedBodies{{{m, s.w}}}; };
+  static constexpr auto bodies = [](const CompactImpl& m, VectoredScratch& s) { return VectoredBodies{{{m, s.w}}}; };
   static constexpr auto evaluate = [](const CompactImpl& m, VectoredScratch& s, const double* q, const double* v) {
     evaluateJoints(m, s.w, in(q), v ? in(v) : nullptr);
     for (std::size_t b = 0; b < m.batches.size(); ++b)

@@ -1,10 +1,12 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The interface between a recursion and the order in which it visits bodies.
 //
 // The recursions in recursion/ and derivative/ are written once, as what happens at one body. An order visits the bodies, hands each of them its
-// joint, and moves numbers between neighbours. There are five:
+// joint, and moves numbers between neighbours. There are six:
 //   Bodies          one body after the other; S is a number, or a pack whose lanes are states (order/sweep.hpp)
 //   CachedBodies    the same, with numbers for the next body in registers (order/register_cached.hpp)
-//   AlignedBodies   the same with the three coordinates of a vector in one register (order/vectored_bodies.hpp)
+//   VectoredBodies  the same with the three coordinates of a vector in one register (order/vectored_bodies.hpp)
+//   TurningBodies   the same for constants that multiply vectors from the left (isa/vectored_kernels.hpp)
 //   LaneGroups      four joints at a time, one in each lane (order/lane_groups.hpp)
 //   TracedBodies    symbolic numbers, which record the operations (codegen/traced_bodies.hpp)
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Rotations and origins for recursions in the joints' own frames. If a joint turns about an axis of its parent, the entries of its rotation are
 // c, s, -s, c, one 1 or -1, and zeros, so products with it need few multiplications.
 #pragma once

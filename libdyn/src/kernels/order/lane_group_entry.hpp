@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Writes the mass matrix, the rows of four joints at a time.
 #pragma once
 
@@ -51,7 +52,7 @@ class LaneGroupEntry {
     bool floatingBase() const { return step.floatingBase(); }
     bool turnsOnly() const { return step.turnsOnly(); }
     decltype(auto) column(const Workspace<S>& w, int l) const {
-      return step.reached(w.dof, l, [](const DofFactor<S>& dof) -> const Motion<S>& { return dof.S_; });
+      return step.reached(w.dof, l, [](const DofFactor<S>& dof) -> const Motion<S>& { return dof.column; });
     }
     void enter(int k, int l, const S& value) const { entry.enterAt(step, k, l, value); }
     /// Enters only the entries above the diagonal, which are six consecutive numbers. mirrorFloatingBases() copies them below the diagonal.

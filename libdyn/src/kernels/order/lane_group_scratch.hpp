@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Memory of the recursions over lane groups. Coordinates are gathered into lanes, and results are scattered back.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Visits the lane groups of a model, four joints in the lanes of a pack, as Bodies visits bodies.
 #pragma once
 
@@ -25,7 +26,7 @@ struct LaneGroups {
   template <class T>
   T parent(const T* array, int i) const {
     const LaneGroup& s = group(i);
-    if (s.aligned) return array[s.parents[0].group];
+    if (s.same_lanes) return array[s.parents[0].group];
     if (s.apart) {
       const double* first[group_lanes];
       for (int l = 0; l < group_lanes; ++l) first[l] = reinterpret_cast<const double*>(array + s.lane_parents[l].group) + s.lane_parents[l].lane;
@@ -56,7 +57,7 @@ struct LaneGroups {
   template <class T>
   static constexpr bool caches = fits_registers<S, T>;
   /// Whether lane group i - 1 has all parents of lane group i, lane by lane.
-  bool goesOn(int i, int first) const { return i > first && group(i).aligned && group(i).parents[0].group == i - 1; }
+  bool goesOn(int i, int first) const { return i > first && group(i).same_lanes && group(i).parents[0].group == i - 1; }
   /// Whether lane group i hands everything to lane group i - 1, lane by lane.
   bool goesBack(int i, int first) const { return i > first && group(i).gives_all && group(i).parents[0].group == i - 1; }
   /// Whether other lane groups than i + 1 hand something to lane group i. Lane group i + 1 hands it everything.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Caches in registers what a body passes to its neighbour, where that is the next body visited, as along a limb. Through memory it would arrive
 // late.
 #pragma once

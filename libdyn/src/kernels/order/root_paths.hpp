@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The root paths of a lane group's four joints.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Processes the columns of a whole subtree at once, in packs. The arrays have one number per degree of freedom, component after component.
 //
 // Forces, rows of the mass matrix and similar quantities are propagated from the joints of a subtree to the root, with the same operations at each

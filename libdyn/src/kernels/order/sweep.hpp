@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Visits the bodies of a model, parents first or children first, each with its joint.
 #pragma once
 
@@ -131,7 +132,7 @@ class BodyEntry {
       S *above = M_ + row_ * n + column_, *below = M_ + column_ * n + row_;
       for (;; --to_, --dof, --above, below -= n) {
         bodies_.reaches(to_);
-        turning(offset, dof->S_, [&](int k, const S& value) { above[k * n] = below[k] = value; });
+        turning(offset, dof->column, [&](int k, const S& value) { above[k * n] = below[k] = value; });
         if (to_ == x.contiguous_from) break;
         offset = offsetOf(to_);
       }
@@ -143,7 +144,7 @@ class BodyEntry {
   int nv() const { return bodies_.index(to_).nv; }
   bool floatingBase() const { return bodies_.index(to_).floating_base; }
   bool turnsOnly() const { return bodies_.index(to_).turns_only; }
-  const Motion<S>& column(const Workspace<S>& workspace, int l) const { return workspace.dof[column_ + l].S_; }
+  const Motion<S>& column(const Workspace<S>& workspace, int l) const { return workspace.dof[column_ + l].column; }
   /// Enters the value for degrees of freedom k of the joint and l of the body that was reached, and its mirror image.
   void enter(int k, int l, const S& value) const {
     const std::ptrdiff_t n = bodies_.m.nvx, i = row_ + k, j = column_ + l;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Poses of bodies in the world.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Transposes columns of numbers, one column per state, into packs whose lanes are states, and back.
 #pragma once
 

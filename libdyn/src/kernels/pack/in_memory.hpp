@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Numbers that are processed in place. In packs of states, a body has more numbers than there are registers. If compilers cache more than fit, they
 // spill numbers to the stack and copy them back and forth.
 #pragma once

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Single lanes of packs of four: gathers, selections and sums.
 #pragma once
 

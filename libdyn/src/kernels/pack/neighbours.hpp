@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Packs of neighbouring numbers.
 #pragma once
 

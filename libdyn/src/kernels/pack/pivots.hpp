@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Detects elimination pivots that are no larger than rounding errors.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Poses as three rows of (R, p), each row in a register of four.
 //
 // A row of a product is a sum of the second factor's rows times numbers of the first factor, which a load copies to all lanes. Rows lie in memory

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Loops over rows of constraints in packs, one pack or several packs at a time.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Forces as six consecutive numbers.
 #pragma once
 

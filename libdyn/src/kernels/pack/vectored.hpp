@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Three-vectors and 3x3 matrices in registers, for a single state that is computed body by body. There neither joints nor states fill the lanes.
 //
 // Vectored is a number like double. A vector of it has its coordinates in the lanes of one register of four, and a matrix has its columns in three

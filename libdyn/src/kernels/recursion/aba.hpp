@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The articulated-body algorithm (Featherstone 2008, ch. 7): a = M(q)^-1 (tau - C(q, v) v - g(q)). O(n).
 //
 // Accelerations are the classical ones of the joints' origins (rnea.hpp). All vectors are in aligned axes (aligned.hpp), at the joint's origin. r is
@@ -16,6 +17,8 @@
 // Outward again, from a_0 = -gravity; the last degree of freedom of a joint first:
 //   (8)  a  = a_p + (domega_p x r, 0) + beta
 //   (9)  ddq_k = y - W^T a / D,   a += S ddq_k
+// The last degree of freedom of a joint is solved for from the parent's acceleration: for it, W / D at the parent's origin and y - W^T beta / D are
+// stored. A root hands nothing on, so (6) is left out for its last degree of freedom, and (7) wholly.
 #pragma once
 
 #include "kernels/body/axes_elimination.hpp"

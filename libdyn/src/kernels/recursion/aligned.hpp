@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Aligned frames have their origin at each joint and the axes of the tree's floating base, or of the world if there is no floating base.
 //
 // Inertias are rotated once, and shifts from joint to joint are pure translations, formed as R_parent * p_local. No world position enters, so results
@@ -159,8 +160,8 @@ template <class S, class Joint>
 void writeColumns(const Joint& joint, const Mat3<S>& R, DofFactor<S>* dof) {
   for (int k = 0; k < nvOf(joint); ++k) {
     const Motion<S> s = joint.columnIn(R, k);
-    if constexpr (Joint::has_linear) dof[k].S_.linear = s.linear;
-    if constexpr (Joint::has_angular) dof[k].S_.angular = s.angular;
+    if constexpr (Joint::has_linear) dof[k].column.linear = s.linear;
+    if constexpr (Joint::has_angular) dof[k].column.angular = s.angular;
   }
 }
 
@@ -242,7 +243,7 @@ void withColumns(const Order& order, const Workspace<S>& w, int i, int iv, Use&&
   if constexpr (Joint::is_free) {
     if (order.isRoot(i)) return use([](int k) { return UnitColumn<S>{k}; });
   }
-  use([&](int k) { return Column<Joint, S>{w.dof[iv + k].S_}; });
+  use([&](int k) { return Column<Joint, S>{w.dof[iv + k].column}; });
 }
 
 }  // namespace dyn::kernels

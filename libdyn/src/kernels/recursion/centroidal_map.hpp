@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The centroidal momentum map (Orin and Goswami 2008), from composite inertias of subtrees, each about its joint's origin, in world axes.
 //
 // Columns are moved to the centre of mass last. The vector y leads from the joint's origin to the centre. No position in the world enters.
@@ -95,7 +96,7 @@ CentroidalState<S> centroidalMap(const Order& order, const S* v, const Walk& wal
     const Vec3<S> h = moments.with(R * c.h);
     const Sym3<S> I = inertias.with(congruence(R, c.origin));
     if (!isFloatingBase<Joint>(order, i))
-      for (int k = iv; k < iv + nvOf<Joint>(order, i); ++k) w.dof[k].W = compositeForce<Joint>(w.dof[k].S_, m, h, I);
+      for (int k = iv; k < iv + nvOf<Joint>(order, i); ++k) w.dof[k].W = compositeForce<Joint>(w.dof[k].column, m, h, I);
     if (!order.isRoot(i)) return giveComposite(order, i, inertias, moments, masses, m, h, I);
     w.mass[i] = m;
     w.h[i] = h;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The composite-rigid-body algorithm (Featherstone 2008, ch. 6): the mass matrix M(q). O(n depth).
 //
 // All vectors are in aligned axes (aligned.hpp), at the joint's origin. r is the joint offset of body i, and S is a column of its joint.
@@ -82,9 +83,9 @@ void massMatrix(const Order& order, Workspace<S>& w, typename Order::Entries* M)
     Force<S> F[most_nv<Joint>];
     const int nv = nvOf<Joint>(order, i);
     for (int k = 0; k < nv; ++k) {
-      const Motion<S>& column = w.dof[iv + k].S_;
+      const Motion<S>& column = w.dof[iv + k].column;
       F[k] = compositeForce<Joint>(column, mass, h, I);
-      for (int l = 0; l < k; ++l) at.enter(k, l, Column<Joint, S>{w.dof[iv + l].S_}.along(F[k]));
+      for (int l = 0; l < k; ++l) at.enter(k, l, Column<Joint, S>{w.dof[iv + l].column}.along(F[k]));
       at.enter(k, k, Column<Joint, S>{column}.along(F[k]) + order.armature(iv + k));
     }
     if (order.isRoot(i)) return;
@@ -117,7 +118,7 @@ void massMatrix(const Order& order, Workspace<S>& w, typename Order::Entries* M)
       }
     };
     const auto begin = [&] {
-      for (int k = 0; k < nv; ++k) F[k] = compositeForce<Joint>(w.dof[iv + k].S_, mass, h, I);
+      for (int k = 0; k < nv; ++k) F[k] = compositeForce<Joint>(w.dof[iv + k].column, mass, h, I);
     };
     at.climb(begin, stepAlong, turnAlong);
   });

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Factors of the mass matrix of models with couplings. A coupling connects distant joints, so M is treated as dense.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Jacobians of all joints at once in the world, or of one frame, from the frame to the root.
 #pragma once
 

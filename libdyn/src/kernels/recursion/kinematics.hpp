@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Poses, velocities and accelerations, from the root outward.
 #pragma once
 

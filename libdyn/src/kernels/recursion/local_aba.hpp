@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The articulated-body algorithm in joints' own frames (Featherstone 2008, ch. 7), with classical accelerations, for batches of states.
 //
 // It is as accurate as in aligned frames and takes fewer operations, where nothing waits for the next rotation. Inertias are constants. The pivot of

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Elimination of joints about z, in the bodies' own axes.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // The recursive Newton-Euler algorithm (Luh, Walker and Paul 1980; Featherstone 2008, sec. 5.3): tau = M(q) a + C(q, v) v + g(q). O(n).
 //
 // The acceleration of a body is the classical one of its origin, which is the spatial acceleration plus w x v. Linear velocities do not enter, so a

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Reads and writes the pairs of links in SRDF files (MoveIt's companion of a URDF) that are not checked for collision.
 #pragma once
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-2-Clause
 // Reads robots from URDF. Errors that urdfdom lets pass are reported, with file and line.
 #pragma once
 
