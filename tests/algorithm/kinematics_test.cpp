@@ -135,5 +135,7 @@ TEST_CASE("a name that is not there is told with those that are like it", "[kine
   CHECK_THROWS_WITH(model.jointId("nick"), containing("the model has no joint 'nick'; did you mean 'neck'?"));
   CHECK_THROWS_WITH(model.frameId("Left_Elbow_Link"), containing("did you mean 'left_elbow_link'"));
   CHECK_THROWS_WITH(model.jointId("elbow"), containing("'left_elbow' or 'right_elbow'?"));
+  CHECK_THROWS_WITH(model.frameId("neck"), containing("'neck', which is a joint; the frame of the body that it moves is 'neck_link'"));
+  CHECK_THROWS_WITH(model.jointId("neck_link"), containing("'neck_link', which is a frame; the joint that moves it is 'neck'"));
   CHECK_THROWS_WITH(model.frameId("camera"), containing("the model has no frame 'camera'") && !containing("mean"));
 }

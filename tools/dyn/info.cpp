@@ -27,7 +27,10 @@ void printTree(const CompactModel& model) {
     const JointRecord& r = joints[e.joint];
     const bool root = e.joint == 0;
     std::printf("%s%s%s", e.prefix.c_str(), root ? "" : (e.last ? "`- " : "|- "), r.name.c_str());
-    if (!root) std::printf("  (%s, q %d..%d, v %d..%d)", r.type.c_str(), r.idx_q, r.idx_q + r.nq - 1, r.idx_v, r.idx_v + r.nv - 1);
+    if (!root && r.nv == 0)
+      std::printf("  (%s, dependent)", r.type.c_str());
+    else if (!root)
+      std::printf("  (%s, q %d..%d, v %d..%d)", r.type.c_str(), r.idx_q, r.idx_q + r.nq - 1, r.idx_v, r.idx_v + r.nv - 1);
     std::printf("\n");
     const std::string below = root ? "" : (e.prefix.size() > 200 ? e.prefix : e.prefix + (e.last ? "   " : "|  "));
     const auto& c = children[e.joint];
@@ -45,7 +48,7 @@ void printTypes(const CompactModel& model, const JointRegistry& registry) {
   }
 }
 
-/// Prints all frames. Links and fixed joints have frames too, which need not coincide with a joint's frame.
+/// Prints all frames. Each link has one, a link behind a fixed joint too; its frame need not coincide with a joint's.
 void printFrames(const CompactModel& model) {
   for (std::size_t f = 1; f < model.frames().size(); ++f) {
     const auto& frame = model.frames()[f];

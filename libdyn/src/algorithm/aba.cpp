@@ -13,7 +13,7 @@ const double* aba(const CompactModel& model, Data& data, VectorView q, VectorVie
   DataImpl& d = data.impl();
   copyAliasedArguments(data, {.q = &q, .v = &v, .tau = &tau});
   if (!m.couplings.empty()) {
-    checkData("aba of a model with coupled joints", model, data, Need::mass_matrix);
+    checkData("aba of a model with dependent joints", model, data, Need::mass_matrix);
     checkSize("aba", "tau", tau, m.nv);
     const VectorView zero{d.zero, m.nv};
     const double* bias = rnea(model, data, q, v, zero, fext, count);

@@ -31,11 +31,30 @@ int indexOf(const Records& records, const std::string& name) {
   return -1;
 }
 
-template <class Records>
-int idOf(const char* kind, const Records& records, const std::string& name) {
+/// hintFor(): for a name of another kind, what it is.
+template <class Records, class HintFor>
+int idOf(const char* kind, const Records& records, const std::string& name, HintFor&& hintFor) {
   const int id = indexOf(records, name);
   if (id >= 0) return id;
-  throw Error(ErrorCode::argument, "the model has no " + std::string(kind) + " '" + name + "'" + nearNames(name, namesOf(records)));
+  const std::string hint = hintFor();
+  throw Error(ErrorCode::argument,
+              "the model has no " + std::string(kind) + " '" + name + "'" + hint + (hint.empty() ? nearNames(name, namesOf(records)) : ""));
+}
+
+/// For a joint's name in the place of a frame's: the frame of the body that the joint moves.
+std::string frameHint(const CompactImpl& m, const std::string& name) {
+  const int joint = indexOf(m.joints, name);
+  if (joint < 0) return "";
+  for (const FrameRecord& frame : m.frames)
+    if (frame.joint == joint) return ", which is a joint; the frame of the body that it moves is '" + frame.name + "'";
+  return "";
+}
+/// For a frame's name in the place of a joint's: the joint that moves the frame.
+std::string jointHint(const CompactImpl& m, const std::string& name) {
+  const int frame = indexOf(m.frames, name);
+  if (frame < 0) return "";
+  return ", which is a frame; the joint that moves it is '" +
+         m.joints[static_cast<std::size_t>(m.frames[static_cast<std::size_t>(frame)].joint)].name + "'";
 }
 }  // namespace
 
@@ -66,7 +85,11 @@ std::size_t CompactModel::bytes() const {
 
 int CompactModel::findJoint(const std::string& name) const { return indexOf(impl_->joints, name); }
 int CompactModel::findFrame(const std::string& name) const { return indexOf(impl_->frames, name); }
-int CompactModel::jointId(const std::string& name) const { return idOf("joint", impl_->joints, name); }
-int CompactModel::frameId(const std::string& name) const { return idOf("frame", impl_->frames, name); }
+int CompactModel::jointId(const std::string& name) const {
+  return idOf("joint", impl_->joints, name, [&] { return jointHint(*impl_, name); });
+}
+int CompactModel::frameId(const std::string& name) const {
+  return idOf("frame", impl_->frames, name, [&] { return frameHint(*impl_, name); });
+}
 
 }  // namespace dyn

@@ -128,9 +128,10 @@ Inputs readInputs(const char* algorithm, const CompactModel& model, Data& data, 
 
 void refuseDependentJoints(const char* algorithm, const CompactImpl& m) {
   if (!m.couplings.empty())
-    throw Error(ErrorCode::argument, std::string(algorithm) +
-                                         ": the model has joints that follow others, whose columns differ from frame to frame; "
-                                         "computeJointJacobian gives those of one");
+    throw Error(ErrorCode::argument,
+                std::string(algorithm) +
+                    ": the model has dependent joints (joints that follow others), which this algorithm does not support; load the model "
+                    "with these joints independent");
 }
 
 void refuseZero(const char* argument, const CompactImpl& m, int i) {
