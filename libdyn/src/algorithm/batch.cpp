@@ -26,37 +26,19 @@ const char* nameOf(Need need) {
   return need == Need::mass_matrix ? "mass_matrix" : need == Need::derivatives ? "derivatives" : need == Need::jacobians ? "jacobians" : "kinematics";
 }
 
-/// The memory of one result of an algorithm, for `states` states.
+/// Memory for result k of many states. Results of one shape share memory, except those that callers want beside each other.
 template <class T>
-T* memoryOf(BatchImpl<T>& d, Algorithm algorithm, std::size_t result, std::size_t states) {
-  StateMatrices<T>* const matrices[] = {&d.by_q, &d.by_v, &d.by_a};
-  switch (algorithm) {
-    case Algorithm::rnea:
-      return d.tau.data();
-    case Algorithm::nle:
-      return d.nle.data();
-    case Algorithm::gravity:
-      return d.gravity.data();
-    case Algorithm::aba:
-      return d.ddq.data();
-    case Algorithm::joint_jacobians:
-    case Algorithm::frame_jacobian:
-      return d.J.data();
-    case Algorithm::mass_matrix:
-      return d.M.onPaths(states);
-    case Algorithm::coriolis:
-      return d.by_a.onPaths(states);
-    case Algorithm::minverse:
-      return d.by_a.whole();
-    case Algorithm::rnea_derivatives:
-      return matrices[result]->onPaths(states);
-    case Algorithm::aba_derivatives:
-      return result == 3 ? d.ddq.data() : matrices[result]->whole();
-    case Algorithm::centroidal_map:
-      return d.maps[2 * result].data();
-    default:
-      return d.maps[result].data();
+T* memoryOf(BatchImpl<T>& d, const AlgorithmInfo& algorithm, std::size_t k, std::size_t states) {
+  using A = Algorithm;
+  const A name = algorithm.algorithm;
+  const AlgorithmOutput& output = algorithm.outputs[k];
+  if (output.rows == Extent::six) return algorithm.batch_need == Need::jacobians ? d.J.data() : d.maps[k].data();
+  if (output.columns == Extent::nv) {
+    if (name == A::mass_matrix) return d.M.onPaths(states);
+    StateMatrices<T>* const matrices[] = {&d.by_q, &d.by_v, &d.by_a};
+    return name == A::rnea_derivatives || name == A::coriolis ? matrices[k]->onPaths(states) : matrices[k]->whole();
   }
+  return (name == A::nle ? d.nle : name == A::gravity ? d.gravity : name == A::aba || name == A::aba_derivatives ? d.ddq : d.tau).data();
 }
 
 template <class T>
@@ -81,7 +63,7 @@ Run<T> runAll(const char* name, const CompactModel& model, BasicBatchData<T>& da
   for (std::size_t k = 0; k < 4 && in_columns; ++k) {
     const AlgorithmOutput& output = algorithm.outputs[k];
     if (output.symbol == nullptr) break;
-    results[k] = {memoryOf(d, algorithm.algorithm, k, static_cast<std::size_t>(q.cols)), extentOf(output.rows, m) * extentOf(output.columns, m)};
+    results[k] = {memoryOf(d, algorithm, k, static_cast<std::size_t>(q.cols)), extentOf(output.rows, m) * extentOf(output.columns, m)};
   }
   const Failure failure = forBlocks(d, static_cast<int>(q.cols), d.kernels->lanes, [&](int t, int first, int count, Failure& f) {
     kernels::Block<T> block;
