@@ -41,14 +41,21 @@ TEST_CASE("libdyn/README.md has a row for every folder of the library, and for n
   std::vector<std::string> names;
   for (const fs::path& parent : {library / "include" / "dyn", library / "src", library / "src" / "kernels"})
     for (const fs::path& folder : foldersIn(parent)) names.push_back(folder.filename().string());
-  for (const std::string& name : names) {
-    INFO(name);
-    CHECK(readme.find("\n| `" + name + "` |") != std::string::npos);
-  }
+  std::vector<std::string> rows;
   std::istringstream lines(readme.substr(0, readme.find("\n## ")));  // the tables of folders
   for (std::string line; std::getline(lines, line);) {
     if (line.rfind("| `", 0) != 0) continue;
     const std::string row = line.substr(3, line.find('`', 3) - 3);
+    rows.push_back(row);
+  }
+  // A folder with a public and an internal part has one row; src/constraint and kernels/constraint have two.
+  for (const std::string& name : names) {
+    INFO(name);
+    const bool twice =
+        fs::exists(library / "src" / "kernels" / name) && (fs::exists(library / "src" / name) || fs::exists(library / "include" / "dyn" / name));
+    CHECK(std::count(rows.begin(), rows.end(), name) == (twice ? 2 : 1));
+  }
+  for (const std::string& row : rows) {
     INFO(row);
     CHECK(std::count(names.begin(), names.end(), row) > 0);
   }

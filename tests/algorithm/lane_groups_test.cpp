@@ -172,6 +172,17 @@ TEST_CASE("derivatives over lane groups are those of one body after the other", 
   CHECK((inverse - plain).cwiseAbs().maxCoeff() < 1e-9 * (1 + plain.cwiseAbs().maxCoeff()));
 }
 
+TEST_CASE("lane groups are planned for the instruction set of the options, and for no other", "[lane_groups]") {
+  const Model model = grown(Growth::legs, 33, 1, Types::revolute);
+  CompileOptions options;
+  options.instruction_set = "scalar";
+  CHECK_FALSE(usesLaneGroups(compile(model, registry(), options)));
+  options.instruction_set = "avx2";
+  CHECK(usesLaneGroups(compile(model, registry(), options)));
+  options.instruction_set = "AVX2";
+  CHECK_THROWS_WITH(compile(model, registry(), options), containing("'AVX2' is not known"));
+}
+
 TEST_CASE("a chain has no lane groups, a hand of many fingers has", "[lane_groups]") {
   Model chain, hand;
   const Inertia<double> Y{1, {0.1, 0, 0}, {1, 0, 0, 1, 0, 1}};

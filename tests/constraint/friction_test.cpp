@@ -270,4 +270,7 @@ TEST_CASE("a contact step from a state that is not finite does not claim to have
   Vector v = Vector::Zero(6);
   v[0] = std::nan("");
   CHECK_FALSE(box.step(v, 1e-2).converged);
+  Vector q = neutral(box.model);
+  q[3] = std::nan("");
+  CHECK_FALSE(contactStep(box.model, box.data, q, Vector::Zero(6), Vector::Zero(6), 1e-2, box.contacts, box.cones).converged);
 }

@@ -26,6 +26,21 @@ const char* nameOf(Need need) {
   return need == Need::mass_matrix ? "mass_matrix" : need == Need::derivatives ? "derivatives" : need == Need::jacobians ? "jacobians" : "kinematics";
 }
 
+/// A batch has memory for vectors of nv numbers, for matrices of nv x nv (three of an algorithm) and for six rows.
+consteval bool batchesHaveMemory() {
+  for (const AlgorithmInfo& algorithm : algorithms())
+    for (std::size_t k = 0; k < algorithm.outputs.size() && algorithm.batched && algorithm.batch_need != Need::kinematics; ++k) {
+      const AlgorithmOutput& output = algorithm.outputs[k];
+      if (output.symbol == nullptr) continue;
+      const bool columns = output.columns == Extent::one || output.columns == Extent::nv;
+      if (!columns || (output.rows != Extent::six && output.rows != Extent::nv)) return false;
+      if (output.rows == Extent::nv && output.columns == Extent::nv && k == 3) return false;
+      if (output.rows == Extent::six && algorithm.batch_need != Need::jacobians && algorithm.batch_need != Need::derivatives) return false;
+    }
+  return true;
+}
+static_assert(batchesHaveMemory());
+
 /// Memory for result k of many states. Results of one shape share memory, except those that callers want beside each other.
 template <class T>
 T* memoryOf(BatchImpl<T>& d, const AlgorithmInfo& algorithm, std::size_t k, std::size_t states) {
@@ -130,7 +145,8 @@ BatchViews<T> runBatch(const CompactModel& model, BasicBatchData<T>& data, Algor
     return {{}, {}, q.cols};
   }
   if (!entry.batched || entry.reads('f'))
-    throw Error(ErrorCode::argument, std::string(entry.function) + " does not run on columns of q, v and a alone; call it by itself");
+    throw Error(ErrorCode::argument,
+                std::string(entry.function) + " does not run in batches by its entry in the catalogue; call the function itself");
   const StatesView<T> third = entry.reads('a') || entry.reads('t') ? a : StatesView<T>();
   const Run<T> run = runAll(entry.function, model, data, entry, q, entry.reads('v') ? v : StatesView<T>(), third, [](kernels::Block<T>&, int) {});
   fail(entry.function, model.impl(), run.failure, q);

@@ -114,21 +114,27 @@ AlgorithmViews runEvaluated(A algorithm, const CompactImpl& m, DataImpl& d, cons
       k.coriolis(m, d, d.derivatives, in.v, d.zero);
       k.assemble(m, d.derivatives.by_v, d.C);
       return {d.C};
-    default:
+    case A::centroidal_map:
+    case A::centroidal_rate:
       return inOrder(algorithm, centroidalOfEvaluated(m, d, algorithm, in.v, in.a));
+    default:
+      throw Error(ErrorCode::argument, std::string("compute: ") + info(algorithm).function + " shares no passes with other algorithms");
   }
 }
 
 /// Whether the algorithm can run in compute(), which reads q, v and a only.
-constexpr bool shares(const AlgorithmInfo& algorithm) { return !algorithm.reads('t') && !algorithm.reads('f'); }
+constexpr bool shares(const AlgorithmInfo& algorithm) {
+  return !algorithm.reads('t') && !algorithm.reads('f') && algorithm.algorithm != A::centroidal_derivatives;
+}
 
 void checkAll(const CompactModel& model, Data& data, Algorithms what) {
   bool centroidal = false;
   what.each([&](A one) {
     const AlgorithmInfo& algorithm = info(one);
     if (!shares(algorithm))
-      throw Error(ErrorCode::argument, std::string("compute: ") + algorithm.function + " reads more than q, v and a; call it by itself");
-    checkData(algorithm.function, model, data, algorithm.need);
+      throw Error(ErrorCode::argument,
+                  std::string("compute: ") + algorithm.function + " is not one of the quantities that it returns; call that function by itself");
+    checkData("compute", model, data, algorithm.need);
     centroidal = centroidal || isCentroidal(one);
   });
   if (centroidal && !(model.impl().mass > 0))
@@ -177,7 +183,8 @@ AlgorithmViews runAlgorithm(const CompactModel& model, Data& data, Algorithm alg
     case A::centroidal_derivatives:
       return inOrder(algorithm, centroidal(model, data, algorithm, q, v, info(algorithm).reads('a') ? &a : nullptr));
     default:
-      throw Error(ErrorCode::argument, std::string(info(algorithm).function) + " does not run on q, v and a alone; call it by itself");
+      throw Error(ErrorCode::argument,
+                  std::string(info(algorithm).function) + " is not called by its entry in the catalogue; call the function itself");
   }
 }
 

@@ -53,6 +53,7 @@ std::string frameHint(const CompactImpl& m, const std::string& name) {
 std::string jointHint(const CompactImpl& m, const std::string& name) {
   const int frame = indexOf(m.frames, name);
   if (frame < 0) return "";
+  if (m.frames[static_cast<std::size_t>(frame)].joint == 0) return ", which is a frame that is fixed to the world";
   return ", which is a frame; the joint that moves it is '" +
          m.joints[static_cast<std::size_t>(m.frames[static_cast<std::size_t>(frame)].joint)].name + "'";
 }

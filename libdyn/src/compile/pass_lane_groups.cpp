@@ -2,6 +2,8 @@
 #include "at.hpp"
 #include "compile/compact_impl.hpp"
 
+#include <dyn/error.hpp>
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -39,7 +41,7 @@ class Planner {
   LaneGroupPlan run(const std::string& instruction_set) {
     assignAll();
     plan_.count = static_cast<int>(plan_.lane_groups.size()) - 1;
-    root_paths();
+    findRootPaths();
     judge(instruction_set);
     if (!plan_.uses.rnea) {
       plan_.lane_groups.clear();
@@ -228,7 +230,7 @@ class Planner {
         }
     }
   }
-  void root_paths() {
+  void findRootPaths() {
     // By lane group and lane: the first of the lanes that share the root path.
     std::vector<std::array<int, group_lanes>> first(plan_.lane_groups.size());
     for (std::size_t s = 1; s < plan_.lane_groups.size(); ++s) {
@@ -267,10 +269,10 @@ class Planner {
     uses.aba = uses.centroidal_map = many_numbers;
     uses.derivatives = many_numbers && std::none_of(m_.batches.begin(), m_.batches.end(), varies);
     // The mass matrix has one entry for each step of each joint's root path. Where limbs branch, as in hands, few lanes take a step together.
-    uses.mass_matrix = lanesOnWays() > 3;
+    uses.mass_matrix = lanesOnRootPaths() > 3;
   }
   /// How many joints take a step towards the root together, on average.
-  double lanesOnWays() const {
+  double lanesOnRootPaths() const {
     std::int64_t alone = 0, together = 0;
     for (int i = 1; i < m_.bodies(); ++i) alone += index(i).depth;
     // Each step takes every lane of a root path one body up, so all of these lanes have the same number of steps.
@@ -364,6 +366,10 @@ class Planner {
 LaneGroupPlan assignLanes(const CompactImpl& m) { return Planner(m).assigned(); }
 
 LaneGroupPlan planLaneGroups(const CompactImpl& m, const std::string& instruction_set) {
+  const auto known = {"scalar", "baseline", "sse2", "avx2", "avx512"};
+  if (std::find(known.begin(), known.end(), instruction_set) == known.end())
+    throw Error(ErrorCode::argument,
+                "compile: instruction_set '" + instruction_set + "' is not known; it is one of scalar, sse2 (baseline), avx2, avx512, or empty");
   const bool packs = instruction_set == "avx2" || instruction_set == "avx512";
   if (!packs || !m.couplings.empty() || m.bodies() < 2) return {};
   for (const TypeBatch& batch : m.batches)

@@ -56,7 +56,7 @@ class ModelPacker {
     couplings();
     joints();
     frames();
-    losses();
+    dissipation();
     out_->report.passes.push_back("pack: " + std::to_string(out_->batches.size()) + " type batches, " + std::to_string(out_->runs.size()) +
                                   " runs: " + std::to_string(out_->batches.size() + out_->runs.size()) + " dispatches an evaluation");
     if (options_.lane_groups)
@@ -276,7 +276,7 @@ class ModelPacker {
     }
   }
 
-  void losses() {
+  void dissipation() {
     const auto collect = [&](std::vector<double> JointDescription::*field) {
       std::vector<double> all(at(out_->nvx), 0.0);
       bool any = false;

@@ -71,6 +71,7 @@ ConeSolution ConeSolver::solve(kernels::ConstraintWorkspace& w, const ConeProble
   std::fill_n(dual_, n, 0.0);
   std::fill_n(force_, n, 0.0);
   std::copy_n(problem.g, n, velocity_);
+  if (!std::isfinite(mean)) return {false, 0};
   if (!(largest > 0)) return {largest == 0, 0};
   chooseScales(w, problem, mean);
   for (int i = 0; i < n; ++i)

@@ -77,8 +77,18 @@ void runBlock(const CompactImpl& m, char* scratch, Block<T>& b) {
       localAbaSolve(bodies, w, bodies.gravity(), s.result);
       for (int l = 0; l < b.q.states; ++l) b.failed[l] = w.failed[l];
       break;
-    default:
+    case Algorithm::rnea_derivatives:
+    case Algorithm::aba_derivatives:
+    case Algorithm::minverse:
+    case Algorithm::coriolis:
+    case Algorithm::centroidal_map:
+    case Algorithm::centroidal_rate:
+    case Algorithm::centroidal_derivatives:
       return runDerivatives(m, s, b);
+    case Algorithm::center_of_mass:
+    case Algorithm::energies:
+    case Algorithm::static_torque:
+      return;  // not batched
   }
   b.not_finite = !storeColumns(s.result, m.nvx, b.q.states, b.results[0], m.nvx);
 }

@@ -120,6 +120,9 @@ constexpr std::size_t layoutStamp() {
         sizeof(LaneGroupRun), sizeof(LaneGroupPlan), sizeof(Workspace<double>), sizeof(JointMemory<double>), sizeof(DerivativeWorkspace<double>),
         sizeof(Block<double>), sizeof(Block<float>), sizeof(JointBatch<double>), sizeof(Kernels)})
     stamp = stamp * 1000003 + size;
+  // Blocks name their algorithm by its number.
+  for (const AlgorithmInfo& algorithm : algorithms())
+    for (const char* c = algorithm.function; *c != '\0'; ++c) stamp = stamp * 31 + static_cast<unsigned char>(*c);
   return stamp;
 }
 
