@@ -14,7 +14,7 @@ namespace dyn {
 
 static_assert(most_packable == group_lanes);
 
-/// Which bodies and degrees of freedom are packable: those that share a lane group, or none.
+/// Limbs says which bodies and degrees of freedom are packable: those that share a lane group, or none.
 class Limbs {
  public:
   Limbs(const CompactImpl& m, bool packable);

@@ -4,7 +4,7 @@
 
 namespace dyn {
 
-/// Which results a Data or a BatchData has memory for. Results whose memory grows faster than the model must be asked for.
+/// A Need says which results a Data or a BatchData has memory for. Users must ask for results whose memory grows faster than the model.
 enum class Need : unsigned {
   state = 0,        ///< everything of size O(n)
   mass_matrix = 1,  ///< M, nv x nv: crba(), and aba() of models with dependent joints

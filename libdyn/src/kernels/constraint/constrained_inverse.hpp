@@ -85,8 +85,8 @@ struct ConstrainedColumns {
   std::ptrdiff_t next_force, next_row, next_x, next_lambda;
 };
 
-/// Which entries can be non-zero: column k of `force` in runs[k], column k of `row` only if moves[k]. If twins[k], column k + 1 has the same pattern
-/// as column k.
+/// The pattern says which entries can be non-zero: column k of `force` in runs[k], column k of `row` only if moves[k]. If twins[k], column k + 1 has
+/// the same pattern as column k.
 struct ColumnPattern {
   const DofRuns* runs;
   const char *moves, *twins;

@@ -24,7 +24,7 @@ Motion<S> turnedBack(const Mat3<S>& R, const Motion<S>& x) {
   return {transposeTimes(R, x.linear), transposeTimes(R, x.angular)};
 }
 
-/// Which rates of the rows are wanted. none: the bodies are at rest. drift: the terms of the rows' accelerations, for
+/// RowRates says which rates of the rows are wanted. none: the bodies are at rest. drift: the terms of the rows' accelerations, for
 /// constraints where these do not depend on the rows' velocities. velocities: all.
 enum class RowRates { none, drift, velocities };
 

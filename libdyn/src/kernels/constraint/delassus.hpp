@@ -178,7 +178,7 @@ class SmallInverse {
   double number(int row) const {
     return static_cast<Numbers>(B_[row][column / width].x)[column % width];
   }
-  /// That number in all lanes.
+  /// Returns that number in all lanes.
   template <int column>
   Wide inAll(int row) const {
     const auto numbers = static_cast<Numbers>(B_[row][column / width].x);
