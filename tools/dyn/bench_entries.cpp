@@ -16,40 +16,41 @@ Eigen::VectorXd numbersOf(const Result& result) {
   return result.template cast<double>().reshaped();
 }
 
-/// The results of an algorithm of the catalogue.
-struct Numbered {
-  AlgorithmResults results;
-  const AlgorithmInfo& algorithm;
-};
-/// The numbers of the results that have a key, one after the other.
-Eigen::VectorXd numbersOf(const Numbered& x) {
+/// Returns the numbers of the results that have a key, one after the other; resultOf(k) has those of output k.
+template <class ResultOf>
+Eigen::VectorXd keyedNumbers(const AlgorithmInfo& algorithm, ResultOf&& resultOf) {
   Eigen::VectorXd out;
-  for (std::size_t k = 0; k < x.algorithm.outputs.size(); ++k) {
-    if (x.algorithm.outputs[k].key == nullptr) continue;
-    const MatrixResult result = x.results(k);
-    out.conservativeResize(out.size() + result.size());
-    out.tail(result.size()) = result.reshaped();
+  for (std::size_t k = 0; k < algorithm.outputs.size(); ++k) {
+    if (algorithm.outputs[k].key == nullptr) continue;
+    const Eigen::VectorXd numbers = resultOf(k);
+    out.conservativeResize(out.size() + numbers.size());
+    out.tail(numbers.size()) = numbers;
   }
   return out;
 }
 
-/// The same for many states.
+/// The results of an algorithm of the catalogue, for one state.
+struct Numbered {
+  AlgorithmResults results;
+  const AlgorithmInfo& algorithm;
+};
+Eigen::VectorXd numbersOf(const Numbered& x) {
+  return keyedNumbers(x.algorithm, [&](std::size_t k) { return Eigen::VectorXd(x.results(k).reshaped()); });
+}
+
+/// The results of many states.
 template <class T>
 struct NumberedStates {
   detail::BatchViews<T> results;
   const AlgorithmInfo& algorithm;
 
   Eigen::VectorXd col(Eigen::Index state) const {
-    Eigen::VectorXd out;
-    for (std::size_t k = 0; k < algorithm.outputs.size(); ++k) {
-      if (algorithm.outputs[k].key == nullptr) continue;
-      const auto column = results(k).col(state);
-      out.conservativeResize(out.size() + column.size());
-      out.tail(column.size()) = column.template cast<double>();
-    }
-    return out;
+    return keyedNumbers(algorithm, [&](std::size_t k) { return Eigen::VectorXd(results(k).col(state).template cast<double>()); });
   }
 };
+// Clang deduces the arguments of aggregates from version 17 on only.
+template <class T>
+NumberedStates(detail::BatchViews<T>, const AlgorithmInfo&) -> NumberedStates<T>;
 
 /// Calls f at the state, and once more for each direction of q (in its tangent space), of v and of tau, moved by 1e-8.
 template <class Function>
@@ -145,9 +146,10 @@ void addSingle(Subjects& x, std::vector<Entry>& entries) {
   };
   for (const AlgorithmInfo& algorithm : algorithms())
     if (algorithm.name != nullptr)
-      add(algorithm.name, algorithm.algorithm == Algorithm::aba ? of_aba : algorithm.need, [&algorithm](auto& m, auto& d, auto& s) {
-        return Numbered{runAlgorithm(m, d, algorithm.algorithm, s.q, s.v, algorithm.reads('t') ? s.tau : s.a), algorithm};
-      });
+      add(algorithm.name, algorithm.algorithm == Algorithm::aba ? of_aba : algorithm.need,
+          [&algorithm, forward = algorithm.reads('t')](auto& m, auto& d, auto& s) {
+            return Numbered{runAlgorithm(m, d, algorithm.algorithm, s.q, s.v, forward ? s.tau : s.a), algorithm};
+          });
   // One-sided differences, for comparison with the derivatives: one call per direction, and one more.
   const auto step = std::make_shared<Eigen::VectorXd>();
   add("rnea_finite_differences", Need::state,
@@ -230,8 +232,8 @@ void addBatch(Subjects& x, const char* scalar, int threads, std::vector<Entry>& 
   };
   for (const AlgorithmInfo& algorithm : algorithms())
     if (algorithm.name != nullptr && algorithm.batched)
-      add(algorithm.name, algorithm.batch_need, [&algorithm](auto& m, auto& s, auto& d) {
-        return NumberedStates{runAlgorithm(m, d, algorithm.algorithm, s.q, s.v, algorithm.reads('t') ? s.tau : s.a), algorithm};
+      add(algorithm.name, algorithm.batch_need, [&algorithm, forward = algorithm.reads('t')](auto& m, auto& s, auto& d) {
+        return NumberedStates{runAlgorithm(m, d, algorithm.algorithm, s.q, s.v, forward ? s.tau : s.a), algorithm};
       });
 }
 

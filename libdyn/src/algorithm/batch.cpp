@@ -20,8 +20,6 @@ namespace detail {
 
 namespace {
 
-std::ptrdiff_t extentOf(Extent extent, const CompactImpl& m) { return extent == Extent::one ? 1 : extent == Extent::six ? 6 : m.nv; }
-
 const char* nameOf(Need need) {
   return need == Need::mass_matrix ? "mass_matrix" : need == Need::derivatives ? "derivatives" : need == Need::jacobians ? "jacobians" : "kinematics";
 }
@@ -73,12 +71,14 @@ Run<T> runAll(const char* name, const CompactModel& model, BasicBatchData<T>& da
   if (v.given) checkStates(name, "v", v, m.nv, q.cols);
   if (a.given) checkStates(name, forward ? "tau" : "a", a, m.nv, q.cols);
   if (isCentroidal(algorithm.algorithm) && !(m.mass > 0)) throw Error(ErrorCode::singular, std::string(name) + ": the model has no mass");
+  const ModelSizes sizes{m.nv, static_cast<int>(m.joints.size()), static_cast<int>(m.frames.size())};
   StatesOut<T> results[4];
   const bool in_columns = algorithm.batch_need != Need::kinematics;
   for (std::size_t k = 0; k < 4 && in_columns; ++k) {
     const AlgorithmOutput& output = algorithm.outputs[k];
     if (output.symbol == nullptr) break;
-    results[k] = {memoryOf(d, algorithm, k, static_cast<std::size_t>(q.cols)), extentOf(output.rows, m) * extentOf(output.columns, m)};
+    results[k] = {memoryOf(d, algorithm, k, static_cast<std::size_t>(q.cols)),
+                  static_cast<std::ptrdiff_t>(sizes.of(output.rows)) * sizes.of(output.columns)};
   }
   const Failure failure = forBlocks(d, static_cast<int>(q.cols), d.kernels->lanes, [&](int t, int first, int count, Failure& f) {
     kernels::Block<T> block;

@@ -76,8 +76,7 @@ ComputedViews separately(const CompactModel& model, Data& data, Algorithms what,
     count(A::placements);
   }
   what.each([&](A algorithm) {
-    if (isKinematic(algorithm)) return;
-    if (comesWithOthers(algorithm, what)) return;
+    if (isKinematic(algorithm) || comesWithOthers(algorithm, what)) return;
     out[algorithm] = runAlgorithm(model, data, algorithm, q, v, a);
     count(algorithm);
   });

@@ -181,25 +181,6 @@ void append(const CompactImpl& m, const kernels::PathMatrix<T>& from, Numbers& o
   out.insert(out.end(), whole.begin(), whole.end());
 }
 
-int sizeOf(Extent extent, const CompactImpl& m) {
-  switch (extent) {
-    case Extent::one:
-      return 1;
-    case Extent::three:
-      return 3;
-    case Extent::six:
-      return 6;
-    case Extent::twelve:
-      return 12;
-    case Extent::nv:
-      return m.nv;
-    case Extent::joints:
-      return static_cast<int>(m.joints.size());
-    default:
-      return static_cast<int>(m.frames.size());
-  }
-}
-
 /// A function that can be traced. `run` appends the numbers of the results.
 struct Recipe {
   using Run = void (*)(const CompactImpl&, Tracer&, const std::vector<T*>& in, Numbers& out);
@@ -373,7 +354,8 @@ TracedFunction traced(const CompactImpl& m, const Recipe& recipe, Tracer& tracer
     out.inputs.push_back({name, size});
     in.push_back(tracer.input(size));
   }
-  for (const AlgorithmOutput& output : recipe.outputs) out.outputs.push_back({output.symbol, sizeOf(output.rows, m), sizeOf(output.columns, m)});
+  const ModelSizes sizes{m.nv, static_cast<int>(m.joints.size()), static_cast<int>(m.frames.size())};
+  for (const AlgorithmOutput& output : recipe.outputs) out.outputs.push_back({output.symbol, sizes.of(output.rows), sizes.of(output.columns)});
   Numbers results;
   recipe.run(m, tracer, in, results);
   try {

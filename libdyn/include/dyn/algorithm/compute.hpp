@@ -58,32 +58,16 @@ class AlgorithmResults {
  public:
   AlgorithmResults(const CompactModel& model, Algorithm algorithm, const detail::AlgorithmViews& views)
       : algorithm_(algorithm), model_(&model), views_(views) {}
-  /// Returns output k with the rows and columns of info(algorithm).outputs[k].
+  /// Returns output k with the rows and columns of info(algorithm).outputs[k]. Poses and motions are read by framePlacement and the like: empty here.
   MatrixResult operator()(std::size_t k) const {
     const AlgorithmOutput& output = info(algorithm_).outputs[k];
     const double* const first = views_.results[k];
-    return {first, first ? sizeOf(output.rows) : 0, first ? sizeOf(output.columns) : 0};
+    if (first == nullptr) return {nullptr, 0, 0};
+    const ModelSizes sizes{model_->nv(), model_->njoints(), static_cast<int>(model_->frames().size())};
+    return {first, sizes.of(output.rows), sizes.of(output.columns)};
   }
 
  private:
-  int sizeOf(Extent extent) const {
-    switch (extent) {
-      case Extent::one:
-        return 1;
-      case Extent::three:
-        return 3;
-      case Extent::six:
-        return 6;
-      case Extent::twelve:
-        return 12;
-      case Extent::nv:
-        return model_->nv();
-      case Extent::joints:
-        return model_->njoints();
-      default:
-        return static_cast<int>(model_->frames().size());
-    }
-  }
   Algorithm algorithm_;
   const CompactModel* model_;
   detail::AlgorithmViews views_;

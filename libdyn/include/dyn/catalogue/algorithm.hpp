@@ -9,7 +9,6 @@
 
 #include <array>
 #include <cstdint>
-#include <initializer_list>
 
 namespace dyn {
 
@@ -63,7 +62,30 @@ class Algorithms {
 constexpr Algorithms operator|(Algorithm a, Algorithm b) { return Algorithms(a) | Algorithms(b); }
 
 /// A number of rows or columns: a constant, or one of the model's sizes.
-enum class Extent : std::uint8_t { one, three, six, twelve, nv, joints, frames };
+enum class Extent : std::uint8_t { one, six, twelve, nv, joints, frames };
+
+/// Sizes of a model; `joints` and `frames` count the world's, too.
+struct ModelSizes {
+  int nv, joints, frames;
+
+  constexpr int of(Extent extent) const {
+    switch (extent) {
+      case Extent::one:
+        return 1;
+      case Extent::six:
+        return 6;
+      case Extent::twelve:
+        return 12;
+      case Extent::nv:
+        return nv;
+      case Extent::joints:
+        return joints;
+      case Extent::frames:
+        return frames;
+    }
+    return 0;
+  }
+};
 
 /// One result.
 struct AlgorithmOutput {
