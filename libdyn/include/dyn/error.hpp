@@ -9,13 +9,14 @@
 
 namespace dyn {
 
+/// Kinds of failures.
 enum class ErrorCode {
   argument,    ///< a value that an API call cannot use
   size,        ///< a vector or matrix of the wrong size
   file,        ///< a file that is missing, unreadable or too large
   syntax,      ///< a file or text whose content is malformed
   model,       ///< a description that is no valid mechanism
-  joint_type,  ///< a joint type that no loaded plugin provides
+  joint_type,  ///< a joint or coupling type that no loaded plugin provides
   parameter,   ///< a joint parameter that is unknown, missing or ill-typed
   plugin,      ///< a shared object that cannot be loaded
   singular,    ///< a mass matrix that is singular at the given configuration
@@ -27,17 +28,18 @@ enum class ErrorCode {
 
 /// The place of an error. The message leaves out empty parts.
 struct Where {
-  std::string file;
-  int line = 0;
-  std::string joint;
+  std::string file;   ///< path of the file
+  int line = 0;       ///< its line, from 1; 0: unknown
+  std::string joint;  ///< name of the joint
 };
 
 /// Functions report every failure by throwing this. `what()` reads "file:line: joint 'j': message".
 class DYN_API Error : public std::runtime_error {
  public:
+  /// Puts the place before the message.
   Error(ErrorCode code, const std::string& message, Where where = {});
-  ErrorCode code() const noexcept { return code_; }
-  const Where& where() const noexcept { return where_; }
+  ErrorCode code() const noexcept { return code_; }       ///< the kind of failure
+  const Where& where() const noexcept { return where_; }  ///< its place
 
  private:
   ErrorCode code_;

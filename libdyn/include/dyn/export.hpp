@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// DYN_API marks the symbols that the shared library exports; all others stay hidden. This header also refuses compiler options that change the
-// layout of standard containers.
+// DYN_API, and a refusal of compiler options that change the layout of standard containers.
 #pragma once
 
 #include <version>
 
+/// Marks the symbols that the shared library exports; all others stay hidden.
 #define DYN_API __attribute__((visibility("default")))
 
 // Vectors and strings cross the library's boundary, so the program must lay them out as the library does.

@@ -18,13 +18,17 @@ namespace detail {
 template <class T>
 class Owned {
  public:
+  /// Takes over the object.
   Owned(std::unique_ptr<T> object) : object_(std::move(object)) {}  // NOLINT: meant to convert
+  /// Access the object. Throw Error(argument) if this pointer was moved from.
+  /// @{
   T& operator*() const {
     if (object_ == nullptr) [[unlikely]]
       detail::refuseMovedFrom();
     return *object_;
   }
   T* operator->() const { return &**this; }
+  /// @}
 
  private:
   std::unique_ptr<T> object_;

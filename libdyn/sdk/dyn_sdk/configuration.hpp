@@ -44,17 +44,20 @@ void leastSquares(double* A, double* B, double* X) {
     }
 }
 
+/// The author wrote q (+) v for scalars S.
 template <class A, class S>
 concept HasIntegrate =
     requires(const S* q, const Constants& c, S* out) { A::integrate(q, q, c, out); } || requires(const S* q, S* out) { A::integrate(q, q, out); };
+/// The author wrote dq/dt.
 template <class A>
 concept HasRates = requires(const double* q, const Constants& c, double* out) { A::rates(q, q, c, out); };
 
+/// The configuration space of the author's class A: its own functions, and defaults or derived functions for the others. C is a type of constants.
 template <class A>
 struct Configuration {
-  static constexpr int nq = A::nq, nv = A::nv;
-  /// The author wrote q (+) v.
-  static constexpr bool own = HasIntegrate<A, double>;
+  static constexpr int nq = A::nq,                      ///< coordinates
+      nv = A::nv;                                       ///< degrees of freedom
+  static constexpr bool own = HasIntegrate<A, double>;  ///< the author wrote q (+) v
   /// The author wrote q (+) v as a template over the scalar, so that it can be differentiated.
   static constexpr bool differentiable = own && HasIntegrate<A, Dual<double>>;
   /// v may differ from dq/dt.
@@ -62,6 +65,7 @@ struct Configuration {
 
   static_assert(own || nq == nv, "a joint with more coordinates than velocities needs its own neutral, integrate, difference and normalize");
 
+  /// Writes the q where the joint is "at zero".
   template <class C>
   static void neutral(const C& c, double* q) {
     if constexpr (requires { A::neutral(c, q); }) {
@@ -74,7 +78,7 @@ struct Configuration {
     }
   }
 
-  /// out = q (+) v.
+  /// Writes out = q (+) v.
   template <class S, class C>
   static void integrate(const S* q, const S* v, const C& c, S* out) {
     if constexpr (requires { A::integrate(q, v, c, out); }) {
@@ -86,7 +90,7 @@ struct Configuration {
     }
   }
 
-  /// v = q1 (-) q0.
+  /// Writes v = q1 (-) q0.
   template <class C>
   static void difference(const double* q0, const double* q1, const C& c, double* v) {
     if constexpr (requires { A::difference(q0, q1, c, v); }) {
@@ -99,6 +103,7 @@ struct Configuration {
     }
   }
 
+  /// Brings q back onto the configuration space. Returns its distance from that space before.
   template <class C>
   static double normalize(const C& c, double* q) {
     if constexpr (requires { A::normalize(c, q); }) {
@@ -129,7 +134,7 @@ struct Configuration {
     }
   }
 
-  /// Derivatives of q (+) v by q and by v, nv x nv, row-major, both in tangent spaces.
+  /// Writes the derivatives of q (+) v by q and by v, nv x nv, row-major, both in tangent spaces.
   template <class C>
   static void dIntegrate(const double* q, const double* v, const C& c, double* Jq, double* Jv) {
     if constexpr (requires { A::dIntegrate(q, v, c, Jq, Jv); }) {
@@ -145,7 +150,7 @@ struct Configuration {
     }
   }
 
-  /// Derivatives of q1 (-) q0 by q0 and by q1, nv x nv, row-major, both in tangent spaces.
+  /// Writes the derivatives of q1 (-) q0 by q0 and by q1, nv x nv, row-major, both in tangent spaces.
   template <class C>
   static void dDifference(const double* q0, const double* q1, const C& c, double* J0, double* J1) {
     if constexpr (requires { A::dDifference(q0, q1, c, J0, J1); }) {
@@ -231,7 +236,7 @@ struct Configuration {
   }
 };
 
-/// Column k of the motion subspace, derived from the pose map.
+/// Returns column k of the motion subspace, derived from the pose map.
 template <class A, class S, class C>
 Motion<S> derivedColumn(const S* q, const C& c, int k) {
   S unit[A::nv], dq[A::nq];
@@ -244,7 +249,7 @@ Motion<S> derivedColumn(const S* q, const C& c, int k) {
   return poseVelocity<A::nq>([&c](const auto* x) { return A::pose(x, c); }, q, rate);
 }
 
-/// Pose, S v and (dS/dt) v, derived from the pose map.
+/// Returns the pose, S v and (dS/dt) v, derived from the pose map.
 template <class A, class S, class C>
 PoseRates<S> derivedRates(const S* q, const S* v, const C& c) {
   const auto pose = [&c](const auto* x) { return A::pose(x, c); };

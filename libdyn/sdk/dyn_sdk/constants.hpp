@@ -6,11 +6,13 @@
 
 namespace dyn::sdk {
 
+/// The constants of one joint: c[k] is constant k. By default these are the numbers of the parameters, in the order of the schema.
 class Constants {
  public:
+  /// Refers to `count` numbers that are `stride` apart.
   Constants(const double* base, std::ptrdiff_t stride, int count) : base_(base), stride_(stride), count_(count) {}
-  double operator[](int k) const { return base_[k * stride_]; }
-  int size() const { return count_; }
+  double operator[](int k) const { return base_[k * stride_]; }  ///< constant k; k is not checked
+  int size() const { return count_; }                            ///< number of constants
 
  private:
   const double* base_;
@@ -23,9 +25,10 @@ class Constants {
 template <class S>
 class PackConstants {
  public:
+  /// Refers to `count` packs that are `stride` numbers apart.
   PackConstants(const double* base, std::ptrdiff_t stride, int count) : base_(base), stride_(stride), count_(count) {}
-  S operator[](int k) const { return S::load(base_ + k * stride_); }
-  int size() const { return count_; }
+  S operator[](int k) const { return S::load(base_ + k * stride_); }  ///< constant k of each joint; k is not checked
+  int size() const { return count_; }                                 ///< number of constants of a joint
 
  private:
   const double* base_;

@@ -7,14 +7,19 @@
 
 namespace dyn::sdk {
 
+/// The author wrote f and its derivatives in closed form.
 template <class A>
 concept HasDerivatives = requires(double x, const Constants& c, double* f) { A::derivatives(x, c, f); };
 
+/// Implements CouplingType by an author's class.
+///
 /// Author has name, summary, parameters, and `template <class S> static S value(const S& x, const Constants& c)`; or in place of value
 /// `static void derivatives(double x, const Constants& c, double* f)`, which writes f and its first three derivatives in closed form.
 template <class Author>
 class CouplingTypeOf final : public CouplingType {
  public:
+  /// Implements CouplingType.
+  /// @{
   const JointTypeInfo& info() const noexcept override {
     static constexpr JointTypeInfo description{Author::name,         Author::summary,           Structure::joint,
                                                closed_configuration, Author::parameters.data(), static_cast<int>(Author::parameters.size())};
@@ -46,17 +51,21 @@ class CouplingTypeOf final : public CouplingType {
       f[3] = y.d.d.d;
     }
   }
+  /// @}
 };
 
+/// Returns the only instance of a coupling type in this plugin, as a CouplingType.
 template <class Author>
 const void* couplingInstance() {
   static constexpr CouplingTypeOf<Author> type;
   return static_cast<const CouplingType*>(&type);
 }
 
+/// A list of authors' classes.
 template <class... T>
 struct TypeList {};
 
+/// Returns the plugin's descriptor, with its joint types J and its coupling types C.
 template <class... J, class... C>
 const dyn_plugin_descriptor* describe(TypeList<J...>, TypeList<C...>) {
   static const void* const joints[] = {instance<J>()..., nullptr};

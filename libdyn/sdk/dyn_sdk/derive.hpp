@@ -14,17 +14,21 @@ namespace dyn::sdk {
 /// packs take kilobytes.
 template <class S>
 struct PosePart {
+  /// Columns of the rotation part, and the position.
+  /// @{
   Vec3<S> x, y, z, p;
+  /// @}
 
-  /// part(x) selects one of the numbers of which the dual number x consists.
+  /// Copies from a pose of duals. part(x) selects one of the numbers of which the dual number x consists.
   template <class D, class Part>
   PosePart(const SE3<D>& X, Part part) : x(column(X.R, 0, part)), y(column(X.R, 1, part)), z(column(X.R, 2, part)) {
     p = {part(X.p.x), part(X.p.y), part(X.p.z)};
   }
+  /// Returns the part as a pose.
   SE3<S> pose() const { return {{{x.x, y.x, z.x, x.y, y.y, z.y, x.z, y.z, z.z}}, p}; }
-  /// R^T a.
+  /// Returns R^T a.
   Vec3<S> inAxes(const Vec3<S>& a) const { return {dot(x, a), dot(y, a), dot(z, a)}; }
-  /// vee(R^T D), where D is the other's rotation part.
+  /// Returns vee(R^T D), where D is the other's rotation part.
   Vec3<S> turning(const PosePart& D) const {
     return {S(0.5) * (dot(z, D.y) - dot(y, D.z)), S(0.5) * (dot(x, D.z) - dot(z, D.x)), S(0.5) * (dot(y, D.x) - dot(x, D.y))};
   }
@@ -36,7 +40,7 @@ struct PosePart {
   }
 };
 
-/// The velocity in the moving frame when the N coordinates change at the rates dq. `pose` maps N scalars of any type to an SE3 of that type.
+/// Returns the velocity in the moving frame when the N coordinates change at the rates dq. `pose` maps N scalars of any type to an SE3 of that type.
 template <int N, class S, class Pose>
 Motion<S> poseVelocity(const Pose& pose, const S* q, const S* dq) {
   using D = Dual<S>;
@@ -50,9 +54,12 @@ Motion<S> poseVelocity(const Pose& pose, const S* q, const S* dq) {
 /// Pose, velocity and the velocity's derivative along q(t), in the moving frame.
 template <class S>
 struct PoseRates {
-  SE3<S> pose;
-  Motion<S> velocity, bias;
+  SE3<S> pose;         ///< the moving frame's pose
+  Motion<S> velocity,  ///< its velocity
+      bias;            ///< the velocity's derivative
 };
+/// Returns pose, velocity and the velocity's derivative where the N coordinates change at the rates dq, and these at the rates ddq. `pose` is as for
+/// poseVelocity.
 template <int N, class S, class Pose>
 PoseRates<S> poseRates(const Pose& pose, const S* q, const S* dq, const S* ddq) {
   using D = Dual<S>;

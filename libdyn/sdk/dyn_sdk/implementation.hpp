@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <limits>
 
-// Inlines everything that an author's functions call into the loop over packs, except in sanitized builds, whose code would grow too much.
+/// Inlines everything that an author's functions call into the loop over packs, except in sanitized builds, whose code would grow too much.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define DYN_INLINE_ALL
 #else
@@ -18,12 +18,15 @@
 
 namespace dyn::sdk {
 
+/// The author wrote these members: pose, subspace, bias.
+/// @{
 template <class A>
 concept HasPose = requires(const double* q, const Constants& c) { A::pose(q, c); };
 template <class A>
 concept HasSubspace = requires(const double* q, const Constants& c, Motion<double>* S) { A::subspace(q, c, S); };
 template <class A>
 concept HasBias = requires(const double* q, const double* v, const Constants& c) { A::bias(q, v, c); };
+/// @}
 
 /// Runs an author's functions, which must not throw, since the callers need their results. An exception is printed and ends the process.
 template <class Call>
@@ -39,16 +42,20 @@ void neverThrowing(const char* type, const Call& call) noexcept {
   }
 }
 
+/// Implements JointType by an author's class. Exceptions of functions that must not throw end the process.
 template <class Author>
 class JointTypeOf final : public JointType {
  public:
-  static constexpr int nv = Author::nv, nq = Author::nq;
-  static constexpr bool is_dense = Author::shape == Shape::dense;
-  using Space = Configuration<Author>;
+  static constexpr int nv = Author::nv,                            ///< degrees of freedom
+      nq = Author::nq;                                             ///< coordinates
+  static constexpr bool is_dense = Author::shape == Shape::dense;  ///< whether the subspace varies with q
+  using Space = Configuration<Author>;                             ///< the configuration space
   static_assert(nq >= nv && nv >= 0 && nv <= max_joint_nv && nq <= max_joint_nq, "1 to 6 degrees of freedom, at most 7 coordinates");
   static_assert(!is_dense || !Space::curved || !Author::branch_free || HasRates<Author>,
                 "branch_free with its own integrate: write rates(q, v, c, dq), dq/dt without branches, as integrate has some");
 
+  /// Implements JointType.
+  /// @{
   const JointTypeInfo& info() const noexcept override {
     static constexpr JointTypeInfo description{Author::name,
                                                Author::summary,
@@ -153,6 +160,7 @@ class JointTypeOf final : public JointType {
     if constexpr (Author::branch_free) neverThrowing(Author::name, [&] { evaluateRates(b); });
     return Author::branch_free;
   }
+  /// @}
 
  private:
   // Items of a batch are read one by one as numbers, or as packs of neighbours. T is the type in the batch's arrays, S the type of the computation.
@@ -344,7 +352,7 @@ class JointTypeOf final : public JointType {
   }
 };
 
-/// The only instance of a type in this plugin.
+/// Returns the only instance of a joint type in this plugin, as a JointType.
 template <class Author>
 const void* instance() {
   static constexpr JointTypeOf<Author> type;
@@ -355,7 +363,9 @@ const void* instance() {
 
 /// Exports joint types. Use it once in a shared object.
 #define DYN_EXPORT_JOINTS(...) DYN_EXPORT_PLUGIN(DYN_TYPES(__VA_ARGS__), DYN_TYPES())
+/// A list of types for DYN_EXPORT_PLUGIN.
 #define DYN_TYPES(...) ::dyn::sdk::TypeList<__VA_ARGS__>
+/// Exports joint and coupling types, each a DYN_TYPES list. Use it once in a shared object.
 #define DYN_EXPORT_PLUGIN(JOINTS, COUPLINGS)                                                                  \
   extern "C" __attribute__((visibility("default"))) const dyn_plugin_descriptor* dyn_plugin_descriptor_v1() { \
     return ::dyn::sdk::describe(JOINTS{}, COUPLINGS{});                                                       \

@@ -40,11 +40,12 @@
 
 namespace dyn::sdk {
 
-/// How many numbers a parameter of this kind has; 0 for a list of numbers, whose length depends on the model, and for parameters without numbers.
+/// Returns how many numbers a parameter of this kind has; 0 for a list of numbers, whose length depends on the model, and for parameters without
+/// numbers.
 constexpr int numberCount(ParameterKind kind) { return kind == ParameterKind::number ? 1 : kind == ParameterKind::vector3 ? 3 : 0; }
 
-/// Whether each number of the schema has a fixed place among the constants, whatever a model leaves out. For this, a list of numbers must be the last
-/// parameter that has numbers.
+/// Returns whether each number of the schema has a fixed place among the constants, whatever a model leaves out. For this, a list of numbers must be
+/// the last parameter that has numbers.
 template <class Specs>
 constexpr bool hasPlaces(const Specs& parameters) {
   bool list = false;
@@ -68,10 +69,11 @@ int placeNumbers(const Specs& parameters, const ParameterArgument* a, double* ou
   return n;
 }
 
-/// Call it with the reason to refuse parameters: it writes down the reason and returns false.
+/// Refuses parameters: `return refuse("the radius must be positive");`.
 struct Refusal {
-  char* text;
-  int size;
+  char* text;  ///< where the reason goes
+  int size;    ///< its bytes; longer reasons are cut
+  /// Writes the reason and returns false.
   bool operator()(const char* reason) const {
     std::snprintf(text, static_cast<std::size_t>(size), "%s", reason);
     return false;
@@ -125,14 +127,18 @@ bool tryConstants(int count, int numbers, const Refusal& refuse, const Write& wr
   return true;
 }
 
-/// Base class of a joint type. Author is the type's class itself, NV its degrees of freedom, NQ its coordinates.
+/// Base class of a joint type. Author is the type's class itself, NV its degrees of freedom (at most max_joint_nv), NQ its coordinates (at most
+/// max_joint_nq). The members here are the defaults; Author may hide each by a member of its own.
 template <class Author, int NV, int NQ = NV>
 struct Joint {
-  static constexpr int nv = NV, nq = NQ;
-  static constexpr Shape shape = Shape::dense;
-  static constexpr Structure structure = Structure::joint;
-  static constexpr bool branch_free = false;
-  /// By default the constants are the numbers of all parameters, as placeNumbers writes them.
+  static constexpr int nv = NV,                             ///< degrees of freedom
+      nq = NQ;                                              ///< coordinates
+  static constexpr Shape shape = Shape::dense;              ///< motion subspace
+  static constexpr Structure structure = Structure::joint;  ///< one joint
+  static constexpr bool branch_free = false;                ///< whether pose map, subspace, bias and rates have no branches on q
+  /// Return the number of constants c[k], and write them. By default the constants are the numbers of all parameters in the order of the schema; an
+  /// optional parameter that is not given has zeros.
+  /// @{
   static int constantCount(const ParameterArgument* a) { return placeNumbers(Author::parameters, a, nullptr); }
   static void constants(const ParameterArgument* a, double* out) {
     static_assert(
@@ -140,8 +146,10 @@ struct Joint {
         "a list of numbers before other numbers moves them: make it the last parameter that has numbers, or write constantCount and constants");
     placeNumbers(Author::parameters, a, out);
   }
+  /// @}
+  /// Accepts all parameters that fit the schema.
   static bool check(const ParameterArgument*, JointInstance&, const Refusal&) { return true; }
-  static constexpr std::array<ParameterSpec, 0> parameters{};
+  static constexpr std::array<ParameterSpec, 0> parameters{};  ///< schema without parameters
 };
 
 }  // namespace dyn::sdk

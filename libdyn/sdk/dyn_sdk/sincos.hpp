@@ -95,7 +95,8 @@ template <class T, class Arch>
 
 }  // namespace detail
 
-// Always inlined: one pack's computation is mostly a chain of dependent operations, and the next pack's can begin meanwhile.
+/// Computes sine and cosine, each correct to rounding at every finite angle [rad]. The function is always inlined: one pack's computation is mostly a
+/// chain of dependent operations, and the next pack's can begin meanwhile.
 template <class T, class Arch>
 [[gnu::always_inline]] inline void sincos(const Pack<T, Arch>& angle, Pack<T, Arch>& sine, Pack<T, Arch>& cosine) {
   using P = Pack<T, Arch>;
@@ -122,6 +123,8 @@ template <class T, class Arch>
   cosine = right.cosine;
 }
 
+/// Return the sine and the cosine, from sincos().
+/// @{
 template <class T, class Arch>
 Pack<T, Arch> sin(const Pack<T, Arch>& angle) {
   Pack<T, Arch> s, c;
@@ -134,5 +137,6 @@ Pack<T, Arch> cos(const Pack<T, Arch>& angle) {
   sincos(angle, s, c);
   return c;
 }
+/// @}
 
 }  // namespace dyn

@@ -10,6 +10,7 @@
 
 namespace dyn::sdk {
 
+/// Returns a hash of the sizes of types that cross the interface, and of two alignments.
 constexpr std::uint32_t layoutStamp() {
   std::uint32_t h = 2166136261u;
   for (const std::size_t size :
@@ -19,6 +20,7 @@ constexpr std::uint32_t layoutStamp() {
   return h;
 }
 
+/// The C++ ABI and the architecture for which this file is compiled.
 #if defined(__x86_64__)
 #define DYN_ARCHITECTURE "itanium-x86_64-lp64"
 #elif defined(__aarch64__)
@@ -27,6 +29,7 @@ constexpr std::uint32_t layoutStamp() {
 #define DYN_ARCHITECTURE "itanium-other"
 #endif
 
+/// Returns the stamp of the headers with which this file is compiled.
 constexpr dyn_plugin_stamp stamp() {
   return {DYN_PLUGIN_MAGIC, DYN_PLUGIN_ABI_VERSION, sizeof(dyn_plugin_descriptor), layoutStamp(), DYN_ARCHITECTURE};
 }

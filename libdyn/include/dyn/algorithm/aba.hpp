@@ -16,7 +16,7 @@ DYN_API const double* aba(const CompactModel&, Data&, VectorView q, VectorView v
 inline VectorResult aba(const CompactModel& model, Data& data, const VectorArg& q, const VectorArg& v, const VectorArg& tau) {
   return {detail::aba(model, data, q, v, tau, nullptr, 0), model.nv()};
 }
-/// The same with the external forces added.
+/// Computes the same with the external forces added to tau as sum J^T fext.
 inline VectorResult aba(const CompactModel& model, Data& data, const VectorArg& q, const VectorArg& v, const VectorArg& tau,
                         const ExternalForces& fext) {
   return {detail::aba(model, data, q, v, tau, fext.data(), fext.size()), model.nv()};

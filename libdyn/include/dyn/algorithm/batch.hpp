@@ -1,10 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The algorithms over many states (a batch). Each column of an argument is one state. Arguments have nq or nv rows, and at most as many columns
-// as the batch's capacity. Each column of a result belongs to one state, too. The batch owns the results until its next call.
-//
-// The functions throw Error(size) for a matrix of the wrong size. They throw Error(argument), which names the state, for a zero quaternion; the
-// results of the other states are valid then. As for single states, forward dynamics of a model with dependent joints goes through M, and
-// computeJointJacobians refuses such a model.
+// The algorithms over many states (a batch).
 #pragma once
 
 #include <dyn/algorithm/jacobians.hpp>
@@ -68,23 +63,27 @@ using States = StatesArg<std::type_identity_t<T>>;
 /// Runs one algorithm of the catalogue, for programs that loop over the catalogue. The batch must have been made with info(algorithm).batch_need.
 /// Result k is output k of info(algorithm), one column per state. For aba and its derivatives, A is tau. Throws what the algorithm's own function
 /// throws, and Error(argument) for algorithms that are not batched or read more than q, v and a or tau.
+///
+/// This and all functions of a batch take one state per column, nq or nv rows and 1 to `capacity` columns, and throw Error(size) otherwise. Each
+/// column of a result belongs to one state, too. For a zero quaternion the functions throw Error(argument), which names the state; the results of the
+/// other states are valid then. The batch owns the results until its next call.
 template <class T>
 detail::BatchViews<T> runAlgorithm(const CompactModel& model, BasicBatchData<T>& data, Algorithm algorithm, const detail::States<T>& Q,
                                    const detail::States<T>& V, const detail::States<T>& A) {
   return detail::runBatch<T>(model, data, algorithm, Q, V, A);
 }
 
-/// Computes the joint forces tau, nv x N, as rnea does for one state.
+/// Computes the joint forces tau [N m, N], nv x N, as rnea does for one state.
 template <class T>
 auto rnea(const CompactModel& model, BasicBatchData<T>& data, const detail::States<T>& Q, const detail::States<T>& V, const detail::States<T>& A) {
   return detail::runBatch<T>(model, data, Algorithm::rnea, Q, V, A)(0);
 }
-/// Computes rnea at zero acceleration, nv x N.
+/// Computes rnea at zero acceleration [N m, N], nv x N.
 template <class T>
 auto nonLinearEffects(const CompactModel& model, BasicBatchData<T>& data, const detail::States<T>& Q, const detail::States<T>& V) {
   return detail::runBatch<T>(model, data, Algorithm::nle, Q, V, {})(0);
 }
-/// Computes rnea at rest (v = a = 0), nv x N.
+/// Computes rnea at rest (v = a = 0) [N m, N], nv x N.
 template <class T>
 auto generalizedGravity(const CompactModel& model, BasicBatchData<T>& data, const detail::States<T>& Q) {
   return detail::runBatch<T>(model, data, Algorithm::gravity, Q, {}, {})(0);
@@ -94,15 +93,17 @@ template <class T>
 auto crba(const CompactModel& model, BasicBatchData<T>& data, const detail::States<T>& Q) {
   return detail::runBatch<T>(model, data, Algorithm::mass_matrix, Q, {}, {})(0);
 }
-/// Computes joint accelerations, nv x N. Throws Error(singular), which names the joint and the state, where M is singular. The columns of such
-/// states are NaN; the other columns are right.
+/// Computes joint accelerations [rad/s^2, m/s^2], nv x N. Throws Error(singular), which names the joint and the state, where M is singular. The
+/// columns of such states are NaN; the other columns are right. A model with dependent joints goes through M.
 template <class T>
 auto aba(const CompactModel& model, BasicBatchData<T>& data, const detail::States<T>& Q, const detail::States<T>& V, const detail::States<T>& Tau) {
   return detail::runBatch<T>(model, data, Algorithm::aba, Q, V, Tau)(0);
 }
 
-/// Each column of the result is a Jacobian of 6 x nv numbers, as the function of the same name writes it for one state. The batch must have
-/// been made with Need::jacobians.
+/// Computes Jacobians. Each column of the result is one of 6 x nv numbers, as the function of the same name writes it for one state. The batch must
+/// have been made with Need::jacobians. Throws Error(argument) for a joint or frame number out of range; computeJointJacobians throws it for a model
+/// with dependent joints.
+/// @{
 template <class T>
 auto computeJointJacobians(const CompactModel& model, BasicBatchData<T>& data, const detail::States<T>& Q) {
   return detail::batchJacobians<T>(model, data, Q, detail::Kind::all_joints, 0, ReferenceFrame::WORLD)(0);
@@ -115,9 +116,11 @@ template <class T>
 auto computeFrameJacobian(const CompactModel& model, BasicBatchData<T>& data, const detail::States<T>& Q, int frame, ReferenceFrame reference) {
   return detail::batchJacobians<T>(model, data, Q, detail::Kind::frame, frame, reference)(0);
 }
+/// @}
 
 /// Computes the poses of all joints; with V their velocities, too; with A also their accelerations. The functions below read them. The batch
 /// must have been made with Need::kinematics.
+/// @{
 template <class T>
 void forwardKinematics(const CompactModel& model, BasicBatchData<T>& data, const detail::States<T>& Q) {
   detail::batchKinematics<T>(model, data, Q, {}, {});
@@ -131,14 +134,18 @@ void forwardKinematics(const CompactModel& model, BasicBatchData<T>& data, const
                        const detail::States<T>& A) {
   detail::batchKinematics<T>(model, data, Q, V, A);
 }
+/// @}
 
-// These functions return what the last forwardKinematics found for one state. They throw Error(argument) for a frame or state number out of
-// range, for a batch of another model, and if the last forwardKinematics had no V or A where one is needed.
+/// Returns a frame's pose in the world, spatial velocity or spatial acceleration in one state, as the last forwardKinematics found it. O(1). The
+/// state must be one of that call, but only the capacity is checked. Throws Error(argument) for a frame or state number out of range, for a batch of
+/// another model or without Need::kinematics, and if the last forwardKinematics had no V or A where one is needed.
+/// @{
 template <class T>
 DYN_API SE3<T> framePlacement(const CompactModel& model, const BasicBatchData<T>& data, int frame, int state);
 template <class T>
 DYN_API Motion<T> frameVelocity(const CompactModel& model, const BasicBatchData<T>& data, int frame, int state, ReferenceFrame reference);
 template <class T>
 DYN_API Motion<T> frameAcceleration(const CompactModel& model, const BasicBatchData<T>& data, int frame, int state, ReferenceFrame reference);
+/// @}
 
 }  // namespace dyn

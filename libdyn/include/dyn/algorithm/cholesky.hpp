@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Tree-sparse factors of M: M = U D U^T. U is unit upper triangular and has entries only between joints on one root path. Featherstone 2005.
-//
-// decompose() reads the M of the last crba(). The other functions in this namespace read the factors of the last decompose() and overwrite the
-// caller's vector, or matrix of nv rows, with their result; O(n depth) a column. All need Need::derivatives. They throw Error(size | argument),
-// and Error(argument) for a model with dependent joints, because its M has entries between distant joints.
+// Tree-sparse factors of M, its condition, and forward dynamics through the factors.
 #pragma once
 
 #include <dyn/algorithm/rnea.hpp>
@@ -26,27 +22,32 @@ MatrixOut columnsOf(T&& x) {
 }
 }  // namespace detail
 
+/// Tree-sparse factors of M = U D U^T (Featherstone 2005). U is unit upper triangular and has entries only between joints on one root path.
+///
+/// decompose() reads the M of the last crba(). The other functions read the factors of the last decompose() and overwrite X, the caller's vector of
+/// nv numbers or matrix of nv rows, with their result; O(n depth) a column. All need Need::derivatives. They throw Error(size | argument), and
+/// Error(argument) for a model with dependent joints, because its M has entries between distant joints.
 namespace cholesky {
 
-/// Computes the factors. O(n depth^2). Throws Error(singular), which names the joint, where M is singular.
+/// Computes the factors of the M of the last crba(). O(n depth^2). Throws Error(singular), which names the joint, where M is singular.
 inline void decompose(const CompactModel& model, Data& data) { detail::choleskyDecompose(model, data); }
 
-/// X <- M^-1 X.
+/// Replaces X by M^-1 X.
 template <detail::Writable T>
 void solve(const CompactModel& model, Data& data, T&& X) {
   detail::choleskyTimes(model, data, detail::Product::inverse, detail::columnsOf(X));
 }
-/// X <- M X.
+/// Replaces X by M X.
 template <detail::Writable T>
 void Mv(const CompactModel& model, Data& data, T&& X) {
   detail::choleskyTimes(model, data, detail::Product::mass_matrix, detail::columnsOf(X));
 }
-/// X <- U X.
+/// Replaces X by U X.
 template <detail::Writable T>
 void Uv(const CompactModel& model, Data& data, T&& X) {
   detail::choleskyTimes(model, data, detail::Product::upper, detail::columnsOf(X));
 }
-/// X <- U^T X.
+/// Replaces X by U^T X.
 template <detail::Writable T>
 void Utv(const CompactModel& model, Data& data, T&& X) {
   detail::choleskyTimes(model, data, detail::Product::transposed, detail::columnsOf(X));
@@ -61,8 +62,9 @@ void Utv(const CompactModel& model, Data& data, T&& X) {
 /// needs only Need::mass_matrix, and returns infinity if M is singular.
 inline double conditionOfMassMatrix(const CompactModel& model, Data& data) { return detail::conditionOfMassMatrix(model, data); }
 
-/// Computes ddq = M^-1 (tau - C v - g - dissipation) through crba and the factors of M. aba gives the same at about half the cost, and its errors
-/// stay at a few roundings; here they grow with the condition of M. Leaves M and its factors for cholesky::solve. Throws as decompose().
+/// Computes ddq = M^-1 (tau - C v - g - dissipation) [rad/s^2, m/s^2] through crba and the factors of M. aba gives the same at about half the cost,
+/// and its errors stay at a few roundings; here they grow with the condition of M. Leaves M and its factors for cholesky::solve. Throws as
+/// decompose().
 inline VectorResult forwardDynamics(const CompactModel& model, Data& data, const VectorArg& q, const VectorArg& v, const VectorArg& tau) {
   return {detail::forwardDynamics(model, data, q, v, tau), model.nv()};
 }

@@ -23,14 +23,26 @@ struct Passes {
   int derivatives = 0;  ///< the recursions of derivatives
 };
 
-/// The quantities that were asked for; views of the others are empty. Read poses and motions with framePlacement, frameVelocity and the like.
+/// The quantities that were asked for; views of the others are empty. Vectors and matrices are views of memory that the Data owns. Read poses and
+/// motions with framePlacement, frameVelocity and the like.
 struct Computed {
-  Passes passes;
-  CenterOfMass center_of_mass;
-  double kinetic_energy = 0, potential_energy = 0;
-  VectorResult tau{nullptr, 0}, nle{nullptr, 0}, gravity{nullptr, 0}, hg{nullptr, 0}, dhg{nullptr, 0};
-  MatrixResult J{nullptr, 0, 0}, M{nullptr, 0, 0}, Minv{nullptr, 0, 0}, C{nullptr, 0, 0}, Ag{nullptr, 0, 0}, dAg{nullptr, 0, 0},
-      dtau_dq{nullptr, 0, 0}, dtau_dv{nullptr, 0, 0};
+  Passes passes;                  ///< passes over the model that the call made
+  CenterOfMass center_of_mass;    ///< its velocity and acceleration too, where those of bodies were asked for
+  double kinetic_energy = 0,      ///< [J], if energies were asked for
+      potential_energy = 0;       ///< likewise
+  VectorResult tau{nullptr, 0},   ///< of rnea, nv [N m, N]
+      nle{nullptr, 0},            ///< of nle, nv [N m, N]
+      gravity{nullptr, 0},        ///< of gravity, nv [N m, N]
+      hg{nullptr, 0},             ///< momentum, of centroidal_map or centroidal_rate, 6 [kg m/s, kg m^2/s]
+      dhg{nullptr, 0};            ///< its rate, of centroidal_rate, 6 [N, N m]
+  MatrixResult J{nullptr, 0, 0},  ///< of joint_jacobians, 6 x nv
+      M{nullptr, 0, 0},           ///< of mass_matrix or rnea_derivatives, nv x nv
+      Minv{nullptr, 0, 0},        ///< of minverse, nv x nv
+      C{nullptr, 0, 0},           ///< of coriolis, nv x nv
+      Ag{nullptr, 0, 0},          ///< of centroidal_map or centroidal_rate, 6 x nv
+      dAg{nullptr, 0, 0},         ///< of centroidal_rate, 6 x nv
+      dtau_dq{nullptr, 0, 0},     ///< of rnea_derivatives, nv x nv
+      dtau_dv{nullptr, 0, 0};     ///< of rnea_derivatives, nv x nv
 };
 
 namespace detail {
@@ -56,6 +68,7 @@ DYN_API AlgorithmViews runAlgorithm(const CompactModel&, Data&, Algorithm, Vecto
 /// The results of runAlgorithm(). results(k) is output k of info(algorithm), a view of memory that the Data owns.
 class AlgorithmResults {
  public:
+  /// Wraps the views that `algorithm` has written; runAlgorithm() calls it.
   AlgorithmResults(const CompactModel& model, Algorithm algorithm, const detail::AlgorithmViews& views)
       : algorithm_(algorithm), model_(&model), views_(views) {}
   /// Returns output k with the rows and columns of info(algorithm).outputs[k]. Poses and motions are read by framePlacement and the like: empty here.

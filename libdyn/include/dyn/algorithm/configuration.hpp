@@ -9,7 +9,7 @@
 
 namespace dyn {
 
-/// The argument by which a derivative is taken.
+/// The argument by which a derivative is taken: ARG0 is the first (q or q0), ARG1 the second (v or q1).
 enum class ArgumentPosition { ARG0, ARG1 };
 
 namespace detail {
@@ -23,18 +23,19 @@ DYN_API void dIntegrate(const CompactModel&, VectorView q, VectorView v, Argumen
 DYN_API void dDifference(const CompactModel&, VectorView q0, VectorView q1, ArgumentPosition by, const MatrixOut& J);
 }  // namespace detail
 
-// All functions are O(n), except the Jacobians: writing these takes O(nv^2). A function returns its result as a new vector, or writes it to an
-// argument. The latter does not allocate, and the argument may also be an input. Quaternions and (cos, sin) pairs are normalised when they are
-// read. The functions throw Error(size). All but isNormalized throw Error(argument) for a zero quaternion or pair and have written nothing then.
-
-/// Returns the configuration at which every joint is at its zero.
+/// Returns the configuration at which every joint is at its zero. O(n).
 inline Eigen::VectorXd neutral(const CompactModel& model) {
   Eigen::VectorXd q(model.nq());
   detail::neutral(model, q.data());
   return q;
 }
 
-/// Computes q (+) v, the configuration that q reaches in unit time at constant joint velocity v.
+/// Computes q (+) v, the configuration that q reaches in unit time at constant joint velocity v. O(n).
+///
+/// This and the functions below return their result as a new vector or matrix, or write it to an argument. The latter does not allocate, and the
+/// argument may also be an input. Quaternions and (cos, sin) pairs are normalised when they are read. The functions throw Error(size), and
+/// Error(argument) for a zero quaternion or pair; they have written nothing then.
+/// @{
 inline void integrate(const CompactModel& model, const VectorArg& q, const VectorArg& v, const VectorOut& out) {
   detail::integrate(model, q, v, out);
 }
@@ -43,8 +44,10 @@ inline Eigen::VectorXd integrate(const CompactModel& model, const VectorArg& q, 
   integrate(model, q, v, out);
   return out;
 }
+/// @}
 
-/// Computes the v for which q0 (+) v = q1. Its rotations are by at most pi.
+/// Computes the v for which q0 (+) v = q1. Its rotations are by at most pi. O(n).
+/// @{
 inline void difference(const CompactModel& model, const VectorArg& q0, const VectorArg& q1, const VectorOut& v) {
   detail::difference(model, q0, q1, v);
 }
@@ -53,24 +56,27 @@ inline Eigen::VectorXd difference(const CompactModel& model, const VectorArg& q0
   difference(model, q0, q1, v);
   return v;
 }
+/// @}
 
-/// Returns q0 (+) t (q1 (-) q0).
+/// Returns q0 (+) t (q1 (-) q0). O(n).
 inline Eigen::VectorXd interpolate(const CompactModel& model, const VectorArg& q0, const VectorArg& q1, double t) {
   Eigen::VectorXd v = difference(model, q0, q1);
   v *= t;
   return integrate(model, q0, v);
 }
-/// Returns the norm of the difference. Metres and radians count alike.
+/// Returns the norm of the difference. Metres and radians count alike. O(n).
 inline double distance(const CompactModel& model, const VectorArg& q0, const VectorArg& q1) { return difference(model, q0, q1).norm(); }
 
-/// Computes q with its quaternions and (cos, sin) pairs scaled to norm one.
+/// Computes q with its quaternions and (cos, sin) pairs scaled to norm one. O(n).
+/// @{
 inline void normalize(const CompactModel& model, const VectorArg& q, const VectorOut& out) { detail::normalize(model, q, out); }
 inline Eigen::VectorXd normalize(const CompactModel& model, const VectorArg& q) {
   Eigen::VectorXd out(model.nq());
   normalize(model, q, out);
   return out;
 }
-/// Returns true if every quaternion and pair has norm one to within the tolerance.
+/// @}
+/// Returns true if every quaternion and pair has norm one to within the tolerance. Throws only Error(size).
 inline bool isNormalized(const CompactModel& model, const VectorArg& q, double tolerance = 1e-12) {
   return detail::distanceFromSpace(model, q) <= tolerance;
 }
@@ -84,7 +90,8 @@ inline Eigen::VectorXd randomConfiguration(const CompactModel& model, std::uint6
   return q;
 }
 
-/// Computes the nv x nv derivative of integrate by q (ARG0) or v (ARG1), in tangent vectors.
+/// Computes the nv x nv derivative of integrate by q (ARG0) or v (ARG1), in tangent vectors. O(nv^2), because all entries are written.
+/// @{
 inline void dIntegrate(const CompactModel& model, const VectorArg& q, const VectorArg& v, ArgumentPosition by, const MatrixOut& J) {
   detail::dIntegrate(model, q, v, by, J);
 }
@@ -93,8 +100,10 @@ inline Eigen::MatrixXd dIntegrate(const CompactModel& model, const VectorArg& q,
   dIntegrate(model, q, v, by, J);
   return J;
 }
+/// @}
 
-/// Computes the nv x nv derivative of difference by q0 (ARG0) or q1 (ARG1), in tangent vectors.
+/// Computes the nv x nv derivative of difference by q0 (ARG0) or q1 (ARG1), in tangent vectors. O(nv^2).
+/// @{
 inline void dDifference(const CompactModel& model, const VectorArg& q0, const VectorArg& q1, ArgumentPosition by, const MatrixOut& J) {
   detail::dDifference(model, q0, q1, by, J);
 }
@@ -103,5 +112,6 @@ inline Eigen::MatrixXd dDifference(const CompactModel& model, const VectorArg& q
   dDifference(model, q0, q1, by, J);
   return J;
 }
+/// @}
 
 }  // namespace dyn

@@ -9,7 +9,7 @@
 namespace dyn {
 
 /// External forces [N, N m], one for each joint; the one at 0, for the world, is ignored. Each acts on the joint's body and is given in the
-/// joint's own frame. An empty vector means no forces.
+/// joint's own frame. An empty vector means no forces. Functions throw Error(size) for any other number of entries than njoints.
 using ExternalForces = std::vector<Force<double>>;
 
 namespace detail {
@@ -25,16 +25,16 @@ DYN_API const double* staticTorque(const CompactModel&, Data&, VectorView q, con
 inline VectorResult rnea(const CompactModel& model, Data& data, const VectorArg& q, const VectorArg& v, const VectorArg& a) {
   return {detail::rnea(model, data, q, v, a, nullptr, 0), model.nv()};
 }
-/// The same, less the generalised external forces sum J^T f.
+/// Computes the same, less the generalised external forces sum J^T fext.
 inline VectorResult rnea(const CompactModel& model, Data& data, const VectorArg& q, const VectorArg& v, const VectorArg& a,
                          const ExternalForces& fext) {
   return {detail::rnea(model, data, q, v, a, fext.data(), fext.size()), model.nv()};
 }
-/// Computes C(q, v) v + g(q), dissipation included: rnea at a = 0. O(n).
+/// Computes C(q, v) v + g(q) [N m, N], nv entries, dissipation included: rnea at a = 0. O(n). Throws Error(size | argument).
 inline VectorResult nonLinearEffects(const CompactModel& model, Data& data, const VectorArg& q, const VectorArg& v) {
   return {detail::nonLinearEffects(model, data, q, v), model.nv()};
 }
-/// Computes g(q): rnea at rest (v = a = 0). O(n).
+/// Computes g(q) [N m, N], nv entries: rnea at rest (v = a = 0). O(n). Throws Error(size | argument).
 inline VectorResult generalizedGravity(const CompactModel& model, Data& data, const VectorArg& q) {
   return {detail::generalizedGravity(model, data, q), model.nv()};
 }

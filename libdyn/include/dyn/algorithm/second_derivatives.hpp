@@ -12,6 +12,7 @@ struct SecondDerivativeImpl;
 /// Scratch and results, n^3 numbers for each result, for one thread. The constructor allocates all memory.
 class DYN_API SecondDerivativeData {
  public:
+  /// Takes 4 n^3 numbers for the results, and scratch.
   explicit SecondDerivativeData(const CompactModel& model);
   ~SecondDerivativeData();
   SecondDerivativeData(SecondDerivativeData&&) noexcept;
@@ -19,22 +20,24 @@ class DYN_API SecondDerivativeData {
   SecondDerivativeData(const SecondDerivativeData&) = delete;
   SecondDerivativeData& operator=(const SecondDerivativeData&) = delete;
 
+  /// Returns the memory taken, in bytes.
   std::size_t bytes() const;
-  SecondDerivativeImpl& impl() { return *impl_; }
+  SecondDerivativeImpl& impl() { return *impl_; }  ///< implementation, internal to libdyn
 
  private:
   Owned<SecondDerivativeImpl> impl_;
 };
 
-/// n matrices of n x n. [k](i, j) is the change, along degree of freedom k, of the derivative of tau_i by the j-th variable.
+/// A view of n matrices of n x n. [k](i, j) is the change, along degree of freedom k, of the derivative of tau_i by the j-th variable.
 struct TensorResult {
-  const double* data;
-  int n;
+  const double* data;  ///< n^3 numbers: matrix after matrix, each column-major
+  int n;               ///< nv
+  /// Returns matrix k, without a check of k.
   MatrixResult operator[](int k) const { return {data + static_cast<std::ptrdiff_t>(k) * n * n, n, n}; }
 };
 
-/// Derivatives by q are in its tangent space. The first derivative is in the tangent space at the q that has moved along direction k, so
-/// d2tau_dqdq is not symmetric in its two directions where motions do not commute.
+/// Second derivatives of rnea. Those by q are in its tangent space. The first derivative is in the tangent space at the q that has moved along
+/// direction k, so d2tau_dqdq is not symmetric in its two directions where motions do not commute.
 struct RneaSecondDerivatives {
   TensorResult d2tau_dqdq;  ///< [k] = d(dtau/dq)/dq_k
   TensorResult d2tau_dqdv;  ///< [k] = d(dtau/dv)/dq_k

@@ -12,43 +12,48 @@
 
 namespace dyn {
 
+/// The algorithms of the catalogue. Each is the function that info() names.
 enum class Algorithm : std::uint8_t {
-  placements,
-  velocities,     ///< with placements
-  accelerations,  ///< with velocities
-  joint_jacobians,
-  frame_jacobian,
-  center_of_mass,  ///< in compute(), with its velocity and acceleration where those of bodies are asked for
-  energies,
-  rnea,
-  nle,
-  gravity,
-  static_torque,
-  mass_matrix,
-  aba,
-  minverse,
-  rnea_derivatives,
-  aba_derivatives,
-  coriolis,
-  centroidal_map,
-  centroidal_rate,
-  centroidal_derivatives,
+  placements,              ///< forwardKinematics() of q
+  velocities,              ///< forwardKinematics() of q and v, with placements
+  accelerations,           ///< forwardKinematics() of q, v and a, with velocities
+  joint_jacobians,         ///< computeJointJacobians()
+  frame_jacobian,          ///< computeFrameJacobian()
+  center_of_mass,          ///< centerOfMass(); in compute(), with its velocity and acceleration where those of bodies are asked for
+  energies,                ///< computeKineticEnergy(), and in compute() the potential energy
+  rnea,                    ///< rnea()
+  nle,                     ///< nonLinearEffects()
+  gravity,                 ///< generalizedGravity()
+  static_torque,           ///< computeStaticTorque()
+  mass_matrix,             ///< crba()
+  aba,                     ///< aba()
+  minverse,                ///< computeMinverse()
+  rnea_derivatives,        ///< computeRNEADerivatives()
+  aba_derivatives,         ///< computeABADerivatives()
+  coriolis,                ///< computeCoriolisMatrix()
+  centroidal_map,          ///< ccrba()
+  centroidal_rate,         ///< computeCentroidalMomentumTimeVariation()
+  centroidal_derivatives,  ///< computeCentroidalDynamicsDerivatives()
 };
-inline constexpr int algorithm_count = 20;
+inline constexpr int algorithm_count = 20;  ///< number of algorithms
 
-/// A set of algorithms, as a bit each: Algorithm::rnea | Algorithm::mass_matrix.
+/// A set of algorithms, for example Algorithm::rnea | Algorithm::mass_matrix.
 class Algorithms {
  public:
   using enum Algorithm;
+  /// Makes an empty set, or a set of one.
+  /// @{
   constexpr Algorithms() = default;
   constexpr Algorithms(Algorithm one) : bits_(1U << static_cast<unsigned>(one)) {}  // NOLINT: meant to convert
+  /// @}
+  /// Returns the union.
   friend constexpr Algorithms operator|(Algorithms a, Algorithms b) {
     a.bits_ |= b.bits_;
     return a;
   }
-  /// Whether any of the wanted ones is in the set.
+  /// Returns whether any of the wanted ones is in the set.
   friend constexpr bool has(Algorithms set, Algorithms wanted) { return (set.bits_ & wanted.bits_) != 0; }
-  constexpr bool empty() const { return bits_ == 0; }
+  constexpr bool empty() const { return bits_ == 0; }  ///< whether it has no algorithm
   /// Calls use(algorithm) for each, in the order of the catalogue.
   template <class Use>
   constexpr void each(Use&& use) const {
@@ -59,15 +64,19 @@ class Algorithms {
  private:
   std::uint32_t bits_ = 0;
 };
+/// Returns the set of both.
 constexpr Algorithms operator|(Algorithm a, Algorithm b) { return Algorithms(a) | Algorithms(b); }
 
 /// A number of rows or columns: a constant, or one of the model's sizes.
 enum class Extent : std::uint8_t { one, six, twelve, nv, joints, frames };
 
-/// Sizes of a model; `joints` and `frames` count the world's, too.
+/// Sizes of a model.
 struct ModelSizes {
-  int nv, joints, frames;
+  int nv,      ///< degrees of freedom
+      joints,  ///< joints that can move, and the world
+      frames;  ///< frames of bodies and extra frames
 
+  /// Returns the number for which `extent` stands.
   constexpr int of(Extent extent) const {
     switch (extent) {
       case Extent::one:
@@ -87,11 +96,12 @@ struct ModelSizes {
   }
 };
 
-/// One result.
+/// One result of an algorithm.
 struct AlgorithmOutput {
-  const char* symbol = nullptr;  ///< null: there is none
-  const char* key = nullptr;     ///< of `dyn compute`; null: not printed there
-  Extent rows = Extent::one, columns = Extent::one;
+  const char* symbol = nullptr;  ///< the name of the result in formulas; null: there is none
+  const char* key = nullptr;     ///< its name in `dyn compute`; null: not printed there
+  Extent rows = Extent::one,     ///< number of rows
+      columns = Extent::one;     ///< number of columns
 };
 
 /// The kind of pass over the model under which compute() counts an algorithm.
@@ -99,18 +109,19 @@ enum class Pass : std::uint8_t { kinematics, dynamics, inertias, derivatives };
 
 /// One entry of the catalogue.
 struct AlgorithmInfo {
-  Algorithm algorithm;
-  const char* function;               ///< its C++ name, which errors begin with
-  const char* name;                   ///< of `dyn bench`; null: not measured there
-  const char* traced;                 ///< of trace(); null: not traced
-  std::array<const char*, 3> inputs;  ///< "q" first; "v"; "a" or "tau", or what single calls alone take ("frame", "fext"); null: no more
-  Pass pass;
-  Need need;            ///< of Data
-  Need batch_need;      ///< of BatchData
-  bool batched;         ///< a BatchData can run it
-  bool varies = false;  ///< it reads how subspaces vary with q
-  std::array<AlgorithmOutput, 4> outputs = {};
+  Algorithm algorithm;                          ///< which one it is
+  const char* function;                         ///< its C++ name, which errors begin with
+  const char* name;                             ///< its name in `dyn bench`; null: not measured there
+  const char* traced;                           ///< its name in trace(); null: not traced
+  std::array<const char*, 3> inputs;            ///< "q" first; "v"; "a" or "tau", or what single calls alone take ("frame", "fext"); null: no more
+  Pass pass;                                    ///< where compute() counts it
+  Need need;                                    ///< what a Data needs for it
+  Need batch_need;                              ///< what a BatchData needs for it
+  bool batched;                                 ///< whether a BatchData can run it
+  bool varies = false;                          ///< whether it reads how subspaces vary with q
+  std::array<AlgorithmOutput, 4> outputs = {};  ///< its results, then entries without a symbol
 
+  /// Returns whether the name of one of its inputs begins with that letter.
   constexpr bool reads(char first_letter) const {
     for (const char* input : inputs)
       if (input != nullptr && input[0] == first_letter) return true;
@@ -267,11 +278,12 @@ consteval bool algorithmsAreInOrder() {
 static_assert(algorithmsAreInOrder());
 }  // namespace detail
 
-/// All entries, by Algorithm.
+/// Returns all entries, by Algorithm.
 constexpr const std::array<AlgorithmInfo, algorithm_count>& algorithms() { return detail::algorithm_table; }
+/// Returns the entry of an algorithm.
 constexpr const AlgorithmInfo& info(Algorithm algorithm) { return detail::algorithm_table[static_cast<std::size_t>(algorithm)]; }
 
-/// Whether it is about the centre of mass, which a model without mass does not have.
+/// Returns whether it is about the centre of mass, which a model without mass does not have. Then the algorithm throws Error(singular).
 constexpr bool isCentroidal(Algorithm a) {
   return a == Algorithm::centroidal_map || a == Algorithm::centroidal_rate || a == Algorithm::centroidal_derivatives;
 }

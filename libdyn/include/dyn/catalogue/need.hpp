@@ -12,7 +12,9 @@ enum class Need : unsigned {
   jacobians = 4,    ///< of a BatchData only: one 6 x nv matrix a state
   derivatives = 8,  ///< nv x nv matrices: derivatives of rnea and aba, inverse and factors of M; mass_matrix comes with it
 };
+/// Returns the needs of both.
 constexpr Need operator|(Need a, Need b) { return static_cast<Need>(static_cast<unsigned>(a) | static_cast<unsigned>(b)); }
+/// Returns whether any need of `one` is in the set; false for Need::state.
 constexpr bool has(Need set, Need one) { return (static_cast<unsigned>(set) & static_cast<unsigned>(one)) != 0; }
 
 }  // namespace dyn

@@ -15,35 +15,39 @@
 
 namespace dyn {
 
+/// One operation of a graph.
 struct GraphNode {
-  Operation operation = Operation::constant;
-  std::uint32_t argument[4] = {};  ///< earlier nodes; for an input, its number in argument[0]
-  double value = 0;                ///< for a constant, its value
+  Operation operation = Operation::constant;  ///< kind of the operation
+  std::uint32_t argument[4] = {};             ///< earlier nodes; for an input, its number in argument[0]
+  double value = 0;                           ///< for a constant, its value
 };
 
 /// The number of operations of each kind in one evaluation.
 struct OperationCounts {
-  int additions = 0;  ///< includes subtractions, negations and absolute values
-  int multiplications = 0;
-  int divisions = 0;  ///< includes square roots
-  int functions = 0;  ///< sine and cosine of one angle count as one each
-  int selections = 0;
+  int additions = 0;        ///< includes subtractions, negations and absolute values
+  int multiplications = 0;  ///< products
+  int divisions = 0;        ///< includes square roots
+  int functions = 0;        ///< sine and cosine of one angle count as one each
+  int selections = 0;       ///< operations select_less
+  /// Returns the sum of all.
   int total() const { return additions + multiplications + divisions + functions + selections; }
 };
 
+inline constexpr std::uint32_t no_node = 0xffffffff;  ///< marks a lane without a node
+inline constexpr int most_packable = 4;               ///< number of lanes of PackableNodes
 /// Nodes of one operation that a vector may compute at once, one in each lane. They come from runs of the same code on different values
 /// (GraphBuilder::packable), lane k from run k. At least two of them are not no_node.
-inline constexpr std::uint32_t no_node = 0xffffffff;
-inline constexpr int most_packable = 4;
 using PackableNodes = std::array<std::uint32_t, most_packable>;
 
-/// Arguments come before the nodes that use them. Every node leads to an output, and no two nodes compute the same value.
+/// A function as a list of operations. Arguments come before the nodes that use them. Every node leads to an output, and no two nodes apply the same
+/// operation to the same arguments.
 struct Graph {
-  int inputs = 0;
-  std::vector<GraphNode> nodes;
-  std::vector<std::uint32_t> outputs;
+  int inputs = 0;                       ///< number of inputs; those that no output needs have no node
+  std::vector<GraphNode> nodes;         ///< operations, inputs and constants, in an order of evaluation
+  std::vector<std::uint32_t> outputs;   ///< node of each output
   std::vector<PackableNodes> packable;  ///< hints only; no node occurs twice
 
+  /// Counts the operations of one evaluation. O(nodes).
   DYN_API OperationCounts count() const;
 };
 
@@ -54,6 +58,7 @@ inline constexpr std::size_t most_graph_nodes = std::size_t{1} << 21;
 /// numbers), and moves signs to where they cost least.
 class DYN_API GraphBuilder final : public Recorder {
  public:
+  /// Makes an empty graph. Recording stops after `most_nodes` nodes; later results are NaN, and finish() throws.
   explicit GraphBuilder(std::size_t most_nodes = most_graph_nodes);
   ~GraphBuilder();
   GraphBuilder(const GraphBuilder&) = delete;
@@ -68,12 +73,14 @@ class DYN_API GraphBuilder final : public Recorder {
   /// before the first step, or after a negative number. A run that knows some values as constants records fewer operations; gaps are found where
   /// sequences differ.
   void packable(const std::function<void()>& runs);
+  /// Begins run k, which is at least 0 and below most_packable, outside any step. The number is not checked.
   void run(int k);
+  /// Begins or resumes a step of the current run; a negative number ends the current step. Outside a run this does nothing.
   void step(int number);
   /// Declares values packable that the same code has computed from different values, and with them their arguments. Nodes that depend on each other
   /// are left out.
   void markPackable(const std::array<Traced, most_packable>& numbers);
-  bool inRun() const;  ///< true after run() until packable() returns
+  bool inRun() const;  ///< Returns true after run() until packable() returns.
   /// Returns a constant that is not used to simplify operations.
   Traced opaque(double x);
 
@@ -86,14 +93,14 @@ class DYN_API GraphBuilder final : public Recorder {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Returns the graph of f(in, out), which is run once on unknown values. Throws what f throws, and as finish().
+/// Returns the graph of f(in, out), which is run once on unknown values. `in` has `inputs` values and `out` has `outputs`. Throws what f throws, and
+/// as finish().
 DYN_API Graph traceFunction(int inputs, int outputs, const std::function<void(const Traced* in, Traced* out)>& f);
 
-// Replay evaluates a graph on a scalar type S. S has the arithmetic operators and can be made from double. Its namespace has those of sqrt, sin,
-// cos, tan, exp, log, atan2 and abs that the graph uses. Scalars that record operations themselves provide their own selectLess(a, b, x, y),
-// a < b ? x : y, for example by CppAD's CondExpLt, CasADi's if_else or ADOL-C's condassign.
-
-/// Computes the values of all nodes. `values` has room for one per node.
+/// Computes the values of all nodes in scalars S. `in` has graph.inputs numbers, `values` has room for one per node. O(nodes).
+/// S has the arithmetic operators and can be made from double. Its namespace has those of sqrt, sin, cos, tan, exp, log, atan2 and abs that the graph
+/// uses. Scalars that record operations themselves provide their own selectLess(a, b, x, y), a < b ? x : y, for example by CppAD's CondExpLt,
+/// CasADi's if_else or ADOL-C's condassign.
 template <class S>
 void replayNodes(const Graph& graph, const S* in, S* values) {
   for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
@@ -108,7 +115,8 @@ void replayNodes(const Graph& graph, const S* in, S* values) {
   }
 }
 
-/// Evaluates the function. `in` has graph.inputs numbers, the result has one per output.
+/// Evaluates the function in scalars S, which are as for replayNodes(). `in` has graph.inputs numbers, which is not checked; the result has one per
+/// output. O(nodes). Allocates.
 template <class S>
 std::vector<S> replay(const Graph& graph, std::span<const S> in) {
   std::vector<S> values(graph.nodes.size()), out;

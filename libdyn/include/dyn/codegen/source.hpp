@@ -10,6 +10,7 @@
 
 namespace dyn {
 
+/// How source is written.
 struct SourceOptions {
   bool single_precision = false;  ///< float instead of double
   /// States that one call computes side by side: 1, 2, 4, ... 64. With more than one, an argument x of n numbers is x[n][lanes].
@@ -20,17 +21,20 @@ struct SourceOptions {
   std::string prefix{};  ///< precedes the names of all functions
 };
 
+/// C source of functions, in three parts.
 struct DYN_API Source {
-  std::string types;         ///< the number type
-  std::string declarations;  ///< with a comment on the shapes of all arguments
-  std::string definitions;
-  std::vector<int> steps;  ///< by function: its operations; those that one vector does at once count as one
+  std::string types;         ///< definition of the number type dyn_real
+  std::string declarations;  ///< declarations, each with a comment on the shapes of its arguments
+  std::string definitions;   ///< function bodies and what they need
+  std::vector<int> steps;    ///< by function: its operations; those that one vector does at once count as one
 
   /// Returns a header for programs that call the functions.
   std::string header() const;
-  /// Return the functions as a source that includes the header by this name, or as a source that stands alone.
+  /// Returns the functions as a source that includes the header by this name, or as a source that stands alone.
+  /// @{
   std::string code(const std::string& header_name) const;
   std::string code() const;
+  /// @}
 };
 
 /// Writes each function as void PREFIXname(const double* q, const double* v, ..., double* tau, ...): inputs, then outputs, in the order of the

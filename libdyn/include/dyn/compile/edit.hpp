@@ -8,10 +8,10 @@
 
 namespace dyn {
 
-/// A joint to hold, and its nq coordinates there. An empty q means neutral.
+/// A joint to hold, and its coordinates there.
 struct LockedJoint {
-  std::string joint;
-  std::vector<double> q;
+  std::string joint;      ///< its name
+  std::vector<double> q;  ///< nq coordinates; empty means neutral
 };
 
 /// Returns the model with these joints rigid. They become joints of type "fixed" at the pose at which they are held. They keep their names, bodies,
@@ -19,7 +19,7 @@ struct LockedJoint {
 /// Joints, and parts of joints, that depend on a held joint are held where their coupling puts them, unless `lock` names them itself. If `lock`
 /// names a dependent joint, its q holds it; if that q is empty, its coupling does, with the master at its own q in `lock` or at neutral. Dependent
 /// parts of a named joint are always held by their couplings, and q has only the numbers of its other parts.
-/// Throws Error(model) for a joint that does not exist or is named twice, Error(size) for a q of the wrong size.
+/// Throws Error(model) for a joint that does not exist or is named twice, Error(size) for a q of the wrong size, Error(argument) for an empty name.
 DYN_API Model reduce(const Model& model, const JointRegistry& registry, const std::vector<LockedJoint>& lock);
 
 /// Returns the model with all joints rigid at neutral, except those named in `keep` and the joints on which these depend. Throws Error(model) for a

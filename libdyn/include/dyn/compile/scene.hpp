@@ -9,6 +9,7 @@
 
 namespace dyn {
 
+/// The wanted parts of a model. By default all is wanted.
 struct Scene {
   /// Joints, bodies or frames whose motion is wanted. If empty, all are wanted, and nothing is left out. If a joint shares its name with a body or
   /// frame, the name means the body or frame.

@@ -13,9 +13,10 @@
 
 namespace dyn {
 
+/// The outcome of one check.
 struct ConformanceFinding {
-  std::string check;
-  bool passed;
+  std::string check;   ///< what was checked
+  bool passed;         ///< true if the error is within the bound
   double error;        ///< largest error found, relative to max(1, size of the quantity); infinite if a result was not finite
   double bound;        ///< largest error allowed
   std::string detail;  ///< where the largest error occurred, or what was found
@@ -24,9 +25,9 @@ struct ConformanceFinding {
 /// Returns the number of heap allocations of the calling thread so far. Only the program can count them, not a library.
 using AllocationCount = std::function<long()>;
 
-/// Makes plausible parameters from a type's schema. A parameter with an author's example gets that example. Otherwise a vector without a unit gets a
-/// random direction (no two of the first three are nearly parallel), numbers are positive, and a list of joints gets two joints. Optional parameters
-/// without an example are given for even seeds only. Throws Error(parameter) if an example does not fit its kind.
+/// Makes plausible parameters from a type's schema. A parameter with an author's example gets that example; an empty example leaves it out. Otherwise
+/// a vector without a unit gets a random direction (no two of the first three are nearly parallel), numbers are positive, and a list of joints gets
+/// two joints. Optional parameters without an example are given for even seeds only. Throws Error(parameter) if an example does not fit its kind.
 DYN_API Parameters exampleParameters(const JointTypeInfo& info, std::uint64_t seed);
 
 /// Runs every check on the joint with these parameters. `registry` provides the other joints of the model in the dynamics checks, and the parts of a

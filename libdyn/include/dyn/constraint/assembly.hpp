@@ -6,16 +6,18 @@
 
 namespace dyn {
 
+/// How projectConfiguration and assemble iterate.
 struct AssemblySettings {
   double tolerance = 1e-10;  ///< [m, rad] largest error of a row that counts as closed
-  int max_iterations = 100;
+  int max_iterations = 100;  ///< limit of Newton steps
 };
 
+/// Result of projectConfiguration.
 struct Assembly {
   VectorResult q;  ///< nq
-  double error;    ///< largest error of a row [m, rad]
+  double error;    ///< largest error of a row [m, rad]; infinity if one is NaN
   bool closed;     ///< error <= tolerance
-  int iterations;
+  int iterations;  ///< Newton steps taken
 };
 
 namespace detail {
@@ -32,7 +34,7 @@ DYN_API void assemble(const CompactModel&, Data&, const VectorOut& q, Constraint
 /// Moves q to a configuration where the frames of constraints with a target coincide, and couplings and locks hold. Takes Newton steps in the
 /// tangent space, the shortest in the metric of the kinetic energy, and halves a step that would increase the error. Iteration stops when no step
 /// reduces the error. Rows without a target (contacts) do not move to first order. Does not throw if q does not close: see `closed`.
-/// O(n + rows^3) a step.
+/// O(n + rows^3) a step. Needs Need::mass_matrix for a model with dependent joints. Throws Error(size | argument | singular).
 inline Assembly projectConfiguration(const CompactModel& model, Data& data, const VectorArg& q, ConstraintData& constraints,
                                      const AssemblySettings& settings = {}) {
   const detail::AssemblyViews x = detail::projectConfiguration(model, data, q, constraints, settings);
@@ -46,6 +48,7 @@ inline void assemble(const CompactModel& model, Data& data, const VectorOut& q, 
 }
 
 /// Returns the velocity with J v = 0 that is nearest to v in the metric of the kinetic energy: the velocity after an impact without restitution.
+/// Costs and throws as impulseDynamics.
 inline VectorResult projectVelocity(const CompactModel& model, Data& data, const VectorArg& q, const VectorArg& v, ConstraintData& constraints) {
   return impulseDynamics(model, data, q, v, 0.0, constraints).v_after;
 }

@@ -30,16 +30,20 @@ class DYN_API ConstraintSet {
   ConstraintSet(const ConstraintSet&) = default;
   ConstraintSet& operator=(const ConstraintSet&) = default;
 
+  /// Returns the model to which the constraints belong.
   const CompactModel& model() const { return model_; }
-  /// Total number of rows: the size of lambda.
+  /// Returns the total number of rows: the size of lambda.
   int rows() const;
+  /// Returns the number of constraints.
   int count() const;
-  /// Description, first row and number of rows of one constraint. Throws Error(argument) for a number out of range.
+  /// Returns the description, the first row or the number of rows of one constraint. Throws Error(argument) for a number out of range.
+  /// @{
   const ConstraintDescription& description(int constraint) const;
   int firstRow(int constraint) const;
   int rows(int constraint) const;
+  /// @}
 
-  const PackedConstraints& impl() const { return *impl_; }
+  const PackedConstraints& impl() const { return *impl_; }  ///< implementation, internal to libdyn
 
  private:
   CompactModel model_;
@@ -60,7 +64,7 @@ struct ConstraintSettings {
 /// Scratch and results of a set of constraints, for one thread. The constructor takes all memory.
 class DYN_API ConstraintData {
  public:
-  /// Derivatives of constrained dynamics need Need::derivatives.
+  /// Takes the memory that `needs` asks for. Derivatives of constrained dynamics need Need::derivatives.
   explicit ConstraintData(const ConstraintSet& set, Need needs = Need::state);
   ~ConstraintData();
   ConstraintData(ConstraintData&&) noexcept;
@@ -68,13 +72,17 @@ class DYN_API ConstraintData {
   ConstraintData(const ConstraintData&) = delete;
   ConstraintData& operator=(const ConstraintData&) = delete;
 
+  /// Returns the constraints.
   const ConstraintSet& set() const;
-  ConstraintSettings settings;
+  ConstraintSettings settings;  ///< may be changed between calls
 
-  /// Memory taken, in bytes.
+  /// Returns the memory taken, in bytes.
   std::size_t bytes() const;
+  /// Returns the implementation, which is internal to libdyn.
+  /// @{
   ConstraintDataImpl& impl() { return *impl_; }
   const ConstraintDataImpl& impl() const { return *impl_; }
+  /// @}
 
  private:
   Owned<ConstraintDataImpl> impl_;

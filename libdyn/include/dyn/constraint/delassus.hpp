@@ -15,7 +15,8 @@ DYN_API void applyDelassus(const CompactModel&, Data&, ConstraintData&, VectorVi
 }  // namespace detail
 
 /// Computes the Delassus matrix, rows x rows [1/kg, 1/(kg m^2)], symmetric and positive semidefinite.
-/// O(n + d rows^2) for d degrees of freedom between constraints and the world. Featherstone 2010. Throws Error(size | argument | singular).
+/// O(n + d rows^2) for d degrees of freedom between constraints and the world. Featherstone 2010. A model with dependent joints factors M instead,
+/// O(n^3), and needs Need::mass_matrix. Throws Error(size | argument | singular).
 inline MatrixResult computeDelassusMatrix(const CompactModel& model, Data& data, const VectorArg& q, ConstraintData& constraints) {
   const int rows = constraints.set().rows();
   return {detail::delassusMatrix(model, data, q, constraints), rows, rows};
@@ -28,16 +29,16 @@ inline MatrixResult computeOperationalSpaceInertia(const CompactModel& model, Da
   return {detail::operationalSpaceInertia(model, data, q, constraints), rows, rows};
 }
 
-/// The Delassus matrix at one q as an operator, without forming it: O(n) a product. The operator keeps references to its arguments.
-/// No other algorithm may use this Data or ConstraintData between construction and the last product.
+/// The Delassus matrix at one q as an operator, without forming it: O(n) a product, or O(n^2 + n rows) for a model with dependent joints. The
+/// operator keeps references to its arguments. No other algorithm may use this Data or ConstraintData between construction and the last product.
 class DelassusOperator {
  public:
-  /// O(n). Throws as computeDelassusMatrix.
+  /// Prepares the products at q. O(n). A model with dependent joints factors M, O(n^3). Throws as computeDelassusMatrix.
   DelassusOperator(const CompactModel& model, Data& data, const VectorArg& q, ConstraintData& constraints)
       : model_(model), data_(data), constraints_(constraints) {
     detail::prepareDelassus(model, data, q, constraints);
   }
-  /// out = J M^-1 J^T x. Both vectors have `rows` numbers, and they may be the same.
+  /// Writes out = J M^-1 J^T x. Both vectors have `rows` numbers, and they may be the same. Throws Error(size).
   void apply(const VectorArg& x, const VectorOut& out) const { detail::applyDelassus(model_, data_, constraints_, x, out); }
 
  private:

@@ -6,19 +6,27 @@
 
 namespace dyn {
 
-/// Derivatives of constraintDynamics: of ddq nv x nv, of lambda rows x nv; those w.r.t. q are in its tangent space. With redundant rows they are
-/// derivatives of the least-norm forces for changes that keep the rank.
+/// Results and derivatives of constraintDynamics. Derivatives by q are in its tangent space. With redundant rows the derivatives are those of the
+/// least-norm forces, for changes that keep the rank.
 struct ConstraintDynamicsDerivatives {
-  VectorResult ddq, lambda;
-  MatrixResult ddq_dq, ddq_dv, ddq_dtau;
-  MatrixResult lambda_dq, lambda_dv, lambda_dtau;
+  VectorResult ddq,        ///< accelerations, nv
+      lambda;              ///< forces of the rows, as in ConstrainedMotion
+  MatrixResult ddq_dq,     ///< of ddq by q, nv x nv
+      ddq_dv,              ///< of ddq by v, nv x nv
+      ddq_dtau;            ///< of ddq by tau, nv x nv
+  MatrixResult lambda_dq,  ///< of lambda by q, rows x nv
+      lambda_dv,           ///< of lambda by v, rows x nv
+      lambda_dtau;         ///< of lambda by tau, rows x nv
 };
 
-/// Derivatives of impulseDynamics w.r.t. q and the velocity before the impact, with the same shapes.
+/// Results and derivatives of impulseDynamics by q, in its tangent space, and by v, the velocity before the impact.
 struct ImpulseDynamicsDerivatives {
-  VectorResult v_after, impulse;
-  MatrixResult v_after_dq, v_after_dv;
-  MatrixResult impulse_dq, impulse_dv;
+  VectorResult v_after,     ///< velocities, nv
+      impulse;              ///< impulses of the rows, as in ConstrainedImpact
+  MatrixResult v_after_dq,  ///< of v_after by q, nv x nv
+      v_after_dv;           ///< of v_after by v, nv x nv
+  MatrixResult impulse_dq,  ///< of impulse by q, rows x nv
+      impulse_dv;           ///< of impulse by v, rows x nv
 };
 
 namespace detail {
@@ -44,7 +52,7 @@ inline ConstraintDynamicsDerivatives computeConstraintDynamicsDerivatives(const 
           {x.motion_dtau, n, n}, {x.lambda_dq, r, n}, {x.lambda_dv, r, n}, {x.lambda_dtau, r, n}};
 }
 
-/// Computes the derivatives of impulseDynamics in the same way, with the same needs.
+/// Computes the derivatives of impulseDynamics in the same way, with the same needs. Throws as impulseDynamics.
 inline ImpulseDynamicsDerivatives computeImpulseDynamicsDerivatives(const CompactModel& model, Data& data, const VectorArg& q, const VectorArg& v,
                                                                     double restitution, ConstraintData& constraints) {
   const detail::ConstrainedDerivativeViews x = detail::impulseDynamicsDerivatives(model, data, q, v, restitution, constraints);

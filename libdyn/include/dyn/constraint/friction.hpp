@@ -22,32 +22,36 @@ struct FrictionCone {
   int coordinate = 0;      ///< for joint friction: which of the joint's degrees of freedom
 };
 
+/// How contactStep and contactForces iterate.
 struct ContactSettings {
-  double tolerance = 1e-9;  ///< [m/s] for velocities, and for changes of impulses times the largest row sum of the Delassus matrix
-  int max_iterations = 2000;
-  double restitution = 0;  ///< of approaching normal velocities where the gap is closed, in [0, 1]
+  /// [m/s; in contactForces m/s^2] Largest error of velocities, and of changes of impulses times the largest row sum of the Delassus matrix.
+  double tolerance = 1e-9;
+  int max_iterations = 2000;  ///< limit of iterations, after which the last forces are returned
+  double restitution = 0;     ///< of approaching normal velocities where the gap is closed, in [0, 1]
 };
 
-/// How well the conditions are satisfied. Each force is exactly within its cone.
+/// How well the conditions are satisfied. Each force is exactly within its cone. Normal velocities count from the bound that gap and restitution set.
 struct ContactResidual {
   double penetration;      ///< [m/s] largest normal velocity into the other body, or velocity of a row that no cone names
   double complementarity;  ///< [J] largest |impulse . (velocity + friction |slip| normal)| of a contact: normal and dissipation conditions at once
 };
 
+/// Result of contactStep.
 struct ContactStep {
-  VectorResult v_after;   ///< nv
-  VectorResult impulse;   ///< rows [N s, N m s]
-  VectorResult velocity;  ///< rows [m/s, rad/s], after the step, as contactStep constrains them
-  ContactResidual residual;
-  bool converged;
-  int iterations;
+  VectorResult v_after;      ///< nv velocities [rad/s, m/s]
+  VectorResult impulse;      ///< of the rows [N s, N m s]
+  VectorResult velocity;     ///< of the rows [m/s, rad/s], after the step, as contactStep constrains them
+  ContactResidual residual;  ///< of the returned impulses
+  bool converged;            ///< the tolerance was reached
+  int iterations;            ///< of the solver; 0 if all contacts hold
 };
 
+/// Result of contactForces.
 struct ContactForces {
-  VectorResult lambda;  ///< rows [N, N m]
-  VectorResult left;    ///< nv: generalised force that lambda cannot explain
-  bool converged;
-  int iterations;
+  VectorResult lambda;  ///< of the rows [N, N m]
+  VectorResult left;    ///< nv: generalised force [N m, N] that lambda cannot explain
+  bool converged;       ///< the tolerance was reached
+  int iterations;       ///< of the solver
 };
 
 /// Describes a point contact: `point`, in the axes of `frame`, touches the body of `other`. `normal` is that of the other's surface, in the axes of
@@ -75,6 +79,7 @@ DYN_API ContactViews contactForces(const CompactModel&, Data&, VectorView q, Vec
 /// J v = 0 along the motion, dJ/dt v included. If all contacts hold, the factors of the Delassus matrix give the solution without iterations.
 /// Otherwise the alternating direction method with de Saxce's correction finds it (Carpentier, Le Lidec, Montaut 2024). Forces need not be unique.
 /// O(n + rows^3 + iterations rows^2). Throws Error(argument | size | singular), but not if it does not converge: see `converged` and the residual.
+/// Needs Need::mass_matrix for a model with dependent joints, as contactForces does.
 inline ContactStep contactStep(const CompactModel& model, Data& data, const VectorArg& q, const VectorArg& v, const VectorArg& tau, double dt,
                                ConstraintData& constraints, const std::vector<FrictionCone>& cones, const ContactSettings& settings = {}) {
   const detail::ContactViews x = detail::contactStep(model, data, q, v, tau, dt, constraints, cones.data(), cones.size(), settings);

@@ -17,8 +17,8 @@ struct BatchImpl;
 template <class T>
 class DYN_API BasicBatchData {
  public:
-  /// Throws Error(argument) unless capacity and threads are positive, and if the system gives fewer threads. Throws Error(memory) if the machine has
-  /// less memory than the batch needs.
+  /// Takes memory for the results that `needs` names, and starts threads - 1 threads. Throws Error(argument) unless capacity and threads are
+  /// positive, and if the system gives fewer threads. Throws Error(memory) if the machine has less memory than the batch needs.
   BasicBatchData(const CompactModel& model, int capacity, Need needs = Need::state, int threads = 1);
   ~BasicBatchData();
   BasicBatchData(BasicBatchData&&) noexcept;
@@ -26,21 +26,22 @@ class DYN_API BasicBatchData {
   BasicBatchData(const BasicBatchData&) = delete;
   BasicBatchData& operator=(const BasicBatchData&) = delete;
 
-  int capacity() const;
-  int threads() const;
-  /// Returns how many states one instruction computes.
-  int lanes() const;
-  /// Returns the size in bytes.
-  std::size_t bytes() const;
+  int capacity() const;       ///< largest number of states
+  int threads() const;        ///< number of threads, the caller's included
+  int lanes() const;          ///< number of states that one instruction computes
+  std::size_t bytes() const;  ///< size in bytes
 
+  /// Returns the implementation, which is internal to libdyn.
+  /// @{
   BatchImpl<T>& impl() { return *impl_; }
   const BatchImpl<T>& impl() const { return *impl_; }
+  /// @}
 
  private:
   Owned<BatchImpl<T>> impl_;
 };
 
-using BatchData = BasicBatchData<double>;
-using BatchDataFloat = BasicBatchData<float>;
+using BatchData = BasicBatchData<double>;      ///< a batch that computes in double
+using BatchDataFloat = BasicBatchData<float>;  ///< a batch that computes in float
 
 }  // namespace dyn

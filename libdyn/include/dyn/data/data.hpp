@@ -11,10 +11,11 @@ namespace dyn {
 
 struct DataImpl;
 
-/// Scratch and results for one thread and one model. The constructor allocates all memory and throws Error(memory) if the machine has less.
+/// Scratch and results for one thread and one model. It shares the model, which may go out of scope before it.
 /// Calls that throw, and numbers that are not finite, leave nothing behind: the next call gives the results that it would give with new Data.
 class DYN_API Data {
  public:
+  /// Allocates all memory, with that for the results that `needs` names. Throws Error(memory) if the machine has less.
   explicit Data(const CompactModel& model, Need needs = Need::state);
   ~Data();
   Data(Data&&) noexcept;
@@ -22,11 +23,13 @@ class DYN_API Data {
   Data(const Data&) = delete;
   Data& operator=(const Data&) = delete;
 
-  /// Returns the size in bytes.
-  std::size_t bytes() const;
+  std::size_t bytes() const;  ///< size in bytes
 
+  /// Returns the implementation, which is internal to libdyn.
+  /// @{
   DataImpl& impl() { return *impl_; }
   const DataImpl& impl() const { return *impl_; }
+  /// @}
 
  private:
   Owned<DataImpl> impl_;

@@ -18,17 +18,18 @@
 
 namespace dyn {
 
-/// Only one caller may use a pool at a time. A child of fork() has none of its parent's threads, so its first call starts as many anew, and
-/// allocates.
+/// A pool of threads with one Data each. Only one caller may use a pool at a time. A child of fork()
+/// has none of its parent's threads, so its first call starts as many anew, and allocates.
 class DYN_API DataPool {
  public:
-  /// Throws Error(argument) unless threads is positive, and if the system gives fewer threads.
+  /// Allocates a Data for each thread, and starts threads - 1 threads. Throws Error(argument) unless threads is positive, and if the system gives
+  /// fewer threads. Throws Error(memory) if the machine has less memory than the Data need.
   explicit DataPool(const CompactModel& model, Need needs = Need::state, int threads = 1);
   ~DataPool();
   DataPool(DataPool&&) noexcept;
   DataPool& operator=(DataPool&&) noexcept;
 
-  int threads() const;
+  int threads() const;  ///< number of threads, the caller's included
 
   /// Calls f(data, k), or f(data, k, thread) if f has scratch of its own per thread, for each k in [0, count). Each thread has its own Data and a
   /// contiguous range of k. Returns when all calls are done. If f throws for some k, the other states are computed all the same, and the exception

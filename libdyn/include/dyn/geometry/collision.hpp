@@ -10,24 +10,25 @@ namespace dyn {
 
 /// A contact of a pair of geometries a and b, in world coordinates.
 struct Contact {
-  int pair = 0;
-  Vec3<double> position;  ///< midpoint between the contact points of the two surfaces
+  int pair = 0;           ///< its index in pairs()
+  Vec3<double> position;  ///< [m] midpoint between the contact points of the two surfaces
   Vec3<double> normal;    ///< unit, from a towards b; moving b along it by `depth` separates b from a
-  double depth = 0;       ///< [m]
+  double depth = 0;       ///< [m] by which they overlap
 };
 
-// These functions use the placements of the last updateGeometryPlacements. A pair whose bounding spheres or boxes do not meet costs only that test.
-// All throw Error(argument) if the data belongs to another geometry.
-
 /// Returns whether one pair collides. Throws Error(argument) for a number out of range.
+///
+/// This and the functions below use the placements of the last updateGeometryPlacements. A pair whose bounding spheres or boxes do not meet costs
+/// only that test. All throw Error(argument) if the data belongs to another geometry.
 DYN_API bool computeCollision(const GeometryModel& geometry, GeometryData& data, int pair);
 /// Returns whether any pair collides. Stops at the first one found, which firstCollision() then returns.
 DYN_API bool anyCollision(const GeometryModel& geometry, GeometryData& data);
-DYN_API int firstCollision(const GeometryData& data);  ///< -1 if the last anyCollision() found none
-/// Returns the pairs that collide, in the order of pairs().
+/// Returns the index of the pair that the last anyCollision() found; -1 if it found none.
+DYN_API int firstCollision(const GeometryData& data);
+/// Returns the indices of the pairs that collide, in the order of pairs(). The data owns the vector; the next call overwrites it.
 DYN_API const std::vector<int>& computeCollisions(const GeometryModel& geometry, GeometryData& data);
 /// Returns contacts of all pairs that collide, in the order of pairs(). Meshes and voxels give one contact for each two pieces (triangles, cubes)
-/// that meet. Contacts for which the data has no room are left out.
+/// that meet. Contacts for which the data has no room are left out. The data owns the vector; the next call overwrites it.
 DYN_API const std::vector<Contact>& computeContacts(const GeometryModel& geometry, GeometryData& data);
 
 struct GeometryBatchImpl;
@@ -36,14 +37,16 @@ struct GeometryBatchImpl;
 /// threads.
 class DYN_API GeometryBatch {
  public:
-  /// Throws Error(argument) unless capacity and threads are positive.
+  /// Takes memory for at most `capacity` states, and starts the threads. Throws Error(argument) unless both numbers are positive, and if
+  /// the system gives fewer threads.
   GeometryBatch(const CompactModel& model, const GeometryModel& geometry, int capacity, int threads = 1);
   ~GeometryBatch();
   GeometryBatch(GeometryBatch&&) noexcept;
   GeometryBatch& operator=(GeometryBatch&&) noexcept;
 
+  /// Returns the largest number of states of one call.
   int capacity() const;
-  GeometryBatchImpl& impl() { return *impl_; }
+  GeometryBatchImpl& impl() { return *impl_; }  ///< implementation, internal to libdyn
 
  private:
   Owned<GeometryBatchImpl> impl_;

@@ -9,18 +9,20 @@ namespace dyn {
 
 /// The distance of a pair of geometries a and b, in world coordinates: nearest_b - nearest_a = distance * normal.
 struct Distance {
-  int pair = -1;
-  double distance = 0;  ///< [m]; if negative, the two overlap, and moving b by -distance along the normal makes them just touch
-  Vec3<double> normal;  ///< unit, from a towards b
-  Vec3<double> nearest_a, nearest_b;
+  int pair = -1;           ///< its index in pairs(); -1: there is no pair
+  double distance = 0;     ///< [m]; if negative, the two overlap, and moving b by -distance along the normal makes them just touch
+  Vec3<double> normal;     ///< unit, from a towards b
+  Vec3<double> nearest_a,  ///< [m] nearest point on a's surface
+      nearest_b;           ///< [m] nearest point on b's surface
 };
 
-// These functions use the placements of the last updateGeometryPlacements. Overlapping meshes and voxels have the distance of the two pieces
-// (triangles, cubes) that overlap deepest. Two half-spaces have distance -infinity unless they are parallel and face each other.
-
 /// Returns the distance of one pair. Throws Error(argument) for a number out of range.
+///
+/// This and the functions below use the placements of the last updateGeometryPlacements, and throw Error(argument) for data of another geometry.
+/// Overlapping meshes and voxels have the distance of the two pieces (triangles, cubes) that overlap deepest. Two half-spaces have distance -infinity
+/// unless they are parallel and face each other.
 DYN_API Distance computeDistance(const GeometryModel& geometry, GeometryData& data, int pair);
-/// Returns the distances of all pairs, in the order of pairs().
+/// Returns the distances of all pairs, in the order of pairs(). The data owns the vector; the next call overwrites it.
 DYN_API const std::vector<Distance>& computeDistances(const GeometryModel& geometry, GeometryData& data);
 /// Returns the smallest distance of all pairs, the first of several. Without pairs it has pair = -1 and distance = infinity. Bounding spheres rule
 /// out most pairs.

@@ -22,8 +22,11 @@ class DYN_API GeometryData {
   GeometryData(const GeometryData&) = delete;
   GeometryData& operator=(const GeometryData&) = delete;
 
+  /// Returns the implementation, which is internal to libdyn.
+  /// @{
   GeometryDataImpl& impl() { return *impl_; }
   const GeometryDataImpl& impl() const { return *impl_; }
+  /// @}
 
  private:
   Owned<GeometryDataImpl> impl_;

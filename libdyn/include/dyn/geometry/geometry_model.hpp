@@ -15,62 +15,82 @@ struct GeometryImpl;
 
 /// Two names of geometries or bodies. A body stands for all its geometries.
 struct PairName {
-  std::string a, b;
+  std::string a,  ///< one name
+      b;          ///< the other name; the order does not matter
 };
 
+/// Which pairs compileGeometry() takes, and where it looks for files.
 struct GeometryOptions {
+  /// The pairs to begin with.
   enum class Pairs {
-    all,  ///< except pairs of one rigid body, of neighbours, and pairs that the description disables
-    none
+    all,  ///< all pairs except those of one rigid body, of neighbours, and those that the description disables
+    none  ///< no pair
   };
-  enum class Missing { refuse, skip };
+  /// How files that do not exist are treated.
+  enum class Missing {
+    refuse,  ///< throws one Error(file) that names all of them
+    skip     ///< leaves their geometries out, with a line in the report for each
+  };
 
-  Pairs pairs = Pairs::all;
-  std::vector<PairName> add{}, remove{};  ///< applied after `pairs`, in this order; a pair added by name is checked whatever its bodies
+  Pairs pairs = Pairs::all;     ///< pairs to begin with
+  std::vector<PairName> add{},  ///< pairs to add to `pairs`, whatever their bodies
+      remove{};                 ///< pairs to leave out after that
   /// Folders that contain packages, or package folders themselves, for "package://". ROS_PACKAGE_PATH and AMENT_PREFIX_PATH are searched after them.
   std::vector<std::string> packages{};
-  Missing missing = Missing::refuse;  ///< for files that do not exist: an error that names all of them, or lines in the report
+  Missing missing = Missing::refuse;  ///< for files that pairs need and that do not exist
 };
 
 /// A geometry that belongs to a pair.
 struct GeometryRecord {
-  std::string name;
-  std::string body;
+  std::string name;       ///< as described
+  std::string body;       ///< name of the described body that it is on
   int joint = 0;          ///< its number in the CompactModel; 0 if the geometry does not move
   SE3<double> placement;  ///< in the joint's frame
 };
 
-/// Indices of two geometries, the smaller one first.
+/// A pair of geometries that is checked, by their indices, the smaller one first.
 struct CollisionPair {
-  int a = 0, b = 0;
+  int a = 0,  ///< index in geometries()
+      b = 0;  ///< index in geometries()
 };
 
-/// Says what was left out and why.
+/// Numbers of what compileGeometry() has kept and left out, and why.
 struct GeometryReport {
-  int described = 0, kept = 0;                             ///< geometries in the description, visual ones included, and in the compiled model
-  int pairs = 0;                                           ///< pairs of collision geometries that are checked
-  int rigid = 0, adjacent = 0, disabled = 0, removed = 0;  ///< left out: of one rigid body, of neighbours, disabled, removed by name
-  int files_read = 0, files_not_needed = 0;
+  int described = 0,                 ///< geometries in the description, visual ones included
+      kept = 0;                      ///< geometries in the compiled model
+  int pairs = 0;                     ///< pairs of collision geometries that are checked
+  int rigid = 0,                     ///< pairs left out because they are on one rigid body
+      adjacent = 0,                  ///< pairs left out because their bodies are neighbours
+      disabled = 0,                  ///< pairs left out because the description disables them
+      removed = 0;                   ///< pairs removed by name
+  int files_read = 0,                ///< files that were read
+      files_not_needed = 0;          ///< files of geometries that are in no pair
   std::vector<std::string> missing;  ///< geometries whose file does not exist, each with its uri
   std::vector<std::string> lines;    ///< the whole report in words
 };
 
-/// Immutable, cheap to copy and shareable between threads.
+/// Compiled geometries and the pairs to check. Immutable, cheap to copy and shareable between threads.
 class DYN_API GeometryModel {
  public:
+  /// Wraps compiled contents; compileGeometry() calls it.
   explicit GeometryModel(std::shared_ptr<const GeometryImpl> impl);
   /// Moving copies, which is as cheap, so that no model is ever empty.
   GeometryModel(const GeometryModel&) = default;
   GeometryModel& operator=(const GeometryModel&) = default;
 
+  /// Returns the geometries, pairs or report.
+  /// @{
   const std::vector<GeometryRecord>& geometries() const;
   const std::vector<CollisionPair>& pairs() const;
   const GeometryReport& report() const;
-  /// Index of a geometry by name, and of a pair by its geometries' names in any order; -1 if there is none.
+  /// @}
+  /// Returns the index of a geometry by name, or of a pair by its geometries' names in any order; -1 if there is none.
+  /// @{
   int geometryId(const std::string& name) const;
   int pairId(const std::string& a, const std::string& b) const;
+  /// @}
 
-  const GeometryImpl& impl() const { return *impl_; }
+  const GeometryImpl& impl() const { return *impl_; }  ///< implementation, internal to libdyn
 
  private:
   std::shared_ptr<const GeometryImpl> impl_;

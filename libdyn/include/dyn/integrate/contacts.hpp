@@ -49,16 +49,23 @@ class DYN_API ContactFinder {
   /// The columns of `velocities`, nv rows, occur during the next `seconds`; the function bounds the motion by them.
   using Look = std::function<Approach(VectorResult q, MatrixResult velocities, double seconds)>;
 
+  /// Makes an empty finder, which finds nothing and must not be called.
   ContactFinder() = default;
+  /// Makes a finder of a function that ignores the reach: find(q, found) appends to `found`. The finder does not look ahead.
   template <class F>
     requires std::is_invocable_v<F&, VectorResult, std::vector<ContactPoint>&>
   ContactFinder(F find)  // NOLINT: a function is one
       : find_([find = std::move(find)](const VectorResult& q, double, std::vector<ContactPoint>& found) mutable { find(q, found); }) {}
+  /// Makes a finder that looks ahead, unless `look` is empty.
   ContactFinder(Find find, Look look) : find_(std::move(find)), look_(std::move(look)) {}
 
+  /// Returns whether there is a function to call.
   explicit operator bool() const { return static_cast<bool>(find_); }
+  /// Appends the contact points at q (nq) to `found`. Points farther away than `reach` [m] may be missing.
   void operator()(const VectorResult& q, std::vector<ContactPoint>& found, double reach = 0) const { find_(q, reach, found); }
+  /// Returns whether approach() may be called.
   bool looksAhead() const { return static_cast<bool>(look_); }
+  /// Calls the Look with these arguments.
   Approach approach(const VectorResult& q, const MatrixResult& velocities, double seconds) const { return look_(q, velocities, seconds); }
 
  private:
@@ -66,7 +73,7 @@ class DYN_API ContactFinder {
   Look look_;
 };
 
-/// Makes a finder that reports the contacts of both finders. It looks ahead if both do.
+/// Makes a finder that reports the contacts of both finders. It looks ahead if both do. If one finder is empty, returns the other.
 DYN_API ContactFinder together(const ContactFinder& a, const ContactFinder& b);
 
 /// Makes a finder of contacts between the origins of these frames and the plane normal . x = height [m], in world axes. Throws Error(argument) for an

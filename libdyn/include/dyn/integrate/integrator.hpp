@@ -22,18 +22,20 @@ enum class Integrator {
   variational,          ///< discrete Lagrangian of the midpoint: symplectic, conserves momentum maps (Marsden and West 2001)
 };
 
+/// Properties of an integrator.
 struct IntegratorInfo {
-  Integrator integrator;
-  const char* name;
-  int order;
-  bool adaptive;  ///< the step size follows a tolerance
-  bool implicit;  ///< every step solves equations: by Newton's method with analytic derivatives, or by iteration in the variational method
+  Integrator integrator;  ///< the method
+  const char* name;       ///< as the enumerator is spelled
+  int order;              ///< order of the global error in the step size
+  bool adaptive;          ///< the step size follows a tolerance
+  bool implicit;          ///< every step solves equations: by Newton's method with analytic derivatives, or by iteration in the variational method
 };
 
-/// All integrators, in the order of the enumeration.
+/// Returns all integrators, in the order of the enumeration.
 DYN_API const std::vector<IntegratorInfo>& integrators();
+/// Returns the properties of one integrator.
 inline const IntegratorInfo& infoOf(Integrator integrator) { return integrators()[static_cast<std::size_t>(integrator)]; }
-/// Throws Error(argument), which lists the known names, if no integrator has this name.
+/// Returns the integrator of this name. Throws Error(argument), which lists the known names, if there is none.
 DYN_API Integrator integratorByName(const std::string& name);
 
 }  // namespace dyn

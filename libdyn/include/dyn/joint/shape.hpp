@@ -19,9 +19,10 @@ enum class Shape : std::int32_t {
   dense,           ///< pose: R (9), p (3); subspace: S (6 x nv, column after column); bias: (dS/dt) v
 };
 
-constexpr int max_joint_nv = 6;
-constexpr int max_joint_nq = 7;
+constexpr int max_joint_nv = 6;  ///< the largest number of degrees of freedom of a joint
+constexpr int max_joint_nq = 7;  ///< the largest number of coordinates of a joint
 
+/// Returns how many `pose` components a joint of this shape has.
 constexpr int poseSize(Shape shape) {
   switch (shape) {
     case Shape::revolute:

@@ -7,19 +7,21 @@
 
 namespace dyn {
 
-/// 6x6 Jacobian of SE(3): [[diagonal, upper], [0, diagonal]].
+/// 6 x 6 Jacobian of SE(3), [[diagonal, upper], [0, diagonal]].
 template <class S>
 struct Jacobian6 {
-  Mat3<S> diagonal, upper;
+  Mat3<S> diagonal,  ///< both blocks on the diagonal
+      upper;         ///< upper right block
 };
 
-/// Exponential of a twist (v, w) held for unit time: R = exp(w), p = V(w) v with V the left Jacobian of SO(3).
+/// Returns the exponential of a twist (v, w) [m, rad], held for unit time: R = exp(w), p = V(w) v with V the left Jacobian of SO(3).
 template <class S>
 SE3<S> exp6(const Motion<S>& m) {
   return {exp3(m.angular), transposeTimes(Jexp3(m.angular), m.linear)};
 }
 
-/// Logarithm of a transform; the first form takes a rotation vector that is already known.
+/// Returns the logarithm of a transform, a twist [m, rad]. The first form takes a rotation vector [rad] that is already known.
+/// @{
 template <class S>
 Motion<S> log6(const Vec3<S>& rotation, const Vec3<S>& p) {
   return {transposeTimes(Jlog3(rotation), p), rotation};
@@ -28,10 +30,11 @@ template <class S>
 Motion<S> log6(const SE3<S>& X) {
   return log6(log3(X.R), X.p);
 }
+/// @}
 
-/// Right Jacobian of exp6 (Barfoot 2017, eq. 7.86, with the signs of both arguments changed). Barfoot's products of up to four matrices are expanded
-/// with s = v . w. This removes the high powers of the angle, and with them the cancellation at large angles:
-/// Q = -b [v] + c (v w' + w v') + s ((c - b) 1 - f [w] - g w w').
+/// Returns the right Jacobian of exp6 (Barfoot 2017, eq. 7.86, with the signs of both arguments changed). Barfoot's products of up to four
+/// matrices are expanded with s = v . w. This removes the high powers of the angle, and with them the cancellation at large angles:
+/// Q = -b [v] + c (v w' + w v') + s ((c - b) 1 - f [w] - g w w') is the upper block.
 template <class S>
 Jacobian6<S> Jexp6(const Motion<S>& m) {
   const Vec3<S>&v = m.linear, &w = m.angular;
@@ -45,7 +48,8 @@ Jacobian6<S> Jexp6(const Motion<S>& m) {
   return {Jexp3(w), Q};
 }
 
-/// Inverse of Jexp6 at m = log6(X). D is Jlog3 at m's angular part.
+/// Returns the inverse of Jexp6 at m = log6(X). D is Jlog3 at m's angular part; the second form computes it.
+/// @{
 template <class S>
 Jacobian6<S> Jlog6(const Motion<S>& m, const Mat3<S>& D) {
   return {D, S(-1) * (D * Jexp6(m).upper * D)};
@@ -54,18 +58,20 @@ template <class S>
 Jacobian6<S> Jlog6(const Motion<S>& m) {
   return Jlog6(m, Jlog3(m.angular));
 }
+/// @}
 
-/// Jlog6 at -m from Jlog6 at m: both blocks are transposed.
+/// Returns Jlog6 at -m from Jlog6 at m: both blocks are transposed.
 template <class S>
 Jacobian6<S> opposite(const Jacobian6<S>& Jlog) {
   return {transpose(Jlog.diagonal), transpose(Jlog.upper)};
 }
 
-/// Matrix of the action on motions, in the same block form: [[R, [p]R], [0, R]].
+/// Returns the matrix of the action on motions, in the same block form: [[R, [p]R], [0, R]].
 template <class S>
 Jacobian6<S> actionMatrix(const SE3<S>& X) {
   return {X.R, skew(X.p) * X.R};
 }
+/// Returns the matrix product, which has the same block form.
 template <class S>
 Jacobian6<S> operator*(const Jacobian6<S>& a, const Jacobian6<S>& b) {
   return {a.diagonal * b.diagonal, a.diagonal * b.upper + a.upper * b.diagonal};

@@ -15,9 +15,9 @@
 
 namespace dyn {
 
-/// Sum of four squares, correct to rounding if S is a number or a pack, since a rotation matrix inherits its whole error. Each number is split into a
-/// leading part and a rest (Rump, Ogita, Oishi 2008). Leading parts have so few digits, relative to the largest number, that their squares and the
-/// sum of these are exact.
+/// Returns the sum of four squares, correct to rounding if S is a number or a pack, since a rotation matrix inherits its whole error. Each number is
+/// split into a leading part and a rest (Rump, Ogita, Oishi 2008). Leading parts have so few digits, relative to the largest number, that their
+/// squares and the sum of these are exact.
 template <class S>
 S sumOfSquares(const S& x, const S& y, const S& z, const S& w) {
   using T = Real<S>;
@@ -34,13 +34,19 @@ S sumOfSquares(const S& x, const S& y, const S& z, const S& w) {
   }
 }
 
+/// Quaternion of a rotation, the unit rotation by default.
 template <class S>
 struct Quaternion {
+  /// Vector part (x, y, z) and scalar part w.
+  /// @{
   S x{}, y{}, z{}, w{1};
+  /// @}
 
+  /// Returns the vector part.
   Vec3<S> vec() const { return {x, y, z}; }
+  /// Returns the conjugate. For a unit quaternion it is the opposite rotation.
   Quaternion conjugate() const { return {-x, -y, -z, w}; }
-  /// The terms are summed in pairs that cancel exactly in conj(q) q.
+  /// Returns the product, the rotation b followed by a. The terms are summed in pairs that cancel exactly in conj(q) q.
   friend Quaternion operator*(const Quaternion& a, const Quaternion& b) {
     return {(a.w * b.x + a.x * b.w) + (a.y * b.z - a.z * b.y), (a.w * b.y + a.y * b.w) + (a.z * b.x - a.x * b.z),
             (a.w * b.z + a.z * b.w) + (a.x * b.y - a.y * b.x), (a.w * b.w - a.x * b.x) - (a.y * b.y + a.z * b.z)};
@@ -54,8 +60,8 @@ struct Quaternion {
     const S n = sqrt(a * a + b * b + c * c + d * d);
     return {a / n, b / n, c / n, d / n};
   }
-  /// Rotation matrix of a quaternion of any norm but zero. The products are divided by the squared norm, which saves one rounding over normalising
-  /// first. The quaternion is normalised first only where the squared norm would overflow or lose digits.
+  /// Returns the rotation matrix of a quaternion of any norm but zero. The products are divided by the squared norm, which saves one rounding over
+  /// normalising first. The quaternion is normalised first only where the squared norm would overflow or lose digits.
   Mat3<S> matrix() const {
     const S n2 = sumOfSquares(x, y, z, w);
     const auto ordinary = both(n2 > S(1e-30), n2 < S(1e30));
@@ -77,7 +83,7 @@ struct Quaternion {
   }
 };
 
-/// Unit quaternion with w >= 0 of a rotation matrix (Shepperd 1978: divides by the largest component).
+/// Returns the unit quaternion with w >= 0 of a rotation matrix (Shepperd 1978: divides by the largest component).
 template <class S>
 Quaternion<S> quaternionOf(const Mat3<S>& R) {
   const S t = R(0, 0) + R(1, 1) + R(2, 2);
@@ -147,7 +153,9 @@ struct RotationCoefficients {
   S f;  ///< (a - 2 b) / t^2
   S g;  ///< (3 c - b) / t^2
 
+  /// Takes coefficients that are known.
   RotationCoefficients(const S& a_, const S& b_, const S& c_, const S& f_, const S& g_) : a(a_), b(b_), c(c_), f(f_), g(g_) {}
+  /// Computes the coefficients for t2 = t^2 [rad^2].
   explicit RotationCoefficients(const S& t2) {
     using std::sin, std::sqrt;
     a = detail::sinc(t2);
@@ -168,18 +176,21 @@ struct RotationCoefficients {
   }
 };
 
-/// sin(x/2)^2, where x2 = x^2: half of 1 - cos x, without cancellation.
+/// Returns sin(x/2)^2, half of 1 - cos x, without cancellation; x2 is x^2 [rad^2].
 template <class S>
 S quarterVersine(const S& x2) {
   const S a = detail::sinc(S(0.25) * x2);
   return S(0.25) * x2 * a * a;
 }
 
-// Beyond two radians the rounding of |w| alone costs several roundings of the result, so |w| and its sine are computed in extended precision there.
+/// Tells whether |w| >= 2 rad (isLargeRotation), or returns w in extended precision. The rounding of such an angle alone costs several roundings of
+/// the result, so |w| and its sine are computed in extended precision there.
+/// @{
 inline bool isLargeRotation(const Vec3<double>& w) { return dot(w, w) >= 4; }
 inline Vec3<long double> extended(const Vec3<double>& w) { return {w.x, w.y, w.z}; }
+/// @}
 
-/// Coefficients at the angle |w|.
+/// Returns the coefficients at the angle |w| of a rotation vector [rad].
 template <class S>
 RotationCoefficients<S> rotationCoefficients(const Vec3<S>& w) {
   if constexpr (std::is_same_v<S, double>) {
@@ -192,7 +203,7 @@ RotationCoefficients<S> rotationCoefficients(const Vec3<S>& w) {
   return RotationCoefficients<S>(dot(w, w));
 }
 
-/// exp: rotation vector [rad] to unit quaternion.
+/// Returns the unit quaternion of a rotation vector [rad].
 template <class S>
 Quaternion<S> expQuaternion(const Vec3<S>& w) {
   if constexpr (std::is_same_v<S, double>) {
@@ -210,7 +221,7 @@ Quaternion<S> expQuaternion(const Vec3<S>& w) {
   return {s * w.x, s * w.y, s * w.z, c};
 }
 
-/// exp: rotation vector to rotation matrix, 1 + a [w] + b [w]^2.
+/// Returns the rotation matrix of a rotation vector [rad], 1 + a [w] + b [w]^2.
 template <class S>
 Mat3<S> exp3(const Vec3<S>& w) {
   const RotationCoefficients<S> k = rotationCoefficients(w);
@@ -221,7 +232,9 @@ Mat3<S> exp3(const Vec3<S>& w) {
            bx * w.z - ay, by * w.z + ax, S(1) - (bx * w.x + by * w.y)}};
 }
 
-/// Logarithm of a unit quaternion: the rotation vector, of norm at most pi. q and -q give the same vector.
+/// Returns the rotation vector [rad] of a unit quaternion or a rotation matrix, of norm at most pi. q and -q give the same vector unless q.w is zero:
+/// then the norm is pi and the two vectors are opposite.
+/// @{
 template <class S>
 Vec3<S> log3(const Quaternion<S>& q) {
   using std::atan2, std::sqrt;
@@ -237,13 +250,13 @@ Vec3<S> log3(const Quaternion<S>& q) {
   const S n = sqrt(n2);
   return (S(2) * atan2(n, w) / n) * v;
 }
-
 template <class S>
 Vec3<S> log3(const Mat3<S>& R) {
   return log3(quaternionOf(R));
 }
+/// @}
 
-/// Right Jacobian of exp: exp(w + d) = exp(w) exp(J d + ...), with J = 1 - b [w] + c [w]^2 (Sola et al. 2018, eq. 143).
+/// Returns the 3 x 3 right Jacobian of exp: exp(w + d) = exp(w) exp(J d + ...), with J = 1 - b [w] + c [w]^2 (Sola et al. 2018, eq. 143).
 template <class S>
 Mat3<S> Jexp3(const Vec3<S>& w) {
   const RotationCoefficients<S> k = rotationCoefficients(w);
@@ -261,7 +274,8 @@ Mat3<S> Jexp3(const Vec3<S>& w) {
   return J;
 }
 
-/// (1 - t/2 cot(t/2)) / t^2, the last coefficient of the inverse Jacobian. It is regular at 0 and unbounded at 2 pi.
+/// Returns g = (1 - t/2 cot(t/2)) / t^2, the last coefficient of the inverse Jacobian, for t2 = t^2 [rad^2].
+/// It is regular at 0 and unbounded at 2 pi.
 template <class S>
 S inverseCoefficient(const S& t2) {
   using std::cos, std::sin, std::sqrt;
@@ -274,7 +288,7 @@ S inverseCoefficient(const S& t2) {
   return (S(1) - h * cos(h) / sin(h)) / t2;
 }
 
-/// Inverse of Jexp3: log(exp(w) exp(d)) = w + J d + ..., with J = 1 + [w]/2 + g [w]^2.
+/// Returns the inverse of Jexp3: log(exp(w) exp(d)) = w + J d + ..., with J = 1 + [w]/2 + g [w]^2.
 template <class S>
 Mat3<S> Jlog3(const Vec3<S>& w) {
   const S t2 = dot(w, w), g = inverseCoefficient(t2);

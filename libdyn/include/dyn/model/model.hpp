@@ -13,44 +13,48 @@ namespace dyn {
 
 /// A body and the joint that carries it. The body's frame is the joint's frame after the joint's motion.
 struct BodyDescription {
-  std::string name{};
-  int parent = 0;  ///< index of the parent body, smaller than the body's own; 0 is the world
-  JointDescription joint{};
-  Inertia<double> inertia{};
-  Where where{};
+  std::string name{};         ///< unique among the model's bodies and frames
+  int parent = 0;             ///< index of the parent body, smaller than the body's own; 0 is the world
+  JointDescription joint{};   ///< connects the parent to the body
+  Inertia<double> inertia{};  ///< in the body's frame
+  Where where{};              ///< where the description was read, for messages
 };
 
 /// A named frame fixed to a body.
 struct FrameDescription {
-  std::string name{};
-  int body = 0;
+  std::string name{};       ///< unique among the model's bodies and frames
+  int body = 0;             ///< index in Model::bodies
   SE3<double> placement{};  ///< pose in the body's frame
 };
 
-/// Parents come before their children in `bodies`. bodies[0] is the world, called "universe".
+/// The description of a robot, which compile() turns into a CompactModel. Parents come before their children in `bodies`. bodies[0] is the world,
+/// called "universe".
 struct DYN_API Model {
-  std::string name;
-  Vec3<double> gravity{0, 0, -9.81};  ///< in the world [m/s^2]
-  std::vector<BodyDescription> bodies;
-  std::vector<FrameDescription> frames;            ///< in addition to the frame of each body
-  std::vector<ConstraintDescription> constraints;  ///< of the mechanism itself: closed loops, gears
-  std::vector<GeometryDescription> geometries;
-  std::vector<DisabledCollision> disabled_collisions;
-  std::vector<std::string> notes;  ///< what a parser ignored or found odd, each once
+  std::string name;                                    ///< the robot's name
+  Vec3<double> gravity{0, 0, -9.81};                   ///< in the world [m/s^2]
+  std::vector<BodyDescription> bodies;                 ///< the world and all bodies
+  std::vector<FrameDescription> frames;                ///< in addition to the frame of each body
+  std::vector<ConstraintDescription> constraints;      ///< of the mechanism itself: closed loops, gears
+  std::vector<GeometryDescription> geometries;         ///< volumes on bodies and in the world
+  std::vector<DisabledCollision> disabled_collisions;  ///< pairs that compileGeometry() leaves out
+  std::vector<std::string> notes;                      ///< what a parser ignored or found odd, each once
 
+  /// Makes a model that has only the world.
   Model();
 
-  /// Appends a body; returns its index. Throws Error(argument) for a parent that does not exist.
-  /// compile() finds names that are used twice.
+  /// Appends a body; returns its index. Throws Error(argument) for a parent that does not exist, Error(model) if `bodies` is empty. compile()
+  /// finds names that are used twice.
   int addBody(const std::string& body, int parent, JointDescription joint, const Inertia<double>& inertia = {});
-  /// Appends a frame; returns its index in `frames`. Throws as addBody.
+  /// Appends a frame at `placement` in the body's frame; returns its index in `frames`. Throws Error(argument) for a body that does not exist.
   int addFrame(const std::string& frame, int body, const SE3<double>& placement);
-  /// Appends a volume for collision; returns its index in `geometries`. Throws as addBody.
+  /// Appends a volume for collision; returns its index in `geometries`. Throws as addFrame.
   int addGeometry(const std::string& geometry, int body, const SE3<double>& placement, GeometryShape shape);
-  /// Index of the body with that name, and of the body carried by the joint with that name; -1 if there is none.
+  /// Return the index of the body with that name, and of the body carried by the joint with that name; -1 if there is none. O(n).
+  /// @{
   int findBody(const std::string& body) const;
   int findJoint(const std::string& joint) const;
-  /// Index of the collision geometry of that name; -1 if there is none.
+  /// @}
+  /// Returns the index of the collision geometry of that name; -1 if there is none. O(geometries).
   int findGeometry(const std::string& geometry) const;
 };
 

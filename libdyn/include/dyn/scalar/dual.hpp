@@ -12,14 +12,15 @@
 
 namespace dyn {
 
-/// Computes sine and cosine together. For packs and duals this costs hardly more than one of the two.
+/// Computes sine and cosine of an angle [rad] together. For packs and duals this costs hardly more than one of the two.
 template <class S>
 void sincos(const S& angle, S& sine, S& cosine) {
   using std::cos, std::sin;
   sine = sin(angle);
   cosine = cos(angle);
 }
-/// Large angles are computed in a wider type: the C library's own reduction modulo pi / 2 leaves errors of up to 15 u next to some multiples.
+/// Computes sine and cosine of a plain number [rad]. Where |angle| >= 1e5 a wider type is used: the C library's own reduction modulo pi / 2
+/// leaves errors of up to 15 u next to some multiples.
 template <std::floating_point T>
 void sincos(const T& angle, T& sine, T& cosine) {
   using Wide = std::conditional_t<std::is_same_v<T, float>, double, long double>;
@@ -32,17 +33,24 @@ void sincos(const T& angle, T& sine, T& cosine) {
   }
 }
 
+/// A value with its derivative in one direction.
 template <class T>
 struct Dual {
-  T v{}, d{};
+  T v{},    ///< value
+      d{};  ///< derivative
 
   Dual() = default;
+  /// Takes a value and its derivative. A number alone is a constant, whose derivative is zero.
+  /// @{
   Dual(const T& value) : v(value) {}  // NOLINT: a number is a constant dual
   Dual(const T& value, const T& derivative) : v(value), d(derivative) {}
   template <class A>
     requires(std::is_arithmetic_v<A> && !std::is_same_v<A, T>)
   Dual(A value) : v(static_cast<T>(value)) {}  // NOLINT
+  /// @}
 
+  /// Computes sums, differences, products and quotients with their derivatives.
+  /// @{
   friend Dual operator+(const Dual& a, const Dual& b) { return {a.v + b.v, a.d + b.d}; }
   friend Dual operator-(const Dual& a, const Dual& b) { return {a.v - b.v, a.d - b.d}; }
   friend Dual operator-(const Dual& a) { return {-a.v, -a.d}; }
@@ -55,19 +63,25 @@ struct Dual {
   Dual& operator-=(const Dual& b) { return *this = *this - b; }
   Dual& operator*=(const Dual& b) { return *this = *this * b; }
   Dual& operator/=(const Dual& b) { return *this = *this / b; }
+  /// @}
 
-  // Comparisons compare the values alone. For packs the result is a mask.
+  /// Compares the values alone. For packs the result is a mask.
+  /// @{
   friend auto operator<(const Dual& a, const Dual& b) { return a.v < b.v; }
   friend auto operator>(const Dual& a, const Dual& b) { return a.v > b.v; }
   friend auto operator<=(const Dual& a, const Dual& b) { return a.v <= b.v; }
   friend auto operator>=(const Dual& a, const Dual& b) { return a.v >= b.v; }
   friend auto operator==(const Dual& a, const Dual& b) { return a.v == b.v; }
+  /// @}
+  /// Returns a or b, value and derivative, for each number of a pack separately.
   template <class Mask>
     requires(!std::is_same_v<Mask, bool>)
   friend Dual select(const Mask& condition, const Dual& a, const Dual& b) {
     return {select(condition, a.v, b.v), select(condition, a.d, b.d)};
   }
 
+  /// Computes the function and its derivative. Angles are in rad. The derivative of |a| at zero is that of a.
+  /// @{
   friend Dual sin(const Dual& a) {
     T s, c;
     sincos(a.v, s, c);
@@ -102,8 +116,10 @@ struct Dual {
     return {atan2(y.v, x.v), (x.v * y.d - y.v * x.d) / (x.v * x.v + y.v * y.v)};
   }
   friend Dual abs(const Dual& a) { return select(a.v < T(0), -a, a); }
+  /// @}
 };
 
+/// Computes sine and cosine of an angle [rad] with their derivatives.
 template <class T>
 void sincos(const Dual<T>& angle, Dual<T>& sine, Dual<T>& cosine) {
   T s, c;
@@ -112,13 +128,15 @@ void sincos(const Dual<T>& angle, Dual<T>& sine, Dual<T>& cosine) {
   cosine = Dual<T>(c, -(s * angle.d));
 }
 
+/// Constants and lanes of a dual are those of its value.
 template <class T>
 struct RealOf<Dual<T>> {
-  using type = Real<T>;
-  static constexpr int lanes = lanes_of<T>;
+  using type = Real<T>;                      ///< number type of constants
+  static constexpr int lanes = lanes_of<T>;  ///< numbers side by side
 };
 
-/// The plain number inside any scalar, for decisions that must not be differentiated.
+/// Returns the plain number inside a number or a dual, for decisions that must not be differentiated.
+/// @{
 inline double valueOf(double x) { return x; }
 inline double valueOf(float x) { return static_cast<double>(x); }
 inline double valueOf(long double x) { return static_cast<double>(x); }
@@ -126,5 +144,6 @@ template <class T>
 double valueOf(const Dual<T>& x) {
   return valueOf(x.v);
 }
+/// @}
 
 }  // namespace dyn

@@ -12,26 +12,27 @@
 
 namespace dyn {
 
+/// Operations that a recorder knows, on arguments a, b, c and d.
 enum class Operation : std::int32_t {
-  input,
-  constant,
-  add,
-  subtract,
-  multiply,
-  divide,
-  negate,
-  sqrt,
-  sin,
-  cos,
-  tan,
-  exp,
-  log,
-  atan2,
-  abs,
+  input,        ///< unknown value, given at evaluation
+  constant,     ///< known number
+  add,          ///< a + b
+  subtract,     ///< a - b
+  multiply,     ///< a b
+  divide,       ///< a / b
+  negate,       ///< -a
+  sqrt,         ///< square root of a
+  sin,          ///< sine of a [rad]
+  cos,          ///< cosine of a [rad]
+  tan,          ///< tangent of a [rad]
+  exp,          ///< e^a
+  log,          ///< natural logarithm of a
+  atan2,        ///< angle [rad] of the point with y = a, x = b
+  abs,          ///< |a|
   select_less,  ///< a < b ? c : d
 };
 
-/// Returns the number of arguments of an operation.
+/// Returns the number of arguments of an operation, 0 to 4.
 constexpr int arity(Operation o) {
   switch (o) {
     case Operation::input:
@@ -55,18 +56,22 @@ class Recorder;
 /// A known number, or the unknown value of a node in a recorder's graph.
 struct Traced {
   Recorder* recorder = nullptr;  ///< null for a known number
-  double value = 0;              ///< of a known number
-  std::uint32_t node = 0;        ///< of an unknown one
+  double value = 0;              ///< value of a known number
+  std::uint32_t node = 0;        ///< recorder's node of an unknown value
 
-  Traced() = default;
+  Traced() = default;  ///< Makes the known number 0.
+  /// Makes a known number.
   template <class A>
     requires std::is_arithmetic_v<A>
   Traced(A x) : value(static_cast<double>(x)) {}  // NOLINT: a number is a constant
 
+  /// Records or computes as the operators on two values do.
+  /// @{
   Traced& operator+=(const Traced& b);
   Traced& operator-=(const Traced& b);
   Traced& operator*=(const Traced& b);
   Traced& operator/=(const Traced& b);
+  /// @}
 };
 
 /// Records operations. Plugins call the recorder through this interface, so that they need not link to the library.
@@ -79,7 +84,7 @@ class Recorder {
   ~Recorder() = default;
 };
 
-/// a < b ? x : y. Scalars that record operations themselves bring their own overload.
+/// Returns a < b ? x : y. Scalars that record operations themselves bring their own overload.
 template <class S>
 S selectLess(const S& a, const S& b, const S& x, const S& y) {
   return select(a < b, x, y);
@@ -135,15 +140,20 @@ inline Traced trace(Operation operation, const Traced& a, const Traced& b = 0, c
 }
 }  // namespace detail
 
+/// Records an operation and returns its result. Operations on known numbers are computed at once.
+/// @{
 inline Traced operator+(const Traced& a, const Traced& b) { return detail::trace(Operation::add, a, b); }
 inline Traced operator-(const Traced& a, const Traced& b) { return detail::trace(Operation::subtract, a, b); }
 inline Traced operator*(const Traced& a, const Traced& b) { return detail::trace(Operation::multiply, a, b); }
 inline Traced operator/(const Traced& a, const Traced& b) { return detail::trace(Operation::divide, a, b); }
 inline Traced operator-(const Traced& a) { return detail::trace(Operation::negate, a); }
+/// @}
 inline Traced& Traced::operator+=(const Traced& b) { return *this = *this + b; }
 inline Traced& Traced::operator-=(const Traced& b) { return *this = *this - b; }
 inline Traced& Traced::operator*=(const Traced& b) { return *this = *this * b; }
 inline Traced& Traced::operator/=(const Traced& b) { return *this = *this / b; }
+/// Records a function of unknown values and returns the result. Functions of known numbers are computed at once. Angles are in rad.
+/// @{
 inline Traced sqrt(const Traced& a) { return detail::trace(Operation::sqrt, a); }
 inline Traced sin(const Traced& a) { return detail::trace(Operation::sin, a); }
 inline Traced cos(const Traced& a) { return detail::trace(Operation::cos, a); }
@@ -156,35 +166,48 @@ inline void sincos(const Traced& angle, Traced& sine, Traced& cosine) {
   sine = sin(angle);
   cosine = cos(angle);
 }
+/// @}
 
-/// Result of a comparison: a < b, or its negation. Code cannot branch on it, only pass it to select().
+/// Result of a comparison. Code cannot branch on it, only pass it to select().
 struct TracedCondition {
-  Traced a, b;
-  bool negated = false;
+  Traced a,              ///< left side of a < b
+      b;                 ///< right side of a < b
+  bool negated = false;  ///< true if the condition is !(a < b)
 };
+/// Makes a condition. a <= b stands for !(b < a), also where a value is NaN.
+/// @{
 inline TracedCondition operator<(const Traced& a, const Traced& b) { return {a, b, false}; }
 inline TracedCondition operator>(const Traced& a, const Traced& b) { return {b, a, false}; }
 inline TracedCondition operator<=(const Traced& a, const Traced& b) { return {b, a, true}; }
 inline TracedCondition operator>=(const Traced& a, const Traced& b) { return {a, b, true}; }
 inline TracedCondition operator!(const TracedCondition& c) { return {c.a, c.b, !c.negated}; }
+/// @}
+/// Records x where the condition holds, else y.
 inline Traced select(const TracedCondition& c, const Traced& x, const Traced& y) {
   return c.negated ? detail::trace(Operation::select_less, c.a, c.b, y, x) : detail::trace(Operation::select_less, c.a, c.b, x, y);
 }
+/// Combines conditions. Each selection in the combination is recorded.
+/// @{
 inline TracedCondition operator&(const TracedCondition& x, const TracedCondition& y) { return {0.5, select(x, select(y, 1, 0), 0)}; }
 inline TracedCondition operator|(const TracedCondition& x, const TracedCondition& y) { return {0.5, select(x, 1, select(y, 1, 0))}; }
 inline TracedCondition operator==(const Traced& a, const Traced& b) { return (a <= b) & (b <= a); }
 inline TracedCondition both(const TracedCondition& x, const TracedCondition& y) { return x & y; }
+/// @}
 /// While a condition is traced its value is unknown: allOf() is false and anyOf() is true, so the general code must be correct.
+/// @{
 inline bool allOf(const TracedCondition&) { return false; }
 inline bool anyOf(const TracedCondition&) { return true; }
+/// @}
 
+/// Traced values are not known yet.
 template <>
 inline constexpr bool is_symbolic<Traced> = true;
 
+/// Constants in computations with traced scalars are doubles.
 template <>
 struct RealOf<Traced> {
-  using type = double;
-  static constexpr int lanes = 1;
+  using type = double;             ///< number type of constants
+  static constexpr int lanes = 1;  ///< numbers side by side
 };
 
 }  // namespace dyn

@@ -8,23 +8,26 @@
 
 namespace dyn {
 
+/// A value with its derivatives along N directions.
 template <class T, int N>
 struct WideDual {
-  T v{};
+  T v{};                 ///< value
   std::array<T, N> d{};  ///< derivative of v along each direction
 
   WideDual() = default;
+  /// Makes a constant, whose derivatives are zero.
   template <class A>
     requires std::is_arithmetic_v<A>
   WideDual(A value) : v(static_cast<T>(value)) {}  // NOLINT: a number is a constant
 
-  /// A value with derivative 1 along one direction, and 0 along the others.
+  /// Returns a value with derivative 1 along one direction, 0 to N - 1, and 0 along the others. The direction is not checked.
   static WideDual variable(T value, int direction) {
     WideDual x(value);
     x.d[static_cast<std::size_t>(direction)] = T(1);
     return x;
   }
-  /// The chain rule: f(x), whose value and slope at x are given, or f(x, y) with both slopes.
+  /// Returns f(x) by the chain rule, from the value and the slope of f at x, or f(x, y) from both slopes.
+  /// @{
   static WideDual chain(const T& value, const T& slope, const WideDual& x) {
     WideDual out;
     out.v = value;
@@ -37,7 +40,10 @@ struct WideDual {
     for (std::size_t k = 0; k < N; ++k) out.d[k] = slope_x * x.d[k] + slope_y * y.d[k];
     return out;
   }
+  /// @}
 
+  /// Computes sums, differences, products and quotients with their derivatives.
+  /// @{
   friend WideDual operator+(const WideDual& a, const WideDual& b) { return chain(a.v + b.v, T(1), a, T(1), b); }
   friend WideDual operator-(const WideDual& a, const WideDual& b) { return chain(a.v - b.v, T(1), a, T(-1), b); }
   friend WideDual operator-(const WideDual& a) { return chain(-a.v, T(-1), a); }
@@ -50,8 +56,12 @@ struct WideDual {
   WideDual& operator-=(const WideDual& b) { return *this = *this - b; }
   WideDual& operator*=(const WideDual& b) { return *this = *this * b; }
   WideDual& operator/=(const WideDual& b) { return *this = *this / b; }
+  /// @}
+  /// Compares the values alone.
   friend bool operator<(const WideDual& a, const WideDual& b) { return a.v < b.v; }
 
+  /// Computes the function and its derivatives. Angles are in rad. The derivatives of |a| at zero are those of a.
+  /// @{
   friend WideDual sqrt(const WideDual& a) {
     using std::sqrt;
     const T r = sqrt(a.v);
@@ -85,6 +95,7 @@ struct WideDual {
     return chain(atan2(y.v, x.v), x.v * r, y, -y.v * r, x);
   }
   friend WideDual abs(const WideDual& a) { return a.v < T(0) ? -a : a; }
+  /// @}
 };
 
 }  // namespace dyn

@@ -6,56 +6,61 @@
 
 namespace dyn {
 
-/// Mass [kg], centre of mass in the body frame [m], rotational inertia about the centre of mass in body axes [kg m^2].
+/// Inertia of a rigid body, given in the body's frame; zero by default.
 template <class S>
 struct Inertia {
-  S mass{};
-  Vec3<S> com{};
-  Sym3<S> rotational{};
+  S mass{};              ///< mass [kg]
+  Vec3<S> com{};         ///< centre of mass [m]
+  Sym3<S> rotational{};  ///< rotational inertia about the centre of mass [kg m^2]
 
-  /// Momentum of the body that moves with v; both are at the frame's origin.
+  /// Returns the momentum of the body that moves with v. Both are at the frame's origin.
   friend Force<S> operator*(const Inertia& Y, const Motion<S>& v) {
     const Vec3<S> l = Y.mass * (v.linear + cross(v.angular, Y.com));
     return {l, Y.rotational * v.angular + cross(Y.com, l)};
   }
-  /// Inertia of two bodies welded together, both given in the same frame.
+  /// Returns the inertia of two bodies welded together, both given in the same frame. The centre of mass is zero if the masses add up to zero.
   friend Inertia operator+(const Inertia& a, const Inertia& b) {
     const S m = a.mass + b.mass;
     if (!(m > S(0)) && !(m < S(0))) return {m, {}, a.rotational + b.rotational};
     const S wa = a.mass / m, wb = b.mass / m;
     return {m, wa * a.com + wb * b.com, a.rotational + b.rotational + (a.mass * wb) * pointInertia(a.com - b.com)};
   }
-  /// The same inertia in frame a, where aMb is the pose of this inertia's frame b.
+  /// Returns the same inertia in frame a, where aMb is the pose of this inertia's frame b.
   Inertia transformed(const SE3<S>& aMb) const { return {mass, aMb.act(com), congruence(aMb.R, rotational)}; }
-  /// Rotational inertia about the frame's origin.
+  /// Returns the rotational inertia about the frame's origin [kg m^2].
   Sym3<S> rotationalAtOrigin() const { return rotational + mass * pointInertia(com); }
 };
 
+/// Returns the same inertia in another scalar.
 template <class To, class From>
 Inertia<To> cast(const Inertia<From>& Y) {
   return {static_cast<To>(Y.mass), cast<To>(Y.com), cast<To>(Y.rotational)};
 }
 
-/// Symmetric 6x6 inertia [[linear, coupling], [coupling^T, angular]]. It maps an acceleration to a force, both at the same origin (Featherstone 2008,
-/// ch. 7).
+/// Symmetric 6 x 6 inertia [[linear, coupling], [coupling^T, angular]], zero by default. It maps an acceleration to a force, both at the same origin
+/// (Featherstone 2008, ch. 7).
 template <class S>
 struct ArticulatedInertia {
-  Sym3<S> linear{};
-  Mat3<S> coupling{};
-  Sym3<S> angular{};
+  Sym3<S> linear{};    ///< maps linear acceleration to force [kg]
+  Mat3<S> coupling{};  ///< maps angular acceleration to force [kg m]
+  Sym3<S> angular{};   ///< maps angular acceleration to moment [kg m^2]
 
-  /// Inertia of a rigid body with first moment h = m c and rotational inertia about the origin.
+  /// Returns the inertia of a rigid body with first moment h = m c [kg m] and this rotational inertia about the origin [kg m^2].
   static ArticulatedInertia rigid(const S& mass, const Vec3<S>& h, const Sym3<S>& angularAtOrigin) {
     return {{mass, S(0), S(0), mass, S(0), mass}, {{S(0), h.z, -h.y, -h.z, S(0), h.x, h.y, -h.x, S(0)}}, angularAtOrigin};
   }
 
+  /// Returns the force for an acceleration.
   friend Force<S> operator*(const ArticulatedInertia& Y, const Motion<S>& a) {
     return {Y.linear * a.linear + Y.coupling * a.angular, transposeTimes(Y.coupling, a.linear) + Y.angular * a.angular};
   }
+  /// Adds entry by entry. Both inertias are in the same frame.
+  /// @{
   friend ArticulatedInertia operator+(const ArticulatedInertia& a, const ArticulatedInertia& b) {
     return {a.linear + b.linear, a.coupling + b.coupling, a.angular + b.angular};
   }
   ArticulatedInertia& operator+=(const ArticulatedInertia& b) { return *this = *this + b; }
+  /// @}
 
   /// Subtracts factor W W^T, one term of a projection.
   void subtractSquare(const Force<S>& W, const S& factor) {
@@ -67,7 +72,7 @@ struct ArticulatedInertia {
     angular = angular - Sym3<S>{b.x * d.x, b.x * d.y, b.x * d.z, b.y * d.y, b.y * d.z, b.z * d.z};
   }
 
-  /// The same inertia about another origin, with unchanged axes: r is the vector from the new origin to the old one.
+  /// Returns the same inertia about another origin, with unchanged axes: r is the vector from the new origin to the old one.
   /// With X the skew matrix of r: coupling' = coupling - linear X, angular' = angular + X coupling + (X coupling)^T - X linear X.
   ArticulatedInertia shifted(const Vec3<S>& r) const {
     ArticulatedInertia out;

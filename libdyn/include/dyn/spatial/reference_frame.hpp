@@ -4,10 +4,11 @@
 
 namespace dyn {
 
-/// A frame's velocity or Jacobian is expressed in
-///   LOCAL                the frame's axes, at the frame's origin
-///   WORLD                world axes, as the velocity of the body's point at the world's origin
-///   LOCAL_WORLD_ALIGNED  world axes, at the frame's origin
-enum class ReferenceFrame { LOCAL, WORLD, LOCAL_WORLD_ALIGNED };
+/// The axes and the point in which a frame's velocity, acceleration or Jacobian is expressed.
+enum class ReferenceFrame {
+  LOCAL,               ///< the frame's axes, at the frame's origin
+  WORLD,               ///< world axes, at the body's point that coincides with the world's origin
+  LOCAL_WORLD_ALIGNED  ///< world axes, at the frame's origin
+};
 
 }  // namespace dyn

@@ -9,10 +9,10 @@
 
 namespace dyn::srdf {
 
-/// Adds the file's <disable_collisions link1 link2 reason/> to model.disabled_collisions. Adds a note to model.notes for each link that the model
+/// Adds the file's `disable_collisions` elements to model.disabled_collisions. Adds a note to model.notes for each link that the model
 /// does not have. Ignores everything else in the file. Throws Error(file | syntax) and then leaves the model as it was.
 DYN_API void load(const std::string& path, Model& model);
-/// The same from a text, which messages call `name`. Throws Error(syntax).
+/// Does the same for a text, which messages call `name`. Throws Error(syntax).
 DYN_API void parse(const std::string& text, const std::string& name, Model& model);
 
 /// Returns the text of an SRDF with these pairs and nothing else.
