@@ -4,6 +4,8 @@
 #include "support/random_model.hpp"
 #include "support/registry.hpp"
 
+#include <dyn_sdk/joint_plugin.hpp>
+
 using namespace dyn;
 using namespace dyn::test;
 
@@ -83,6 +85,43 @@ TEST_CASE("a coupled model is the free one moved along its couplings", "[couplin
   CHECK(computeKineticEnergy(coupled, data, q, v) == approx(0.5 * v.dot(M * v)).epsilon(1e-12));
   const Eigen::MatrixXd Jcom = jacobianCenterOfMass(coupled, data, q), fJcom = jacobianCenterOfMass(free, free_data, fq);
   CHECK((Jcom - fJcom * G).norm() < 1e-12 * fJcom.norm());
+}
+
+namespace {
+
+/// A slide whose neutral position is 0.3 m, in a vector space otherwise.
+struct OffsetSlide : dyn::sdk::Joint<OffsetSlide, 1> {
+  static constexpr const char* name = "offset_slide";
+  static constexpr const char* summary = "a slide whose neutral position is 0.3 m";
+  static void neutral(double* q) { *q = 0.3; }
+  template <class S>
+  static SE3<S> pose(const S* q, const dyn::sdk::Constants&) {
+    SE3<S> X;
+    X.p.x = q[0];
+    return X;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a dependent joint moves by its coupling from its neutral position, whatever that is", "[coupling]") {
+  static const dyn::sdk::JointTypeOf<OffsetSlide> type;
+  JointRegistry mine = JointRegistry::standard();
+  mine.add(type);
+  Model model;
+  JointDescription master, slide;
+  master.name = "master";
+  master.type = "prismatic";
+  master.parameters["axis"] = std::vector<double>{0, 0, 1};
+  slide.name = "slide";
+  slide.type = "offset_slide";
+  slide.coupling = {"mimic", "master", {{"coefficients", std::vector<double>{0.1, 0.5}}}};
+  model.addBody("lift", 0, master, {1, {}, {1, 0, 0, 1, 0, 1}});
+  model.addBody("tip", 1, slide, {1, {}, {1, 0, 0, 1, 0, 1}});
+  const CompactModel compact = compile(model, mine);
+  Data data(compact);
+  forwardKinematics(compact, data, Eigen::VectorXd::Constant(1, 0.8));
+  CHECK(framePlacement(compact, data, compact.frameId("tip")).p.x == approx(0.3 + 0.1 + 0.5 * 0.8));
 }
 
 TEST_CASE("couplings in a circle and couplings to nothing are refused by name", "[coupling]") {

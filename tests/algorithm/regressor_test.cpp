@@ -59,6 +59,10 @@ TEST_CASE("bodies that cannot be are told from those that can", "[regressor]") {
   CHECK_FALSE(physicalConsistency({1, {}, {1, 0, 0, 1, 0, 2.1}}).consistent);
   CHECK_FALSE(physicalConsistency({0, {}, {1, 0, 0, 1, 0, 1}}).consistent);
   CHECK_FALSE(physicalConsistency({-1, {}, {1, 0, 0, 1, 0, 1}}).consistent);
+  const double infinity = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
+  CHECK_FALSE(physicalConsistency({infinity, {}, {1, 0, 0, 1, 0, 1}}).consistent);
+  CHECK_FALSE(physicalConsistency({1, {nan, 0, 0}, {1, 0, 0, 1, 0, 1}}).consistent);
+  CHECK_FALSE(physicalConsistency({1, {0, 0, infinity}, {}}).consistent);
   CHECK_FALSE(physicalConsistency({1, {}, {1, 5, 0, 1, 0, 1}}).consistent);
   CHECK_FALSE(physicalConsistency({1, {}, {std::nan(""), 0, 0, 1, 0, 1}}).consistent);
   CHECK_THROWS_WITH(inertiaFromDynamicParameters({0, 1, 0, 0, 0, 0, 0, 0, 0, 0}), containing("first moment"));

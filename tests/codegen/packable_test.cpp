@@ -79,6 +79,14 @@ bool isOrder(const Graph& graph, const Schedule& found) {
 
 }  // namespace
 
+TEST_CASE("a run whose number has no lane is refused", "[packable]") {
+  GraphBuilder builder;
+  builder.packable([&] {
+    CHECK_THROWS_AS(builder.run(-1), Error);
+    CHECK_THROWS_AS(builder.run(most_packable), Error);
+  });
+}
+
 TEST_CASE("operations of runs of the same code go abreast", "[codegen]") {
   GraphBuilder builder;
   std::vector<Traced> x, y(3);

@@ -178,6 +178,10 @@ TEST_CASE("kinematics of a batch are those of single states", "[batch]") {
     }
   }
   CHECK_THROWS_WITH(framePlacement(model, batch, 0, 11), containing("state 11"));
+  forwardKinematics(model, batch, s.q.leftCols(5), s.v.leftCols(5), s.a.leftCols(5));
+  CHECK_NOTHROW(framePlacement(model, batch, 0, 4));
+  CHECK_THROWS_WITH(framePlacement(model, batch, 0, 5), containing("state 5") && containing("had 5"));
+  CHECK_THROWS_WITH(frameAcceleration(model, batch, 0, 5, ReferenceFrame::LOCAL), containing("state 5"));
   const CompactModel larger = compile(randomTree(registry(), 200, 7), registry());
   const int last = static_cast<int>(larger.frames().size()) - 1;
   CHECK_THROWS_WITH(framePlacement(larger, batch, last, 0), containing("framePlacement") && containing("another model"));

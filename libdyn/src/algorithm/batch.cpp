@@ -132,6 +132,7 @@ void batchKinematics(const CompactModel& model, BasicBatchData<T>& data, StatesV
     if (v.data) block.velocities = numbersOf<6>(d, d.velocities, 0, first);
     if (a.data) block.accelerations = numbersOf<6>(d, d.accelerations, 0, first);
   });
+  d.states = static_cast<int>(q.cols);
   d.stage = a.given ? KinematicsStage::accelerations : v.given ? KinematicsStage::velocities : KinematicsStage::poses;
   fail(entry.function, model.impl(), run.failure, q);
 }
@@ -166,8 +167,9 @@ namespace {
 
 template <int N, class T>
 void pick(const BatchImpl<T>& d, const PackMemory& memory, int body, int state, T* out) {
-  if (state < 0 || state >= d.capacity)
-    throw Error(ErrorCode::argument, "state " + std::to_string(state) + " does not exist; the batch has " + std::to_string(d.capacity));
+  if (state < 0 || state >= d.states)
+    throw Error(ErrorCode::argument,
+                "state " + std::to_string(state) + " does not exist; the last forwardKinematics had " + std::to_string(d.states));
   const T* from = numbersOf<N>(d, memory, body, state);
   for (int k = 0; k < N; ++k) out[k] = from[k * d.kernels->lanes];
 }

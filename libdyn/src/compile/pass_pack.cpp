@@ -2,6 +2,7 @@
 #include "at.hpp"
 #include "compile/compact_impl.hpp"
 #include "compile/draft.hpp"
+#include "joint/coordinate.hpp"
 #include "joint/processor.hpp"
 
 #include <algorithm>
@@ -185,6 +186,11 @@ class ModelPacker {
       for (int k = 0; k < batch.count; ++k)
         for (int c = 0; c < batch.constant_count; ++c)
           batch.constants[at(c * batch.count + k)] = draft_.bodies[at(batch.bodies[at(k)])].constants[at(c)];
+      double q[max_joint_nq];
+      for (int k = 0; batch.adds && k < batch.count; ++k) {
+        neutralOf(batch.placeOf(k), q);
+        batch.adds = std::all_of(q, q + batch.nq, [](double x) { return x == 0; });
+      }
     }
   }
 

@@ -48,6 +48,8 @@ std::vector<ConformanceFinding> checkCouplingType(const CouplingType& type, cons
     }
   } catch (const std::exception& e) {
     findings.push_back({"parameters", false, std::numeric_limits<double>::infinity(), 0, e.what()});
+  } catch (...) {
+    findings.push_back({"parameters", false, std::numeric_limits<double>::infinity(), 0, "threw something that is no std::exception"});
   }
   return findings;
 }

@@ -98,6 +98,7 @@ struct BatchImpl {
   StateMatrices<T> by_q, by_v, by_a;      ///< with Need::derivatives
   std::vector<T> maps[4];                 ///< 6 * nv numbers per state, with Need::derivatives
   KinematicsStage stage = KinematicsStage::nothing;
+  int states = 0;                               ///< the number of states that reached the stage
   PackMemory poses, velocities, accelerations;  ///< ordered by block of `lanes` states, body, number, state
 
   int blocks() const { return (capacity + kernels->lanes - 1) / kernels->lanes; }

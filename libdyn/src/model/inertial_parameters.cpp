@@ -67,7 +67,8 @@ LogCholeskyParameters logCholesky(const PseudoInertia& J) {
 PhysicalConsistency physicalConsistency(const Inertia<double>& Y) {
   const Sym3<double>& I = Y.rotational;
   const double size = std::max({std::fabs(I.xx), std::fabs(I.yy), std::fabs(I.zz), std::fabs(I.xy), std::fabs(I.xz), std::fabs(I.yz)});
-  if (!(Y.mass >= 0) || !std::isfinite(size)) return {false, -1};
+  const double first_moment = Y.mass * (std::fabs(Y.com.x) + std::fabs(Y.com.y) + std::fabs(Y.com.z));
+  if (!(Y.mass >= 0) || !std::isfinite(first_moment) || !std::isfinite(size)) return {false, -1};
   if (size == 0) return {true, 0};
   if (Y.mass == 0) return {false, -1};
   const Eigen::Vector3d moments = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(toEigen(I), Eigen::EigenvaluesOnly).eigenvalues();

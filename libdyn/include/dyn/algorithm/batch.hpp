@@ -136,9 +136,9 @@ void forwardKinematics(const CompactModel& model, BasicBatchData<T>& data, const
 }
 /// @}
 
-/// Returns a frame's pose in the world, spatial velocity or spatial acceleration in one state, as the last forwardKinematics found it. O(1). The
-/// state must be one of that call, but only the capacity is checked. Throws Error(argument) for a frame or state number out of range, for a batch of
-/// another model or without Need::kinematics, and if the last forwardKinematics had no V or A where one is needed.
+/// Returns a frame's pose in the world, spatial velocity or spatial acceleration in one state, as the last forwardKinematics found it. O(1).
+/// Throws Error(argument) for a frame number out of range, a state that the last forwardKinematics did not have, a batch of another model or without
+/// Need::kinematics, and if the last forwardKinematics had no V or A where one is needed.
 /// @{
 template <class T>
 DYN_API SE3<T> framePlacement(const CompactModel& model, const BasicBatchData<T>& data, int frame, int state);

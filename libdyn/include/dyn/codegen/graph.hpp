@@ -73,7 +73,7 @@ class DYN_API GraphBuilder final : public Recorder {
   /// before the first step, or after a negative number. A run that knows some values as constants records fewer operations; gaps are found where
   /// sequences differ.
   void packable(const std::function<void()>& runs);
-  /// Begins run k, which is at least 0 and below most_packable, outside any step. The number is not checked.
+  /// Begins run k outside any step. Throws Error(argument) unless k is at least 0 and below most_packable.
   void run(int k);
   /// Begins or resumes a step of the current run; a negative number ends the current step. Outside a run this does nothing.
   void step(int number);

@@ -178,7 +178,7 @@ struct RotationCoefficients {
 
 /// Returns sin(x/2)^2, half of 1 - cos x, without cancellation; x2 is x^2 [rad^2].
 template <class S>
-S quarterVersine(const S& x2) {
+S haversine(const S& x2) {
   const S a = detail::sinc(S(0.25) * x2);
   return S(0.25) * x2 * a * a;
 }
@@ -217,7 +217,7 @@ Quaternion<S> expQuaternion(const Vec3<S>& w) {
   // For tiny w, t2 underflows; sin(t/2) / t is then 1/2, as it should be.
   const S h2 = S(0.25) * t2;
   const S s = S(0.5) * detail::sinc(h2);
-  const S c = valueOf(h2) < 1 ? S(1) - S(2) * quarterVersine(h2) : cos(S(0.5) * sqrt(t2));
+  const S c = valueOf(h2) < 1 ? S(1) - S(2) * haversine(h2) : cos(S(0.5) * sqrt(t2));
   return {s * w.x, s * w.y, s * w.z, c};
 }
 

@@ -40,7 +40,7 @@ struct PhysicalConsistency {
 };
 /// Finds whether a body of positive density can have an inertia. A principal second moment is half the trace of the rotational inertia about the
 /// centre of mass, minus a principal moment. The margin is negative where the triangle inequality is violated, and zero for a rod, a disc or a point.
-/// With mass zero it is 0 if the rotational inertia is zero, else -1. It is -1 for a negative mass. The centre of mass is not looked at.
+/// With mass zero it is 0 if the rotational inertia is zero, else -1. It is -1 for a negative mass and for numbers that are not finite.
 DYN_API PhysicalConsistency physicalConsistency(const Inertia<double>& Y);
 
 }  // namespace dyn
