@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The compiled model.
+#include "description.hpp"
+
+#include <dyn/compile/compile.hpp>
+
+#include <pybind11/eigen.h>
+#include <pybind11/stl.h>
+
+namespace dyn::python {
+
+namespace {
+
+using Locks = std::map<std::string, std::optional<std::variant<double, std::vector<double>>>>;
+
+Eigen::VectorXd arrayOf(const std::vector<double>& x) { return Eigen::Map<const Eigen::VectorXd>(x.data(), static_cast<Eigen::Index>(x.size())); }
+
+/// A dictionary of the slices that joints have in q or v.
+py::dict slicesOf(const CompactModel& model, int JointRecord::*first, int JointRecord::*count) {
+  py::dict out;
+  for (const JointRecord& joint : model.joints())
+    if (joint.*count > 0) out[py::str(joint.name)] = py::slice(joint.*first, joint.*first + joint.*count, 1);
+  return out;
+}
+
+}  // namespace
+
+void addCompactModel(py::module_& m) {
+  py::class_<JointRecord>(m, "JointRecord", "A joint of a compiled model.")
+      .def_readonly("name", &JointRecord::name)
+      .def_readonly("type", &JointRecord::type)
+      .def_readonly("parent", &JointRecord::parent, "The index of the joint that carries this one.")
+      .def_readonly("idx_q", &JointRecord::idx_q, "The index of its first coordinate in q.")
+      .def_readonly("idx_v", &JointRecord::idx_v, "The index of its first velocity in v.")
+      .def_readonly("nq", &JointRecord::nq)
+      .def_readonly("nv", &JointRecord::nv)
+      .def("__repr__", [](const JointRecord& j) { return "<joint '" + j.name + "' of type " + j.type + ">"; });
+  py::class_<FrameRecord>(m, "FrameRecord", "A frame of a compiled model.")
+      .def_readonly("name", &FrameRecord::name)
+      .def_readonly("joint", &FrameRecord::joint, "The index of the joint whose body carries it.")
+      .def_readonly("placement", &FrameRecord::placement, "The pose in the joint's frame.")
+      .def("__repr__", [](const FrameRecord& f) { return "<frame '" + f.name + "'>"; });
+
+  py::class_<CompactModel>(m, "CompactModel", "A compiled model: immutable, and shared freely between threads.")
+      .def_property_readonly("name", &CompactModel::name)
+      .def_property_readonly("nq", &CompactModel::nq, "The number of coordinates.")
+      .def_property_readonly("nv", &CompactModel::nv, "The number of degrees of freedom.")
+      .def_property_readonly("njoints", &CompactModel::njoints, "The number of joints that can move, plus one for the world.")
+      .def_property_readonly("mass", &CompactModel::mass, "The mass of all moving bodies [kg].")
+      .def_property_readonly(
+          "gravity", [](const CompactModel& x) { return Eigen::Vector3d(x.gravity().x, x.gravity().y, x.gravity().z); }, "[m/s^2]")
+      .def_property_readonly("joints", &CompactModel::joints, "All joints; 0 is the world.")
+      .def_property_readonly("frames", &CompactModel::frames, "All frames; 0 is the world.")
+      .def(
+          "joint", [](const CompactModel& x, const std::string& name) { return x.joints()[static_cast<std::size_t>(x.jointId(name))]; },
+          py::arg("name"), "Returns the record of a joint.")
+      .def(
+          "frame", [](const CompactModel& x, const std::string& name) { return x.frames()[static_cast<std::size_t>(x.frameId(name))]; },
+          py::arg("name"), "Returns the record of a frame.")
+      .def("joint_id", &CompactModel::jointId, py::arg("name"), "Returns the index of a joint.")
+      .def("frame_id", &CompactModel::frameId, py::arg("name"), "Returns the index of a frame.")
+      .def_property_readonly(
+          "q_index", [](const CompactModel& x) { return slicesOf(x, &JointRecord::idx_q, &JointRecord::nq); },
+          "A dictionary: the slice of q with the coordinates of each joint.")
+      .def_property_readonly(
+          "v_index", [](const CompactModel& x) { return slicesOf(x, &JointRecord::idx_v, &JointRecord::nv); },
+          "A dictionary: the slice of v with the velocities of each joint.")
+      .def_property_readonly(
+          "lower", [](const CompactModel& x) { return arrayOf(x.limits().lower); }, "The lowest positions (nq,).")
+      .def_property_readonly(
+          "upper", [](const CompactModel& x) { return arrayOf(x.limits().upper); }, "The highest positions (nq,).")
+      .def_property_readonly(
+          "velocity_limit", [](const CompactModel& x) { return arrayOf(x.limits().velocity); }, "The largest speeds (nv,).")
+      .def_property_readonly(
+          "effort_limit", [](const CompactModel& x) { return arrayOf(x.limits().effort); }, "The largest forces (nv,).")
+      .def_property_readonly(
+          "passes", [](const CompactModel& x) { return x.report().passes; }, "A line for each pass of the compiler.")
+      .def_property_readonly(
+          "warnings", [](const CompactModel& x) { return x.report().warnings; }, "What is legal and likely to be a mistake.")
+      .def("__copy__", [](const CompactModel& x) { return x; })
+      .def(
+          "__deepcopy__", [](const CompactModel& x, const py::dict&) { return x; }, py::arg("memo"))
+      .def("__repr__", [](const CompactModel& x) {
+        return "<libdyn.CompactModel '" + x.name() + "': nq = " + std::to_string(x.nq()) + ", nv = " + std::to_string(x.nv()) + ">";
+      });
+
+  m.def(
+      "compile",
+      [](const Model& model, const Locks& lock, bool dissipation, bool armature, const std::vector<std::string>& outputs, bool dynamics) {
+        CompileOptions options;
+        options.lock = lockedJoints(lock);
+        options.dissipation = dissipation;
+        options.armature = armature;
+        options.scene.outputs = outputs;
+        options.scene.dynamics = dynamics;
+        return compile(model, registry(), options);
+      },
+      py::arg("model"), py::kw_only(), py::arg("lock") = Locks(), py::arg("dissipation") = true, py::arg("armature") = true,
+      py::arg("outputs") = std::vector<std::string>(), py::arg("dynamics") = true,
+      "Turns a description into a compiled model.\n\n"
+      "lock: joints to hold, by name, with their coordinates or None. dissipation, armature: whether damping and friction, and rotor inertia, act.\n"
+      "outputs: joints, bodies or frames whose motion is wanted; what cannot influence them is left out. dynamics: motion follows from forces.");
+}
+
+}  // namespace dyn::python

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Memory of algorithms, for one state and for many.
+#include "module.hpp"
+#include "objects.hpp"
+
+namespace dyn::python {
+
+namespace {
+
+// Python programs rarely count bytes, so a Data has memory for all results unless they do.
+constexpr Need all_of_a_state = Need::mass_matrix | Need::derivatives;
+
+template <class T>
+void addBatch(py::module_& m, const char* name, const char* doc) {
+  py::class_<Batch<T>>(m, name, doc)
+      .def(py::init<const CompactModel&, int, Need, int>(), py::arg("model"), py::arg("capacity"), py::arg("needs") = all_of_a_state,
+           py::arg("threads") = 1)
+      .def_property_readonly(
+          "capacity", [](const Batch<T>& b) { return b.data.capacity(); }, "The largest number of states.")
+      .def_property_readonly(
+          "threads", [](const Batch<T>& b) { return b.data.threads(); }, "The number of threads, the caller's included.")
+      .def_property_readonly(
+          "lanes", [](const Batch<T>& b) { return b.data.lanes(); }, "The number of states that one instruction computes.")
+      .def_property_readonly(
+          "nbytes", [](const Batch<T>& b) { return b.data.bytes(); }, "The size in bytes.");
+}
+
+}  // namespace
+
+void addData(py::module_& m) {
+  py::enum_<Need>(m, "Need", py::arithmetic(), "Results that a Data or a BatchData has memory for; combine them by |.")
+      .value("STATE", Need::state, "everything of size O(n)")
+      .value("MASS_MATRIX", Need::mass_matrix, "M, nv x nv")
+      .value("KINEMATICS", Need::kinematics, "of a BatchData only: poses, velocities and accelerations of every body in every state")
+      .value("JACOBIANS", Need::jacobians, "of a BatchData only: one 6 x nv matrix a state")
+      .value("DERIVATIVES", Need::derivatives, "nv x nv matrices of derivatives; the mass matrix comes with it")
+      .def("__or__", [](Need a, Need b) { return a | b; });
+  py::class_<Data>(m, "Data",
+                   "Memory for all results of one state of a model. Use it in one thread at a time. By default it has room for everything.")
+      .def(py::init<const CompactModel&, Need>(), py::arg("model"), py::arg("needs") = all_of_a_state)
+      .def_property_readonly("nbytes", &Data::bytes, "The size in bytes.");
+  addBatch<double>(m, "BatchData",
+                   "Memory for up to `capacity` states at once, computed in packs and threads. Functions take arrays with a state a row.");
+  addBatch<float>(m, "BatchDataFloat", "As BatchData, but computes in float32.");
+}
+
+}  // namespace dyn::python

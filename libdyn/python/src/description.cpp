@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The description of a robot, its reader, and functions that make new descriptions.
+#include "description.hpp"
+
+#include <dyn/compile/edit.hpp>
+#include <dyn/parsers/urdf.hpp>
+
+#include <pybind11/stl.h>
+#include <pybind11/stl_bind.h>
+
+namespace dyn::python {
+
+namespace {
+
+/// A limit, a damping and the like may be one number or one for each degree of freedom.
+std::vector<double> numbers(const std::variant<double, std::vector<double>>& x) {
+  return std::holds_alternative<double>(x) ? std::vector<double>{std::get<double>(x)} : std::get<std::vector<double>>(x);
+}
+
+/// A member of doubles that also takes one number.
+template <class Class, class Get>
+void numbersProperty(Class& c, const char* name, Get get, const char* doc) {
+  using T = typename Class::type;
+  c.def_property(
+      name, [get](T& x) { return get(x); }, [get](T& x, const std::variant<double, std::vector<double>>& value) { get(x) = numbers(value); }, doc);
+}
+
+/// Parameters as Python writes them: a number stands for a list of one.
+using GivenParameters = std::map<std::string, std::variant<double, std::vector<double>, std::string, std::vector<JointDescription>>>;
+Parameters parametersOf(const GivenParameters& given) {
+  Parameters out;
+  for (const auto& [name, value] : given)
+    std::visit(
+        [&out, &name = name](const auto& x) {
+          if constexpr (std::is_same_v<std::decay_t<decltype(x)>, double>) {
+            out[name] = std::vector<double>{x};
+          } else {
+            out[name] = x;
+          }
+        },
+        value);
+  return out;
+}
+
+template <class Enum>
+Enum chosen(const char* option, const std::string& given, std::initializer_list<std::pair<const char*, Enum>> choices) {
+  std::string all;
+  for (const auto& [name, value] : choices) {
+    if (given == name) return value;
+    all += std::string(all.empty() ? "'" : ", '") + name + "'";
+  }
+  throw Error(ErrorCode::argument, std::string(option) + " is '" + given + "'; it must be one of " + all);
+}
+
+urdf::Options optionsOf(const std::string& root, const std::string& mimic, const std::string& order, const std::string& continuous,
+                        const std::string& inertias) {
+  using namespace urdf;
+  return {root, chosen<Mimic>("mimic", mimic, {{"coupled", Mimic::coupled}, {"independent", Mimic::independent}}),
+          chosen<Order>("order", order, {{"name", Order::name}, {"file", Order::file}}),
+          chosen<Continuous>("continuous", continuous, {{"unit_circle", Continuous::unit_circle}, {"angle", Continuous::angle}}),
+          chosen<Inertias>("inertias", inertias, {{"physical", Inertias::physical}, {"any", Inertias::any}})};
+}
+
+using Locks = std::map<std::string, std::optional<std::variant<double, std::vector<double>>>>;
+
+}  // namespace
+
+std::vector<LockedJoint> lockedJoints(const std::map<std::string, std::optional<std::variant<double, std::vector<double>>>>& lock) {
+  std::vector<LockedJoint> out;
+  for (const auto& [joint, q] : lock) out.push_back({joint, q ? numbers(*q) : std::vector<double>()});
+  return out;
+}
+
+const JointRegistry& registry() {
+  static const JointRegistry standard = JointRegistry::standard();
+  return standard;
+}
+
+void addDescription(py::module_& m) {
+  py::class_<JointDescription> joint(m, "JointDescription", "A joint by type name and parameters.");
+  joint
+      .def(py::init([](const std::string& name, const std::string& type, const GivenParameters& parameters, const SE3<double>& placement) {
+             JointDescription j;
+             j.name = name;
+             j.type = type;
+             j.parameters = parametersOf(parameters);
+             j.placement = placement;
+             return j;
+           }),
+           py::arg("name") = "", py::arg("type") = "fixed", py::arg("parameters") = GivenParameters(), py::arg("placement") = SE3<double>())
+      .def_readwrite("name", &JointDescription::name, "Unique among the model's joints.")
+      .def_readwrite("type", &JointDescription::type, "The name of a joint type.")
+      .def_property(
+          "parameters", [](const JointDescription& j) { return j.parameters; },
+          [](JointDescription& j, const GivenParameters& given) { j.parameters = parametersOf(given); }, "By name, as the type defines them.")
+      .def_readwrite("placement", &JointDescription::placement, "The pose of the joint at its zero in the parent body's frame.");
+  numbersProperty(
+      joint, "damping", [](JointDescription& j) -> auto& { return j.damping; }, "Viscous [N m s/rad or N s/m].");
+  numbersProperty(
+      joint, "friction", [](JointDescription& j) -> auto& { return j.friction; }, "Coulomb [N m or N].");
+  numbersProperty(
+      joint, "armature", [](JointDescription& j) -> auto& { return j.armature; }, "Rotor inertia [kg m^2 or kg].");
+  numbersProperty(
+      joint, "lower", [](JointDescription& j) -> auto& { return j.limits.lower; }, "The lowest position [rad or m]; empty: none.");
+  numbersProperty(
+      joint, "upper", [](JointDescription& j) -> auto& { return j.limits.upper; }, "The highest position [rad or m]; empty: none.");
+  numbersProperty(
+      joint, "velocity_limit", [](JointDescription& j) -> auto& { return j.limits.velocity; }, "The largest speed [rad/s or m/s].");
+  numbersProperty(
+      joint, "effort_limit", [](JointDescription& j) -> auto& { return j.limits.effort; }, "The largest force [N m or N].");
+  joint.def(
+      "couple",
+      [](JointDescription& j, const std::string& master, const std::string& type, const GivenParameters& parameters) {
+        j.coupling = {type, master, parametersOf(parameters)};
+      },
+      py::arg("master"), py::arg("type") = "mimic", py::arg("parameters") = GivenParameters(),
+      "Makes the joint depend on another: its coordinate becomes a function of the master's.");
+
+  py::class_<BodyDescription>(m, "BodyDescription", "A body and the joint that carries it.")
+      .def_readwrite("name", &BodyDescription::name)
+      .def_readwrite("parent", &BodyDescription::parent, "The index of the parent body; 0 is the world.")
+      .def_readwrite("joint", &BodyDescription::joint)
+      .def_readwrite("inertia", &BodyDescription::inertia, "In the body's frame.");
+  py::class_<FrameDescription>(m, "FrameDescription", "A named frame that is fixed to a body.")
+      .def_readwrite("name", &FrameDescription::name)
+      .def_readwrite("body", &FrameDescription::body)
+      .def_readwrite("placement", &FrameDescription::placement, "The pose in the body's frame.");
+  py::bind_vector<std::vector<BodyDescription>>(m, "BodyList", "A list of bodies.");
+  py::bind_vector<std::vector<FrameDescription>>(m, "FrameList", "A list of frames.");
+
+  const auto body_of = [](const Model& model, const std::variant<int, std::string>& body) {
+    if (std::holds_alternative<int>(body)) return std::get<int>(body);
+    const int found = model.findBody(std::get<std::string>(body));
+    if (found < 0) throw Error(ErrorCode::argument, "the model has no body '" + std::get<std::string>(body) + "'");
+    return found;
+  };
+  py::class_<Model>(m, "Model", "The description of a robot, which compile() turns into a CompactModel. Body 0 is the world.")
+      .def(py::init<>())
+      .def_readwrite("name", &Model::name)
+      .def_property(
+          "gravity",
+          [](const Model& x) {
+            return std::array<double, 3>{x.gravity.x, x.gravity.y, x.gravity.z};
+          },
+          [](Model& x, const std::array<double, 3>& g) {
+            x.gravity = {g[0], g[1], g[2]};
+          },
+          "In the world [m/s^2].")
+      .def_readonly("bodies", &Model::bodies, "The world and all bodies.")
+      .def_readonly("frames", &Model::frames, "Frames in addition to that of each body.")
+      .def_readonly("notes", &Model::notes, "What a parser ignored or found odd.")
+      .def(
+          "add_body",
+          [body_of](Model& model, const std::string& name, const std::variant<int, std::string>& parent, const JointDescription& j,
+                    const Inertia<double>& inertia) { return model.addBody(name, body_of(model, parent), j, inertia); },
+          py::arg("name"), py::arg("parent"), py::arg("joint"), py::arg("inertia") = Inertia<double>(),
+          "Adds a body that `joint` connects to the parent (a name or an index); returns its index.")
+      .def(
+          "add_frame",
+          [body_of](Model& model, const std::string& name, const std::variant<int, std::string>& body, const SE3<double>& placement) {
+            return model.addFrame(name, body_of(model, body), placement);
+          },
+          py::arg("name"), py::arg("body"), py::arg("placement") = SE3<double>(), "Adds a frame at `placement` in the body's frame.")
+      .def("__copy__", [](const Model& x) { return x; })
+      .def(
+          "__deepcopy__", [](const Model& x, const py::dict&) { return x; }, py::arg("memo"))
+      .def("__repr__", [](const Model& x) { return "<libdyn.Model '" + x.name + "': " + std::to_string(x.bodies.size() - 1) + " bodies>"; });
+
+  const py::arg_v root("root", "fixed"), mimic("mimic", "coupled"), order("order", "name"), continuous("continuous", "unit_circle"),
+      inertias("inertias", "physical");
+  m.def(
+      "_load",
+      [](const std::string& path, const std::string& r, const std::string& mi, const std::string& o, const std::string& c, const std::string& i) {
+        return urdf::load(path, optionsOf(r, mi, o, c, i));
+      },
+      py::arg("path"), root, mimic, order, continuous, inertias);
+  m.def(
+      "parse",
+      [](const std::string& text, const std::string& name, const std::string& r, const std::string& mi, const std::string& o, const std::string& c,
+         const std::string& i) { return urdf::parse(text, name, optionsOf(r, mi, o, c, i)); },
+      py::arg("text"), py::arg("name") = "<text>", root, mimic, order, continuous, inertias,
+      "Reads a robot from the text of a URDF file. Messages call the text `name`. The options are those of load().");
+  m.def(
+      "reduce", [](const Model& model, const Locks& lock) { return reduce(model, registry(), lockedJoints(lock)); }, py::arg("model"),
+      py::arg("lock"), "Returns the model with joints held. `lock` maps names of joints to their coordinates, or to None for neutral.");
+  m.def(
+      "keep_only", [](const Model& model, const std::vector<std::string>& keep) { return keepOnly(model, registry(), keep); }, py::arg("model"),
+      py::arg("keep"), "Returns the model with all joints held at neutral but those named in `keep` and those on which these depend.");
+  m.def(
+      "append",
+      [](const Model& model, const Model& other, const std::string& at, const SE3<double>& placement, const std::string& prefix) {
+        return append(model, other, at, placement, prefix);
+      },
+      py::arg("model"), py::arg("other"), py::arg("at"), py::arg("placement") = SE3<double>(), py::arg("prefix") = "",
+      "Returns `model` with a copy of `other` that its body or frame `at` carries. Names of the copy get the prefix.");
+}
+
+}  // namespace dyn::python

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Kinematics of joints and frames, Jacobians, the centre of mass and energies. Joints and frames are given by name or number.
+#include "module.hpp"
+
+#include <dyn/algorithm/center_of_mass.hpp>
+#include <dyn/algorithm/jacobians.hpp>
+#include <dyn/error.hpp>
+#include <dyn/spatial/eigen.hpp>
+
+#include <pybind11/eigen.h>
+#include <pybind11/stl.h>
+
+#include <string>
+#include <variant>
+
+namespace dyn::python {
+
+namespace {
+
+using Vector = Eigen::Ref<const Eigen::VectorXd>;
+using MaybeVector = std::optional<Vector>;
+using Name = std::variant<int, std::string>;
+
+int jointOf(const CompactModel& model, const Name& joint) {
+  return std::holds_alternative<int>(joint) ? std::get<int>(joint) : model.jointId(std::get<std::string>(joint));
+}
+int frameOf(const CompactModel& model, const Name& frame) {
+  return std::holds_alternative<int>(frame) ? std::get<int>(frame) : model.frameId(std::get<std::string>(frame));
+}
+
+void forward(const CompactModel& model, Data& data, const Vector& q, const MaybeVector& v, const MaybeVector& a) {
+  if (a && !v) throw Error(ErrorCode::argument, "forward_kinematics: a without v; give v, too");
+  if (a) {
+    forwardKinematics(model, data, q, *v, *a);
+  } else if (v) {
+    forwardKinematics(model, data, q, *v);
+  } else {
+    forwardKinematics(model, data, q);
+  }
+}
+
+CenterOfMass centre(const CompactModel& model, Data& data, const Vector& q, const MaybeVector& v, const MaybeVector& a) {
+  if (a && !v) throw Error(ErrorCode::argument, "center_of_mass: a without v; give v, too");
+  if (a) return centerOfMass(model, data, q, *v, *a);
+  if (v) return centerOfMass(model, data, q, *v);
+  return centerOfMass(model, data, q);
+}
+
+}  // namespace
+
+void addKinematics(py::module_& m) {
+  const py::arg model("model"), data("data"), q("q"), v("v"), joint("joint"), frame("frame");
+  py::enum_<ReferenceFrame>(m, "ReferenceFrame", "The axes and the point in which a velocity, acceleration or Jacobian is expressed.")
+      .value("LOCAL", ReferenceFrame::LOCAL, "the frame's axes, at the frame's origin")
+      .value("WORLD", ReferenceFrame::WORLD, "world axes, at the body's point that coincides with the world's origin")
+      .value("LOCAL_WORLD_ALIGNED", ReferenceFrame::LOCAL_WORLD_ALIGNED, "world axes, at the frame's origin")
+      .export_values();
+  const py::arg_v reference("reference", ReferenceFrame::LOCAL, "LOCAL");
+
+  m.def("forward_kinematics", &forward, model, data, q, py::arg("v") = py::none(), py::arg("a") = py::none(),
+        "Computes the poses of all joints; with v their velocities, too; with a also their accelerations.");
+  m.def(
+      "joint_placement", [](const CompactModel& x, const Data& d, const Name& i) { return jointPlacement(x, d, jointOf(x, i)); }, model, data, joint,
+      "Returns the pose of a joint in the world, as the last forward_kinematics found it.");
+  m.def(
+      "frame_placement", [](const CompactModel& x, const Data& d, const Name& i) { return framePlacement(x, d, frameOf(x, i)); }, model, data, frame,
+      "Returns the pose of a frame in the world, as the last forward_kinematics found it.");
+  const auto motion = [&](const char* name, auto function, auto number, const py::arg& which, const char* doc) {
+    m.def(
+        name, [function, number](const CompactModel& x, const Data& d, const Name& i, ReferenceFrame r) { return function(x, d, number(x, i), r); },
+        model, data, which, reference, doc);
+  };
+  motion("joint_velocity", &jointVelocity, &jointOf, joint, "Returns the spatial velocity of a joint [m/s, rad/s].");
+  motion("frame_velocity", static_cast<Motion<double> (*)(const CompactModel&, const Data&, int, ReferenceFrame)>(&frameVelocity), &frameOf, frame,
+         "Returns the spatial velocity of a frame [m/s, rad/s].");
+  motion("joint_acceleration", &jointAcceleration, &jointOf, joint, "Returns the spatial acceleration of a joint [m/s^2, rad/s^2], without gravity.");
+  motion("frame_acceleration", static_cast<Motion<double> (*)(const CompactModel&, const Data&, int, ReferenceFrame)>(&frameAcceleration), &frameOf,
+         frame, "Returns the spatial acceleration of a frame [m/s^2, rad/s^2], without gravity.");
+  motion("joint_classical_acceleration", &jointClassicalAcceleration, &jointOf, joint,
+         "Returns the acceleration of a joint's origin, and that of its rotation. The reference is not WORLD.");
+  motion("frame_classical_acceleration", &frameClassicalAcceleration, &frameOf, frame,
+         "Returns the acceleration of a frame's origin, and that of its rotation. The reference is not WORLD.");
+
+  const auto jacobian = [&](const char* name, auto write, auto number, const py::arg& which, const char* doc) {
+    m.def(
+        name,
+        [write, number](const CompactModel& x, Data& d, const Vector& at, const Name& i, ReferenceFrame r) {
+          Eigen::MatrixXd J(6, x.nv());
+          write(x, d, at, number(x, i), r, J);
+          return J;
+        },
+        model, data, q, which, reference, doc);
+  };
+  jacobian(
+      "compute_joint_jacobian", [](auto& x, auto& d, auto& at, int i, auto r, auto& J) { computeJointJacobian(x, d, at, i, r, J); }, &jointOf, joint,
+      "Returns the Jacobian of a joint, (6, nv), linear part first.");
+  jacobian(
+      "compute_frame_jacobian", [](auto& x, auto& d, auto& at, int i, auto r, auto& J) { computeFrameJacobian(x, d, at, i, r, J); }, &frameOf, frame,
+      "Returns the Jacobian of a frame, (6, nv), linear part first.");
+  const auto variation = [&](const char* name, auto write, auto number, const py::arg& which, const char* doc) {
+    m.def(
+        name,
+        [write, number](const CompactModel& x, Data& d, const Vector& at, const Vector& along, const Name& i, ReferenceFrame r) {
+          Eigen::MatrixXd J(6, x.nv());
+          write(x, d, at, along, number(x, i), r, J);
+          return J;
+        },
+        model, data, q, v, which, reference, doc);
+  };
+  variation(
+      "compute_joint_jacobian_time_variation",
+      [](auto& x, auto& d, auto& at, auto& along, int i, auto r, auto& J) { computeJointJacobianTimeVariation(x, d, at, along, i, r, J); }, &jointOf,
+      joint, "Returns the rate of the Jacobian of a joint along v, (6, nv).");
+  variation(
+      "compute_frame_jacobian_time_variation",
+      [](auto& x, auto& d, auto& at, auto& along, int i, auto r, auto& J) { computeFrameJacobianTimeVariation(x, d, at, along, i, r, J); }, &frameOf,
+      frame, "Returns the rate of the Jacobian of a frame along v, (6, nv).");
+
+  py::class_<CenterOfMass>(m, "CenterOfMass", "The centre of mass and its motion, in world axes.")
+      .def_property_readonly(
+          "position", [](const CenterOfMass& c) { return toEigen(c.position); }, "[m]")
+      .def_property_readonly(
+          "velocity", [](const CenterOfMass& c) { return toEigen(c.velocity); }, "[m/s]; zero unless v was given")
+      .def_property_readonly(
+          "acceleration", [](const CenterOfMass& c) { return toEigen(c.acceleration); }, "[m/s^2]; zero unless a was given");
+  m.def("center_of_mass", &centre, model, data, q, py::arg("v") = py::none(), py::arg("a") = py::none(),
+        "Returns the centre of mass; with v its velocity, too; with a also its acceleration.");
+  m.def(
+      "jacobian_center_of_mass", [](const CompactModel& x, Data& d, const Vector& at) { return Eigen::MatrixXd(jacobianCenterOfMass(x, d, at)); },
+      model, data, q, "Returns the Jacobian of the centre of mass (3, nv), in world axes.");
+  m.def(
+      "compute_kinetic_energy", [](const CompactModel& x, Data& d, const Vector& at, const Vector& w) { return computeKineticEnergy(x, d, at, w); },
+      model, data, q, v, "Returns v^T M v / 2 [J].");
+  m.def(
+      "compute_potential_energy", [](const CompactModel& x, Data& d, const Vector& at) { return computePotentialEnergy(x, d, at); }, model, data, q,
+      "Returns the potential energy [J].");
+}
+
+}  // namespace dyn::python

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Poses, motions, forces and inertias. Their parts are views: a change of `X.p[0]` changes X.
+#include "module.hpp"
+
+#include <dyn/error.hpp>
+#include <dyn/lie/se3.hpp>
+#include <dyn/spatial/eigen.hpp>
+#include <dyn/spatial/inertia.hpp>
+
+#include <Eigen/LU>
+
+#include <pybind11/eigen.h>
+#include <pybind11/numpy.h>
+#include <pybind11/operators.h>
+
+namespace dyn::python {
+
+namespace {
+
+using Vector3 = Eigen::Vector3d;
+using Matrix3 = Eigen::Matrix3d;
+using Six = Eigen::Matrix<double, 6, 1>;
+
+Vec3<double> vec3(const Vector3& x) { return {x[0], x[1], x[2]}; }
+Sym3<double> sym3(const Matrix3& A) { return {A(0, 0), A(0, 1), A(0, 2), A(1, 1), A(1, 2), A(2, 2)}; }
+
+/// Returns an array that views numbers of `owner`, which it keeps alive.
+py::array view(const py::object& owner, double* first, std::vector<py::ssize_t> shape) {
+  std::vector<py::ssize_t> strides = shape.size() == 1 ? std::vector<py::ssize_t>{8} : std::vector<py::ssize_t>{8 * shape[1], 8};
+  return py::array_t<double>(std::move(shape), std::move(strides), first, owner);
+}
+
+/// Adds a property of three numbers.
+template <class T, class Class>
+void vectorProperty(Class& c, const char* name, Vec3<double> T::*member, const char* doc) {
+  c.def_property(
+      name, [member](const py::object& self) { return view(self, &(py::cast<T&>(self).*member).x, {3}); },
+      [member](T& self, const Vector3& x) { self.*member = vec3(x); }, doc);
+}
+
+/// Adds copies, and pickling by the constructor's arguments.
+template <class Class, class Arguments>
+void copies(Class& c, const Arguments& arguments) {
+  using T = typename Class::type;
+  c.def("__copy__", [](const T& x) { return x; });
+  c.def(
+      "__deepcopy__", [](const T& x, const py::dict&) { return x; }, py::arg("memo"));
+  c.def("__reduce__", [arguments](const py::object& self) { return py::make_tuple(py::type::of(self), arguments(py::cast<const T&>(self))); });
+}
+
+std::string written(const py::handle& name, const py::tuple& parts) {
+  std::string out = py::str(name.attr("__name__")).cast<std::string>() + "(";
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    py::object part = parts[k];
+    if (py::hasattr(part, "tolist")) part = part.attr("tolist")();
+    out += (k ? ", " : "") + py::repr(part).cast<std::string>();
+  }
+  return out + ")";
+}
+template <class Class, class Arguments>
+void printed(Class& c, const Arguments& arguments) {
+  using T = typename Class::type;
+  c.def("__repr__", [arguments](const py::object& self) { return written(py::type::of(self), arguments(py::cast<const T&>(self))); });
+}
+
+/// Motions and forces: two vectors, linear part first.
+template <class T>
+void addPair(py::module_& m, const char* name, const char* doc, const char* linear, const char* angular) {
+  py::class_<T> c(m, name, doc);
+  const auto parts = [](const T& x) { return py::make_tuple(toEigen(x.linear), toEigen(x.angular)); };
+  c.def(py::init([](const Vector3& l, const Vector3& a) {
+          return T{vec3(l), vec3(a)};
+        }),
+        py::arg("linear") = Vector3::Zero().eval(), py::arg("angular") = Vector3::Zero().eval());
+  c.def(py::init([](const Six& x) { return T{{x[0], x[1], x[2]}, {x[3], x[4], x[5]}}; }), py::arg("vector"));
+  vectorProperty(c, "linear", &T::linear, linear);
+  vectorProperty(c, "angular", &T::angular, angular);
+  c.def_property_readonly(
+      "vector", [](const T& x) { return toEigen(x); }, "The six numbers, linear part first, as a new array.");
+  c.def(py::self + py::self).def(py::self - py::self).def(double() * py::self).def(py::self += py::self).def(py::self -= py::self);
+  c.def(
+      "__mul__", [](const T& x, double s) { return s * x; }, py::is_operator());
+  c.def("__neg__", [](const T& x) { return -1.0 * x; });
+  c.def(
+      "__eq__", [](const T& x, const T& y) { return toEigen(x) == toEigen(y); }, py::is_operator());
+  if constexpr (std::is_same_v<T, Motion<double>>) {
+    c.def("cross", &T::cross, py::arg("motion"), "Returns the derivative of a motion that is fixed in a frame that moves with this one.");
+  }
+  copies(c, parts);
+  printed(c, parts);
+}
+
+}  // namespace
+
+void addSpatial(py::module_& m) {
+  addPair<Motion<double>>(m, "Motion", "A spatial velocity or acceleration, linear part first.", "Of the point at the frame's origin [m/s or m/s^2].",
+                          "[rad/s or rad/s^2]");
+  addPair<Force<double>>(m, "Force", "A spatial force, force first and moment second.", "The force [N].",
+                         "The moment about the frame's origin [N m].");
+
+  using Y = Inertia<double>;
+  py::class_<Y> inertia(m, "Inertia", "The inertia of a rigid body, in the body's frame.");
+  const auto inertia_parts = [](const Y& y) { return py::make_tuple(y.mass, toEigen(y.com), toEigen(y.rotational)); };
+  inertia
+      .def(py::init([](double mass, const Vector3& com, const Matrix3& rotational) {
+             if (!rotational.isApprox(rotational.transpose(), 1e-12) && !rotational.isZero(0))
+               throw Error(ErrorCode::argument, "Inertia: the rotational inertia is not symmetric");
+             return Y{mass, vec3(com), sym3(rotational)};
+           }),
+           py::arg("mass") = 0.0, py::arg("com") = Vector3::Zero().eval(), py::arg("rotational") = Matrix3::Zero().eval())
+      .def_readwrite("mass", &Y::mass, "[kg]")
+      .def_property(
+          "rotational", [](const Y& y) { return toEigen(y.rotational); }, [](Y& y, const Matrix3& A) { y.rotational = sym3(A); },
+          "The rotational inertia about the centre of mass [kg m^2], as a new array (3, 3).")
+      .def_property_readonly(
+          "matrix", [](const Y& y) { return toEigen(y); }, "The 6 x 6 matrix that maps a motion to a momentum, as a new array.")
+      .def("transformed", &Y::transformed, py::arg("aMb"), "Returns the same inertia in frame a.")
+      .def(py::self + py::self)
+      .def(
+          "__matmul__", [](const Y& y, const Motion<double>& v) { return y * v; }, py::is_operator());
+  vectorProperty(inertia, "com", &Y::com, "The centre of mass [m].");
+  copies(inertia, inertia_parts);
+  printed(inertia, inertia_parts);
+
+  using X = SE3<double>;
+  py::class_<X> pose(m, "SE3", "The pose aMb of frame b in frame a: x_a = R x_b + p.");
+  const auto pose_parts = [](const X& x) { return py::make_tuple(toEigen(x.R), toEigen(x.p)); };
+  const auto of = [](const Matrix3& R, const Vector3& p) {
+    if (!(R.transpose() * R).isIdentity(1e-9) || !(R.determinant() > 0)) throw Error(ErrorCode::argument, "SE3: R is not a rotation");
+    return X{rotationFromEigen(R), vec3(p)};
+  };
+  pose.def(py::init(of), py::arg("R") = Matrix3::Identity().eval(), py::arg("p") = Vector3::Zero().eval())
+      .def(py::init([of](const Eigen::Matrix4d& H) { return of(H.topLeftCorner<3, 3>(), H.topRightCorner<3, 1>()); }), py::arg("homogeneous"))
+      .def_static(
+          "translation",
+          [](double x, double y, double z) {
+            return X{Mat3<double>::identity(), {x, y, z}};
+          },
+          py::arg("x"), py::arg("y"), py::arg("z"), "Returns a pose without rotation.")
+      .def_static(
+          "rotation",
+          [](const Vector3& w) {
+            return X{exp6(Motion<double>{{}, vec3(w)}).R, {}};
+          },
+          py::arg("vector"), "Returns a rotation by |vector| [rad] about the vector.")
+      .def_static(
+          "exp", [](const Motion<double>& v) { return exp6(v); }, py::arg("motion"), "Returns the pose after unit time of a constant motion.")
+      .def(
+          "log", [](const X& x) { return log6(x); }, "Returns the constant motion that leads here in unit time.")
+      .def_property_readonly(
+          "R",
+          [](const py::object& self) {
+            return view(self, py::cast<X&>(self).R.m, {3, 3});
+          },
+          "The rotation; its columns are b's axes in a.")
+      .def_property_readonly(
+          "homogeneous", [](const X& x) { return toEigen(x); }, "The 4 x 4 matrix [[R, p], [0, 1]], as a new array.")
+      .def_property_readonly(
+          "action", [](const X& x) { return actionMatrix6(x); }, "The 6 x 6 matrix that maps motions from b to a.")
+      .def("inverse", &X::inverse, "Returns bMa.")
+      .def(
+          "act", [](const X& x, const Motion<double>& v) { return x.act(v); }, py::arg("x"), "Maps a motion, force, inertia or point from b to a.")
+      .def(
+          "act", [](const X& x, const Force<double>& f) { return x.act(f); }, py::arg("x"))
+      .def(
+          "act", [](const X& x, const Y& y) { return y.transformed(x); }, py::arg("x"))
+      .def(
+          "act", [](const X& x, const Vector3& p) { return toEigen(x.act(vec3(p))); }, py::arg("x"))
+      .def(
+          "act_inverse", [](const X& x, const Motion<double>& v) { return x.actInv(v); }, py::arg("x"),
+          "Maps a motion, force, inertia or point from a to b.")
+      .def(
+          "act_inverse", [](const X& x, const Force<double>& f) { return x.actInv(f); }, py::arg("x"))
+      .def(
+          "act_inverse", [](const X& x, const Y& y) { return y.transformed(x.inverse()); }, py::arg("x"))
+      .def(
+          "act_inverse", [](const X& x, const Vector3& p) { return toEigen(x.actInv(vec3(p))); }, py::arg("x"))
+      .def(
+          "__mul__", [](const X& a, const X& b) { return a * b; }, py::is_operator())
+      .def(
+          "__matmul__", [](const X& a, const X& b) { return a * b; }, py::is_operator())
+      .def(
+          "__matmul__", [](const X& a, const Motion<double>& v) { return a.act(v); }, py::is_operator())
+      .def(
+          "__matmul__", [](const X& a, const Force<double>& f) { return a.act(f); }, py::is_operator())
+      .def(
+          "__matmul__", [](const X& a, const Y& y) { return y.transformed(a); }, py::is_operator())
+      .def(
+          "__matmul__", [](const X& a, const Vector3& p) { return toEigen(a.act(vec3(p))); }, py::is_operator())
+      .def(
+          "__eq__", [](const X& a, const X& b) { return toEigen(a) == toEigen(b); }, py::is_operator());
+  vectorProperty(pose, "p", &X::p, "The origin of b in a [m].");
+  copies(pose, pose_parts);
+  printed(pose, pose_parts);
+}
+
+}  // namespace dyn::python

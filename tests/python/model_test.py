@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Descriptions, compiled models and spatial quantities in Python."""
+import copy
+import pathlib
+import pickle
+import unittest
+
+import numpy as np
+
+import libdyn as dyn
+
+BIPED = pathlib.Path(__file__).parents[2] / "models" / "biped.urdf"
+
+
+def pendulum(length=1.0):
+    model = dyn.Model()
+    hinge = dyn.JointDescription("hinge", "revolute", {"axis": [0, 1, 0]})
+    hinge.damping = 0.1
+    hinge.lower, hinge.upper = -3, 3
+    model.add_body("rod", 0, hinge, dyn.Inertia(2.0, [0, 0, -length], 0.01 * np.eye(3)))
+    model.add_frame("tip", "rod", dyn.SE3.translation(0, 0, -length))
+    return model
+
+
+class Models(unittest.TestCase):
+    def test_a_model_built_by_calls_moves_as_described(self):
+        model = dyn.compile(pendulum())
+        data = dyn.Data(model)
+        self.assertEqual((model.nq, model.nv, model.njoints), (1, 1, 2))
+        self.assertEqual((model.lower[0], model.upper[0], model.mass), (-3, 3, 2))
+        tau = dyn.rnea(model, data, [0.3], [2.0], [1.0])
+        self.assertAlmostEqual(tau[0], 2.0 + 0.01 + 0.1 * 2.0 + 2 * 9.81 * np.sin(0.3), places=12)
+        dyn.forward_kinematics(model, data, [0.3], [2.0])
+        np.testing.assert_allclose(dyn.frame_placement(model, data, "tip").p, [-np.sin(0.3), 0, -np.cos(0.3)], atol=1e-15)
+        velocity = dyn.frame_velocity(model, data, "tip", dyn.LOCAL_WORLD_ALIGNED)
+        np.testing.assert_allclose(velocity.linear, [-2 * np.cos(0.3), 0, 2 * np.sin(0.3)], atol=1e-15)
+        np.testing.assert_allclose(dyn.compute_frame_jacobian(model, data, [0.3], "tip", dyn.LOCAL_WORLD_ALIGNED)[:3, 0], velocity.linear / 2)
+        self.assertAlmostEqual(dyn.compute_kinetic_energy(model, data, [0.3], [2.0]), 0.5 * 2.01 * 4)
+
+    def test_bodies_of_a_description_are_changed_in_place(self):
+        description = pendulum()
+        description.bodies[1].inertia.mass = 5
+        description.gravity = [0, 0, 0]
+        model = dyn.compile(description)
+        self.assertEqual(model.mass, 5)
+        np.testing.assert_array_equal(model.gravity, np.zeros(3))
+
+    def test_joints_are_found_by_name(self):
+        model = dyn.compile(dyn.load(BIPED, root="free_flyer"))
+        record = model.joints[3]
+        self.assertEqual(model.joint(record.name).idx_q, record.idx_q)
+        self.assertEqual(model.q_index["root_joint"], slice(0, 7, 1))
+        self.assertEqual(model.v_index["root_joint"], slice(0, 6, 1))
+        with self.assertRaisesRegex(dyn.Error, "did you mean"):
+            model.joint(record.name + "x")
+
+    def test_options_and_errors_of_load(self):
+        with self.assertRaisesRegex(dyn.Error, "must be one of 'coupled', 'independent'"):
+            dyn.load(BIPED, mimic="no")
+        with self.assertRaises(dyn.Error) as caught:
+            dyn.parse("<robot name='x'>\n<link name='a'><inertial><mass value='1,5'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link></robot>", "bad.urdf")
+        self.assertEqual((caught.exception.code, caught.exception.file, caught.exception.line), ("syntax", "bad.urdf", 2))
+        with self.assertRaises(dyn.Error) as caught:
+            dyn.load("/no/such.urdf")
+        self.assertEqual(caught.exception.code, "file")
+
+    def test_held_joints_and_parts(self):
+        description = dyn.load(BIPED, root="free_flyer")
+        whole = dyn.compile(description)
+        name = whole.joints[-1].name
+        self.assertEqual(dyn.compile(description, lock={name: 0.2}).nv, whole.nv - 1)
+        self.assertEqual(dyn.compile(dyn.reduce(description, {name: None})).nv, whole.nv - 1)
+        self.assertEqual(dyn.compile(dyn.keep_only(description, [name])).nv, 1)
+        two = dyn.append(description, pendulum(), whole.frames[-1].name, prefix="p_")
+        self.assertEqual(dyn.compile(two).nv, whole.nv + 1)
+
+    def test_many_models_come_and_go(self):
+        description = pendulum()
+        for k in range(3000):
+            model = dyn.compile(description)
+            dyn.Data(model)
+        self.assertEqual(model.nv, 1)
+
+    def test_data_keeps_its_model_alive(self):
+        data = dyn.Data(dyn.compile(pendulum()))
+        other = dyn.compile(dyn.load(BIPED))
+        with self.assertRaises(dyn.Error):
+            dyn.rnea(other, data, dyn.neutral(other), np.zeros(other.nv), np.zeros(other.nv))
+
+
+class Spatial(unittest.TestCase):
+    def test_poses_compose_and_act(self):
+        a = dyn.SE3.rotation([0, 0, np.pi / 2])
+        b = dyn.SE3.translation(1, 2, 3)
+        np.testing.assert_allclose((a @ b).homogeneous, a.homogeneous @ b.homogeneous, atol=1e-15)
+        np.testing.assert_allclose(a @ [1, 0, 0], [0, 1, 0], atol=1e-15)
+        motion, force = dyn.Motion([1, 2, 3], [4, 5, 6]), dyn.Force([6, 5, 4], [3, 2, 1])
+        X = dyn.SE3.exp(dyn.Motion([0.3, -0.2, 0.5], [1, 0.4, -0.7]))
+        self.assertAlmostEqual((X @ motion).vector @ (X @ force).vector, motion.vector @ force.vector)
+        np.testing.assert_allclose(X.action @ motion.vector, (X @ motion).vector, atol=1e-14)
+        np.testing.assert_allclose(X.act_inverse(X @ motion).vector, motion.vector, atol=1e-14)
+        np.testing.assert_allclose(dyn.SE3.exp(X.log()).homogeneous, X.homogeneous, atol=1e-15)
+        np.testing.assert_allclose((X @ X.inverse()).homogeneous, np.eye(4), atol=1e-15)
+
+    def test_parts_are_views_that_outlive_nothing(self):
+        X = dyn.SE3.translation(1, 2, 3)
+        p = X.p
+        p[0] = 7
+        self.assertEqual(X.p[0], 7)
+        del X
+        np.testing.assert_array_equal(p, [7, 2, 3])
+
+    def test_values_are_copied_compared_pickled_and_printed(self):
+        inertia = dyn.Inertia(2.0, [0, 0, 1], np.diag([1.0, 2.0, 2.5]))
+        for x in (dyn.SE3.rotation([0.1, 0.2, 0.3]), dyn.Motion([1, 2, 3], [4, 5, 6]), dyn.Force([1, 2, 3], [4, 5, 6])):
+            for other in (copy.copy(x), copy.deepcopy(x), pickle.loads(pickle.dumps(x)), eval(repr(x), vars(dyn))):
+                self.assertEqual(x, other)
+        np.testing.assert_array_equal(pickle.loads(pickle.dumps(inertia)).matrix, inertia.matrix)
+        np.testing.assert_array_equal(eval(repr(inertia), vars(dyn)).matrix, inertia.matrix)
+
+    def test_what_is_no_rotation_or_inertia_is_refused(self):
+        with self.assertRaisesRegex(dyn.Error, "not a rotation"):
+            dyn.SE3(2 * np.eye(3))
+        with self.assertRaisesRegex(dyn.Error, "not a rotation"):
+            dyn.SE3(np.diag([1.0, 1.0, -1.0]))
+        with self.assertRaisesRegex(dyn.Error, "not symmetric"):
+            dyn.Inertia(1.0, [0, 0, 0], np.arange(9.0).reshape(3, 3))
+
+
+if __name__ == "__main__":
+    unittest.main()
