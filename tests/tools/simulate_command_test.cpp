@@ -28,6 +28,13 @@ TEST_CASE("collide says what touches and how far the rest is, and learns which p
   for (const auto& hit : json["states"][1]["collisions"]) CHECK(hit["depth"].get<double>() >= 0);
   CHECK(nlohmann::json::parse(run("collide '" + arm + "' --distances").out)["states"][0]["distances"].size() == json["pairs"].get<std::size_t>() - 7);
 
+  const std::string fcl = "collide '" + arm + "' --scene '" + scene + "' --narrow fcl";
+  const auto by_fcl = nlohmann::json::parse(run(fcl + " --fcl-tolerance 1e-9").out);
+  CHECK(by_fcl["report"].back() == "narrow phase: FCL's, to 1e-09 m");
+  CHECK(std::abs(by_fcl["states"][0]["minimum"]["distance"].get<double>() - 0.05) < 1e-5);
+  CHECK_THAT(run(fcl + " --fcl-tolerance -1").err, containing("fcl_tolerance is -1"));
+  CHECK(run("collide '" + arm + "' --narrow bullet").code == 2);
+
   const std::string srdf = (folder.path / "arm.srdf").string();
   const Answer learned = run("collide '" + arm + "' --learn 500 --out '" + srdf + "'");
   REQUIRE(learned.code == 0);

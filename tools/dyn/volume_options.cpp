@@ -10,6 +10,10 @@ void VolumeOptions::add(CLI::App& app) {
   app.add_option("--srdf", srdf, "pairs that are not to be checked (disable_collisions)");
   app.add_option("--package", packages, "folder of packages, or a package, for package:// (repeatable); then ROS_PACKAGE_PATH, AMENT_PREFIX_PATH");
   app.add_flag("--skip-missing", skip_missing, "leave out volumes whose files are not there");
+  app.add_option("--narrow", narrow, "the functions that compare two volumes: libdyn's own, or FCL's")
+      ->check(CLI::IsMember({"own", "fcl"}))
+      ->capture_default_str();
+  app.add_option("--fcl-tolerance", fcl_tolerance, "of --narrow fcl [m]")->capture_default_str();
 }
 
 Model VolumeOptions::description(const ModelOptions& robot) const {
@@ -24,6 +28,8 @@ GeometryOptions VolumeOptions::geometry() const {
   GeometryOptions options;
   options.packages = packages;
   options.missing = skip_missing ? GeometryOptions::Missing::skip : GeometryOptions::Missing::refuse;
+  options.narrow = narrow == "fcl" ? GeometryOptions::Narrow::fcl : GeometryOptions::Narrow::own;
+  options.fcl_tolerance = fcl_tolerance;
   return options;
 }
 

@@ -15,6 +15,8 @@ struct VolumeOptions {
   std::string scene, srdf;
   std::vector<std::string> packages;
   bool skip_missing = false;
+  std::string narrow = "own";
+  double fcl_tolerance = GeometryOptions{}.fcl_tolerance;
 
   void add(CLI::App& app);
   /// The robot with the scene around it.

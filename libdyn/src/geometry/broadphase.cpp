@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// This is the only source that includes FCL. It is compiled for the instruction set of Debian's FCL library, because the alignment of members of
-// FCL's classes depends on it.
+// Only this source and narrow/fcl.cpp include FCL. They are compiled for the instruction set of Debian's FCL library, because the alignment of
+// members of FCL's classes depends on it.
 #include "geometry/broadphase.hpp"
 
 #include <fcl/broadphase/broadphase_dynamic_AABB_tree.h>

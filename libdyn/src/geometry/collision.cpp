@@ -10,8 +10,7 @@ namespace {
 
 bool collidesBySpheres(const GeometryImpl& m, const GeometryDataImpl& d, int pair) {
   if (sphereBound(m, d, pair) > 0) return false;
-  const PlacedPair p = placed(m, d, pair);
-  return collide(p.a, p.b, p.aMb);
+  return placed(m, d, pair).collide();
 }
 
 }  // namespace
@@ -71,7 +70,7 @@ const std::vector<Contact>& computeContacts(const GeometryModel& geometry, Geome
   for (const int pair : nearPairs(geometry.impl(), d)) {
     if (sphereBound(geometry.impl(), d, pair) > 0) continue;
     const PlacedPair p = placed(geometry.impl(), d, pair);
-    contacts(p.a, p.b, p.aMb, 0, [&](const NearPieces& x) {
+    p.contacts(0, [&](const NearPieces& x) {
       const Separation& s = x.s;
       if (d.contacts.size() == d.contacts.capacity()) return false;
       d.contacts.push_back({pair, p.oMa.act(0.5 * (s.on_a + s.on_b)), p.oMa.R * s.normal, -s.distance});

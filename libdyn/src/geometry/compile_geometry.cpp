@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Compiles described geometries: chooses the pairs that are checked, and loads only the volumes that these pairs need.
 #include "at.hpp"
-#include "geometry/geometry_impl.hpp"
 #include "geometry/load.hpp"
+#include "geometry/queries.hpp"
 
 #include <algorithm>
 #include <set>
@@ -36,6 +36,7 @@ class Compiler {
     applyNames();
     leaveOutMissing();
     keepNeeded();
+    chooseNarrow();
     chooseTrees();
     say();
     return std::move(out_);
@@ -223,6 +224,18 @@ class Compiler {
     out_->report.files_not_needed = static_cast<int>(unread.size());
   }
 
+  void chooseNarrow() {
+    out_->narrow = {options_.narrow, options_.fcl_tolerance};
+    if (options_.narrow == GeometryOptions::Narrow::own) return;
+    if (!(options_.fcl_tolerance > 0) || !std::isfinite(options_.fcl_tolerance))
+      throw Error(ErrorCode::argument, "GeometryOptions::fcl_tolerance is " + number(options_.fcl_tolerance) + "; it is a positive number");
+    for (std::size_t p = 0; p < out_->pairs.size(); ++p) {
+      const auto [a, b] = out_->pairs[p];
+      if (!out_->volumes[at(a)]->bounded() || !out_->volumes[at(b)]->bounded())
+        refuseByFcl(*out_, static_cast<int>(p), "it has no distance to a half-space", "describe a large box instead, leave out the pair");
+    }
+  }
+
   void chooseTrees() {
     std::vector<bool> asked(out_->records.size());  // static geometries whose boxes are searched
     for (std::size_t p = 0; p < out_->pairs.size(); ++p) {
@@ -264,6 +277,7 @@ class Compiler {
          (out_->still_tree ? "a tree of what stands still" : std::to_string(out_->still_boxes.size()) + " boxes that stand still side by side") +
          ", " + (out_->tree_of_moving ? "a tree of what moves" : std::to_string(out_->listed.size()) + " pairs that move one by one") + ", " +
          std::to_string(out_->unbounded.size()) + " pairs always asked");
+    if (options_.narrow == GeometryOptions::Narrow::fcl) line("narrow phase: FCL's, to " + number(options_.fcl_tolerance) + " m");
     for (const std::string& m : r.missing) line("missing: " + m);
   }
 

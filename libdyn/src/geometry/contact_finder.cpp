@@ -66,7 +66,7 @@ class Finder {
       if (m.records[at(a)].joint == m.records[at(b)].joint) continue;
       if (!p.a.bounded() && !p.b.bounded()) continue;
       points_.clear();
-      contacts(p.a, p.b, p.aMb, within, [&](const NearPieces& x) {
+      p.contacts(within, [&](const NearPieces& x) {
         Separation s = x.s;
         s.on_a -= x.center;
         s.on_b -= x.center;
@@ -116,7 +116,7 @@ class Finder {
       }
       const double within = 1.25 * fastest_of_pair * seconds;
       if (sphereBound(m, d, pair) > within) continue;
-      const Separation s = nearest(p.a, p.b, p.aMb, within);
+      const Separation s = p.nearest(within);
       if (!(s.distance < within)) continue;
       const Vec3<double> normal = p.oMa.R * s.normal;
       double speed = 0;
@@ -160,7 +160,7 @@ class Finder {
       const Vec3<double> before = point + 1e-4 * size * outwards;
       if (norm(before - d.center[at(g)]) > volume.radius() + size) continue;
       const SE3<double> there{Mat3<double>::identity(), d.placement[at(g)].actInv(before)};
-      if (nearest(volume, probe, there, size).distance < 1e-5 * size) return true;
+      if (nearest(volume, probe, there, {}, size).distance < 1e-5 * size) return true;
     }
     return false;
   }

@@ -13,7 +13,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 Distance distanceOf(const GeometryImpl& m, const GeometryDataImpl& d, int pair, double beyond) {
   const PlacedPair p = placed(m, d, pair);
-  const Separation s = nearest(p.a, p.b, p.aMb, beyond);
+  const Separation s = p.nearest(beyond);
   return {pair, s.distance, p.oMa.R * s.normal, p.oMa.act(s.on_a), p.oMa.act(s.on_b)};
 }
 

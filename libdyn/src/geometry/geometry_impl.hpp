@@ -3,6 +3,7 @@
 #pragma once
 
 #include "geometry/broadphase.hpp"
+#include "geometry/narrow/narrow.hpp"
 #include "geometry/volume.hpp"
 
 #include <dyn/geometry/collision.hpp>
@@ -22,6 +23,7 @@ struct GeometryImpl {
   std::unordered_map<std::string, int> index;          ///< by name
   std::vector<CollisionPair> pairs;                    ///< ascending
   std::vector<int> pairs_of;                           ///< pairs with first geometry a: from pairs_of[a] up to pairs_of[a + 1]
+  NarrowPhase narrow;
   int nv = 0;
 
   std::vector<int> moving;  ///< geometries that move in the description, ascending

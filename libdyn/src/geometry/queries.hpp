@@ -3,23 +3,56 @@
 #pragma once
 
 #include "geometry/geometry_impl.hpp"
-#include "geometry/narrow/narrow.hpp"
+#include "geometry/narrow/fcl.hpp"
+#include "number_text.hpp"
 
 #include <string>
 
 namespace dyn {
 
+/// Throws Error(argument): FCL cannot answer for this pair.
+[[noreturn]] inline void refuseByFcl(const GeometryImpl& m, int pair, const std::string& reason, const std::string& cure) {
+  const auto [a, b] = m.pairs[static_cast<std::size_t>(pair)];
+  throw Error(ErrorCode::argument, "FCL cannot compare '" + m.records[static_cast<std::size_t>(a)].name + "' with '" +
+                                       m.records[static_cast<std::size_t>(b)].name + "': " + reason + "; " + cure +
+                                       ", or take libdyn's own functions (GeometryOptions::Narrow::own, --narrow own)");
+}
+
+/// The two placed volumes of a pair, compared by the functions that the geometry was compiled for. Where FCL fails, this throws Error(argument).
 struct PlacedPair {
+  const GeometryImpl& model;
+  int pair;
   const Volume &a, &b;
   const SE3<double>&oMa, &oMb;
   SE3<double> aMb;
+
+  bool collide() const {
+    return orRefuse([&] { return dyn::collide(a, b, aMb, model.narrow); });
+  }
+  Separation nearest(double beyond) const {
+    return orRefuse([&] { return dyn::nearest(a, b, aMb, model.narrow, beyond); });
+  }
+  template <class Found>
+  void contacts(double within, const Found& found) const {
+    orRefuse([&] { dyn::contacts(a, b, aMb, model.narrow, within, found); });
+  }
+
+ private:
+  template <class Compare>
+  auto orRefuse(const Compare& compare) const -> decltype(compare()) {
+    try {
+      return compare();
+    } catch (const FclFailure& failure) {
+      refuseByFcl(model, pair, failure.what(), "raise GeometryOptions::fcl_tolerance from " + number(model.narrow.fcl_tolerance));
+    }
+  }
 };
 
 inline PlacedPair placed(const GeometryImpl& m, const GeometryDataImpl& d, int pair) {
   const auto [a, b] = m.pairs[static_cast<std::size_t>(pair)];
   const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
   const SE3<double>&oMa = d.placement[i], &oMb = d.placement[j];
-  return {*m.volumes[i], *m.volumes[j], oMa, oMb, {transpose(oMa.R) * oMb.R, oMa.actInv(oMb.p)}};
+  return {m, pair, *m.volumes[i], *m.volumes[j], oMa, oMb, {transpose(oMa.R) * oMb.R, oMa.actInv(oMb.p)}};
 }
 
 /// Returns the signed distance between the bounding spheres of a pair; -infinity if one geometry is a half-space.

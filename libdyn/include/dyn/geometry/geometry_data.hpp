@@ -10,8 +10,8 @@ namespace dyn {
 
 struct GeometryDataImpl;
 
-/// Placements, scratch and results, for one thread. The constructor takes all memory, except that of FCL's broadphase, which scenes with many moving
-/// bodies use.
+/// Placements, scratch and results, for one thread. The constructor takes all memory, except that of FCL: of its broadphase, which scenes with many
+/// moving bodies use, and of its comparison of overlapping volumes (GeometryOptions::Narrow::fcl).
 class DYN_API GeometryData {
  public:
   /// One call reports at most `contacts` contacts. Throws Error(argument) if this is negative.

@@ -31,6 +31,12 @@ struct GeometryOptions {
     refuse,  ///< throws one Error(file) that names all of them
     skip     ///< leaves their geometries out, with a line in the report for each
   };
+  /// The functions that compare two volumes.
+  enum class Narrow {
+    own,  ///< libdyn's
+    fcl   ///< FCL's signed distance (GJK and EPA) of two solids, triangles or cubes: slower and less exact; collision is the sign of the distance.
+          ///< They allocate, and throw Error(argument) naming the pair where FCL fails.
+  };
 
   Pairs pairs = Pairs::all;     ///< pairs to begin with
   std::vector<PairName> add{},  ///< pairs to add to `pairs`, whatever their bodies
@@ -38,6 +44,8 @@ struct GeometryOptions {
   /// Folders that contain packages, or package folders themselves, for "package://". ROS_PACKAGE_PATH and AMENT_PREFIX_PATH are searched after them.
   std::vector<std::string> packages{};
   Missing missing = Missing::refuse;  ///< for files that pairs need and that do not exist
+  Narrow narrow = Narrow::own;        ///< which functions compare two volumes
+  double fcl_tolerance = 1e-6;        ///< [m] FCL's distance_tolerance and its default. Errors for solids of 1 m reach about its square root.
 };
 
 /// A geometry that belongs to a pair.
@@ -99,8 +107,9 @@ class DYN_API GeometryModel {
 /// Collects the collision volumes of `description`, from which `model` was compiled, and the pairs to check. Reads each file that a pair needs once.
 /// Bodies connected by fixed joints are one rigid body. A rigid body and the body to which its joint is attached are neighbours; if that is fixed to
 /// the world, other bodies fixed to the world are not. Held joints count as if they could move. Throws Error(model) for volumes without size,
-/// names used twice, bodies that the model does not have, and more than 2^24 pairs; Error(argument) for pairs of unknown names; and
-/// Error(file | syntax) for missing or broken files. O(n^2) in the number of geometries.
+/// names used twice, bodies that the model does not have, and more than 2^24 pairs; Error(argument) for pairs of unknown names, a
+/// tolerance that is not positive, and pairs with a half-space if FCL compares them, because it has no distance to one; and Error(file | syntax) for
+/// missing or broken files. O(n^2) in the number of geometries.
 DYN_API GeometryModel compileGeometry(const CompactModel& model, const Model& description, const GeometryOptions& options = {});
 
 }  // namespace dyn

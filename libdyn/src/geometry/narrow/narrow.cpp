@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "geometry/narrow/narrow.hpp"
 
+#include "geometry/narrow/fcl.hpp"
+
 #include <algorithm>
 
 namespace dyn {
@@ -8,6 +10,11 @@ namespace dyn {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
+
+Separation compare(const Convex& a, const Convex& b, const SE3<double>& aMb, const NarrowPhase& phase, double beyond, bool touch_only) {
+  return phase.functions == GeometryOptions::Narrow::own ? separation(a, b, aMb, beyond, touch_only)
+                                                         : fclSeparation(a, b, aMb, touch_only, phase.fcl_tolerance);
+}
 
 Volume::Node rootOf(const Volume& v) {
   Volume::Node root;
@@ -46,7 +53,7 @@ double lowerBound(const Bounds& a, const Bounds& b) {
 
 class Search {
  public:
-  Search(const Volume& a, const Volume& b, const SE3<double>& aMb) : a_(a), b_(b), aMb_(aMb) {}
+  Search(const Volume& a, const Volume& b, const SE3<double>& aMb, const NarrowPhase& phase) : a_(a), b_(b), aMb_(aMb), phase_(phase) {}
 
   /// Calls visit(i, j) for pairs of pieces that may be no farther apart than `limit`, near ones first. Each call returns the next limit; -infinity
   /// stops the search.
@@ -86,7 +93,7 @@ class Search {
 
   Separation pieces(int i, int j, double beyond, bool touch_only) const {
     const Volume &a = a_.volume(), &b = b_.volume();
-    Separation s = separation(a.piece(i), b.piece(j), between(i, j), beyond, touch_only);
+    Separation s = compare(a.piece(i), b.piece(j), between(i, j), phase_, beyond, touch_only);
     s.on_a += a.center(i);
     s.on_b += a.center(i);
     return s;
@@ -114,15 +121,16 @@ class Search {
 
   Side a_, b_;
   const SE3<double>& aMb_;
+  const NarrowPhase& phase_;
 };
 
 }  // namespace
 
-bool collide(const Volume& a, const Volume& b, const SE3<double>& aMb) {
+bool collide(const Volume& a, const Volume& b, const SE3<double>& aMb, const NarrowPhase& phase) {
   if (a.empty() || b.empty()) return false;
-  if (a.single() && b.single()) return separation(a.piece(0), b.piece(0), aMb, 0, true).distance <= 0;
+  if (a.single() && b.single()) return compare(a.piece(0), b.piece(0), aMb, phase, 0, true).distance <= 0;
   bool hit = false;
-  const Search search(a, b, aMb);
+  const Search search(a, b, aMb, phase);
   search.run(0, [&](int i, int j) {
     hit = search.pieces(i, j, 0, true).distance <= 0;
     return hit ? -infinity : 0;
@@ -130,12 +138,12 @@ bool collide(const Volume& a, const Volume& b, const SE3<double>& aMb) {
   return hit;
 }
 
-Separation nearest(const Volume& a, const Volume& b, const SE3<double>& aMb, double beyond) {
+Separation nearest(const Volume& a, const Volume& b, const SE3<double>& aMb, const NarrowPhase& phase, double beyond) {
   Separation best;
   best.distance = infinity;
   if (a.empty() || b.empty()) return best;
-  if (a.single() && b.single()) return separation(a.piece(0), b.piece(0), aMb, beyond, false);
-  const Search search(a, b, aMb);
+  if (a.single() && b.single()) return compare(a.piece(0), b.piece(0), aMb, phase, beyond, false);
+  const Search search(a, b, aMb, phase);
   search.run(beyond, [&](int i, int j) {
     const Separation s = search.pieces(i, j, std::min(beyond, best.distance), false);
     if (s.distance < best.distance) best = s;
@@ -145,10 +153,10 @@ Separation nearest(const Volume& a, const Volume& b, const SE3<double>& aMb, dou
   return best;
 }
 
-void askContacts(const Volume& a, const Volume& b, const SE3<double>& aMb, double within, bool (*found)(const void* context, const NearPieces& x),
-                 const void* context) {
+void askContacts(const Volume& a, const Volume& b, const SE3<double>& aMb, const NarrowPhase& phase, double within,
+                 bool (*found)(const void* context, const NearPieces& x), const void* context) {
   if (a.empty() || b.empty()) return;
-  const Search search(a, b, aMb);
+  const Search search(a, b, aMb, phase);
   search.run(within, [&](int i, int j) {
     const Separation s = search.pieces(i, j, within, false);
     return s.distance > within || found(context, {a.piece(i), b.piece(j), {i, j}, a.center(i), search.between(i, j), s}) ? within : -infinity;
