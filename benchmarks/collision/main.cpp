@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // dyn_collision [STATES [OBSTACLES]]: compares libdyn's distances with FCL's for all pairs of solids, then measures how many states a second are
 // checked for an arm among obstacles.
-#include "fcl_pair.hpp"
-
 #include <dyn/dyn.hpp>
 #include <dyn/lie/so3.hpp>
 #include <dyn/parsers/urdf.hpp>
@@ -55,65 +53,90 @@ class Random {
 
 constexpr const char* kinds[] = {"sphere", "box", "capsule", "cylinder", "cone"};
 
-/// Pairs of solids fixed in the world. libdyn computes all pairs, then FCL does.
+/// Pairs of solids fixed in the world.
 struct Pairs {
   Model description;
-  std::vector<bench::FclPair> fcl;
+  GeometryOptions options;
   std::vector<test::Placed> placed;  ///< two for each pair
 
   Pairs(int a, int b, int count) {
     Random random;
+    options.pairs = GeometryOptions::Pairs::none;
     for (int k = 0; k < count; ++k) {
-      const GeometryShape sa = random.shape(a, 1), sb = random.shape(b, 1);
-      const SE3<double> Xa = random.pose(1.5), Xb = random.pose(1.5);
-      description.addGeometry("a" + std::to_string(k), 0, Xa, sa);
-      description.addGeometry("b" + std::to_string(k), 0, Xb, sb);
-      fcl.emplace_back(sa, sb);
-      placed.push_back({sa, cast<test::Wide>(Xa)});
-      placed.push_back({sb, cast<test::Wide>(Xb)});
+      for (const auto& [letter, kind] : {std::pair("a", a), std::pair("b", b)}) {
+        const GeometryShape shape = random.shape(kind, 1);
+        const SE3<double> X = random.pose(1.5);
+        description.addGeometry(letter + std::to_string(k), 0, X, shape);
+        placed.push_back({shape, cast<test::Wide>(X)});
+      }
+      options.add.push_back({"a" + std::to_string(k), "b" + std::to_string(k)});
     }
+  }
+  /// The largest distance that this normal, computed for the pair k, proves. It is no larger than the true one.
+  test::Wide proved(const Distance& x) const {
+    const auto k = static_cast<std::size_t>(x.pair);
+    return test::parted(placed[2 * k], placed[2 * k + 1], test::unit(test::wide(x.normal)));
+  }
+};
+
+/// The functions of libdyn, or those of FCL at one tolerance, with the times of their rounds.
+struct Contender {
+  GeometryModel geometry;
+  GeometryData data;
+  std::vector<Distance> found = {};  ///< of the pairs that do not fail
+  std::vector<double> rounds = {};   ///< [us] a pair
+
+  explicit Contender(const GeometryModel& g) : geometry(g), data(g) {
+    for (std::size_t p = 0; p < g.pairs().size(); ++p) {
+      try {
+        found.push_back(computeDistance(geometry, data, static_cast<int>(p)));
+      } catch (const Error&) {  // FCL fails
+      }
+    }
+  }
+  void time() {
+    const auto start = Clock::now();
+    for (Distance& x : found) x = computeDistance(geometry, data, x.pair);
+    rounds.push_back(1e6 * secondsSince(start) / static_cast<double>(found.size()));
   }
 };
 
 void comparePairs(const JointRegistry& registry) {
   constexpr int count = 200, rounds = 11;
+  constexpr double tolerances[] = {1e-6, 1e-9, 1e-12};
   std::printf(
-      "Signed distance with normal and nearest points, ns a pair: median [quartiles] of %d rounds over %d random pairs, both sides in turn.\n",
-      rounds, count);
-  std::printf("gap: the largest difference, beside solids of size 1, between a distance and how far its own normal parts the two solids.\n\n");
-  std::printf("| pair | libdyn | FCL | ratio | gap, libdyn | gap, FCL |\n|---|---|---|---|---|---|\n");
+      "Signed distance with normal and nearest points of %d random pairs of solids of size 1, all contenders in turn, FCL at three tolerances.\n"
+      "Each entry: us a pair, median [quartiles] of %d rounds; largest error; calls that fail, which neither time nor error counts.\n"
+      "The error is the difference from the largest distance that any contender's normal proves, in long double.\n\n",
+      count, rounds);
+  std::printf("| pair | libdyn | FCL, 1e-6 | FCL, 1e-9 | FCL, 1e-12 |\n|---|---|---|---|---|\n");
   for (int a = 0; a < 5; ++a) {
     for (int b = a; b < 5; ++b) {
-      const Pairs pairs(a, b, count);
-      GeometryOptions options;
-      options.pairs = GeometryOptions::Pairs::none;
-      for (int k = 0; k < count; ++k) options.add.push_back({"a" + std::to_string(k), "b" + std::to_string(k)});
-      const GeometryModel geometry = compileGeometry(compile(pairs.description, registry), pairs.description, options);
-      GeometryData data(geometry);
-      std::vector<double> ours, theirs;
-      double our_gap = 0, their_gap = 0;
-      for (int r = 0; r < rounds; ++r) {
-        auto start = Clock::now();
-        const std::vector<Distance>& found = computeDistances(geometry, data);
-        ours.push_back(1e9 * secondsSince(start) / count);
-        std::vector<std::pair<double, Vec3<double>>> other(count);
-        start = Clock::now();
-        for (std::size_t k = 0; k < count; ++k)
-          other[k].first = pairs.fcl[k].distance(pairs.description.geometries[2 * k].placement, pairs.description.geometries[2 * k + 1].placement,
-                                                 other[k].second);
-        theirs.push_back(1e9 * secondsSince(start) / count);
-        for (std::size_t k = 0; k < count; ++k) {
-          const auto gap = [&](double d, const Vec3<double>& n) {
-            return std::fabs(static_cast<double>(d - test::parted(pairs.placed[2 * k], pairs.placed[2 * k + 1], test::wide(n))));
-          };
-          our_gap = std::max(our_gap, gap(found[k].distance, found[k].normal));
-          // FCL gives no finite normal where the distance is zero.
-          if (std::isfinite(other[k].second.x)) their_gap = std::max(their_gap, gap(other[k].first, other[k].second));
-        }
+      Pairs pairs(a, b, count);
+      const CompactModel model = compile(pairs.description, registry);
+      std::vector<Contender> contenders;
+      contenders.emplace_back(compileGeometry(model, pairs.description, pairs.options));
+      pairs.options.narrow = GeometryOptions::Narrow::fcl;
+      for (const double tolerance : tolerances) {
+        pairs.options.fcl_tolerance = tolerance;
+        contenders.emplace_back(compileGeometry(model, pairs.description, pairs.options));
       }
-      const Quartiles x = quartiles(ours), y = quartiles(theirs);
-      std::printf("| %s, %s | %.0f [%.0f, %.0f] | %.0f [%.0f, %.0f] | %.1f | %.0e | %.0e |\n", kinds[a], kinds[b], x.median, x.low, x.high, y.median,
-                  y.low, y.high, y.median / x.median, our_gap, their_gap);
+      for (int r = 0; r < rounds; ++r)
+        for (Contender& c : contenders) c.time();
+      std::vector<test::Wide> most(count, -std::numeric_limits<test::Wide>::infinity());
+      for (const Contender& c : contenders)
+        for (const Distance& x : c.found) {
+          test::Wide& proved = most[static_cast<std::size_t>(x.pair)];
+          proved = std::max(proved, pairs.proved(x));
+        }
+      std::printf("| %s, %s |", kinds[a], kinds[b]);
+      for (const Contender& c : contenders) {
+        test::Wide error = 0;
+        for (const Distance& x : c.found) error = std::max(error, std::fabs(x.distance - most[static_cast<std::size_t>(x.pair)]));
+        const Quartiles t = quartiles(c.rounds);
+        std::printf(" %.3g [%.3g, %.3g]; %.0e; %zu |", t.median, t.low, t.high, static_cast<double>(error), count - c.found.size());
+      }
+      std::printf("\n");
       std::fflush(stdout);
     }
   }
