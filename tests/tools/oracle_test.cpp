@@ -82,14 +82,14 @@ TEST_CASE("the reference agrees for robots to what their placements are rounded 
 }
 
 TEST_CASE("joints without definition are refused by name", "[oracle]") {
+  // The x direction of a planar joint about another axis than z is the plugin's own choice.
   Model model;
   JointDescription joint;
-  joint.name = "cardan";
-  joint.type = "universal";
+  joint.name = "table";
+  joint.type = "planar";
   joint.parameters["axis"] = std::vector<double>{1, 0, 0};
-  joint.parameters["axis2"] = std::vector<double>{0, 1, 0};
   model.addBody("body", 0, joint, {1, {}, {1, 0, 0, 1, 0, 1}});
-  CHECK_THROWS_WITH(tool::Oracle(model, compile(model, registry())), containing("joint 'cardan'") && containing("universal"));
+  CHECK_THROWS_WITH(tool::Oracle(model, compile(model, registry())), containing("joint 'table'") && containing("planar"));
 }
 
 TEST_CASE("the reference moves as closed forms and others' series say", "[oracle]") {

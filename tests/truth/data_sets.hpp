@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The sets of the 25-digit reference data: models, samples, and error budgets.
+// The sets of the 25-digit reference data: models, samples, and error budgets. Those in ../shared were made by another program. Those in the folder
+// `references` were made by `dyn truth`, so that a clone by itself has some.
 #pragma once
 
 #include "errors.hpp"
@@ -22,26 +23,42 @@ inline Eigen::VectorXd vectorOf(const nlohmann::json& x) {
 }
 
 struct Set {
+  Model description;
   CompactModel model;
   nlohmann::json document;
 };
 
+/// Loads a set of ../shared by its name, or one of the project's own as "references/NAME".
 inline Set load(const std::string& name) {
-  const std::string shared = sharedFolder();
-  nlohmann::json document = readJson(shared + "/truth/data/" + name + ".json");
+  const bool own = name.starts_with("references/");
+  const std::string shared = own ? "" : sharedFolder(), source = DYN_SOURCE_DIR "/";
+  nlohmann::json document = readJson((own ? source + "tests/truth/" : shared + "/truth/data/") + name + ".json");
   const std::string file = document["file"];
   Model model;
   if (file.ends_with(".urdf")) {
     urdf::Options options;
     options.root = document["root"];
-    options.mimic = urdf::Mimic::independent;
-    model = urdf::load(shared + "/models/" + file, options);
+    options.mimic = document.value("mimic", "independent") == "coupled" ? urdf::Mimic::coupled : urdf::Mimic::independent;
+    model = urdf::load((own ? source : shared + "/models/") + file, options);
   } else {
     model = readTruthModel(readJson(shared + "/truth/" + file));
   }
   CompileOptions options;
-  options.dissipation = false;
-  return {compile(model, JointRegistry::standard(), options), document};
+  options.dissipation = options.armature = false;
+  CompactModel compiled = compile(model, JointRegistry::standard(), options);
+  return {std::move(model), std::move(compiled), std::move(document)};
+}
+
+/// The project's own sets, by name.
+inline const std::vector<std::string>& ownSets() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> out;
+    for (const auto& entry : std::filesystem::directory_iterator(DYN_SOURCE_DIR "/tests/truth/references"))
+      if (entry.path().extension() == ".json") out.push_back("references/" + entry.path().stem().string());
+    std::sort(out.begin(), out.end());
+    return out;
+  }();
+  return names;
 }
 
 /// Worst errors of a set by quantity. The destructor prints them if DYN_SHOW_ERRORS is set.

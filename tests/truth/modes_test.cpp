@@ -3,6 +3,8 @@
 #include "support/traced.hpp"
 #include "truth/data_sets.hpp"
 
+#include <set>
+
 using namespace dyn;
 using namespace dyn::test;
 
@@ -113,6 +115,19 @@ TEST_CASE("batches are within the same budgets, in double and in float", "[truth
   DYN_NEEDS_SHARED();
   for (const std::string& name : truth_sets) checkBatch<double>(name);
   for (const std::string& name : truth_sets) checkBatch<float>(name);
+}
+
+TEST_CASE("batches are within the same budgets of the project's own references, in double and in float", "[truth]") {
+  for (const std::string& name : ownSets()) checkBatch<double>(name);
+  for (const std::string& name : ownSets()) checkBatch<float>(name);
+}
+
+TEST_CASE("operations of generated code are within the same budgets of the project's own references", "[truth]") {
+  // Traces refuse dependent joints, and joint types with branches on q.
+  const std::set<std::string> refused = {"references/coupled", "references/functions", "references/knee", "references/planar_rail"};
+  for (const std::string& name : ownSets())
+    if (!refused.contains(name))
+      for (const bool packable : {false, true}) checkTraced(name, {.packable = packable});
 }
 
 TEST_CASE("operations of generated code are within the same budgets", "[truth]") {

@@ -119,6 +119,10 @@ void checkSet(const std::string& name) {
 
 }  // namespace
 
+TEST_CASE("algorithms are within their error budgets of the project's own references", "[truth]") {
+  for (const std::string& name : ownSets()) checkSet(name);
+}
+
 TEST_CASE("algorithms are within their error budgets of the 25-digit truth", "[truth]") {
   DYN_NEEDS_SHARED();
   for (const std::string& name : truth_sets) checkSet(name);

@@ -22,5 +22,6 @@ void addBench(CLI::App& app);
 void addProfile(CLI::App& app);
 void addPlugin(CLI::App& app);
 void addSimulate(CLI::App& app);
+void addTruth(CLI::App& app);
 
 }  // namespace dyn::tool

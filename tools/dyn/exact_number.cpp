@@ -61,6 +61,10 @@ ExactNumber<digits>::operator long double() const {
   return in(*this).template convert_to<long double>();
 }
 template <int digits>
+std::string ExactNumber<digits>::text(int significant) const {
+  return in(*this).str(significant - 1, std::ios_base::scientific);
+}
+template <int digits>
 ExactNumber<digits> ExactNumber<digits>::operator-() const {
   return number<digits>(-in(*this));
 }

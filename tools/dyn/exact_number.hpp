@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include <cstddef>
+#include <string>
 
 namespace dyn::tool {
 
@@ -22,6 +23,8 @@ class ExactNumber {
   /// Rounded to nearest.
   explicit operator double() const;
   explicit operator long double() const;
+  /// In scientific notation with this many digits.
+  std::string text(int significant) const;
 
   ExactNumber operator-() const;
   ExactNumber& operator+=(const ExactNumber& x);

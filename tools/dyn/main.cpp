@@ -51,6 +51,7 @@ int run(int argc, char** argv) {
   dyn::tool::addProfile(app);
   dyn::tool::addPlugin(app);
   dyn::tool::addSimulate(app);
+  dyn::tool::addTruth(app);
   try {
     app.parse(argc, argv);
   } catch (const dyn::tool::ExitCode& exit) {

@@ -16,10 +16,13 @@
 
 namespace dyn::tool {
 
+class ExactBodies;
+
 class Oracle {
  public:
-  /// The model must have been compiled from this description with no joint locked. Throws Error(joint_type) for dependent joints and for unknown
-  /// types: the oracle knows fixed, revolute, continuous, prismatic, spherical, free_flyer and translation.
+  /// The model must have been compiled from this description with no joint locked, and without armature and dissipation. Throws Error(joint_type) for
+  /// a type without definition: the oracle knows the standard joint types, those of plugins/examples, and mimic joints that depend on an independent
+  /// joint of one coordinate.
   Oracle(const Model& description, const CompactModel& model);
   ~Oracle();
   Oracle(const Oracle&) = delete;
@@ -33,9 +36,10 @@ class Oracle {
   /// fifty digits. The result is rounded at the end.
   State move(const State& start, double time, int steps) const;
 
+  const ExactBodies& bodies() const { return *bodies_; }
+
  private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  std::unique_ptr<ExactBodies> bodies_;
 };
 
 }  // namespace dyn::tool

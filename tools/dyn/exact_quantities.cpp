@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "exact_quantities.hpp"
+
+#include <Eigen/LU>
+
+namespace dyn::tool {
+
+namespace {
+
+using Vec6 = Eigen::Matrix<Real, 6, 1>;
+
+VectorR stacked(const std::vector<VectorR>& parts) {
+  Eigen::Index size = 0;
+  for (const VectorR& part : parts) size += part.size();
+  VectorR out(size);
+  size = 0;
+  for (const VectorR& part : parts) {
+    out.segment(size, part.size()) = part;
+    size += part.size();
+  }
+  return out;
+}
+Vec6 six(const Vec& linear, const Vec& angular) { return (Vec6() << linear, angular).finished(); }
+
+/// Sums over the moving bodies, in world axes.
+struct Sums {
+  Real mass = 0, kinetic = 0, potential = 0;
+  Vec com = Vec::Zero(), velocity = Vec::Zero(), acceleration = Vec::Zero();  ///< of the centre of mass
+  Vec6 momentum = Vec6::Zero(), rate = Vec6::Zero();                          ///< about the centre of mass; of the momentum, without gravity
+};
+Sums sumsOf(const ExactBodies& x, const Place& at, const VectorR& v, const VectorR& a) {
+  const std::vector<Series> moved = x.motions(at, v, a);
+  Sums out;
+  const auto each = [&](auto&& use) {
+    for (std::size_t i = 1; i < x.bodies.size(); ++i) {
+      if (!x.bodies[i].moves) continue;
+      std::array<Vec, 3> c;
+      for (std::size_t k = 0; k < 3; ++k) c[k] = moved[i].p[k] + moved[i].R[k] * x.bodies[i].com;
+      use(x.bodies[i], moved[i], c);
+    }
+  };
+  each([&](const ExactBody& body, const Series& pose, const std::array<Vec, 3>& c) {
+    out.mass += body.mass;
+    out.com += body.mass * c[0];
+    out.velocity += body.mass * c[1];
+    out.acceleration += body.mass * c[2];
+    const Vec w = pose.R[0].transpose() * pose.omega();
+    out.kinetic += (body.mass * c[1].squaredNorm() + w.dot(body.inertia * w)) / Real(2);
+    out.potential -= body.mass * x.gravity.dot(c[0]);
+  });
+  out.com /= out.mass;
+  each([&](const ExactBody& body, const Series& pose, const std::array<Vec, 3>& c) {
+    const Vec arm = c[0] - out.com, spin = pose.R[0] * body.inertia * pose.R[0].transpose() * pose.omega();
+    out.momentum += six(body.mass * c[1], body.mass * (cross(arm) * c[1]) + spin);
+    out.rate += six(body.mass * c[2], body.mass * (cross(arm) * c[2]) + momentOf(body, pose));
+  });
+  out.velocity /= out.mass;
+  out.acceleration /= out.mass;
+  return out;
+}
+
+/// Ag: the momenta for unit velocities.
+MatrixR momentumMap(const ExactBodies& x, const Place& at) {
+  std::vector<VectorR> columns;
+  for (int k = 0; k < x.nv; ++k) columns.push_back(sumsOf(x, at, VectorR::Unit(x.nv, k), VectorR::Zero(x.nv)).momentum);
+  return besides(columns);
+}
+
+/// Jacobians of the centres of mass, body below body: six rows each.
+MatrixR stackedJacobians(const ExactBodies& x, const Place& at) {
+  const BodyJacobians J = x.jacobians(at);
+  MatrixR out(6 * static_cast<Eigen::Index>(x.bodies.size()), x.nv);
+  for (std::size_t i = 0; i < x.bodies.size(); ++i) out.middleRows(6 * static_cast<Eigen::Index>(i), 6) << J.linear[i], J.angular[i];
+  return out;
+}
+
+/// The sum of m Jc^T dJc + Jw^T (I dJw + (w x I - I w x - (I w) x) / 2 Jw) over the bodies, in world axes. This is the one Coriolis matrix that is
+/// made of Christoffel symbols (Echeandia and Wensing 2021).
+MatrixR coriolisOf(const ExactBodies& x, const Place& at, const VectorR& v) {
+  const MatrixR J = stackedJacobians(x, at), dJ = x.alongMotion(at, v, [&](const Place& p) { return stackedJacobians(x, p); });
+  const std::vector<Series> moved = x.motions(at, v, VectorR::Zero(x.nv));
+  MatrixR C = MatrixR::Zero(x.nv, x.nv);
+  for (std::size_t i = 1; i < x.bodies.size(); ++i) {
+    const auto row = 6 * static_cast<Eigen::Index>(i);
+    const MatrixR Jc = J.middleRows(row, 3), Jw = J.middleRows(row + 3, 3), dJc = dJ.middleRows(row, 3), dJw = dJ.middleRows(row + 3, 3);
+    const Mat I = moved[i].R[0] * x.bodies[i].inertia * moved[i].R[0].transpose();
+    const Vec w = moved[i].omega();
+    const Mat turning = (cross(w) * I - I * cross(w) - cross(I * w)) / Real(2);
+    C += x.bodies[i].mass * (Jc.transpose() * dJc) + Jw.transpose() * (I * dJw + turning * Jw);
+  }
+  return C;
+}
+
+/// The local velocity (R^T p', R^T w) of a pose and its time derivative.
+std::pair<Vec6, Vec6> localMotion(const Series& X) {
+  const Mat Rt = X.R[0].transpose();
+  return {six(Rt * X.p[1], Rt * X.omega()), six(Rt * (X.p[2] - cross(X.omega()) * X.p[1]), Rt * X.alpha())};
+}
+
+}  // namespace
+
+Quantities dynamicsOf(const ExactBodies& x, const State& state, bool derivatives) {
+  const int n = x.nv;
+  const Place at = x.place(exact(state.q));
+  const VectorR v = exact(state.v), a = exact(state.a), tau = exact(state.tau), still = VectorR::Zero(n);
+  const BodyJacobians J = x.jacobians(at);
+  const MatrixR M = x.massMatrix(at, J);
+  const VectorR nle = x.rnea(at, v, still, J);
+  const Eigen::PartialPivLU<MatrixR> solver(M);
+  const VectorR ddq = solver.solve(tau - nle);
+  const MatrixR Minv = solver.inverse();
+
+  Quantities out;
+  out["rnea"] = x.rnea(at, v, a, J);
+  out["nle"] = nle;
+  out["gravity"] = x.rnea(at, still, still, J);
+  out["M"] = M;
+  out["aba"] = ddq;
+  const std::vector<double> scale = x.scale(at, v, a), moved = x.scale(at, v, ddq);
+  out["rnea_scale"] = exact(Eigen::Map<const Eigen::VectorXd>(scale.data(), n));
+  const VectorR torques = exact(Eigen::Map<const Eigen::VectorXd>(moved.data(), n) + state.tau.cwiseAbs());
+  out["aba_scale"] = Minv.unaryExpr([](const Real& entry) { return abs(entry); }) * torques;
+  out["Minv"] = Minv;
+  if (!derivatives) return out;
+  const std::vector<VectorR> by_q = x.byConfiguration(at, [&](const Place& p) {
+    const BodyJacobians there = x.jacobians(p);
+    return stacked({x.rnea(p, v, a, there), x.rnea(p, v, ddq, there)});
+  });
+  const MatrixR both = besides(by_q), by_v = besides(x.byVector(v, [&](const VectorR& w) { return x.rnea(at, w, a, J); }));
+  out["dtau_dq"] = both.topRows(n);
+  out["dtau_dv"] = by_v;
+  // These follow by differentiating M ddq + nle = tau.
+  out["ddq_dq"] = -Minv * both.bottomRows(n);
+  out["ddq_dv"] = -Minv * by_v;
+  return out;
+}
+
+Quantities massCentreOf(const ExactBodies& x, const State& state) {
+  const int n = x.nv;
+  const Place at = x.place(exact(state.q));
+  const VectorR v = exact(state.v), a = exact(state.a), still = VectorR::Zero(n);
+  const std::vector<Series> poses = x.motions(at, v, a);
+  const BodyJacobians J = x.jacobians(at, true);
+  Quantities out;
+  // Joints: poses with rotation matrices row after row, and the spatial velocity in the world for unit velocities.
+  const auto joints = static_cast<Eigen::Index>(x.carried.size());
+  MatrixR& oMi = out["oMi"] = MatrixR::Zero(joints - 1, 12);
+  MatrixR columns = MatrixR::Zero(6, n);
+  bool follows = false;
+  VectorR forces(6 * joints), torques = x.rnea(at, still, still);
+  for (Eigen::Index j = 0; j < joints; ++j) {
+    // Any forces do; these are whole numbers from -5 to 5.
+    for (int c = 0; c < 6; ++c) forces[6 * j + c] = Real(static_cast<double>((7 * j + 3 * c) % 11 - 5));
+    if (j == 0) continue;
+    const std::size_t i = x.carried[static_cast<std::size_t>(j)];
+    const Series& X = poses[i];
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 3; ++c) oMi(j - 1, 3 * r + c) = X.R[0](r, c);
+    oMi.row(j - 1).tail(3) = X.p[0].transpose();
+    follows = follows || !x.bodies[i].coefficients.empty();
+    for (int d = 0; d < x.bodies[i].freedom(); ++d) {
+      const int k = x.bodies[i].v + d;
+      columns.col(k) = six(J.linear[i].col(k) + cross(X.p[0]) * J.angular[i].col(k), J.angular[i].col(k));
+    }
+    torques -= J.linear[i].transpose() * (X.R[0] * forces.segment<3>(6 * j)) + J.angular[i].transpose() * (X.R[0] * forces.segment<3>(6 * j + 3));
+  }
+  if (!follows) out["J"] = columns;  // computeJointJacobians refuses models with dependent joints
+  out["fext"] = forces;
+  out["static_torque"] = torques;
+
+  const Sums sums = sumsOf(x, at, v, a);
+  const auto put = [&](const char* key, const VectorR& value) { out[key] = value; };
+  put("kinetic_energy", VectorR::Constant(1, sums.kinetic));
+  put("potential_energy", VectorR::Constant(1, sums.potential));
+  put("com", sums.com);
+  put("vcom", sums.velocity);
+  put("acom", sums.acceleration);
+  put("hg", sums.momentum);
+  put("dhg", sums.rate);
+  const MatrixR Ag = out["Ag"] = momentumMap(x, at);
+  out["dAg"] = x.alongMotion(at, v, [&](const Place& p) { return momentumMap(x, p); });
+  out["Jcom"] = Ag.topRows(3) / sums.mass;
+  const auto motion = [&](const Sums& s) { return stacked({s.momentum, s.rate}); };
+  const MatrixR by_q = besides(x.byConfiguration(at, [&](const Place& p) { return motion(sumsOf(x, p, v, a)); }));
+  const MatrixR by_v = besides(x.byVector(v, [&](const VectorR& w) { return motion(sumsOf(x, at, w, a)); }));
+  out["dhg_dq"] = by_q.topRows(6);
+  out["dhgdot_dq"] = by_q.bottomRows(6);
+  out["dhgdot_dv"] = by_v.bottomRows(6);
+  out["vcom_dq"] = by_q.topRows(3) / sums.mass;
+  out["acom_dq"] = by_q.middleRows(6, 3) / sums.mass;
+  out["acom_dv"] = by_v.middleRows(6, 3) / sums.mass;
+  out["coriolis_matrix"] = coriolisOf(x, at, v);
+  return out;
+}
+
+Quantities frameOf(const ExactBodies& x, const State& state, std::size_t body) {
+  const Place at = x.place(exact(state.q));
+  const VectorR v = exact(state.v), a = exact(state.a);
+  /// Jacobians in LOCAL, LOCAL_WORLD_ALIGNED and WORLD, one below the other.
+  const auto jacobians = [&](const Place& p) {
+    MatrixR out(18, x.nv);
+    for (int k = 0; k < x.nv; ++k) {
+      const Series X = x.motions(p, VectorR::Unit(x.nv, k), VectorR::Zero(x.nv))[body];
+      out.col(k) << localMotion(X).first, X.p[1], X.omega(), X.p[1] + cross(X.p[0]) * X.omega(), X.omega();
+    }
+    return out;
+  };
+  const auto motion = [&](const Place& p, const VectorR& w) {
+    const auto [velocity, acceleration] = localMotion(x.motions(p, w, a)[body]);
+    return stacked({velocity, acceleration});
+  };
+  const Series X = x.motions(at, v, a)[body];
+  const MatrixR J = jacobians(at), dJ = x.alongMotion(at, v, jacobians);
+  const MatrixR by_q = besides(x.byConfiguration(at, [&](const Place& p) { return motion(p, v); }));
+  const MatrixR by_v = besides(x.byVector(v, [&](const VectorR& w) { return motion(at, w); }));
+  return {{"J_local", J.topRows(6)},
+          {"J_lwa", J.middleRows(6, 6)},
+          {"J_world", J.bottomRows(6)},
+          {"dJ_local", dJ.topRows(6)},
+          {"dJ_lwa", dJ.middleRows(6, 6)},
+          {"dJ_world", dJ.bottomRows(6)},
+          {"vel_local", motion(at, v).head(6)},
+          {"acc_local_spatial", motion(at, v).tail(6)},
+          {"acc_lwa_classical", six(X.p[2], X.alpha())},
+          {"v_dq", by_q.topRows(6)},
+          {"a_dq", by_q.bottomRows(6)},
+          {"a_dv", by_v.bottomRows(6)}};
+}
+
+Quantities secondDerivativesOf(const ExactBodies& x, const State& state) {
+  // Two steps divide the rounding error by 1e-26, so 24 digits are right.
+  const Real h(1e-13);
+  const int n = x.nv;
+  const Place at = x.place(exact(state.q));
+  const VectorR v = exact(state.v), a = exact(state.a);
+  const auto by_q = [&](const Place& p, const VectorR& w) {
+    return besides(x.byConfiguration(
+        p, [&](const Place& q) { return x.rnea(q, w, a); }, h));
+  };
+  // Torques are quadratic in velocities, so differences of any step are exact.
+  const auto by_v = [&](const Place& p, const VectorR& w) {
+    const BodyJacobians J = x.jacobians(p);
+    std::vector<VectorR> columns;
+    for (int k = 0; k < n; ++k) columns.push_back((x.rnea(p, w + VectorR::Unit(n, k), a, J) - x.rnea(p, w - VectorR::Unit(n, k), a, J)) / Real(2));
+    return besides(columns);
+  };
+  const auto below = [&](const std::vector<MatrixR>& matrices) {
+    MatrixR out(n * n, n);
+    for (int k = 0; k < n; ++k) out.middleRows(n * k, n) = matrices[static_cast<std::size_t>(k)];
+    return out;
+  };
+  std::vector<MatrixR> vv;
+  for (int k = 0; k < n; ++k) vv.push_back((by_v(at, v + VectorR::Unit(n, k)) - by_v(at, v - VectorR::Unit(n, k))) / Real(2));
+  return {{"d2tau_dqdq", below(x.byConfiguration(
+                             at, [&](const Place& p) { return by_q(p, v); }, h))},
+          {"d2tau_dqdv", below(x.byConfiguration(
+                             at, [&](const Place& p) { return by_v(p, v); }, h))},
+          {"d2tau_dvdv", below(vv)},
+          {"d2tau_dadq", below(x.byConfiguration(at, [&](const Place& p) { return x.massMatrix(p, x.jacobians(p)); }))}};
+}
+
+}  // namespace dyn::tool

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "references.hpp"
+
+#include "exact_quantities.hpp"
+
+namespace dyn::tool {
+
+namespace {
+
+constexpr int printed_digits = 25;
+/// The largest nv for which second derivatives are written: they are four tensors of nv^3 numbers.
+constexpr int most_with_second = 8;
+
+/// The numbers of a matrix, row after row, or one array for each row. Numbers below 1e-28 of the largest one are noise of differences, and are
+/// written as 0.
+Json textsOf(const MatrixR& x, bool nested = false) {
+  Real largest(0);
+  for (Eigen::Index k = 0; k < x.size(); ++k) largest = std::max(largest, abs(x(k)));
+  const Real noise = std::max(largest * Real(1e-28), Real(1e-30));
+  Json out = Json::array();
+  for (Eigen::Index i = 0; i < x.rows(); ++i) {
+    Json row = Json::array();
+    for (Eigen::Index j = 0; j < x.cols(); ++j) row.push_back(abs(x(i, j)) < noise ? "0" : x(i, j).text(printed_digits));
+    if (nested)
+      out.push_back(row);
+    else
+      out.insert(out.end(), row.begin(), row.end());
+  }
+  return out;
+}
+
+void put(const Quantities& quantities, Json& out) {
+  for (const auto& [key, value] : quantities) out[key] = textsOf(value, key == "oMi");  // one pose for each joint
+}
+
+/// The last two bodies that move and carry no other.
+std::vector<std::size_t> leaves(const ExactBodies& x) {
+  std::vector<bool> carries(x.bodies.size());
+  for (const ExactBody& body : x.bodies) carries[static_cast<std::size_t>(body.parent)] = true;
+  std::vector<std::size_t> out;
+  for (std::size_t i = x.bodies.size(); --i > 0 && out.size() < 2;)
+    if (!carries[i] && x.bodies[i].moves) out.push_back(i);
+  return out;
+}
+
+}  // namespace
+
+std::vector<State> referenceStates(const CompactModel& model, int count, std::uint64_t seed) {
+  std::vector<State> states = randomStates(model, count, seed);
+  for (State& state : states)
+    for (Eigen::VectorXd* x : {&state.q, &state.v, &state.a, &state.tau}) *x = x->cast<float>().cast<double>();
+  return states;
+}
+
+Json referencesOf(const Oracle& oracle, const Model& description, const State& state) {
+  const ExactBodies& x = oracle.bodies();
+  Json out;
+  put(dynamicsOf(x, state, true), out);
+  put(massCentreOf(x, state), out);
+  put(regressorsOf(x, state), out);
+  put(loopsOf(x, description, state), out);
+  bool follows = false;
+  for (const ExactBody& body : x.bodies) follows = follows || !body.coefficients.empty();
+  if (x.nv <= most_with_second && !follows) put(secondDerivativesOf(x, state), out);
+  out["frames"] = Json::array();
+  for (const std::size_t body : leaves(x)) {
+    Json frame{{"link", x.bodies[body].name}};
+    put(frameOf(x, state, body), frame);
+    out["frames"].push_back(frame);
+  }
+  return out;
+}
+
+std::string referenceFile(const ReferenceModel& from, const Model& description, const CompactModel& model, const std::vector<State>& states) {
+  const Oracle oracle(description, model);
+  // One line for each quantity, so that changes show where they are.
+  const Json head{{"file", from.file}, {"root", from.root}, {"mimic", from.mimic}, {"nq", model.nq()}, {"nv", model.nv()}};
+  std::string out = head.dump();
+  out.back() = ',';
+  out += "\n\"samples\": [";
+  for (const State& state : states) {
+    out += &state == states.data() ? "\n{" : ",\n{";
+    for (const char* argument : {"q", "v", "a", "tau"}) out += '"' + std::string(argument) + "\": " + flat(state.argument(argument)).dump() + ",\n";
+    out += "\"truth\": {";
+    const char* separator = "\n";
+    const Json truth = referencesOf(oracle, description, state);
+    for (const auto& [key, value] : truth.items()) {
+      out += separator + ('"' + key + "\": ") + value.dump();
+      separator = ",\n";
+    }
+    out += "\n}}";
+  }
+  return out + "\n]}\n";
+}
+
+}  // namespace dyn::tool
