@@ -8,7 +8,7 @@ namespace fs = std::filesystem;
 
 TEST_CASE("help is there for every subcommand, and a wrong command line exits with 2", "[command]") {
   for (const char* sub : {"", "accuracy", "info", "check", "codegen", "collide", "compute", "demo", "bench", "profile", "plugin", "plugin list",
-                          "plugin check", "plugin new", "simulate"}) {
+                          "plugin check", "plugin new", "simulate", "truth"}) {
     const Answer a = run(std::string(sub) + " --help");
     INFO(sub << a.err);
     CHECK(a.code == 0);
@@ -25,7 +25,9 @@ TEST_CASE("help is there for every subcommand, and a wrong command line exits wi
                                           "plugin",
                                           "plugin check",
                                           "bench x.urdf --unknown-option",
-                                          "accuracy --instruction-sets mmx"};
+                                          "accuracy --instruction-sets mmx",
+                                          "truth x.urdf",
+                                          "truth x.urdf --losses --out x.json"};
   for (const std::string& line : wrong) {
     const Answer a = run(line);
     INFO(line);

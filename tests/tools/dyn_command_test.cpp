@@ -13,9 +13,12 @@ TEST_CASE("a robot that cannot be read exits with 1 and says file and reason, in
   const Folder folder;
   const std::string broken = folder.write("broken.urdf", "<robot name='r'>\n<link name='a'/>\n<link name='a'/>\n</robot>\n");
   const std::string states = folder.write("states.json", R"({"samples":[]})");
-  for (const std::string sub : {"info", "check", "codegen", "collide", "compute", "demo", "bench", "profile"}) {
+  for (const std::string sub : {"info", "check", "codegen", "collide", "compute", "demo", "bench", "profile", "truth"}) {
     INFO(sub);
-    const std::string extra = sub == "compute" ? " --states " + states : sub == "codegen" ? " --functions rnea" : "";
+    const std::string extra = sub == "compute"   ? " --states " + states
+                              : sub == "codegen" ? " --functions rnea"
+                              : sub == "truth"   ? " --out '" + (folder.path / "truth.json").string() + "'"
+                                                 : "";
     const Answer missing = run(sub + " /nowhere/robot.urdf" + extra), bad = run(sub + " " + broken + extra);
     CHECK(missing.code == 1);
     CHECK_THAT(missing.err, containing("/nowhere/robot.urdf") && containing("does not exist"));
@@ -266,4 +269,18 @@ TEST_CASE("accuracy writes a page that needs nothing else", "[command][accuracy]
   }
   CHECK(run("accuracy --quick --models missing.urdf --out " + out).code == 1);
   CHECK(run("accuracy --quick --peers " + out + "/index.html --out " + out).code == 1);
+}
+
+TEST_CASE("truth writes references that bench reads, and the same ones again from its own file", "[command][truth]") {
+  const Folder folder;
+  const std::string first = (folder.path / "first.json").string(), again = (folder.path / "again.json").string();
+  const std::string model = DYN_SOURCE_DIR "/models/four_bar.urdf";
+  REQUIRE(run("truth " + model + " --count 1 --seed 5 --out '" + first + "'").code == 0);
+  REQUIRE(run("truth " + model + " --states '" + first + "' --out '" + again + "'").code == 0);
+  CHECK(textOf(first) == textOf(again));
+  const Answer bench = run("bench " + model + " --only rnea,crba --states 4 --truth '" + first + "'");
+  CHECK(bench.code == 0);
+  const Answer refused = run("truth " + model + " --lock A --out '" + again + "'");
+  CHECK(refused.code == 2);
+  CHECK_THAT(refused.err, containing("--lock"));
 }
