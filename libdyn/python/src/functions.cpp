@@ -200,7 +200,7 @@ std::string pythonName(const std::string& name) {
   return out;
 }
 
-/// What each function computes, for help().
+/// Returns the sentence of help() that says what a function computes.
 const char* explain(Algorithm algorithm) {
   switch (algorithm) {
     case Algorithm::joint_jacobians:
