@@ -40,7 +40,8 @@ TEST_CASE("help is there for every subcommand, and a wrong command line exits wi
 TEST_CASE("dyn --version names the library, the instruction set and the plugin interface", "[command]") {
   const Answer a = run("--version");
   CHECK(a.code == 0);
-  CHECK_THAT(a.out, containing("dyn 0.") && containing("instruction set ") && containing("plugin interface "));
+  CHECK_THAT(a.out, containing("dyn 0.") && containing(" (") && containing("instruction set ") && containing("plugin interface ") &&
+                        containing("reads URDF"));
 }
 
 TEST_CASE("a word that is no subcommand is named, with those that there are", "[command]") {
@@ -53,7 +54,7 @@ TEST_CASE("a word that is no subcommand is named, with those that there are", "[
 }
 
 TEST_CASE("a number out of its range is refused with a range that can be read", "[command]") {
-  const std::pair<const char*, const char*> wrong[] = {{"--restitution 2", "dyn simulate: --restitution: 2 must be in 0 to 1"},
+  const std::pair<const char*, const char*> wrong[] = {{"--restitution 2", "dyn simulate: error: --restitution: 2 must be in 0 to 1"},
                                                        {"--time abc", "--time: 'abc' is no number"},
                                                        {"--time=-1", "--time: -1 must be 0 or more"},
                                                        {"--tolerance 1e400", "--tolerance: "},
@@ -66,7 +67,7 @@ TEST_CASE("a number out of its range is refused with a range that can be read", 
     CHECK_THAT(a.err, containing(says) && containing("`dyn simulate --help`"));
     CHECK(a.err.size() < 200);
   }
-  CHECK_THAT(run("plugin check x.so --rounds 0").err, containing("dyn plugin check: --rounds: 0 must be in 1 to 1000"));
+  CHECK_THAT(run("plugin check x.so --rounds 0").err, containing("dyn plugin check: error: --rounds: 0 must be in 1 to 1000"));
   CHECK_THAT(run("bench " + biped + " --threads 1000").err, containing("1000 must be in 1 to 256"));
   CHECK_THAT(run("collide " + biped + " --learn 0").err, containing("0 must be in 1 to 1e+09"));
   const Answer many = run("simulate " + biped + " --every 1e-9");

@@ -80,19 +80,6 @@ TEST_CASE("check reports all errors of a file and exits with 1; a sound robot ex
   for (const char* part : {"triangle", "has no <limit>", "mimics another joint", "moves nothing that has mass"}) CHECK_THAT(b.out, containing(part));
 }
 
-TEST_CASE("where the output is lost the exit code says so", "[command]") {
-  if (!fs::exists("/dev/full")) DYN_SKIP("there is no /dev/full");
-  const Folder folder;
-  const fs::path err = folder.path / "err";
-  for (const std::string& what : {"info '" + biped + "'", std::string("plugin list"), std::string("info --help")}) {
-    INFO(what);
-    const int status = std::system(("'" DYN_BINARY_DIR "/bin/dyn' " + what + " >/dev/full 2>'" + err.string() + "'").c_str());
-    CHECK(WEXITSTATUS(status) == 1);
-    CHECK_THAT(textOf(err), containing("output"));
-  }
-  CHECK(std::system(("'" DYN_BINARY_DIR "/bin/dyn' info '" + biped + "' >/dev/null").c_str()) == 0);
-}
-
 TEST_CASE("bench prints one JSON object a line", "[command]") {
   const Answer a = run("bench " + biped + " --json");
   REQUIRE(a.code == 0);

@@ -71,6 +71,22 @@ TEST_CASE("compute that is interrupted prints the samples that it has computed",
   CHECK(answer["samples"].size() < 10000);
 }
 
+TEST_CASE("every subcommand that lasts ends with 130 at Ctrl-C, and leaves no unfinished file", "[command]") {
+  const Folder folder;
+  const std::string out = (folder.path / "out.srdf").string(), code = (folder.path / "code").string();
+  // Each lasts for minutes unless it is interrupted.
+  CHECK(interrupted({"bench", biped, "--json", "--states", "1024"}, SIGINT, "/dev/null") == 130);
+  CHECK(interrupted({"profile", biped, "--plot", (folder.path / "p.svg").string()}, SIGINT, "/dev/null") == 130);
+  CHECK(interrupted({"codegen", biped, "--functions", "rnea_derivatives,aba_derivatives", "--out", code}, SIGINT, "/dev/null") == 130);
+  CHECK(interrupted({"plugin", "check", DYN_BINARY_DIR "/bad_plugins/never_ends_or_crashes.so", "--any-plugin"}, SIGINT, "/dev/null") == 130);
+  CHECK(interrupted({"collide", biped, "--learn", "1000000000", "--out", out}, SIGINT, "/dev/null") == 130);
+  CHECK_THAT(textOf(out), containing("<robot name=\"biped\"/>"));
+  for (const fs::directory_entry& file : fs::recursive_directory_iterator(folder.path)) {
+    INFO(file.path());
+    CHECK(file.path().string().find(".part") == std::string::npos);
+  }
+}
+
 TEST_CASE("accuracy that is interrupted writes the sections that it has measured", "[command][accuracy]") {
   const Folder folder;
   const std::string out = (folder.path / "report").string();

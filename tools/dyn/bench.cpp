@@ -4,8 +4,11 @@
 
 #include "commands.hpp"
 #include "contacts.hpp"
+#include "interrupt.hpp"
+#include "messages.hpp"
 #include "model_options.hpp"
 #include "options.hpp"
+#include "progress.hpp"
 
 #include <cmath>
 #include <memory>
@@ -55,8 +58,9 @@ void choose(const std::vector<std::string>& only, std::vector<Entry>& entries) {
 void run(const Options& o) {
   const CompactModel model = o.model.compile();
   Subjects subjects(model, constraintsOf(o, model), o.states);
-  if (!o.truth.empty()) subjects.truth = readTruth(o.truth, model);
+  if (!o.truth.empty()) subjects.truth = timed("read " + o.truth, [&] { return readTruth(o.truth, model); });
   std::vector<Entry> entries;
+  const Interruption interruption;
   addSingle(subjects, entries);
   addBatch<double>(subjects, "double", o.threads, entries);
   addBatch<float>(subjects, "float", o.threads, entries);
@@ -64,20 +68,28 @@ void run(const Options& o) {
   choose(o.only, entries);
   if (o.only.empty() && model.nv() > most_with_derivatives) {
     const auto left_out = std::erase_if(entries, [](const Entry& entry) { return has(entry.need, Need::derivatives); });
-    std::fprintf(stderr, "dyn: %d degrees of freedom: %zu lines with matrices of derivatives are left out; --only measures them\n", model.nv(),
-                 left_out);
+    note(std::to_string(model.nv()) + " degrees of freedom: " + std::to_string(left_out) +
+         " lines with matrices of derivatives are left out; --only measures them");
   }
   subjects.needs = Need::state;
   for (const Entry& entry : entries) subjects.needs = subjects.needs | entry.need;
   if (!o.json) std::printf("constraints (rows): %s\n", namesOf(subjects.constraint_set).c_str());
   if (!o.json)
-    std::printf("%s, %d degrees of freedom, %zu random states, batches of %d, median of 11%s\n%-32s %-8s %-8s %12s %20s %10s\n", model.name().c_str(),
-                model.nv(), subjects.states.size(), o.states, o.truth.empty() ? "" : "; errors in units of roundoff, u", "algorithm", "scalar",
-                "mode", "ns a state", "quartiles", o.truth.empty() ? "" : "error");
+    std::printf("%s, %d degrees of freedom, %zu random states, batches of %d, median of 11%s\n", model.name().c_str(), model.nv(),
+                subjects.states.size(), o.states, o.truth.empty() ? "" : "; errors in units of roundoff, u");
+  char columns[128];
+  std::snprintf(columns, sizeof columns, "%-32s %-8s %-8s %12s %20s %10s", "algorithm", "scalar", "mode", "ns a state", "quartiles",
+                o.truth.empty() ? "" : "error");
+  if (!o.json) std::printf("%s\n", heading(columns).c_str());
+  Progress progress(static_cast<double>(entries.size()), "algorithms");
+  std::size_t done = 0;
   for (const Entry& entry : entries) {
+    if (interruption || outputLost()) break;
+    progress.at(static_cast<double>(done++), entry.algorithm + ", " + entry.scalar + ", " + entry.mode);
     try {
       const benchmark::Quartiles t = measure(entry.round, entry.states);
       const ErrorSummary error = entry.error ? entry.error() : ErrorSummary();
+      clearLiveLine();
       if (o.json) {
         nlohmann::ordered_json line = {{"robot", model.name()},  {"algorithm", entry.algorithm},
                                        {"scalar", entry.scalar}, {"mode", entry.mode},
@@ -96,19 +108,20 @@ void run(const Options& o) {
       }
     } catch (const Error& e) {
       if (e.code() != ErrorCode::singular && e.code() != ErrorCode::argument && e.code() != ErrorCode::memory) throw;
-      std::fprintf(stderr, "dyn: %s, %s, %s: %s\n", entry.algorithm.c_str(), entry.scalar.c_str(), entry.mode.c_str(), e.what());
+      warning(entry.algorithm + ", " + entry.scalar + ", " + entry.mode + ": " + e.what());
     }
   }
+  interruption.end();
 }
 
 }  // namespace
 
 void addBench(CLI::App& app) {
-  CLI::App* sub = app.add_subcommand("bench", "time of each algorithm on this machine, state by state and in batches");
+  CLI::App* sub = addCommand(app, "bench", "time of each algorithm on this machine, state by state and in batches");
   auto o = std::make_shared<Options>();
   o->model.add(*sub);
   sub->add_flag("--json", o->json, "one JSON object a line");
-  sub->add_option("--truth", o->truth, "a file of states with reference results of many digits: errors are shown beside times");
+  sub->add_option("--truth", o->truth, "a file of states with reference results of many digits: errors are shown beside times")->type_name("FILE");
   sub->add_option("--contacts", o->contacts,
                   "FRAME:6d or FRAME:3d, ... for constraint_dynamics and impulse; without: the model's own constraints, or where it stands")
       ->delimiter(',');

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Modes codegen and codegen_batch of `dyn bench`.
 #include "bench.hpp"
+#include "interrupt.hpp"
+#include "messages.hpp"
+#include "progress.hpp"
 
 #include <dyn/codegen/native.hpp>
 
-#include <cstdio>
 #include <map>
 #include <memory>
 
@@ -47,10 +49,10 @@ struct Subject {
   }
 };
 
-void add(Subjects& x, const std::string& name, int lanes, std::vector<Entry>& entries) {
+void add(Subjects& x, const std::string& name, int lanes, std::vector<Entry>& entries, const std::function<void(const std::string&)>& progress) {
   NativeOptions options;
   options.lanes = lanes;
-  options.progress = [](const std::string& what) { std::fprintf(stderr, "dyn: %s\n", what.c_str()); };
+  options.progress = progress;
   const CompiledFunction function = compileNative(x.model, {name}, options).functions()[0];
   const auto subject = std::make_shared<Subject>(function, x.states, lanes);
   const std::size_t groups = x.states.size() / static_cast<std::size_t>(lanes);
@@ -78,8 +80,17 @@ void add(Subjects& x, const std::string& name, int lanes, std::vector<Entry>& en
 void addGenerated(Subjects& x, const std::vector<std::string>& functions, std::vector<Entry>& entries) {
   std::vector<std::string> names = functions;
   if (names.size() == 1 && names[0] == "all") names = traceableFunctions();
+  Progress progress(static_cast<double>(2 * names.size()), "functions");
+  double done = 0;
   for (const std::string& name : names)
-    for (const int lanes : {1, 8}) add(x, name, lanes, entries);
+    for (const int lanes : {1, 8}) {
+      if (Interruption::pending()) return;
+      add(x, name, lanes, entries, [&](const std::string& what) {
+        detail(what);
+        progress.at(done, what);
+      });
+      ++done;
+    }
 }
 
 }  // namespace dyn::tool

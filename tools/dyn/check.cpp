@@ -2,6 +2,7 @@
 // dyn check: finds what is wrong or suspicious in a model. Exit code 1 when there are errors.
 #include "commands.hpp"
 #include "condition.hpp"
+#include "messages.hpp"
 #include "model_options.hpp"
 
 #include <cstdio>
@@ -14,11 +15,11 @@ namespace {
 class Findings {
  public:
   void error(const std::string& text) {
-    std::fprintf(stderr, "error: %s\n", text.c_str());
+    std::fprintf(stderr, "%s %s\n", styled(stderr, Style::error, "error:").c_str(), text.c_str());
     ++errors_;
   }
   void warning(const std::string& text) {
-    std::printf("warning: %s\n", text.c_str());
+    std::printf("%s %s\n", styled(stdout, Style::warning, "warning:").c_str(), text.c_str());
     ++warnings_;
   }
   int errors() const { return errors_; }
@@ -72,7 +73,7 @@ void runCheck(const ModelOptions& o) {
 }  // namespace
 
 void addCheck(CLI::App& app) {
-  CLI::App* sub = app.add_subcommand("check", "lints a model; exit code 1 on errors");
+  CLI::App* sub = addCommand(app, "check", "lints a model; exit code 1 on errors");
   auto o = std::make_shared<ModelOptions>();
   o->add(*sub);
   sub->callback([o] { runCheck(*o); });

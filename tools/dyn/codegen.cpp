@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // dyn codegen: algorithms of one model as C source, with a CMakeLists.txt and a test that compares them with the library.
 #include "commands.hpp"
+#include "interrupt.hpp"
+#include "messages.hpp"
 #include "model_options.hpp"
+#include "progress.hpp"
 #include "states.hpp"
 
 #include <dyn/codegen/casadi.hpp>
@@ -121,9 +124,14 @@ void run(const CodegenOptions& o) {
   const std::string name = identifier(model.name());
   std::vector<TracedFunction> functions;
   const auto start = Clock::now();
-  for (const std::string& f : o.functions) {
-    std::fprintf(stderr, "tracing %s\n", f.c_str());
-    functions.push_back(trace(model, f, {.packable = o.lanes == 1 && !o.plain}));
+  const Interruption interruption;
+  {
+    Progress progress(static_cast<double>(o.functions.size()), "functions");
+    for (const std::string& f : o.functions) {
+      progress.at(static_cast<double>(functions.size()), "tracing " + f);
+      functions.push_back(timed("traced " + f, [&] { return trace(model, f, {.packable = o.lanes == 1 && !o.plain}); }));
+      interruption.end();
+    }
   }
   SourceOptions how;
   how.single_precision = o.single_precision;
@@ -145,11 +153,14 @@ void run(const CodegenOptions& o) {
       for (const std::string& f : o.functions) plain.push_back(trace(model, f));
       replaceFile(folder / (name + "_casadi.c"), writeCasadiSource(plain));
     }
-    std::fprintf(stderr, "written to %s: cmake -S %s -B %s/build && cmake --build %s/build && ctest --test-dir %s/build\n", o.out.c_str(),
-                 o.out.c_str(), o.out.c_str(), o.out.c_str(), o.out.c_str());
+    note("written to " + o.out + ": cmake -S " + o.out + " -B " + o.out + "/build && cmake --build " + o.out + "/build && ctest --test-dir " + o.out +
+         "/build");
   }
-  std::printf("%-24s %10s %10s %10s %10s %10s %10s %10s\n", "function", "operations", "sums", "products", "quotients", "functions", "selections",
-              "steps");
+  interruption.end();
+  char columns[128];
+  std::snprintf(columns, sizeof columns, "%-24s %10s %10s %10s %10s %10s %10s %10s", "function", "operations", "sums", "products", "quotients",
+                "functions", "selections", "steps");
+  std::printf("%s\n", heading(columns).c_str());
   for (std::size_t i = 0; i < functions.size(); ++i) {
     const OperationCounts n = functions[i].graph.count();
     std::printf("%-24s %10d %10d %10d %10d %10d %10d %10d\n", functions[i].name.c_str(), n.total(), n.additions, n.multiplications, n.divisions,
@@ -160,23 +171,31 @@ void run(const CodegenOptions& o) {
   NativeOptions native;
   native.single_precision = o.single_precision;
   native.lanes = o.lanes;
-  native.progress = [](const std::string& what) { std::fprintf(stderr, "%s\n", what.c_str()); };
+  Progress progress(static_cast<double>(functions.size()), "functions");
+  double done = 0;
+  native.progress = [&](const std::string& what) {
+    detail(what);
+    progress.at(done, what);
+  };
   for (const TracedFunction& f : functions) {
     const auto before = Clock::now();
     const CompiledModel compiled = compileNative({f}, native);
+    ++done;
+    clearLiveLine();
     std::printf("%-24s compiled in %.2f s%s\n", f.name.c_str(), std::chrono::duration<double>(Clock::now() - before).count(),
                 compiled.functions()[0].cached() ? " (from the cache)" : "");
+    interruption.end();
   }
 }
 
 }  // namespace
 
 void addCodegen(CLI::App& app) {
-  CLI::App* sub = app.add_subcommand("codegen", "algorithms of one model as C source, with a test of itself; --compile for use at run time");
+  CLI::App* sub = addCommand(app, "codegen", "algorithms of one model as C source, with a test of itself; --compile for use at run time");
   auto o = std::make_shared<CodegenOptions>();
   o->add(*sub);
   sub->add_option("--functions", o->functions, "separated by commas")->delimiter(',')->required()->check(CLI::IsMember(traceableFunctions()));
-  sub->add_option("--out", o->out, "folder for source, header, CMakeLists and test");
+  sub->add_option("--out", o->out, "folder for source, header, CMakeLists and test")->type_name("FOLDER");
   sub->add_flag("--compile", o->compile_now, "compile into the cache that compileNative() uses");
   sub->add_flag("--float", o->single_precision, "float for double");
   sub->add_flag("--plain", o->plain, "C99 without vectors: fewer operations, more steps; of one state a call");

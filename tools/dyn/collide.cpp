@@ -2,6 +2,7 @@
 // dyn collide: which volumes of a robot and its surroundings collide, how far apart the others are, and which pairs need no check.
 #include "commands.hpp"
 #include "interrupt.hpp"
+#include "messages.hpp"
 #include "options.hpp"
 #include "progress.hpp"
 #include "states.hpp"
@@ -32,11 +33,12 @@ struct CollideOptions : ModelOptions {
   void add(CLI::App& app) {
     ModelOptions::add(app);
     volumes.add(app);
-    app.add_option("--states", states, "JSON with {\"samples\":[{\"q\":[...]}, ...]}; - for standard input; without it the neutral configuration");
+    app.add_option("--states", states, "JSON with {\"samples\":[{\"q\":[...]}, ...]}; - for standard input; without it the neutral configuration")
+        ->type_name("FILE");
     app.add_flag("--distances", all_distances, "distances of all pairs, not only the least");
     app.add_option("--learn", learn, "sample so many configurations and write an SRDF of the pairs of links that always or never collide")
         ->check(inRange(1, 1e9));
-    app.add_option("--out", out, "where --learn writes; without it on standard output")->check(fileName());
+    app.add_option("--out", out, "where --learn writes; without it on standard output")->type_name("FILE")->check(fileName());
     app.add_option("--seed", seed, "of --learn")->capture_default_str();
   }
 };
@@ -108,8 +110,11 @@ void collide(const CollideOptions& o, const Model& description) {
   if (o.states.empty()) {
     at(neutral(robot.model));
   } else {
-    for (const State& s : readStates(o.states, robot.model)) {
+    const std::vector<State> states = timed("read states from " + o.states, [&] { return readStates(o.states, robot.model); });
+    Progress progress(static_cast<double>(states.size()), "states");
+    for (const State& s : states) {
       if (interruption) break;
+      progress.at(static_cast<double>(out["states"].size()));
       at(s.q);
     }
   }
@@ -133,7 +138,7 @@ void learn(const CollideOptions& o, const Model& description) {
   for (std::size_t p = 0; p < geometry.pairs().size(); ++p) collisions[bodies(static_cast<int>(p))] = 0;
   const Interruption interruption;
   int tried = 0;
-  ProgressLine progress(0, o.learn, "configurations");
+  Progress progress(o.learn, "configurations");
   for (; tried < o.learn && !interruption; ++tried) {
     progress.at(tried);
     robot.move(randomConfiguration(robot.model, o.seed + static_cast<std::uint64_t>(tried)));
@@ -151,9 +156,10 @@ void learn(const CollideOptions& o, const Model& description) {
   if (o.out.empty()) {
     std::printf("%s", srdf::text(robot.model.name(), found).c_str());
   } else {
-    srdf::write(o.out, robot.model.name(), found);
+    timed("wrote " + o.out, [&] { srdf::write(o.out, robot.model.name(), found); });
   }
-  std::fprintf(stderr, "%d configurations: of %zu pairs of links %d always collide and %d never do\n", tried, collisions.size(), always, never);
+  note(std::to_string(tried) + " configurations: of " + std::to_string(collisions.size()) + " pairs of links " + std::to_string(always) +
+       " always collide and " + std::to_string(never) + " never do");
   interruption.end();
 }
 
@@ -165,7 +171,7 @@ void run(const CollideOptions& o) {
 }  // namespace
 
 void addCollide(CLI::App& app) {
-  CLI::App* sub = app.add_subcommand("collide", "colliding pairs and least distances of states, as JSON; --learn proposes an SRDF");
+  CLI::App* sub = addCommand(app, "collide", "colliding pairs and least distances of states, as JSON; --learn proposes an SRDF");
   auto o = std::make_shared<CollideOptions>();
   o->add(*sub);
   sub->callback([o] { run(*o); });

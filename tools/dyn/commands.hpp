@@ -1,10 +1,16 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// One function per subcommand. It adds the subcommand's options to the app and sets its callback.
+// One function per subcommand. It adds the subcommand's options to the app and sets its callback. The tree of apps and options is the only
+// description of the command line: parser, help, manual pages and completion follow from it.
 #pragma once
 
 #include <CLI/CLI.hpp>
 
 namespace dyn::tool {
+
+/// Adds the options that every subcommand has: --quiet, --verbose and --color.
+void addMessageOptions(CLI::App& app);
+/// Adds a subcommand with these options.
+CLI::App* addCommand(CLI::App& app, const std::string& name, const std::string& summary);
 
 /// Thrown by a subcommand to end the process with this code, without an error message.
 struct ExitCode {

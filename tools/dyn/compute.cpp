@@ -4,7 +4,9 @@
 #include "condition.hpp"
 #include "contacts.hpp"
 #include "interrupt.hpp"
+#include "messages.hpp"
 #include "model_options.hpp"
+#include "progress.hpp"
 #include "states.hpp"
 
 #include <algorithm>
@@ -212,24 +214,21 @@ void warnOfCondition(const CompactModel& model, const std::vector<State>& states
   for (std::size_t i = 0; i < states.size(); ++i) {
     const std::string warning = warningOfCondition(model, states[i].q);
     if (warning.empty()) continue;
-    std::fprintf(stderr, "dyn: warning: at sample %zu %s\n", i, warning.c_str());
+    tool::warning("at sample " + std::to_string(i) + " " + warning);
     return;
   }
 }
 
 void run(const Options& o) {
   const CompactModel model = o.model.compile();
-  const std::vector<State> states = readStates(o.states, model);
+  const std::vector<State> states = timed("read states from " + o.states, [&] { return readStates(o.states, model); });
   std::set<std::string> only(o.only.begin(), o.only.end());
   for (const std::string& key : only) {
     if (o.contacts.empty() && isKeyOf(contactQuantities(), key))
       throw CLI::ValidationError("--only " + key, "name the contacts, as in --contacts left_sole_link:6d,right_sole_link:6d");
   }
   std::vector<int> frames;
-  for (const std::string& name : o.frames) {
-    frames.push_back(model.findFrame(name));
-    if (frames.back() < 0) throw Error(ErrorCode::argument, "--frames " + name + ": the model has no such frame; `dyn info` lists them");
-  }
+  for (const std::string& name : o.frames) frames.push_back(model.frameId(name));
   Need need = Need::mass_matrix;
   for (const Quantity& quantity : quantities())
     if (only.empty() || only.count(quantity.key)) need = need | quantity.need;
@@ -241,7 +240,9 @@ void run(const Options& o) {
   print(head, out);
   out.resize(out.size() - 2);  // removes "]}": the samples are printed one by one, and it comes last
   const Interruption interruption;
+  Progress progress(static_cast<double>(states.size()), "states");
   for (std::size_t i = 0; i < states.size() && !interruption; ++i) {
+    progress.at(static_cast<double>(i));
     const State& s = states[i];
     Json sample = {{"q", flat(s.q)}, {"v", flat(s.v)}, {"a", flat(s.a)}, {"tau", flat(s.tau)}};
     for (const Quantity& quantity : quantities())
@@ -254,13 +255,14 @@ void run(const Options& o) {
     print(sample, out);
   }
   out += "]}\n";
+  clearLiveLine();
   std::fputs(out.c_str(), stdout);
   interruption.end();
   if (only.empty() || std::any_of(std::begin(by_inverse), std::end(by_inverse), [&](const char* key) { return only.count(key) > 0; }))
     warnOfCondition(model, states);
   for (const std::string& key : only)
     if (out.find("\"" + key + "_error\"") != std::string::npos) {
-      std::fprintf(stderr, "dyn: %s does not exist at some samples: it is null there, and %s_error says why\n", key.c_str(), key.c_str());
+      error(key + " does not exist at some samples: it is null there, and " + key + "_error says why");
       throw ExitCode{1};
     }
 }
@@ -268,10 +270,11 @@ void run(const Options& o) {
 }  // namespace
 
 void addCompute(CLI::App& app) {
-  CLI::App* sub = app.add_subcommand("compute", "dynamics of given states, as JSON");
+  CLI::App* sub = addCommand(app, "compute", "dynamics of given states, as JSON");
   auto o = std::make_shared<Options>();
   o->model.add(*sub);
   sub->add_option("--states", o->states, "JSON file {\"samples\":[{\"q\":[],\"v\":[],\"a\":[],\"tau\":[]}, ...]}, or - for standard input")
+      ->type_name("FILE")
       ->required();
   std::vector<std::string> keys;
   for (const Quantity& q : quantities()) keys.emplace_back(q.key);

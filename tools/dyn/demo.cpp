@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // dyn demo: prints inverse dynamics, mass matrix and forward dynamics at one random state.
 #include "commands.hpp"
+#include "messages.hpp"
 #include "model_options.hpp"
 #include "states.hpp"
 
@@ -17,7 +18,9 @@ void runDemo(const ModelOptions& o) {
   const Eigen::VectorXd tau = rnea(model, data, s.q, s.v, s.a);
   const Eigen::MatrixXd M = crba(model, data, s.q);
   const Eigen::VectorXd ddq = aba(model, data, s.q, s.v, tau);
-  std::printf("%-24s %12s %12s %12s %14s %12s\n", "joint", "v", "a", "M diagonal", "tau = rnea(a)", "aba(tau)");
+  char columns[128];
+  std::snprintf(columns, sizeof columns, "%-24s %12s %12s %12s %14s %12s", "joint", "v", "a", "M diagonal", "tau = rnea(a)", "aba(tau)");
+  std::printf("%s\n", heading(columns).c_str());
   for (int j = 1; j < model.njoints(); ++j) {
     const JointRecord& r = model.joints()[static_cast<std::size_t>(j)];
     for (int k = r.idx_v; k < r.idx_v + r.nv; ++k)
@@ -30,7 +33,7 @@ void runDemo(const ModelOptions& o) {
 }  // namespace
 
 void addDemo(CLI::App& app) {
-  CLI::App* sub = app.add_subcommand("demo", "inverse dynamics, mass matrix and forward dynamics at a sample state");
+  CLI::App* sub = addCommand(app, "demo", "inverse dynamics, mass matrix and forward dynamics at a sample state");
   auto o = std::make_shared<ModelOptions>();
   o->add(*sub);
   sub->callback([o] { runDemo(*o); });

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // dyn info: the plugins and types that were loaded, the model compiler's report, and the tree.
 #include "commands.hpp"
+#include "messages.hpp"
 #include "model_options.hpp"
 
 #include <map>
@@ -59,10 +60,10 @@ void printFrames(const CompactModel& model) {
 void runInfo(const ModelOptions& o) {
   const JointRegistry registry = o.registry();
   const Model description = o.description();
-  const CompactModel model = dyn::compile(description, registry, o.compileOptions());
+  const CompactModel model = o.compile(description, registry);
   std::printf("%s: %d joints, nq %d, nv %d, %zu frames, %.6g kg\n", model.name().c_str(), model.njoints() - 1, model.nq(), model.nv(),
               model.frames().size(), model.mass());
-  std::printf("\nplugins\n");
+  std::printf("\n%s\n", heading("plugins").c_str());
   for (const PluginRecord& p : registry.plugins()) {
     if (p.problem.empty()) {
       std::printf("  %s: %zu types\n", p.path.c_str(), p.types.size());
@@ -70,25 +71,25 @@ void runInfo(const ModelOptions& o) {
       std::printf("  not loaded: %s\n", p.problem.c_str());
     }
   }
-  std::printf("\njoint types\n");
+  std::printf("\n%s\n", heading("joint types").c_str());
   printTypes(model, registry);
-  std::printf("\ncompiler\n");
+  std::printf("\n%s\n", heading("compiler").c_str());
   for (const std::string& line : model.report().passes) std::printf("  %s\n", line.c_str());
   const Data data(model);
   std::printf("  data: %zu bytes\n", data.bytes());
-  for (const std::string& line : model.report().warnings) std::printf("  warning: %s\n", line.c_str());
-  if (!description.notes.empty()) std::printf("\nnotes of the parser\n");
+  for (const std::string& line : model.report().warnings) std::printf("  %s %s\n", styled(stdout, Style::warning, "warning:").c_str(), line.c_str());
+  if (!description.notes.empty()) std::printf("\n%s\n", heading("notes of the parser").c_str());
   for (const std::string& line : description.notes) std::printf("  %s\n", line.c_str());
-  std::printf("\ntree\n");
+  std::printf("\n%s\n", heading("tree").c_str());
   printTree(model);
-  std::printf("\nframes, each with the joint that moves it\n");
+  std::printf("\n%s\n", heading("frames, each with the joint that moves it").c_str());
   printFrames(model);
 }
 
 }  // namespace
 
 void addInfo(CLI::App& app) {
-  CLI::App* sub = app.add_subcommand("info", "what a model is made of, and what the compiler made of it");
+  CLI::App* sub = addCommand(app, "info", "what a model is made of, and what the compiler made of it");
   auto o = std::make_shared<ModelOptions>();
   o->add(*sub);
   sub->callback([o] { runInfo(*o); });

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Ctrl-C and TERM: the command writes the results so far and ends with exit code 130 or 143. A message tells the user; a second signal ends the
-// command at once.
+// Ctrl-C and TERM: the command writes the results so far and ends with exit code 130 or 143. A message tells the user, unless --quiet was given; a
+// second signal ends the command at once.
 #pragma once
 
 #include "commands.hpp"
+#include "messages.hpp"
 
 #include <unistd.h>
 
@@ -22,7 +23,7 @@ class Interruption {
       came() = signal;
       constexpr char text[] = "\ndyn: interrupted; it writes what it has and ends, once more ends it at once\n";
       const int error = errno;
-      [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, text, sizeof text - 1);
+      [[maybe_unused]] const ssize_t written = messageOptions().quiet ? 0 : write(STDERR_FILENO, text, sizeof text - 1);
       errno = error;
     };
     act.sa_flags = static_cast<int>(SA_RESETHAND);
@@ -41,8 +42,10 @@ class Interruption {
   static bool pending() { return came() != 0; }
   /// Throws ExitCode if a signal has arrived. Called after all results are written.
   void end() const {
-    if (*this) throw ExitCode{128 + came()};
+    if (*this) throw ExitCode{exitCode()};
   }
+  /// As shells have it for a process that a signal ended.
+  static int exitCode() { return 128 + came(); }
 
  private:
   static volatile std::sig_atomic_t& came() {

@@ -1,33 +1,21 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The command dyn. Exit codes: 0 success; 1 the model, the input or the answer is wrong, or output was lost; 2 the command line is wrong.
 #include "commands.hpp"
+#include "interrupt.hpp"
+#include "messages.hpp"
 #include "options.hpp"
 
-#include <dyn/error.hpp>
 #include <dyn/version.hpp>
 
 #include <unistd.h>
 
-#include <cstdio>
+#include <csignal>
 #include <cstdlib>
 #include <exception>
 #include <new>
 #include <string>
 
 namespace {
-
-/// If a word is no subcommand, prints it with the list of subcommands. Returns false if the error is another one.
-bool explainUnknown(const CLI::App& app) {
-  const CLI::App* inner = &app;
-  while (!inner->get_subcommands().empty()) inner = inner->get_subcommands().front();
-  const std::vector<const CLI::App*> known = inner->get_subcommands([](const CLI::App*) { return true; });
-  const std::vector<std::string> rest = inner->remaining();
-  if (known.empty() || rest.empty() || rest.front().starts_with('-')) return false;
-  std::string names;
-  for (const CLI::App* sub : known) names += (names.empty() ? "" : ", ") + sub->get_name();
-  std::fprintf(stderr, "dyn: there is no subcommand '%s'; there are %s\n", rest.front().c_str(), names.c_str());
-  return true;
-}
 
 std::string versionText() {
   const dyn::Version version = dyn::version();
@@ -36,10 +24,12 @@ std::string versionText() {
 }
 
 int run(int argc, char** argv) {
-  CLI::App app{"Kinematics and dynamics of robots; joints come from plugins."};
+  CLI::App app{"Kinematics and dynamics of robots; joints come from plugins.", "dyn"};
+  app.set_help_flag("-h,--help", "prints this help");
+  dyn::tool::addMessageOptions(app);
   app.require_subcommand(1);
   app.failure_message(dyn::tool::refusal);
-  app.set_version_flag("--version", versionText, "prints version, instruction set and plugin interface");
+  app.set_version_flag("--version", versionText, "prints the version, the instruction set, the plugin interface and what dyn reads");
   dyn::tool::addInfo(app);
   dyn::tool::addCheck(app);
   dyn::tool::addCodegen(app);
@@ -56,19 +46,13 @@ int run(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const dyn::tool::ExitCode& exit) {
     return exit.code;
-  } catch (const CLI::RequiredError& e) {
-    if (!explainUnknown(app)) app.exit(e);
-    return 2;
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? 0 : 2;
-  } catch (const dyn::Error& e) {
-    std::fprintf(stderr, "dyn: %s\n", e.what());
-    return 1;
-  } catch (const std::bad_alloc&) {
-    std::fputs("dyn: memory ran out; ask for less: a part of the model, fewer states, or fewer algorithms (--only)\n", stderr);
-    return 1;
   } catch (const std::exception& e) {
-    std::fprintf(stderr, "dyn: %s\n", e.what());
+    // An error after a signal is a consequence of it: a compiler, for example, has been interrupted, too.
+    if (dyn::tool::Interruption::pending()) return dyn::tool::Interruption::exitCode();
+    const bool memory = dynamic_cast<const std::bad_alloc*>(&e) != nullptr;
+    dyn::tool::error(memory ? "memory ran out; ask for less: a part of the model, fewer states, or fewer algorithms (--only)" : e.what());
     return 1;
   }
   return 0;
@@ -79,7 +63,7 @@ bool ending = false;
 
 void reportForeignEnd() {
   if (ending) return;
-  std::fputs("dyn: code that it loaded ended the process; `dyn plugin check FILE.so` says of what\n", stderr);
+  dyn::tool::error("loaded code has ended the process; `dyn plugin check FILE.so` names it");
   _exit(1);
 }
 
@@ -87,15 +71,17 @@ void reportForeignEnd() {
 
 int main(int argc, char** argv) {
   std::atexit(reportForeignEnd);
+  // A write to a closed pipe then fails like any other write. Programs that dyn starts do not inherit a handler.
+  std::signal(SIGPIPE, [](int) {});
   // An exception of a plugin's function has already been reported where it was caught.
   std::set_terminate([] {
-    std::fputs("dyn: an exception reached where none may be thrown; the process ends\n", stderr);
+    dyn::tool::error("an exception reached where none may be thrown; the process ends");
     _exit(1);
   });
   const int code = run(argc, argv);
   ending = true;
   // Output may still be in a buffer. The exit code must tell if it cannot be written, for example because the disk is full.
-  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
-  std::fputs("dyn: not all of the output could be written\n", stderr);
+  if (!dyn::tool::outputLost()) return code;
+  dyn::tool::error("not all of the output could be written: its disk is full or its reader has ended");
   return code == 0 ? 1 : code;
 }

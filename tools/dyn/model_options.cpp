@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "model_options.hpp"
 
+#include "messages.hpp"
 #include "options.hpp"
 
-#include <cstdio>
+#include <dyn/version.hpp>
 
 namespace dyn::tool {
 
 void ModelOptions::add(CLI::App& app) {
-  app.add_option("MODEL", path, "URDF file")->required()->check(fileName());
+  app.add_option("MODEL", path, "URDF file")->type_name("FILE")->required()->check(fileName());
   app.add_option("--root", root, "joint between the world and the root link: fixed, free_flyer, or any joint type that needs no parameters")
       ->capture_default_str();
   app.add_option("--mimic", mimic, "mimic joints move on their own, or follow their masters")
@@ -21,7 +22,7 @@ void ModelOptions::add(CLI::App& app) {
   app.add_option("--inertia", inertia, "refuse inertias that no body has, or load them as they are")
       ->check(CLI::IsMember({"physical", "any"}))
       ->capture_default_str();
-  app.add_option("--plugin", plugins, "load this shared object too (repeatable)");
+  app.add_option("--plugin", plugins, "load this shared object too (repeatable)")->type_name("FILE");
   app.add_option("--lock", lock, "hold this joint at neutral (repeatable)");
   app.add_flag("--losses", losses, "joint damping and friction of the model act in the dynamics");
   app.add_flag("--any-plugin", any_plugin, "load plugins that others can write, too");
@@ -29,8 +30,14 @@ void ModelOptions::add(CLI::App& app) {
 
 JointRegistry ModelOptions::registry() const {
   const Trust trust = any_plugin ? Trust::any : Trust::owner_only;
-  JointRegistry registry = JointRegistry::standard(trust);
-  for (const std::string& plugin : plugins) registry.load(plugin, trust);
+  JointRegistry registry = timed("loaded the plugins", [&] {
+    JointRegistry loaded = JointRegistry::standard(trust);
+    for (const std::string& plugin : plugins) loaded.load(plugin, trust);
+    return loaded;
+  });
+  for (const PluginRecord& plugin : registry.plugins())
+    detail(plugin.problem.empty() ? "plugin " + plugin.path + " has " + std::to_string(plugin.types.size()) + " types"
+                                  : "plugin not loaded: " + plugin.problem);
   return registry;
 }
 
@@ -44,7 +51,14 @@ urdf::Options ModelOptions::urdfOptions() const {
   return options;
 }
 
-Model ModelOptions::read() const { return urdf::load(path, urdfOptions()); }
+Model ModelOptions::read() const {
+  return timed("read " + path, [&] { return urdf::load(path, urdfOptions()); });
+}
+
+CompactModel ModelOptions::compile(const Model& described, const JointRegistry& registry) const {
+  return timed("compiled '" + described.name + "' for " + version().instruction_set,
+               [&] { return dyn::compile(described, registry, compileOptions()); });
+}
 
 Model ModelOptions::description() const {
   Model description = read();
@@ -53,7 +67,7 @@ Model ModelOptions::description() const {
 }
 
 void printNotes(const Model& description) {
-  for (const std::string& note : description.notes) std::fprintf(stderr, "dyn: note: %s\n", note.c_str());
+  for (const std::string& note : description.notes) tool::note(note);
 }
 
 CompileOptions ModelOptions::compileOptions() const {

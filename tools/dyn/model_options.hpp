@@ -31,11 +31,12 @@ struct ModelOptions {
   /// Reads the model and prints its notes.
   Model description() const;
   CompileOptions compileOptions() const;
-  CompactModel compile(const Model& described) const { return dyn::compile(described, registry(), compileOptions()); }
+  CompactModel compile(const Model& described, const JointRegistry& registry) const;
+  CompactModel compile(const Model& described) const { return compile(described, registry()); }
   CompactModel compile() const { return compile(description()); }
 };
 
-/// Prints notes to standard error, so that they do not mix with data on standard output.
+/// Prints the notes of the parser, unless --quiet was given.
 void printNotes(const Model& description);
 
 }  // namespace dyn::tool

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "options.hpp"
 
+#include "commands.hpp"
+#include "messages.hpp"
+#include "near_names.hpp"
+
 #include <report/svg.hpp>
 
 #include <algorithm>
@@ -50,13 +54,55 @@ CLI::Validator fileName(const std::vector<std::string>& endings, const std::stri
           ""};
 }
 
+namespace {
+
+/// Returns what is wrong if a word of the command line is no subcommand or no option, with similar names or all names; otherwise an empty text.
+std::string unknownWord(const CLI::App& app) {
+  const std::vector<std::string> words = app.remaining();
+  if (words.empty()) return "";
+  std::vector<std::string> commands;
+  for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; })) commands.push_back(sub->get_name());
+  if (!commands.empty() && !words.front().starts_with('-')) {
+    const std::string near = nearNames(words.front(), commands);
+    return "there is no subcommand '" + words.front() + "'" + (near.empty() ? "; there are " + CLI::detail::join(commands, ", ") : near);
+  }
+  const auto option = std::find_if(words.begin(), words.end(), [](const std::string& word) { return word.size() > 1 && word[0] == '-'; });
+  if (option == words.end()) return "";
+  std::vector<std::string> options;
+  for (const CLI::Option* known : app.get_options())
+    for (const std::string& name : known->get_lnames()) options.push_back("--" + name);
+  const std::string name = option->substr(0, option->find('='));
+  return "there is no option '" + name + "'" + nearNames(name, options);
+}
+
+}  // namespace
+
 std::string refusal(const CLI::App* app, const CLI::Error& error) {
   std::string command = "dyn";
   while (!app->get_subcommands().empty()) {
     app = app->get_subcommands().front();
     command += " " + app->get_name();
   }
-  return command + ": " + error.what() + "\n`" + command + " --help` tells how it is written\n";
+  const std::string unknown = unknownWord(*app);
+  const std::string word = styled(stderr, Style::error, "error:");
+  return command + ": " + word + " " + (unknown.empty() ? error.what() : unknown) + "\n`" + command + " --help` tells how it is written\n";
+}
+
+void addMessageOptions(CLI::App& app) {
+  MessageOptions& o = messageOptions();
+  const char* const group = "Options of every subcommand";
+  CLI::Option* quiet = app.add_flag("-q,--quiet", o.quiet, "no notes, warnings and progress; errors stay")->group(group);
+  app.add_flag("-v,--verbose", o.verbose, "tell what is loaded from where, and how long each step takes")->group(group)->excludes(quiet);
+  app.add_option("--color", o.color, "colours: auto means on terminals, unless NO_COLOR is set")
+      ->check(CLI::IsMember({"auto", "always", "never"}))
+      ->capture_default_str()
+      ->group(group);
+}
+
+CLI::App* addCommand(CLI::App& app, const std::string& name, const std::string& summary) {
+  CLI::App* sub = app.add_subcommand(name, summary);
+  addMessageOptions(*sub);
+  return sub;
 }
 
 }  // namespace dyn::tool

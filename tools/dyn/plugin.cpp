@@ -2,6 +2,8 @@
 // dyn plugin list. The other subcommands of dyn plugin have files of their own.
 #include "plugin.hpp"
 
+#include "messages.hpp"
+
 #include <dyn/joint/registry.hpp>
 
 #include <cstdio>
@@ -29,7 +31,7 @@ void list() {
       std::printf("not loaded: %s\n", plugin.problem.c_str());
     }
   }
-  std::printf("\ntypes\n");
+  std::printf("\n%s\n", heading("types").c_str());
   for (const JointType* type : registry.jointTypes()) printType(type->info(), "joint");
   for (const CouplingType* type : registry.couplingTypes()) printType(type->info(), "coupling");
 }
@@ -37,9 +39,9 @@ void list() {
 }  // namespace
 
 void addPlugin(CLI::App& app) {
-  CLI::App* sub = app.add_subcommand("plugin", "joint plugins");
+  CLI::App* sub = addCommand(app, "plugin", "joint plugins");
   sub->require_subcommand(1);
-  sub->add_subcommand("list", "the folders searched, the plugins found, their types and parameters")->callback([] { list(); });
+  addCommand(*sub, "list", "the folders searched, the plugins found, their types and parameters")->callback([] { list(); });
   addPluginCheck(*sub);
   addPluginNew(*sub);
 }

@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // dyn plugin check: runs the conformance checks on every type of a shared object. Exit code 1 on a failure.
 #include "alloc_guard.hpp"
+#include "interrupt.hpp"
+#include "messages.hpp"
 #include "options.hpp"
 #include "plugin.hpp"
+#include "progress.hpp"
 
 #include <dyn/conformance/conformance.hpp>
 
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -78,6 +82,8 @@ std::string showParameters(const Parameters& parameters) {
   return text;
 }
 
+std::string failed() { return styled(stdout, Style::error, "FAILED"); }
+
 int printFindings(const std::vector<ConformanceFinding>& findings) {
   int failures = 0;
   for (const ConformanceFinding& f : findings) {
@@ -87,7 +93,7 @@ int printFindings(const std::vector<ConformanceFinding>& findings) {
     } else if (f.passed) {
       std::printf("  ok      %-54s %8.1e  (<= %.0e)\n", f.check.c_str(), f.error, f.bound);
     } else {
-      std::printf("  FAILED  %-54s %8.1e  (<= %.0e)\n          %s\n", f.check.c_str(), f.error, f.bound, f.detail.c_str());
+      std::printf("  %s  %-54s %8.1e  (<= %.0e)\n          %s\n", failed().c_str(), f.check.c_str(), f.error, f.bound, f.detail.c_str());
     }
   }
   return failures;
@@ -115,7 +121,7 @@ void printUnchecked(const PluginRecord& record) {
   }
 }
 
-using Progress = std::function<void(const char*)>;
+using GroupHandler = std::function<void(const char*)>;
 
 /// The report of a child process. The child writes a line when it begins a group of checks, and "=" with a number at the end of each part.
 struct Report {
@@ -132,7 +138,14 @@ class Child {
     if (pipe2(ends_, O_CLOEXEC) != 0) throw Error(ErrorCode::file, std::string("no pipe for the checks: ") + std::strerror(errno));
     process_ = fork();
     if (process_ < 0) throw Error(ErrorCode::file, std::string("no process for the checks: ") + std::strerror(errno));
-    if (!here()) close(ends_[1]);
+    if (!here()) {
+      close(ends_[1]);
+      return;
+    }
+    // The child ends with its parent, which alone answers Ctrl-C.
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    signal(SIGINT, SIG_IGN);
+    signal(SIGTERM, SIG_DFL);
   }
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;
@@ -142,8 +155,10 @@ class Child {
   void say(const std::string& line) const {
     if (write(ends_[1], (line + "\n").c_str(), line.size() + 1) < 0) _exit(1);
   }
-  /// Reads the child's lines until it ends, or until "=" and the number `last`. Stops with report.late if one line takes longer than time_limit [s].
-  Report listen(double time_limit, int last = std::numeric_limits<int>::max()) {
+  /// Reads the child's lines until it ends, or until "=" and the number `last`. Calls `heard` with each group. Stops
+  /// with report.late if one line takes longer than time_limit [s], or if the user interrupts.
+  Report listen(
+      double time_limit, int last = std::numeric_limits<int>::max(), const GroupHandler& heard = [](const char*) {}) {
     Report report;
     while (true) {
       for (std::size_t end; (end = text_.find('\n')) != std::string::npos;) {
@@ -151,17 +166,19 @@ class Child {
         text_.erase(0, end + 1);
         if (line[0] != '=') {
           report.group = line;
+          heard(line.c_str());
         } else if ((report.number = std::atoi(line.c_str() + 1)) == last) {
           return report;
         }
       }
       pollfd ready{ends_[0], POLLIN, 0};
       const int n = poll(&ready, 1, static_cast<int>(time_limit * 1000));
+      report.late = n == 0 || Interruption::pending();
+      if (report.late) return report;
       if (n < 0 && errno == EINTR) continue;
       char buffer[512];
       const ssize_t size = n > 0 ? read(ends_[0], buffer, sizeof buffer) : 0;
       if (size < 0 && errno == EINTR) continue;
-      report.late = n == 0;
       if (size <= 0) return report;
       text_.append(buffer, static_cast<std::size_t>(size));
     }
@@ -192,20 +209,23 @@ void printUnended(const CheckOptions& o, const Report& report, int status, const
   } else if (WIFSIGNALED(status)) {
     how = std::string("crashed: ") + strsignal(WTERMSIG(status));
   }
-  std::printf("  FAILED  %s\n          %s\n", what.c_str(), how.c_str());
+  clearLiveLine();
+  std::printf("  %s  %s\n          %s\n", failed().c_str(), what.c_str(), how.c_str());
 }
 
 /// Returns the number of failed checks; -1 if the checks did not end, which is then printed.
 template <class Check>
-int checkInChild(const CheckOptions& o, const Check& check) {
+int checkInChild(const CheckOptions& o, const Check& check, const GroupHandler& heard) {
   Child child;
   if (child.here()) {
-    const int failures = printFindings(check([&](const char* group) { child.say(group); }));
+    const std::vector<ConformanceFinding> findings = check([&](const char* group) { child.say(group); });
+    clearLiveLine();
+    const int failures = printFindings(findings);
     std::fflush(stdout);
     child.say("=" + std::to_string(failures));
     _exit(0);
   }
-  const Report report = child.listen(o.time_limit);
+  const Report report = child.listen(o.time_limit, std::numeric_limits<int>::max(), heard);
   const int status = child.end(report);
   if (report.number < 0) printUnended(o, report, status, report.group);
   return report.number;
@@ -214,14 +234,19 @@ int checkInChild(const CheckOptions& o, const Check& check) {
 /// Each round has another seed, hence other parameters (unless they are given) and other configurations. Returns the number of failed checks. A round
 /// that does not end is the last one.
 template <class Type, class Check>
-int checkType(const Type& type, const CheckOptions& o, const Check& check) {
+int checkType(const Type& type, const CheckOptions& o, const Check& check, Progress& progress, double done) {
   int failures = 0;
-  for (int round = 0; round < o.rounds; ++round) {
+  const std::string name = type.info().name;
+  for (int round = 0; round < o.rounds && !outputLost(); ++round) {
     const std::uint64_t seed = o.seed + static_cast<std::uint64_t>(round);
     Parameters parameters = exampleParameters(type.info(), seed);
     for (const std::string& text : o.parameters) readParameter(text, parameters);
-    std::printf("%s, seed %llu%s\n", type.info().name, static_cast<unsigned long long>(seed), showParameters(parameters).c_str());
-    const int failed = checkInChild(o, [&](const Progress& progress) { return check(type, parameters, seed, progress); });
+    clearLiveLine();
+    std::printf("%s, seed %llu%s\n", heading(name).c_str(), static_cast<unsigned long long>(seed), showParameters(parameters).c_str());
+    progress.at(done + round, name);
+    const int failed = checkInChild(
+        o, [&](const GroupHandler& group) { return check(type, parameters, seed, group); },
+        [&](const char* group) { progress.at(done + round, name + ": " + group); });
     if (failed < 0) return failures + 1;
     failures += failed;
   }
@@ -234,37 +259,45 @@ void check(const CheckOptions& o, const Loaded& loaded) {
   // Only this file is checked: an older build in the path would own its type names.
   unsetenv("DYN_PLUGIN_PATH");
   JointRegistry registry = JointRegistry::standard(trust);
-  registry.load(o.file, trust);
+  timed("loaded " + o.file, [&] { registry.load(o.file, trust); });
   const PluginRecord& record = recordOf(registry, o.file);
   loaded();
   const AllocationCount allocations = canCountAllocations() ? AllocationCount(allocationCount) : AllocationCount();
   if (!canCountAllocations()) std::printf("allocations are not counted in this build\n");
 
+  Progress progress(o.rounds * (o.type.empty() ? static_cast<double>(record.types.size()) : 1), "rounds");
   int types = 0, failures = 0;
   if (!record.remark.empty()) {
     ++failures;
-    std::printf("  FAILED  loading\n          %s\n", record.remark.c_str());
+    std::printf("  %s  loading\n          %s\n", failed().c_str(), record.remark.c_str());
   }
   for (const std::string& name : record.types) {
     if (!o.type.empty() && name != o.type) continue;
-    ++types;
+    const double done = types++ * o.rounds;
     for (const JointType* type : registry.jointTypes())
       if (name == type->info().name)
-        failures += checkType(*type, o, [&](const JointType& t, const Parameters& p, std::uint64_t seed, const Progress& group) {
-          return checkJointType(t, p, registry, seed, allocations, group);
-        });
+        failures += checkType(
+            *type, o,
+            [&](const JointType& t, const Parameters& p, std::uint64_t seed, const GroupHandler& group) {
+              return checkJointType(t, p, registry, seed, allocations, group);
+            },
+            progress, done);
     for (const CouplingType* type : registry.couplingTypes())
       if (name == type->info().name)
-        failures += checkType(*type, o, [&](const CouplingType& t, const Parameters& p, std::uint64_t seed, const Progress& group) {
-          group("coupling");
-          return checkCouplingType(t, p, seed, allocations);
-        });
+        failures += checkType(
+            *type, o,
+            [&](const CouplingType& t, const Parameters& p, std::uint64_t seed, const GroupHandler& group) {
+              group("coupling");
+              return checkCouplingType(t, p, seed, allocations);
+            },
+            progress, done);
   }
   if (types == 0) {
     std::string known;
     for (const std::string& name : record.types) known += " " + name;
     throw Error(ErrorCode::argument, "has no type '" + o.type + "'; it has" + known, {o.file, 0, ""});
   }
+  clearLiveLine();
   if (!record.fast.empty()) std::printf("checked with it: %s\n", record.fast.c_str());
   printUnchecked(record);
   std::printf("%d types, %d checks failed\n", types, failures);
@@ -274,6 +307,7 @@ void check(const CheckOptions& o, const Loaded& loaded) {
 /// Runs everything in a child process that must report its end.
 void run(const CheckOptions& o) {
   constexpr int loaded = 0, done = 1;
+  const Interruption interruption;
   Child child;
   const auto say = [&](int part) { child.say("=" + std::to_string(part)); };
   if (child.here()) {
@@ -289,6 +323,7 @@ void run(const CheckOptions& o) {
   // After loading, each group of checks has its own time limit.
   if (report.number == loaded) report = child.listen(1e6, done);
   const int status = child.end(report);
+  interruption.end();
   if (report.number == done && WIFEXITED(status)) throw ExitCode{WEXITSTATUS(status)};
   printUnended(o, report, status, "loading " + o.file);
   throw ExitCode{1};
@@ -297,9 +332,9 @@ void run(const CheckOptions& o) {
 }  // namespace
 
 void addPluginCheck(CLI::App& plugin) {
-  CLI::App* sub = plugin.add_subcommand("check", "runs the conformance checks on every type of a shared object; exit code 1 on a failure");
+  CLI::App* sub = addCommand(plugin, "check", "runs the conformance checks on every type of a shared object; exit code 1 on a failure");
   auto o = std::make_shared<CheckOptions>();
-  sub->add_option("FILE", o->file, "the shared object")->check(fileName())->required();
+  sub->add_option("FILE", o->file, "the shared object")->type_name("FILE")->check(fileName())->required();
   sub->add_option("--type", o->type, "this type only");
   sub->add_option("--parameters", o->parameters, "name=1,2,3: instead of the parameters made up from the schema (repeatable)");
   sub->add_option("--seed", o->seed, "of the first round")->capture_default_str();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // dyn plugin new: writes a folder with a joint type to start from.
+#include "interrupt.hpp"
 #include "plugin.hpp"
 
 #include <dyn/error.hpp>
@@ -149,22 +150,24 @@ void create(const std::string& name, const std::string& directory) {
   if (fs::exists(fs::symlink_status(folder, error)))
     throw Error(ErrorCode::file, "exists already; choose another name or --directory", {folder.string(), 0, ""});
   if (!fs::create_directories(folder, error) || error) throw Error(ErrorCode::file, "cannot be made: " + error.message(), {folder.string(), 0, ""});
+  const Interruption interruption;  // the folder is written whole or not at all
   writeFile(folder / "CMakeLists.txt", cmake_text, name);
   writeFile(folder / (name + ".cpp"), source_text, name);
   writeFile(folder / "README.md", readme_text, name);
   writeFile(folder / (name + ".urdf"), urdf_text, name);
+  interruption.end();
 }
 
 }  // namespace
 
 void addPluginNew(CLI::App& plugin) {
-  CLI::App* sub = plugin.add_subcommand("new", "writes a folder with a joint type to start from");
+  CLI::App* sub = addCommand(plugin, "new", "writes a folder with a joint type to start from");
   struct Options {
     std::string name, directory = ".";
   };
   auto o = std::make_shared<Options>();
   sub->add_option("NAME", o->name, "of the type, the files and the folder")->required();
-  sub->add_option("--directory", o->directory, "where the folder is made")->capture_default_str();
+  sub->add_option("--directory", o->directory, "where the folder is made")->type_name("FOLDER")->capture_default_str();
   sub->callback([o] { create(o->name, o->directory); });
 }
 

@@ -2,6 +2,8 @@
 // dyn profile: the price of finding the code of a joint's type, for four ways of dispatch, interleaved in one process.
 #include "commands.hpp"
 #include "counters.hpp"
+#include "interrupt.hpp"
+#include "messages.hpp"
 #include "model_options.hpp"
 #include "options.hpp"
 #include "progress.hpp"
@@ -44,7 +46,7 @@ void addLibrary(const CompactModel& model, const std::shared_ptr<Data>& data, co
       for (const State& s : states) c.run(s.q.data(), s.v.data(), s.a.data());
       lines.push_back({c, {}, {}, {}});
     } catch (const Error& e) {
-      std::fprintf(stderr, "dyn: %s\n", e.what());
+      warning(e.what());
     }
   };
   add("fk", [](auto& m, auto& d, const auto& q, const auto&, const auto&) { forwardKinematics(m, d, q); });
@@ -54,13 +56,14 @@ void addLibrary(const CompactModel& model, const std::shared_ptr<Data>& data, co
 }
 
 /// Measures the lines in turn, again and again. Each repetition begins with another line, so that disturbances of the machine affect all lines alike.
-void measure(std::vector<Line>& lines, const std::vector<State>& states, Counters& counters) {
+void measure(std::vector<Line>& lines, const std::vector<State>& states, Counters& counters, const Interruption& interruption) {
   using Clock = std::chrono::steady_clock;
   const std::size_t n = lines.size();
-  ProgressLine progress(0, repetitions, "repetitions");
+  Progress progress(static_cast<double>(repetitions + 1) * static_cast<double>(n), "measurements");
   for (int repetition = -1; repetition < repetitions; ++repetition)
     for (std::size_t k = 0; k < n; ++k) {
-      if (k == 0) progress.at(std::max(repetition, 0));
+      interruption.end();
+      progress.at(static_cast<double>(repetition + 1) * static_cast<double>(n) + static_cast<double>(k));
       Line& line = lines[(k + static_cast<std::size_t>(repetition + 1)) % n];
       const auto once = [&] {
         for (const State& s : states) line.contender.run(s.q.data(), s.v.data(), s.a.data());
@@ -106,9 +109,10 @@ void print(const CompactModel& model, const std::vector<Line>& lines, const Coun
   const int joints = model.njoints() - 1;
   std::printf("%s: %d joints, %d degrees of freedom; ns a call, median of %d over %d states, all ways in turn\n", model.name().c_str(), joints,
               model.nv(), repetitions, state_count);
-  std::printf("%-6s %-18s %10s %19s %12s %16s %12s", "", "dispatch", "ns", "quartiles", "ns a joint", "against variant", "dispatches");
-  if (counters.problem().empty()) std::printf(" %13s %14s", "instructions", "branch misses");
-  std::printf("\n");
+  char columns[160];
+  std::snprintf(columns, sizeof columns, "%-6s %-18s %10s %19s %12s %16s %12s%s", "", "dispatch", "ns", "quartiles", "ns a joint", "against variant",
+                "dispatches", counters.problem().empty() ? "  instructions  branch misses" : "");
+  std::printf("%s\n", heading(columns).c_str());
   for (const Line& line : lines) {
     const Line* variant = find(lines, line.contender.algorithm, "static_variant");
     char range[32];
@@ -141,7 +145,8 @@ void run(const Options& o) {
     return order.find(a.contender.algorithm) < order.find(b.contender.algorithm);
   });
   Counters counters;
-  measure(lines, states, counters);
+  const Interruption interruption;
+  measure(lines, states, counters, interruption);
   if (o.json) {
     for (const Line& line : lines) {
       const nlohmann::ordered_json object = {{"robot", model.name()},
@@ -155,17 +160,18 @@ void run(const Options& o) {
     print(model, lines, counters);
     if (!contest.missing.empty()) std::printf("%s\n", contest.missing.c_str());
   }
-  if (!o.plot.empty()) plot(o.plot, model, lines);
+  if (!o.plot.empty()) timed("wrote " + o.plot, [&] { plot(o.plot, model, lines); });
+  interruption.end();
 }
 
 }  // namespace
 
 void addProfile(CLI::App& app) {
-  CLI::App* sub = app.add_subcommand("profile", "the price of dispatch: batched, per joint, by a static variant, and none");
+  CLI::App* sub = addCommand(app, "profile", "the price of dispatch: batched, per joint, by a static variant, and none");
   auto o = std::make_shared<Options>();
   o->model.add(*sub);
   sub->add_flag("--json", o->json, "one JSON object a line");
-  sub->add_option("--plot", o->plot, "draw the result into this SVG file")->check(fileName({".svg"}, "pictures"));
+  sub->add_option("--plot", o->plot, "draw the result into this SVG file")->type_name("FILE")->check(fileName({".svg"}, "pictures"));
   sub->callback([o] { run(*o); });
 }
 

@@ -1,37 +1,30 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// A progress bar for long work, shown on terminals only.
+// The progress of long work: a bar with rate and time left on standard error. It is shown on terminals only, and not with --quiet.
 #pragma once
 
-#include <unistd.h>
-
-#include <cstdio>
+#include <chrono>
 #include <string>
 
 namespace dyn::tool {
 
-class ProgressLine {
+/// The line for work of which `done` of `total` units were done in so many seconds. It is cut at `width` characters.
+std::string progressText(double done, double total, const std::string& unit, double seconds, const std::string& what, std::size_t width);
+
+class Progress {
  public:
-  ProgressLine(double from, double to, const char* unit) : from_(from), to_(to), unit_(unit), shown_(isatty(STDERR_FILENO) != 0) {}
-  ~ProgressLine() {
-    if (shown_) std::fprintf(stderr, "\r\033[K");
-  }
-  ProgressLine(const ProgressLine&) = delete;
-  ProgressLine& operator=(const ProgressLine&) = delete;
-  void at(double t) {
-    if (to_ <= from_) return;
-    const int now = static_cast<int>(40 * (t - from_) / (to_ - from_));
-    if (!shown_ || now == bars_) return;
-    bars_ = now;
-    const std::string bar(static_cast<std::size_t>(now), '#');
-    std::fprintf(stderr, "\r[%-40s] %g %s", bar.c_str(), t, unit_);
-    std::fflush(stderr);
-  }
+  Progress(double total, std::string unit);
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+  /// So much is done; `what` names what comes next. Draws at most ten times a second, unless `what` changes.
+  void at(double done, const std::string& what = "");
 
  private:
-  double from_, to_;
-  const char* unit_;
+  using Clock = std::chrono::steady_clock;
+  double total_;
+  std::string unit_, what_;
   bool shown_;
-  int bars_ = -1;
+  Clock::time_point start_, drawn_;
 };
 
 }  // namespace dyn::tool

@@ -3,6 +3,7 @@
 #include "commands.hpp"
 #include "contacts.hpp"
 #include "interrupt.hpp"
+#include "messages.hpp"
 #include "options.hpp"
 #include "progress.hpp"
 #include "trajectory.hpp"
@@ -40,7 +41,9 @@ struct SimulateOptions : ModelOptions {
     for (const IntegratorInfo& info : integrators()) names.emplace_back(info.name);
     app.add_option("--integrator", integrator, "method")->check(CLI::IsMember(names))->capture_default_str();
     app.add_option("--tolerance", tolerance, "of the adaptive integrator: error of a step [m, rad]")->check(positive())->capture_default_str();
-    app.add_option("--state", state, "JSON file whose first sample is where to start; otherwise at neutral and at rest")->check(fileName());
+    app.add_option("--state", state, "JSON file whose first sample is where to start; otherwise at neutral and at rest")
+        ->type_name("FILE")
+        ->check(fileName());
     app.add_option("--contacts", contacts, "hold FRAME:3d (a point) or FRAME:6d where it is (repeatable)")->delimiter(',');
     app.add_option("--ground", ground, "frames whose origins touch the ground, a plane with z up (repeatable)")->delimiter(',');
     app.add_option("--ground-height", height, "z of the ground [m]")->capture_default_str();
@@ -52,10 +55,10 @@ struct SimulateOptions : ModelOptions {
     app.add_option("--restitution", restitution, "of impacts of contacts and with limits")->check(inRange(0, 1))->capture_default_str();
     app.add_option("--every", every, "seconds between the states of --out and --plot; without it a thousand of them, but no more than steps")
         ->check(notNegative());
-    app.add_option("--out", out, "trajectory, .csv or .json")->check(fileName({".csv", ".json"}, "trajectories"));
-    app.add_option("--plot", plot, "picture of the configuration over time, SVG")->check(fileName({".svg"}, "pictures"));
-    app.add_option("--save", save, "write where the simulation ended, without loss")->check(fileName());
-    app.add_option("--resume", resume, "go on from there")->check(fileName())->excludes("--state");
+    app.add_option("--out", out, "trajectory, .csv or .json")->type_name("FILE")->check(fileName({".csv", ".json"}, "trajectories"));
+    app.add_option("--plot", plot, "picture of the configuration over time, SVG")->type_name("FILE")->check(fileName({".svg"}, "pictures"));
+    app.add_option("--save", save, "write where the simulation ended, without loss")->type_name("FILE")->check(fileName());
+    app.add_option("--resume", resume, "go on from there")->type_name("FILE")->check(fileName())->excludes("--state");
   }
 
   ConstraintSet constraints(const CompactModel& model) const { return {ConstraintSet(model), readContacts(contacts)}; }
@@ -103,7 +106,7 @@ void start(const SimulateOptions& o, Simulator& simulator, const ConstraintSet& 
   if (!o.resume.empty()) return simulator.resume(readFile(o.resume));
   Eigen::VectorXd q = neutral(model), v = Eigen::VectorXd::Zero(model.nv());
   if (!o.state.empty()) {
-    const std::vector<State> states = readStates(o.state, model);
+    const std::vector<State> states = timed("read states from " + o.state, [&] { return readStates(o.state, model); });
     if (states.empty()) throw Error(ErrorCode::syntax, "has no sample to start from", {o.state, 0, ""});
     q = states.front().q;
     v = states.front().v;
@@ -150,13 +153,13 @@ void run(const SimulateOptions& o) {
   std::optional<Error> failure;
   const Interruption interruption;
   {
-    ProgressLine progress(from, until, "s");
+    Progress progress(o.time, "s");
     try {
       simulator.advance(until, times, [&](double t, const VectorResult& q, const VectorResult& v) {
         if (interruption) throw Error(ErrorCode::simulation, "interrupted");  // the states so far are kept
         const double since = clock();
         trajectory.add(t, q, v, energyOf(q, v));
-        progress.at(t);
+        progress.at(t - from);
         watched += clock() - since;
       });
     } catch (const Error& e) {
@@ -186,9 +189,9 @@ void run(const SimulateOptions& o) {
     std::printf("contact: %ld touched, %ld impacts with a rebound, %ld steps in touch\n", s.touched, s.impacts, s.contact_steps);
   if (s.inexact_contacts > 0) std::printf("of these %ld with forces that are not right to 1e-9 m/s\n", s.inexact_contacts);
   if (constraints.rows() > 0) std::printf("constraints: %d rows, error %.3g\n", constraints.rows(), simulator.constraintError());
-  if (!o.save.empty()) replaceFile(o.save, simulator.save());
-  if (!o.out.empty()) trajectory.write(o.out);
-  if (!o.plot.empty()) trajectory.plot(o.plot);
+  if (!o.save.empty()) timed("wrote " + o.save, [&] { replaceFile(o.save, simulator.save()); });
+  if (!o.out.empty()) timed("wrote " + o.out, [&] { trajectory.write(o.out); });
+  if (!o.plot.empty()) timed("wrote " + o.plot, [&] { trajectory.plot(o.plot); });
   interruption.end();
   if (failure) throw *failure;
 }
@@ -196,7 +199,7 @@ void run(const SimulateOptions& o) {
 }  // namespace
 
 void addSimulate(CLI::App& app) {
-  CLI::App* sub = app.add_subcommand("simulate", "moves a model through time; energy, momentum and constraint drift, trajectory and picture");
+  CLI::App* sub = addCommand(app, "simulate", "moves a model through time; energy, momentum and constraint drift, trajectory and picture");
   auto o = std::make_shared<SimulateOptions>();
   o->add(*sub);
   sub->callback([o] { run(*o); });

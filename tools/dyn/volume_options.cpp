@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "volume_options.hpp"
 
+#include "messages.hpp"
+
 #include <dyn/parsers/srdf.hpp>
 
 namespace dyn::tool {
 
 void VolumeOptions::add(CLI::App& app) {
-  app.add_option("--scene", scene, "a URDF whose volumes stand in the world");
-  app.add_option("--srdf", srdf, "pairs that are not to be checked (disable_collisions)");
-  app.add_option("--package", packages, "folder of packages, or a package, for package:// (repeatable); then ROS_PACKAGE_PATH, AMENT_PREFIX_PATH");
+  app.add_option("--scene", scene, "a URDF whose volumes stand in the world")->type_name("FILE");
+  app.add_option("--srdf", srdf, "pairs that are not to be checked (disable_collisions)")->type_name("FILE");
+  app.add_option("--package", packages, "folder of packages, or a package, for package:// (repeatable); then ROS_PACKAGE_PATH, AMENT_PREFIX_PATH")
+      ->type_name("FOLDER");
   app.add_flag("--skip-missing", skip_missing, "leave out volumes whose files are not there");
   app.add_option("--narrow", narrow, "the functions that compare two volumes: libdyn's own, or FCL's")
       ->check(CLI::IsMember({"own", "fcl"}))
@@ -18,8 +21,8 @@ void VolumeOptions::add(CLI::App& app) {
 
 Model VolumeOptions::description(const ModelOptions& robot) const {
   Model description = robot.read();
-  if (!srdf.empty()) srdf::load(srdf, description);
-  if (!scene.empty()) description = append(description, urdf::load(scene), "universe", {}, "scene/");
+  if (!srdf.empty()) timed("read " + srdf, [&] { srdf::load(srdf, description); });
+  if (!scene.empty()) description = append(description, timed("read " + scene, [&] { return urdf::load(scene); }), "universe", {}, "scene/");
   printNotes(description);
   return description;
 }

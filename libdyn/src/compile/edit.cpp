@@ -5,6 +5,7 @@
 #include "joint/coordinate.hpp"
 #include "joint/pose_components.hpp"
 #include "model/universe.hpp"
+#include "near_names.hpp"
 
 #include <dyn/compile/edit.hpp>
 
@@ -238,7 +239,11 @@ Model reduce(const Model& model, const JointRegistry& registry, const std::vecto
   const Holder holder(model, registry, lock);
   for (const LockedJoint& l : lock) {
     const auto found = by_name.find(l.joint);
-    if (found == by_name.end()) throw Error(ErrorCode::model, "is to be held, but the model has no such joint", {"", 0, l.joint});
+    if (found == by_name.end()) {
+      std::vector<std::string> names;
+      for (const auto& [name, body] : by_name) names.push_back(name);
+      throw Error(ErrorCode::model, "is to be held, but the model has no such joint" + nearNames(l.joint, names), {"", 0, l.joint});
+    }
     holder.hold(found->second, out);
   }
   return out;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
+#include "near_names.hpp"
 #include "number_text.hpp"
 
 #include <dyn/algorithm/kinematics.hpp>
@@ -24,7 +25,8 @@ ContactFinder pointsOnPlane(const CompactModel& model, const std::vector<std::st
     ContactPoint point;
     point.id = static_cast<std::int64_t>(points.size());
     point.frame = model.findFrame(name);
-    if (point.frame < 0) throw Error(ErrorCode::argument, "pointsOnPlane: the model has no frame '" + name + "'");
+    if (point.frame < 0)
+      throw Error(ErrorCode::argument, "pointsOnPlane: the model has no frame '" + name + "'" + nearNames(name, namesOf(model.frames())));
     point.normal = (1 / length) * normal;
     point.friction = friction;
     points.push_back(point);

@@ -2,6 +2,7 @@
 #include "bench.hpp"
 #include "interrupt.hpp"
 #include "oracle.hpp"
+#include "progress.hpp"
 #include "sections.hpp"
 
 #include <dyn/codegen/differentiate.hpp>
@@ -196,7 +197,6 @@ Section algorithmSection(const std::vector<Specimen>& specimens, const AccuracyO
   for (const Specimen& specimen : specimens) {
     if (Interruption::pending()) break;
     const CompactModel& model = specimen.model;
-    std::fprintf(stderr, "dyn: algorithms of %s\n", model.name().c_str());
     Subjects subjects(model, ConstraintSet(model, {}));
     const Oracle oracle(specimen.description, model);
     const bool derivatives = model.nv() <= 40;
@@ -222,7 +222,11 @@ Section algorithmSection(const std::vector<Specimen>& specimens, const AccuracyO
     if (derivatives && model.nq() == model.nv()) entries.push_back(byDualNumbers(subjects));
     if (options.codegen) addGenerated(subjects, {"rnea", "crba", "aba", "minverse", "rnea_derivatives", "aba_derivatives"}, entries);
     std::vector<Line> lines;
+    Progress progress(static_cast<double>(entries.size()), "algorithms");
+    std::size_t done = 0;
     for (const Entry& entry : entries) {
+      progress.at(static_cast<double>(done++), model.name() + ": " + entry.algorithm);
+      if (Interruption::pending()) break;
       if (!judged.contains(entry.algorithm)) continue;
       const ErrorSummary error = entry.error ? entry.error() : ErrorSummary();
       if (std::isnan(error.most())) continue;

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Errors of a robot that stands far from the origin.
 #include "bench.hpp"
+#include "interrupt.hpp"
 #include "oracle.hpp"
 #include "problems.hpp"
+#include "progress.hpp"
 #include "sections.hpp"
 
 #include <cmath>
-#include <cstdio>
 
 namespace dyn::tool {
 
 Section distanceSection(const AccuracyOptions& options) {
-  std::fprintf(stderr, "dyn: bases far away\n");
   Section out;
   out.id = "distances";
   out.title = "Error against the distance of the base";
@@ -27,7 +27,9 @@ Section distanceSection(const AccuracyOptions& options) {
   benchmark::LineChart chart("Error against distance", {"distance of the base [m]", benchmark::Scale::logarithmic},
                              {"largest error [u]", benchmark::Scale::logarithmic});
   const int most = options.quick ? 3 : 9;
-  for (int decade = 0; decade <= most; ++decade) {
+  Progress progress(most + 1, "distances");
+  for (int decade = 0; decade <= most && !Interruption::pending(); ++decade) {
+    progress.at(decade, "bases far away");
     const double distance = std::pow(10.0, decade);
     Subjects subjects(model, ConstraintSet(model, {}));
     for (State s : randomStates(model, options.quick ? 1 : 3, 11)) {

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "bench.hpp"
 #include "errors.hpp"
+#include "interrupt.hpp"
 #include "oracle.hpp"
 #include "problems.hpp"
+#include "progress.hpp"
 #include "sections.hpp"
 
-#include <cstdio>
+#include <iterator>
 #include <optional>
 
 namespace dyn::tool {
@@ -25,9 +27,13 @@ Section lengthSection(const AccuracyOptions& options) {
   benchmark::LineChart times("Time against length", {"links", benchmark::Scale::logarithmic}, {"ns a call", benchmark::Scale::logarithmic});
   const JointRegistry registry = JointRegistry::standard();
   const int longest = options.quick ? 20 : 160;
-  for (const int n : {2, 5, 10, 20, 40, 80, 160, 320, 1000, 3000, 10000}) {
+  constexpr int lengths[] = {2, 5, 10, 20, 40, 80, 160, 320, 1000, 3000, 10000};
+  Progress progress(static_cast<double>(std::size(lengths)), "chains");
+  double done = 0;
+  for (const int n : lengths) {
     if (options.quick && n > 1000) break;
-    std::fprintf(stderr, "dyn: chain of %d links\n", n);
+    if (Interruption::pending()) break;
+    progress.at(done++, "chain of " + std::to_string(n) + " links");
     const Model description = chain(n);
     const CompactModel model = compile(description, registry);
     const bool small = n <= longest;

@@ -3,6 +3,8 @@
 #include "bench.hpp"
 #include "errors.hpp"
 #include "exact_number.hpp"
+#include "interrupt.hpp"
+#include "progress.hpp"
 #include "sections.hpp"
 
 #include <dyn/lie/se3.hpp>
@@ -114,7 +116,6 @@ double nanoseconds(const Function& f, const std::vector<Motion<double>>& motions
 }  // namespace
 
 Section lieSection(const AccuracyOptions& options) {
-  std::fprintf(stderr, "dyn: rotations and rigid motions\n");
   Section out;
   out.id = "lie";
   out.title = "Rotations and rigid motions: error against angle";
@@ -143,7 +144,12 @@ Section lieSection(const AccuracyOptions& options) {
   }
   benchmark::LineChart chart("Error against angle", {"angle [rad]", benchmark::Scale::logarithmic},
                              {"largest error [u]", benchmark::Scale::logarithmic});
-  for (const Function& f : functions()) {
+  const std::vector<Function> measured = functions();
+  Progress progress(static_cast<double>(measured.size()), "functions");
+  double done = 0;
+  for (const Function& f : measured) {
+    if (Interruption::pending()) break;
+    progress.at(done++, f.name);
     const double ns = nanoseconds(f, all);
     for (std::size_t k = 0; k < angles.size(); ++k) {
       double worst = 0;

@@ -2,6 +2,7 @@
 #include "interrupt.hpp"
 #include "oracle.hpp"
 #include "problems.hpp"
+#include "progress.hpp"
 #include "sections.hpp"
 
 #include <dyn/dyn.hpp>
@@ -153,14 +154,17 @@ Section motionSection(const std::vector<Specimen>& specimens, const AccuracyOpti
   const JointRegistry registry = JointRegistry::standard();
   for (const MotionProblem& problem : problemsOf(specimens, registry, options.quick)) {
     if (Interruption::pending()) break;
-    std::fprintf(stderr, "dyn: motion of %s\n", problem.name.c_str());
     const auto label = [&](const char* what) { return benchmark::LineChart::Label{what, benchmark::Scale::logarithmic}; };
     benchmark::LineChart by_error(problem.name + ": " + problem.about, label("error of the final configuration [rad, m]"), label("seconds"));
     benchmark::LineChart by_drift(problem.name + ": energy", label("largest change of energy [J]"), label("seconds"));
     std::optional<Point> anchor;
+    const int finest = options.quick ? 4 : 8;
+    Progress progress(static_cast<double>(integrators().size()) * (finest + 1), "motions");
+    double done = 0;
     for (const IntegratorInfo& info : integrators()) {
-      const int finest = options.quick ? 4 : 8;
       for (int k = 0; k <= finest; ++k) {
+        if (Interruption::pending()) break;
+        progress.at(done++, problem.name + ": " + info.name);
         const SimulatorOptions simulation{
             .integrator = info.integrator, .dt = problem.time * std::ldexp(0.01, -k), .tolerance = std::pow(10.0, -3 - 1.25 * k)};
         const std::optional<Point> point = measureMotion(problem, simulation, info.adaptive);
@@ -200,8 +204,10 @@ Section driftSection(const AccuracyOptions& options) {
     const double before = s.energy();
     double drift = 0;
     const long most = options.quick ? 20000 : 1000000;
+    Progress progress(static_cast<double>(most), "steps");
     long next = 10;
-    for (long k = 1; k <= most; ++k) {
+    for (long k = 1; k <= most && !Interruption::pending(); ++k) {
+      progress.at(static_cast<double>(k), std::string("energy with ") + info.name);
       s.step();
       drift = std::max(drift, std::abs(s.energy() - before));
       if (k != next) continue;
