@@ -8,7 +8,7 @@ namespace fs = std::filesystem;
 
 TEST_CASE("help is there for every subcommand, and a wrong command line exits with 2", "[command]") {
   for (const char* sub : {"", "accuracy", "info", "check", "codegen", "collide", "compute", "demo", "bench", "profile", "plugin", "plugin list",
-                          "plugin check", "plugin new", "simulate", "truth"}) {
+                          "plugin check", "plugin new", "simulate", "truth", "help", "completion"}) {
     const Answer a = run(std::string(sub) + " --help");
     INFO(sub << a.err);
     CHECK(a.code == 0);
@@ -35,6 +35,19 @@ TEST_CASE("help is there for every subcommand, and a wrong command line exits wi
     CHECK(!a.err.empty());
     CHECK(a.out.empty());
   }
+}
+
+TEST_CASE("dyn help prints what --help prints, and knows no other subcommands", "[command]") {
+  for (const std::string sub : {"", "simulate", "plugin", "plugin check"}) {
+    const Answer a = run("help " + sub);
+    INFO(sub);
+    CHECK(a.code == 0);
+    CHECK(a.out == run(sub + " --help").out);
+  }
+  const Answer unknown = run("help plugin chek");
+  CHECK(unknown.code == 2);
+  CHECK_THAT(unknown.err, containing("'dyn plugin' has no subcommand 'chek'; did you mean 'check'?"));
+  CHECK(run("completion tcsh").code == 2);
 }
 
 TEST_CASE("dyn --version names the library, the instruction set and the plugin interface", "[command]") {

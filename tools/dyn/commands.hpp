@@ -29,5 +29,8 @@ void addProfile(CLI::App& app);
 void addPlugin(CLI::App& app);
 void addSimulate(CLI::App& app);
 void addTruth(CLI::App& app);
+/// These two describe all subcommands of the app, also those added after them.
+void addHelp(CLI::App& app);
+void addCompletion(CLI::App& app);
 
 }  // namespace dyn::tool

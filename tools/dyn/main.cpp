@@ -42,6 +42,8 @@ int run(int argc, char** argv) {
   dyn::tool::addPlugin(app);
   dyn::tool::addSimulate(app);
   dyn::tool::addTruth(app);
+  dyn::tool::addHelp(app);
+  dyn::tool::addCompletion(app);
   try {
     app.parse(argc, argv);
   } catch (const dyn::tool::ExitCode& exit) {
