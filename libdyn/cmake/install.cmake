@@ -10,6 +10,7 @@ install(EXPORT libdynTargets NAMESPACE libdyn:: DESTINATION ${DYN_CMAKE_DIR} COM
 install(DIRECTORY libdyn/include/dyn libdyn/sdk/dyn_sdk parsers/include/dyn DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development)
 install(TARGETS dyn_standard LIBRARY DESTINATION ${DYN_PLUGIN_DIR} COMPONENT plugins)
 install(FILES LICENSE CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT runtime)
+install(DIRECTORY libdyn/schemas DESTINATION ${CMAKE_INSTALL_DATADIR}/libdyn COMPONENT tools)
 if(TARGET dyn)
   install(TARGETS dyn RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT tools)
   if(TARGET dyn_pages)

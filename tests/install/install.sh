@@ -15,8 +15,9 @@ cmake --install "$build" --prefix "$work/first" >/dev/null
 prefix=$work/first
 robot=$work/examples/cam_follower/cam_follower.urdf
 
-say "completion and manual pages are where they are looked for"
-for file in bash-completion/completions/dyn zsh/site-functions/_dyn fish/vendor_completions.d/dyn.fish man/man1/dyn.1 man/man1/dyn-plugin-check.1; do
+say "completion, manual pages and schemas are where they are looked for"
+for file in bash-completion/completions/dyn zsh/site-functions/_dyn fish/vendor_completions.d/dyn.fish man/man1/dyn.1 man/man1/dyn-plugin-check.1 \
+  libdyn/schemas/states.schema.json; do
   [ -s "$prefix/share/$file" ] || { echo "share/$file is not installed" >&2; exit 1; }
 done
 
