@@ -165,4 +165,15 @@ TEST_CASE("a result that fills the disk is an error that names its file", "[comm
     CHECK(a.code == 1);
     CHECK_THAT(a.err, containing("full") && containing("cannot be written"));
   }
+  // No file may be larger than 512 bytes.
+  const std::pair<std::string, std::string> folders[] = {
+      {"plugin new my_joint --directory ", "my_joint"}, {"codegen " + biped + " --functions rnea --out ", "biped.c"}, {"help --man-pages ", "dyn.1"}};
+  const std::string err = in + "err";
+  for (const auto& [line, unfinished] : folders) {
+    INFO(line);
+    const std::string command = "trap '' XFSZ; ulimit -f 1; " + dyn_path + line + "'" + in + "' >/dev/null 2>'" + err + "'";
+    CHECK(WEXITSTATUS(std::system(command.c_str())) == 1);
+    CHECK_THAT(textOf(err), containing("cannot be written"));
+    CHECK_FALSE(fs::exists(folder.path / unfinished));
+  }
 }

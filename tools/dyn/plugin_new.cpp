@@ -134,7 +134,6 @@ void writeFile(const fs::path& path, std::string text, const std::string& name) 
   replace("@NAME@", name);
   replace("@CLASS@", className(name));
   replaceFile(path.string(), text);
-  std::printf("wrote %s\n", path.string().c_str());
 }
 
 void create(const std::string& name, const std::string& directory) {
@@ -151,10 +150,16 @@ void create(const std::string& name, const std::string& directory) {
     throw Error(ErrorCode::file, "exists already; choose another name or --directory", {folder.string(), 0, ""});
   if (!fs::create_directories(folder, error) || error) throw Error(ErrorCode::file, "cannot be made: " + error.message(), {folder.string(), 0, ""});
   const Interruption interruption;  // the folder is written whole or not at all
-  writeFile(folder / "CMakeLists.txt", cmake_text, name);
-  writeFile(folder / (name + ".cpp"), source_text, name);
-  writeFile(folder / "README.md", readme_text, name);
-  writeFile(folder / (name + ".urdf"), urdf_text, name);
+  try {
+    writeFile(folder / "CMakeLists.txt", cmake_text, name);
+    writeFile(folder / (name + ".cpp"), source_text, name);
+    writeFile(folder / "README.md", readme_text, name);
+    writeFile(folder / (name + ".urdf"), urdf_text, name);
+  } catch (const Error&) {
+    fs::remove_all(folder, error);
+    throw;
+  }
+  std::printf("wrote CMakeLists.txt, %s.cpp, README.md and %s.urdf to %s\n", name.c_str(), name.c_str(), folder.c_str());
   interruption.end();
 }
 
