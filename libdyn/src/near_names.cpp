@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "near_names.hpp"
+#include <dyn/near_names.hpp>
 
 #include <algorithm>
 #include <cctype>

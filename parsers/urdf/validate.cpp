@@ -4,6 +4,8 @@
 #include "extension.hpp"
 #include "vocabulary.hpp"
 
+#include <dyn/near_names.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -60,7 +62,11 @@ class Validator {
     for (const XMLElement* joint : out_.joints) {
       const std::string name = joint->Attribute("name"), parent = linkOf(d_, *joint, "parent"), child = linkOf(d_, *joint, "child");
       for (const std::string& link : {parent, child})
-        if (!out_.link.count(link)) d_.fail(*joint, "joint '" + name + "' names link '" + link + "', which does not exist");
+        if (!out_.link.count(link)) {
+          std::vector<std::string> links;
+          for (const XMLElement* known : out_.links) links.emplace_back(known->Attribute("name"));
+          d_.fail(*joint, "joint '" + name + "' names link '" + link + "', which does not exist" + nearNames(link, links));
+        }
       if (parent == child) d_.fail(*joint, "joint '" + name + "' joins link '" + parent + "' to itself");
       if (const auto [first, is_new] = carrier.emplace(child, joint); !is_new)
         d_.fail(*joint, "link '" + child + "' has two parents: joints '" + first->second->Attribute("name") + "' and '" + name +

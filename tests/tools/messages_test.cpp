@@ -45,14 +45,17 @@ std::vector<std::string> commandsThatPrint(const Folder& folder) {
 
 }  // namespace
 
-TEST_CASE("a misspelt subcommand, option, joint or frame is answered with the name that was meant", "[command]") {
+TEST_CASE("a misspelt subcommand, option, joint, frame or link is answered with the name that was meant", "[command]") {
   const Folder folder;
+  const std::string robot = folder.write("r.urdf", R"(<robot name="r"><link name="base"/><link name="tool"/>
+    <joint name="j" type="fixed"><parent link="bse"/><child link="tool"/></joint></robot>)");
   const std::string states = folder.write("states.json", R"({"samples":[]})");
   const std::pair<std::string, const char*> wrong[] = {
       {"simulat x.urdf", "there is no subcommand 'simulat'; did you mean 'simulate'?"},
       {"plugin lst", "there is no subcommand 'lst'; did you mean 'list'?"},
       {"bench x.urdf --thread 3", "there is no option '--thread'; did you mean '--threads'?"},
       {"compute x.urdf --sates=x.json", "there is no option '--sates'; did you mean '--states'"},
+      {"info " + robot, "names link 'bse', which does not exist; did you mean 'base'?"},
       {"info " + biped + " --lock left_kne", "did you mean 'left_knee'"},
       {"simulate " + biped + " --ground left_fot", "did you mean 'left_foot'"},
       {"simulate " + biped + " --contacts left_fot:6d", "did you mean 'left_foot'"},

@@ -2,11 +2,11 @@
 // dyn help: the help of a subcommand on standard output, or a manual page for each.
 #include "command_table.hpp"
 #include "commands.hpp"
-#include "near_names.hpp"
 #include "options.hpp"
 
 #include <dyn/error.hpp>
 #include <dyn/file.hpp>
+#include <dyn/near_names.hpp>
 #include <dyn/version.hpp>
 
 #include <algorithm>

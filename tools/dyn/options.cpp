@@ -3,7 +3,8 @@
 
 #include "commands.hpp"
 #include "messages.hpp"
-#include "near_names.hpp"
+
+#include <dyn/near_names.hpp>
 
 #include <report/svg.hpp>
 

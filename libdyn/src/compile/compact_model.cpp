@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "compile/compact_impl.hpp"
-#include "near_names.hpp"
 
 #include <dyn/compile/compact_model.hpp>
 #include <dyn/error.hpp>
+#include <dyn/near_names.hpp>
 
 #include <utility>
 

@@ -3,7 +3,8 @@
 
 #include "at.hpp"
 #include "compile/parameters.hpp"
-#include "near_names.hpp"
+
+#include <dyn/near_names.hpp>
 
 #include <algorithm>
 #include <cmath>

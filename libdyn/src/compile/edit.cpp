@@ -5,9 +5,9 @@
 #include "joint/coordinate.hpp"
 #include "joint/pose_components.hpp"
 #include "model/universe.hpp"
-#include "near_names.hpp"
 
 #include <dyn/compile/edit.hpp>
+#include <dyn/near_names.hpp>
 
 #include <algorithm>
 #include <unordered_map>

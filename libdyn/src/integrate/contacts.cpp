@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "near_names.hpp"
 #include "number_text.hpp"
 
 #include <dyn/algorithm/kinematics.hpp>
 #include <dyn/error.hpp>
 #include <dyn/integrate/contacts.hpp>
+#include <dyn/near_names.hpp>
 
 #include <algorithm>
 #include <cmath>

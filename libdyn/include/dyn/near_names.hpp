@@ -2,13 +2,16 @@
 // Suggests names that the user may have meant, for messages.
 #pragma once
 
+#include <dyn/export.hpp>
+
 #include <string>
 #include <vector>
 
 namespace dyn {
 
-/// Returns "; did you mean 'left_hand' or 'left_hand_2'?" with up to three names that resemble `name`, or "" if none does.
-std::string nearNames(const std::string& name, const std::vector<std::string>& all);
+/// Returns "; did you mean 'left_hand' or 'left_hand_2'?" with up to three names that resemble `name`, or "" if none does. The cost grows with
+/// the number and the square of the length of the names; names of more than 200 letters are left out.
+DYN_API std::string nearNames(const std::string& name, const std::vector<std::string>& all);
 
 template <class Records>
 std::vector<std::string> namesOf(const Records& records) {
