@@ -62,8 +62,9 @@ def files_of(folder):
     return files
 
 
-def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
-    files = files_of(build(config_settings or {}))
+def pack(folder, wheel_directory):
+    """Writes the wheel of a build folder; returns its name."""
+    files = files_of(folder)
     info = f"libdyn-{VERSION}.dist-info"
     contents = {name: path.read_bytes() for name, path in sorted(files.items())}
     contents[f"{info}/METADATA"] = METADATA.encode()
@@ -79,6 +80,10 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
             entry.external_attr = (0o755 if path.endswith(".so") or ".so." in path else 0o644) << 16
             wheel.writestr(entry, data)
     return name
+
+
+def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
+    return pack(build(config_settings or {}), wheel_directory)
 
 
 def build_sdist(sdist_directory, config_settings=None):

@@ -13,6 +13,7 @@ namespace dyn {
 /// the number and the square of the length of the names; names of more than 200 letters are left out.
 DYN_API std::string nearNames(const std::string& name, const std::vector<std::string>& all);
 
+/// Returns the names of records, in their order.
 template <class Records>
 std::vector<std::string> namesOf(const Records& records) {
   std::vector<std::string> names;

@@ -13,12 +13,18 @@ struct Direction : dyn::sdk::Joint<Direction, 2, 3> {
     const S k = S(1) / (S(1) + n[2]);
     return {{S(1) - k * n[0] * n[0], -(k * n[0] * n[1]), n[0], -(k * n[0] * n[1]), S(1) - k * n[1] * n[1], n[1], -n[0], -n[1], n[2]}};
   }
-  /// The vector at q need not have length 1.
+  /// Writes the unit vector along q, and returns the length of q, which rounding may have moved away from 1.
   template <class S>
-  static dyn::SE3<S> pose(const S* q, const auto&) {
+  static S unit(const S* q, S* n) {
     using std::sqrt;
     const S length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2]);
-    const S n[3] = {q[0] / length, q[1] / length, q[2] / length};
+    for (int i = 0; i < 3; ++i) n[i] = q[i] / length;
+    return length;
+  }
+  template <class S>
+  static dyn::SE3<S> pose(const S* q, const auto&) {
+    S n[3];
+    unit(q, n);
     return {axes(n), {}};
   }
 
@@ -29,8 +35,10 @@ struct Direction : dyn::sdk::Joint<Direction, 2, 3> {
   /// The angular velocity v moves n along (v[1], -v[0], 0) in the moved axes.
   template <class S>
   static void rates(const S* q, const S* v, const auto&, S* dq) {
-    const dyn::Vec3<S> dn = axes(q) * dyn::Vec3<S>{v[1], -v[0], S(0)};
-    for (int i = 0; i < 3; ++i) dq[i] = dn[i];
+    S n[3];
+    const S length = unit(q, n);
+    const dyn::Vec3<S> dn = axes(n) * dyn::Vec3<S>{v[1], -v[0], S(0)};
+    for (int i = 0; i < 3; ++i) dq[i] = length * dn[i];
   }
   /// Moves n by the angle |v| along the great circle that starts in the direction of rates().
   template <class S>
@@ -50,10 +58,8 @@ struct Direction : dyn::sdk::Joint<Direction, 2, 3> {
   }
   template <class S>
   static S normalize(S* q) {
-    using std::abs, std::sqrt;
-    const S length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2]);
-    for (int i = 0; i < 3; ++i) q[i] = q[i] / length;
-    return abs(length - S(1));
+    using std::abs;
+    return abs(unit(q, q) - S(1));
   }
 };
 
