@@ -39,7 +39,7 @@ for library in ("libdyn.so", "libdyn_parsers.so", "dyn_standard.so", "_core"):
 assert sys.argv[3] not in maps
 """
             answer = subprocess.run(
-                [sys.executable, "-c", program, SOURCE / "models" / "biped.urdf", str(site), str(build)],
+                [sys.executable, "-c", program, SOURCE / "models" / "biped.urdf", str(site), f"{build}/"],
                 env={**os.environ, "PYTHONPATH": str(site)}, cwd=folder, capture_output=True, text=True)
             self.assertEqual(answer.returncode, 0, answer.stderr)
             self.assertGreater(float(answer.stdout), 100)

@@ -28,6 +28,7 @@ struct Function {
   const AlgorithmInfo* algorithm;
   std::string name, doc;
   std::array<const char*, slot_count> names = {"model", "data", nullptr, nullptr, nullptr, nullptr, "out"};
+  std::array<PyObject*, slot_count> keywords = {};  ///< the names as Python's own strings, of which there is one each
   std::array<Slot, 5> positional = {model, data, q};
   Py_ssize_t required = 3;
   PyTypeObject* results = nullptr;  ///< the named tuple of several results
@@ -47,8 +48,11 @@ bool arrange(const Function& f, PyObject* const* arguments, Py_ssize_t count, Py
   const Py_ssize_t named = keywords ? PyTuple_GET_SIZE(keywords) : 0;
   for (Py_ssize_t k = 0; k < named; ++k) {
     PyObject* const keyword = PyTuple_GET_ITEM(keywords, k);
+    // A keyword in a program's text is Python's own string; others are compared by letters.
     std::size_t slot = 0;
-    while (slot < slot_count && !(f.names[slot] && PyUnicode_CompareWithASCIIString(keyword, f.names[slot]) == 0)) ++slot;
+    while (slot < slot_count && f.keywords[slot] != keyword) ++slot;
+    if (slot == slot_count)
+      for (slot = 0; slot < slot_count && !(f.names[slot] && PyUnicode_CompareWithASCIIString(keyword, f.names[slot]) == 0);) ++slot;
     if (slot == slot_count || slots[slot] != nullptr) {
       PyErr_Format(PyExc_TypeError, slot == slot_count ? "%s has no argument '%U'" : "%s got two values for argument '%U'", f.name.c_str(), keyword);
       return false;
@@ -289,6 +293,8 @@ void addFunctions(py::module_& m) {
     }
     if (algorithm.algorithm == Algorithm::rnea || algorithm.algorithm == Algorithm::aba) f.names[fext] = "fext";
     while (f.outputs < 4 && algorithm.outputs[static_cast<std::size_t>(f.outputs)].symbol != nullptr) ++f.outputs;
+    for (std::size_t k = 0; k < slot_count; ++k)
+      if (f.names[k] != nullptr) f.keywords[k] = PyUnicode_InternFromString(f.names[k]);
     describe(f);
     if (f.outputs > 1) f.results = tupleOf(f);
     f.definition = {f.name.c_str(), reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(&call)), METH_FASTCALL | METH_KEYWORDS, f.doc.c_str()};
