@@ -42,7 +42,7 @@ def build(settings):
         "Python_EXECUTABLE": sys.executable,
     }
     subprocess.run(["cmake", "-S", ROOT, "-B", folder, "-G", "Ninja", *(f"-D{name}={value}" for name, value in options.items())], check=True)
-    subprocess.run(["cmake", "--build", folder, "--target", "libdyn_python", "libdyn", "dyn_standard"], check=True)
+    subprocess.run(["cmake", "--build", folder, "--target", "libdyn_python", "dyn_standard"], check=True)
     return folder
 
 
@@ -54,7 +54,7 @@ def files_of(folder):
         if path.suffix in (".py", ".pyi", ".typed") or path.name == f"_core{suffix}":
             files[f"libdyn/{path.name}"] = path
     # Programs ask for libraries by the name with the interface's number. Wheels have no links.
-    for name in ("libdyn", "libdyn_parsers"):
+    for name in ("libdyn", "libdyn_geometry", "libdyn_parsers"):
         (path,) = (folder / "lib").glob(f"{name}.so.?")
         files[f"libdyn/lib/{path.name}"] = path
     for path in (folder / "lib" / "libdyn").rglob("*.so"):

@@ -3,6 +3,7 @@
 #include "description.hpp"
 
 #include <dyn/compile/edit.hpp>
+#include <dyn/near_names.hpp>
 #include <dyn/parsers/urdf.hpp>
 
 #include <pybind11/stl.h>
@@ -71,6 +72,14 @@ std::vector<LockedJoint> lockedJoints(const std::map<std::string, std::optional<
   return out;
 }
 
+int bodyOf(const Model& model, const std::variant<int, std::string>& body) {
+  if (std::holds_alternative<int>(body)) return std::get<int>(body);
+  const std::string& name = std::get<std::string>(body);
+  const int found = model.findBody(name);
+  if (found < 0) throw Error(ErrorCode::argument, "the model has no body '" + name + "'" + nearNames(name, namesOf(model.bodies)));
+  return found;
+}
+
 const JointRegistry& registry() {
   static const JointRegistry standard = JointRegistry::standard();
   return standard;
@@ -128,12 +137,6 @@ void addDescription(py::module_& m) {
   py::bind_vector<std::vector<BodyDescription>>(m, "BodyList", "A list of bodies.");
   py::bind_vector<std::vector<FrameDescription>>(m, "FrameList", "A list of frames.");
 
-  const auto body_of = [](const Model& model, const std::variant<int, std::string>& body) {
-    if (std::holds_alternative<int>(body)) return std::get<int>(body);
-    const int found = model.findBody(std::get<std::string>(body));
-    if (found < 0) throw Error(ErrorCode::argument, "the model has no body '" + std::get<std::string>(body) + "'");
-    return found;
-  };
   py::class_<Model>(m, "Model", "The description of a robot, which compile() turns into a CompactModel. Body 0 is the world.")
       .def(py::init<>())
       .def_readwrite("name", &Model::name)
@@ -151,14 +154,14 @@ void addDescription(py::module_& m) {
       .def_readonly("notes", &Model::notes, "What a parser ignored or found odd.")
       .def(
           "add_body",
-          [body_of](Model& model, const std::string& name, const std::variant<int, std::string>& parent, const JointDescription& j,
-                    const Inertia<double>& inertia) { return model.addBody(name, body_of(model, parent), j, inertia); },
+          [](Model& model, const std::string& name, const std::variant<int, std::string>& parent, const JointDescription& j,
+             const Inertia<double>& inertia) { return model.addBody(name, bodyOf(model, parent), j, inertia); },
           py::arg("name"), py::arg("parent"), py::arg("joint"), py::arg("inertia") = Inertia<double>(),
           "Adds a body that `joint` connects to the parent (a name or an index); returns its index.")
       .def(
           "add_frame",
-          [body_of](Model& model, const std::string& name, const std::variant<int, std::string>& body, const SE3<double>& placement) {
-            return model.addFrame(name, body_of(model, body), placement);
+          [](Model& model, const std::string& name, const std::variant<int, std::string>& body, const SE3<double>& placement) {
+            return model.addFrame(name, bodyOf(model, body), placement);
           },
           py::arg("name"), py::arg("body"), py::arg("placement") = SE3<double>(), "Adds a frame at `placement` in the body's frame.")
       .def("__copy__", [](const Model& x) { return x; })

@@ -22,6 +22,9 @@ namespace dyn::python {
 /// Returns the standard registry, which all calls share.
 const JointRegistry& registry();
 
+/// Returns the index of a body that is given by name or index. Throws Error(argument) for an unknown name.
+int bodyOf(const Model& model, const std::variant<int, std::string>& body);
+
 /// Returns the joints to hold: names with coordinates, one number or several, or nothing for neutral.
 std::vector<LockedJoint> lockedJoints(const std::map<std::string, std::optional<std::variant<double, std::vector<double>>>>& lock);
 

@@ -83,5 +83,8 @@ PYBIND11_MODULE(_core, m) {
   addConfiguration(m);
   addKinematics(m);
   addFunctions(m);
+  addConstraints(m);
+  addGeometry(m);
+  addSimulation(m);
   m.attr("__version__") = dyn::version().number;
 }
