@@ -80,7 +80,8 @@ std::string BarChart::svg() const {
     text(x + bar * series / 2, top + height + 18, groups_[g], "middle");
   }
   for (std::size_t s = 0; s < series_.size(); ++s) {
-    const double x = left + entry * static_cast<double>(s % columns), y = top + height + 36 + 20 * static_cast<double>(s / columns);
+    const auto row = s / columns;
+    const double x = left + entry * static_cast<double>(s % columns), y = top + height + 36 + 20 * static_cast<double>(row);
     box(x, y, 12, 12, s);
     text(x + 16, y + 10, series_[s], "start");
   }

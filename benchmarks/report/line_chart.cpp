@@ -168,7 +168,8 @@ class LineChart::Drawing {
     for (const Series& s : c_.series_) entry = std::max(entry, 28 + textWidth(nameOf(s), letter) + 14);
     const std::size_t columns = std::max<std::size_t>(1, static_cast<std::size_t>((width - left) / std::max(entry, 1.0)));
     for (std::size_t k = 0; k < c_.series_.size(); ++k) {
-      const double x = left + entry * static_cast<double>(k % columns), y = y0 + 2 + 20 * static_cast<double>(k / columns);
+      const auto row = k / columns;
+      const double x = left + entry * static_cast<double>(k % columns), y = y0 + 2 + 20 * static_cast<double>(row);
       svg_ << "<line x1=\"" << x << "\" x2=\"" << x + 22 << "\" y1=\"" << y << "\" y2=\"" << y << "\" stroke-width=\"3\" stroke=\"" << colour(k)
            << "\"" << dashesOf(k) << "/>\n";
       text(x + 28, y + 4, nameOf(c_.series_[k]), "start");

@@ -59,7 +59,8 @@ inline void listenToTrial(int pipe, double seconds, Trial& trial) {
     const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now()).count();
     const int n = left > 0 ? poll(&ready, 1, static_cast<int>(left)) : 0;
     if (n < 0 && errno == EINTR) continue;
-    if ((trial.late = n <= 0)) return;
+    trial.late = n <= 0;
+    if (trial.late) return;
     char buffer[1 << 16];
     const ssize_t size = read(pipe, buffer, sizeof buffer);
     if (size < 0 && errno == EINTR) continue;

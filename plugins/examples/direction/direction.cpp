@@ -17,7 +17,7 @@ struct Direction : dyn::sdk::Joint<Direction, 2, 3> {
   template <class S>
   static S unit(const S* q, S* n) {
     using std::sqrt;
-    const S length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2]);
+    S length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2]);
     for (int i = 0; i < 3; ++i) n[i] = q[i] / length;
     return length;
   }
