@@ -40,7 +40,7 @@ assert sys.argv[3] not in maps
 """
             answer = subprocess.run(
                 [sys.executable, "-c", program, SOURCE / "models" / "biped.urdf", str(site), f"{build}/"],
-                env={**os.environ, "PYTHONPATH": str(site)}, cwd=folder, capture_output=True, text=True)
+                env={"PATH": os.environ["PATH"], "PYTHONPATH": str(site)}, cwd=folder, capture_output=True, text=True)
             self.assertEqual(answer.returncode, 0, answer.stderr)
             self.assertGreater(float(answer.stdout), 100)
 

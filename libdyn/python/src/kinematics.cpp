@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Kinematics of joints and frames, Jacobians, the centre of mass and energies. Joints and frames are given by name or number.
-#include "module.hpp"
+#include "names.hpp"
 
 #include <dyn/algorithm/center_of_mass.hpp>
 #include <dyn/algorithm/jacobians.hpp>
@@ -10,8 +10,7 @@
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
-#include <string>
-#include <variant>
+#include <optional>
 
 namespace dyn::python {
 
@@ -19,15 +18,6 @@ namespace {
 
 using Vector = Eigen::Ref<const Eigen::VectorXd>;
 using MaybeVector = std::optional<Vector>;
-using Name = std::variant<int, std::string>;
-
-int jointOf(const CompactModel& model, const Name& joint) {
-  return std::holds_alternative<int>(joint) ? std::get<int>(joint) : model.jointId(std::get<std::string>(joint));
-}
-int frameOf(const CompactModel& model, const Name& frame) {
-  return std::holds_alternative<int>(frame) ? std::get<int>(frame) : model.frameId(std::get<std::string>(frame));
-}
-
 void forward(const CompactModel& model, Data& data, const Vector& q, const MaybeVector& v, const MaybeVector& a) {
   if (a && !v) throw Error(ErrorCode::argument, "forward_kinematics: a without v; give v, too");
   if (a) {

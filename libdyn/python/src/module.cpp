@@ -85,6 +85,7 @@ PYBIND11_MODULE(_core, m) {
   addFunctions(m);
   addConstraints(m);
   addGeometry(m);
+  addDerivatives(m);
   addSimulation(m);
   m.attr("__version__") = dyn::version().number;
 }

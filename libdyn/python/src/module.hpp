@@ -18,6 +18,7 @@ void addKinematics(py::module_& m);
 void addFunctions(py::module_& m);
 void addConstraints(py::module_& m);
 void addGeometry(py::module_& m);
+void addDerivatives(py::module_& m);
 void addSimulation(py::module_& m);
 
 /// Sets Python's error from the C++ exception that is being handled; returns null.

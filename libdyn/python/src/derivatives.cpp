@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// Derivatives of kinematics and of constrained dynamics, second derivatives, regressors, and factors of the mass matrix. Results are new arrays.
+#include "names.hpp"
+
+#include <dyn/algorithm/cholesky.hpp>
+#include <dyn/algorithm/kinematics_derivatives.hpp>
+#include <dyn/algorithm/regressor.hpp>
+#include <dyn/algorithm/second_derivatives.hpp>
+#include <dyn/constraint/derivatives.hpp>
+
+#include <pybind11/eigen.h>
+#include <pybind11/numpy.h>
+
+namespace dyn::python {
+
+namespace {
+
+using Vector = Eigen::Ref<const Eigen::VectorXd>;
+using Matrix = Eigen::MatrixXd;
+
+/// Returns an array (n, n, n) whose entry [k, i, j] is entry (i, j) of matrix k.
+py::array arrayOf(const TensorResult& x) {
+  const auto n = static_cast<py::ssize_t>(x.n);
+  return py::array_t<double>({n, n, n}, {8 * n * n, py::ssize_t{8}, 8 * n}, x.data);
+}
+
+void addKinematicsDerivatives(py::module_& m) {
+  const py::arg model("model"), data("data"), joint("joint"), frame("frame");
+  const py::arg_v reference("reference", ReferenceFrame::LOCAL, "LOCAL");
+  m.def(
+      "compute_forward_kinematics_derivatives",
+      [](const CompactModel& x, Data& d, const Vector& q, const Vector& v, const Vector& a) { computeForwardKinematicsDerivatives(x, d, q, v, a); },
+      model, data, py::arg("q"), py::arg("v"), py::arg("a"), "Runs forward_kinematics and prepares the derivatives that get_..._derivatives return.");
+  const auto velocity = [&](const char* name, auto get, auto number, const py::arg& which, const char* doc) {
+    m.def(
+        name,
+        [get, number](const CompactModel& x, Data& d, const Name& i, ReferenceFrame r) {
+          Matrix dq(6, x.nv()), dv(6, x.nv());
+          const int id = number(x, i);
+          get(x, d, id, r, dq, dv);
+          return py::make_tuple(dq, dv);
+        },
+        model, data, which, reference, doc);
+  };
+  velocity(
+      "get_joint_velocity_derivatives", [](auto&... x) { getJointVelocityDerivatives(x...); }, &jointOf, joint,
+      "Returns the derivatives (6, nv) of a joint's velocity by q and v.");
+  velocity(
+      "get_frame_velocity_derivatives", [](auto&... x) { getFrameVelocityDerivatives(x...); }, &frameOf, frame,
+      "Returns the derivatives (6, nv) of a frame's velocity by q and v.");
+  const auto acceleration = [&](const char* name, auto get, auto number, const py::arg& which, const char* doc) {
+    m.def(
+        name,
+        [get, number](const CompactModel& x, Data& d, const Name& i, ReferenceFrame r) {
+          Matrix v_dq(6, x.nv()), dq(6, x.nv()), dv(6, x.nv()), da(6, x.nv());
+          const int id = number(x, i);
+          get(x, d, id, r, v_dq, dq, dv, da);
+          return py::make_tuple(v_dq, dq, dv, da);
+        },
+        model, data, which, reference, doc);
+  };
+  acceleration(
+      "get_joint_acceleration_derivatives", [](auto&... x) { getJointAccelerationDerivatives(x...); }, &jointOf, joint,
+      "Returns the derivative (6, nv) of a joint's velocity by q, and those of its acceleration by q, v and a.");
+  acceleration(
+      "get_frame_acceleration_derivatives", [](auto&... x) { getFrameAccelerationDerivatives(x...); }, &frameOf, frame,
+      "Returns the derivative (6, nv) of a frame's velocity by q, and those of its acceleration by q, v and a.");
+}
+
+void addRegressors(py::module_& m) {
+  const py::arg model("model"), data("data"), q("q"), v("v");
+  m.def(
+      "body_regressor", [](const Motion<double>& v_body, const Motion<double>& a_body) { return bodyRegressor(v_body, a_body); }, py::arg("velocity"),
+      py::arg("acceleration"), "Returns Y (6, 10): Y pi is the force on a body with the ten parameters pi.");
+  m.def(
+      "compute_joint_torque_regressor",
+      [](const CompactModel& x, Data& d, const Vector& at, const Vector& w, const Vector& a) {
+        return Matrix(computeJointTorqueRegressor(x, d, at, w, a));
+      },
+      model, data, q, v, py::arg("a"), "Returns Y (nv, 10 (njoints - 1)): Y pi is rnea without armature and dissipation.");
+  m.def(
+      "compute_kinetic_energy_regressor",
+      [](const CompactModel& x, Data& d, const Vector& at, const Vector& w) { return Eigen::VectorXd(computeKineticEnergyRegressor(x, d, at, w)); },
+      model, data, q, v, "Returns y (10 (njoints - 1),): y . pi is the kinetic energy [J], without armature.");
+  m.def(
+      "compute_potential_energy_regressor",
+      [](const CompactModel& x, Data& d, const Vector& at) { return Eigen::VectorXd(computePotentialEnergyRegressor(x, d, at)); }, model, data, q,
+      "Returns y (10 (njoints - 1),): y . pi is the potential energy [J].");
+  m.def(
+      "dynamic_parameters", [](const CompactModel& x) { return dynamicParameters(x); }, model,
+      "Returns pi, ten parameters (m, m c, Ixx, Ixy, Iyy, Ixz, Iyz, Izz) of each joint's body, in the joint's frame.");
+}
+
+void addFactors(py::module_& m) {
+  auto c = m.def_submodule("cholesky", "Tree-sparse factors of M = U D U^T, of the M of the last crba().");
+  const py::arg model("model"), data("data"), x("x");
+  c.def(
+      "decompose", [](const CompactModel& k, Data& d) { cholesky::decompose(k, d); }, model, data, "Computes the factors.");
+  const auto product = [&](const char* name, auto apply, const char* doc) {
+    c.def(
+        name,
+        [apply](const CompactModel& k, Data& d, const Vector& given) {
+          Eigen::VectorXd out = given;
+          apply(k, d, out);
+          return out;
+        },
+        model, data, x, doc);
+    c.def(
+        name,
+        [apply](const CompactModel& k, Data& d, const Eigen::Ref<const Matrix>& given) {
+          Matrix out = given;
+          apply(k, d, out);
+          return out;
+        },
+        model, data, x);
+  };
+  product(
+      "solve", [](auto&... k) { cholesky::solve(k...); }, "Returns M^-1 x, for a vector or the columns of a matrix.");
+  product(
+      "Mv", [](auto&... k) { cholesky::Mv(k...); }, "Returns M x.");
+  product(
+      "Uv", [](auto&... k) { cholesky::Uv(k...); }, "Returns U x.");
+  product(
+      "Utv", [](auto&... k) { cholesky::Utv(k...); }, "Returns U^T x.");
+  m.def(
+      "condition_of_mass_matrix", [](const CompactModel& k, Data& d) { return conditionOfMassMatrix(k, d); }, model, data,
+      "Estimates the condition number of the M of the last crba(), with the factors of the last decompose().");
+  m.def(
+      "forward_dynamics",
+      [](const CompactModel& k, Data& d, const Vector& q, const Vector& v, const Vector& tau) {
+        return Eigen::VectorXd(forwardDynamics(k, d, q, v, tau));
+      },
+      model, data, py::arg("q"), py::arg("v"), py::arg("tau"), "Computes ddq through crba and the factors of M. aba is faster and more exact.");
+}
+
+}  // namespace
+
+void addDerivatives(py::module_& m) {
+  addKinematicsDerivatives(m);
+  addRegressors(m);
+  addFactors(m);
+  const py::arg model("model"), data("data"), q("q"), v("v"), constraints("constraints");
+  m.def(
+      "compute_rnea_second_order_derivatives",
+      [](const CompactModel& x, Data& d, const Vector& at, const Vector& w, const Vector& a) {
+        SecondDerivativeData second(x);
+        const RneaSecondDerivatives r = computeRNEASecondOrderDerivatives(x, d, second, at, w, a);
+        return py::make_tuple(arrayOf(r.d2tau_dqdq), arrayOf(r.d2tau_dqdv), arrayOf(r.d2tau_dvdv), arrayOf(r.d2tau_dadq));
+      },
+      model, data, q, v, py::arg("a"),
+      "Returns d2tau_dqdq, d2tau_dqdv, d2tau_dvdv and d2tau_dadq, each (nv, nv, nv): [k] is the change along degree of freedom k.");
+  m.def(
+      "compute_constraint_dynamics_derivatives",
+      [](const CompactModel& x, Data& d, const Vector& at, const Vector& w, const Vector& tau, ConstraintData& c) {
+        const ConstraintDynamicsDerivatives r = computeConstraintDynamicsDerivatives(x, d, at, w, tau, c);
+        return py::make_tuple(Matrix(r.ddq_dq), Matrix(r.ddq_dv), Matrix(r.ddq_dtau), Matrix(r.lambda_dq), Matrix(r.lambda_dv),
+                              Matrix(r.lambda_dtau));
+      },
+      model, data, q, v, py::arg("tau"), constraints, "Returns the derivatives of accelerations, then of constraint forces, by q, v and tau.");
+  m.def(
+      "compute_impulse_dynamics_derivatives",
+      [](const CompactModel& x, Data& d, const Vector& at, const Vector& w, double restitution, ConstraintData& c) {
+        const ImpulseDynamicsDerivatives r = computeImpulseDynamicsDerivatives(x, d, at, w, restitution, c);
+        return py::make_tuple(Matrix(r.v_after_dq), Matrix(r.v_after_dv), Matrix(r.impulse_dq), Matrix(r.impulse_dv));
+      },
+      model, data, q, v, py::arg("restitution"), constraints, "Returns the derivatives of velocities after an impact, then of impulses, by q and v.");
+}
+
+}  // namespace dyn::python
