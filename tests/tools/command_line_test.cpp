@@ -12,7 +12,7 @@ TEST_CASE("help is there for every subcommand, and a wrong command line exits wi
     const Answer a = run(std::string(sub) + " --help");
     INFO(sub << a.err);
     CHECK(a.code == 0);
-    CHECK_THAT(a.out, containing("--help"));
+    CHECK_THAT(a.out, containing("--help") && containing("--quiet") && containing("--color"));
   }
   const std::vector<std::string> wrong = {"",
                                           "fly",
@@ -82,6 +82,7 @@ TEST_CASE("a number out of its range is refused with a range that can be read", 
   }
   CHECK_THAT(run("plugin check x.so --rounds 0").err, containing("dyn plugin check: error: --rounds: 0 must be in 1 to 1000"));
   CHECK_THAT(run("bench " + biped + " --threads 1000").err, containing("1000 must be in 1 to 256"));
+  CHECK_THAT(run("truth " + biped + " --out x.json --count 1001").err, containing("1001 must be in 1 to 1000"));
   CHECK_THAT(run("collide " + biped + " --learn 0").err, containing("0 must be in 1 to 1e+09"));
   const Answer many = run("simulate " + biped + " --every 1e-9");
   CHECK(many.code == 1);
@@ -89,7 +90,7 @@ TEST_CASE("a number out of its range is refused with a range that can be read", 
 }
 
 TEST_CASE("a file without a name, and a picture in a format that dyn does not write, are refused before any work", "[command]") {
-  for (const std::string line : {"info ''", "check ''", "plugin check ''"}) {
+  for (const std::string line : {"info ''", "check ''", "plugin check ''", "truth x.urdf --out x.json --states ''"}) {
     const Answer a = run(line);
     INFO(line << a.err);
     CHECK(a.code == 2);

@@ -13,6 +13,7 @@ namespace fs = std::filesystem;
 namespace {
 
 const std::string dyn_path = "'" DYN_BINARY_DIR "/bin/dyn' ";
+const std::string arm = DYN_SOURCE_DIR "/models/four_bar.urdf";
 const std::string escape = "\033[";
 
 /// Removes variables of the environment that this test sets itself.
@@ -53,6 +54,7 @@ TEST_CASE("a misspelt subcommand, option, joint, frame or link is answered with 
   const std::pair<std::string, const char*> wrong[] = {
       {"simulat x.urdf", "there is no subcommand 'simulat'; did you mean 'simulate'?"},
       {"plugin lst", "there is no subcommand 'lst'; did you mean 'list'?"},
+      {"--quite info x.urdf", "dyn: error: there is no option '--quite'; did you mean '--quiet'?"},
       {"bench x.urdf --thread 3", "there is no option '--thread'; did you mean '--threads'?"},
       {"compute x.urdf --sates=x.json", "there is no option '--sates'; did you mean '--states'"},
       {"info " + robot, "names link 'bse', which does not exist; did you mean 'base'?"},
@@ -82,7 +84,12 @@ TEST_CASE("--quiet leaves errors alone on standard error, --verbose tells what w
   for (const char* part : {"plugin ", "dyn_standard.so has ", "read ", "r.urdf in ", "compiled 'r' for ", " ms"})
     CHECK_THAT(verbose.err, containing(part));
   CHECK(verbose.out == run("info " + robot).out);
-  CHECK(run("info " + robot + " -q -v").code == 2);
+  for (const std::string& both : {"info " + robot + " -q -v", "-q info -v " + robot, "-v -q info " + robot}) {
+    const Answer a = run(both);
+    INFO(both);
+    CHECK(a.code == 2);
+    CHECK_THAT(a.err, containing("--verbose excludes --quiet"));
+  }
 }
 
 TEST_CASE("words are coloured on terminals, unless NO_COLOR, TERM or --color forbid it", "[command]") {
@@ -125,6 +132,7 @@ TEST_CASE("what lasts shows its progress on terminals, and nowhere else or with 
                                           "compute " + biped + " --root free_flyer --states " + states,
                                           "simulate " + biped + " --time 0.01",
                                           "codegen " + biped + " --functions rnea",
+                                          "truth '" + arm + "' --count 1 --out '" + (folder.path / "truth.json").string() + "'",
                                           "plugin check '" DYN_BINARY_DIR "/examples/ball_screw.so' --rounds 1"};
   for (const std::string& line : lines) {
     INFO(line);
@@ -133,6 +141,8 @@ TEST_CASE("what lasts shows its progress on terminals, and nowhere else or with 
     CHECK(runOnTerminal(dyn_path + line + " --quiet").out.find("]   0 %") == std::string::npos);
     CHECK(runOnTerminal("TERM=dumb " + dyn_path + line).out.find("]   0 %") == std::string::npos);
   }
+  // Results begin on a line of their own.
+  CHECK_THAT(runOnTerminal(dyn_path + "collide " + biped + " --learn 10").out, containing("\r" + escape + "K<?xml"));
 }
 
 TEST_CASE("lost output is an error of every subcommand: a full disk, a reader that has ended", "[command]") {
@@ -162,7 +172,8 @@ TEST_CASE("a result that fills the disk is an error that names its file", "[comm
   for (const std::string& line :
        {"simulate " + biped + " --time 0.01 --out " + in + "full.csv", "simulate " + biped + " --time 0.01 --out " + in + "full.json",
         "simulate " + biped + " --time 0.01 --plot " + in + "full.svg", "simulate " + biped + " --time 0.01 --save /dev/full",
-        "profile " + biped + " --json --plot " + in + "full.svg", "collide " + biped + " --learn 10 --out /dev/full"}) {
+        "profile " + biped + " --json --plot " + in + "full.svg", "collide " + biped + " --learn 10 --out /dev/full",
+        "truth '" + arm + "' --count 1 --out " + in + "full.json"}) {
     const Answer a = run(line);
     INFO(line << '\n' << a.err);
     CHECK(a.code == 1);

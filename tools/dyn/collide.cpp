@@ -138,13 +138,15 @@ void learn(const CollideOptions& o, const Model& description) {
   for (std::size_t p = 0; p < geometry.pairs().size(); ++p) collisions[bodies(static_cast<int>(p))] = 0;
   const Interruption interruption;
   int tried = 0;
-  Progress progress(o.learn, "configurations");
-  for (; tried < o.learn && !interruption; ++tried) {
-    progress.at(tried);
-    robot.move(randomConfiguration(robot.model, o.seed + static_cast<std::uint64_t>(tried)));
-    std::set<std::pair<std::string, std::string>> hit;
-    for (const int pair : computeCollisions(geometry, robot.placed)) hit.insert(bodies(pair));
-    for (const auto& pair : hit) ++collisions[pair];
+  {
+    Progress progress(o.learn, "configurations");
+    for (; tried < o.learn && !interruption; ++tried) {
+      progress.at(tried);
+      robot.move(randomConfiguration(robot.model, o.seed + static_cast<std::uint64_t>(tried)));
+      std::set<std::pair<std::string, std::string>> hit;
+      for (const int pair : computeCollisions(geometry, robot.placed)) hit.insert(bodies(pair));
+      for (const auto& pair : hit) ++collisions[pair];
+    }
   }
   std::vector<DisabledCollision> found = description.disabled_collisions;
   int always = 0, never = 0;

@@ -21,12 +21,13 @@ class Interruption {
     struct sigaction act {};
     act.sa_handler = [](int signal) {
       came() = signal;
-      constexpr char text[] = "\ndyn: interrupted; it writes what it has and ends, once more ends it at once\n";
+      constexpr char text[] = "\ndyn: note: interrupted; dyn writes the results that are complete and ends. Press Ctrl-C again to end it at once.\n";
       const int error = errno;
       [[maybe_unused]] const ssize_t written = messageOptions().quiet ? 0 : write(STDERR_FILENO, text, sizeof text - 1);
       errno = error;
     };
-    act.sa_flags = static_cast<int>(SA_RESETHAND);
+    // Without SA_RESTART, a write to a full pipe would fail.
+    act.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
     sigaction(SIGINT, &act, &before_int_);
     sigaction(SIGTERM, &act, &before_term_);
   }
@@ -40,6 +41,8 @@ class Interruption {
   explicit operator bool() const { return pending(); }
   /// Whether a signal has arrived during the lifetime of the present or last Interruption.
   static bool pending() { return came() != 0; }
+  /// Makes a copy of the process, which has inherited the answer, begin anew.
+  static void forget() { came() = 0; }
   /// Throws ExitCode if a signal has arrived. Called after all results are written.
   void end() const {
     if (*this) throw ExitCode{exitCode()};

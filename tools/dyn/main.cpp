@@ -51,11 +51,9 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? 0 : 2;
   } catch (const std::exception& e) {
-    // An error after a signal is a consequence of it: a compiler, for example, has been interrupted, too.
-    if (dyn::tool::Interruption::pending()) return dyn::tool::Interruption::exitCode();
     const bool memory = dynamic_cast<const std::bad_alloc*>(&e) != nullptr;
     dyn::tool::error(memory ? "memory ran out; ask for less: a part of the model, fewer states, or fewer algorithms (--only)" : e.what());
-    return 1;
+    return dyn::tool::Interruption::pending() ? dyn::tool::Interruption::exitCode() : 1;
   }
   return 0;
 }

@@ -79,25 +79,30 @@ std::string unknownWord(const CLI::App& app) {
 }  // namespace
 
 std::string refusal(const CLI::App* app, const CLI::Error& error) {
-  std::string command = "dyn";
-  while (!app->get_subcommands().empty()) {
+  std::string command = "dyn", unknown = unknownWord(*app);
+  while (unknown.empty() && !app->get_subcommands().empty()) {
     app = app->get_subcommands().front();
     command += " " + app->get_name();
+    unknown = unknownWord(*app);
   }
-  const std::string unknown = unknownWord(*app);
   const std::string word = styled(stderr, Style::error, "error:");
-  return command + ": " + word + " " + (unknown.empty() ? error.what() : unknown) + "\n`" + command + " --help` tells how it is written\n";
+  return command + ": " + word + " " + (unknown.empty() ? error.what() : unknown) + "\n`" + command + " --help` shows the options\n";
 }
 
 void addMessageOptions(CLI::App& app) {
   MessageOptions& o = messageOptions();
   const char* const group = "Options of every subcommand";
-  CLI::Option* quiet = app.add_flag("-q,--quiet", o.quiet, "no notes, warnings and progress; errors stay")->group(group);
-  app.add_flag("-v,--verbose", o.verbose, "tell what is loaded from where, and how long each step takes")->group(group)->excludes(quiet);
+  app.add_flag("-q,--quiet", o.quiet, "no notes, warnings and progress; errors stay")->group(group);
+  app.add_flag("-v,--verbose", o.verbose, "tell what is loaded from where, and how long each step takes")->group(group);
   app.add_option("--color", o.color, "colours: auto means on terminals, unless NO_COLOR is set")
       ->check(CLI::IsMember({"auto", "always", "never"}))
       ->capture_default_str()
       ->group(group);
+  // The options may stand before the subcommand and after it, so that only dyn itself sees all of them.
+  if (app.get_parent() == nullptr)
+    app.parse_complete_callback([&o] {
+      if (o.quiet && o.verbose) throw CLI::ExcludesError("--verbose", "--quiet");
+    });
 }
 
 CLI::App* addCommand(CLI::App& app, const std::string& name, const std::string& summary) {

@@ -71,7 +71,8 @@ Json referencesOf(const Oracle& oracle, const Model& description, const State& s
   return out;
 }
 
-std::string referenceFile(const ReferenceModel& from, const Model& description, const CompactModel& model, const std::vector<State>& states) {
+std::string referenceFile(const ReferenceModel& from, const Model& description, const CompactModel& model, const std::vector<State>& states,
+                          const std::function<void(std::size_t)>& before) {
   const Oracle oracle(description, model);
   // One line for each quantity, so that changes show where they are.
   const Json head{{"file", from.file}, {"root", from.root}, {"mimic", from.mimic}, {"nq", model.nq()}, {"nv", model.nv()}};
@@ -79,6 +80,7 @@ std::string referenceFile(const ReferenceModel& from, const Model& description, 
   out.back() = ',';
   out += "\n\"samples\": [";
   for (const State& state : states) {
+    before(static_cast<std::size_t>(&state - states.data()));
     out += &state == states.data() ? "\n{" : ",\n{";
     for (const char* argument : {"q", "v", "a", "tau"}) out += '"' + std::string(argument) + "\": " + flat(state.argument(argument)).dump() + ",\n";
     out += "\"truth\": {";

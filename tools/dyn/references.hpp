@@ -4,6 +4,7 @@
 
 #include "oracle.hpp"
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -21,7 +22,10 @@ std::vector<State> referenceStates(const CompactModel& model, int count, std::ui
 /// Every result of one state, as an entry of "truth" in a truth file: numbers are texts, matrices are row after row.
 Json referencesOf(const Oracle& oracle, const Model& description, const State& state);
 
-/// A truth file with these states. Equal states give equal texts on every machine.
-std::string referenceFile(const ReferenceModel& from, const Model& description, const CompactModel& model, const std::vector<State>& states);
+/// A truth file with these states. Equal states give equal texts on every machine. Calls `before` with the index of each state before its results are
+/// computed; an exception from there ends the work.
+std::string referenceFile(
+    const ReferenceModel& from, const Model& description, const CompactModel& model, const std::vector<State>& states,
+    const std::function<void(std::size_t)>& before = [](std::size_t) {});
 
 }  // namespace dyn::tool
