@@ -122,15 +122,20 @@ void run(const CodegenOptions& o) {
     throw CLI::ValidationError("--plain", "it is C99 without vectors, and --lanes makes vectors of states: leave out one of them");
   const CompactModel model = o.compile();
   const std::string name = identifier(model.name());
-  std::vector<TracedFunction> functions;
+  std::vector<TracedFunction> functions, plain;  // `plain` for CasADi
   const auto start = Clock::now();
   const Interruption interruption;
   {
-    Progress progress(static_cast<double>(o.functions.size()), "functions");
-    for (const std::string& f : o.functions) {
-      progress.at(static_cast<double>(functions.size()), "tracing " + f);
-      functions.push_back(timed("traced " + f, [&] { return trace(model, f, {.packable = o.lanes == 1 && !o.plain}); }));
+    const bool casadi = o.casadi && !o.out.empty();
+    Progress progress(static_cast<double>(o.functions.size()) * (casadi ? 2 : 1), "functions");
+    const auto add = [&](const std::string& f, const TraceOptions& options, std::vector<TracedFunction>& traced) {
+      progress.at(static_cast<double>(functions.size() + plain.size()), "tracing " + f);
+      traced.push_back(timed("traced " + f, [&] { return trace(model, f, options); }));
       interruption.end();
+    };
+    for (const std::string& f : o.functions) {
+      add(f, {.packable = o.lanes == 1 && !o.plain}, functions);
+      if (casadi) add(f, {}, plain);
     }
   }
   SourceOptions how;
@@ -147,12 +152,7 @@ void run(const CodegenOptions& o) {
     replaceFile(folder / (name + ".c"), source.code(name + ".h"));
     replaceFile(folder / (name + "_test.c"), testOf(o, model, functions, name + ".h"));
     replaceFile(folder / "CMakeLists.txt", listsOf(name) + (o.casadi ? casadiListsOf(name) : ""));
-    if (o.casadi) {
-      std::vector<TracedFunction> plain;
-      plain.reserve(o.functions.size());
-      for (const std::string& f : o.functions) plain.push_back(trace(model, f));
-      replaceFile(folder / (name + "_casadi.c"), writeCasadiSource(plain));
-    }
+    if (o.casadi) replaceFile(folder / (name + "_casadi.c"), writeCasadiSource(plain));
     note("written to " + o.out + ": cmake -S " + o.out + " -B " + o.out + "/build && cmake --build " + o.out + "/build && ctest --test-dir " + o.out +
          "/build");
   }

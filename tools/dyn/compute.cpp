@@ -209,9 +209,10 @@ struct Options {
 /// Quantities that depend on M^-1.
 constexpr const char* by_inverse[] = {"aba", "Minv", "ddq_dq", "ddq_dv", "contact_ddq", "contact_lambda"};
 
-/// Warns about the first state where M is nearly singular.
-void warnOfCondition(const CompactModel& model, const std::vector<State>& states) {
+/// Warns about the first state where M is nearly singular. A signal ends the search.
+void warnOfCondition(const CompactModel& model, const std::vector<State>& states, const Interruption& interruption) {
   for (std::size_t i = 0; i < states.size(); ++i) {
+    interruption.end();
     const std::string warning = warningOfCondition(model, states[i].q);
     if (warning.empty()) continue;
     tool::warning("at sample " + std::to_string(i) + " " + warning);
@@ -240,26 +241,27 @@ void run(const Options& o) {
   print(head, out);
   out.resize(out.size() - 2);  // removes "]}": the samples are printed one by one, and it comes last
   const Interruption interruption;
-  Progress progress(static_cast<double>(states.size()), "states");
-  for (std::size_t i = 0; i < states.size() && !interruption; ++i) {
-    progress.at(static_cast<double>(i));
-    const State& s = states[i];
-    Json sample = {{"q", flat(s.q)}, {"v", flat(s.v)}, {"a", flat(s.a)}, {"tau", flat(s.tau)}};
-    for (const Quantity& quantity : quantities())
-      if (only.empty() || only.count(quantity.key)) quantity.write(model, data, s, sample);
-    for (const ContactQuantity& quantity : contactQuantities())
-      if (!o.contacts.empty() && (only.empty() || only.count(quantity.key))) quantity.write(model, data, contacts, s, sample);
-    for (std::size_t f = 0; f < frames.size(); ++f) writeFrame(model, data, s, frames[f], "frame" + std::to_string(f) + "_", sample);
-    requireFinite(sample, "sample " + std::to_string(i));
-    out += i ? ",\n" : "\n";
-    print(sample, out);
+  {
+    Progress progress(static_cast<double>(states.size()), "states");
+    for (std::size_t i = 0; i < states.size() && !interruption; ++i) {
+      progress.at(static_cast<double>(i));
+      const State& s = states[i];
+      Json sample = {{"q", flat(s.q)}, {"v", flat(s.v)}, {"a", flat(s.a)}, {"tau", flat(s.tau)}};
+      for (const Quantity& quantity : quantities())
+        if (only.empty() || only.count(quantity.key)) quantity.write(model, data, s, sample);
+      for (const ContactQuantity& quantity : contactQuantities())
+        if (!o.contacts.empty() && (only.empty() || only.count(quantity.key))) quantity.write(model, data, contacts, s, sample);
+      for (std::size_t f = 0; f < frames.size(); ++f) writeFrame(model, data, s, frames[f], "frame" + std::to_string(f) + "_", sample);
+      requireFinite(sample, "sample " + std::to_string(i));
+      out += i ? ",\n" : "\n";
+      print(sample, out);
+    }
   }
   out += "]}\n";
-  clearLiveLine();
   std::fputs(out.c_str(), stdout);
   interruption.end();
   if (only.empty() || std::any_of(std::begin(by_inverse), std::end(by_inverse), [&](const char* key) { return only.count(key) > 0; }))
-    warnOfCondition(model, states);
+    warnOfCondition(model, states, interruption);
   for (const std::string& key : only)
     if (out.find("\"" + key + "_error\"") != std::string::npos) {
       error(key + " does not exist at some samples: it is null there, and " + key + "_error says why");

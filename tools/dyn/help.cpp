@@ -54,7 +54,7 @@ The model, the data or the answer is wrong, or output was lost.
 The command line is wrong.
 .TP
 130, 143
-Ctrl\-C or SIGTERM ended the command. It has written what was computed until then.
+Ctrl\-C or SIGTERM ended the command. It has written the results that were complete. The commands codegen and truth write all files or none.
 .SH ENVIRONMENT
 .TP
 DYN_PLUGIN_PATH

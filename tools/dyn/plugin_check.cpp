@@ -22,6 +22,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <ctime>
 #include <filesystem>
 #include <functional>
 #include <limits>
@@ -126,8 +127,32 @@ using GroupHandler = std::function<void(const char*)>;
 /// The report of a child process. The child writes a line when it begins a group of checks, and "=" with a number at the end of each part.
 struct Report {
   std::string group;
-  int number = -1;    ///< the last number; -1 if the child did not get that far
-  bool late = false;  ///< a group exceeded its time limit
+  int number = -1;           ///< the last number; -1 if the child did not get that far
+  bool late = false;         ///< a group exceeded its time limit
+  bool interrupted = false;  ///< the user interrupted
+};
+
+/// Holds SIGINT and SIGTERM back during its lifetime, except in poll(): a signal between a look at Interruption::pending() and poll() is not missed.
+class HeldSignals {
+ public:
+  HeldSignals() {
+    sigset_t both;
+    sigemptyset(&both);
+    sigaddset(&both, SIGINT);
+    sigaddset(&both, SIGTERM);
+    sigprocmask(SIG_BLOCK, &both, &before_);
+  }
+  ~HeldSignals() { sigprocmask(SIG_SETMASK, &before_, nullptr); }
+  HeldSignals(const HeldSignals&) = delete;
+  HeldSignals& operator=(const HeldSignals&) = delete;
+  int poll(pollfd& ready, double seconds) const {
+    const auto whole = static_cast<std::time_t>(seconds);
+    const timespec limit{whole, static_cast<long>((seconds - static_cast<double>(whole)) * 1e9)};
+    return ppoll(&ready, 1, &limit, &before_);
+  }
+
+ private:
+  sigset_t before_;
 };
 
 /// A child process for code that may crash, hang, or end the process with any exit code.
@@ -142,8 +167,9 @@ class Child {
       close(ends_[1]);
       return;
     }
-    // The child ends with its parent, which alone answers Ctrl-C.
+    // The child ends with its parent, which alone answers Ctrl-C, also one that came before the fork.
     prctl(PR_SET_PDEATHSIG, SIGKILL);
+    Interruption::forget();
     signal(SIGINT, SIG_IGN);
     signal(SIGTERM, SIG_DFL);
   }
@@ -155,26 +181,25 @@ class Child {
   void say(const std::string& line) const {
     if (write(ends_[1], (line + "\n").c_str(), line.size() + 1) < 0) _exit(1);
   }
-  /// Reads the child's lines until it ends, or until "=" and the number `last`. Calls `heard` with each group. Stops
-  /// with report.late if one line takes longer than time_limit [s], or if the user interrupts.
-  Report listen(
-      double time_limit, int last = std::numeric_limits<int>::max(), const GroupHandler& heard = [](const char*) {}) {
+  /// Reads the child's lines until it ends, or until "=" and the number `last`. Stops with report.late if one line takes longer than time_limit [s],
+  /// and with report.interrupted if the user interrupts.
+  Report listen(double time_limit, int last = std::numeric_limits<int>::max()) {
     Report report;
+    const HeldSignals held;
     while (true) {
       for (std::size_t end; (end = text_.find('\n')) != std::string::npos;) {
         const std::string line = text_.substr(0, end);
         text_.erase(0, end + 1);
         if (line[0] != '=') {
           report.group = line;
-          heard(line.c_str());
         } else if ((report.number = std::atoi(line.c_str() + 1)) == last) {
           return report;
         }
       }
+      if ((report.interrupted = Interruption::pending())) return report;
       pollfd ready{ends_[0], POLLIN, 0};
-      const int n = poll(&ready, 1, static_cast<int>(time_limit * 1000));
-      report.late = n == 0 || Interruption::pending();
-      if (report.late) return report;
+      const int n = held.poll(ready, time_limit);
+      if ((report.late = n == 0)) return report;
       if (n < 0 && errno == EINTR) continue;
       char buffer[512];
       const ssize_t size = n > 0 ? read(ends_[0], buffer, sizeof buffer) : 0;
@@ -183,10 +208,10 @@ class Child {
       text_.append(buffer, static_cast<std::size_t>(size));
     }
   }
-  /// The child's exit status from waitpid(); 0 if other code has collected it before. Kills a child that is late.
+  /// The child's exit status from waitpid(); 0 if other code has collected it before. Kills a child that is late or interrupted.
   int end(const Report& report) const {
     close(ends_[0]);
-    if (report.late) kill(process_, SIGKILL);
+    if (report.late || report.interrupted) kill(process_, SIGKILL);
     int status = 0;
     pid_t waited;
     do waited = waitpid(process_, &status, 0);
@@ -201,7 +226,7 @@ class Child {
 };
 
 void printUnended(const CheckOptions& o, const Report& report, int status, const std::string& what) {
-  std::string how = "code of it ended the process";
+  std::string how = "the plugin's code ended the process";
   if (report.late) {
     char seconds[32];
     std::snprintf(seconds, sizeof seconds, "%g", o.time_limit);
@@ -215,7 +240,7 @@ void printUnended(const CheckOptions& o, const Report& report, int status, const
 
 /// Returns the number of failed checks; -1 if the checks did not end, which is then printed.
 template <class Check>
-int checkInChild(const CheckOptions& o, const Check& check, const GroupHandler& heard) {
+int checkInChild(const CheckOptions& o, const Check& check) {
   Child child;
   if (child.here()) {
     const std::vector<ConformanceFinding> findings = check([&](const char* group) { child.say(group); });
@@ -225,7 +250,7 @@ int checkInChild(const CheckOptions& o, const Check& check, const GroupHandler& 
     child.say("=" + std::to_string(failures));
     _exit(0);
   }
-  const Report report = child.listen(o.time_limit, std::numeric_limits<int>::max(), heard);
+  const Report report = child.listen(o.time_limit);
   const int status = child.end(report);
   if (report.number < 0) printUnended(o, report, status, report.group);
   return report.number;
@@ -244,9 +269,7 @@ int checkType(const Type& type, const CheckOptions& o, const Check& check, Progr
     clearLiveLine();
     std::printf("%s, seed %llu%s\n", heading(name).c_str(), static_cast<unsigned long long>(seed), showParameters(parameters).c_str());
     progress.at(done + round, name);
-    const int failed = checkInChild(
-        o, [&](const GroupHandler& group) { return check(type, parameters, seed, group); },
-        [&](const char* group) { progress.at(done + round, name + ": " + group); });
+    const int failed = checkInChild(o, [&](const GroupHandler& group) { return check(type, parameters, seed, group); });
     if (failed < 0) return failures + 1;
     failures += failed;
   }

@@ -56,13 +56,13 @@ void addLibrary(const CompactModel& model, const std::shared_ptr<Data>& data, co
 }
 
 /// Measures the lines in turn, again and again. Each repetition begins with another line, so that disturbances of the machine affect all lines alike.
+/// A signal ends the measurement; lines without a time are then removed.
 void measure(std::vector<Line>& lines, const std::vector<State>& states, Counters& counters, const Interruption& interruption) {
   using Clock = std::chrono::steady_clock;
   const std::size_t n = lines.size();
   Progress progress(static_cast<double>(repetitions + 1) * static_cast<double>(n), "measurements");
   for (int repetition = -1; repetition < repetitions; ++repetition)
-    for (std::size_t k = 0; k < n; ++k) {
-      interruption.end();
+    for (std::size_t k = 0; k < n && !interruption; ++k) {
       progress.at(static_cast<double>(repetition + 1) * static_cast<double>(n) + static_cast<double>(k));
       Line& line = lines[(k + static_cast<std::size_t>(repetition + 1)) % n];
       const auto once = [&] {
@@ -84,6 +84,7 @@ void measure(std::vector<Line>& lines, const std::vector<State>& states, Counter
       line.counted.instructions /= state_count;
       line.counted.branch_misses /= state_count;
     }
+  std::erase_if(lines, [](const Line& line) { return line.times.empty(); });
   for (Line& line : lines) line.ns = benchmark::quartiles(line.times);
 }
 
@@ -93,8 +94,15 @@ const Line* find(const std::vector<Line>& lines, const std::string& algorithm, c
   return nullptr;
 }
 
+/// The number of times that each line has; after a signal, some lines may have one more.
+std::size_t timesOf(const std::vector<Line>& lines) {
+  std::size_t least = static_cast<std::size_t>(repetitions);
+  for (const Line& line : lines) least = std::min(least, line.times.size());
+  return least;
+}
+
 void plot(const std::string& path, const CompactModel& model, const std::vector<Line>& lines) {
-  benchmark::BarChart chart(model.name() + ": ns a call by way of dispatch, median of " + std::to_string(repetitions), benchmark::Scale::linear);
+  benchmark::BarChart chart(model.name() + ": ns a call by way of dispatch, median of " + std::to_string(timesOf(lines)), benchmark::Scale::linear);
   for (const Line& line : lines) chart.add(line.contender.algorithm, line.contender.dispatch, line.ns);
   chart.write(path);
 }
@@ -107,8 +115,8 @@ struct Options {
 
 void print(const CompactModel& model, const std::vector<Line>& lines, const Counters& counters) {
   const int joints = model.njoints() - 1;
-  std::printf("%s: %d joints, %d degrees of freedom; ns a call, median of %d over %d states, all ways in turn\n", model.name().c_str(), joints,
-              model.nv(), repetitions, state_count);
+  std::printf("%s: %d joints, %d degrees of freedom; ns a call, median of %zu over %d states, all ways in turn\n", model.name().c_str(), joints,
+              model.nv(), timesOf(lines), state_count);
   char columns[160];
   std::snprintf(columns, sizeof columns, "%-6s %-18s %10s %19s %12s %16s %12s%s", "", "dispatch", "ns", "quartiles", "ns a joint", "against variant",
                 "dispatches", counters.problem().empty() ? "  instructions  branch misses" : "");
@@ -147,6 +155,7 @@ void run(const Options& o) {
   Counters counters;
   const Interruption interruption;
   measure(lines, states, counters, interruption);
+  if (lines.empty()) interruption.end();  // there is nothing to print
   if (o.json) {
     for (const Line& line : lines) {
       const nlohmann::ordered_json object = {{"robot", model.name()},

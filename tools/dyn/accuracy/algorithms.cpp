@@ -159,13 +159,15 @@ std::vector<Line> linesOfOther(const Specimen& x, const std::string& isa, const 
     for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
     return out + "'";
   };
-  const std::string command =
-      "DYN_SIMD=" + quoted(isa) + ' ' + quoted(self) + " bench " + quoted(x.path) + " --root " + quoted(x.root) + " --json --truth " + quoted(truth);
+  const std::string command = "DYN_SIMD=" + quoted(isa) + ' ' + quoted(self) + " bench " + quoted(x.path) + " --root " + quoted(x.root) +
+                              " --quiet --json --truth " + quoted(truth);
   FILE* pipe = popen(command.c_str(), "r");
   std::string text;
   std::array<char, 4096> part{};
   while (pipe && std::fgets(part.data(), part.size(), pipe)) text += part.data();
-  if (pipe == nullptr || pclose(pipe) != 0) throw Error(ErrorCode::argument, "--instruction-sets " + isa + ": nothing could be measured with it");
+  const bool ended = pipe != nullptr && pclose(pipe) == 0;
+  // Ctrl-C reaches both processes: the lines until then count.
+  if (!ended && !Interruption::pending()) throw Error(ErrorCode::argument, "--instruction-sets " + isa + ": nothing could be measured with it");
   std::vector<Line> out;
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t end = std::min(text.find('\n', at), text.size());
@@ -236,8 +238,10 @@ Section algorithmSection(const std::vector<Specimen>& specimens, const AccuracyO
     if (!specimen.path.empty() && !options.instruction_sets.empty()) {
       const std::string truth = options.out + "/truth-" + model.name() + ".json";
       replaceFile(truth, truthFile(subjects.truth));
-      for (const std::string& isa : options.instruction_sets)
+      for (const std::string& isa : options.instruction_sets) {
+        if (Interruption::pending()) break;
         for (Line& line : linesOfOther(specimen, isa, truth)) lines.push_back(std::move(line));
+      }
     }
     const std::string title = model.name() + ", " + std::to_string(model.nv()) + " degrees of freedom";
     const benchmark::LineChart::Label error{"largest error [u]", benchmark::Scale::logarithmic}, time{"ns a state", benchmark::Scale::logarithmic};
