@@ -2,6 +2,7 @@
 #include "urdf/document.hpp"
 
 #include <dyn/file.hpp>
+#include <dyn/near_names.hpp>
 #include <dyn/parsers/srdf.hpp>
 
 namespace dyn::srdf {
@@ -13,7 +14,11 @@ void parse(const std::string& text, const std::string& name, Model& model) {
   for (const tinyxml2::XMLElement* e = document.robot().FirstChildElement("disable_collisions"); e; e = e->NextSiblingElement("disable_collisions")) {
     DisabledCollision d{document.text(*e, "link1"), document.text(*e, "link2"), e->Attribute("reason") ? e->Attribute("reason") : ""};
     for (const std::string& link : {d.body, d.other})
-      if (model.findBody(link) < 0) notes.push_back(name + ":" + std::to_string(e->GetLineNum()) + ": there is no link '" + link + "'");
+      if (model.findBody(link) < 0) {
+        // Only the first notes have suggestions, because each costs a search of all names.
+        const std::string near = notes.size() < 10 ? nearNames(link, namesOf(model.bodies)) : "";
+        notes.push_back(name + ":" + std::to_string(e->GetLineNum()) + ": there is no link '" + link + "'" + near);
+      }
     found.push_back(std::move(d));
   }
   model.disabled_collisions.insert(model.disabled_collisions.end(), found.begin(), found.end());

@@ -63,9 +63,7 @@ class Validator {
       const std::string name = joint->Attribute("name"), parent = linkOf(d_, *joint, "parent"), child = linkOf(d_, *joint, "child");
       for (const std::string& link : {parent, child})
         if (!out_.link.count(link)) {
-          std::vector<std::string> links;
-          for (const XMLElement* known : out_.links) links.emplace_back(known->Attribute("name"));
-          d_.fail(*joint, "joint '" + name + "' names link '" + link + "', which does not exist" + nearNames(link, links));
+          d_.fail(*joint, "joint '" + name + "' names link '" + link + "', which does not exist" + near(link, out_.links));
         }
       if (parent == child) d_.fail(*joint, "joint '" + name + "' joins link '" + parent + "' to itself");
       if (const auto [first, is_new] = carrier.emplace(child, joint); !is_new)
@@ -188,11 +186,20 @@ class Validator {
       path.insert(at);
       const std::string master = d_.text(*at, "joint");
       const auto found = out_.joint.find(master);
-      if (found == out_.joint.end()) d_.fail(*at, "mimics joint '" + master + "', which does not exist");
+      if (found == out_.joint.end()) d_.fail(*at, "mimics joint '" + master + "', which does not exist" + near(master, out_.joints));
       at = found->second->FirstChildElement("mimic");
       note(*mimic, at != nullptr && path.size() == 1, "joint '" + name + "' mimics '" + master + "', which mimics another joint itself");
       if (path.count(at)) d_.fail(*at, "joint '" + master + "' mimics itself through a circle of mimics");
     }
+  }
+
+  /// Suggests names of elements. Only the first errors have suggestions, because each costs a search of all names.
+  std::string near(const std::string& name, const std::vector<const XMLElement*>& elements) const {
+    constexpr std::size_t most_errors_with = 10;
+    std::vector<std::string> names;
+    if (errors_.size() < most_errors_with)
+      for (const XMLElement* element : elements) names.emplace_back(element->Attribute("name"));
+    return nearNames(name, names);
   }
 
   const Document& d_;

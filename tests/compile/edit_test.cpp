@@ -179,6 +179,7 @@ TEST_CASE("what cannot be held is refused by name, and the model is untouched", 
   CHECK_THROWS_WITH(reduce(model, registry(), {{"j2", {1, 2}}}), containing("'j2'") && containing("1 coordinates"));
   CHECK_THROWS_WITH(reduce(model, registry(), {{"j2", {0.5}}, {"j2", {0.5}}}), containing("'j2'") && containing("twice"));
   CHECK_THROWS_WITH(keepOnly(model, registry(), {"nobody"}), containing("'nobody'"));
+  CHECK_THROWS_WITH(keepOnly(model, registry(), {"jj2"}), containing("'jj2'") && containing("did you mean") && containing("'j2'"));
   CHECK(compile(model, registry()).nv() == 3);
 }
 

@@ -138,6 +138,9 @@ TEST_CASE("a scene that speaks of what is not there is refused", "[scene]") {
   CompileOptions options;
   options.scene.outputs = {"elbow"};
   CHECK_THROWS_WITH(compile(pair(), registry(), options), containing("'elbow'"));
+  const std::string name = pair().bodies.at(3).name;
+  options.scene.outputs = {name + "_"};
+  CHECK_THROWS_WITH(compile(pair(), registry(), options), containing("did you mean") && containing("'" + name + "'"));
 }
 
 TEST_CASE("what touches is tied together, whatever of it is fixed to the world", "[scene]") {

@@ -16,13 +16,11 @@ const std::string dyn_path = "'" DYN_BINARY_DIR "/bin/dyn' ";
 const std::string arm = DYN_SOURCE_DIR "/models/four_bar.urdf";
 const std::string escape = "\033[";
 
-/// Removes variables of the environment that this test sets itself.
-struct CleanTerminal {
-  CleanTerminal() {
-    unsetenv("NO_COLOR");
-    setenv("TERM", "xterm", 1);
-  }
-};
+/// Removes variables of the environment that a test sets itself.
+void cleanTerminal() {
+  unsetenv("NO_COLOR");
+  setenv("TERM", "xterm", 1);
+}
 
 /// A command line of each subcommand that prints something.
 std::vector<std::string> commandsThatPrint(const Folder& folder) {
@@ -50,6 +48,11 @@ TEST_CASE("a misspelt subcommand, option, joint, frame or link is answered with 
   const Folder folder;
   const std::string robot = folder.write("r.urdf", R"(<robot name="r"><link name="base"/><link name="tool"/>
     <joint name="j" type="fixed"><parent link="bse"/><child link="tool"/></joint></robot>)");
+  const std::string mimic = folder.write("mimic.urdf", R"(<robot name="r"><link name="a"/><link name="b"/><link name="c"/>
+    <joint name="master" type="continuous"><parent link="a"/><child link="b"/></joint>
+    <joint name="follower" type="continuous"><parent link="b"/><child link="c"/><mimic joint="mastr"/></joint></robot>)");
+  const std::string srdf = folder.write("r.srdf", R"(<robot name="r"><disable_collisions link1="left_fot" link2="right_foot"/></robot>)");
+  CHECK_THAT(run("collide " + biped + " --srdf " + srdf).err, containing("there is no link 'left_fot'; did you mean 'left_foot'"));
   const std::string states = folder.write("states.json", R"({"samples":[]})");
   const std::pair<std::string, const char*> wrong[] = {
       {"simulat x.urdf", "there is no subcommand 'simulat'; did you mean 'simulate'?"},
@@ -57,6 +60,9 @@ TEST_CASE("a misspelt subcommand, option, joint, frame or link is answered with 
       {"--quite info x.urdf", "dyn: error: there is no option '--quite'; did you mean '--quiet'?"},
       {"bench x.urdf --thread 3", "there is no option '--thread'; did you mean '--threads'?"},
       {"compute x.urdf --sates=x.json", "there is no option '--sates'; did you mean '--states'"},
+      {"info " + mimic, "mimics joint 'mastr', which does not exist; did you mean 'master'?"},
+      {"bench " + biped + " --only rnae", "--only rnae: there is no such algorithm; did you mean '"},
+      {"plugin check '" DYN_BINARY_DIR "/examples/ball_screw.so' --type ball_scrw", "has no type 'ball_scrw'; did you mean 'ball_screw'"},
       {"info " + robot, "names link 'bse', which does not exist; did you mean 'base'?"},
       {"info " + biped + " --lock left_kne", "did you mean 'left_knee'"},
       {"simulate " + biped + " --ground left_fot", "did you mean 'left_foot'"},
@@ -93,7 +99,7 @@ TEST_CASE("--quiet leaves errors alone on standard error, --verbose tells what w
 }
 
 TEST_CASE("words are coloured on terminals, unless NO_COLOR, TERM or --color forbid it", "[command]") {
-  const CleanTerminal clean;
+  cleanTerminal();
   const std::string line = "info " + biped, wrong = "info /nowhere.urdf";
   CHECK(run(line).out.find(escape) == std::string::npos);
   CHECK(run(wrong).err.find(escape) == std::string::npos);
@@ -122,7 +128,7 @@ TEST_CASE("a progress bar tells part, rate, time left and what is being done, wi
 }
 
 TEST_CASE("what lasts shows its progress on terminals, and nowhere else or with --quiet", "[command]") {
-  const CleanTerminal clean;
+  cleanTerminal();
   const Folder folder;
   const std::string states = folder.write("states.json", zero_state);
   const std::vector<std::string> lines = {"bench " + biped + " --only rnea",
@@ -151,7 +157,10 @@ TEST_CASE("lost output is an error of every subcommand: a full disk, a reader th
   int ends[2];
   REQUIRE(pipe(ends) == 0);
   close(ends[0]);
-  const std::string closed = "&" + std::to_string(ends[1]);
+  // Some shells take numbers of one digit only.
+  REQUIRE(dup2(ends[1], 9) == 9);
+  close(ends[1]);
+  const std::string closed = "&9";
   for (const std::string& line : commandsThatPrint(folder))
     for (const std::string& target : {std::string("/dev/full"), closed}) {
       if (target == "/dev/full" && !fs::exists(target)) continue;
@@ -161,7 +170,7 @@ TEST_CASE("lost output is an error of every subcommand: a full disk, a reader th
       CHECK(WEXITSTATUS(status) == 1);
       CHECK_THAT(textOf(err), containing("not all of the output could be written"));
     }
-  close(ends[1]);
+  close(9);
 }
 
 TEST_CASE("a result that fills the disk is an error that names its file", "[command]") {

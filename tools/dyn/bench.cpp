@@ -10,6 +10,8 @@
 #include "options.hpp"
 #include "progress.hpp"
 
+#include <dyn/near_names.hpp>
+
 #include <cmath>
 #include <memory>
 
@@ -51,7 +53,11 @@ void choose(const std::vector<std::string>& only, std::vector<Entry>& entries) {
   for (const Entry& entry : entries)
     if (!isAmong(known, entry.algorithm)) known.push_back(entry.algorithm);
   for (const std::string& name : only)
-    if (!isAmong(known, name)) throw CLI::ValidationError("--only " + name, "there are " + CLI::detail::join(known, ", "));
+    if (!isAmong(known, name)) {
+      const std::string near = nearNames(name, known);
+      throw CLI::ValidationError("--only " + name,
+                                 "there is no such algorithm" + (near.empty() ? "; there are " + CLI::detail::join(known, ", ") : near));
+    }
   if (!only.empty()) std::erase_if(entries, [&](const Entry& entry) { return !isAmong(only, entry.algorithm); });
 }
 

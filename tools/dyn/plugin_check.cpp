@@ -8,6 +8,7 @@
 #include "progress.hpp"
 
 #include <dyn/conformance/conformance.hpp>
+#include <dyn/near_names.hpp>
 
 #include <fcntl.h>
 #include <poll.h>
@@ -316,9 +317,9 @@ void check(const CheckOptions& o, const Loaded& loaded) {
             progress, done);
   }
   if (types == 0) {
-    std::string known;
-    for (const std::string& name : record.types) known += " " + name;
-    throw Error(ErrorCode::argument, "has no type '" + o.type + "'; it has" + known, {o.file, 0, ""});
+    const std::string near = nearNames(o.type, record.types);
+    throw Error(ErrorCode::argument, "has no type '" + o.type + "'" + (near.empty() ? "; it has " + CLI::detail::join(record.types, " ") : near),
+                {o.file, 0, ""});
   }
   clearLiveLine();
   if (!record.fast.empty()) std::printf("checked with it: %s\n", record.fast.c_str());

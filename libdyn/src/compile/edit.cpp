@@ -229,6 +229,12 @@ void moveConstraint(ConstraintDescription& c, const std::string& prefix, const s
   }
 }
 
+std::vector<std::string> jointNames(const Model& model) {
+  std::vector<std::string> names;
+  for (std::size_t i = 1; i < model.bodies.size(); ++i) names.push_back(model.bodies[i].joint.name);
+  return names;
+}
+
 }  // namespace
 
 Model reduce(const Model& model, const JointRegistry& registry, const std::vector<LockedJoint>& lock) {
@@ -240,9 +246,7 @@ Model reduce(const Model& model, const JointRegistry& registry, const std::vecto
   for (const LockedJoint& l : lock) {
     const auto found = by_name.find(l.joint);
     if (found == by_name.end()) {
-      std::vector<std::string> names;
-      for (const auto& [name, body] : by_name) names.push_back(name);
-      throw Error(ErrorCode::model, "is to be held, but the model has no such joint" + nearNames(l.joint, names), {"", 0, l.joint});
+      throw Error(ErrorCode::model, "is to be held, but the model has no such joint" + nearNames(l.joint, jointNames(model)), {"", 0, l.joint});
     }
     holder.hold(found->second, out);
   }
@@ -256,7 +260,9 @@ Model keepOnly(const Model& model, const JointRegistry& registry, const std::vec
   std::vector<std::string> open = keep;
   while (!open.empty()) {
     const int i = model.findJoint(open.back());
-    if (i < 0) throw Error(ErrorCode::model, "is to be kept, but the model has no such joint", {"", 0, open.back()});
+    if (i < 0)
+      throw Error(ErrorCode::model, "is to be kept, but the model has no such joint" + nearNames(open.back(), jointNames(model)),
+                  {"", 0, open.back()});
     open.pop_back();
     visitParts(model.bodies[at(i)].joint, "", [&](const JointDescription& joint, const auto&) {
       const std::string& master = joint.coupling.master;

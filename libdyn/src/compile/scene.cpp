@@ -4,6 +4,7 @@
 
 #include <dyn/compile/scene.hpp>
 #include <dyn/error.hpp>
+#include <dyn/near_names.hpp>
 
 #include <algorithm>
 #include <numeric>
@@ -29,7 +30,14 @@ class Names {
   /// The body of this name, or with a frame of this name, or else with a joint of this name. Throws Error(model) if there is none.
   int bodyOf(const std::string& name) const {
     const int body = place(name) < 0 ? joint(name) : place(name);
-    if (body < 0) throw Error(ErrorCode::model, "the scene speaks of '" + name + "', and there is no such joint, body or frame");
+    if (body < 0) {
+      std::vector<std::string> all;
+      for (const Bodies* names : {&place_, &joint_})
+        for (const auto& entry : *names) all.push_back(entry.first);
+      std::sort(all.begin(), all.end());
+      all.erase(std::unique(all.begin(), all.end()), all.end());  // a body and a joint may share a name
+      throw Error(ErrorCode::model, "the scene speaks of '" + name + "', and there is no such joint, body or frame" + nearNames(name, all));
+    }
     return body;
   }
   /// The body of this name, or with a frame of this name. It is -1 for an unknown name, which compile() reports.
