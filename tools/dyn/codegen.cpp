@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // dyn codegen: algorithms of one model as C source, with a CMakeLists.txt and a test that compares them with the library.
 #include "commands.hpp"
+#include "folder.hpp"
 #include "interrupt.hpp"
 #include "messages.hpp"
 #include "model_options.hpp"
@@ -144,9 +145,7 @@ void run(const CodegenOptions& o) {
   how.prefix = o.prefix;
   const Source source = writeSource(functions, how);
   if (!o.out.empty()) {
-    std::error_code error;
-    fs::create_directories(o.out, error);
-    if (error) throw Error(ErrorCode::file, "cannot be made: " + error.message(), {o.out, 0, ""});
+    makeFolder(o.out);
     const fs::path folder = o.out;
     replaceFile(folder / (name + ".h"), source.header());
     replaceFile(folder / (name + ".c"), source.code(name + ".h"));

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "command_table.hpp"
 
+#include <algorithm>
+
 namespace dyn::tool {
 
 namespace {
@@ -24,7 +26,7 @@ OptionEntry entryOf(const CLI::Option& option) {
   if (option.get_positional()) out.argument = option.get_name();
   if (option.get_items_expected_max() == 0) out.argument.clear();
   out.summary = option.get_description();
-  out.standard = option.get_default_str();
+  out.default_value = option.get_default_str();
   out.group = option.get_group();
   out.required = option.get_required();
   out.list = option.get_items_expected_max() > 1;
@@ -49,6 +51,10 @@ std::vector<CommandEntry> commandTable(const CLI::App& root) {
   std::vector<CommandEntry> out;
   add(root, "", out);
   return out;
+}
+
+const CommandEntry& commandAt(const std::vector<CommandEntry>& table, const std::string& path) {
+  return *std::find_if(table.begin(), table.end(), [&](const CommandEntry& entry) { return entry.path == path; });
 }
 
 }  // namespace dyn::tool

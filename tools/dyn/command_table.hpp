@@ -12,9 +12,10 @@ namespace dyn::tool {
 struct OptionEntry {
   std::vector<std::string> names;   ///< such as -q and --quiet; empty for a positional argument
   std::string argument;             ///< what it takes: FILE, FOLDER, INT, ..., the name of a positional argument, or empty for a flag
-  std::vector<std::string> values;  ///< that it takes, if these are few
-  std::string rule;                 ///< of its numbers, such as "positive"
-  std::string summary, standard;    ///< `standard` is its value where the option is not given
+  std::vector<std::string> values;  ///< the values that it takes; empty if these are not a short list
+  std::string rule;                 ///< the rule that its numbers obey, such as "positive"
+  std::string summary;
+  std::string default_value;  ///< its value if the option is not given
   std::string group;
   bool takes_files = false, takes_folders = false, required = false, list = false;
 };
@@ -28,5 +29,7 @@ struct CommandEntry {
 
 /// All commands; each comes before its subcommands.
 std::vector<CommandEntry> commandTable(const CLI::App& root);
+/// The command with this path, which must be in the table.
+const CommandEntry& commandAt(const std::vector<CommandEntry>& table, const std::string& path);
 
 }  // namespace dyn::tool

@@ -2,6 +2,7 @@
 // dyn completion: scripts by which bash, zsh and fish complete subcommands, options, their values and files.
 #include "command_table.hpp"
 #include "commands.hpp"
+#include "text.hpp"
 
 #include <algorithm>
 #include <cstdio>
@@ -11,15 +12,7 @@ namespace dyn::tool {
 
 namespace {
 
-std::string replaced(std::string text, const std::string& mark, const std::string& by) {
-  for (std::size_t at = text.find(mark); at != std::string::npos; at = text.find(mark, at + by.size())) text.replace(at, mark.size(), by);
-  return text;
-}
-
 std::string joined(const std::vector<std::string>& words) { return CLI::detail::join(words, " "); }
-
-/// A word of a POSIX shell.
-std::string shellWord(const std::string& text) { return "'" + replaced(text, "'", "'\\''") + "'"; }
 
 /// Returns "FILE", "FOLDER", the values of an argument, or "-" if bash has nothing to offer for it.
 std::string bashKind(const OptionEntry& option) {
@@ -57,7 +50,7 @@ _dyn() {
     FOLDER) compopt -o filenames; mapfile -t COMPREPLY < <(compgen -d -- "$cur") ;;
     -) ;;
     *)
-      # Of a list such as rnea,ab the last word is completed.
+      # In a list such as rnea,ab, complete the last word.
       [[ -z $option || $cur != *,* ]] || list=${cur%,*},
       mapfile -t COMPREPLY < <(compgen -P "$list" -W "$kind" -- "${cur##*,}")
       ;;
@@ -127,8 +120,7 @@ std::string zshScript(const std::vector<CommandEntry>& table) {
     }
     out += "  local -a commands=(";
     for (const std::string& name : command.subcommands) {
-      const auto sub = std::find_if(table.begin(), table.end(), [&](const CommandEntry& entry) { return entry.path == command.path + " " + name; });
-      out += "\n    " + shellWord(name + ":" + sub->summary);
+      out += "\n    " + shellWord(name + ":" + commandAt(table, command.path + " " + name).summary);
     }
     out += "\n  )\n  local curcontext=$curcontext state line\n  _arguments -C" + specifications +
            " \\\n    '1: :->command' '*:: :->rest'\n  case $state in\n    command) _describe subcommand commands ;;\n    rest)\n      case $words[1] "

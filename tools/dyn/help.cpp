@@ -2,16 +2,15 @@
 // dyn help: the help of a subcommand on standard output, or a manual page for each.
 #include "command_table.hpp"
 #include "commands.hpp"
+#include "folder.hpp"
 #include "options.hpp"
 
-#include <dyn/error.hpp>
 #include <dyn/file.hpp>
 #include <dyn/near_names.hpp>
 #include <dyn/version.hpp>
 
 #include <algorithm>
 #include <cstdio>
-#include <filesystem>
 #include <memory>
 
 namespace dyn::tool {
@@ -38,7 +37,7 @@ std::string manualOf(const OptionEntry& option) {
   std::string text = troff(option.summary);
   if (!option.rule.empty()) text += " (" + troff(option.rule) + ")";
   if (!option.values.empty()) text += "; one of " + troff(CLI::detail::join(option.values, ", "));
-  if (!option.standard.empty()) text += "; by default " + troff(option.standard);
+  if (!option.default_value.empty()) text += "; by default " + troff(option.default_value);
   return ".TP\n" + head + "\n" + text + "\n";
 }
 
@@ -63,11 +62,20 @@ Folders of joint plugins, separated by colons.
 DYN_SIMD
 The instruction set to use: scalar, sse2, avx2 or avx512.
 .TP
+CC
+The C compiler for generated code, with its first arguments if it needs any. The default is cc.
+.TP
 LIBDYN_CACHE
-The folder of compiled functions.
+The folder of compiled functions. The default is libdyn in XDG_CACHE_HOME, or else in ~/.cache.
+.TP
+ROS_PACKAGE_PATH, AMENT_PREFIX_PATH
+Folders, separated by colons, where meshes with package:// in their names are looked for.
 .TP
 NO_COLOR
 If it is set, nothing is coloured unless \fB\-\-color\fR asks for it.
+.TP
+TERM
+If it is dumb, nothing is coloured and no progress is shown.
 )";
 
 std::string manualPage(const CommandEntry& command, const std::vector<CommandEntry>& table) {
@@ -87,8 +95,7 @@ std::string manualPage(const CommandEntry& command, const std::vector<CommandEnt
   if (!command.subcommands.empty()) out += ".SH SUBCOMMANDS\n";
   for (const std::string& sub : command.subcommands) {
     const std::string path = command.path + " " + sub;
-    const auto entry = std::find_if(table.begin(), table.end(), [&](const CommandEntry& known) { return known.path == path; });
-    out += ".TP\n\\fB" + troff(sub) + "\\fR\n" + troff(entry->summary) + "; see \\fB" + troff(pageName(path)) + "\\fR(1)\n";
+    out += ".TP\n\\fB" + troff(sub) + "\\fR\n" + troff(commandAt(table, path).summary) + "; see \\fB" + troff(pageName(path)) + "\\fR(1)\n";
   }
   for (auto& [heading, options] : groups) {
     std::transform(heading.begin(), heading.end(), heading.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
@@ -108,9 +115,7 @@ struct HelpOptions {
 void run(const HelpOptions& o, const CLI::App& root) {
   const std::vector<CommandEntry> table = commandTable(root);
   if (!o.pages.empty()) {
-    std::error_code failed;
-    std::filesystem::create_directories(o.pages, failed);
-    if (failed) throw Error(ErrorCode::file, "the folder cannot be made: " + failed.message(), {o.pages, 0, ""});
+    makeFolder(o.pages);
     for (const CommandEntry& command : table) replaceFile(o.pages + "/" + pageName(command.path) + ".1", manualPage(command, table));
     return;
   }
@@ -127,9 +132,10 @@ void run(const HelpOptions& o, const CLI::App& root) {
     app = next;
     path += " " + word;
   }
-  const auto entry = std::find_if(table.begin(), table.end(), [&](const CommandEntry& known) { return known.path == path; });
   // CLI::App::help() of dyn itself would print that of the subcommand in use, which is this one.
-  std::fputs(o.manual ? manualPage(*entry, table).c_str() : app->get_formatter()->make_help(app, path, CLI::AppFormatMode::Normal).c_str(), stdout);
+  std::fputs(
+      o.manual ? manualPage(commandAt(table, path), table).c_str() : app->get_formatter()->make_help(app, path, CLI::AppFormatMode::Normal).c_str(),
+      stdout);
 }
 
 }  // namespace

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // dyn plugin new: writes a folder with a joint type to start from.
+#include "folder.hpp"
 #include "interrupt.hpp"
 #include "plugin.hpp"
+#include "text.hpp"
 
 #include <dyn/error.hpp>
 #include <dyn/file.hpp>
@@ -127,13 +129,8 @@ std::string className(const std::string& name) {
   return text + "Joint";
 }
 
-void writeFile(const fs::path& path, std::string text, const std::string& name) {
-  const auto replace = [&](const std::string& mark, const std::string& by) {
-    for (std::size_t at = text.find(mark); at != std::string::npos; at = text.find(mark, at + by.size())) text.replace(at, mark.size(), by);
-  };
-  replace("@NAME@", name);
-  replace("@CLASS@", className(name));
-  replaceFile(path.string(), text);
+void writeFile(const fs::path& path, const std::string& text, const std::string& name) {
+  replaceFile(path.string(), replaced(replaced(text, "@NAME@", name), "@CLASS@", className(name)));
 }
 
 void create(const std::string& name, const std::string& directory) {
@@ -148,14 +145,14 @@ void create(const std::string& name, const std::string& directory) {
   std::error_code error;
   if (fs::exists(fs::symlink_status(folder, error)))
     throw Error(ErrorCode::file, "exists already; choose another name or --directory", {folder.string(), 0, ""});
-  if (!fs::create_directories(folder, error) || error) throw Error(ErrorCode::file, "cannot be made: " + error.message(), {folder.string(), 0, ""});
   const Interruption interruption;  // the folder is written whole or not at all
+  makeFolder(folder.string());
   try {
     writeFile(folder / "CMakeLists.txt", cmake_text, name);
     writeFile(folder / (name + ".cpp"), source_text, name);
     writeFile(folder / "README.md", readme_text, name);
     writeFile(folder / (name + ".urdf"), urdf_text, name);
-  } catch (const Error&) {
+  } catch (...) {
     fs::remove_all(folder, error);
     throw;
   }

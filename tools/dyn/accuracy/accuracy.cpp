@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // dyn accuracy: speed against error, as one page.
 #include "commands.hpp"
+#include "folder.hpp"
 #include "interrupt.hpp"
 #include "messages.hpp"
 #include "problems.hpp"
 #include "sections.hpp"
 
-#include <dyn/error.hpp>
-
 #include <chrono>
-#include <filesystem>
 #include <functional>
 #include <memory>
 
@@ -43,9 +41,7 @@ void run(const AccuracyOptions& o) {
   std::vector<Specimen> specimens;
   if (o.models.empty()) specimens.push_back(specimenOf(chain(7), registry));
   for (const std::string& word : o.models) specimens.push_back(specimenFrom(word, registry));
-  std::error_code failed;
-  std::filesystem::create_directories(o.out, failed);
-  if (failed) throw Error(ErrorCode::file, "the folder cannot be made: " + failed.message(), {o.out, 0, ""});
+  makeFolder(o.out);
   // The file is read before minutes of measurement, so that its errors are reported at once.
   std::vector<Section> peers;
   if (!o.peers.empty()) peers = peerSections(o.peers);

@@ -4,6 +4,7 @@
 #include "oracle.hpp"
 #include "progress.hpp"
 #include "sections.hpp"
+#include "text.hpp"
 
 #include <dyn/codegen/differentiate.hpp>
 #include <dyn/codegen/trace.hpp>
@@ -154,13 +155,8 @@ std::string truthFile(const std::vector<TruthSample>& samples) {
 /// Runs this program again as `dyn bench --json`, with kernels for another instruction set, and returns its lines.
 std::vector<Line> linesOfOther(const Specimen& x, const std::string& isa, const std::string& truth) {
   const std::string self = std::filesystem::read_symlink("/proc/self/exe").string();
-  const auto quoted = [](const std::string& text) {
-    std::string out = "'";
-    for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    return out + "'";
-  };
-  const std::string command = "DYN_SIMD=" + quoted(isa) + ' ' + quoted(self) + " bench " + quoted(x.path) + " --root " + quoted(x.root) +
-                              " --quiet --json --truth " + quoted(truth);
+  const std::string command = "DYN_SIMD=" + shellWord(isa) + ' ' + shellWord(self) + " bench " + shellWord(x.path) + " --root " + shellWord(x.root) +
+                              " --quiet --json --truth " + shellWord(truth);
   FILE* pipe = popen(command.c_str(), "r");
   std::string text;
   std::array<char, 4096> part{};

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "page.hpp"
 
-#include <dyn/error.hpp>
 #include <dyn/file.hpp>
 
 #include <ctime>
-#include <filesystem>
 #include <fstream>
 #include <sstream>
 
@@ -90,9 +88,6 @@ Json Page::json() const {
 }
 
 void Page::write(const std::string& folder) const {
-  std::error_code failed;
-  std::filesystem::create_directories(folder, failed);
-  if (failed) throw Error(ErrorCode::file, "the folder cannot be made: " + failed.message(), {folder, 0, ""});
   replaceFile(folder + "/index.html", html());
   replaceFile(folder + "/report.json", json().dump(1) + '\n');
 }
