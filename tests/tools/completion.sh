@@ -45,14 +45,17 @@ _dyn
 [ ${#COMPREPLY[@]} = 2 ] || fail "a file's name with a space is not one answer"
 
 # Every option that --help lists is offered.
+offered=0
 for command in info simulate bench "plugin check"; do
   for option in $("$build/bin/dyn" $command --help | grep -oE '^ +(-[a-z],)?--[a-z-]+' | grep -oE -- '--[a-z-]+'); do
     complete_line_words=(dyn $command "$option")
     COMP_WORDS=("${complete_line_words[@]}") COMP_CWORD=$((${#complete_line_words[@]} - 1))
     _dyn
     [[ " ${COMPREPLY[*]} " == *" $option "* ]] || fail "dyn $command: $option is not offered"
+    offered=$((offered + 1))
   done
 done
+[ $offered -ge 40 ] || fail "only $offered options were found in --help"
 if command -v zsh >/dev/null; then zsh -n "$work/dyn.zsh"; fi
 if command -v fish >/dev/null; then
   export HOME=$work XDG_CONFIG_HOME=$work

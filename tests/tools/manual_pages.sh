@@ -21,7 +21,10 @@ for page in "$work"/*.1; do
 done
 "$build/bin/dyn" help simulate --man | cmp - "$work/dyn-simulate.1" || fail "dyn help --man and --man-pages differ"
 # Each option that --help lists has its entry.
+described=0
 for option in $("$build/bin/dyn" simulate --help | grep -oE '^ +(-[a-z],)?--[a-z-]+' | grep -oE -- '--[a-z-]+'); do
   grep -qF -- "\\fB$(sed 's/-/\\-/g' <<<"$option")\\fR" "$work/dyn-simulate.1" || fail "dyn-simulate.1 does not describe $option"
+  described=$((described + 1))
 done
+[ $described -ge 10 ] || fail "only $described options were found in --help"
 echo "$(ls "$work"/*.1 | wc -l) manual pages are well formed"

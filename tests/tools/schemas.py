@@ -74,6 +74,10 @@ with tempfile.TemporaryDirectory() as folder:
     with open(truth, "w", encoding="utf-8") as file:
         json.dump({"samples": [dict(sample, truth={"rnea": [str(x) for x in torques], "rnea_scale": 22 * [1]})]}, file)
     valid("truth", read(truth), "an input of dyn bench --truth")
+    run("truth", source + "/models/four_bar.urdf", "--count", "1", "--out", folder + "/references.json")
+    valid("truth", read(folder + "/references.json"), "the output of dyn truth")
+    for path in sorted(glob.glob(source + "/tests/truth/references/*.json")):
+        valid("truth", read(path), path)
     refused("truth", {"samples": [{"q": [0], "truth": {"rnea": ["many"]}}]})
     for line in run("bench", *floating, "--json", "--only", "rnea,crba", "--truth", truth, "--codegen", "rnea").splitlines():
         valid("bench", json.loads(line), "a line of dyn bench --json")
