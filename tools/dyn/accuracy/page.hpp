@@ -28,7 +28,7 @@ class Page {
  public:
   explicit Page(std::string title) : title_(std::move(title)) {}
   void add(Section section) { sections_.push_back(std::move(section)); }
-  /// Writes index.html and report.json to a folder, which is created if it is missing. Throws Error(file).
+  /// Writes index.html and report.json to a folder, which must exist. Throws Error(file) if they cannot be written.
   void write(const std::string& folder) const;
 
  private:
