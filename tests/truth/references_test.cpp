@@ -100,8 +100,11 @@ void checkBatch(const Set& set, Worst& worst) {
     v.col(k) = vectorOf(sample["v"]).cast<T>();
     a.col(k) = vectorOf(sample["a"]).cast<T>();
     tau.col(k) = vectorOf(sample["tau"]).cast<T>();
-    // Most states are floats, so that the references hold for floats, too. Unit vectors are not: modes_test.cpp has float batches of such sets.
-    if (q.col(k).template cast<double>() != vectorOf(sample["q"])) return;
+    // States are floats, so that the references hold for floats, too.
+    REQUIRE(q.col(k).template cast<double>() == vectorOf(sample["q"]));
+    REQUIRE(v.col(k).template cast<double>() == vectorOf(sample["v"]));
+    REQUIRE(a.col(k).template cast<double>() == vectorOf(sample["a"]));
+    REQUIRE(tau.col(k).template cast<double>() == vectorOf(sample["tau"]));
   }
   const std::string mode = std::is_same_v<T, double> ? ", batch" : ", batch float";
   const double unit = std::is_same_v<T, double> ? 1 : 0x1p-24 / 0x1p-53;

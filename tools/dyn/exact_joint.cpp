@@ -315,7 +315,7 @@ const std::map<std::string, Maker>& makers() {
         {"direction",
          [](J) -> ExactJoint {
            return {3, 2, pointed, [](const T* q, const T* v, T* dq) {
-                     const T along[3] = {v[1], T() - v[0], T()};
+                     const T length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2]), along[3] = {length * v[1], T() - length * v[0], T()};
                      rotate(pointed(q), along, dq);
                    }};
          }},
