@@ -5,23 +5,46 @@
 
 #include <Eigen/Geometry>
 
+// All that FCL's search includes is included before it, so that only its own assertions change.
+#include <fcl/common/unused.h>
+#include <fcl/common/warning.h>
+#include <fcl/geometry/shape/box.h>
+#include <fcl/geometry/shape/capsule.h>
+#include <fcl/geometry/shape/cone.h>
+#include <fcl/geometry/shape/convex.h>
+#include <fcl/geometry/shape/cylinder.h>
+#include <fcl/geometry/shape/ellipsoid.h>
+#include <fcl/geometry/shape/halfspace.h>
+#include <fcl/geometry/shape/plane.h>
+#include <fcl/geometry/shape/sphere.h>
+#include <fcl/geometry/shape/triangle_p.h>
+#include <fcl/narrowphase/detail/convexity_based_algorithm/alloc.h>
+#include <fcl/narrowphase/detail/convexity_based_algorithm/list.h>
+#include <fcl/narrowphase/detail/convexity_based_algorithm/polytope.h>
+#include <fcl/narrowphase/detail/convexity_based_algorithm/simplex.h>
+#include <fcl/narrowphase/detail/failed_at_this_configuration.h>
+
+#include <ccd/ccd.h>
+#include <ccd/quat.h>
+#include <ccd/vec3.h>
+
+#include <array>
+#include <cassert>
 #include <limits>
 #include <string>
+#include <unordered_map>
+#include <unordered_set>
 #include <variant>
 
 namespace {
-[[noreturn]] void failedAssertion(const char* what, const char*, unsigned, const char*) {
-  throw dyn::FclFailure(std::string("its assertion fails: ") + what);
-}
+[[noreturn]] void failedAssertion(const char* what) { throw dyn::FclFailure(std::string("its assertion fails: ") + what); }
 }  // namespace
 
-// All that FCL's search needs is included before, so that only its own assertions change.
-#include <fcl/narrowphase/detail/failed_at_this_configuration.h>
-#undef NDEBUG
-#include <cassert>
-#define __assert_fail failedAssertion  // the name in glibc and musl
+#undef NDEBUG  // declares what FCL's assertions call
+#undef assert
+#define assert(x) ((x) ? void() : failedAssertion(#x))
 #include <fcl/narrowphase/detail/convexity_based_algorithm/gjk_libccd.h>
-#undef __assert_fail
+#undef assert
 
 namespace dyn {
 
@@ -67,7 +90,8 @@ class Solid {
   Solid(const Solid&) = delete;
   Solid& operator=(const Solid&) = delete;
 
-  /// The support function that libccd calls, with a Solid as object.
+  /// The support function that libccd calls, with a Solid as object. It throws through __ccdSupport, a C function of libccd, which therefore needs
+  /// unwind tables: compilers for x86-64 and aarch64 write them by default.
   static void support(const void* object, const ccd_vec3_t* direction, ccd_vec3_t* point) {
     const Solid& s = *static_cast<const Solid*>(object);
     if (++s.supports_ > most_supports) throw FclFailure("the search does not end");
