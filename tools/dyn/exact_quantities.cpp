@@ -66,28 +66,35 @@ MatrixR momentumMap(const ExactBodies& x, const Place& at) {
   return besides(columns);
 }
 
-/// Jacobians of the centres of mass, body below body: six rows each.
-MatrixR stackedJacobians(const ExactBodies& x, const Place& at) {
-  const BodyJacobians J = x.jacobians(at);
-  MatrixR out(6 * static_cast<Eigen::Index>(x.bodies.size()), x.nv);
-  for (std::size_t i = 0; i < x.bodies.size(); ++i) out.middleRows(6 * static_cast<Eigen::Index>(i), 6) << J.linear[i], J.angular[i];
+/// The time derivatives of the coordinates, for unit velocities.
+MatrixR ratesAt(const ExactBodies& x, const Place& at) {
+  MatrixR out(at.q.size(), x.nv);
+  for (int k = 0; k < x.nv; ++k) {
+    const std::vector<TimeSeries> moving = x.coordinates(at.q, VectorR::Unit(x.nv, k), VectorR::Zero(x.nv));
+    for (Eigen::Index i = 0; i < at.q.size(); ++i) out(i, k) = moving[static_cast<std::size_t>(i)].c[1];
+  }
   return out;
 }
 
-/// The sum of m Jc^T dJc + Jw^T (I dJw + (w x I - I w x - (I w) x) / 2 Jw) over the bodies, in world axes. This is the one Coriolis matrix that is
-/// made of Christoffel symbols (Echeandia and Wensing 2021).
+/// The Coriolis matrix of the Levi-Civita connection of M, by Koszul's formula for the velocity fields E_k, along which unit velocities move:
+/// 2 C_kj = sum_i v_i (dM_kj/dE_i + dM_ki/dE_j - dM_ij/dE_k + [E_i,E_j].E_k - [E_i,E_k].E_j - [E_j,E_k].E_i), with M as scalar product. Where v is
+/// dq/dt, the brackets are zero and the rest are Christoffel symbols.
 MatrixR coriolisOf(const ExactBodies& x, const Place& at, const VectorR& v) {
-  const MatrixR J = stackedJacobians(x, at), dJ = x.alongMotion(at, v, [&](const Place& p) { return stackedJacobians(x, p); });
-  const std::vector<Series> moved = x.motions(at, v, VectorR::Zero(x.nv));
+  const auto massMatrix = [&](const Place& p) { return x.massMatrix(p, x.jacobians(p)); };
+  const MatrixR B = ratesAt(x, at), lower = massMatrix(at) * (B.transpose() * B).partialPivLu().solve(B.transpose());
+  const std::vector<MatrixR> dM = x.byConfiguration(at, massMatrix), dB = x.byConfiguration(at, [&](const Place& p) { return ratesAt(x, p); });
+  const auto index = [](int k) { return static_cast<std::size_t>(k); };
+  // Column j of brackets[i]: scalar products of [E_i, E_j] with all fields.
+  std::vector<MatrixR> brackets(index(x.nv), MatrixR(x.nv, x.nv));
+  for (int i = 0; i < x.nv; ++i)
+    for (int j = 0; j < x.nv; ++j) brackets[index(i)].col(j) = lower * (dB[index(i)].col(j) - dB[index(j)].col(i));
   MatrixR C = MatrixR::Zero(x.nv, x.nv);
-  for (std::size_t i = 1; i < x.bodies.size(); ++i) {
-    const auto row = 6 * static_cast<Eigen::Index>(i);
-    const MatrixR Jc = J.middleRows(row, 3), Jw = J.middleRows(row + 3, 3), dJc = dJ.middleRows(row, 3), dJw = dJ.middleRows(row + 3, 3);
-    const Mat I = moved[i].R[0] * x.bodies[i].inertia * moved[i].R[0].transpose();
-    const Vec w = moved[i].omega();
-    const Mat turning = (cross(w) * I - I * cross(w) - cross(I * w)) / Real(2);
-    C += x.bodies[i].mass * (Jc.transpose() * dJc) + Jw.transpose() * (I * dJw + turning * Jw);
-  }
+  for (int i = 0; i < x.nv; ++i)
+    for (int j = 0; j < x.nv; ++j)
+      for (int k = 0; k < x.nv; ++k)
+        C(k, j) += v[i] / Real(2) *
+                   (dM[index(i)](k, j) + dM[index(j)](k, i) - dM[index(k)](i, j) + brackets[index(i)](k, j) - brackets[index(i)](j, k) -
+                    brackets[index(j)](i, k));
   return C;
 }
 
