@@ -7,20 +7,29 @@ namespace dyn::tool {
 
 namespace {
 
-constexpr int printed_digits = 25;
 /// The largest nv for which second derivatives are written: they are four tensors of nv^3 numbers.
 constexpr int most_with_second = 8;
 
-/// The numbers of a matrix, row after row, or one array for each row. Numbers below 1e-28 of the largest one are noise of differences, and are
-/// written as 0.
-Json textsOf(const MatrixR& x, bool nested = false) {
+/// How the numbers under a key are written. Numbers below `noise` times the largest one are noise of differences, and are written as 0.
+struct Format {
+  int digits;
+  double noise;
+};
+Format formatOf(const std::string& key) {
+  if (key.ends_with("_scale")) return {6, 1e-28};                                 // computed in doubles
+  if (key.starts_with("d2tau_") || key.starts_with("loop_")) return {20, 1e-20};  // differences of differences
+  return {25, 1e-28};
+}
+
+/// The numbers of a matrix, row after row, or one array for each row.
+Json textsOf(const MatrixR& x, const Format& format, bool nested) {
   Real largest(0);
   for (Eigen::Index k = 0; k < x.size(); ++k) largest = std::max(largest, abs(x(k)));
-  const Real noise = std::max(largest * Real(1e-28), Real(1e-30));
+  const Real noise = std::max(largest * Real(format.noise), Real(1e-30));
   Json out = Json::array();
   for (Eigen::Index i = 0; i < x.rows(); ++i) {
     Json row = Json::array();
-    for (Eigen::Index j = 0; j < x.cols(); ++j) row.push_back(abs(x(i, j)) < noise ? "0" : x(i, j).text(printed_digits));
+    for (Eigen::Index j = 0; j < x.cols(); ++j) row.push_back(abs(x(i, j)) < noise ? "0" : x(i, j).text(format.digits));
     if (nested)
       out.push_back(row);
     else
@@ -30,7 +39,7 @@ Json textsOf(const MatrixR& x, bool nested = false) {
 }
 
 void put(const Quantities& quantities, Json& out) {
-  for (const auto& [key, value] : quantities) out[key] = textsOf(value, key == "oMi");  // one pose for each joint
+  for (const auto& [key, value] : quantities) out[key] = textsOf(value, formatOf(key), key == "oMi");  // one pose for each joint
 }
 
 /// The last two bodies that move and carry no other.
