@@ -12,8 +12,6 @@ namespace {
 enum Kind { sphere, box, capsule, cylinder, cone, hull, kinds };
 const char* const names[] = {"sphere", "box", "capsule", "cylinder", "cone", "hull"};
 
-double length(const Vec3<double>& x) { return std::sqrt(dot(x, x)); }
-
 /// A random solid. Its sides are of the given size, times powers of ten with exponents in [-ratio, ratio].
 GeometryShape randomShape(int kind, Random& random, double size, double ratio = 0) {
   const auto side = [&] {

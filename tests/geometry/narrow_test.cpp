@@ -73,8 +73,6 @@ GeometryShape shapeOf(int kind, Random& random) {
   }
 }
 
-double length(const Vec3<double>& x) { return std::sqrt(dot(x, x)); }
-
 /// Compares all queries. FCL's distances of solids of a metre are right to the square root of its tolerance.
 void compare(Both& both, double within) {
   const std::vector<Distance> expected = computeDistances(both.own, both.own_data);
@@ -102,7 +100,7 @@ void compare(Both& both, double within) {
 
 }  // namespace
 
-TEST_CASE("FCL's functions give the signed distances that libdyn's give, to FCL's tolerance, for each pair of kinds", "[geometry][fcl]") {
+TEST_CASE("FCL's functions give the signed distances that libdyn's give, to the root of FCL's tolerance, for each pair of kinds", "[geometry][fcl]") {
   for (const double tolerance : {1e-6, 1e-8})
     for (int i = 0; i < kinds; ++i)
       for (int j = 0; j < kinds; ++j) {
@@ -206,5 +204,6 @@ TEST_CASE("a pair that FCL cannot compare is refused by name, with a cure", "[ge
   }
   CHECK(refused > 0);
   both.move(configurationOf({Mat3<double>::identity(), {std::nan(""), 0, 0}}));
-  CHECK_THAT(refusal([&] { computeDistance(both.fcl, both.fcl_data, 0); }), containing("'a' with 'b'"));
+  CHECK_THAT(refusal([&] { computeDistance(both.fcl, both.fcl_data, 0); }),
+             containing("'a' with 'b'") && containing("not finite") && !containing("raise"));
 }

@@ -20,6 +20,8 @@ inline JointDescription jointOf(const std::string& name, const std::string& type
   return j;
 }
 
+inline double length(const Vec3<double>& x) { return std::sqrt(dot(x, x)); }
+
 inline Eigen::VectorXd configurationOf(const SE3<double>& pose) {
   Eigen::Matrix3d R;
   for (int i = 0; i < 9; ++i) R(i / 3, i % 3) = pose.R.m[i];

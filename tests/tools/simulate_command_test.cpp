@@ -34,6 +34,9 @@ TEST_CASE("collide says what touches and how far the rest is, and learns which p
   CHECK(std::abs(by_fcl["states"][0]["minimum"]["distance"].get<double>() - 0.05) < 1e-5);
   CHECK_THAT(run(fcl + " --fcl-tolerance -1").err, containing("fcl_tolerance is -1"));
   CHECK(run("collide '" + arm + "' --narrow bullet").code == 2);
+  const Answer without = run("collide '" + arm + "' --fcl-tolerance 1e-9");
+  CHECK(without.code == 2);
+  CHECK_THAT(without.err, containing("--fcl-tolerance") && containing("needs --narrow fcl"));
 
   const std::string srdf = (folder.path / "arm.srdf").string();
   const Answer learned = run("collide '" + arm + "' --learn 500 --out '" + srdf + "'");

@@ -28,19 +28,6 @@ inline Mat cross(const Vec& w) {
 }
 inline Vec uncross(const Mat& W) { return Vec(W(2, 1) - W(1, 2), W(0, 2) - W(2, 0), W(1, 0) - W(0, 1)) / Real(2); }
 
-/// The rotation about an axis, by Rodrigues' formula; and that of a quaternion of any length but zero.
-inline Mat rotation(const Vec& axis, const Real& cosine, const Real& sine) {
-  const Mat K = cross(axis);
-  return Mat::Identity() + sine * K + (Real(1) - cosine) * (K * K);
-}
-inline Mat rotation(const VectorR& quaternion) {
-  Vec im = quaternion.head<3>();
-  const Real n2 = quaternion.squaredNorm();
-  const Real& w = quaternion[3];
-  const Mat K = cross(im);
-  return Mat::Identity() + (Real(2) / n2) * (w * K + K * K);
-}
-
 /// A pose as a power series in t: its value and its first and second derivatives.
 struct Series {
   std::array<Mat, 3> R;

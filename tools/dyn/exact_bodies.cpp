@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "exact_bodies.hpp"
 
-#include <dyn/error.hpp>
+#include <algorithm>
 
 namespace dyn::tool {
 
@@ -26,9 +26,6 @@ ExactBodies::ExactBodies(const Model& description, const CompactModel& model)
     const BodyDescription& from = description.bodies[i];
     const JointDescription& joint = from.joint;
     ExactBody& body = bodies[i];
-    const auto refuse = [&](const std::string& why) {
-      throw Error(ErrorCode::joint_type, "the fifty-digit reference " + why, {joint.where.file, joint.where.line, joint.name});
-    };
     body.joint = exactJoint(joint);
     body.placement = exactPlacement(joint.placement);
     body.name = from.name;
@@ -41,18 +38,22 @@ ExactBodies::ExactBodies(const Model& description, const CompactModel& model)
     if (body.joint.nv == 0) continue;
     const bool depends = !joint.coupling.type.empty();
     if (depends) {
-      if (joint.coupling.type != "mimic") refuse("has no definition of the coupling type '" + joint.coupling.type + "'");
+      if (joint.coupling.type != "mimic") refuse(joint, "has no definition of the coupling type '" + joint.coupling.type + "'");
       const int master = description.findJoint(joint.coupling.master);
       const auto leads = [](const JointDescription& other) { return other.coupling.type.empty() && exactJoint(other).nq == 1; };
       if (master < 0 || !leads(description.bodies[at(master)].joint) || body.joint.nq != 1)
-        refuse("knows only joints of one coordinate that depend on an independent joint of one coordinate");
+        refuse(joint, "knows only joints of one coordinate that depend on an independent joint of one coordinate");
       body.coefficients = std::get<std::vector<double>>(joint.coupling.parameters.at("coefficients"));
     }
     const int id = model.findJoint(depends ? joint.coupling.master : joint.name);
-    if (id < 0) refuse("finds no joint of this name in the compiled model");
+    if (id < 0) refuse(joint, "finds no joint of this name in the compiled model");
     body.q = model.joints()[at(id)].idx_q;
     body.v = model.joints()[at(id)].idx_v;
   }
+}
+
+bool ExactBodies::follows() const {
+  return std::any_of(bodies.begin(), bodies.end(), [](const ExactBody& body) { return !body.coefficients.empty(); });
 }
 
 std::vector<TimeSeries> ExactBodies::coordinates(const VectorR& q, const VectorR& v, const VectorR& a) const {

@@ -61,6 +61,8 @@ class ExactBodies {
   Vec gravity;
   int nv = 0;
 
+  /// True if some joint depends on another one.
+  bool follows() const;
   Place place(const VectorR& q) const;
   /// The configuration and its time derivatives, for joint velocities v with time derivatives a.
   std::vector<TimeSeries> coordinates(const VectorR& q, const VectorR& v, const VectorR& a) const;
@@ -107,7 +109,7 @@ class ExactBodies {
 };
 
 /// A matrix with these columns.
-inline MatrixR besides(const std::vector<VectorR>& columns) {
+inline MatrixR matrixOf(const std::vector<VectorR>& columns) {
   MatrixR out(columns.empty() ? 0 : columns.front().size(), static_cast<Eigen::Index>(columns.size()));
   for (std::size_t k = 0; k < columns.size(); ++k) out.col(static_cast<Eigen::Index>(k)) = columns[k];
   return out;

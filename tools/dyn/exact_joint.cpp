@@ -16,10 +16,6 @@ using T = TimeSeries;
 
 Vec unit(int axis) { return Vec(Real(axis == 0 ? 1 : 0), Real(axis == 1 ? 1 : 0), Real(axis == 2 ? 1 : 0)); }
 
-[[noreturn]] void refuse(const JointDescription& joint, const std::string& why) {
-  throw Error(ErrorCode::joint_type, "the fifty-digit reference " + why, {joint.where.file, joint.where.line, joint.name});
-}
-
 const std::vector<double>* numbers(const JointDescription& joint, const std::string& key) {
   const auto found = joint.parameters.find(key);
   return found == joint.parameters.end() ? nullptr : std::get_if<std::vector<double>>(&found->second);
@@ -343,6 +339,10 @@ std::vector<TimeSeries> ExactJoint::move(const Real* q, const Real* v, const Rea
     for (std::size_t k = 0; k < x.size(); ++k) x[k].c[order] = dx[k].c[order - 1];
   }
   return x;
+}
+
+void refuse(const JointDescription& joint, const std::string& why) {
+  throw Error(ErrorCode::joint_type, "the fifty-digit reference " + why, {joint.where.file, joint.where.line, joint.name});
 }
 
 ExactJoint exactJoint(const JointDescription& joint) {

@@ -54,6 +54,9 @@ struct ExactJoint {
   std::vector<TimeSeries> move(const Real* q, const Real* v, const Real* a) const;
 };
 
+/// Throws Error(joint_type), which names the joint.
+[[noreturn]] void refuse(const JointDescription& joint, const std::string& why);
+
 /// Throws Error(joint_type) for a type without definition, and for a planar joint whose axis is not z, because its x direction is arbitrary.
 ExactJoint exactJoint(const JointDescription& joint);
 

@@ -43,7 +43,7 @@ MatrixR jacobianOf(const ExactBodies& x, const std::vector<Loop>& loops, const P
     }
     columns.push_back(Eigen::Map<const VectorR>(rows.data(), static_cast<Eigen::Index>(rows.size())));
   }
-  return besides(columns);
+  return matrixOf(columns);
 }
 
 }  // namespace
@@ -77,9 +77,9 @@ Quantities loopsOf(const ExactBodies& x, const Model& description, const State& 
   };
   const Place at = x.place(exact(state.q));
   const VectorR found = motion(at, v, tau);
-  const MatrixR by_q = besides(x.byConfiguration(
+  const MatrixR by_q = matrixOf(x.byConfiguration(
       at, [&](const Place& p) { return motion(p, v, tau); }, h));
-  const MatrixR by_v = besides(x.byVector(
+  const MatrixR by_v = matrixOf(x.byVector(
       v, [&](const VectorR& w) { return motion(at, w, tau); }, h));
   const Eigen::Index n = x.nv, rows = found.size() - n;
   return {{"loop_J", jacobian(at)},

@@ -63,7 +63,7 @@ Sums sumsOf(const ExactBodies& x, const Place& at, const VectorR& v, const Vecto
 MatrixR momentumMap(const ExactBodies& x, const Place& at) {
   std::vector<VectorR> columns;
   for (int k = 0; k < x.nv; ++k) columns.push_back(sumsOf(x, at, VectorR::Unit(x.nv, k), VectorR::Zero(x.nv)).momentum);
-  return besides(columns);
+  return matrixOf(columns);
 }
 
 /// The time derivatives of the coordinates, for unit velocities.
@@ -133,7 +133,7 @@ Quantities dynamicsOf(const ExactBodies& x, const State& state, bool derivatives
     const BodyJacobians there = x.jacobians(p);
     return stacked({x.rnea(p, v, a, there), x.rnea(p, v, ddq, there)});
   });
-  const MatrixR both = besides(by_q), by_v = besides(x.byVector(v, [&](const VectorR& w) { return x.rnea(at, w, a, J); }));
+  const MatrixR both = matrixOf(by_q), by_v = matrixOf(x.byVector(v, [&](const VectorR& w) { return x.rnea(at, w, a, J); }));
   out["dtau_dq"] = both.topRows(n);
   out["dtau_dv"] = by_v;
   // These follow by differentiating M ddq + nle = tau.
@@ -142,18 +142,17 @@ Quantities dynamicsOf(const ExactBodies& x, const State& state, bool derivatives
   return out;
 }
 
-Quantities massCentreOf(const ExactBodies& x, const State& state) {
+Quantities jointsOf(const ExactBodies& x, const State& state) {
   const int n = x.nv;
   const Place at = x.place(exact(state.q));
   const VectorR v = exact(state.v), a = exact(state.a), still = VectorR::Zero(n);
   const std::vector<Series> poses = x.motions(at, v, a);
   const BodyJacobians J = x.jacobians(at, true);
   Quantities out;
-  // Joints: poses with rotation matrices row after row, and the spatial velocity in the world for unit velocities.
+  // Poses with rotation matrices row after row, and the spatial velocity in the world for unit velocities.
   const auto joints = static_cast<Eigen::Index>(x.carried.size());
   MatrixR& oMi = out["oMi"] = MatrixR::Zero(joints - 1, 12);
   MatrixR columns = MatrixR::Zero(6, n);
-  bool follows = false;
   VectorR forces(6 * joints), torques = x.rnea(at, still, still);
   for (Eigen::Index j = 0; j < joints; ++j) {
     // Any forces do; these are whole numbers from -5 to 5.
@@ -164,17 +163,23 @@ Quantities massCentreOf(const ExactBodies& x, const State& state) {
     for (int r = 0; r < 3; ++r)
       for (int c = 0; c < 3; ++c) oMi(j - 1, 3 * r + c) = X.R[0](r, c);
     oMi.row(j - 1).tail(3) = X.p[0].transpose();
-    follows = follows || !x.bodies[i].coefficients.empty();
     for (int d = 0; d < x.bodies[i].freedom(); ++d) {
       const int k = x.bodies[i].v + d;
       columns.col(k) = six(J.linear[i].col(k) + cross(X.p[0]) * J.angular[i].col(k), J.angular[i].col(k));
     }
     torques -= J.linear[i].transpose() * (X.R[0] * forces.segment<3>(6 * j)) + J.angular[i].transpose() * (X.R[0] * forces.segment<3>(6 * j + 3));
   }
-  if (!follows) out["J"] = columns;  // computeJointJacobians refuses models with dependent joints
+  if (!x.follows()) out["J"] = columns;  // computeJointJacobians refuses models with dependent joints
   out["fext"] = forces;
   out["static_torque"] = torques;
+  out["coriolis_matrix"] = coriolisOf(x, at, v);
+  return out;
+}
 
+Quantities centroidalOf(const ExactBodies& x, const State& state) {
+  const Place at = x.place(exact(state.q));
+  const VectorR v = exact(state.v), a = exact(state.a);
+  Quantities out;
   const Sums sums = sumsOf(x, at, v, a);
   const auto put = [&](const char* key, const VectorR& value) { out[key] = value; };
   put("kinetic_energy", VectorR::Constant(1, sums.kinetic));
@@ -188,15 +193,14 @@ Quantities massCentreOf(const ExactBodies& x, const State& state) {
   out["dAg"] = x.alongMotion(at, v, [&](const Place& p) { return momentumMap(x, p); });
   out["Jcom"] = Ag.topRows(3) / sums.mass;
   const auto motion = [&](const Sums& s) { return stacked({s.momentum, s.rate}); };
-  const MatrixR by_q = besides(x.byConfiguration(at, [&](const Place& p) { return motion(sumsOf(x, p, v, a)); }));
-  const MatrixR by_v = besides(x.byVector(v, [&](const VectorR& w) { return motion(sumsOf(x, at, w, a)); }));
+  const MatrixR by_q = matrixOf(x.byConfiguration(at, [&](const Place& p) { return motion(sumsOf(x, p, v, a)); }));
+  const MatrixR by_v = matrixOf(x.byVector(v, [&](const VectorR& w) { return motion(sumsOf(x, at, w, a)); }));
   out["dhg_dq"] = by_q.topRows(6);
   out["dhgdot_dq"] = by_q.bottomRows(6);
   out["dhgdot_dv"] = by_v.bottomRows(6);
   out["vcom_dq"] = by_q.topRows(3) / sums.mass;
   out["acom_dq"] = by_q.middleRows(6, 3) / sums.mass;
   out["acom_dv"] = by_v.middleRows(6, 3) / sums.mass;
-  out["coriolis_matrix"] = coriolisOf(x, at, v);
   return out;
 }
 
@@ -218,8 +222,8 @@ Quantities frameOf(const ExactBodies& x, const State& state, std::size_t body) {
   };
   const Series X = x.motions(at, v, a)[body];
   const MatrixR J = jacobians(at), dJ = x.alongMotion(at, v, jacobians);
-  const MatrixR by_q = besides(x.byConfiguration(at, [&](const Place& p) { return motion(p, v); }));
-  const MatrixR by_v = besides(x.byVector(v, [&](const VectorR& w) { return motion(at, w); }));
+  const MatrixR by_q = matrixOf(x.byConfiguration(at, [&](const Place& p) { return motion(p, v); }));
+  const MatrixR by_v = matrixOf(x.byVector(v, [&](const VectorR& w) { return motion(at, w); }));
   return {{"J_local", J.topRows(6)},
           {"J_lwa", J.middleRows(6, 6)},
           {"J_world", J.bottomRows(6)},
@@ -241,7 +245,7 @@ Quantities secondDerivativesOf(const ExactBodies& x, const State& state) {
   const Place at = x.place(exact(state.q));
   const VectorR v = exact(state.v), a = exact(state.a);
   const auto by_q = [&](const Place& p, const VectorR& w) {
-    return besides(x.byConfiguration(
+    return matrixOf(x.byConfiguration(
         p, [&](const Place& q) { return x.rnea(q, w, a); }, h));
   };
   // Torques are quadratic in velocities, so differences of any step are exact.
@@ -249,7 +253,7 @@ Quantities secondDerivativesOf(const ExactBodies& x, const State& state) {
     const BodyJacobians J = x.jacobians(p);
     std::vector<VectorR> columns;
     for (int k = 0; k < n; ++k) columns.push_back((x.rnea(p, w + VectorR::Unit(n, k), a, J) - x.rnea(p, w - VectorR::Unit(n, k), a, J)) / Real(2));
-    return besides(columns);
+    return matrixOf(columns);
   };
   const auto below = [&](const std::vector<MatrixR>& matrices) {
     MatrixR out(n * n, n);

@@ -14,8 +14,10 @@ using Quantities = std::map<std::string, MatrixR>;
 
 /// rnea, nle, gravity, M, Minv, aba and the scales; with `derivatives` those of rnea and aba.
 Quantities dynamicsOf(const ExactBodies& x, const State& state, bool derivatives);
-/// Poses and Jacobians of joints, energies, the centre of mass, centroidal quantities, the Coriolis matrix, and their derivatives.
-Quantities massCentreOf(const ExactBodies& x, const State& state);
+/// Poses and Jacobians of joints, torques that balance external forces, the Coriolis matrix.
+Quantities jointsOf(const ExactBodies& x, const State& state);
+/// Energies, the centre of mass and centroidal quantities, with derivatives.
+Quantities centroidalOf(const ExactBodies& x, const State& state);
 /// Jacobians, motions, and derivatives of motions of the frame of one body. Keys are those of an entry of "frames" in a truth file.
 Quantities frameOf(const ExactBodies& x, const State& state, std::size_t body);
 /// Joint torques, kinetic and potential energy as linear functions of the inertial parameters.

@@ -28,8 +28,8 @@ class Oracle {
   Oracle(const Oracle&) = delete;
   Oracle& operator=(const Oracle&) = delete;
 
-  /// Computes rnea, nle, gravity, M and aba under the keys of a truth file, with the scales of rnea and aba (see hardcases: an upper bound of a
-  /// result's summands before they cancel). With `derivatives`, also dtau_dq, dtau_dv, ddq_dq, ddq_dv and Minv.
+  /// Computes rnea, nle, gravity, M, Minv and aba under the keys of a truth file, with the scales of rnea and aba: upper bounds of a result's
+  /// summands before they cancel. With `derivatives`, also dtau_dq, dtau_dv, ddq_dq and ddq_dv.
   TruthSample evaluate(const State& state, bool derivatives) const;
 
   /// The state of the freely moving model `time` later: Gragg's extrapolation of order 16 in `steps` steps on the accelerations above, with the same

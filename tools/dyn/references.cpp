@@ -65,12 +65,11 @@ Json referencesOf(const Oracle& oracle, const Model& description, const State& s
   const ExactBodies& x = oracle.bodies();
   Json out;
   put(dynamicsOf(x, state, true), out);
-  put(massCentreOf(x, state), out);
+  put(jointsOf(x, state), out);
+  put(centroidalOf(x, state), out);
   put(regressorsOf(x, state), out);
   put(loopsOf(x, description, state), out);
-  bool follows = false;
-  for (const ExactBody& body : x.bodies) follows = follows || !body.coefficients.empty();
-  if (x.nv <= most_with_second && !follows) put(secondDerivativesOf(x, state), out);
+  if (x.nv <= most_with_second && !x.follows()) put(secondDerivativesOf(x, state), out);
   out["frames"] = Json::array();
   for (const std::size_t body : leaves(x)) {
     Json frame{{"link", x.bodies[body].name}};

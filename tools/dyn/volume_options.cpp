@@ -16,7 +16,7 @@ void VolumeOptions::add(CLI::App& app) {
   app.add_option("--narrow", narrow, "the functions that compare two volumes: libdyn's own, or FCL's")
       ->check(CLI::IsMember({"own", "fcl"}))
       ->capture_default_str();
-  app.add_option("--fcl-tolerance", fcl_tolerance, "of --narrow fcl [m]")->capture_default_str();
+  app.add_option("--fcl-tolerance", fcl_tolerance, "of --narrow fcl [m]")->default_str(CLI::detail::to_string(GeometryOptions{}.fcl_tolerance));
 }
 
 Model VolumeOptions::description(const ModelOptions& robot) const {
@@ -32,7 +32,8 @@ GeometryOptions VolumeOptions::geometry() const {
   options.packages = packages;
   options.missing = skip_missing ? GeometryOptions::Missing::skip : GeometryOptions::Missing::refuse;
   options.narrow = narrow == "fcl" ? GeometryOptions::Narrow::fcl : GeometryOptions::Narrow::own;
-  options.fcl_tolerance = fcl_tolerance;
+  if (fcl_tolerance && options.narrow != GeometryOptions::Narrow::fcl) throw CLI::ValidationError("--fcl-tolerance", "needs --narrow fcl");
+  if (fcl_tolerance) options.fcl_tolerance = *fcl_tolerance;
   return options;
 }
 

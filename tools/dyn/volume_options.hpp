@@ -6,6 +6,7 @@
 
 #include <dyn/geometry/geometry_model.hpp>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,7 +17,7 @@ struct VolumeOptions {
   std::vector<std::string> packages;
   bool skip_missing = false;
   std::string narrow = "own";
-  double fcl_tolerance = GeometryOptions{}.fcl_tolerance;
+  std::optional<double> fcl_tolerance;
 
   void add(CLI::App& app);
   /// The robot with the scene around it.

@@ -160,6 +160,7 @@ class Finder {
       const Vec3<double> before = point + 1e-4 * size * outwards;
       if (norm(before - d.center[at(g)]) > volume.radius() + size) continue;
       const SE3<double> there{Mat3<double>::identity(), d.placement[at(g)].actInv(before)};
+      // libdyn's own functions: the probe is smaller than FCL's tolerance.
       if (nearest(volume, probe, there, {}, size).distance < 1e-5 * size) return true;
     }
     return false;

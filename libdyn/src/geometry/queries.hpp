@@ -43,7 +43,10 @@ struct PlacedPair {
     try {
       return compare();
     } catch (const FclFailure& failure) {
-      refuseByFcl(model, pair, failure.what(), "raise GeometryOptions::fcl_tolerance from " + number(model.narrow.fcl_tolerance));
+      const bool finite = std::isfinite(norm(aMb.p)) && std::all_of(aMb.R.m, aMb.R.m + 9, [](double x) { return std::isfinite(x); });
+      refuseByFcl(model, pair, failure.what(),
+                  finite ? "raise GeometryOptions::fcl_tolerance from " + number(model.narrow.fcl_tolerance)
+                         : std::string("their placements are not finite; check q for NaN and infinity"));
     }
   }
 };

@@ -34,8 +34,8 @@ struct GeometryOptions {
   /// The functions that compare two volumes.
   enum class Narrow {
     own,  ///< libdyn's
-    fcl   ///< FCL's signed distance (GJK and EPA) of two solids, triangles or cubes: slower and less exact; collision is the sign of the distance.
-          ///< They allocate, and throw Error(argument) naming the pair where FCL fails.
+    fcl   ///< FCL's signed distance (GJK and EPA) of two solids, triangles or cubes: slower and less exact. Volumes collide if FCL's GJK says
+          ///< that two pieces overlap. The functions allocate, and throw Error(argument) naming the pair where FCL fails.
   };
 
   Pairs pairs = Pairs::all;     ///< pairs to begin with
