@@ -2,7 +2,6 @@
 // Closed loops: two frames that coincide in the directions that are not free, without feedback. Forces follow from the dense equations of motion.
 #include "exact_quantities.hpp"
 
-#include <Eigen/LU>
 #include <Eigen/QR>
 
 namespace dyn::tool {
@@ -65,7 +64,7 @@ Quantities loopsOf(const ExactBodies& x, const Model& description, const State& 
   // M ddq + nle = torque + J^T lambda with J ddq + bias = 0; redundant rows take the forces of least norm.
   const auto motion = [&](const Place& p, const VectorR& w, const VectorR& torque) {
     const BodyJacobians bodies = x.jacobians(p);
-    const MatrixR J = jacobian(p), inverse = x.massMatrix(p, bodies).partialPivLu().inverse();
+    const MatrixR J = jacobian(p), inverse = inverseOf(x.massMatrix(p, bodies));
     const VectorR free = inverse * (torque - x.rnea(p, w, VectorR::Zero(x.nv), bodies));
     Eigen::CompleteOrthogonalDecomposition<MatrixR> solver;
     solver.setThreshold(Real(1e-20));

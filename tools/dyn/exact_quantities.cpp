@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "exact_quantities.hpp"
 
-#include <Eigen/LU>
+#include <algorithm>
 
 namespace dyn::tool {
 
@@ -81,7 +81,7 @@ MatrixR ratesAt(const ExactBodies& x, const Place& at) {
 /// dq/dt, the brackets are zero and the rest are Christoffel symbols.
 MatrixR coriolisOf(const ExactBodies& x, const Place& at, const VectorR& v) {
   const auto massMatrix = [&](const Place& p) { return x.massMatrix(p, x.jacobians(p)); };
-  const MatrixR B = ratesAt(x, at), lower = massMatrix(at) * (B.transpose() * B).partialPivLu().solve(B.transpose());
+  const MatrixR B = ratesAt(x, at), lower = massMatrix(at) * inverseOf(B.transpose() * B) * B.transpose();
   const std::vector<MatrixR> dM = x.byConfiguration(at, massMatrix), dB = x.byConfiguration(at, [&](const Place& p) { return ratesAt(x, p); });
   const auto index = [](int k) { return static_cast<std::size_t>(k); };
   // Column j of brackets[i]: scalar products of [E_i, E_j] with all fields.
@@ -106,6 +106,28 @@ std::pair<Vec6, Vec6> localMotion(const Series& X) {
 
 }  // namespace
 
+MatrixR inverseOf(const MatrixR& A) {
+  const Eigen::Index n = A.rows();
+  std::vector<VectorR> rows;  // of [A, 1], which becomes [1, A^-1]
+  for (Eigen::Index k = 0; k < n; ++k) {
+    rows.emplace_back(VectorR::Zero(2 * n));
+    for (Eigen::Index c = 0; c < n; ++c) rows.back()[c] = A(k, c);
+    rows.back()[n + k] = Real(1);
+  }
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const auto column = static_cast<Eigen::Index>(k);
+    const auto larger = [column](const VectorR& a, const VectorR& b) { return abs(a[column]) < abs(b[column]); };
+    std::iter_swap(rows.begin() + column, std::max_element(rows.begin() + column, rows.end(), larger));
+    rows[k] = rows[k] * (Real(1) / rows[k][column]);
+    for (std::size_t other = 0; other < rows.size(); ++other)
+      if (other != k) rows[other] -= rows[k] * Real(rows[other][column]);
+  }
+  MatrixR out(n, n);
+  for (Eigen::Index r = 0; r < n; ++r)
+    for (Eigen::Index c = 0; c < n; ++c) out(r, c) = rows[static_cast<std::size_t>(r)][n + c];
+  return out;
+}
+
 Quantities dynamicsOf(const ExactBodies& x, const State& state, bool derivatives) {
   const int n = x.nv;
   const Place at = x.place(exact(state.q));
@@ -113,9 +135,8 @@ Quantities dynamicsOf(const ExactBodies& x, const State& state, bool derivatives
   const BodyJacobians J = x.jacobians(at);
   const MatrixR M = x.massMatrix(at, J);
   const VectorR nle = x.rnea(at, v, still, J);
-  const Eigen::PartialPivLU<MatrixR> solver(M);
-  const VectorR ddq = solver.solve(tau - nle);
-  const MatrixR Minv = solver.inverse();
+  const MatrixR Minv = inverseOf(M);
+  const VectorR ddq = Minv * (tau - nle);
 
   Quantities out;
   out["rnea"] = x.rnea(at, v, a, J);
