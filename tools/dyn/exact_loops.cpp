@@ -2,7 +2,7 @@
 // Closed loops: two frames that coincide in the directions that are not free, without feedback. Forces follow from the dense equations of motion.
 #include "exact_quantities.hpp"
 
-#include <Eigen/QR>
+#include <algorithm>
 
 namespace dyn::tool {
 
@@ -45,6 +45,31 @@ MatrixR jacobianOf(const ExactBodies& x, const std::vector<Loop>& loops, const P
   return matrixOf(columns);
 }
 
+/// The x of least norm for which G x = b, where G is positive semi-definite and b in its range. With independent rows C of G, G = C^T G_s^-1 C.
+VectorR leastNorm(const MatrixR& G, const VectorR& b) {
+  MatrixR left = G;  // what elimination of the chosen rows leaves
+  std::vector<Eigen::Index> chosen;
+  const auto diagonalLess = [&left](Eigen::Index i, Eigen::Index j) { return left(i, i) < left(j, j); };
+  std::vector<Eigen::Index> all(static_cast<std::size_t>(G.rows()));
+  for (std::size_t k = 0; k < all.size(); ++k) all[k] = static_cast<Eigen::Index>(k);
+  const Eigen::Index first = *std::max_element(all.begin(), all.end(), diagonalLess);
+  const Real smallest = Real(1e-20) * G(first, first);
+  for (Eigen::Index k = first; smallest < left(k, k); k = *std::max_element(all.begin(), all.end(), diagonalLess)) {
+    chosen.push_back(k);
+    const VectorR column = left.col(k);
+    const Real by = Real(1) / column[k];
+    for (Eigen::Index c = 0; c < G.cols(); ++c) left.col(c) -= column * Real(column[c] * by);
+  }
+  const auto rank = static_cast<Eigen::Index>(chosen.size());
+  MatrixR C(rank, G.cols()), G_s(rank, rank);
+  for (Eigen::Index k = 0; k < rank; ++k) {
+    C.row(k) = G.row(chosen[static_cast<std::size_t>(k)]);
+    for (Eigen::Index l = 0; l < rank; ++l) G_s(k, l) = C(k, chosen[static_cast<std::size_t>(l)]);
+  }
+  const MatrixR square = inverseOf(C * C.transpose());
+  return C.transpose() * (square * (G_s * (square * (C * b))));
+}
+
 }  // namespace
 
 Quantities loopsOf(const ExactBodies& x, const Model& description, const State& state) {
@@ -66,10 +91,7 @@ Quantities loopsOf(const ExactBodies& x, const Model& description, const State& 
     const BodyJacobians bodies = x.jacobians(p);
     const MatrixR J = jacobian(p), inverse = inverseOf(x.massMatrix(p, bodies));
     const VectorR free = inverse * (torque - x.rnea(p, w, VectorR::Zero(x.nv), bodies));
-    Eigen::CompleteOrthogonalDecomposition<MatrixR> solver;
-    solver.setThreshold(Real(1e-20));
-    solver.compute(J * inverse * J.transpose());
-    const VectorR lambda = solver.solve(-(J * free + biasOf(p, w)));
+    const VectorR lambda = leastNorm(J * inverse * J.transpose(), -(J * free + biasOf(p, w)));
     VectorR out(x.nv + lambda.size());
     out << VectorR(free + inverse * J.transpose() * lambda), lambda;
     return out;
