@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Results that pass through Python agree with the project's references as those of C++ do (tests/truth/references_test.cpp has the same bounds)."""
+"""Results that pass through Python agree with the project's references as those of C++ do (tests/truth/data_sets.hpp has the same bounds)."""
 import json
 import os
 import pathlib
@@ -12,7 +12,7 @@ import libdyn as dyn
 SOURCE = pathlib.Path(__file__).parents[2]
 os.environ["DYN_PLUGIN_PATH"] = str(pathlib.Path(dyn.__file__).parents[2] / "examples")
 
-# Of each function: for each result the reference, the reference of its scale, and the largest error in units of 2^-53.
+# Each function has its arguments, and each of its results a reference, the reference of its scale, and the largest error in units of 2^-53.
 FUNCTIONS = {
     "rnea": ("qva", [("rnea", "rnea_scale", 10)]),
     "non_linear_effects": ("qv", [("nle", "rnea_scale", 10)]),

@@ -49,6 +49,22 @@ inline Set load(const std::string& name) {
   return {std::move(model), std::move(compiled), std::move(document)};
 }
 
+/// The states of a set's samples in columns, rounded to T.
+template <class T>
+struct SampleStates {
+  Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic> q, v, a, tau;
+};
+template <class T>
+SampleStates<T> statesOf(const Set& set) {
+  const nlohmann::json& samples = set.document["samples"];
+  const auto columns = [&](const char* key) {
+    Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic> out(vectorOf(samples.at(0).at(key)).size(), static_cast<Eigen::Index>(samples.size()));
+    for (Eigen::Index k = 0; k < out.cols(); ++k) out.col(k) = vectorOf(samples[static_cast<std::size_t>(k)][key]).cast<T>();
+    return out;
+  };
+  return {columns("q"), columns("v"), columns("a"), columns("tau")};
+}
+
 /// The project's own sets, by name.
 inline const std::vector<std::string>& ownSets() {
   static const std::vector<std::string> names = [] {

@@ -24,15 +24,10 @@ void checkBatch(const std::string& name) {
   const nlohmann::json& samples = set.document["samples"];
   const auto n = static_cast<Eigen::Index>(samples.size());
   using Matrix = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>;
-  Matrix q(model.nq(), n), v(model.nv(), n), a(model.nv(), n), tau(model.nv(), n);
+  const auto [q, v, a, tau] = statesOf<T>(set);
   // Products of masses and distances in extreme sets leave no digits of a float, so M is singular there.
   bool regular = std::is_same_v<T, double> || !isExtreme(name), differentiable = true;
-  for (Eigen::Index k = 0; k < n; ++k) {
-    const nlohmann::json& sample = samples[static_cast<std::size_t>(k)];
-    q.col(k) = vectorOf(sample["q"]).cast<T>();
-    v.col(k) = vectorOf(sample["v"]).cast<T>();
-    a.col(k) = vectorOf(sample["a"]).cast<T>();
-    tau.col(k) = vectorOf(sample["tau"]).cast<T>();
+  for (const nlohmann::json& sample : samples) {
     regular = regular && sample["truth"].contains("aba_scale");
     differentiable = differentiable && sample["truth"].contains("ddq_dq");
   }

@@ -55,19 +55,13 @@ void checkBatch(const Set& set, Worst& worst) {
   const auto n = static_cast<Eigen::Index>(samples.size());
   const ModelSizes sizes{model.nv(), model.njoints(), static_cast<int>(model.frames().size())};
   using Matrix = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>;
-  Matrix q(model.nq(), n), v(model.nv(), n), a(model.nv(), n), tau(model.nv(), n);
-  for (Eigen::Index k = 0; k < n; ++k) {
-    const nlohmann::json& sample = samples[static_cast<std::size_t>(k)];
-    q.col(k) = vectorOf(sample["q"]).cast<T>();
-    v.col(k) = vectorOf(sample["v"]).cast<T>();
-    a.col(k) = vectorOf(sample["a"]).cast<T>();
-    tau.col(k) = vectorOf(sample["tau"]).cast<T>();
-    // States are floats, so that the references hold for floats, too.
-    REQUIRE(q.col(k).template cast<double>() == vectorOf(sample["q"]));
-    REQUIRE(v.col(k).template cast<double>() == vectorOf(sample["v"]));
-    REQUIRE(a.col(k).template cast<double>() == vectorOf(sample["a"]));
-    REQUIRE(tau.col(k).template cast<double>() == vectorOf(sample["tau"]));
-  }
+  const auto [q, v, a, tau] = statesOf<T>(set);
+  // States are floats, so that the references hold for floats, too.
+  const SampleStates<double> given = statesOf<double>(set);
+  REQUIRE(q.template cast<double>() == given.q);
+  REQUIRE(v.template cast<double>() == given.v);
+  REQUIRE(a.template cast<double>() == given.a);
+  REQUIRE(tau.template cast<double>() == given.tau);
   const std::string mode = std::is_same_v<T, double> ? ", batch" : ", batch float";
   const double unit = std::is_same_v<T, double> ? 1 : 0x1p-24 / 0x1p-53;
   BasicBatchData<T> batch(model, static_cast<int>(n), Need::derivatives | Need::mass_matrix | Need::kinematics | Need::jacobians);

@@ -2,8 +2,6 @@
 // Closed loops: two frames that coincide in the directions that are not free, without feedback. Forces follow from the dense equations of motion.
 #include "exact_quantities.hpp"
 
-#include <algorithm>
-
 namespace dyn::tool {
 
 namespace {
@@ -49,12 +47,14 @@ MatrixR jacobianOf(const ExactBodies& x, const std::vector<Loop>& loops, const P
 VectorR leastNorm(const MatrixR& G, const VectorR& b) {
   MatrixR left = G;  // what elimination of the chosen rows leaves
   std::vector<Eigen::Index> chosen;
-  const auto diagonalLess = [&left](Eigen::Index i, Eigen::Index j) { return left(i, i) < left(j, j); };
-  std::vector<Eigen::Index> all(static_cast<std::size_t>(G.rows()));
-  for (std::size_t k = 0; k < all.size(); ++k) all[k] = static_cast<Eigen::Index>(k);
-  const Eigen::Index first = *std::max_element(all.begin(), all.end(), diagonalLess);
-  const Real smallest = Real(1e-20) * G(first, first);
-  for (Eigen::Index k = first; smallest < left(k, k); k = *std::max_element(all.begin(), all.end(), diagonalLess)) {
+  const auto pivot = [&left] {
+    Eigen::Index largest = 0;
+    for (Eigen::Index k = 1; k < left.rows(); ++k)
+      if (left(largest, largest) < left(k, k)) largest = k;
+    return largest;
+  };
+  const Real smallest = Real(1e-20) * G(pivot(), pivot());
+  for (Eigen::Index k = pivot(); smallest < left(k, k); k = pivot()) {
     chosen.push_back(k);
     const VectorR column = left.col(k);
     const Real by = Real(1) / column[k];

@@ -122,14 +122,10 @@ void run(const HelpOptions& o, const CLI::App& root) {
   const CLI::App* app = &root;
   std::string path = root.get_name();
   for (const std::string& word : o.command) {
-    std::vector<std::string> names;
-    const CLI::App* next = nullptr;
-    for (const CLI::App* sub : app->get_subcommands([](const CLI::App*) { return true; })) {
-      names.push_back(sub->get_name());
-      if (sub->get_name() == word) next = sub;
-    }
-    if (next == nullptr) throw CLI::ValidationError("COMMAND", "'" + path + "' has no subcommand '" + word + "'" + nearNames(word, names));
-    app = next;
+    const std::vector<std::string>& names = commandAt(table, path).subcommands;
+    if (std::find(names.begin(), names.end(), word) == names.end())
+      throw CLI::ValidationError("COMMAND", "'" + path + "' has no subcommand '" + word + "'" + nearNames(word, names));
+    app = app->get_subcommand(word);
     path += " " + word;
   }
   // CLI::App::help() of dyn itself would print that of the subcommand in use, which is this one.

@@ -11,8 +11,6 @@ namespace dyn::python {
 
 namespace {
 
-using Locks = std::map<std::string, std::optional<std::variant<double, std::vector<double>>>>;
-
 Eigen::VectorXd arrayOf(const std::vector<double>& x) { return Eigen::Map<const Eigen::VectorXd>(x.data(), static_cast<Eigen::Index>(x.size())); }
 
 /// A dictionary of the slices that joints have in q or v.

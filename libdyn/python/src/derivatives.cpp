@@ -31,40 +31,31 @@ void addKinematicsDerivatives(py::module_& m) {
       "compute_forward_kinematics_derivatives",
       [](const CompactModel& x, Data& d, const Vector& q, const Vector& v, const Vector& a) { computeForwardKinematicsDerivatives(x, d, q, v, a); },
       model, data, py::arg("q"), py::arg("v"), py::arg("a"), "Runs forward_kinematics and prepares the derivatives that get_..._derivatives return.");
-  const auto velocity = [&](const char* name, auto get, auto number, const py::arg& which, const char* doc) {
+  // Adds a function of a joint or frame that returns one matrix (6, nv) for each index.
+  const auto add = [&]<std::size_t... k>(std::index_sequence<k...>, const char* name, auto get, auto number, const py::arg& which, const char* doc) {
     m.def(
         name,
         [get, number](const CompactModel& x, Data& d, const Name& i, ReferenceFrame r) {
-          Matrix dq(6, x.nv()), dv(6, x.nv());
-          const int id = number(x, i);
-          get(x, d, id, r, dq, dv);
-          return py::make_tuple(dq, dv);
+          Matrix out[] = {((void)k, Matrix(6, x.nv()))...};
+          get(x, d, number(x, i), r, out[k]...);
+          return py::make_tuple(out[k]...);
         },
         model, data, which, reference, doc);
   };
-  velocity(
-      "get_joint_velocity_derivatives", [](auto&... x) { getJointVelocityDerivatives(x...); }, &jointOf, joint,
-      "Returns the derivatives (6, nv) of a joint's velocity by q and v.");
-  velocity(
-      "get_frame_velocity_derivatives", [](auto&... x) { getFrameVelocityDerivatives(x...); }, &frameOf, frame,
-      "Returns the derivatives (6, nv) of a frame's velocity by q and v.");
-  const auto acceleration = [&](const char* name, auto get, auto number, const py::arg& which, const char* doc) {
-    m.def(
-        name,
-        [get, number](const CompactModel& x, Data& d, const Name& i, ReferenceFrame r) {
-          Matrix v_dq(6, x.nv()), dq(6, x.nv()), dv(6, x.nv()), da(6, x.nv());
-          const int id = number(x, i);
-          get(x, d, id, r, v_dq, dq, dv, da);
-          return py::make_tuple(v_dq, dq, dv, da);
-        },
-        model, data, which, reference, doc);
-  };
-  acceleration(
-      "get_joint_acceleration_derivatives", [](auto&... x) { getJointAccelerationDerivatives(x...); }, &jointOf, joint,
-      "Returns the derivative (6, nv) of a joint's velocity by q, and those of its acceleration by q, v and a.");
-  acceleration(
-      "get_frame_acceleration_derivatives", [](auto&... x) { getFrameAccelerationDerivatives(x...); }, &frameOf, frame,
-      "Returns the derivative (6, nv) of a frame's velocity by q, and those of its acceleration by q, v and a.");
+  constexpr std::make_index_sequence<2> of_velocity;
+  const char* const velocity = "Returns the derivatives (6, nv) of the velocity by q and v.";
+  add(
+      of_velocity, "get_joint_velocity_derivatives", [](auto&&... x) { getJointVelocityDerivatives(x...); }, &jointOf, joint, velocity);
+  add(
+      of_velocity, "get_frame_velocity_derivatives", [](auto&&... x) { getFrameVelocityDerivatives(x...); }, &frameOf, frame, velocity);
+  constexpr std::make_index_sequence<4> of_acceleration;
+  const char* const acceleration = "Returns the derivative (6, nv) of the velocity by q, and those of the acceleration by q, v and a.";
+  add(
+      of_acceleration, "get_joint_acceleration_derivatives", [](auto&&... x) { getJointAccelerationDerivatives(x...); }, &jointOf, joint,
+      acceleration);
+  add(
+      of_acceleration, "get_frame_acceleration_derivatives", [](auto&&... x) { getFrameAccelerationDerivatives(x...); }, &frameOf, frame,
+      acceleration);
 }
 
 void addRegressors(py::module_& m) {

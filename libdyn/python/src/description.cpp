@@ -62,11 +62,9 @@ urdf::Options optionsOf(const std::string& root, const std::string& mimic, const
           chosen<Inertias>("inertias", inertias, {{"physical", Inertias::physical}, {"any", Inertias::any}})};
 }
 
-using Locks = std::map<std::string, std::optional<std::variant<double, std::vector<double>>>>;
-
 }  // namespace
 
-std::vector<LockedJoint> lockedJoints(const std::map<std::string, std::optional<std::variant<double, std::vector<double>>>>& lock) {
+std::vector<LockedJoint> lockedJoints(const Locks& lock) {
   std::vector<LockedJoint> out;
   for (const auto& [joint, q] : lock) out.push_back({joint, q ? numbers(*q) : std::vector<double>()});
   return out;

@@ -19,13 +19,15 @@ PYBIND11_MAKE_OPAQUE(std::vector<dyn::FrameDescription>)
 
 namespace dyn::python {
 
+/// Joints to hold, by name: coordinates, one number or several, or nothing for neutral.
+using Locks = std::map<std::string, std::optional<std::variant<double, std::vector<double>>>>;
+
 /// Returns the standard registry, which all calls share.
 const JointRegistry& registry();
 
 /// Returns the index of a body that is given by name or index. Throws Error(argument) for an unknown name.
 int bodyOf(const Model& model, const std::variant<int, std::string>& body);
 
-/// Returns the joints to hold: names with coordinates, one number or several, or nothing for neutral.
-std::vector<LockedJoint> lockedJoints(const std::map<std::string, std::optional<std::variant<double, std::vector<double>>>>& lock);
+std::vector<LockedJoint> lockedJoints(const Locks& lock);
 
 }  // namespace dyn::python

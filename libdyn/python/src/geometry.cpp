@@ -5,6 +5,7 @@
 #include <dyn/geometry/collision.hpp>
 #include <dyn/geometry/contact_finder.hpp>
 #include <dyn/geometry/distance.hpp>
+#include <dyn/near_names.hpp>
 #include <dyn/spatial/eigen.hpp>
 
 #include <pybind11/eigen.h>
@@ -19,7 +20,6 @@ using Vector3 = Eigen::Vector3d;
 using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 using Pairs = std::vector<std::pair<std::string, std::string>>;
 
-Vec3<double> vec3(const Vector3& x) { return {x[0], x[1], x[2]}; }
 std::vector<Vec3<double>> pointsOf(const Points& rows) {
   std::vector<Vec3<double>> out;
   for (Eigen::Index k = 0; k < rows.rows(); ++k) out.push_back({rows(k, 0), rows(k, 1), rows(k, 2)});
@@ -57,7 +57,7 @@ void addShapes(py::module_& m) {
            radius, length);
   py::class_<HalfSpace>(m, "HalfSpace", "All points x with normal . x <= offset [m].")
       .def(py::init([](const Vector3& normal, double offset) {
-             return HalfSpace{vec3(normal), offset};
+             return HalfSpace{fromEigen3(normal), offset};
            }),
            py::arg("normal") = Vector3::UnitZ().eval(), py::arg("offset") = 0.0);
   py::class_<ConvexHull>(m, "ConvexHull", "The convex hull of points, one a row [m].")
@@ -69,7 +69,7 @@ void addShapes(py::module_& m) {
            py::arg("vertices"), py::arg("triangles"));
   py::class_<MeshFile>(m, "MeshFile", "A mesh in a file.")
       .def(py::init([](const std::string& uri, const Vector3& scale, bool convex) {
-             return MeshFile{uri, vec3(scale), convex};
+             return MeshFile{uri, fromEigen3(scale), convex};
            }),
            py::arg("uri"), py::arg("scale") = Vector3::Ones().eval(), py::arg("convex") = false);
 }
@@ -87,12 +87,7 @@ void addGeometry(py::module_& m) {
           "Adds a volume for collision at `placement` in the body's frame.");
 
   py::class_<GeometryModel>(m, "GeometryModel", "Compiled volumes and the pairs to check.")
-      .def_property_readonly("names",
-                             [](const GeometryModel& g) {
-                               std::vector<std::string> names;
-                               for (const GeometryRecord& x : g.geometries()) names.push_back(x.name);
-                               return names;
-                             })
+      .def_property_readonly("names", [](const GeometryModel& g) { return namesOf(g.geometries()); })
       .def_property_readonly(
           "pairs",
           [](const GeometryModel& g) {
@@ -175,7 +170,7 @@ void addGeometry(py::module_& m) {
   m.def(
       "points_on_plane",
       [](const CompactModel& x, const std::vector<std::string>& frames, const Vector3& normal, double height, double friction) {
-        return pointsOnPlane(x, frames, vec3(normal), height, friction);
+        return pointsOnPlane(x, frames, fromEigen3(normal), height, friction);
       },
       model, py::arg("frames"), py::arg("normal") = Vector3::UnitZ().eval(), py::arg("height") = 0.0, py::arg("friction") = 0.0,
       "Makes a finder of contacts between origins of frames and the plane normal . x = height.");

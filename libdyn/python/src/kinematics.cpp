@@ -18,22 +18,20 @@ namespace {
 
 using Vector = Eigen::Ref<const Eigen::VectorXd>;
 using MaybeVector = std::optional<Vector>;
+
+/// Calls use(), use(v) or use(v, a), as far as they are given.
+template <class Use>
+auto withGiven(const char* function, const MaybeVector& v, const MaybeVector& a, const Use& use) {
+  if (a && !v) throw Error(ErrorCode::argument, std::string(function) + ": a without v; give v, too");
+  return a ? use(*v, *a) : v ? use(*v) : use();
+}
+
 void forward(const CompactModel& model, Data& data, const Vector& q, const MaybeVector& v, const MaybeVector& a) {
-  if (a && !v) throw Error(ErrorCode::argument, "forward_kinematics: a without v; give v, too");
-  if (a) {
-    forwardKinematics(model, data, q, *v, *a);
-  } else if (v) {
-    forwardKinematics(model, data, q, *v);
-  } else {
-    forwardKinematics(model, data, q);
-  }
+  withGiven("forward_kinematics", v, a, [&](const auto&... given) { forwardKinematics(model, data, q, given...); });
 }
 
 CenterOfMass centre(const CompactModel& model, Data& data, const Vector& q, const MaybeVector& v, const MaybeVector& a) {
-  if (a && !v) throw Error(ErrorCode::argument, "center_of_mass: a without v; give v, too");
-  if (a) return centerOfMass(model, data, q, *v, *a);
-  if (v) return centerOfMass(model, data, q, *v);
-  return centerOfMass(model, data, q);
+  return withGiven("center_of_mass", v, a, [&](const auto&... given) { return centerOfMass(model, data, q, given...); });
 }
 
 }  // namespace

@@ -21,7 +21,6 @@ using Vector3 = Eigen::Vector3d;
 using Matrix3 = Eigen::Matrix3d;
 using Six = Eigen::Matrix<double, 6, 1>;
 
-Vec3<double> vec3(const Vector3& x) { return {x[0], x[1], x[2]}; }
 Sym3<double> sym3(const Matrix3& A) { return {A(0, 0), A(0, 1), A(0, 2), A(1, 1), A(1, 2), A(2, 2)}; }
 
 /// Returns an array that views numbers of `owner`, which it keeps alive.
@@ -35,7 +34,7 @@ template <class T, class Class>
 void vectorProperty(Class& c, const char* name, Vec3<double> T::*member, const char* doc) {
   c.def_property(
       name, [member](const py::object& self) { return view(self, &(py::cast<T&>(self).*member).x, {3}); },
-      [member](T& self, const Vector3& x) { self.*member = vec3(x); }, doc);
+      [member](T& self, const Vector3& x) { self.*member = fromEigen3(x); }, doc);
 }
 
 /// Adds copies, and pickling by the constructor's arguments.
@@ -69,7 +68,7 @@ void addPair(py::module_& m, const char* name, const char* doc, const char* line
   py::class_<T> c(m, name, doc);
   const auto parts = [](const T& x) { return py::make_tuple(toEigen(x.linear), toEigen(x.angular)); };
   c.def(py::init([](const Vector3& l, const Vector3& a) {
-          return T{vec3(l), vec3(a)};
+          return T{fromEigen3(l), fromEigen3(a)};
         }),
         py::arg("linear") = Vector3::Zero().eval(), py::arg("angular") = Vector3::Zero().eval());
   c.def(py::init([](const Six& x) { return T{{x[0], x[1], x[2]}, {x[3], x[4], x[5]}}; }), py::arg("vector"));
@@ -105,7 +104,7 @@ void addSpatial(py::module_& m) {
       .def(py::init([](double mass, const Vector3& com, const Matrix3& rotational) {
              if (!rotational.isApprox(rotational.transpose(), 1e-12) && !rotational.isZero(0))
                throw Error(ErrorCode::argument, "Inertia: the rotational inertia is not symmetric");
-             return Y{mass, vec3(com), sym3(rotational)};
+             return Y{mass, fromEigen3(com), sym3(rotational)};
            }),
            py::arg("mass") = 0.0, py::arg("com") = Vector3::Zero().eval(), py::arg("rotational") = Matrix3::Zero().eval())
       .def_readwrite("mass", &Y::mass, "[kg]")
@@ -127,7 +126,7 @@ void addSpatial(py::module_& m) {
   const auto pose_parts = [](const X& x) { return py::make_tuple(toEigen(x.R), toEigen(x.p)); };
   const auto of = [](const Matrix3& R, const Vector3& p) {
     if (!(R.transpose() * R).isIdentity(1e-9) || !(R.determinant() > 0)) throw Error(ErrorCode::argument, "SE3: R is not a rotation");
-    return X{rotationFromEigen(R), vec3(p)};
+    return X{rotationFromEigen(R), fromEigen3(p)};
   };
   pose.def(py::init(of), py::arg("R") = Matrix3::Identity().eval(), py::arg("p") = Vector3::Zero().eval())
       .def(py::init([of](const Eigen::Matrix4d& H) { return of(H.topLeftCorner<3, 3>(), H.topRightCorner<3, 1>()); }), py::arg("homogeneous"))
@@ -140,7 +139,7 @@ void addSpatial(py::module_& m) {
       .def_static(
           "rotation",
           [](const Vector3& w) {
-            return X{exp6(Motion<double>{{}, vec3(w)}).R, {}};
+            return X{exp6(Motion<double>{{}, fromEigen3(w)}).R, {}};
           },
           py::arg("vector"), "Returns a rotation by |vector| [rad] about the vector.")
       .def_static(
@@ -165,7 +164,7 @@ void addSpatial(py::module_& m) {
       .def(
           "act", [](const X& x, const Y& y) { return y.transformed(x); }, py::arg("x"))
       .def(
-          "act", [](const X& x, const Vector3& p) { return toEigen(x.act(vec3(p))); }, py::arg("x"))
+          "act", [](const X& x, const Vector3& p) { return toEigen(x.act(fromEigen3(p))); }, py::arg("x"))
       .def(
           "act_inverse", [](const X& x, const Motion<double>& v) { return x.actInv(v); }, py::arg("x"),
           "Maps a motion, force, inertia or point from a to b.")
@@ -174,7 +173,7 @@ void addSpatial(py::module_& m) {
       .def(
           "act_inverse", [](const X& x, const Y& y) { return y.transformed(x.inverse()); }, py::arg("x"))
       .def(
-          "act_inverse", [](const X& x, const Vector3& p) { return toEigen(x.actInv(vec3(p))); }, py::arg("x"))
+          "act_inverse", [](const X& x, const Vector3& p) { return toEigen(x.actInv(fromEigen3(p))); }, py::arg("x"))
       .def(
           "__mul__", [](const X& a, const X& b) { return a * b; }, py::is_operator())
       .def(
@@ -186,7 +185,7 @@ void addSpatial(py::module_& m) {
       .def(
           "__matmul__", [](const X& a, const Y& y) { return y.transformed(a); }, py::is_operator())
       .def(
-          "__matmul__", [](const X& a, const Vector3& p) { return toEigen(a.act(vec3(p))); }, py::is_operator())
+          "__matmul__", [](const X& a, const Vector3& p) { return toEigen(a.act(fromEigen3(p))); }, py::is_operator())
       .def(
           "__eq__", [](const X& a, const X& b) { return toEigen(a) == toEigen(b); }, py::is_operator());
   vectorProperty(pose, "p", &X::p, "The origin of b in a [m].");

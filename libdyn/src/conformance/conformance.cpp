@@ -19,22 +19,6 @@ std::string show(const char* name, const Eigen::VectorXd& x) {
 
 namespace {
 
-ConformanceFinding failure(const std::string& check, const std::string& why) {
-  return {check, false, std::numeric_limits<double>::infinity(), 0, why};
-}
-
-/// Runs a group of checks. An exception becomes a finding.
-template <class Group>
-void guarded(const char* name, Findings& findings, const Group& group) {
-  try {
-    group();
-  } catch (const std::exception& e) {
-    findings.push_back(failure(name, e.what()));
-  } catch (...) {
-    findings.push_back(failure(name, "threw something that is no std::exception"));
-  }
-}
-
 /// Why nv does not fit the shape; empty if it does.
 std::string shapeProblem(const JointInstance& joint) {
   const auto wants = [&](int nv) {

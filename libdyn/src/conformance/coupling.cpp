@@ -9,7 +9,7 @@ std::vector<ConformanceFinding> checkCouplingType(const CouplingType& type, cons
                                                   const AllocationCount& allocations) {
   using namespace conformance;
   Findings findings;
-  try {
+  guarded("parameters", findings, [&] {
     const CheckedParameters checked = checkParameters(example, type.info(), {});
     const std::vector<ParameterArgument> arguments = checked.arguments();
     char message[256] = "";
@@ -46,11 +46,7 @@ std::vector<ConformanceFinding> checkCouplingType(const CouplingType& type, cons
       const long made = allocations() - before;
       findings.push_back({"no allocation", made == 0, static_cast<double>(made), 0, made == 0 ? "" : "heap allocations in one call"});
     }
-  } catch (const std::exception& e) {
-    findings.push_back({"parameters", false, std::numeric_limits<double>::infinity(), 0, e.what()});
-  } catch (...) {
-    findings.push_back({"parameters", false, std::numeric_limits<double>::infinity(), 0, "threw something that is no std::exception"});
-  }
+  });
   return findings;
 }
 

@@ -35,6 +35,22 @@ class Random {
   std::mt19937_64 engine_;
 };
 
+inline ConformanceFinding failure(const std::string& check, const std::string& why) {
+  return {check, false, std::numeric_limits<double>::infinity(), 0, why};
+}
+
+/// Runs a group of checks. An exception becomes a finding.
+template <class Group>
+void guarded(const char* name, Findings& findings, const Group& group) {
+  try {
+    group();
+  } catch (const std::exception& e) {
+    findings.push_back(failure(name, e.what()));
+  } catch (...) {
+    findings.push_back(failure(name, "threw something that is no std::exception"));
+  }
+}
+
 /// Collects the worst error of one check over many samples, as one finding.
 class Worst {
  public:

@@ -6,6 +6,8 @@
 #include "geometry/narrow/fcl.hpp"
 #include "number_text.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <string>
 
 namespace dyn {

@@ -19,7 +19,7 @@ struct PairName {
       b;          ///< the other name; the order does not matter
 };
 
-/// Which pairs compileGeometry() takes, and where it looks for files.
+/// Choices of compileGeometry(): the pairs that it takes, the folders of files, and the functions that compare volumes.
 struct GeometryOptions {
   /// The pairs to begin with.
   enum class Pairs {
