@@ -112,8 +112,31 @@ struct Pack {
   friend Pack sqrt(const Pack& a) { return xsimd::sqrt(a.batch()); }
   friend Pack abs(const Pack& a) { return xsimd::abs(a.batch()); }
   /// @}
+  /// Return a function of each lane, which the C library computes number by number. Angles are in rad.
+  /// @{
+  friend Pack tan(const Pack& a) {
+    return each([](T x) { return std::tan(x); }, a);
+  }
+  friend Pack exp(const Pack& a) {
+    return each([](T x) { return std::exp(x); }, a);
+  }
+  friend Pack log(const Pack& a) {
+    return each([](T x) { return std::log(x); }, a);
+  }
+  friend Pack atan2(const Pack& y, const Pack& x) {
+    return each([](T b, T a) { return std::atan2(b, a); }, y, x);
+  }
+  /// @}
   /// Returns a where the condition holds, else b.
   friend Pack select(const Mask& condition, const Pack& a, const Pack& b) { return xsimd::select(condition.x, a.batch(), b.batch()); }
+
+ private:
+  template <class Function, class... Packs>
+  static Pack each(const Function& function, const Packs&... packs) {
+    Pack out;
+    for (int k = 0; k < lanes; ++k) out.begin()[k] = function(packs.begin()[k]...);
+    return out;
+  }
 };
 
 /// The number type of packs.
