@@ -22,7 +22,7 @@ void VolumeOptions::add(CLI::App& app) {
 Model VolumeOptions::description(const ModelOptions& robot) const {
   Model description = robot.read();
   if (!srdf.empty()) timed("read " + srdf, [&] { srdf::load(srdf, description); });
-  if (!scene.empty()) description = append(description, timed("read " + scene, [&] { return urdf::load(scene); }), "universe", {}, "scene/");
+  if (!scene.empty()) description = append(description, timed("read " + scene, [&] { return load(scene); }), "universe", {}, "scene/");
   printNotes(description);
   return description;
 }

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// libdyn's own format, NAME.dyn.json: all of a Model, with nothing lost. Numbers read back to the same bits.
+#pragma once
+
+#include <dyn/model/model.hpp>
+
+#include <string>
+
+namespace dyn::json {
+
+/// The version of the format that save() writes. load() reads it and all before it.
+inline constexpr int format_version = 1;
+
+/// Reads a model from a file. Throws Error(file), Error(syntax) with the line of malformed JSON, or with the place of a member that is unknown,
+/// missing or of the wrong kind, such as bodies[2].joint.type, and Error(model) for names that are not there.
+DYN_API Model load(const std::string& path);
+/// Does the same for a text, which messages call `name`.
+DYN_API Model parse(const std::string& text, const std::string& name);
+
+/// Returns a model as text. Deterministic. Members that have their usual values are left out. Throws Error(model) for a model whose bodies[0] is not
+/// the world, or whose indices are out of range.
+DYN_API std::string write(const Model& model);
+/// Replaces a file by that text, as a whole. Throws as write() and replaceFile().
+DYN_API void save(const Model& model, const std::string& path);
+
+}  // namespace dyn::json
