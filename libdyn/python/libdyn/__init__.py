@@ -12,10 +12,13 @@ Names are those of the C++ library in Python's style: computeRNEADerivatives is 
 """
 
 import os
+import runpy
 
 from . import _core
 from ._core import *  # noqa: F403
-from ._core import __version__  # noqa: F401
+from ._core import Error, Model, __version__  # noqa: F401
+from .joint_types import JointFunction, Parameter, joint  # noqa: F401
+from .tracing import Scalar, TracedSE3, atan2, cos, exp, log, select, sin, sqrt, tan  # noqa: F401
 
 for _thing in vars(_core).values():
     if getattr(_thing, "__module__", None) == _core.__name__ and isinstance(_thing, type):
@@ -25,8 +28,28 @@ for _thing in vars(_core).values():
 def load(path, *, root="fixed", mimic="coupled", order="name", continuous="unit_circle", inertias="physical"):
     """Reads a robot from a file; returns a Model.
 
+    The file's ending tells its format: .json is libdyn's own, .py is a Python file that leaves a `model`, all others are URDF.
     root: the joint type between world and root link, such as "free_flyer". mimic: "coupled" or "independent". order: siblings by "name" or as in
     the "file". continuous: a continuous joint's q is a point of the "unit_circle" or an "angle". inertias: "physical", or "any" to load what no body
-    has. Raises Error with the file and line of what is wrong.
+    has. Raises Error with the file and line of what is wrong. A Python file is run, with all that it may do.
     """
-    return _core._load(os.fspath(path), root=root, mimic=mimic, order=order, continuous=continuous, inertias=inertias)
+    path = os.fspath(path)
+    if path.endswith(".py"):
+        return _left_by(path, root)
+    return _core._load(path, root=root, mimic=mimic, order=order, continuous=continuous, inertias=inertias)
+
+
+def _left_by(path, root):
+    """Runs a Python file and returns the model that it leaves."""
+
+    def refuse(message):
+        error = Error(f"{path}: {message}")
+        error.code, error.file, error.line, error.joint = "model", path, 0, ""
+        return error
+
+    if root != "fixed":
+        raise refuse(f"makes its own joint between world and robot, so that the root joint '{root}' does not apply")
+    model = runpy.run_path(path).get("model")
+    if not isinstance(model, Model):
+        raise refuse(f"must leave a libdyn.Model called `model`; it leaves {'none' if model is None else type(model).__name__}")
+    return model

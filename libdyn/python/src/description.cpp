@@ -4,7 +4,7 @@
 
 #include <dyn/compile/edit.hpp>
 #include <dyn/near_names.hpp>
-#include <dyn/parsers/urdf.hpp>
+#include <dyn/parsers/load.hpp>
 
 #include <pybind11/stl.h>
 #include <pybind11/stl_bind.h>
@@ -78,8 +78,8 @@ int bodyOf(const Model& model, const std::variant<int, std::string>& body) {
   return found;
 }
 
-const JointRegistry& registry() {
-  static const JointRegistry standard = JointRegistry::standard();
+JointRegistry& registry() {
+  static JointRegistry standard = JointRegistry::standard();
   return standard;
 }
 
@@ -172,7 +172,7 @@ void addDescription(py::module_& m) {
   m.def(
       "_load",
       [](const std::string& path, const std::string& r, const std::string& mi, const std::string& o, const std::string& c, const std::string& i) {
-        return urdf::load(path, optionsOf(r, mi, o, c, i));
+        return load(path, optionsOf(r, mi, o, c, i));
       },
       py::arg("path"), root, mimic, order, continuous, inertias);
   m.def(

@@ -23,7 +23,7 @@ namespace dyn::python {
 using Locks = std::map<std::string, std::optional<std::variant<double, std::vector<double>>>>;
 
 /// Returns the standard registry, which all calls share.
-const JointRegistry& registry();
+JointRegistry& registry();
 
 /// Returns the index of a body that is given by name or index. Throws Error(argument) for an unknown name.
 int bodyOf(const Model& model, const std::variant<int, std::string>& body);

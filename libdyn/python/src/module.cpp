@@ -78,6 +78,8 @@ PYBIND11_MODULE(_core, m) {
   addErrors(m);
   addSpatial(m);
   addDescription(m);
+  addFiles(m);
+  addJointTypes(m);
   addCompactModel(m);
   addData(m);
   addConfiguration(m);

@@ -11,6 +11,8 @@ namespace py = pybind11;
 void addErrors(py::module_& m);
 void addSpatial(py::module_& m);
 void addDescription(py::module_& m);
+void addFiles(py::module_& m);
+void addJointTypes(py::module_& m);
 void addCompactModel(py::module_& m);
 void addData(py::module_& m);
 void addConfiguration(py::module_& m);

@@ -1,18 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "codegen/cache.hpp"
-#include "codegen/process.hpp"
-#include "digest.hpp"
+#include "codegen/compiler.hpp"
 #include "joint/loader.hpp"
 
 #include <dyn/codegen/native.hpp>
 #include <dyn/error.hpp>
-
-#include <cstdlib>
-#include <fstream>
-#include <iterator>
-#include <map>
-#include <mutex>
-#include <sstream>
 
 namespace dyn {
 
@@ -26,8 +17,6 @@ struct CompiledFunction::Impl {
 
 namespace {
 
-namespace fs = std::filesystem;
-
 /// C source of dyn_call(), which takes any number of arguments as two arrays of pointers.
 std::string uniformEntry(const TracedFunction& f) {
   std::string out = "__attribute__((visibility(\"default\"))) void dyn_call(const void* const* in, void* const* out) {\n  " + f.name + "(";
@@ -35,78 +24,6 @@ std::string uniformEntry(const TracedFunction& f) {
   for (std::size_t i = 0; i < f.outputs.size(); ++i) out += "(dyn_real*)out[" + std::to_string(i) + "], ";
   out.resize(out.size() - 2);
   return out + ");\n}\n";
-}
-
-/// The compiler's command as words. CC may have several words, as in a makefile: "ccache gcc".
-std::vector<std::string> compilerOf(const NativeOptions& options) {
-  if (!options.compiler.empty()) return {options.compiler};
-  const char* given = secure_getenv("CC");
-  std::istringstream text(given != nullptr ? given : "");
-  std::vector<std::string> words{std::istream_iterator<std::string>(text), {}};
-  return words.empty() ? std::vector<std::string>{"cc"} : words;
-}
-
-std::string joined(const std::vector<std::string>& words) {
-  std::string out;
-  for (const std::string& word : words) out += (out.empty() ? "" : " ") + word;
-  return out;
-}
-
-/// The compiler's answer to --version. Each compiler is run once. Throws Error(compiler) if it cannot be run.
-std::string versionOf(std::vector<std::string> command) {
-  const std::string compiler = joined(command);
-  static std::mutex mutex;
-  static std::map<std::string, std::string> known;
-  const std::lock_guard lock(mutex);
-  if (const auto found = known.find(compiler); found != known.end()) return found->second;
-  command.push_back("--version");
-  const ProcessResult r = runProcess(command, 10);
-  if (!r.started || r.exit_code != 0)
-    throw Error(ErrorCode::compiler,
-                "there is no compiler '" + compiler + "'; install one (apt install gcc), or name it in CC or NativeOptions::compiler");
-  return known[compiler] = r.output;
-}
-
-/// The processor's features. They are part of the cache's key, as code for one processor may not run on another.
-std::string processor() {
-  std::ifstream info("/proc/cpuinfo");
-  std::string line;
-  while (std::getline(info, line))
-    if (line.starts_with("flags") || line.starts_with("Features")) return line;
-  return "";
-}
-
-class Workshop {
- public:
-  explicit Workshop(const ObjectCache& cache) : path(cache.workshop()) {}
-  ~Workshop() {
-    std::error_code error;
-    fs::remove_all(path, error);
-  }
-  Workshop(const Workshop&) = delete;
-  Workshop& operator=(const Workshop&) = delete;
-  const fs::path path;
-};
-
-OpenFile compileSource(const ObjectCache& cache, const std::string& key, const std::string& text, const std::vector<std::string>& command,
-                       const TracedFunction& f, const NativeOptions& options) {
-  const Workshop workshop(cache);
-  const fs::path source = workshop.path / "code.c", object = workshop.path / "code.so";
-  std::ofstream file(source);
-  file << text;
-  file.close();
-  if (!file) throw Error(ErrorCode::file, "cannot be written", {source.string(), 0, ""});
-  std::vector<std::string> all = command;
-  all.insert(all.end(), {"-o", object.string(), source.string(), "-lm"});
-  const ProcessResult r = runProcess(all, options.seconds);
-  if (r.timed_out)
-    throw Error(ErrorCode::compiler, "'" + f.name + "' (" + std::to_string(f.graph.count().total()) + " operations) was not compiled within " +
-                                         std::to_string(options.seconds) + " s; allow more (NativeOptions::seconds), or compile with -O1");
-  if (!r.started || r.exit_code != 0 || !fs::exists(object))
-    throw Error(ErrorCode::compiler, "'" + f.name + "' was not compiled by " + command[0] + ": " + r.output.substr(0, 2000));
-  cache.enter(key, object);
-  if (auto entry = cache.find(key)) return std::move(*entry);
-  throw Error(ErrorCode::compiler, "'" + f.name + "' was compiled, but is not what was entered into the cache of compiled functions");
 }
 
 CompiledFunction make(const TracedFunction& f, const ObjectCache& cache, const NativeOptions& options) {
@@ -117,26 +34,28 @@ CompiledFunction make(const TracedFunction& f, const ObjectCache& cache, const N
   SourceOptions how;
   how.single_precision = options.single_precision;
   how.lanes = options.lanes;
-  const std::string text = writeSource({f}, how).code() + uniformEntry(f);
-  std::vector<std::string> command = compilerOf(options);
-  std::string identity = text + versionOf(command) + processor();
-  command.insert(command.end(), {"-std=gnu99", "-shared", "-fPIC", "-fvisibility=hidden", "-ffp-contract=fast", "-fno-math-errno",
-                                 "-fno-trapping-math", "-fno-tree-vectorize"});
-  command.insert(command.end(), options.flags.begin(), options.flags.end());
-  for (const std::string& word : command) identity += '\0' + word;
-  const std::string key = digest(identity);
+  CompilerTask task{.what = "'" + f.name + "' (" + std::to_string(operations) + " operations)",
+                    .source = writeSource({f}, how).code() + uniformEntry(f),
+                    .file = "code.c",
+                    .words = compilerCommand(options.compiler, "CC", "cc"),
+                    .flags = {"-std=gnu99", "-shared", "-fPIC", "-fvisibility=hidden", "-ffp-contract=fast", "-fno-math-errno",
+                              "-fno-trapping-math", "-fno-tree-vectorize"},
+                    .seconds = options.seconds,
+                    .remedy = "allow more (NativeOptions::seconds), or compile with -O1"};
+  task.flags.insert(task.flags.end(), options.flags.begin(), options.flags.end());
+  const std::string entry = entryName(task);
 
   auto impl = std::make_shared<CompiledFunction::Impl>();
   impl->name = f.name;
   impl->inputs = f.inputs;
   impl->outputs = f.outputs;
   impl->plain = options.lanes == 1 && !options.single_precision;
-  const std::optional<OpenFile> found = cache.find(key);
+  const std::optional<OpenFile> found = cache.find(entry);
   void* symbol = found ? openFunction(*found, "dyn_call") : nullptr;
   impl->cached = symbol != nullptr;
   if (symbol == nullptr) {
     if (options.progress) options.progress("compiling " + f.name + ", " + std::to_string(operations) + " operations");
-    const OpenFile object = compileSource(cache, key, text, command, f, options);
+    const OpenFile object = compileInto(cache, entry, task);
     symbol = openFunction(object, "dyn_call");
     if (symbol == nullptr) throw Error(ErrorCode::compiler, "'" + f.name + "' was compiled but cannot be loaded", {object.path(), 0, ""});
   }

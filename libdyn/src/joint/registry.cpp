@@ -171,6 +171,15 @@ void JointRegistry::add(const JointType& type) {
   impl_->joints.push_back(&type);
 }
 
+void JointRegistry::remove(const std::string& name) {
+  const JointType& type = jointType(name);
+  std::erase(impl_->joints, &type);
+  impl_->origin.erase(name);
+  impl_->fast.erase(&type);
+  for (PluginRecord& plugin : impl_->plugins) std::erase(plugin.types, name);
+  std::erase_if(impl_->plugins, [](const PluginRecord& plugin) { return plugin.problem.empty() && plugin.types.empty(); });
+}
+
 void JointRegistry::loadDirectory(const std::string& directory, Trust trust) {
   impl_->searched.push_back(directory);
   std::vector<std::string> files;

@@ -48,6 +48,10 @@ class DYN_API JointRegistry {
   /// name, or if its description is incomplete.
   void add(const JointType& type);
 
+  /// Makes the registry forget a joint type, so that another can take its name. Models that are compiled keep the type. Throws Error(joint_type) if
+  /// there is none.
+  void remove(const std::string& name);
+
   /// Returns the type of that name. Throws Error(joint_type), with every path searched and every problem met, if there is none. The error has `where`
   /// as its place. O(types).
   /// @{
