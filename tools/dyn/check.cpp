@@ -53,7 +53,7 @@ void checkInertias(const Model& description, Findings& findings) {
 
 void runCheck(const ModelOptions& o) {
   Findings findings;
-  for (const Error& e : urdf::check(o.path, o.urdfOptions())) findings.error(e.what());
+  for (const Error& e : o.problems()) findings.error(e.what());
   if (findings.errors() == 0) {
     try {
       const Model description = o.read();

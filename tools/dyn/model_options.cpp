@@ -9,7 +9,11 @@
 namespace dyn::tool {
 
 void ModelOptions::add(CLI::App& app) {
-  app.add_option("MODEL", path, "URDF file")->type_name("FILE")->required()->check(fileName());
+  app.add_option("MODEL", path, "URDF file, NAME.dyn.json, or a Python file that leaves a `model` (which runs python3)")
+      ->type_name("FILE")
+      ->required()
+      ->check(fileName());
+  app.add_option("--format", format, "format of MODEL, if its ending does not tell it")->check(CLI::IsMember({"urdf", "json", "python"}));
   app.add_option("--root", root, "joint between the world and the root link: fixed, free_flyer, or any joint type that needs no parameters")
       ->capture_default_str();
   app.add_option("--mimic", mimic, "mimic joints move on their own, or follow their masters")
@@ -33,6 +37,8 @@ JointRegistry ModelOptions::registry() const {
   JointRegistry registry = timed("loaded the plugins", [&] {
     JointRegistry loaded = JointRegistry::standard(trust);
     for (const std::string& plugin : plugins) loaded.load(plugin, trust);
+    if (isPython())
+      for (const std::string& plugin : python().plugins) loaded.load(plugin, trust);
     return loaded;
   });
   for (const PluginRecord& plugin : registry.plugins())
@@ -51,8 +57,28 @@ urdf::Options ModelOptions::urdfOptions() const {
   return options;
 }
 
+bool ModelOptions::isPython() const { return format == "python" || (format.empty() && path.ends_with(".py")); }
+
+const PythonModel& ModelOptions::python() const {
+  if (!python_) python_ = std::make_shared<const PythonModel>(runModelFile(path, root));
+  return *python_;
+}
+
 Model ModelOptions::read() const {
-  return timed("read " + path, [&] { return urdf::load(path, urdfOptions()); });
+  return timed("read " + path, [&] {
+    if (isPython()) return python().model;
+    return load(path, urdfOptions(), format == "urdf" ? ModelFormat::urdf : format == "json" ? ModelFormat::json : ModelFormat::by_name);
+  });
+}
+
+std::vector<Error> ModelOptions::problems() const {
+  if (!isPython() && (format == "urdf" || (format.empty() && !path.ends_with(".json")))) return urdf::check(path, urdfOptions());
+  try {
+    read();
+    return {};
+  } catch (const Error& e) {
+    return {e};
+  }
 }
 
 CompactModel ModelOptions::compile(const Model& described, const JointRegistry& registry) const {

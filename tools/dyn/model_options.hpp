@@ -2,11 +2,14 @@
 // Options of every subcommand that reads a model: the file, its root joint, and how the file is read.
 #pragma once
 
+#include "python_model.hpp"
+
 #include <dyn/dyn.hpp>
-#include <dyn/parsers/urdf.hpp>
+#include <dyn/parsers/load.hpp>
 
 #include <CLI/CLI.hpp>
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -14,6 +17,7 @@ namespace dyn::tool {
 
 struct ModelOptions {
   std::string path;
+  std::string format;  ///< empty: by the file's ending
   std::string root = "fixed";
   std::string mimic = "independent";
   std::string order = "name";
@@ -28,12 +32,20 @@ struct ModelOptions {
   JointRegistry registry() const;
   urdf::Options urdfOptions() const;
   Model read() const;
+  /// Returns all that is wrong with the file; empty if it can be read.
+  std::vector<Error> problems() const;
   /// Reads the model and prints its notes.
   Model description() const;
   CompileOptions compileOptions() const;
   CompactModel compile(const Model& described, const JointRegistry& registry) const;
   CompactModel compile(const Model& described) const { return compile(described, registry()); }
   CompactModel compile() const { return compile(description()); }
+
+ private:
+  bool isPython() const;
+  /// What a Python file leaves. It is run once.
+  const PythonModel& python() const;
+  mutable std::shared_ptr<const PythonModel> python_;
 };
 
 /// Prints the notes of the parser, unless --quiet was given.
