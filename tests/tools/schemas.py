@@ -67,6 +67,11 @@ with tempfile.TemporaryDirectory() as folder:
     valid("dynamics", json.loads(run("compute", folder + "/still.urdf", "--states", folder + "/still.json")), "dyn compute for a model without mass")
     refused("dynamics", {"robot": "r"})
 
+    for path in [biped, *sorted(glob.glob(os.path.dirname(source) + "/shared/models/*.urdf"))]:
+        run("convert", path, folder + "/model.dyn.json", "--inertia", "any", "--quiet")
+        valid("model", read(folder + "/model.dyn.json"), "the output of dyn convert")
+    refused("model", dict(read(folder + "/model.dyn.json"), version=2))
+
     for words in ([], ["--distances"], ["--states", states]):
         valid("collisions", json.loads(run("collide", *floating, *words)), "the output of dyn collide")
 

@@ -22,6 +22,7 @@ void addCheck(CLI::App& app);
 void addCodegen(CLI::App& app);
 void addCollide(CLI::App& app);
 void addCompute(CLI::App& app);
+void addConvert(CLI::App& app);
 void addDemo(CLI::App& app);
 void addAccuracy(CLI::App& app);
 void addBench(CLI::App& app);

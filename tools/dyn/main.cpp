@@ -20,7 +20,7 @@ namespace {
 std::string versionText() {
   const dyn::Version version = dyn::version();
   return "dyn " + version.number + " (" + version.build_type + ")\ninstruction set " + version.instruction_set + "\nplugin interface " +
-         std::to_string(version.plugin_interface) + "\nreads URDF and SRDF; meshes by assimp, octrees by octomap, broad phase by FCL";
+         std::to_string(version.plugin_interface) + "\nreads URDF, SRDF, .dyn.json and Python files; meshes by assimp, octrees by octomap, broad phase by FCL";
 }
 
 int run(int argc, char** argv) {
@@ -35,6 +35,7 @@ int run(int argc, char** argv) {
   dyn::tool::addCodegen(app);
   dyn::tool::addCollide(app);
   dyn::tool::addCompute(app);
+  dyn::tool::addConvert(app);
   dyn::tool::addDemo(app);
   dyn::tool::addAccuracy(app);
   dyn::tool::addBench(app);

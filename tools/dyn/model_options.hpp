@@ -43,7 +43,7 @@ struct ModelOptions {
 
  private:
   bool isPython() const;
-  /// What a Python file leaves. It is run once.
+  /// Returns the result of a Python file, which is run once.
   const PythonModel& python() const;
   mutable std::shared_ptr<const PythonModel> python_;
 };

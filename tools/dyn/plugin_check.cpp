@@ -203,7 +203,7 @@ class Child {
       if ((report.late = n == 0)) return report;
       if (n < 0 && errno == EINTR) continue;
       char buffer[512];
-      const ssize_t size = n > 0 ? read(ends_[0], buffer, sizeof buffer) : 0;
+      const ssize_t size = n > 0 ? ::read(ends_[0], buffer, sizeof buffer) : 0;
       if (size < 0 && errno == EINTR) continue;
       if (size <= 0) return report;
       text_.append(buffer, static_cast<std::size_t>(size));

@@ -16,42 +16,56 @@ namespace {
 /// Whether the parameters of joint j's body are counted at joint j. Several of the user's joints can belong to one body.
 bool carriesBody(const CompactImpl& m, int j) { return m.index[at(m.body_of_joint[at(j)])].joint == j; }
 
-/// Writes I x for a unit value of each of the six numbers of the rotational inertia I, in the order of the ten parameters.
-void writeInertiaTimes(const Vec3<double>& x, Vec3<double>* columns) {
-  columns[0] = {x.x, 0, 0};
-  columns[1] = {x.y, x.x, 0};
-  columns[2] = {0, x.y, 0};
-  columns[3] = {x.z, 0, x.x};
-  columns[4] = {0, x.z, x.y};
-  columns[5] = {0, 0, x.z};
+/// Writes x . I y for a unit value of each of the six numbers of the rotational inertia I, in the order of the ten parameters.
+void inertiaProducts(const Vec3<double>& x, const Vec3<double>& y, double* out) {
+  out[0] = x.x * y.x;
+  out[1] = x.x * y.y + x.y * y.x;
+  out[2] = x.y * y.y;
+  out[3] = x.x * y.z + x.z * y.x;
+  out[4] = x.y * y.z + x.z * y.y;
+  out[5] = x.z * y.z;
 }
 
-/// Writes the force per unit of each of the ten parameters. `origin` is the origin's classical acceleration less gravity.
-void forceColumns(const Vec3<double>& origin, const Vec3<double>& w, const Vec3<double>& dw, Force<double>* columns) {
-  columns[0] = {origin, {}};
-  for (int k = 0; k < 3; ++k) {
-    Vec3<double> c;
-    c[k] = 1;
-    columns[1 + k] = {cross(dw, c) + cross(w, cross(w, c)), cross(c, origin)};
+/// The forces that give a body with a unit value of one of the ten parameters, and zero for the others, its motion:
+///   m        linear o, with the origin's classical acceleration o less gravity
+///   m c      linear A c, angular c x o, with A = dw x + w x w x
+///   I        angular I dw + w x I w
+class UnitForces {
+ public:
+  UnitForces(const Vec3<double>& origin, const Vec3<double>& w, const Vec3<double>& dw) : o_(origin), w_(w), dw_(dw) {
+    const double ww = dot(w, w);
+    A_ = {{w.x * w.x - ww, w.x * w.y - dw.z, w.x * w.z + dw.y,  //
+           w.x * w.y + dw.z, w.y * w.y - ww, w.y * w.z - dw.x,  //
+           w.x * w.z - dw.y, w.y * w.z + dw.x, w.z * w.z - ww}};
   }
-  Vec3<double> inertia[6], momentum[6];
-  writeInertiaTimes(dw, inertia);
-  writeInertiaTimes(w, momentum);
-  for (int k = 0; k < 6; ++k) columns[4 + k] = {{}, inertia[k] + cross(w, momentum[k])};
-}
+
+  /// Writes the power of each force along the motion s, `stride` numbers apart.
+  void along(const Motion<double>& s, double* out, std::ptrdiff_t stride) const {
+    out[0] = dot(s.linear, o_);
+    const Vec3<double> c = transposeTimes(A_, s.linear) + cross(o_, s.angular);
+    for (int k = 0; k < 3; ++k) out[(1 + k) * stride] = c[k];
+    double spin[6], gyroscopic[6];
+    inertiaProducts(s.angular, dw_, spin);
+    inertiaProducts(cross(s.angular, w_), w_, gyroscopic);
+    for (int k = 0; k < 6; ++k) out[(4 + k) * stride] = spin[k] + gyroscopic[k];
+  }
+
+ private:
+  Vec3<double> o_, w_, dw_;
+  Mat3<double> A_;
+};
 
 Vec3<double> classical(const Motion<double>& v, const Motion<double>& a) { return a.linear + cross(v.angular, v.linear); }
 
 }  // namespace
 
 void bodyRegressor(const Motion<double>& velocity, const Motion<double>& acceleration, double* out) {
-  Force<double> columns[10];
-  forceColumns(classical(velocity, acceleration), velocity.angular, acceleration.angular, columns);
-  for (int k = 0; k < 10; ++k)
-    for (int r = 0; r < 3; ++r) {
-      out[6 * k + r] = columns[k].linear[r];
-      out[6 * k + 3 + r] = columns[k].angular[r];
-    }
+  const UnitForces forces(classical(velocity, acceleration), velocity.angular, acceleration.angular);
+  for (int r = 0; r < 6; ++r) {
+    Motion<double> unit{};
+    (r < 3 ? unit.linear : unit.angular)[r % 3] = 1;
+    forces.along(unit, out + r, 6);
+  }
 }
 
 const double* jointTorqueRegressor(const CompactModel& model, Data& data, VectorView q, VectorView v, VectorView a) {
@@ -62,25 +76,22 @@ const double* jointTorqueRegressor(const CompactModel& model, Data& data, Vector
   const std::ptrdiff_t nv = m.nv;
   const bool coupled = !m.couplings.empty();
   std::fill_n(d.regressor, 10 * nv * (model.njoints() - 1), 0.0);
-  double* expanded = d.columns;  // one column
   for (int j = 1; j < model.njoints(); ++j) {
     if (!carriesBody(m, j)) continue;
     const PointOnBody point = jointOnBody(model, j);
-    const Motion<double> aj = originAccelerationOf(m, point, d);
-    const Vec3<double> w = transposeTimes(point.placement.R, d.v[point.body].angular);
     const Mat3<double> R = d.oM[point.body].R * point.placement.R;
-    Force<double> columns[10];
-    forceColumns(aj.linear - transposeTimes(R, m.gravity), w, aj.angular, columns);
-    for (int p = 0; p < 10; ++p) {
-      double* column = d.regressor + nv * (10 * (j - 1) + p);
-      double* out = coupled ? expanded : column;
-      if (coupled) std::fill_n(out, m.nvx, 0.0);
-      kernels::Walk<double> walk;
-      kernels::walkSupports<double>({m, d}, d, {point.body, point.placement}, nullptr, walk, [&](int i, int k, const Motion<double>& S) {
-        out[m.index[at(i)].idx_v + k] = dot(kernels::seen(walk, S), columns[p]);
-      });
-      if (coupled) reduceForces(m, d, out, column);
-    }
+    const Motion<double> aj = originAccelerationOf(m, point, d);
+    const UnitForces forces(aj.linear - transposeTimes(R, m.gravity), transposeTimes(point.placement.R, d.v[point.body].angular), aj.angular);
+    // Joints that follow others have rows of their own until reduceForces() adds them to those of their masters.
+    double* const block = d.regressor + 10 * nv * (j - 1);
+    double* const out = coupled ? d.columns : block;
+    const std::ptrdiff_t rows = coupled ? m.nvx : nv;
+    if (coupled) std::fill_n(out, 10 * rows, 0.0);
+    kernels::Walk<double> walk;
+    kernels::walkSupports<double>({m, d}, d, {point.body, point.placement}, nullptr, walk, [&](int i, int k, const Motion<double>& S) {
+      forces.along(kernels::seen(walk, S), out + m.index[at(i)].idx_v + k, rows);
+    });
+    for (int p = 0; coupled && p < 10; ++p) reduceForces(m, d, out + p * rows, block + p * nv);
   }
   return d.regressor;
 }
@@ -107,9 +118,8 @@ const double* energyRegressor(const CompactModel& model, Data& data, VectorView 
     const Vec3<double> moment = cross(vj.linear, w);
     out[0] = 0.5 * dot(vj.linear, vj.linear);
     for (int k = 0; k < 3; ++k) out[1 + k] = moment[k];
-    Vec3<double> inertia[6];
-    writeInertiaTimes(w, inertia);
-    for (int k = 0; k < 6; ++k) out[4 + k] = 0.5 * dot(w, inertia[k]);
+    inertiaProducts(w, w, out + 4);
+    for (int k = 0; k < 6; ++k) out[4 + k] *= 0.5;
   }
   return d.regressor;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// What the writer and the interpreter of traced joint types share.
+// Shared by the writer and the interpreter of traced joint types.
 #pragma once
 
 #include <dyn/codegen/joint_source.hpp>

@@ -136,63 +136,63 @@ __attribute__((flatten)) void choleskyDecompose(const CompactImpl& m, const S* M
 
 enum class FactorProduct { inverse, mass_matrix, upper, lower };
 
-/// Subtracts from the first `columns` numbers those of `count` rows times their factors, in packs.
-template <class Wide, class S>
-void subtractRows(S* from, int columns, const S* factors, const Rows<S>& rows, int count) {
-  inPanels<Wide, S>(0, columns, [&](auto packs, int first) {
-    Tile<Wide, S, 1, packs> sum(from + first, 0);
-    sum.subtract(rows.first + first, rows.stride, count, factors, 0, 1);
-    sum.store(from + first, 0);
-  });
-}
-
-/// x = L^-T x, or L^T x. A subtree's rows add to its path by way of `sums`, by depth, which are zero before and after.
+/// x = L^-T x, or L^T x. A subtree's rows add to its path by way of `sums`, by depth, which are zero before and after. Chains are taken in blocks of
+/// constant size, and paths in whole packs: the numbers of a pack beyond the path meet zeros, or are set back to zero. Each row takes the number that
+/// was found last at its end, so that from row to row it takes only one product and a difference.
 template <bool inverse, class Wide, class S>
 void timesUpper(const CompactImpl& m, const PathFactors<S>& c, S* sums, S* x) {
+  constexpr int width = Part<Wide, S>::width;
   constexpr S sign(inverse ? -1 : 1);
-  for (auto chain = m.chains.rbegin(); chain != m.chains.rend(); ++chain) {
-    const int count = chain->end - chain->begin, packed = chain->depth / Part<Wide, S>::width * Part<Wide, S>::width;
-    S* own = x + chain->begin;
-    const Rows<S> rows{c.L[chain->begin], c.L.stride};
-    const auto gather = [&](int row) {
-      S sum = sums[chain->depth + row];
-      sums[chain->depth + row] = S(0);
-      for (int k = row + 1; k < count; ++k) sum -= rows[k][chain->depth + row] * own[k];
-      own[row] -= sign * sum;
-    };
-    if (inverse)
-      for (int row = count - 1; row >= 0; --row) gather(row);
-    subtractRows<Wide>(sums, packed, own, rows, count);
-    for (int k = 0; k < count; ++k)
-      for (int depth = packed; depth < chain->depth; ++depth) sums[depth] -= rows[k][depth] * own[k];
-    if (!inverse)
-      for (int row = 0; row < count; ++row) gather(row);
-  }
+  for (auto chain = m.chains.rbegin(); chain != m.chains.rend(); ++chain)
+    inBlocksBackward(chain->begin, chain->end, [&](auto count, int begin) {
+      const int depth = chain->depth + begin - chain->begin;
+      const Rows<S> rows{c.L[begin], c.L.stride};
+      S given[count], own[count];
+      for (int k = 0; k < count; ++k) {
+        given[k] = x[begin + k];
+        own[k] = given[k] - sign * sums[depth + k];
+      }
+      for (int row = count - 1; row >= 0; --row)
+        for (int k = count - 1; k > row; --k) own[row] += sign * (rows[k][depth + row] * (inverse ? own[k] : given[k]));
+      int end = 0;
+      for (; end < depth; end += width) {
+        Wide packs = loadPack<Wide>(sums + end);
+        for (int k = 0; k < count; ++k) packs -= Wide(inverse ? own[k] : given[k]) * loadPack<Wide>(rows[k] + end);
+        storePack(packs, sums + end);
+      }
+      std::fill(sums + depth, sums + std::max(end, depth + count), S(0));
+      for (int k = 0; k < count; ++k) x[begin + k] = own[k];
+    });
 }
 
-/// x = L^-1 x, or L x. `path`: scratch for the numbers of a path.
+/// x = L^-1 x, or L x. `path`: scratch for the numbers of a path. Blocks, packs and the order of sums are as in timesUpper().
 template <bool inverse, class Wide, class S>
 void timesLower(const CompactImpl& m, const PathFactors<S>& c, S* path, S* x) {
   constexpr int width = Part<Wide, S>::width;
-  for (const DofChain& chain : m.chains) {
-    const int count = chain.end - chain.begin;
-    S* own = x + chain.begin;
-    const auto gather = [&](int row) {
-      const S* entries = c.L[chain.begin + row];
-      Wide packs(0);
-      int depth = 0;
-      for (; depth + width <= chain.depth; depth += width) packs += loadPack<Wide>(entries + depth) * loadPack<Wide>(path + depth);
-      S sum = total<S>(packs);
-      for (; depth < chain.depth; ++depth) sum += entries[depth] * path[depth];
-      for (int k = 0; k < row; ++k) sum += entries[chain.depth + k] * own[k];
-      own[row] += inverse ? -sum : sum;
-    };
-    if (inverse)
-      for (int row = 0; row < count; ++row) gather(row);
-    std::copy(own, own + count, path + chain.depth);
-    if (!inverse)
-      for (int row = count - 1; row >= 0; --row) gather(row);
-  }
+  constexpr S sign(inverse ? -1 : 1);
+  for (const DofChain& chain : m.chains)
+    inBlocks(chain.begin, chain.end, [&](auto count, int begin) {
+      const int depth = chain.depth + begin - chain.begin;
+      const Rows<S> rows{c.L[begin], c.L.stride};
+      for (int k = depth; k % width != 0; ++k) path[k] = S(0);
+      Wide packs[count];
+      for (int row = 0; row < count; ++row) packs[row] = Wide(0);
+      for (int first = 0; first < depth; first += width) {
+        const Wide numbers = loadPack<Wide>(path + first);
+        for (int row = 0; row < count; ++row) packs[row] += loadPack<Wide>(rows[row] + first) * numbers;
+      }
+      S given[count], own[count];
+      for (int row = 0; row < count; ++row) {
+        given[row] = x[begin + row];
+        own[row] = given[row] + sign * total<S>(packs[row]);
+      }
+      for (int row = 0; row < count; ++row)
+        for (int k = 0; k < row; ++k) own[row] += sign * (rows[row][depth + k] * (inverse ? own[k] : given[k]));
+      for (int k = 0; k < count; ++k) {
+        path[depth + k] = inverse ? own[k] : given[k];
+        x[begin + k] = own[k];
+      }
+    });
 }
 
 /// x = M^-1 x, M x, L^T x or L x, in place of nvx numbers. O(n depth).
