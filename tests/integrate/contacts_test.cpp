@@ -268,3 +268,13 @@ TEST_CASE("what is no contact is refused", "[contact][error]") {
   s.setContacts([](const VectorResult&, std::vector<ContactPoint>&) { throw std::runtime_error("no sensor"); });
   CHECK_THROWS_WITH(s.step(), containing("no sensor"));
 }
+
+TEST_CASE("an empty finder finds nothing", "[contact]") {
+  const ContactFinder empty;
+  const Vector q = Vector::Zero(7);
+  std::vector<ContactPoint> found;
+  empty(VectorResult(q.data(), q.size()), found);
+  CHECK(found.empty());
+  CHECK_FALSE(static_cast<bool>(empty));
+  CHECK_FALSE(empty.looksAhead());
+}

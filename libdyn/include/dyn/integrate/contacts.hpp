@@ -49,7 +49,7 @@ class DYN_API ContactFinder {
   /// The columns of `velocities`, nv rows, occur during the next `seconds`; the function bounds the motion by them.
   using Look = std::function<Approach(VectorResult q, MatrixResult velocities, double seconds)>;
 
-  /// Makes an empty finder, which finds nothing and must not be called.
+  /// Makes an empty finder, which finds nothing.
   ContactFinder() = default;
   /// Makes a finder of a function that ignores the reach: find(q, found) appends to `found`. The finder does not look ahead.
   template <class F>
@@ -62,7 +62,9 @@ class DYN_API ContactFinder {
   /// Returns whether there is a function to call.
   explicit operator bool() const { return static_cast<bool>(find_); }
   /// Appends the contact points at q (nq) to `found`. Points farther away than `reach` [m] may be missing.
-  void operator()(const VectorResult& q, std::vector<ContactPoint>& found, double reach = 0) const { find_(q, reach, found); }
+  void operator()(const VectorResult& q, std::vector<ContactPoint>& found, double reach = 0) const {
+    if (find_) find_(q, reach, found);
+  }
   /// Returns whether approach() may be called.
   bool looksAhead() const { return static_cast<bool>(look_); }
   /// Calls the Look with these arguments.
