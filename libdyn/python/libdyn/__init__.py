@@ -53,3 +53,8 @@ def _left_by(path, root):
     if not isinstance(model, Model):
         raise refuse(f"must leave a libdyn.Model called `model`; it leaves {'none' if model is None else type(model).__name__}")
     return model
+
+
+def check(path, *, root="fixed", mimic="coupled", order="name", continuous="unit_circle", inertias="physical"):
+    """Returns a list of all errors of a file, of which load() raises the first; it is empty if the file loads. The options are those of load()."""
+    return _core._check(os.fspath(path), root=root, mimic=mimic, order=order, continuous=continuous, inertias=inertias)

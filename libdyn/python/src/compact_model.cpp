@@ -13,14 +13,6 @@ namespace {
 
 Eigen::VectorXd arrayOf(const std::vector<double>& x) { return Eigen::Map<const Eigen::VectorXd>(x.data(), static_cast<Eigen::Index>(x.size())); }
 
-/// A dictionary of the slices that joints have in q or v.
-py::dict slicesOf(const CompactModel& model, int JointRecord::*first, int JointRecord::*count) {
-  py::dict out;
-  for (const JointRecord& joint : model.joints())
-    if (joint.*count > 0) out[py::str(joint.name)] = py::slice(joint.*first, joint.*first + joint.*count, 1);
-  return out;
-}
-
 }  // namespace
 
 void addCompactModel(py::module_& m) {
@@ -57,12 +49,10 @@ void addCompactModel(py::module_& m) {
           py::arg("name"), "Returns the record of a frame.")
       .def("joint_id", &CompactModel::jointId, py::arg("name"), "Returns the index of a joint.")
       .def("frame_id", &CompactModel::frameId, py::arg("name"), "Returns the index of a frame.")
-      .def_property_readonly(
-          "q_index", [](const CompactModel& x) { return slicesOf(x, &JointRecord::idx_q, &JointRecord::nq); },
-          "A dictionary: the slice of q with the coordinates of each joint.")
-      .def_property_readonly(
-          "v_index", [](const CompactModel& x) { return slicesOf(x, &JointRecord::idx_v, &JointRecord::nv); },
-          "A dictionary: the slice of v with the velocities of each joint.")
+      .def("find_joint", &CompactModel::findJoint, py::arg("name"), "Returns the index of a joint; -1 if there is none.")
+      .def("find_frame", &CompactModel::findFrame, py::arg("name"), "Returns the index of a frame; -1 if there is none.")
+      .def_property_readonly("follows", &CompactModel::follows, "Whether the model has dependent joints, whose coordinates are not in q.")
+      .def_property_readonly("nbytes", &CompactModel::bytes, "The approximate size in bytes.")
       .def_property_readonly(
           "lower", [](const CompactModel& x) { return arrayOf(x.limits().lower); }, "The lowest positions (nq,).")
       .def_property_readonly(
@@ -75,6 +65,8 @@ void addCompactModel(py::module_& m) {
           "passes", [](const CompactModel& x) { return x.report().passes; }, "A line for each pass of the compiler.")
       .def_property_readonly(
           "warnings", [](const CompactModel& x) { return x.report().warnings; }, "What is legal and likely to be a mistake.")
+      .def_property_readonly(
+          "held", [](const CompactModel& x) { return x.report().held; }, "Bodies whose joint could move but is rigid because it is held.")
       .def("__copy__", [](const CompactModel& x) { return x; })
       .def(
           "__deepcopy__", [](const CompactModel& x, const py::dict&) { return x; }, py::arg("memo"))
@@ -84,20 +76,30 @@ void addCompactModel(py::module_& m) {
 
   m.def(
       "compile",
-      [](const Model& model, const Locks& lock, bool dissipation, bool armature, const std::vector<std::string>& outputs, bool dynamics) {
+      [](const Model& model, const Locks& lock, bool dissipation, bool armature, const std::vector<std::string>& outputs, bool dynamics,
+         const std::vector<std::string>& touching, bool lane_groups, const std::string& instruction_set, const JointRegistry* types) {
         CompileOptions options;
         options.lock = lockedJoints(lock);
         options.dissipation = dissipation;
         options.armature = armature;
         options.scene.outputs = outputs;
         options.scene.dynamics = dynamics;
-        return compile(model, registry(), options);
+        options.scene.touching = touching;
+        options.lane_groups = lane_groups;
+        options.instruction_set = instruction_set;
+        CompactModel compiled = compile(model, registryOr(types), options);
+        for (const std::string& warning : compiled.report().warnings) warn(warning);
+        return compiled;
       },
       py::arg("model"), py::kw_only(), py::arg("lock") = Locks(), py::arg("dissipation") = true, py::arg("armature") = true,
-      py::arg("outputs") = std::vector<std::string>(), py::arg("dynamics") = true,
+      py::arg("outputs") = std::vector<std::string>(), py::arg("dynamics") = true, py::arg("touching") = std::vector<std::string>(),
+      py::arg("lane_groups") = true, py::arg("instruction_set") = "", py::arg("registry") = py::none(),
       "Turns a description into a compiled model.\n\n"
       "lock: joints to hold, by name, with their coordinates or None. dissipation, armature: whether damping and friction, and rotor inertia, act.\n"
-      "outputs: joints, bodies or frames whose motion is wanted; what cannot influence them is left out. dynamics: motion follows from forces.");
+      "outputs: joints, bodies or frames whose motion is wanted; what cannot influence them is left out. dynamics: motion follows from forces.\n"
+      "touching: bodies or frames that may touch each other; if one is wanted, all are kept. lane_groups: single states may advance joints of\n"
+      "one type together. instruction_set: the one that these are chosen for; without it the one in use.\n"
+      "registry: the joint types; without it those of registry().");
 }
 
 }  // namespace dyn::python

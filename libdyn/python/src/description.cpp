@@ -2,6 +2,8 @@
 // The description of a robot, its reader, and functions that make new descriptions.
 #include "description.hpp"
 
+#include "choices.hpp"
+
 #include <dyn/compile/edit.hpp>
 #include <dyn/near_names.hpp>
 #include <dyn/parsers/load.hpp>
@@ -26,8 +28,17 @@ void numbersProperty(Class& c, const char* name, Get get, const char* doc) {
       name, [get](T& x) { return get(x); }, [get](T& x, const std::variant<double, std::vector<double>>& value) { get(x) = numbers(value); }, doc);
 }
 
-/// Parameters as Python writes them: a number stands for a list of one.
-using GivenParameters = std::map<std::string, std::variant<double, std::vector<double>, std::string, std::vector<JointDescription>>>;
+urdf::Options optionsOf(const std::string& root, const std::string& mimic, const std::string& order, const std::string& continuous,
+                        const std::string& inertias) {
+  using namespace urdf;
+  return {root, chosen<Mimic>("mimic", mimic, {{"coupled", Mimic::coupled}, {"independent", Mimic::independent}}),
+          chosen<Order>("order", order, {{"name", Order::name}, {"file", Order::file}}),
+          chosen<Continuous>("continuous", continuous, {{"unit_circle", Continuous::unit_circle}, {"angle", Continuous::angle}}),
+          chosen<Inertias>("inertias", inertias, {{"physical", Inertias::physical}, {"any", Inertias::any}})};
+}
+
+}  // namespace
+
 Parameters parametersOf(const GivenParameters& given) {
   Parameters out;
   for (const auto& [name, value] : given)
@@ -43,27 +54,6 @@ Parameters parametersOf(const GivenParameters& given) {
   return out;
 }
 
-template <class Enum>
-Enum chosen(const char* option, const std::string& given, std::initializer_list<std::pair<const char*, Enum>> choices) {
-  std::string all;
-  for (const auto& [name, value] : choices) {
-    if (given == name) return value;
-    all += std::string(all.empty() ? "'" : ", '") + name + "'";
-  }
-  throw Error(ErrorCode::argument, std::string(option) + " is '" + given + "'; it must be one of " + all);
-}
-
-urdf::Options optionsOf(const std::string& root, const std::string& mimic, const std::string& order, const std::string& continuous,
-                        const std::string& inertias) {
-  using namespace urdf;
-  return {root, chosen<Mimic>("mimic", mimic, {{"coupled", Mimic::coupled}, {"independent", Mimic::independent}}),
-          chosen<Order>("order", order, {{"name", Order::name}, {"file", Order::file}}),
-          chosen<Continuous>("continuous", continuous, {{"unit_circle", Continuous::unit_circle}, {"angle", Continuous::angle}}),
-          chosen<Inertias>("inertias", inertias, {{"physical", Inertias::physical}, {"any", Inertias::any}})};
-}
-
-}  // namespace
-
 std::vector<LockedJoint> lockedJoints(const Locks& lock) {
   std::vector<LockedJoint> out;
   for (const auto& [joint, q] : lock) out.push_back({joint, q ? numbers(*q) : std::vector<double>()});
@@ -76,11 +66,6 @@ int bodyOf(const Model& model, const std::variant<int, std::string>& body) {
   const int found = model.findBody(name);
   if (found < 0) throw Error(ErrorCode::argument, "the model has no body '" + name + "'" + nearNames(name, namesOf(model.bodies)));
   return found;
-}
-
-JointRegistry& registry() {
-  static JointRegistry standard = JointRegistry::standard();
-  return standard;
 }
 
 void addDescription(py::module_& m) {
@@ -150,6 +135,8 @@ void addDescription(py::module_& m) {
       .def_readonly("bodies", &Model::bodies, "The world and all bodies.")
       .def_readonly("frames", &Model::frames, "Frames in addition to that of each body.")
       .def_readonly("notes", &Model::notes, "What a parser ignored or found odd.")
+      .def("find_body", &Model::findBody, py::arg("name"), "Returns the index of a body; -1 if there is none.")
+      .def("find_joint", &Model::findJoint, py::arg("name"), "Returns the index of the body that a joint carries; -1 if there is none.")
       .def(
           "add_body",
           [](Model& model, const std::string& name, const std::variant<int, std::string>& parent, const JointDescription& j,
@@ -182,11 +169,24 @@ void addDescription(py::module_& m) {
       py::arg("text"), py::arg("name") = "<text>", root, mimic, order, continuous, inertias,
       "Reads a robot from the text of a URDF file. Messages call the text `name`. The options are those of load().");
   m.def(
-      "reduce", [](const Model& model, const Locks& lock) { return reduce(model, registry(), lockedJoints(lock)); }, py::arg("model"),
-      py::arg("lock"), "Returns the model with joints held. `lock` maps names of joints to their coordinates, or to None for neutral.");
+      "_check",
+      [](const std::string& path, const std::string& r, const std::string& mi, const std::string& o, const std::string& c, const std::string& i) {
+        py::list errors;
+        for (const Error& e : urdf::check(path, optionsOf(r, mi, o, c, i))) errors.append(errorOf(e));
+        return errors;
+      },
+      py::arg("path"), root, mimic, order, continuous, inertias);
+  const py::arg_v types("registry", py::none());
   m.def(
-      "keep_only", [](const Model& model, const std::vector<std::string>& keep) { return keepOnly(model, registry(), keep); }, py::arg("model"),
-      py::arg("keep"), "Returns the model with all joints held at neutral but those named in `keep` and those on which these depend.");
+      "reduce",
+      [](const Model& model, const Locks& lock, const JointRegistry* types) { return reduce(model, registryOr(types), lockedJoints(lock)); },
+      py::arg("model"), py::arg("lock"), types,
+      "Returns the model with joints held. `lock` maps names of joints to their coordinates, or to None for neutral.");
+  m.def(
+      "keep_only",
+      [](const Model& model, const std::vector<std::string>& keep, const JointRegistry* types) { return keepOnly(model, registryOr(types), keep); },
+      py::arg("model"), py::arg("keep"), types,
+      "Returns the model with all joints held at neutral but those named in `keep` and those on which these depend.");
   m.def(
       "append",
       [](const Model& model, const Model& other, const std::string& at, const SE3<double>& placement, const std::string& prefix) {

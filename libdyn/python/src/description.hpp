@@ -2,10 +2,9 @@
 // Descriptions in Python: lists of bodies are views of the model's own lists.
 #pragma once
 
-#include "module.hpp"
+#include "registry.hpp"
 
 #include <dyn/compile/edit.hpp>
-#include <dyn/joint/registry.hpp>
 #include <dyn/model/model.hpp>
 
 #include <map>
@@ -22,8 +21,9 @@ namespace dyn::python {
 /// Joints to hold, by name: coordinates, one number or several, or nothing for neutral.
 using Locks = std::map<std::string, std::optional<std::variant<double, std::vector<double>>>>;
 
-/// Returns the standard registry, which all calls share.
-JointRegistry& registry();
+/// Parameters as Python writes them: a number stands for a list of one.
+using GivenParameters = std::map<std::string, std::variant<double, std::vector<double>, std::string, std::vector<JointDescription>>>;
+Parameters parametersOf(const GivenParameters& given);
 
 /// Returns the index of a body that is given by name or index. Throws Error(argument) for an unknown name.
 int bodyOf(const Model& model, const std::variant<int, std::string>& body);

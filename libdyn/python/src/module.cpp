@@ -3,7 +3,6 @@
 #define PY_ARRAY_UNIQUE_SYMBOL DYN_PYTHON_NUMPY
 #include "module.hpp"
 
-#include <dyn/error.hpp>
 #include <dyn/version.hpp>
 
 #include <numpy/arrayobject.h>
@@ -14,7 +13,7 @@ namespace dyn::python {
 
 namespace {
 
-PyObject* error_type = nullptr;
+PyObject *error_type = nullptr, *model_warning = nullptr;
 
 const char* nameOf(ErrorCode code) {
   static constexpr const char* names[] = {"argument", "size",     "file",     "syntax",  "model",  "joint_type", "parameter",
@@ -22,22 +21,29 @@ const char* nameOf(ErrorCode code) {
   return names[static_cast<int>(code)];
 }
 
-/// Sets libdyn.Error with the attributes code, file, line and joint.
 void raise(const Error& e) {
   try {
-    py::object error = py::reinterpret_steal<py::object>(PyObject_CallFunction(error_type, "s", e.what()));
-    if (!error) return;
-    error.attr("code") = nameOf(e.code());
-    error.attr("file") = e.where().file;
-    error.attr("line") = e.where().line;
-    error.attr("joint") = e.where().joint;
-    PyErr_SetObject(error_type, error.ptr());
+    PyErr_SetObject(error_type, errorOf(e).ptr());
   } catch (py::error_already_set& problem) {
     problem.restore();
   }
 }
 
 }  // namespace
+
+py::object errorOf(const Error& e) {
+  py::object error = py::reinterpret_steal<py::object>(PyObject_CallFunction(error_type, "s", e.what()));
+  if (!error) throw py::error_already_set();
+  error.attr("code") = nameOf(e.code());
+  error.attr("file") = e.where().file;
+  error.attr("line") = e.where().line;
+  error.attr("joint") = e.where().joint;
+  return error;
+}
+
+void warn(const std::string& text) {
+  if (PyErr_WarnEx(model_warning, text.c_str(), 1) != 0) throw py::error_already_set();
+}
 
 PyObject* fail() {
   try {
@@ -60,6 +66,10 @@ void addErrors(py::module_& m) {
                                          "Attributes: code (such as 'size' or 'model'), file, line (0: unknown), joint.",
                                          PyExc_ValueError, nullptr);
   if (error_type == nullptr) throw py::error_already_set();
+  model_warning = PyErr_NewExceptionWithDoc("libdyn.ModelWarning", "What is legal in a model and likely to be a mistake. compile() gives it.",
+                                            PyExc_UserWarning, nullptr);
+  if (model_warning == nullptr) throw py::error_already_set();
+  m.add_object("ModelWarning", py::reinterpret_borrow<py::object>(model_warning));
   m.add_object("Error", py::reinterpret_borrow<py::object>(error_type));
   py::register_exception_translator([](std::exception_ptr e) {
     try {
@@ -70,6 +80,20 @@ void addErrors(py::module_& m) {
   });
 }
 
+namespace {
+
+void addVersion(py::module_& m) {
+  py::class_<Version>(m, "Version", "The version of the library in use.")
+      .def_readonly("number", &Version::number, "Such as '0.1.0'.")
+      .def_readonly("build_type", &Version::build_type, "CMake's build type, such as 'Release'.")
+      .def_readonly("instruction_set", &Version::instruction_set, "Of the kernels in use: 'avx512', 'avx2', 'baseline' or 'scalar'.")
+      .def_readonly("plugin_interface", &Version::plugin_interface, "The number that plugins must have been built for.");
+  m.def("version", &version, "Returns the version of the library in use.");
+  m.attr("__version__") = version().number;
+}
+
+}  // namespace
+
 }  // namespace dyn::python
 
 PYBIND11_MODULE(_core, m) {
@@ -77,11 +101,14 @@ PYBIND11_MODULE(_core, m) {
   using namespace dyn::python;
   addErrors(m);
   addSpatial(m);
+  addRegistry(m);
   addDescription(m);
   addFiles(m);
   addJointTypes(m);
+  addConformance(m);
   addCompactModel(m);
   addData(m);
+  addNamedAccess(m);
   addConfiguration(m);
   addKinematics(m);
   addFunctions(m);
@@ -89,5 +116,5 @@ PYBIND11_MODULE(_core, m) {
   addGeometry(m);
   addDerivatives(m);
   addSimulation(m);
-  m.attr("__version__") = dyn::version().number;
+  addVersion(m);
 }

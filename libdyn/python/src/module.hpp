@@ -2,6 +2,8 @@
 // The parts of the module libdyn._core. Each function adds the names of one source.
 #pragma once
 
+#include <dyn/error.hpp>
+
 #include <pybind11/pybind11.h>
 
 namespace dyn::python {
@@ -10,11 +12,14 @@ namespace py = pybind11;
 
 void addErrors(py::module_& m);
 void addSpatial(py::module_& m);
+void addRegistry(py::module_& m);
 void addDescription(py::module_& m);
 void addFiles(py::module_& m);
 void addJointTypes(py::module_& m);
+void addConformance(py::module_& m);
 void addCompactModel(py::module_& m);
 void addData(py::module_& m);
+void addNamedAccess(py::module_& m);
 void addConfiguration(py::module_& m);
 void addKinematics(py::module_& m);
 void addFunctions(py::module_& m);
@@ -23,6 +28,10 @@ void addGeometry(py::module_& m);
 void addDerivatives(py::module_& m);
 void addSimulation(py::module_& m);
 
+/// Returns a libdyn.Error with the attributes code, file, line and joint.
+py::object errorOf(const Error& e);
+/// Gives a libdyn.ModelWarning to Python's warnings. Throws if these make it an error.
+void warn(const std::string& text);
 /// Sets Python's error from the C++ exception that is being handled; returns null.
 PyObject* fail();
 

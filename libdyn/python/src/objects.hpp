@@ -8,8 +8,17 @@
 
 #include <atomic>
 #include <cstring>
+#include <stdexcept>
+#include <string>
 
 namespace dyn::python {
+
+/// A Data and its model. Every Data of Python is one.
+struct DataOfModel : Data {
+  DataOfModel(const CompactModel& m, Need needs) : Data(m, needs), model(m) {}
+  CompactModel model;
+};
+inline const CompactModel& modelOf(const Data& data) { return static_cast<const DataOfModel&>(data).model; }
 
 /// A batch, and whether a call is using it. Calls of a batch release the interpreter's lock, so a second thread may come.
 template <class T>
@@ -17,6 +26,21 @@ struct Batch {
   Batch(const CompactModel& model, int capacity, Need needs, int threads) : data(model, capacity, needs, threads) {}
   BasicBatchData<T> data;
   std::atomic<bool> busy = false;
+  int placed = 0;  ///< states of the last forward_kinematics()
+};
+
+/// Marks memory as used by one call. Throws RuntimeError if another call is using it.
+class InUse {
+ public:
+  InUse(std::atomic<bool>& busy, const char* function) : busy_(busy) {
+    if (busy.exchange(true)) throw std::runtime_error(std::string(function) + ": another thread is using this batch; each thread needs its own");
+  }
+  ~InUse() { busy_ = false; }
+  InUse(const InUse&) = delete;
+  InUse& operator=(const InUse&) = delete;
+
+ private:
+  std::atomic<bool>& busy_;
 };
 
 /// Returns the Python class of T.
@@ -34,6 +58,10 @@ T* pointerTo(PyObject* object, const char* function, const char* name) {
   if (Py_TYPE(object) == type) {
     auto* const instance = reinterpret_cast<py::detail::instance*>(object);
     if (instance->simple_layout && instance->simple_value_holder[0] != nullptr) return static_cast<T*>(instance->simple_value_holder[0]);
+  }
+  if (PyObject_TypeCheck(object, type) && reinterpret_cast<py::detail::instance*>(object)->get_value_and_holder().value_ptr() == nullptr) {
+    PyErr_Format(PyExc_TypeError, "%s: %s is a %s whose __init__ has not run", function, name, std::strrchr(type->tp_name, '.') + 1);
+    return nullptr;
   }
   py::detail::type_caster<T> caster;
   if (caster.load(py::handle(object), false)) return static_cast<T*>(caster);
