@@ -76,6 +76,21 @@ bool StatesInput<T>::read(PyObject* object, const char* function, const char* na
 template class StatesInput<double>;
 template class StatesInput<float>;
 
+bool readForces(PyObject* object, const char* function, ExternalForces& forces) {
+  StatesInput<double> rows;
+  if (!rows.read(object, function, "fext")) return false;
+  const auto view = rows.view();
+  if (view.rows != 6) {
+    PyErr_Format(PyExc_TypeError, "%s: fext must have six columns, force and moment", function);
+    return false;
+  }
+  for (std::ptrdiff_t k = 0; k < view.cols; ++k) {
+    const double* const x = view.data + k * view.stride;
+    forces.push_back({{x[0], x[1], x[2]}, {x[3], x[4], x[5]}});
+  }
+  return true;
+}
+
 PyObject* newArray(const double* numbers, Py_ssize_t rows, Py_ssize_t columns) {
   npy_intp sizes[] = {rows, columns};
   PyObject* const out = PyArray_EMPTY(columns == 1 ? 1 : 2, sizes, NPY_DOUBLE, 1);

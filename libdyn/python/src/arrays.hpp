@@ -5,6 +5,7 @@
 #include "module.hpp"
 
 #include <dyn/algorithm/batch.hpp>
+#include <dyn/algorithm/rnea.hpp>
 #include <dyn/data/views.hpp>
 
 namespace dyn::python {
@@ -42,6 +43,9 @@ class StatesInput {
   detail::StatesView<T> view_;
   PyObject* copy_ = nullptr;
 };
+
+/// Reads the argument `fext` of `function`: one row (force, moment) for each joint. If it is no such array, sets TypeError and returns false.
+bool readForces(PyObject* object, const char* function, ExternalForces& forces);
 
 /// Returns a new array with these numbers: a vector if there is one column, else a matrix in Fortran's order. Null with a Python error on failure.
 PyObject* newArray(const double* numbers, Py_ssize_t rows, Py_ssize_t columns);

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Constraints and the dynamics under them. Results are new arrays.
+#include "arrays.hpp"
+#include "choices.hpp"
 #include "description.hpp"
 
 #include <dyn/constraint/dynamics.hpp>
@@ -19,9 +21,36 @@ struct Motions {
   int rank, iterations;
 };
 
-}  // namespace
+std::string kindOf(const ConstraintDescription& c) {
+  static constexpr const char* kinds[] = {"frames", "coupling", "lock"};
+  return kinds[c.relation.index()];
+}
 
-void addConstraints(py::module_& m) {
+ConstraintDescription frameConstraint(const std::string& name, const std::string& frame, const std::string& other, const SE3<double>& placement,
+                                      const SE3<double>& other_placement, const std::array<bool, 6>& free, const std::string& axes, bool has_target) {
+  const auto chosen_axes = chosen<ConstraintAxes>(
+      "axes", axes,
+      {{"LOCAL", ConstraintAxes::LOCAL}, {"OTHER", ConstraintAxes::OTHER}, {"LOCAL_WORLD_ALIGNED", ConstraintAxes::LOCAL_WORLD_ALIGNED}});
+  return {name, FrameConstraint{frame, other, placement, other_placement, free, chosen_axes, has_target}};
+}
+
+/// Returns constraints of a model, or those of a set and more.
+template <class Base>
+ConstraintSet setOf(const Base& base, const std::optional<std::vector<ConstraintDescription>>& constraints, const JointRegistry* types) {
+  return constraints ? ConstraintSet(base, *constraints, &registryOr(types)) : ConstraintSet(base);
+}
+
+Motions dynamicsOf(const CompactModel& model, Data& data, const Vector& q, const Vector& v, const Vector& tau, ConstraintData& constraints,
+                   const py::object& fext, const std::string& method) {
+  const auto by = chosen<ConstraintMethod>("method", method, {{"articulated", ConstraintMethod::articulated}, {"kkt", ConstraintMethod::kkt}});
+  ExternalForces forces;
+  if (!fext.is_none() && !readForces(fext.ptr(), "constraint_dynamics", forces)) throw py::error_already_set();
+  const ConstrainedMotion r = fext.is_none() ? constraintDynamics(model, data, q, v, tau, constraints, by)
+                                             : constraintDynamics(model, data, q, v, tau, constraints, forces, by);
+  return {r.ddq, r.lambda, r.residual, r.rank, r.iterations};
+}
+
+void addDescriptions(py::module_& m) {
   py::class_<ConstraintDescription>(m, "ConstraintDescription", "A constraint by name: a contact, a closed loop, a coupled or a locked joint.")
       .def_readwrite("name", &ConstraintDescription::name)
       .def_property(
@@ -30,6 +59,7 @@ void addConstraints(py::module_& m) {
             c.baumgarte = {gains.first, gains.second};
           },
           "Gains (position [1/s^2], velocity [1/s]) of the feedback that reduces violations.")
+      .def_property_readonly("kind", &kindOf, "'frames', 'coupling' or 'lock'.")
       .def("__repr__", [](const ConstraintDescription& c) { return "<constraint '" + c.name + "'>"; });
   const py::arg frame("frame"), name("name"), joint("joint");
   const py::arg_v other("other", "universe");
@@ -38,6 +68,21 @@ void addConstraints(py::module_& m) {
   m.def("close_loop", &closeLoop, name, frame, py::arg("other"), py::arg("free") = std::array<bool, 6>{},
         "Describes a closed loop: frames of two bodies coincide in the directions that are not free (translations, then rotations, in axes of "
         "`other`).");
+  m.def(
+      "frame_constraint", &frameConstraint, name, frame, other, py::kw_only(), py::arg("placement") = SE3<double>(),
+      py::arg("other_placement") = SE3<double>(), py::arg("free") = std::array<bool, 6>{}, py::arg("axes") = "LOCAL", py::arg("has_target") = false,
+      "Describes any constraint between two frames.\n\n"
+      "placement, other_placement: of the constraint's frames in `frame` and `other`. free: translations, then rotations, that are not constrained.\n"
+      "axes: 'LOCAL', 'OTHER' or 'LOCAL_WORLD_ALIGNED', of rows, forces and free directions. has_target: the frames shall coincide, so that there "
+      "is\n"
+      "a position error.");
+  m.def(
+      "couple_joint",
+      [](const std::string& dependent, const std::string& master, const std::string& type, const GivenParameters& parameters) {
+        return coupleJoint(dependent, {type, master, parametersOf(parameters)});
+      },
+      joint, py::arg("master"), py::arg("type") = "mimic", py::arg("parameters") = GivenParameters(),
+      "Describes a joint whose coordinate is a function of the master's, which a force maintains. The coordinate stays in the model.");
   m.def("lock_joint", &lockJoint, joint, py::arg("configuration") = std::vector<double>(), "Describes a joint that forces hold.");
 
   py::reinterpret_borrow<py::class_<Model>>(m.attr("Model"))
@@ -45,22 +90,49 @@ void addConstraints(py::module_& m) {
       .def(
           "add_constraint", [](Model& x, const ConstraintDescription& c) { x.constraints.push_back(c); }, py::arg("constraint"),
           "Adds a constraint of the mechanism itself.");
+}
 
+void addSets(py::module_& m) {
+  const py::arg_v constraints("constraints", py::none()), types("registry", py::none());
   py::class_<ConstraintSet>(m, "ConstraintSet", "The constraints of a model, with all names resolved.")
-      .def(py::init([](const CompactModel& model, const std::optional<std::vector<ConstraintDescription>>& constraints) {
-             return constraints ? ConstraintSet(model, *constraints, &registry()) : ConstraintSet(model);
-           }),
-           py::arg("model"), py::arg("constraints") = py::none(), "Without `constraints`, takes those of the model's own description.")
+      .def(py::init(&setOf<CompactModel>), py::arg("model"), constraints, types, "Takes these constraints, or those of the model's own description.")
+      .def(py::init(&setOf<ConstraintSet>), py::arg("base"), constraints, types, "Takes the constraints of another set, followed by these.")
+      .def_property_readonly("model", &ConstraintSet::model)
+      .def_property_readonly(
+          "names",
+          [](const ConstraintSet& set) {
+            std::vector<std::string> names;
+            for (int k = 0; k < set.count(); ++k) names.push_back(set.description(k).name);
+            return names;
+          },
+          "The names of the constraints, in the order of their rows.")
+      .def("description", &ConstraintSet::description, py::arg("constraint"), py::return_value_policy::copy,
+           "Returns the description of a constraint, by its number.")
       .def_property_readonly(
           "rows", [](const ConstraintSet& set) { return set.rows(); }, "The number of rows: the size of lambda.")
       .def("__len__", &ConstraintSet::count)
       .def(
           "rows_of", [](const ConstraintSet& set, int k) { return py::slice(set.firstRow(k), set.firstRow(k) + set.rows(k), 1); },
           py::arg("constraint"), "Returns the slice of the rows of one constraint.");
+  py::class_<ConstraintSettings>(m, "ConstraintSettings", "How constraint forces are computed.")
+      .def_readwrite("rank_tolerance", &ConstraintSettings::rank_tolerance,
+                     "A row is redundant if its remaining pivot is below this fraction of its diagonal's upper bound.")
+      .def_readwrite("mu", &ConstraintSettings::mu,
+                     "[1/kg, 1/(kg m^2)] If positive, it is added to the diagonal of the Delassus matrix, and proximal iterations remove its effect.")
+      .def_readwrite("max_iterations", &ConstraintSettings::max_iterations, "The limit of proximal iterations.")
+      .def_readwrite("tolerance", &ConstraintSettings::tolerance, "[m/s^2, rad/s^2] Iterations end when all rows are within this.");
   py::class_<ConstraintData>(m, "ConstraintData", "Memory for the forces of a set of constraints, for one thread.")
       .def(py::init<const ConstraintSet&, Need>(), py::arg("constraints"), py::arg("needs") = Need::derivatives)
-      .def_property_readonly("set", &ConstraintData::set);
+      .def_property_readonly("set", &ConstraintData::set)
+      .def_readonly("settings", &ConstraintData::settings, "How forces are computed; its members may be changed between calls.")
+      .def_property_readonly("nbytes", &ConstraintData::bytes, "The size in bytes.");
+}
 
+}  // namespace
+
+void addConstraints(py::module_& m) {
+  addDescriptions(m);
+  addSets(m);
   py::class_<Motions>(m, "ConstrainedMotion", "Accelerations (or velocities after an impact) and forces (or impulses) of the rows.")
       .def_readonly("ddq", &Motions::motion, "(nv,) [rad/s^2, m/s^2]")
       .def_readonly("v_after", &Motions::motion, "(nv,) [rad/s, m/s], of impulse_dynamics")
@@ -70,13 +142,10 @@ void addConstraints(py::module_& m) {
       .def_readonly("rank", &Motions::rank, "Of the rows; less than their number if some are redundant.")
       .def_readonly("iterations", &Motions::iterations);
   const py::arg model("model"), data("data"), q("q"), v("v"), constraints("constraints");
-  m.def(
-      "constraint_dynamics",
-      [](const CompactModel& x, Data& d, const Vector& at, const Vector& w, const Vector& tau, ConstraintData& c) {
-        const ConstrainedMotion r = constraintDynamics(x, d, at, w, tau, c);
-        return Motions{r.ddq, r.lambda, r.residual, r.rank, r.iterations};
-      },
-      model, data, q, v, py::arg("tau"), constraints, "Computes accelerations and constraint forces under tau.");
+  m.def("constraint_dynamics", &dynamicsOf, model, data, q, v, py::arg("tau"), constraints, py::kw_only(), py::arg("fext") = py::none(),
+        py::arg("method") = "articulated",
+        "Computes accelerations and constraint forces under tau; returns a ConstrainedMotion.\n\n"
+        "fext: external forces (njoints, 6), a row (force, moment) for each joint in its frame. method: 'articulated', or 'kkt' with factors of M.");
   m.def(
       "impulse_dynamics",
       [](const CompactModel& x, Data& d, const Vector& at, const Vector& w, double restitution, ConstraintData& c) {

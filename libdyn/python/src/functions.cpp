@@ -7,6 +7,7 @@
 
 #include <dyn/algorithm/aba.hpp>
 #include <dyn/algorithm/compute.hpp>
+#include <dyn/algorithm/derivatives.hpp>
 #include <dyn/algorithm/rnea.hpp>
 
 #include <structseq.h>
@@ -87,20 +88,24 @@ PyObject* collect(const Function& f, ResultOf&& resultOf) {
   return all;
 }
 
-/// Reads forces on joints, an array of one row (force, moment) for each joint.
-bool readForces(const Function& f, PyObject* object, ExternalForces& forces) {
-  StatesInput<double> rows;
-  if (!rows.read(object, f.name.c_str(), "fext")) return false;
-  const auto view = rows.view();
-  if (view.rows != 6) {
-    PyErr_Format(PyExc_TypeError, "%s: fext must have six columns, force and moment", f.name.c_str());
-    return false;
+bool takesForces(Algorithm a) {
+  return a == Algorithm::rnea || a == Algorithm::aba || a == Algorithm::rnea_derivatives || a == Algorithm::aba_derivatives;
+}
+
+/// Runs static_torque, or an algorithm that takes external forces beside q, v and a or tau.
+detail::AlgorithmViews runWithForces(const CompactModel& model, Data& data, Algorithm algorithm, VectorView q, VectorView v, VectorView a,
+                                     const ExternalForces& forces) {
+  const Force<double>* const first = forces.data();
+  const std::size_t count = forces.size();
+  if (algorithm == Algorithm::static_torque) return detail::staticTorque(model, data, q, first, count);
+  if (algorithm == Algorithm::rnea) return detail::rnea(model, data, q, v, a, first, count);
+  if (algorithm == Algorithm::aba) return detail::aba(model, data, q, v, a, first, count);
+  if (algorithm == Algorithm::rnea_derivatives) {
+    const detail::DerivativeViews x = detail::rneaDerivatives(model, data, q, &v, &a, first, count);
+    return {x.by_q, x.by_v, x.inertia};
   }
-  for (std::ptrdiff_t k = 0; k < view.cols; ++k) {
-    const double* const x = view.data + k * view.stride;
-    forces.push_back({{x[0], x[1], x[2]}, {x[3], x[4], x[5]}});
-  }
-  return true;
+  const detail::DerivativeViews x = detail::abaDerivatives(model, data, q, v, a, first, count);
+  return {x.by_q, x.by_v, x.inertia, x.ddq};
 }
 
 PyObject* callSingle(const Function& f, const CompactModel& model, PyObject* const* slots) {
@@ -114,11 +119,8 @@ PyObject* callSingle(const Function& f, const CompactModel& model, PyObject* con
   detail::AlgorithmViews views;
   if (slots[fext] != nullptr) {
     ExternalForces forces;
-    if (!readForces(f, slots[fext], forces)) return nullptr;
-    const auto apply = algorithm == Algorithm::aba ? &detail::aba : &detail::rnea;
-    views = algorithm == Algorithm::static_torque
-                ? detail::staticTorque(model, *data, vectors[0].view(), forces.data(), forces.size())
-                : apply(model, *data, vectors[0].view(), vectors[1].view(), vectors[2].view(), forces.data(), forces.size());
+    if (!readForces(slots[fext], name, forces)) return nullptr;
+    views = runWithForces(model, *data, algorithm, vectors[0].view(), vectors[1].view(), vectors[2].view(), forces);
   } else {
     views = detail::runAlgorithm(model, *data, algorithm, vectors[0].view(), vectors[1].view(), vectors[2].view());
   }
@@ -156,14 +158,7 @@ PyObject* callBatch(const Function& f, const CompactModel& model, PyObject* cons
   StatesInput<T> states[3];
   for (std::size_t k = 0; k < 3; ++k)
     if (slots[q + k] != nullptr && !states[k].read(slots[q + k], name, f.names[q + k])) return nullptr;
-  if (batch->busy.exchange(true)) {
-    PyErr_Format(PyExc_RuntimeError, "%s: another thread is using this batch; each thread needs its own", name);
-    return nullptr;
-  }
-  struct Release {
-    std::atomic<bool>& busy;
-    ~Release() { busy = false; }
-  } release{batch->busy};
+  const InUse use(batch->busy, name);
   detail::BatchViews<T> views;
   {
     py::gil_scoped_release unlocked;
@@ -227,9 +222,11 @@ const char* explain(Algorithm algorithm) {
     case Algorithm::minverse:
       return "Computes the inverse of the mass matrix.";
     case Algorithm::rnea_derivatives:
-      return "Computes the derivatives of rnea by q (in tangent vectors) and v, and M, its derivative by a.";
+      return "Computes the derivatives of rnea by q (in tangent vectors) and v, and M, its derivative by a.\n"
+             "fext has a row (force, moment) for each joint, the world's first, in the joint's frame; forces turn with the bodies.";
     case Algorithm::aba_derivatives:
-      return "Computes the derivatives of aba by q (in tangent vectors) and v, M^-1, its derivative by tau, and ddq.";
+      return "Computes the derivatives of aba by q (in tangent vectors) and v, M^-1, its derivative by tau, and ddq.\n"
+             "fext has a row (force, moment) for each joint, the world's first, in the joint's frame; forces turn with the bodies.";
     case Algorithm::coriolis:
       return "Computes a Coriolis matrix C(q, v) for which dM/dt - 2 C is skew.";
     case Algorithm::centroidal_map:
@@ -291,7 +288,7 @@ void addFunctions(py::module_& m) {
       f.names[slot] = algorithm.inputs[k];
       f.positional[static_cast<std::size_t>(f.required++)] = slot;
     }
-    if (algorithm.algorithm == Algorithm::rnea || algorithm.algorithm == Algorithm::aba) f.names[fext] = "fext";
+    if (takesForces(algorithm.algorithm)) f.names[fext] = "fext";
     while (f.outputs < 4 && algorithm.outputs[static_cast<std::size_t>(f.outputs)].symbol != nullptr) ++f.outputs;
     for (std::size_t k = 0; k < slot_count; ++k)
       if (f.names[k] != nullptr) f.keywords[k] = PyUnicode_InternFromString(f.names[k]);

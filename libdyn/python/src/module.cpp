@@ -113,6 +113,8 @@ PYBIND11_MODULE(_core, m) {
   addKinematics(m);
   addFunctions(m);
   addConstraints(m);
+  addFriction(m);
+  addDelassus(m);
   addGeometry(m);
   addDerivatives(m);
   addSimulation(m);
