@@ -142,6 +142,57 @@ class Simulation(unittest.TestCase):
             simulator.advance(1e6)
         thread.join()
 
+    def test_the_user_interrupts_a_simulation_without_callbacks(self):
+        simulator = dyn.Simulator(dyn.compile(pendulum()), dt=1e-4)
+        thread = threading.Timer(0.05, os.kill, (os.getpid(), signal.SIGINT))
+        thread.start()
+        with self.assertRaises(KeyboardInterrupt):
+            simulator.advance(1e6)
+        thread.join()
+        reached = simulator.time
+        self.assertTrue(0 < reached < 1e6)
+        simulator.advance(reached + 1.0)
+
+    def test_integrators_say_what_they_are(self):
+        known = {x.name: x for x in dyn.integrators()}
+        self.assertEqual((known["rk4"].order, known["rk4"].adaptive, known["radau5"].implicit), (4, False, True))
+        for name in known:
+            self.assertEqual(dyn.Simulator(dyn.compile(pendulum()), name).integrator, name)
+
+    def test_looking_for_interruptions_changes_no_step(self):
+        for integrator in ("rk4", "dormand_prince", "implicit_midpoint"):
+            watched, stepped = (dyn.Simulator(dyn.compile(pendulum()), integrator, 1e-3) for _ in range(2))
+            for simulator in (watched, stepped):
+                simulator.reset([1.0], [0.5])
+            while stepped.time < 2.0:
+                stepped.step()
+            watched.advance(stepped.time)
+            self.assertEqual(watched.statistics["steps"], stepped.statistics["steps"])
+            np.testing.assert_allclose(watched.q, stepped.q, rtol=0, atol=1e-13)
+            seen = []
+            watched.reset([1.0], [0.5])
+            watched.advance(2.0, [0.0, 0.5, 0.5, 2.0], lambda t, q, v: seen.append((t, q[0])))
+            self.assertEqual([t for t, _ in seen], [0.0, 0.5, 0.5, 2.0])
+            self.assertEqual(seen[-1][1], watched.q[0])
+            with self.assertRaisesRegex(dyn.Error, "time 1 is 2.1 s"):
+                watched.advance(3.0, [2.2, 2.1], lambda t, q, v: None)
+
+    def test_derivatives_of_a_controller_speed_implicit_steps_up_and_change_no_motion(self):
+        results = []
+        for derivatives in (None, lambda t, q, v: ([[-2.0]], [[-0.5]])):
+            simulator = dyn.Simulator(dyn.compile(pendulum()), "radau5", 0.01)
+            simulator.reset([0.7], [0.0])
+            simulator.set_controller(lambda t, q, v: -2.0 * q - 0.5 * v, derivatives)
+            simulator.advance(0.5)
+            results.append(simulator.q[0])
+        self.assertAlmostEqual(results[0], results[1], places=9)
+        simulator.set_controller(lambda t, q, v: -v, lambda t, q, v: ([[0.0, 1.0]], [[0.0]]))
+        with self.assertRaisesRegex(dyn.Error, "derivatives of the controller returned 2 numbers"):
+            simulator.step()
+        with self.assertRaisesRegex(dyn.Error, "derivatives without a controller"):
+            simulator.set_controller(None, lambda t, q, v: None)
+        self.assertEqual((simulator.integrator, simulator.dt, simulator.model.nv), ("radau5", 0.01, 1))
+
     def test_a_ball_comes_to_rest_on_the_ground(self):
         description = ball()
         model = dyn.compile(description)

@@ -118,5 +118,7 @@ PYBIND11_MODULE(_core, m) {
   addGeometry(m);
   addDerivatives(m);
   addSimulation(m);
+  addIslands(m);
+  addRollout(m);
   addVersion(m);
 }

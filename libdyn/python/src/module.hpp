@@ -29,6 +29,8 @@ void addDelassus(py::module_& m);
 void addGeometry(py::module_& m);
 void addDerivatives(py::module_& m);
 void addSimulation(py::module_& m);
+void addIslands(py::module_& m);
+void addRollout(py::module_& m);
 
 /// Returns a libdyn.Error with the attributes code, file, line and joint.
 py::object errorOf(const Error& e);

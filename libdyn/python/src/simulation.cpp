@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Simulation with controllers, forces, events and observers written in Python.
-#include "module.hpp"
+#include "simulation.hpp"
 
-#include <dyn/integrate/simulator.hpp>
+#include "choices.hpp"
 
-#include <pybind11/eigen.h>
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
-#include <exception>
+#include <algorithm>
 
 namespace dyn::python {
 
@@ -16,109 +15,81 @@ namespace {
 
 using Vector = Eigen::Ref<const Eigen::VectorXd>;
 
-/// A simulator, and the exception that a Python callback has thrown. The simulator itself says only that a callback threw.
-struct Simulation {
-  Simulation(const CompactModel& model, const SimulatorOptions& options) : simulator(model, options) {}
-  Simulation(const ConstraintSet& constraints, const SimulatorOptions& options) : simulator(constraints, options) {}
-
-  Simulator simulator;
-  std::exception_ptr thrown;
-
-  /// Calls `function` and throws what a callback has thrown in it, a KeyboardInterrupt too.
-  template <class F>
-  auto run(F&& function) {
-    thrown = nullptr;
-    try {
-      return function();
-    } catch (...) {
-      if (thrown) std::rethrow_exception(thrown);
-      throw;
-    }
-  }
-
-  /// Calls a Python function with copies of the state; Python may keep them.
-  template <class Use>
-  void call(const py::function& function, double t, const VectorResult& q, const VectorResult& v, Use&& use) {
-    try {
-      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-      use(function(t, Eigen::VectorXd(q), Eigen::VectorXd(v)));
-    } catch (...) {
-      thrown = std::current_exception();
-      throw;
-    }
-  }
-};
-
-SimulatorOptions optionsOf(const std::string& integrator, double dt, double tolerance, bool project, bool limits, double restitution) {
-  SimulatorOptions options;
-  options.integrator = integratorByName(integrator);
-  options.dt = dt;
-  options.tolerance = tolerance;
-  options.project = project;
-  options.limits = limits;
-  options.restitution = restitution;
-  return options;
+/// Returns the times at which advance() looks whether the user has interrupted it: not more often than every 256 steps, and not too many.
+std::vector<double> interruptible(double from, double until, double dt) {
+  const double steps = (until - from) / dt;
+  if (!(steps > 256)) return {};
+  const auto count = static_cast<std::size_t>(std::min(steps / 256, 65536.0));
+  std::vector<double> times(count);
+  for (std::size_t k = 0; k < count; ++k) times[k] = from + (until - from) * static_cast<double>(k + 1) / static_cast<double>(count + 1);
+  return times;
 }
 
-/// Writes an array that a callback returned to `out`.
-template <class Out>
-void write(const py::object& array, const char* callback, Out&& out) {
-  const auto values = py::cast<Eigen::MatrixXd>(array);
-  if (values.size() != out.size())
-    throw Error(ErrorCode::size,
-                std::string(callback) + " returned " + std::to_string(values.size()) + " numbers, not " + std::to_string(out.size()));
-  Eigen::Map<Eigen::MatrixXd>(out.data(), values.rows(), values.cols()) = values;
+using MaybeFunction = std::optional<py::function>;
+
+void setController(Simulation& s, const MaybeFunction& controller, const MaybeFunction& derivatives) {
+  if (derivatives && !controller) throw Error(ErrorCode::argument, "set_controller: derivatives without a controller");
+  Controller control;
+  ControllerDerivatives differentiate;
+  if (controller)
+    control = [f = *controller](double t, const VectorResult& q, const VectorResult& v, VectorMap tau) {
+      callPython(f, t, q, v, [&](const py::object& out) { writeReturned(out, "the controller", tau); });
+    };
+  if (derivatives)
+    differentiate = [f = *derivatives](double t, const VectorResult& q, const VectorResult& v, MatrixMap dtau_dq, MatrixMap dtau_dv) {
+      callPython(f, t, q, v, [&](const py::object& out) {
+        const auto [by_q, by_v] = py::cast<std::pair<py::object, py::object>>(out);
+        writeReturned(by_q, "the derivatives of the controller", dtau_dq);
+        writeReturned(by_v, "the derivatives of the controller", dtau_dv);
+      });
+    };
+  s.get().setController(std::move(control), std::move(differentiate));
+  s.python_controller = controller.has_value();
 }
 
-void setController(Simulation& s, const std::optional<py::function>& controller) {
-  if (!controller) return s.simulator.setController(nullptr);
-  s.simulator.setController([&s, f = *controller](double t, const VectorResult& q, const VectorResult& v, VectorMap tau) {
-    s.call(f, t, q, v, [&](const py::object& out) { write(out, "the controller", tau); });
-  });
-}
-
-void setForces(Simulation& s, const std::optional<py::function>& forces) {
-  if (!forces) return s.simulator.setForces(nullptr);
-  s.simulator.setForces([&s, f = *forces](double t, const VectorResult& q, const VectorResult& v, Force<double>* fext, int count) {
-    s.call(f, t, q, v, [&](const py::object& out) {
-      const auto rows = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(out);
-      if (!rows || rows.ndim() != 2 || rows.shape(0) != count || rows.shape(1) != 6)
-        throw Error(ErrorCode::size, "the function of forces must return " + std::to_string(count) + " rows of 6 numbers");
-      const auto x = rows.unchecked<2>();
-      for (int k = 0; k < count; ++k) fext[k] = {{x(k, 0), x(k, 1), x(k, 2)}, {x(k, 3), x(k, 4), x(k, 5)}};
-    });
-  });
+void setForces(Simulation& s, const MaybeFunction& forces) {
+  Forces act;
+  if (forces)
+    act = [f = *forces](double t, const VectorResult& q, const VectorResult& v, Force<double>* fext, int count) {
+      callPython(f, t, q, v, [&](const py::object& out) {
+        const auto rows = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(out);
+        if (!rows || rows.ndim() != 2 || rows.shape(0) != count || rows.shape(1) != 6)
+          throw Error(ErrorCode::size, "the function of forces must return " + std::to_string(count) + " rows of 6 numbers");
+        const auto x = rows.unchecked<2>();
+        for (int k = 0; k < count; ++k) fext[k] = {{x(k, 0), x(k, 1), x(k, 2)}, {x(k, 3), x(k, 4), x(k, 5)}};
+      });
+    };
+  s.get().setForces(std::move(act));
+  s.python_forces = forces.has_value();
 }
 
 void setEvents(Simulation& s, const std::vector<std::tuple<std::string, py::function, std::string>>& events) {
   std::vector<Event> all;
   for (const auto& [name, function, direction] : events) {
     using Direction = Event::Direction;
-    if (direction != "both" && direction != "rising" && direction != "falling")
-      throw Error(ErrorCode::argument, "the direction of event '" + name + "' is '" + direction + "'; it must be 'both', 'rising' or 'falling'");
+    const auto kind = chosen<Direction>(("the direction of event '" + name + "'").c_str(), direction,
+                                        {{"both", Direction::both}, {"rising", Direction::rising}, {"falling", Direction::falling}});
     all.push_back({name,
-                   [&s, f = function](double t, const VectorResult& q, const VectorResult& v) {
+                   [f = function](double t, const VectorResult& q, const VectorResult& v) {
                      double value = 0;
-                     s.call(f, t, q, v, [&](const py::object& out) { value = py::cast<double>(out); });
+                     callPython(f, t, q, v, [&](const py::object& out) { value = py::cast<double>(out); });
                      return value;
                    },
-                   direction == "both"     ? Direction::both
-                   : direction == "rising" ? Direction::rising
-                                           : Direction::falling});
+                   kind});
   }
-  s.run([&] { s.simulator.setEvents(std::move(all)); });
+  withPythonExceptions([&] { s.get().setEvents(std::move(all)); });
+  s.python_events = !events.empty();
 }
 
-int advance(Simulation& s, double until, const std::optional<std::vector<double>>& times, const std::optional<py::function>& observer) {
-  return s.run([&] {
-    if (!times || !observer) return s.simulator.advance(until);
-    return s.simulator.advance(until, *times,
-                               [&](double t, const VectorResult& q, const VectorResult& v) { s.call(*observer, t, q, v, [](const py::object&) {}); });
-  });
+int advance(Simulation& s, double until, const std::optional<std::vector<double>>& times, const MaybeFunction& observer) {
+  Observer observe;
+  if (times.has_value() != observer.has_value()) throw Error(ErrorCode::argument, "advance: give both times and an observer, or none of them");
+  if (observer) observe = [&](double t, const VectorResult& q, const VectorResult& v) { callPython(*observer, t, q, v, [](const py::object&) {}); };
+  return withPythonExceptions([&] { return s.advance(until, times.value_or(std::vector<double>()), observe); });
 }
 
 py::dict statisticsOf(const Simulation& s) {
-  const SimulatorStatistics& x = s.simulator.statistics();
+  const SimulatorStatistics& x = s.get().statistics();
   using namespace py::literals;
   return py::dict("steps"_a = x.steps, "rejected"_a = x.rejected, "evaluations"_a = x.evaluations, "factorizations"_a = x.factorizations,
                   "iterations"_a = x.iterations, "impacts"_a = x.impacts, "touched"_a = x.touched, "contact_steps"_a = x.contact_steps,
@@ -127,7 +98,50 @@ py::dict statisticsOf(const Simulation& s) {
 
 }  // namespace
 
+SimulatorOptions simulatorOptions(const std::string& integrator, double dt, double tolerance, bool project, bool limits, double restitution) {
+  return {integratorByName(integrator), dt, tolerance, project, limits, restitution};
+}
+
+int Simulation::advance(double until, const std::vector<double>& times, const Observer& observer) {
+  Simulator& simulator = get();
+  // States at further times are read to look for Ctrl-C. They change no step.
+  const double now = simulator.time();
+  const bool valid = times.empty() || (std::is_sorted(times.begin(), times.end()) && times.front() >= now && times.back() <= until);
+  std::vector<double> all = valid ? interruptible(now, until, simulator.options().dt) : std::vector<double>();
+  const std::size_t looks = all.size();
+  all.insert(all.end(), times.begin(), times.end());
+  std::inplace_merge(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(looks), all.end());
+  std::size_t shown = 0;
+  const auto observe = [&](double t, const VectorResult& q, const VectorResult& v) {
+    if (shown < times.size() && t == times[shown]) {
+      ++shown;
+      observer(t, q, v);
+    } else {
+      runPython([] {});
+    }
+  };
+  if (python_controller || python_forces || python_events) return simulator.advance(until, all, observe);
+  struct Running {
+    Simulation& simulation;
+    bool outermost;
+    explicit Running(Simulation& s) : simulation(s), outermost(!s.running_) {
+      s.running_ = true;
+      s.thread_ = std::this_thread::get_id();
+    }
+    ~Running() { simulation.running_ = !outermost; }
+  } running(*this);
+  const py::gil_scoped_release unlocked;
+  return simulator.advance(until, all, observe);
+}
+
 void addSimulation(py::module_& m) {
+  py::class_<IntegratorInfo>(m, "IntegratorInfo", "The properties of an integrator.")
+      .def_readonly("name", &IntegratorInfo::name)
+      .def_readonly("order", &IntegratorInfo::order, "The order of the global error in the step size.")
+      .def_readonly("adaptive", &IntegratorInfo::adaptive, "Whether the step size follows a tolerance.")
+      .def_readonly("implicit", &IntegratorInfo::implicit, "Whether every step solves equations.")
+      .def("__repr__", [](const IntegratorInfo& x) { return std::string("<integrator '") + x.name + "'>"; });
+  m.def("integrators", &integrators, "Returns the properties of all integrators.");
   const py::arg_v integrator("integrator", "rk4"), dt("dt", 1e-3), tolerance("tolerance", 1e-8), project("project", true), limits("limits", false),
       restitution("restitution", 0.0);
   py::class_<Simulation> c(m, "Simulator",
@@ -136,48 +150,54 @@ void addSimulation(py::module_& m) {
                            "dt: length of a step [s]. tolerance: of adaptive integrators. project: onto constraints after each step.\n"
                            "limits: joints stop at their position limits. restitution: of impacts, in [0, 1].");
   c.def(py::init([](const CompactModel& model, const std::string& i, double h, double t, bool p, bool l, double r) {
-          return std::make_unique<Simulation>(model, optionsOf(i, h, t, p, l, r));
+          return std::make_unique<Simulation>(model, simulatorOptions(i, h, t, p, l, r));
         }),
         py::arg("model"), integrator, dt, tolerance, project, limits, restitution)
       .def(py::init([](const ConstraintSet& constraints, const std::string& i, double h, double t, bool p, bool l, double r) {
-             return std::make_unique<Simulation>(constraints, optionsOf(i, h, t, p, l, r));
+             return std::make_unique<Simulation>(constraints, simulatorOptions(i, h, t, p, l, r));
            }),
            py::arg("constraints"), integrator, dt, tolerance, project, limits, restitution)
       .def(
-          "reset", [](Simulation& s, const Vector& q, const Vector& v, double time) { s.run([&] { s.simulator.reset(q, v, time); }); }, py::arg("q"),
-          py::arg("v"), py::arg("time") = 0.0, "Sets state and time.")
-      .def("set_controller", &setController, py::arg("controller"),
-           "Sets the function controller(t, q, v) that returns tau (nv,), or None. It is called several times a step, not in the order of time.")
+          "reset", [](Simulation& s, const Vector& q, const Vector& v, double time) { withPythonExceptions([&] { s.get().reset(q, v, time); }); },
+          py::arg("q"), py::arg("v"), py::arg("time") = 0.0, "Sets state and time.")
+      .def("set_controller", &setController, py::arg("controller"), py::arg("derivatives") = py::none(),
+           "Sets the function controller(t, q, v) that returns tau (nv,), or None. It is called several times a step, not in the order of time.\n\n"
+           "derivatives(t, q, v) returns d tau / d q (in the tangent space) and d tau / d v, (nv, nv) each. It makes implicit integrators faster.")
       .def("set_forces", &setForces, py::arg("forces"),
            "Sets the function forces(t, q, v) that returns external forces (njoints, 6), one row for each joint in its frame, or None.")
       .def("set_events", &setEvents, py::arg("events"),
            "Sets events (name, function(t, q, v), 'both' | 'rising' | 'falling'): advance() ends where a function passes zero.")
       .def(
-          "set_contacts", [](Simulation& s, const ContactFinder& finder) { s.simulator.setContacts(finder); }, py::arg("finder"),
+          "set_contacts", [](Simulation& s, const ContactFinder& finder) { s.get().setContacts(finder); }, py::arg("finder"),
           "Sets what touches: geometry_contacts() or points_on_plane().")
       .def(
-          "step", [](Simulation& s) { s.run([&] { s.simulator.step(); }); }, "Takes one step.")
+          "step", [](Simulation& s) { withPythonExceptions([&] { s.get().step(); }); }, "Takes one step.")
       .def("advance", &advance, py::arg("until"), py::arg("times") = py::none(), py::arg("observer") = py::none(),
            "Advances to this time [s]; returns the index of the event that ended it sooner, or -1. Calls observer(t, q, v) at `times`.")
+      .def_property_readonly("model", [](const Simulation& s) { return s.get().model(); })
       .def_property_readonly(
-          "time", [](const Simulation& s) { return s.simulator.time(); }, "[s]")
+          "dt", [](const Simulation& s) { return s.get().options().dt; }, "The length of a step [s].")
       .def_property_readonly(
-          "q", [](const Simulation& s) { return Eigen::VectorXd(s.simulator.q()); }, "(nq,), a copy.")
+          "integrator", [](const Simulation& s) { return infoOf(s.get().options().integrator).name; }, "Its name.")
       .def_property_readonly(
-          "v", [](const Simulation& s) { return Eigen::VectorXd(s.simulator.v()); }, "(nv,), a copy.")
+          "time", [](const Simulation& s) { return s.get().time(); }, "[s]")
       .def_property_readonly(
-          "acceleration", [](Simulation& s) { return s.run([&] { return Eigen::VectorXd(s.simulator.acceleration()); }); }, "(nv,)")
+          "q", [](const Simulation& s) { return Eigen::VectorXd(s.get().q()); }, "(nq,), a copy.")
       .def_property_readonly(
-          "energy", [](Simulation& s) { return s.simulator.energy(); }, "Kinetic plus potential [J].")
+          "v", [](const Simulation& s) { return Eigen::VectorXd(s.get().v()); }, "(nv,), a copy.")
       .def_property_readonly(
-          "constraint_error", [](Simulation& s) { return s.simulator.constraintError(); }, "The largest position error [m, rad].")
+          "acceleration", [](Simulation& s) { return withPythonExceptions([&] { return Eigen::VectorXd(s.get().acceleration()); }); }, "(nv,)")
       .def_property_readonly(
-          "touches", [](const Simulation& s) { return s.simulator.touches(); }, "Whether something was in contact in the last step.")
+          "energy", [](Simulation& s) { return s.get().energy(); }, "Kinetic plus potential [J].")
+      .def_property_readonly(
+          "constraint_error", [](Simulation& s) { return s.get().constraintError(); }, "The largest position error [m, rad].")
+      .def_property_readonly(
+          "touches", [](const Simulation& s) { return s.get().touches(); }, "Whether something was in contact in the last step.")
       .def_property_readonly("statistics", &statisticsOf, "Numbers of steps, evaluations and so on.")
       .def(
-          "save", [](const Simulation& s) { return s.simulator.save(); }, "Returns time, state and step as text, without loss.")
+          "save", [](const Simulation& s) { return s.get().save(); }, "Returns time, state and step as text, without loss.")
       .def(
-          "resume", [](Simulation& s, const std::string& saved) { s.run([&] { s.simulator.resume(saved); }); }, py::arg("saved"),
+          "resume", [](Simulation& s, const std::string& saved) { withPythonExceptions([&] { s.get().resume(saved); }); }, py::arg("saved"),
           "Goes on from a saved state.");
 }
 
