@@ -17,6 +17,7 @@ import runpy
 from . import _core
 from ._core import *  # noqa: F403
 from ._core import Error, Model, __version__  # noqa: F401
+from .graphs import trace_function  # noqa: F401
 from .joint_types import JointFunction, Parameter, joint  # noqa: F401
 from .tracing import Scalar, TracedSE3, atan2, cos, exp, log, select, sin, sqrt, tan  # noqa: F401
 

@@ -120,5 +120,7 @@ PYBIND11_MODULE(_core, m) {
   addSimulation(m);
   addIslands(m);
   addRollout(m);
+  addGraphs(m);
+  addCodegen(m);
   addVersion(m);
 }

@@ -31,6 +31,8 @@ void addDerivatives(py::module_& m);
 void addSimulation(py::module_& m);
 void addIslands(py::module_& m);
 void addRollout(py::module_& m);
+void addGraphs(py::module_& m);
+void addCodegen(py::module_& m);
 
 /// Returns a libdyn.Error with the attributes code, file, line and joint.
 py::object errorOf(const Error& e);
