@@ -1,92 +1,75 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Volumes, collision and distance.
+// Compiled volumes, collision and distance.
+#include "arrays.hpp"
 #include "description.hpp"
+#include "objects.hpp"
 
 #include <dyn/geometry/collision.hpp>
-#include <dyn/geometry/contact_finder.hpp>
 #include <dyn/geometry/distance.hpp>
 #include <dyn/near_names.hpp>
 #include <dyn/spatial/eigen.hpp>
 
 #include <pybind11/eigen.h>
+#include <pybind11/numpy.h>
 #include <pybind11/stl.h>
+
+#include <atomic>
 
 namespace dyn::python {
 
 namespace {
 
 using Vector = Eigen::Ref<const Eigen::VectorXd>;
-using Vector3 = Eigen::Vector3d;
-using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 using Pairs = std::vector<std::pair<std::string, std::string>>;
 
-std::vector<Vec3<double>> pointsOf(const Points& rows) {
-  std::vector<Vec3<double>> out;
-  for (Eigen::Index k = 0; k < rows.rows(); ++k) out.push_back({rows(k, 0), rows(k, 1), rows(k, 2)});
-  return out;
-}
 std::vector<PairName> pairsOf(const Pairs& pairs) {
   std::vector<PairName> out;
   for (const auto& [a, b] : pairs) out.push_back({a, b});
   return out;
 }
 
-void addShapes(py::module_& m) {
-  using namespace geometry;
-  const py::arg radius("radius"), length("length");
-  py::class_<Sphere>(m, "Sphere", "A ball [m].").def(py::init([](double r) { return Sphere{r}; }), radius);
-  py::class_<Box>(m, "Box", "A cuboid, by its whole side lengths along x, y, z [m].")
-      .def(py::init([](double x, double y, double z) {
-             return Box{{x, y, z}};
-           }),
-           py::arg("x"), py::arg("y"), py::arg("z"));
-  py::class_<Capsule>(m, "Capsule", "A cylinder with round ends along z; `length` is between the centres of the ends [m].")
-      .def(py::init([](double r, double l) {
-             return Capsule{r, l};
-           }),
-           radius, length);
-  py::class_<Cylinder>(m, "Cylinder", "A circular cylinder along z [m].")
-      .def(py::init([](double r, double l) {
-             return Cylinder{r, l};
-           }),
-           radius, length);
-  py::class_<Cone>(m, "Cone", "A circular cone along z, with the tip at +length / 2 [m].")
-      .def(py::init([](double r, double l) {
-             return Cone{r, l};
-           }),
-           radius, length);
-  py::class_<HalfSpace>(m, "HalfSpace", "All points x with normal . x <= offset [m].")
-      .def(py::init([](const Vector3& normal, double offset) {
-             return HalfSpace{fromEigen3(normal), offset};
-           }),
-           py::arg("normal") = Vector3::UnitZ().eval(), py::arg("offset") = 0.0);
-  py::class_<ConvexHull>(m, "ConvexHull", "The convex hull of points, one a row [m].")
-      .def(py::init([](const Points& points) { return ConvexHull{pointsOf(points)}; }), py::arg("points"));
-  py::class_<TriangleMesh>(m, "TriangleMesh", "A surface of triangles: vertices, one a row [m], and three indices of them a triangle.")
-      .def(py::init([](const Points& vertices, const std::vector<std::array<int, 3>>& triangles) {
-             return TriangleMesh{pointsOf(vertices), triangles};
-           }),
-           py::arg("vertices"), py::arg("triangles"));
-  py::class_<MeshFile>(m, "MeshFile", "A mesh in a file.")
-      .def(py::init([](const std::string& uri, const Vector3& scale, bool convex) {
-             return MeshFile{uri, fromEigen3(scale), convex};
-           }),
-           py::arg("uri"), py::arg("scale") = Vector3::Ones().eval(), py::arg("convex") = false);
+/// Memory for many states, and whether a call is using it. Calls release the interpreter's lock, so a second thread may come.
+struct Volumes {
+  Volumes(const CompactModel& model, const GeometryModel& geometry, int capacity, int threads) : batch(model, geometry, capacity, threads) {}
+  GeometryBatch batch;
+  std::atomic<bool> busy = false;
+};
+
+py::array_t<bool> collisionsOf(const CompactModel& model, Volumes& volumes, const py::object& q) {
+  StatesInput<double> states;
+  if (!states.read(q.ptr(), "compute_collisions", "q")) throw py::error_already_set();
+  py::array_t<bool> out(static_cast<py::ssize_t>(states.view().cols));
+  const InUse use(volumes.busy, "compute_collisions");
+  const unsigned char* flags = nullptr;
+  {
+    const py::gil_scoped_release unlocked;
+    flags = detail::batchCollisions(model, volumes.batch, states.view());
+  }
+  std::copy_n(flags, out.size(), out.mutable_data());
+  return out;
+}
+
+int geometryOf(const GeometryModel& geometry, const std::variant<int, std::string>& volume) {
+  if (std::holds_alternative<int>(volume)) return std::get<int>(volume);
+  const std::string& name = std::get<std::string>(volume);
+  const int id = geometry.geometryId(name);
+  if (id < 0) throw Error(ErrorCode::argument, "the geometry has no volume '" + name + "'" + nearNames(name, namesOf(geometry.geometries())));
+  return id;
 }
 
 }  // namespace
 
 void addGeometry(py::module_& m) {
-  addShapes(m);
-  py::reinterpret_borrow<py::class_<Model>>(m.attr("Model"))
-      .def(
-          "add_geometry",
-          [](Model& model, const std::string& name, const std::variant<int, std::string>& body, const GeometryShape& shape,
-             const SE3<double>& placement) { return model.addGeometry(name, bodyOf(model, body), placement, shape); },
-          py::arg("name"), py::arg("body"), py::arg("shape"), py::arg("placement") = SE3<double>(),
-          "Adds a volume for collision at `placement` in the body's frame.");
-
+  py::class_<GeometryRecord>(m, "GeometryRecord", "A volume that belongs to a pair.")
+      .def_readonly("name", &GeometryRecord::name)
+      .def_readonly("body", &GeometryRecord::body, "The name of the described body that it is on.")
+      .def_readonly("joint", &GeometryRecord::joint, "The index of its joint; 0 if it does not move.")
+      .def_readonly("placement", &GeometryRecord::placement, "In the joint's frame.")
+      .def("__repr__", [](const GeometryRecord& g) { return "<volume '" + g.name + "'>"; });
   py::class_<GeometryModel>(m, "GeometryModel", "Compiled volumes and the pairs to check.")
+      .def_property_readonly("geometries", &GeometryModel::geometries, "A GeometryRecord for each volume.")
+      .def("geometry_id", &GeometryModel::geometryId, py::arg("name"), "Returns the index of a volume; -1 if there is none.")
+      .def("pair_id", &GeometryModel::pairId, py::arg("a"), py::arg("b"), "Returns the index of a pair of volumes; -1 if there is none.")
       .def_property_readonly("names", [](const GeometryModel& g) { return namesOf(g.geometries()); })
       .def_property_readonly(
           "pairs",
@@ -101,7 +84,7 @@ void addGeometry(py::module_& m) {
   m.def(
       "compile_geometry",
       [](const CompactModel& model, const Model& description, const std::vector<std::string>& packages, bool all_pairs, const Pairs& add,
-         const Pairs& remove, bool skip_missing, bool fcl) {
+         const Pairs& remove, bool skip_missing, bool fcl, double fcl_tolerance) {
         GeometryOptions options;
         options.pairs = all_pairs ? GeometryOptions::Pairs::all : GeometryOptions::Pairs::none;
         options.add = pairsOf(add);
@@ -109,13 +92,16 @@ void addGeometry(py::module_& m) {
         options.packages = packages;
         options.missing = skip_missing ? GeometryOptions::Missing::skip : GeometryOptions::Missing::refuse;
         options.narrow = fcl ? GeometryOptions::Narrow::fcl : GeometryOptions::Narrow::own;
+        options.fcl_tolerance = fcl_tolerance;
         return compileGeometry(model, description, options);
       },
       py::arg("model"), py::arg("description"), py::kw_only(), py::arg("packages") = std::vector<std::string>(), py::arg("all_pairs") = true,
       py::arg("add") = Pairs(), py::arg("remove") = Pairs(), py::arg("skip_missing") = false, py::arg("fcl") = false,
+      py::arg("fcl_tolerance") = GeometryOptions().fcl_tolerance,
       "Collects the collision volumes of the description from which `model` was compiled, and the pairs to check.\n\n"
       "packages: folders for package://. all_pairs: begin with all pairs but neighbours, rigid and disabled ones. add, remove: pairs of names.\n"
-      "skip_missing: leave out volumes whose files do not exist. fcl: compare two volumes by FCL's functions.");
+      "skip_missing: leave out volumes whose files do not exist. fcl: compare two volumes by FCL's functions, with the tolerance\n"
+      "fcl_tolerance [m].");
 
   py::class_<GeometryData>(m, "GeometryData", "Placements of volumes and results, for one thread.")
       .def(py::init<const GeometryModel&, int>(), py::arg("geometry"), py::arg("contacts") = 256);
@@ -127,6 +113,12 @@ void addGeometry(py::module_& m) {
       },
       model, data, geometry, geometry_data, py::arg("q") = py::none(),
       "Places all volumes by the poses of the last forward_kinematics; with q, runs that first.");
+  m.def(
+      "geometry_placement",
+      [](const GeometryModel& g, const GeometryData& gd, const std::variant<int, std::string>& volume) {
+        return geometryPlacement(g, gd, geometryOf(g, volume));
+      },
+      geometry, geometry_data, py::arg("volume"), "Returns the pose of a volume (its name or index) in the world.");
   py::class_<Distance>(m, "Distance", "The distance of a pair a, b: nearest_b - nearest_a = distance * normal, in the world.")
       .def_readonly("pair", &Distance::pair, "The index in GeometryModel.pairs; -1: there is no pair.")
       .def_readonly("distance", &Distance::distance, "[m]; negative if the two overlap.")
@@ -148,6 +140,13 @@ void addGeometry(py::module_& m) {
   m.def("compute_minimum_distance", &computeMinimumDistance, geometry, geometry_data, "Returns the smallest distance of all pairs.");
   m.def("compute_collision", &computeCollision, geometry, geometry_data, pair, "Returns whether one pair collides.");
   m.def("any_collision", &anyCollision, geometry, geometry_data, "Returns whether any pair collides.");
+  m.def("first_collision", &firstCollision, geometry_data, "Returns the index of the pair that the last any_collision() found; -1 if it found none.");
+  py::class_<Volumes>(m, "GeometryBatch", "Memory for compute_collisions() of up to `capacity` states at once, in threads.")
+      .def(py::init<const CompactModel&, const GeometryModel&, int, int>(), model, geometry, py::arg("capacity"), py::arg("threads") = 1)
+      .def_property_readonly(
+          "capacity", [](const Volumes& v) { return v.batch.capacity(); }, "The largest number of states.");
+  m.def("compute_collisions", &collisionsOf, model, py::arg("batch"), py::arg("q"),
+        "Returns for each state (a row of q) of a GeometryBatch whether any pair collides (states,).");
   m.def("compute_collisions", static_cast<const std::vector<int>& (*)(const GeometryModel&, GeometryData&)>(&computeCollisions), geometry,
         geometry_data, "Returns the indices of the pairs that collide.");
   m.def("compute_contacts", &computeContacts, geometry, geometry_data, "Returns the contacts of all pairs that collide.");
@@ -159,21 +158,6 @@ void addGeometry(py::module_& m) {
         return out;
       },
       model, data, geometry, geometry_data, py::arg("distance"), "Returns the derivative of a distance by q (nv,), in the tangent space.");
-
-  py::class_<ContactFinder>(m, "ContactFinder", "Tells a simulation what touches.");
-  m.def(
-      "geometry_contacts",
-      [](const CompactModel& x, const GeometryModel& g, double friction, double margin) {
-        return geometryContacts(x, g, {.friction = friction, .pairs = {}, .margin = margin});
-      },
-      model, geometry, py::arg("friction") = 0.8, py::arg("margin") = 0.01, "Makes a finder of the contacts of all pairs.");
-  m.def(
-      "points_on_plane",
-      [](const CompactModel& x, const std::vector<std::string>& frames, const Vector3& normal, double height, double friction) {
-        return pointsOnPlane(x, frames, fromEigen3(normal), height, friction);
-      },
-      model, py::arg("frames"), py::arg("normal") = Vector3::UnitZ().eval(), py::arg("height") = 0.0, py::arg("friction") = 0.0,
-      "Makes a finder of contacts between origins of frames and the plane normal . x = height.");
 }
 
 }  // namespace dyn::python

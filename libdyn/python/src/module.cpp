@@ -115,7 +115,9 @@ PYBIND11_MODULE(_core, m) {
   addConstraints(m);
   addFriction(m);
   addDelassus(m);
+  addShapes(m);
   addGeometry(m);
+  addContactFinders(m);
   addDerivatives(m);
   addSimulation(m);
   addIslands(m);
