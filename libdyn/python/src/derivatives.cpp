@@ -2,7 +2,9 @@
 // Derivatives of kinematics and of constrained dynamics, second derivatives, regressors, and factors of the mass matrix. Results are new arrays.
 #include "names.hpp"
 
+#include <dyn/algorithm/centroidal.hpp>
 #include <dyn/algorithm/cholesky.hpp>
+#include <dyn/algorithm/derivatives.hpp>
 #include <dyn/algorithm/kinematics_derivatives.hpp>
 #include <dyn/algorithm/regressor.hpp>
 #include <dyn/algorithm/second_derivatives.hpp>
@@ -131,6 +133,18 @@ void addDerivatives(py::module_& m) {
   addRegressors(m);
   addFactors(m);
   const py::arg model("model"), data("data"), q("q"), v("v"), constraints("constraints");
+  m.def(
+      "compute_generalized_gravity_derivatives",
+      [](const CompactModel& x, Data& d, const Vector& at) { return Matrix(computeGeneralizedGravityDerivatives(x, d, at)); }, model, data, q,
+      "Returns the derivative (nv, nv) of generalized_gravity by q, in tangent vectors.");
+  m.def(
+      "compute_center_of_mass_derivatives",
+      [](const CompactModel& x, Data& d, const Vector& at, const Vector& w, const Vector& a) {
+        const CenterOfMassDerivatives r = computeCenterOfMassDerivatives(x, d, at, w, a);
+        return py::make_tuple(Matrix(r.vcom_dq), Matrix(r.acom_dq), Matrix(r.acom_dv));
+      },
+      model, data, q, v, py::arg("a"),
+      "Returns the derivatives (3, nv) of the velocity of the centre of mass by q, and of its acceleration by q and v, in world axes.");
   m.def(
       "compute_rnea_second_order_derivatives",
       [](const CompactModel& x, Data& d, const Vector& at, const Vector& w, const Vector& a) {

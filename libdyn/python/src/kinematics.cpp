@@ -85,6 +85,20 @@ void addKinematics(py::module_& m) {
   jacobian(
       "compute_frame_jacobian", [](auto& x, auto& d, auto& at, int i, auto r, auto& J) { computeFrameJacobian(x, d, at, i, r, J); }, &frameOf, frame,
       "Returns the Jacobian of a frame, (6, nv), linear part first.");
+  const auto present = [&](const char* name, auto write, auto number, const py::arg& which, const char* doc) {
+    m.def(
+        name,
+        [write, number](const CompactModel& x, Data& d, const Name& i, ReferenceFrame r) {
+          Eigen::MatrixXd J(6, x.nv());
+          write(x, d, number(x, i), r, J);
+          return J;
+        },
+        model, data, which, reference, doc);
+  };
+  present("get_joint_jacobian", &getJointJacobian, &jointOf, joint,
+          "Returns the Jacobian of a joint (6, nv) at the q of the last forward_kinematics or compute_joint_jacobians.");
+  present("get_frame_jacobian", &getFrameJacobian, &frameOf, frame,
+          "Returns the Jacobian of a frame (6, nv) at the q of the last forward_kinematics or compute_joint_jacobians.");
   const auto variation = [&](const char* name, auto write, auto number, const py::arg& which, const char* doc) {
     m.def(
         name,

@@ -101,6 +101,7 @@ PYBIND11_MODULE(_core, m) {
   using namespace dyn::python;
   addErrors(m);
   addSpatial(m);
+  addLie(m);
   addRegistry(m);
   addDescription(m);
   addFiles(m);
@@ -111,6 +112,7 @@ PYBIND11_MODULE(_core, m) {
   addNamedAccess(m);
   addConfiguration(m);
   addKinematics(m);
+  addBatchKinematics(m);
   addFunctions(m);
   addConstraints(m);
   addFriction(m);
@@ -119,6 +121,8 @@ PYBIND11_MODULE(_core, m) {
   addGeometry(m);
   addContactFinders(m);
   addDerivatives(m);
+  addCompute(m);
+  addInertialParameters(m);
   addSimulation(m);
   addIslands(m);
   addRollout(m);
