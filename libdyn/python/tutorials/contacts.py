@@ -55,10 +55,10 @@ dyn.forward_kinematics(model, data, q)
 q[2] = -dyn.frame_placement(model, data, soles[0]).p[2]
 still = np.zeros(model.nv)
 
-com = dyn.center_of_mass(model, data, q).position
 dyn.forward_kinematics(model, data, q)
-print("centre of mass:", com, "m")
 print("left ankle:    ", dyn.frame_placement(model, data, "left_foot").p, "m")
+com = dyn.center_of_mass(model, data, q).position
+print("centre of mass:", com, "m")
 
 
 # %%
@@ -102,8 +102,8 @@ J = dyn.compute_constraint_jacobian(model, data, q, contacts)
 g = dyn.generalized_gravity(model, data, q)
 chosen = np.linalg.lstsq(J[:, :6].T, g[:6], rcond=None)[0]
 tau = g - J.T @ chosen
-print("torques of the left leg:", tau[model.joint("left_hip_yaw").idx_v :][:6], "N m")
-print("force and moment of the left foot:", chosen[left], "N, N m")
+print("torques of the left leg:", tau[model.joint("left_hip_yaw").idx_v :][:6].round(3) + 0.0, "N m")
+print("force and moment of the left foot:", chosen[left].round(3) + 0.0, "N, N m")
 
 standing = dyn.constraint_dynamics(model, data, q, still, tau, contacts)
 print(f"largest acceleration: {np.abs(standing.ddq).max():.1e}")
@@ -125,9 +125,7 @@ for name, rows in (("left", left), ("right", right)):
     force = standing.forces[rows]
     pressure[name] = center_of_pressure(force)
     friction = np.hypot(*force[:2]) / force[2]
-    print(
-        f"{name} foot: {force[2]:.0f} N at {100 * pressure[name]} cm from the ankle, needs friction {friction:.3f}"
-    )
+    print(f"{name} foot: {force[2]:.0f} N at {100 * pressure[name]} cm, needs friction {friction:.3f}")
 
 # %% [markdown]
 # ## Landing
@@ -186,16 +184,14 @@ def simulate(model, friction, height, until, times=None, observer=None):
     return simulator
 
 
-times = np.linspace(0.01, 1.5, 150)
-heights = []
-rest = simulate(
-    model,
-    0.8,
-    0.03,
-    1.5,
-    times,
-    lambda t, q, v: heights.append(dyn.center_of_mass(model, data, q).position[2]),
-)
+times, heights = np.linspace(0.01, 1.5, 150), []
+
+
+def observe(t, q, v):
+    heights.append(dyn.center_of_mass(model, data, q).position[2])
+
+
+rest = simulate(model, 0.8, 0.03, 1.5, times, observe)
 dyn.forward_kinematics(model, data, rest.q)
 depths = [dyn.frame_placement(model, data, name).p[2] for name in soles]
 print(f"centre of mass at the end {heights[-1]:.3f} m, speed {np.abs(rest.v).max():.1e}")
@@ -229,19 +225,15 @@ for friction in (0.01, 0.03, 0.1):
     dyn.forward_kinematics(model, data, end.q)
     slid = (dyn.frame_placement(model, data, "left_foot").p - start)[0]
     law = max(0.0, 9.81 * (np.sin(angle) - friction * np.cos(angle))) * 0.5**2 / 2
-    print(
-        f"friction {friction:.2f}: slid {100 * slid:5.2f} cm in half a second, by the law {100 * law:5.2f} cm"
-    )
+    print(f"friction {friction:.2f}: slid {100 * slid:5.2f} cm, by the law {100 * law:5.2f} cm")
     slides.append((slid, law))
 
 # %% [markdown]
 # ## Check
 
 # %%
-assert np.isclose(
-    falling.forces[left][2] + falling.forces[right][2],
-    weight + model.mass * dyn.center_of_mass(model, data, q, still, falling.ddq).acceleration[2],
-)
+com_falling = dyn.center_of_mass(model, data, q, still, falling.ddq).acceleration[2]
+assert np.isclose(falling.forces[left][2] + falling.forces[right][2], weight + model.mass * com_falling)
 assert np.abs(standing.ddq).max() < 1e-9 and np.allclose(standing.forces, chosen)
 assert all(-0.07 < x < 0.13 and abs(y) < 0.05 for x, y in pressure.values())
 assert np.isclose(after - before, impulse)

@@ -33,9 +33,7 @@ data = dyn.Data(model)
 
 print(robot)
 print(model)
-print(
-    f"{model.mass:.1f} kg, {model.nv} degrees of freedom, of which the base has {model.joint('root_joint').nv}"
-)
+print(f"{model.mass:.1f} kg, {model.nv} degrees of freedom, six of them of the base")
 
 # %% [markdown]
 # ## Configurations are not vectors
@@ -55,11 +53,7 @@ q = dyn.integrate(model, q0, v)  # after one second
 print("base at      ", q[model.q_index["root_joint"]][:3], "m")
 print("quaternion   ", q[model.q_index["root_joint"]][3:], "(x, y, z, w)")
 print("left knee at ", q[model.q_index["left_knee"]], "rad")
-print(
-    "the way back:",
-    dyn.difference(model, q, q0)[model.v_index["root_joint"]],
-    "is -v of the base, in its own axes",
-)
+print("the way back:", dyn.difference(model, q, q0)[model.v_index["root_joint"]], "for the base: -v")
 
 # %% [markdown]
 # ## Where is everything?
@@ -121,9 +115,7 @@ print("M has the shape", M.shape, "and is symmetric to", f"{np.abs(M - M.T).max(
 print(f"v^T M v / 2 =            {v @ M @ v / 2:.4f} J")
 print(f"compute_kinetic_energy = {dyn.compute_kinetic_energy(model, data, q, v):.4f} J")
 left, right = model.joint("left_knee").idx_v, model.joint("right_knee").idx_v
-print(
-    f"M between the left knee and itself: {M[left, left]:.3f} kg m^2, and the right knee: {M[left, right]} kg m^2"
-)
+print(f"left knee: {M[left, left]:.3f} kg m^2, between left and right knee: {M[left, right]} kg m^2")
 
 
 # %%

@@ -52,7 +52,7 @@ print("10 cm in front of the tool:", oMtool @ np.array([0, 0, 0.1]), "m, in the 
 # %%
 screw = elbowMtool.log()
 print(screw)
-print(f"The tool is turned by {np.degrees(np.linalg.norm(screw.angular)):.1f} degrees against the elbow.")
+print(f"turned by {np.degrees(np.linalg.norm(screw.angular)):.1f} degrees against the elbow")
 
 # %% [markdown]
 # ## One velocity, three ways to write it
@@ -91,7 +91,8 @@ seen = dyn.frame_velocity(model, data, "tool", dyn.LOCAL_WORLD_ALIGNED)
 print("J v:     ", J @ v)
 print("velocity:", seen.vector)
 for name in ("shoulder1", "bend", "wrist3"):
-    print(f"1 rad/s of {name:<9} moves the tool by {np.linalg.norm(J[:3, model.v_index[name]]):.3f} m/s")
+    speed = np.linalg.norm(J[:3, model.v_index[name]])
+    print(f"1 rad/s of {name:<9} moves the tool by {speed:.3f} m/s")
 
 # %% [markdown]
 # Column k is the change of the pose along one degree of freedom. Finite differences confirm it: we step to both sides, and compare the two poses by
@@ -117,45 +118,33 @@ print(f"largest difference: {J_error:.1e}")
 # %% [markdown]
 # ## Where can the tool go quickly?
 #
-# Joint velocities of norm 1 move the tool with velocities on an ellipsoid: its axes are the singular values of J. Near a stretched arm it becomes
-# flat, and a direction is lost: the arm is singular.
+# Joint velocities of norm 1 move the tool with velocities in an ellipsoid: the lengths of its axes are the singular values of J. If the arm is
+# stretched, it becomes flat, and a direction is lost: the arm is singular.
 
 
 # %%
-def velocity_ellipse(q):
-    """Returns the tool's position, and its velocities in x, z for joint velocities of norm 1, (2, 100)."""
+def velocities_of(q):
+    """Returns the singular values of J, and the tool's velocities (2, 100) in x, z for joint speeds of norm 1."""
     J = dyn.compute_frame_jacobian(model, data, q, "tool", dyn.LOCAL_WORLD_ALIGNED)
-    values, axes = np.linalg.eigh((J @ J.T)[np.ix_([0, 2], [0, 2])])
+    axes, lengths, _ = np.linalg.svd(J[[0, 2]])
     angle = np.linspace(0, 2 * np.pi, 100)
-    return tool_at(q).p, axes @ (
-        np.sqrt(np.maximum(values, 0))[:, None] * np.array([np.cos(angle), np.sin(angle)])
-    )
+    return np.linalg.svd(J)[1], axes @ np.diag(lengths) @ [np.cos(angle), np.sin(angle)]
 
 
-bent = np.array([0.0, 0.5, 0.0, -1.2, 0.0, -0.6, 0.0])
-bent[3] = 1.6
-stretched = np.array([0.0, 0.9, 0.0, 0.02, 0.0, 0.0, 0.0])
-smallest = {}
+bent = np.array([0.0, 0.3, 0.0, -1.6, 0.0, -0.4, 0.0])
+stretched = np.array([0.0, 0.9, 0.0, -0.02, 0.0, 0.0, 0.0])
 for name, configuration in (("bent", bent), ("stretched", stretched)):
-    singular_values = np.linalg.svd(
-        dyn.compute_frame_jacobian(model, data, configuration, "tool", dyn.LOCAL_WORLD_ALIGNED)
-    )[1]
-    smallest[name] = singular_values[-1]
-    print(f"{name:<10} singular values of J:", singular_values)
+    print(f"{name:<10} singular values of J:", velocities_of(configuration)[0])
 
 
 # %%
-@picture("velocities at 0.3 s of joint speeds of norm 1")
+@picture("what the tool reaches in 0.2 s")
 def _(axes):
     for configuration in (bent, stretched):
-        position, ellipse = velocity_ellipse(configuration)
+        x, z = tool_at(configuration).p[[0, 2], None] + 0.2 * velocities_of(configuration)[1]
+        tool_at(configuration)
         draw_robot(axes, model, data, "xz")
-        axes.plot(
-            position[0] + 0.3 * ellipse[0],
-            position[2] + 0.3 * ellipse[1],
-            color=axes.lines[-1].get_color(),
-            linewidth=1,
-        )
+        axes.plot(x, z, color=axes.lines[-1].get_color(), linewidth=1)
 
 
 # %% [markdown]
@@ -195,6 +184,6 @@ assert np.allclose(dyn.SE3.exp(screw).homogeneous, elbowMtool.homogeneous)
 assert np.allclose((oMtool @ local).vector, in_world.vector)
 assert np.allclose(J @ v, seen.vector)
 assert J_error < 1e-8
-assert smallest["bent"] > 10 * smallest["stretched"]
+assert velocities_of(bent)[0][-1] > 10 * velocities_of(stretched)[0][-1]
 assert np.allclose(J @ a + dJ @ v, acceleration)
 assert np.isclose(tau @ v, force_on_table @ seen.vector)

@@ -54,7 +54,7 @@ print("error at the start [m, rad]:", error_of(q_start))
 
 # %%
 def solve(q, tolerance=1e-12, steps=50):
-    """Returns a configuration whose flange is at the wanted pose, and the norm of the error after each step."""
+    """Returns a configuration whose flange is at the wanted pose, and the error of each step."""
     errors = []
     while len(errors) < steps:
         e = error_of(q)
@@ -114,7 +114,8 @@ def follow_wish(q, joint, angle, steps=60):
 
 
 q_elbow = follow_wish(q_solved, "roll", 0.8)
-print("roll before:", q_solved[model.q_index["roll"]], "rad, after:", q_elbow[model.q_index["roll"]], "rad")
+roll = model.joint("roll").idx_q
+print(f"roll before {q_solved[roll]:.3f} rad, after {q_elbow[roll]:.3f} rad")
 print(f"error of the flange: {np.linalg.norm(error_of(q_elbow)):.1e}")
 
 
@@ -153,14 +154,12 @@ wanted_com = np.array([*wanted_feet["right"].p[:2] + [0.02, 0], com[2] - 0.08])
 
 def tasks(q):
     """Returns the errors of all tasks and their Jacobian."""
-    errors, jacobians = [wanted_com - dyn.center_of_mass(biped, memory, q).position], [
-        dyn.jacobian_center_of_mass(biped, memory, q)
-    ]
-    dyn.forward_kinematics(biped, memory, q)
-    placements = {side: dyn.frame_placement(biped, memory, f"{side}_foot") for side in wanted_feet}
+    errors = [wanted_com - dyn.center_of_mass(biped, memory, q).position]
+    jacobians = [dyn.jacobian_center_of_mass(biped, memory, q)]
     for side, wanted in wanted_feet.items():
-        errors.append((placements[side].inverse() @ wanted).log().vector)
         jacobians.append(dyn.compute_frame_jacobian(biped, memory, q, f"{side}_foot", dyn.LOCAL))
+        placement = dyn.frame_placement(biped, memory, f"{side}_foot")
+        errors.append((placement.inverse() @ wanted).log().vector)
     return np.concatenate(errors), np.vstack(jacobians)
 
 
@@ -171,16 +170,12 @@ for step in range(30):
     if np.linalg.norm(e) < 1e-10:
         break
     damping = 1e-2 * (e @ e)
-    q_crouch = dyn.integrate(biped, q_crouch, J.T @ np.linalg.solve(J @ J.T + damping * np.eye(len(e)), e))
+    dq = J.T @ np.linalg.solve(J @ J.T + damping * np.eye(len(e)), e)
+    q_crouch = dyn.integrate(biped, q_crouch, dq)
 
 print("base moved to", q_crouch[:3], "m")
-print(
-    "left knee",
-    q_crouch[biped.q_index["left_knee"]],
-    "rad, right knee",
-    q_crouch[biped.q_index["right_knee"]],
-    "rad",
-)
+for side in wanted_feet:
+    print(f"{side} knee bent by {np.degrees(q_crouch[biped.joint(side + '_knee').idx_q]):.0f} degrees")
 
 
 # %%
@@ -203,8 +198,6 @@ def _(front, left):
 assert errors[-1] < 1e-12 and len(errors) < 20
 assert errors[-2] < 1e-5 and errors[-3] > errors[-2] > errors[-1]
 assert np.all((model.lower <= q_solved) & (q_solved <= model.upper))
-assert np.linalg.norm(error_of(q_elbow)) < 1e-9 and np.allclose(
-    q_elbow[model.q_index["roll"]], 0.8, atol=1e-6
-)
+assert np.linalg.norm(error_of(q_elbow)) < 1e-9 and abs(q_elbow[roll] - 0.8) < 1e-6
 assert np.linalg.norm(tasks(q_crouch)[0]) < 1e-10
 assert dyn.is_normalized(biped, q_crouch)

@@ -39,16 +39,13 @@ print("torques that hold it out horizontally:", holding, "N m")
 q, v, tau = np.array([2.0, -0.7]), np.array([1.0, 0.5]), np.array([3.0, 0.0])
 derivatives = dyn.compute_aba_derivatives(model, data, q, v, tau)
 step = 1e-6
-by_differences = np.stack(
-    [
-        (dyn.aba(model, data, q + s, v, tau) - dyn.aba(model, data, q - s, v, tau)) / (2 * step)
-        for s in step * np.eye(2)
-    ],
-    axis=1,
-)
+columns = [
+    dyn.aba(model, data, q + s, v, tau) - dyn.aba(model, data, q - s, v, tau) for s in step * np.eye(2)
+]
+by_differences = np.stack(columns, axis=1) / (2 * step)
 print("d ddq / dq =\n", derivatives.ddq_dq)
 print(f"difference to finite differences: {np.abs(derivatives.ddq_dq - by_differences).max():.1e}")
-print("d ddq / dtau is the inverse of M; their product is\n", derivatives.Minv @ dyn.crba(model, data, q))
+print("d ddq / dtau is the inverse of M:\n", derivatives.Minv @ dyn.crba(model, data, q), "= M^-1 M")
 
 # %% [markdown]
 # ## The problem
@@ -90,9 +87,8 @@ def linearise(x, u):
     v_dx, middle_dx = np.eye(4)[2:], np.eye(4)[:2] + h / 2 * np.eye(4)[2:]
     v_dx = v_dx + h * (d.ddq_dq @ middle_dx + d.ddq_dv @ v_dx)
     v_du = h * d.Minv @ motor
-    return np.concatenate([middle_dx + h / 2 * v_dx, v_dx], axis=1), np.concatenate(
-        [h / 2 * v_du, v_du], axis=1
-    )
+    A = np.concatenate([middle_dx + h / 2 * v_dx, v_dx], axis=1)
+    return A, np.concatenate([h / 2 * v_du, v_du], axis=1)
 
 
 def cost_of(xs, us):
@@ -169,9 +165,7 @@ while improvement > 0.01 * cost:
 
 strongest = np.abs(us).max()
 print(f"end state {xs[-1]} rad, rad/s")
-print(
-    f"largest torque of the shoulder: {strongest:.1f} N m; to hold the arm out takes {np.abs(holding[0]):.1f} N m"
-)
+print(f"largest torque {strongest:.1f} N m; to hold the arm out takes {np.abs(holding[0]):.1f} N m")
 
 
 # %%

@@ -18,7 +18,7 @@ def picture(*titles):
 
     def decorate(draw):
         if pyplot:
-            _, all_axes = pyplot.subplots(1, len(titles), figsize=(1.6 + 3.2 * len(titles), 3.2), squeeze=False, layout="constrained")
+            _, all_axes = pyplot.subplots(1, len(titles), figsize=(1.6 + 3.2 * len(titles), 3.4), squeeze=False, layout="constrained")
             for axes, title in zip(all_axes[0], titles):
                 axes.set_title(title)
                 axes.grid(alpha=0.3)
@@ -41,7 +41,7 @@ def draw_robot(axes, model, data, view="xz", **style):
     style = {"color": axes.plot([], [], label=label, **style)[0].get_color(), "linewidth": 2, "solid_capstyle": "round", **style}
     for begin, end in lines:
         axes.plot([begin[shown[0]], end[shown[0]]], [begin[shown[1]], end[shown[1]]], **style)
-    axes.set_aspect("equal")
+    axes.set_aspect("equal", adjustable="datalim")
     axes.set_xlabel(f"{view[0]} [m]")
     axes.set_ylabel(f"{view[1]} [m]")
 
