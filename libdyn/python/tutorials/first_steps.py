@@ -126,6 +126,23 @@ def _(axes):
 
 
 # %% [markdown]
+# ## Derivatives
+#
+# The derivatives of `rnea` by q, v and a are exact; no differences are taken. Since q has no ordinary derivative, the one by q has a column for
+# each degree of freedom: the change along `integrate`. Several results come as a tuple with names: `dtau_dq`, `dtau_dv`, and M, the derivative by
+# a.
+
+# %%
+derivatives = dyn.compute_rnea_derivatives(model, data, q0, still, still)
+step = 1e-6
+left_knee = np.zeros(model.nv)
+left_knee[left] = step
+bent_a_bit = dyn.rnea(model, data, dyn.integrate(model, q0, left_knee), still, still)
+by_difference = (bent_a_bit - dyn.rnea(model, data, q0, still, still)) / step
+print(f"A bent knee changes its own torque by {derivatives.dtau_dq[left, left]:.3f} N m/rad,")
+print(f"by a difference                       {by_difference[left]:.3f} N m/rad.")
+
+# %% [markdown]
 # ## Many states at once
 #
 # A `BatchData` computes many states in one call. Arrays have one state a row. The functions are the same.
@@ -166,4 +183,5 @@ assert np.allclose(a[:6], [0, 0, -9.81, 0, 0, 0]) and np.abs(a[6:]).max() < 1e-9
 assert np.allclose(dyn.aba(model, data, q, v, dyn.rnea(model, data, q, v, still)), 0, atol=1e-8)
 assert np.isclose(v @ M @ v / 2, dyn.compute_kinetic_energy(model, data, q, v))
 assert M[left, right] == 0
+assert np.allclose(derivatives.dtau_dq[:, left], by_difference, atol=1e-4)
 assert np.allclose(torques[7], dyn.generalized_gravity(model, data, qs[7]))

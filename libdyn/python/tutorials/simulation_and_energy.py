@@ -2,7 +2,7 @@
 # %% [markdown]
 # # Simulation and energy
 #
-# This tutorial simulates an arm that falls and a mechanism with a closed loop. Energy shows how good an integrator is.
+# This tutorial simulates an arm that swings and a mechanism with a closed loop. Energy shows how good an integrator is.
 #
 #     tools/python libdyn/python/tutorials/simulation_and_energy.py
 
@@ -15,7 +15,7 @@ from support import draw_robot, models, picture
 np.set_printoptions(precision=3, suppress=True)
 
 # %% [markdown]
-# ## Falling
+# ## Swinging
 #
 # The arm hangs from the ceiling, which is the same as gravity that points up. It has no friction in its joints and no motor acts, so it swings from
 # a bent pose, in a chaotic way, for ten seconds. `advance` calls an observer at the times that you name. The steps do not depend on these times.
@@ -81,8 +81,8 @@ def _(axes):
 
 
 # %% [markdown]
-# The error of `rk4` is small, but it grows with time. `implicit_midpoint`, `variational` and `gauss6` are symmetric in time: their errors come and go.
-# `semi_implicit_euler`, which many simulators use, gains energy without end here. It needs much shorter steps, or friction.
+# The error of `rk4` is small, but it grows with time. `implicit_midpoint`, `variational` and `gauss6` are symmetric in time: their errors come and
+# go. `semi_implicit_euler`, which many simulators use, gains energy without end here. It needs much shorter steps, or friction.
 #
 # ## The order of a method
 #
