@@ -10,11 +10,16 @@ import re
 import sys
 
 
+def is_page(path):
+    """Returns whether the site has a page of a file of the source tree: of Markdown, and of tutorials (tutorials.py)."""
+    return path.endswith(".md") or (path.startswith("libdyn/python/tutorials/") and path.endswith(".py"))
+
+
 def page_of(path):
-    """Returns the name of the page of a Markdown file of the source tree."""
+    """Returns the name of the page of a file of the source tree."""
     if path == "README.md":
         return "index"
-    path = re.sub(r"^libdyn/doc/", "", path[: -len(".md")])
+    path = re.sub(r"^libdyn/(doc/|python/(?=tutorials/))", "", os.path.splitext(path)[0])
     return re.sub(r"[^a-z0-9]+", "_", path.lower())
 
 
@@ -47,7 +52,7 @@ def markdown(path, lines):
         file = os.path.normpath(os.path.join(folder, target)) if target else path
         if picture:
             return f"![{text}]({os.path.basename(file)})"
-        if not file.endswith(".md"):
+        if not is_page(file):
             return f"{text} (`{file}`)" if text.strip("`") != os.path.basename(file) else f"`{file}`"
         page_there = page_of(file)
         return f"[{text}](@ref {page_there}-{anchor})" if anchor else f"[{text}](@ref {page_there})"
@@ -98,8 +103,9 @@ def header(path, lines):
         yield line
 
 
-path = os.path.relpath(sys.argv[1])
-with open(path, encoding="utf-8") as file:
-    lines = file.read().split("\n")
-filters = {".md": markdown, ".hpp": header}
-print("\n".join(filters.get(os.path.splitext(path)[1], lambda _, unchanged: unchanged)(path, lines)))
+if __name__ == "__main__":
+    path = os.path.relpath(sys.argv[1])
+    with open(path, encoding="utf-8") as file:
+        lines = file.read().split("\n")
+    filters = {".md": markdown, ".hpp": header}
+    print("\n".join(filters.get(os.path.splitext(path)[1], lambda _, unchanged: unchanged)(path, lines)))
