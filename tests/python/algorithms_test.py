@@ -93,6 +93,28 @@ class Algorithms(unittest.TestCase):
             with self.assertRaisesRegex(TypeError, "out must be a writable array of float64"):
                 dyn.rnea(model, data, q, v, a, out=wrong)
 
+    def test_views_show_the_memory_of_the_data_and_keep_it_alive(self):
+        model, data, q, v, a = self.model, self.data, self.q, self.v, self.a
+        mass = dyn.crba(model, data, q, out="view")
+        np.testing.assert_array_equal(mass, dyn.crba(model, data, q))
+        self.assertIs(mass.base, data)
+        tau = dyn.rnea(model, data, q, v, a, out="view")
+        first = tau.copy()
+        np.testing.assert_allclose(dyn.aba(model, data, q, v, tau), a, atol=1e-9)
+        dyn.rnea(model, data, q, 2 * v, a)
+        self.assertTrue(np.any(tau != first))
+        with self.assertRaises(ValueError):
+            tau[0] = 1.0
+        with self.assertRaises(ValueError):
+            tau.flags.writeable = True
+        self.assertEqual(dyn.compute_rnea_derivatives(model, data, q, v, a, out="view").M.shape, (model.nv, model.nv))
+        with self.assertRaises(TypeError):
+            dyn.rnea(model, data, q, v, a, out="views")
+        expected = dyn.crba(model, data, q)
+        del self.data, data
+        gc.collect()
+        np.testing.assert_array_equal(mass, expected)
+
     def test_external_forces_act_on_joints(self):
         model, data, q, v, a = self.model, self.data, self.q, self.v, self.a
         forces = np.zeros((model.njoints, 6))

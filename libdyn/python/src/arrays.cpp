@@ -99,6 +99,19 @@ PyObject* newArray(const double* numbers, Py_ssize_t rows, Py_ssize_t columns) {
   return out;
 }
 
+PyObject* viewArray(const double* numbers, Py_ssize_t rows, Py_ssize_t columns, PyObject* owner) {
+  if (rows * columns == 0) return newArray(numbers, rows, columns);
+  npy_intp sizes[] = {rows, columns}, steps[] = {sizeof(double), static_cast<npy_intp>(sizeof(double)) * rows};
+  // Only a flag says that the array is read-only; numpy's functions take a pointer to numbers that may be written.
+  PyObject* const out =
+      PyArray_New(&PyArray_Type, columns == 1 ? 1 : 2, sizes, NPY_DOUBLE, steps, const_cast<double*>(numbers), 0, NPY_ARRAY_ALIGNED, nullptr);
+  if (out == nullptr) return nullptr;
+  Py_INCREF(owner);
+  if (PyArray_SetBaseObject(asArray(out), owner) == 0) return out;
+  Py_DECREF(out);
+  return nullptr;
+}
+
 template <class T>
 PyObject* newArrayOfStates(const T* numbers, Py_ssize_t states, Py_ssize_t rows, Py_ssize_t columns) {
   npy_intp sizes[] = {states, columns, rows};

@@ -49,6 +49,8 @@ bool readForces(PyObject* object, const char* function, ExternalForces& forces);
 
 /// Returns a new array with these numbers: a vector if there is one column, else a matrix in Fortran's order. Null with a Python error on failure.
 PyObject* newArray(const double* numbers, Py_ssize_t rows, Py_ssize_t columns);
+/// Returns a read-only array of that shape which views the numbers, and keeps their owner alive.
+PyObject* viewArray(const double* numbers, Py_ssize_t rows, Py_ssize_t columns, PyObject* owner);
 /// Returns a new array with a rows x columns matrix for each of `states` states (a vector if there is one column), state first.
 template <class T>
 PyObject* newArrayOfStates(const T* numbers, Py_ssize_t states, Py_ssize_t rows, Py_ssize_t columns);

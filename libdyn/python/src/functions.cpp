@@ -125,10 +125,11 @@ PyObject* callSingle(const Function& f, const CompactModel& model, PyObject* con
     views = detail::runAlgorithm(model, *data, algorithm, vectors[0].view(), vectors[1].view(), vectors[2].view());
   }
   const AlgorithmResults results(model, algorithm, views);
-  if (slots[out] == nullptr)
+  const bool view = slots[out] != nullptr && PyUnicode_Check(slots[out]) && PyUnicode_CompareWithASCIIString(slots[out], "view") == 0;
+  if (slots[out] == nullptr || view)
     return collect(f, [&](int k) {
       const MatrixResult x = results(static_cast<std::size_t>(k));
-      return newArray(x.data(), x.rows(), x.cols());
+      return view ? viewArray(x.data(), x.rows(), x.cols(), slots[Slot::data]) : newArray(x.data(), x.rows(), x.cols());
     });
   if (f.outputs == 1) {
     const MatrixResult x = results(0);
@@ -258,7 +259,8 @@ void describe(Function& f) {
     outputs += output.columns == Extent::one ? ",)" : std::string(", ") + sizeOf(output.columns) + ")";
   }
   f.doc = f.name + "(" + signature + ")\n--\n\n" + explain(f.algorithm->algorithm) + "\n\nReturns " + outputs +
-          ". Results go into `out` if it is given" + (f.outputs > 1 ? ", a tuple of arrays." : ".") +
+          ". Results go into `out` if it is given" + (f.outputs > 1 ? ", a tuple of arrays" : "") +
+          "; 'view' returns views of the data's memory, which its next call overwrites." +
           (f.algorithm->batched ? "\nWith a BatchData, arguments have a state a row, and results have one more dimension, the state." : "");
 }
 
