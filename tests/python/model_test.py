@@ -74,6 +74,28 @@ class Models(unittest.TestCase):
         two = dyn.append(description, pendulum(), whole.frames[-1].name, prefix="p_")
         self.assertEqual(dyn.compile(two).nv, whole.nv + 1)
 
+    def test_options_and_properties_of_compiled_models(self):
+        description = dyn.load(BIPED, root="free_flyer")
+        model = dyn.compile(description, lane_groups=False, instruction_set="scalar")
+        self.assertFalse(any("lane group" in line and "joints" in line for line in model.passes if "no lane" not in line))
+        with self.assertRaisesRegex(dyn.Error, "mmx"):
+            dyn.compile(description, instruction_set="mmx")
+        held = model.joints[-1].name
+        self.assertEqual(len(dyn.compile(description, lock={held: None}).held), 1)
+        self.assertEqual((model.find_joint(held), model.find_joint("no"), model.find_frame("no")), (model.njoints - 1, -1, -1))
+        self.assertEqual((description.find_body("no"), description.find_joint("root_joint")), (-1, 1))
+        self.assertFalse(model.follows)
+        self.assertGreater(model.nbytes, 1000)
+        two = pendulum()
+        two.add_body("far", 0, dyn.JointDescription("far_hinge", "revolute", {"axis": [0, 1, 0]}), dyn.Inertia(1.0, [0, 0, -1.0], np.eye(3)))
+        self.assertEqual([dyn.compile(two, outputs=["rod"], touching=touching).nv for touching in ([], ["rod", "far"])], [1, 2])
+
+    def test_all_errors_of_a_file_are_listed(self):
+        self.assertEqual(dyn.check(BIPED), [])
+        errors = dyn.check("/no/such.urdf")
+        self.assertIsInstance(errors[0], dyn.Error)
+        self.assertEqual(errors[0].code, "file")
+
     def test_many_models_come_and_go(self):
         description = pendulum()
         for k in range(3000):
@@ -89,6 +111,32 @@ class Models(unittest.TestCase):
 
 
 class Spatial(unittest.TestCase):
+    def test_exponentials_and_logarithms_are_inverses(self):
+        w, motion = np.array([0.3, -0.2, 0.5]), dyn.Motion([0.3, -0.2, 0.5], [1, 0.4, -0.7])
+        np.testing.assert_allclose(dyn.log3(dyn.exp3(w)), w, atol=1e-15)
+        np.testing.assert_allclose(dyn.exp3(w), dyn.SE3.rotation(w).R, atol=1e-15)
+        np.testing.assert_allclose(dyn.log6(dyn.exp6(motion)).vector, motion.vector, atol=1e-14)
+        np.testing.assert_allclose(dyn.Jlog3(w) @ dyn.Jexp3(w), np.eye(3), atol=1e-14)
+        np.testing.assert_allclose(dyn.Jlog6(motion) @ dyn.Jexp6(motion), np.eye(6), atol=1e-13)
+        h = 1e-6
+        for k in range(3):
+            step = h * np.eye(3)[k]
+            slope = dyn.log3(dyn.exp3(w).T @ dyn.exp3(w + step)) / h
+            np.testing.assert_allclose(slope, dyn.Jexp3(w)[:, k], atol=1e-5)
+        for k in range(6):
+            ahead = dyn.exp6(dyn.Motion(motion.vector + h * np.eye(6)[k]))
+            np.testing.assert_allclose(dyn.log6(dyn.exp6(motion).inverse() @ ahead).vector / h, dyn.Jexp6(motion)[:, k], atol=1e-5)
+
+    def test_quaternions_of_rotations(self):
+        R = dyn.exp3([0, 0, np.pi / 2])
+        np.testing.assert_allclose(dyn.quaternion_of(R), [0, 0, np.sqrt(0.5), np.sqrt(0.5)], atol=1e-15)
+        np.testing.assert_allclose(dyn.rotation_of([0, 0, 3, 3]), R, atol=1e-15)
+        for wrong in ([0, 0, 0, 0], [np.nan, 0, 0, 1]):
+            with self.assertRaisesRegex(dyn.Error, "quaternion is zero or not finite"):
+                dyn.rotation_of(wrong)
+        with self.assertRaisesRegex(dyn.Error, "log3: R is not a rotation"):
+            dyn.log3(2 * R)
+
     def test_poses_compose_and_act(self):
         a = dyn.SE3.rotation([0, 0, np.pi / 2])
         b = dyn.SE3.translation(1, 2, 3)

@@ -79,7 +79,10 @@ TracedJoint jointOf(const std::string& name, const std::string& summary, const s
 
 void addJointTypes(py::module_& m) {
   m.def(
-      "_graph", [](int inputs, const py::list& nodes, const std::vector<std::size_t>& outputs) { return graphOf({inputs, nodes, outputs}); },
+      "_graph",
+      [](int inputs, const py::list& nodes, const std::vector<std::size_t>& outputs) {
+        return graphOf({inputs, nodes, outputs});
+      },
       py::arg("inputs"), py::arg("nodes"), py::arg("outputs"));
   py::class_<TracedJoint>(m, "_TracedJoint", "The functions of a joint type as graphs.")
       .def(py::init(&jointOf), py::arg("name"), py::arg("summary"), py::arg("parameters"), py::arg("nq"), py::arg("nv"), py::arg("functions"))
