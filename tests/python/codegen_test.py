@@ -153,6 +153,16 @@ class Native(Generated):
         again = dyn.compile_native(self.model, ["rnea"], cache=self.folder.name, flags=["-O1"])
         self.assertTrue(again["rnea"].cached)
         np.testing.assert_array_equal(again["rnea"](self.q, self.v, self.a), rnea(self.q, self.v, self.a))
+        np.testing.assert_array_equal(rnea(list(self.q[0]), self.v[0], self.a[0]), rnea(self.q[0], self.v[0], self.a[0]))
+        np.testing.assert_array_equal(rnea(self.q[0], np.zeros(self.model.nv, int), self.a[0]), rnea(self.q[0], 0 * self.v[0], self.a[0]))
+        for wrong, message in (
+            ((self.q[0][1:], self.v[0], self.a[0]), "rnea: q has 6 entries, and must have 7"),
+            ((self.q[0], self.v[0]), "takes 3 arguments, and 2 were given"),
+            ((self.q[0], self.v[0], self.a[0] + 1j), "rnea: a must be an array of numbers"),
+            ((self.q[0], self.v[0], "a"), "rnea: a must be an array of numbers"),
+        ):
+            with self.assertRaisesRegex((TypeError, dyn.Error), message):
+                rnea(*wrong)
         with self.assertRaisesRegex(dyn.Error, "aba"):
             native["aba"]
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Generated code: source text, and machine code that is compiled and loaded while the program runs.
 #include "evaluation.hpp"
+#include "objects.hpp"
 
 #include <dyn/codegen/casadi.hpp>
 #include <dyn/codegen/native.hpp>
@@ -8,6 +9,7 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -30,6 +32,67 @@ struct Native {
   }
   py::object operator()(const py::args& arguments) const { return single_precision ? evaluate<float>(arguments) : evaluate<double>(arguments); }
 };
+
+/// Returns whether all arguments are arrays of one dimension, so that they are one state.
+bool areVectors(PyObject* const* arguments, Py_ssize_t count) {
+  return std::all_of(arguments, arguments + count,
+                     [](PyObject* x) { return py::isinstance<py::array>(x) && py::reinterpret_borrow<py::array>(x).ndim() == 1; });
+}
+
+/// Calls a function of one state in double, whose arguments are vectors. Null with a Python error on failure.
+PyObject* callOne(const CompiledFunction& f, PyObject* const* arguments) {
+  constexpr std::size_t most = 8;
+  const std::size_t inputs = f.inputs().size(), outputs = f.outputs().size();
+  VectorInput vectors[most];
+  const void* in[most];
+  for (std::size_t k = 0; k < inputs; ++k) {
+    const ArgumentShape& shape = f.inputs()[k];
+    if (!vectors[k].read(arguments[k], f.name().c_str(), shape.name.c_str())) return nullptr;
+    const VectorView x = vectors[k].view();
+    if (x.size != shape.size())
+      throw Error(ErrorCode::size,
+                  f.name() + ": " + shape.name + " has " + std::to_string(x.size) + " entries, and must have " + std::to_string(shape.size()));
+    in[k] = x.data;
+  }
+  int size = 0;
+  for (const ArgumentShape& shape : f.outputs()) size += shape.size();
+  std::vector<double> numbers(static_cast<std::size_t>(size));
+  void* out[most];
+  double* to = numbers.data();
+  for (std::size_t k = 0; k < outputs; ++k) {
+    out[k] = to;
+    to += f.outputs()[k].size();
+  }
+  f.call(in, out);
+  const auto array = [&](std::size_t k) { return newArray(static_cast<const double*>(out[k]), f.outputs()[k].rows, f.outputs()[k].columns); };
+  if (outputs == 1) return array(0);
+  PyObject* const all = PyTuple_New(static_cast<Py_ssize_t>(outputs));
+  for (std::size_t k = 0; all != nullptr && k < outputs; ++k) {
+    PyObject* const one = array(k);
+    if (one == nullptr) {
+      Py_DECREF(all);
+      return nullptr;
+    }
+    PyTuple_SET_ITEM(all, static_cast<Py_ssize_t>(k), one);
+  }
+  return all;
+}
+
+/// CompiledFunction.__call__. It uses C's calling convention of Python directly, because pybind11's costs more than the function of a small robot.
+PyObject* callNative(PyObject* self, PyObject* const* arguments, Py_ssize_t count) {
+  const Native* const native = pointerTo<Native>(self, "CompiledFunction", "self");
+  if (native == nullptr) return nullptr;
+  try {
+    const CompiledFunction& f = native->function;
+    const bool plain = !native->single_precision && native->lanes == 1 && f.inputs().size() <= 8 && f.outputs().size() <= 8;
+    if (plain && count == static_cast<Py_ssize_t>(f.inputs().size()) && areVectors(arguments, count)) return callOne(f, arguments);
+    py::tuple all(static_cast<std::size_t>(count));
+    for (Py_ssize_t k = 0; k < count; ++k) all[static_cast<std::size_t>(k)] = py::reinterpret_borrow<py::object>(arguments[k]);
+    return (*native)(py::args(all)).release().ptr();
+  } catch (...) {
+    return fail();
+  }
+}
 
 struct NativeModel {
   CompiledModel model;
@@ -94,10 +157,10 @@ void addSource(py::module_& m) {
 
 void addCodegen(py::module_& m) {
   addSource(m);
-  py::class_<Native>(m, "CompiledFunction",
-                     "Machine code of a function. Call it with a vector for each input, or with a state a row. Any thread may call it, and the\n"
-                     "interpreter's lock is free meanwhile.")
-      .def_property_readonly("name", [](const Native& x) { return x.function.name(); })
+  py::class_<Native> function(m, "CompiledFunction",
+                              "Machine code of a function. Call it with a vector for each input, or with a state a row. Any thread may call it;\n"
+                              "calls with rows release the interpreter's lock.");
+  function.def_property_readonly("name", [](const Native& x) { return x.function.name(); })
       .def_property_readonly(
           "inputs", [](const Native& x) { return x.function.inputs(); }, "The shapes of the inputs.")
       .def_property_readonly(
@@ -105,10 +168,14 @@ void addCodegen(py::module_& m) {
       .def_property_readonly(
           "cached", [](const Native& x) { return x.function.cached(); }, "Whether the code came from the cache.")
       .def_readonly("lanes", &Native::lanes, "The number of states that the code computes side by side.")
-      .def("__call__", &Native::operator(),
-           "Returns the output, or a tuple of all outputs; they have one more dimension, the state, for rows of states. Values are not checked: the\n"
-           "function gives nan or infinity for zero quaternions and zero pivots.")
       .def("__repr__", [](const Native& x) { return "<libdyn.CompiledFunction " + x.function.name() + ">"; });
+  static PyMethodDef call = {
+      "__call__", reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(&callNative)), METH_FASTCALL,
+      "Returns the output, or a tuple of all outputs; they have one more dimension, the state, for rows of states. Values are not checked: the\n"
+      "function gives nan or infinity for zero quaternions and zero pivots."};
+  PyObject* const method = PyDescr_NewMethod(typeOf<Native>(), &call);
+  if (method == nullptr) throw py::error_already_set();
+  function.attr("__call__") = py::reinterpret_steal<py::object>(method);
   py::class_<NativeModel>(m, "CompiledModel", "Compiled functions by name.")
       .def_property_readonly(
           "functions",
