@@ -54,7 +54,9 @@ py::dict computed(const CompactModel& model, Data& data, const std::vector<std::
   const Algorithms what = setOf(names);
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(model.nv());
   const Computed x = compute(model, data, what, q, v ? *v : Vector(zero), a ? *a : Vector(zero));
-  py::dict out;
+  using namespace py::literals;
+  py::dict out("passes"_a = py::dict("joints"_a = x.passes.joints, "subspaces"_a = x.passes.subspaces, "kinematics"_a = x.passes.kinematics,
+                                     "dynamics"_a = x.passes.dynamics, "inertias"_a = x.passes.inertias, "derivatives"_a = x.passes.derivatives));
   if (has(what, Algorithm::center_of_mass)) out["center_of_mass"] = x.center_of_mass;
   if (has(what, Algorithm::energies)) {
     out["kinetic_energy"] = x.kinetic_energy;
@@ -94,7 +96,8 @@ void addCompute(py::module_& m) {
       "what: names out of placements, velocities, accelerations, joint_jacobians (J), center_of_mass, energies (kinetic_energy, potential_energy),\n"
       "rnea (tau), nle, gravity, mass_matrix (M), minverse (Minv), rnea_derivatives (dtau_dq, dtau_dv, M), coriolis (C), centroidal_map (hg, Ag) "
       "and\n"
-      "centroidal_rate (hg, dhg, Ag, dAg). Read poses and motions by frame_placement() and the like. v and a count as zero unless they are given.");
+      "centroidal_rate (hg, dhg, Ag, dAg). Read poses and motions by frame_placement() and the like. v and a count as zero unless they are given.\n"
+      "passes has the number of passes over the model that the call made, by kind.");
   m.def(
       "layout_nq", [](const CompactModel& x, const std::string& name) { return layoutNq(x, layoutOf(name)); }, model, layout,
       "Returns the number of entries of q in the layout of another library: 'pinocchio', 'rbdl', 'mujoco' or 'drake'.");
