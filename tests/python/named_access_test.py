@@ -62,6 +62,8 @@ class Places(unittest.TestCase):
         self.assertEqual(dict(index)[self.joint], index[self.joint])
         self.assertEqual(sum(s.stop - s.start for _, s in index.items()), self.model.nv)
         self.assertEqual(len(index), len(list(index)))
+        self.assertEqual(list(index.values()), [index[name] for name in index.keys()])
+        self.assertEqual((index.get(self.joint), index.get("no"), index.get("universe", 1)), (index[self.joint], None, 1))
         self.assertIn(self.joint, index)
         self.assertNotIn("universe", index)
         with self.assertRaisesRegex(dyn.Error, "did you mean 'root_joint'"):

@@ -116,6 +116,10 @@ struct SliceIndex {
       if (joint.*count > 0) out.push_back(joint.name);
     return out;
   }
+  bool contains(const std::string& name) const {
+    const int joint = model.findJoint(name);
+    return joint >= 0 && model.joints()[static_cast<std::size_t>(joint)].*count > 0;
+  }
   py::slice at(const std::string& name) const {
     const JointRecord& joint = model.joints()[static_cast<std::size_t>(model.jointId(name))];
     return {joint.*first, joint.*first + joint.*count, 1};
@@ -133,13 +137,21 @@ void addSliceIndex(py::module_& m) {
              for (const std::string& name : x.names()) out.emplace_back(name, x.at(name));
              return out;
            })
+      .def("values",
+           [](const SliceIndex& x) {
+             std::vector<py::slice> out;
+             for (const std::string& name : x.names()) out.push_back(x.at(name));
+             return out;
+           })
+      .def(
+          "get",
+          [](const SliceIndex& x, const std::string& name, const py::object& otherwise) {
+            return x.contains(name) ? py::object(x.at(name)) : otherwise;
+          },
+          py::arg("name"), py::arg("default") = py::none())
       .def("__len__", [](const SliceIndex& x) { return x.names().size(); })
       .def("__iter__", [](const SliceIndex& x) { return py::iter(py::cast(x.names())); })
-      .def("__contains__",
-           [](const SliceIndex& x, const std::string& name) {
-             const int joint = x.model.findJoint(name);
-             return joint >= 0 && x.model.joints()[static_cast<std::size_t>(joint)].*x.count > 0;
-           })
+      .def("__contains__", &SliceIndex::contains)
       .def("__repr__", [](const SliceIndex& x) {
         py::dict all;
         for (const std::string& name : x.names()) all[py::str(name)] = x.at(name);
