@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Results that pass through Python agree with the project's references as those of C++ do (tests/truth/data_sets.hpp has the same bounds)."""
 import json
-import os
 import pathlib
 import unittest
 
@@ -10,7 +9,8 @@ import numpy as np
 import libdyn as dyn
 
 SOURCE = pathlib.Path(__file__).parents[2]
-os.environ["DYN_PLUGIN_PATH"] = str(pathlib.Path(dyn.__file__).parents[2] / "examples")
+TYPES = dyn.JointRegistry.standard()
+TYPES.load_directory(pathlib.Path(dyn.__file__).parents[2] / "examples")
 
 # Each function has its arguments, and each of its results a reference, the reference of its scale, and the largest error in units of 2^-53.
 FUNCTIONS = {
@@ -51,7 +51,7 @@ class References(unittest.TestCase):
         for path in sorted((SOURCE / "tests" / "truth" / "references").glob("*.json")):
             document = json.loads(path.read_text())
             description = dyn.load(SOURCE / document["file"], root=document["root"], mimic=document.get("mimic", "independent"))
-            model = dyn.compile(description, dissipation=False, armature=False)
+            model = dyn.compile(description, dissipation=False, armature=False, registry=TYPES)
             data = dyn.Data(model)
             for sample in document["samples"]:
                 inputs = {"q": sample["q"], "v": sample["v"], "a": sample["a"], "t": sample["tau"]}

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """The wheel has everything that the module needs."""
+import importlib.util
 import os
 import pathlib
 import subprocess
@@ -11,9 +12,10 @@ import zipfile
 import libdyn
 
 SOURCE = pathlib.Path(__file__).parents[2]
-sys.path.insert(0, str(SOURCE / "libdyn" / "python"))
-
-import build_backend  # noqa: E402
+# Its folder must not get into sys.path: processes that other tests start would find the package's sources there, without the compiled part.
+SPEC = importlib.util.spec_from_file_location("build_backend", SOURCE / "libdyn" / "python" / "build_backend.py")
+build_backend = importlib.util.module_from_spec(SPEC)
+SPEC.loader.exec_module(build_backend)
 
 
 class Wheel(unittest.TestCase):
