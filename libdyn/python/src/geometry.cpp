@@ -67,11 +67,22 @@ void addShapes(py::module_& m) {
              return TriangleMesh{pointsOf(vertices), triangles};
            }),
            py::arg("vertices"), py::arg("triangles"));
-  py::class_<MeshFile>(m, "MeshFile", "A mesh in a file.")
+  py::class_<MeshFile>(m, "MeshFile", "A mesh in a file, scaled along x, y, z. `convex` makes it its convex hull.")
       .def(py::init([](const std::string& uri, const Vector3& scale, bool convex) {
              return MeshFile{uri, fromEigen3(scale), convex};
            }),
            py::arg("uri"), py::arg("scale") = Vector3::Ones().eval(), py::arg("convex") = false);
+  py::class_<Voxels>(m, "Voxels", "Cubes along the axes of the frame: centres, one a row [m], and their sides [m].")
+      .def(py::init([](const Points& centers, const std::vector<double>& sizes) {
+             if (centers.rows() != static_cast<Eigen::Index>(sizes.size()))
+               throw Error(ErrorCode::size, "Voxels: " + std::to_string(centers.rows()) + " centers and " + std::to_string(sizes.size()) + " sizes");
+             Voxels out;
+             for (const Vec3<double>& center : pointsOf(centers)) out.cubes.push_back({center, sizes[out.cubes.size()]});
+             return out;
+           }),
+           py::arg("centers"), py::arg("sizes"));
+  py::class_<OctreeFile>(m, "OctreeFile", "The occupied leaves of an octomap file (.bt or .ot).")
+      .def(py::init([](const std::string& uri) { return OctreeFile{uri}; }), py::arg("uri"));
 }
 
 }  // namespace
@@ -87,7 +98,8 @@ void addGeometry(py::module_& m) {
           "Adds a volume for collision at `placement` in the body's frame.");
 
   py::class_<GeometryModel>(m, "GeometryModel", "Compiled volumes and the pairs to check.")
-      .def_property_readonly("names", [](const GeometryModel& g) { return namesOf(g.geometries()); })
+      .def_property_readonly(
+          "names", [](const GeometryModel& g) { return namesOf(g.geometries()); }, "The names of the volumes, in the order of their indices.")
       .def_property_readonly(
           "pairs",
           [](const GeometryModel& g) {
@@ -95,7 +107,7 @@ void addGeometry(py::module_& m) {
             for (const CollisionPair& x : g.pairs()) pairs.emplace_back(x.a, x.b);
             return pairs;
           },
-          "Pairs of indices of geometries.")
+          "The pairs to check, as indices of volumes.")
       .def_property_readonly(
           "report", [](const GeometryModel& g) { return g.report().lines; }, "What was kept and left out, and why.");
   m.def(
@@ -129,20 +141,20 @@ void addGeometry(py::module_& m) {
       "Places all volumes by the poses of the last forward_kinematics; with q, runs that first.");
   py::class_<Distance>(m, "Distance", "The distance of a pair a, b: nearest_b - nearest_a = distance * normal, in the world.")
       .def_readonly("pair", &Distance::pair, "The index in GeometryModel.pairs; -1: there is no pair.")
-      .def_readonly("distance", &Distance::distance, "[m]; negative if the two overlap.")
+      .def_readonly("distance", &Distance::distance, "The distance [m]; negative if the two overlap.")
       .def_property_readonly(
-          "normal", [](const Distance& x) { return toEigen(x.normal); }, "From a towards b.")
+          "normal", [](const Distance& x) { return toEigen(x.normal); }, "The unit vector from a towards b (3,).")
       .def_property_readonly(
-          "nearest_a", [](const Distance& x) { return toEigen(x.nearest_a); }, "[m]")
+          "nearest_a", [](const Distance& x) { return toEigen(x.nearest_a); }, "The nearest point of a (3,) [m].")
       .def_property_readonly(
-          "nearest_b", [](const Distance& x) { return toEigen(x.nearest_b); }, "[m]");
+          "nearest_b", [](const Distance& x) { return toEigen(x.nearest_b); }, "The nearest point of b (3,) [m].");
   py::class_<Contact>(m, "Contact", "A contact of a pair a, b, in the world.")
-      .def_readonly("pair", &Contact::pair)
+      .def_readonly("pair", &Contact::pair, "The index in GeometryModel.pairs.")
       .def_property_readonly(
-          "position", [](const Contact& x) { return toEigen(x.position); }, "[m] Midpoint between the two surfaces.")
+          "position", [](const Contact& x) { return toEigen(x.position); }, "The midpoint between the two surfaces (3,) [m].")
       .def_property_readonly(
-          "normal", [](const Contact& x) { return toEigen(x.normal); }, "From a towards b.")
-      .def_readonly("depth", &Contact::depth, "[m] by which they overlap.");
+          "normal", [](const Contact& x) { return toEigen(x.normal); }, "The unit vector from a towards b (3,).")
+      .def_readonly("depth", &Contact::depth, "The depth [m] by which they overlap.");
   m.def("compute_distance", &computeDistance, geometry, geometry_data, pair, "Returns the distance of one pair.");
   m.def("compute_distances", &computeDistances, geometry, geometry_data, "Returns the distances of all pairs.");
   m.def("compute_minimum_distance", &computeMinimumDistance, geometry, geometry_data, "Returns the smallest distance of all pairs.");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Simulation with controllers, forces, events and observers written in Python.
 #include "module.hpp"
+#include "typed.hpp"
 
 #include <dyn/integrate/simulator.hpp>
 
@@ -15,6 +16,10 @@ namespace dyn::python {
 namespace {
 
 using Vector = Eigen::Ref<const Eigen::VectorXd>;
+using Controller = Typed<py::function, "Callable[[float, NDArray[float64], NDArray[float64]], ArrayLike]">;
+using EventFunction = Typed<py::function, "Callable[[float, NDArray[float64], NDArray[float64]], float]">;
+using Observer = Typed<py::function, "Callable[[float, NDArray[float64], NDArray[float64]], object]">;
+using Statistics = Typed<py::dict, "dict[str, int]">;
 
 /// A simulator, and the exception that a Python callback has thrown. The simulator itself says only that a callback threw.
 struct Simulation {
@@ -70,14 +75,14 @@ void write(const py::object& array, const char* callback, Out&& out) {
   Eigen::Map<Eigen::MatrixXd>(out.data(), values.rows(), values.cols()) = values;
 }
 
-void setController(Simulation& s, const std::optional<py::function>& controller) {
+void setController(Simulation& s, const std::optional<Controller>& controller) {
   if (!controller) return s.simulator.setController(nullptr);
   s.simulator.setController([&s, f = *controller](double t, const VectorResult& q, const VectorResult& v, VectorMap tau) {
     s.call(f, t, q, v, [&](const py::object& out) { write(out, "the controller", tau); });
   });
 }
 
-void setForces(Simulation& s, const std::optional<py::function>& forces) {
+void setForces(Simulation& s, const std::optional<Controller>& forces) {
   if (!forces) return s.simulator.setForces(nullptr);
   s.simulator.setForces([&s, f = *forces](double t, const VectorResult& q, const VectorResult& v, Force<double>* fext, int count) {
     s.call(f, t, q, v, [&](const py::object& out) {
@@ -90,7 +95,7 @@ void setForces(Simulation& s, const std::optional<py::function>& forces) {
   });
 }
 
-void setEvents(Simulation& s, const std::vector<std::tuple<std::string, py::function, std::string>>& events) {
+void setEvents(Simulation& s, const std::vector<std::tuple<std::string, EventFunction, std::string>>& events) {
   std::vector<Event> all;
   for (const auto& [name, function, direction] : events) {
     using Direction = Event::Direction;
@@ -109,7 +114,7 @@ void setEvents(Simulation& s, const std::vector<std::tuple<std::string, py::func
   s.run([&] { s.simulator.setEvents(std::move(all)); });
 }
 
-int advance(Simulation& s, double until, const std::optional<std::vector<double>>& times, const std::optional<py::function>& observer) {
+int advance(Simulation& s, double until, const std::optional<std::vector<double>>& times, const std::optional<Observer>& observer) {
   return s.run([&] {
     if (!times || !observer) return s.simulator.advance(until);
     return s.simulator.advance(until, *times,
@@ -117,7 +122,7 @@ int advance(Simulation& s, double until, const std::optional<std::vector<double>
   });
 }
 
-py::dict statisticsOf(const Simulation& s) {
+Statistics statisticsOf(const Simulation& s) {
   const SimulatorStatistics& x = s.simulator.statistics();
   using namespace py::literals;
   return py::dict("steps"_a = x.steps, "rejected"_a = x.rejected, "evaluations"_a = x.evaluations, "factorizations"_a = x.factorizations,
@@ -145,7 +150,7 @@ void addSimulation(py::module_& m) {
            py::arg("constraints"), integrator, dt, tolerance, project, limits, restitution)
       .def(
           "reset", [](Simulation& s, const Vector& q, const Vector& v, double time) { s.run([&] { s.simulator.reset(q, v, time); }); }, py::arg("q"),
-          py::arg("v"), py::arg("time") = 0.0, "Sets state and time.")
+          py::arg("v"), py::arg("time") = 0.0, "Sets q (nq,), v (nv,) and the time [s].")
       .def("set_controller", &setController, py::arg("controller"),
            "Sets the function controller(t, q, v) that returns tau (nv,), or None. It is called several times a step, not in the order of time.")
       .def("set_forces", &setForces, py::arg("forces"),
@@ -160,15 +165,16 @@ void addSimulation(py::module_& m) {
       .def("advance", &advance, py::arg("until"), py::arg("times") = py::none(), py::arg("observer") = py::none(),
            "Advances to this time [s]; returns the index of the event that ended it sooner, or -1. Calls observer(t, q, v) at `times`.")
       .def_property_readonly(
-          "time", [](const Simulation& s) { return s.simulator.time(); }, "[s]")
+          "time", [](const Simulation& s) { return s.simulator.time(); }, "The time [s].")
       .def_property_readonly(
-          "q", [](const Simulation& s) { return Eigen::VectorXd(s.simulator.q()); }, "(nq,), a copy.")
+          "q", [](const Simulation& s) { return Eigen::VectorXd(s.simulator.q()); }, "The configuration (nq,), a copy.")
       .def_property_readonly(
-          "v", [](const Simulation& s) { return Eigen::VectorXd(s.simulator.v()); }, "(nv,), a copy.")
+          "v", [](const Simulation& s) { return Eigen::VectorXd(s.simulator.v()); }, "The velocities (nv,), a copy.")
       .def_property_readonly(
-          "acceleration", [](Simulation& s) { return s.run([&] { return Eigen::VectorXd(s.simulator.acceleration()); }); }, "(nv,)")
+          "acceleration", [](Simulation& s) { return s.run([&] { return Eigen::VectorXd(s.simulator.acceleration()); }); },
+          "The accelerations (nv,) of the present state [rad/s^2, m/s^2].")
       .def_property_readonly(
-          "energy", [](Simulation& s) { return s.simulator.energy(); }, "Kinetic plus potential [J].")
+          "energy", [](Simulation& s) { return s.simulator.energy(); }, "The kinetic plus the potential energy [J].")
       .def_property_readonly(
           "constraint_error", [](Simulation& s) { return s.simulator.constraintError(); }, "The largest position error [m, rad].")
       .def_property_readonly(
