@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Builds a wheel of libdyn (PEP 517). The wheel carries the module, its type stubs, the libraries, their kernels and the standard plugins.
+"""Builds a wheel of libdyn (PEP 517). The wheel carries the module, its type stubs, the libraries, their kernels, the standard plugins
+and the SDK's headers.
 
 It is built in the folder build/ of the source tree, as by tools/python, for this machine's processor and for the Python that runs pip.
 `--config-settings instruction_sets=all` builds kernels for every processor, `--config-settings build=FOLDER` builds elsewhere.
@@ -40,6 +41,8 @@ def has(module):
 
 def get_requires_for_build_wheel(config_settings=None):
     """Asks for numpy only where it is missing, so that a build needs no network where it is installed."""
+    if sys.version_info < (3, 9):
+        raise SystemExit(f"libdyn needs Python 3.9 or later; {sys.executable} is Python {sys.version.split()[0]}")
     return [] if has("numpy") else ["numpy"]
 
 
@@ -87,6 +90,10 @@ def files_of(folder):
     for name in ("libdyn", "libdyn_geometry", "libdyn_parsers"):
         (path,) = (folder / "lib").glob(f"{name}.so.?")
         files[f"libdyn/lib/{path.name}"] = path
+    # Joint types written in Python are compiled with the headers of the SDK.
+    for sources in (ROOT / "libdyn" / "include", ROOT / "libdyn" / "sdk"):
+        for path in [*sources.rglob("*.h"), *sources.rglob("*.hpp")]:
+            files[f"libdyn/include/{path.relative_to(sources)}"] = path
     for path in (folder / "lib" / "libdyn").rglob("*.so"):
         files[f"libdyn/lib/libdyn/{path.relative_to(folder / 'lib' / 'libdyn')}"] = path
     return files

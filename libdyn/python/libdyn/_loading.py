@@ -11,8 +11,6 @@ def remedy(problem: ImportError) -> str:
     """Returns a message for an import of libdyn that ended with `problem`."""
     python = f"{sys.version_info.major}.{sys.version_info.minor}"
     folder = pathlib.Path(__file__).parent
-    if importlib.util.find_spec("numpy") is None:
-        return f"libdyn needs numpy, which {sys.executable} (Python {python}) does not find: `pip install numpy`, or install Debian's python3-numpy."
     if not any((folder / f"_core{suffix}").exists() for suffix in importlib.machinery.EXTENSION_SUFFIXES):
         found = [path.name for path in sorted(folder.glob("_core.*.so"))]
         if not found:
@@ -22,4 +20,6 @@ def remedy(problem: ImportError) -> str:
             f"libdyn in {folder} was built for Python {versions}, and this is Python {python} ({sys.executable}). "
             f"Use that Python, or build libdyn for this one: `{sys.executable} -m pip install ./libdyn/python`."
         )
+    if importlib.util.find_spec("numpy") is None:
+        return f"libdyn needs numpy, which {sys.executable} (Python {python}) does not find: `pip install numpy`, or install Debian's python3-numpy."
     return f"libdyn in {folder} cannot be loaded: {problem}"
