@@ -23,10 +23,10 @@ try:
 except ImportError as _problem:
     raise ImportError(_loading.remedy(_problem)) from _problem
 
-from .joint_types import JointFunction as JointFunction
-from .joint_types import Parameter as Parameter
-from .joint_types import joint as joint
-from .tracing import Scalar, TracedSE3, atan2, cos, exp, log, select, sin, sqrt, tan
+# Each name is imported as itself, which tells type checkers that it belongs to the package.
+from .joint_types import JointFunction as JointFunction, Parameter as Parameter, joint as joint
+from .tracing import Scalar as Scalar, TracedSE3 as TracedSE3, select as select
+from .tracing import atan2 as atan2, cos as cos, exp as exp, log as log, sin as sin, sqrt as sqrt, tan as tan
 
 for _thing in vars(_core).values():
     if getattr(_thing, "__module__", None) == _core.__name__ and isinstance(_thing, type):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pathlib
 import sys
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -82,6 +83,17 @@ def simulation(model: dyn.CompactModel) -> float:
     return simulator.energy
 
 
+def joint_of_our_own() -> dyn.SE3:
+    @dyn.joint(nq=1, parameters={"h": "m", "n": dyn.Parameter(usual=[1.0])}, compiled=False)
+    def typed_cam(q: NDArray[np.object_], p: Any) -> dyn.SE3:
+        """A cam."""
+        return dyn.SE3.translation(0, 0, p.h * (1 - dyn.cos(p.n * q[0])))
+
+    joint: dyn.JointFunction = typed_cam
+    assert joint.nv == 1 and "typed_cam" in dyn.joint.source(joint)
+    return joint([0.3], h=0.1)
+
+
 def errors(robot: dyn.Model) -> tuple[str, int]:
     try:
         dyn.compile(robot, lock={"hing": 0.0})
@@ -102,6 +114,7 @@ def main(path: str | pathlib.Path) -> None:
     J: Vector = dyn.compute_frame_jacobian(model, data, q, model.frames[-1].name, dyn.LOCAL_WORLD_ALIGNED)
     assert J.shape == (6, model.nv)
     spatial()
+    joint_of_our_own()
     simulation(dyn.compile(pendulum()))
     assert errors(pendulum()) == ("model", 0)
 
