@@ -24,6 +24,12 @@ foreach(isa ${libdyn_plugin_instruction_sets})
   install(TARGETS dyn_standard_${isa} LIBRARY DESTINATION ${DYN_PLUGIN_DIR}/${isa} COMPONENT plugins)
 endforeach()
 
+if(TARGET libdyn_python)
+  install(TARGETS libdyn_python LIBRARY DESTINATION ${DYN_PYTHON_DIR}/libdyn COMPONENT python)
+  install(DIRECTORY libdyn/python/libdyn/ ${PROJECT_BINARY_DIR}/python/libdyn/_core DESTINATION ${DYN_PYTHON_DIR}/libdyn COMPONENT python
+    FILES_MATCHING PATTERN "*.py" PATTERN "*.pyi" PATTERN "py.typed" PATTERN "__pycache__" EXCLUDE)
+endif()
+
 configure_package_config_file(libdyn/cmake/libdynConfig.cmake.in ${PROJECT_BINARY_DIR}/libdynConfig.cmake INSTALL_DESTINATION ${DYN_CMAKE_DIR})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/libdynConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/libdynConfig.cmake ${PROJECT_BINARY_DIR}/libdynConfigVersion.cmake libdyn/cmake/libdynPlugin.cmake

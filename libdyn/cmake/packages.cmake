@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
 # Debian packages, made by `cpack` in the build folder: libdyn0 (libraries and kernels), libdyn-plugins (the standard joint types), libdyn-tools (the
-# command dyn) and libdyn-dev (headers).
+# command dyn), libdyn-dev (headers), and python3-libdyn where the Python module is built.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME libdyn)
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
@@ -27,4 +27,16 @@ set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libdyn-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "libdyn0 ${exact}, libeigen3-dev (>= 3.4)")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SHLIBDEPS OFF)
+if(TARGET libdyn_python)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+  math(EXPR next "${DYN_PYTHON_MINOR} + 1")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-libdyn)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+    "libdyn0 ${exact}, python3-numpy, python3 (>= 3.${DYN_PYTHON_MINOR}), python3 (<< 3.${next})")
+  # Joint types written in Python are compiled.
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS "libdyn-dev, g++")
+  set(scripts ${CMAKE_CURRENT_LIST_DIR}/python3-libdyn)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA "${scripts}/postinst;${scripts}/prerm")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+endif()
 include(CPack)

@@ -72,3 +72,13 @@ done
 say "the installed tree moved"
 mv "$work/first" "$work/second"
 "$work/second/bin/dyn" info "$robot" | head -4
+module=$(find "$work/second" -path '*-packages/libdyn')
+if [ -n "$module" ]; then
+  PYTHONPATH=$(dirname "$module") /usr/bin/python3 -c "
+import libdyn, sys
+print(libdyn.compile(libdyn.load(sys.argv[1], root='free_flyer')))
+assert sys.argv[2] + '/lib' in open('/proc/self/maps').read()" "$source/models/biped.urdf" "$work/second"
+elif [ -d "$build/python" ]; then
+  echo "the Python module is not installed" >&2
+  exit 1
+fi

@@ -14,6 +14,7 @@ if [ -z "${DYN_TEST_PACKAGES:-}" ]; then
   exit 100
 fi
 names=(libdyn0 libdyn-plugins libdyn-tools libdyn-dev)
+if [ -d "$build/python" ]; then names+=(python3-libdyn); fi
 for name in "${names[@]}"; do
   if dpkg -s "$name" >/dev/null 2>&1; then
     echo "skipped: $name is installed already"
@@ -37,6 +38,9 @@ cp -r "$source/tests/install/user" "$work/user"
 cmake -S "$work/user" -B "$work/user/build" -G Ninja >/dev/null
 cmake --build "$work/user/build" >/dev/null
 DYN_PLUGIN_PATH=$work/cam_follower/build "$work/user/build/user" "$work/cam_follower/cam_follower.urdf"
+if [ -d "$build/python" ]; then
+  /usr/bin/python3 -c "import libdyn, sys; print(libdyn.compile(libdyn.load(sys.argv[1], root='free_flyer')))" "$source/models/biped.urdf"
+fi
 
 files=$(dpkg -L "${names[@]}" | sort -u | grep -E 'dyn' || true)
 dpkg --purge "${names[@]}" >/dev/null

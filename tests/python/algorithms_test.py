@@ -2,6 +2,7 @@
 """Algorithms called with numpy's arrays: results, arguments of every kind, errors."""
 import gc
 import pathlib
+import pickle
 import sys
 import threading
 import unittest
@@ -45,6 +46,12 @@ class Algorithms(unittest.TestCase):
             ahead, behind = dyn.rnea(model, data, q, v + step, a), dyn.rnea(model, data, q, v - step, a)
             np.testing.assert_allclose((ahead - behind) / (2 * h), result.dtau_dv[:, k], atol=1e-5)
         np.testing.assert_allclose(result.M, dyn.crba(model, data, q), atol=1e-12)
+
+    def test_named_results_are_pickled(self):
+        result = dyn.compute_rnea_derivatives(self.model, self.data, self.q, self.v, self.a)
+        other = pickle.loads(pickle.dumps(result))
+        self.assertIs(type(other), dyn.compute_rnea_derivatives_result)
+        np.testing.assert_array_equal(other.dtau_dv, result.dtau_dv)
 
     def test_every_sequence_of_numbers_is_an_argument(self):
         model, data, q, v, a = self.model, self.data, self.q, self.v, self.a

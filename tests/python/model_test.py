@@ -37,6 +37,18 @@ class Models(unittest.TestCase):
         np.testing.assert_allclose(dyn.compute_frame_jacobian(model, data, [0.3], "tip", dyn.LOCAL_WORLD_ALIGNED)[:3, 0], velocity.linear / 2)
         self.assertAlmostEqual(dyn.compute_kinetic_energy(model, data, [0.3], [2.0]), 0.5 * 2.01 * 4)
 
+    def test_cubes_are_volumes(self):
+        description = pendulum()
+        description.add_geometry("cubes", "rod", dyn.Voxels([[0, 0, -1], [0, 0, -2]], [0.5, 1.0]))
+        description.add_geometry("ball", 0, dyn.Sphere(0.25), dyn.SE3.translation(3, 0, -2))
+        model = dyn.compile(description)
+        volumes = dyn.compile_geometry(model, description)
+        data, volume_data = dyn.Data(model), dyn.GeometryData(volumes)
+        dyn.update_geometry_placements(model, data, volumes, volume_data, [0.0])
+        self.assertAlmostEqual(dyn.compute_minimum_distance(volumes, volume_data).distance, 3 - 0.25 - 0.5, places=6)
+        with self.assertRaisesRegex(dyn.Error, "1 centers and 2 sizes"):
+            dyn.Voxels([[0, 0, 0]], [1.0, 2.0])
+
     def test_bodies_of_a_description_are_changed_in_place(self):
         description = pendulum()
         description.bodies[1].inertia.mass = 5
@@ -149,6 +161,13 @@ class Spatial(unittest.TestCase):
         np.testing.assert_allclose(X.act_inverse(X @ motion).vector, motion.vector, atol=1e-14)
         np.testing.assert_allclose(dyn.SE3.exp(X.log()).homogeneous, X.homogeneous, atol=1e-15)
         np.testing.assert_allclose((X @ X.inverse()).homogeneous, np.eye(4), atol=1e-15)
+
+    def test_a_rotation_is_given_by_its_vector_or_by_axis_and_angle(self):
+        np.testing.assert_allclose(dyn.SE3.rotation([0, 3, 4], 0.5).R, dyn.SE3.rotation([0, 0.3, 0.4]).R, atol=1e-15)
+        np.testing.assert_array_equal(dyn.SE3.rotation(vector=[0, 0, 2], angle=0).R, np.eye(3))
+        for axis in ([0, 0, 0], [np.inf, 0, 0], [np.nan, 0, 0]):
+            with self.assertRaisesRegex(dyn.Error, "axis"):
+                dyn.SE3.rotation(axis, 0.5)
 
     def test_parts_are_views_that_outlive_nothing(self):
         X = dyn.SE3.translation(1, 2, 3)

@@ -10,23 +10,39 @@
 
 Names are those of the C++ library in Python's style: computeRNEADerivatives is compute_rnea_derivatives. Functions take and return numpy arrays.
 """
+import os as _os
+import runpy as _runpy
 
-import os
-import runpy
+from . import _loading
 
-from . import _core
-from ._core import *  # noqa: F403
-from ._core import Error, Model, __version__  # noqa: F401
-from .graphs import trace_function  # noqa: F401
-from .joint_types import JointFunction, Parameter, joint  # noqa: F401
-from .tracing import Scalar, TracedSE3, atan2, cos, exp, log, select, sin, sqrt, tan  # noqa: F401
+try:
+    from . import _core
+    from ._core import *  # noqa: F403
+    from ._core import Error, Model
+    from ._core import __version__ as __version__
+except ImportError as _problem:
+    raise ImportError(_loading.remedy(_problem)) from _problem
+
+# Each name is imported as itself, which tells type checkers that it belongs to the package.
+from .graphs import trace_function as trace_function
+from .joint_types import JointFunction as JointFunction, Parameter as Parameter, joint as joint
+from .tracing import Scalar as Scalar, TracedSE3 as TracedSE3, select as select
+from .tracing import atan2 as atan2, cos as cos, exp as exp, log as log, sin as sin, sqrt as sqrt, tan as tan
 
 for _thing in vars(_core).values():
     if getattr(_thing, "__module__", None) == _core.__name__ and isinstance(_thing, type):
         _thing.__module__ = __name__
 
 
-def load(path, *, root="fixed", mimic="coupled", order="name", continuous="unit_circle", inertias="physical"):
+def load(
+    path: "str | _os.PathLike[str]",
+    *,
+    root: str = "fixed",
+    mimic: str = "coupled",
+    order: str = "name",
+    continuous: str = "unit_circle",
+    inertias: str = "physical",
+) -> Model:
     """Reads a robot from a file; returns a Model.
 
     The file's ending tells its format: .json is libdyn's own, .py is a Python file that leaves a `model`, all others are URDF.
@@ -34,23 +50,23 @@ def load(path, *, root="fixed", mimic="coupled", order="name", continuous="unit_
     the "file". continuous: a continuous joint's q is a point of the "unit_circle" or an "angle". inertias: "physical", or "any" to load what no body
     has. Raises Error with the file and line of what is wrong. A Python file is run, with all that it may do.
     """
-    path = os.fspath(path)
+    path = _os.fspath(path)
     if path.endswith(".py"):
         return _left_by(path, root)
     return _core._load(path, root=root, mimic=mimic, order=order, continuous=continuous, inertias=inertias)
 
 
-def _left_by(path, root):
+def _left_by(path: str, root: str) -> Model:
     """Runs a Python file and returns the model that it leaves."""
 
-    def refuse(message):
+    def refuse(message: str) -> Error:
         error = Error(f"{path}: {message}")
         error.code, error.file, error.line, error.joint = "model", path, 0, ""
         return error
 
     if root != "fixed":
         raise refuse(f"makes its own joint between world and robot, so that the root joint '{root}' does not apply")
-    model = runpy.run_path(path).get("model")
+    model = _runpy.run_path(path).get("model")
     if not isinstance(model, Model):
         raise refuse(f"must leave a libdyn.Model called `model`; it leaves {'none' if model is None else type(model).__name__}")
     return model

@@ -13,13 +13,17 @@ import pathlib
 import shutil
 import tempfile
 import types
-from typing import Optional, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Optional, Union
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from . import _core
 from ._core import SE3, Error
-from .tracing import Tape, TracedSE3
+from .tracing import Array, Tape, TracedSE3
+
+Traced = tuple[int, list[tuple[Any, ...]], list[int]]  #: Inputs, operations and outputs of a function.
 
 
 @dataclasses.dataclass(frozen=True)
@@ -31,21 +35,22 @@ class Parameter:
     help: str = ""
     usual: Optional[Sequence[float]] = None
 
-    def numbers(self):
+    def numbers(self) -> list[float]:
+        """Returns the usual value as a list; an empty one if there is none."""
         return [] if self.usual is None else [float(x) for x in np.ravel(self.usual)]
 
 
 class JointFunction:
     """A joint type written in Python. A call computes its pose: cam([0.3], h=0.1)."""
 
-    def __init__(self, function, traced, nq, nv, parameters):
+    def __init__(self, function: Callable[..., Any], traced: _core._TracedJoint, nq: int, nv: int, parameters: dict[str, Parameter]) -> None:
         functools.update_wrapper(self, function)
         self.name = function.__name__
         self.nq, self.nv, self.parameters = nq, nv, parameters
-        self.path = None  #: The plugin's file; None if the graph itself is run.
+        self.path: Optional[str] = None  #: The plugin's file; None if the graph itself is run.
         self._function, self._traced = function, traced
 
-    def __call__(self, q, **parameters):
+    def __call__(self, q: ArrayLike, **parameters: ArrayLike) -> SE3:
         """Returns the pose (SE3) at the coordinates q (nq,); parameters by name."""
         unknown = sorted(set(parameters) - set(self.parameters))
         if unknown:
@@ -62,11 +67,11 @@ class JointFunction:
         R, p = _parts(self._function(q, types.SimpleNamespace(**values)))
         return SE3(np.asarray(R, dtype=float), np.asarray(p, dtype=float))
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<joint type '{self.name}': nq = {self.nq}, nv = {self.nv}>"
 
 
-def _parts(pose):
+def _parts(pose: Any) -> tuple[Array, Array]:
     """Returns R and p of what a joint's function returned."""
     if isinstance(pose, (SE3, TracedSE3)):
         return pose.R, pose.p
@@ -79,7 +84,7 @@ def _parts(pose):
     raise TypeError("the function of a joint returns an SE3, a pair of R (3, 3) and p (3,), or a homogeneous matrix (4, 4)")
 
 
-def _traced(function, sizes, parameters, outputs):
+def _traced(function: Callable[..., Any], sizes: list[int], parameters: dict[str, Parameter], outputs: Callable[[Any], Array]) -> Traced:
     """Runs a function on traced arrays of these sizes, and the parameters; returns what _TracedJoint takes."""
     tape = Tape()
     arguments = [tape.input(size) for size in sizes]
@@ -92,8 +97,8 @@ def _traced(function, sizes, parameters, outputs):
     return tape.inputs, tape.nodes, [tape.index(x) for x in flat]
 
 
-def _vector_of(what, size):
-    def outputs(result):
+def _vector_of(what: str, size: int) -> Callable[[Any], Array]:
+    def outputs(result: Any) -> Array:
         vector = np.ravel(np.asarray(result, dtype=object))
         if vector.shape != (size,):
             raise TypeError(f"{what} must return {size} numbers, not {vector.size}")
@@ -102,7 +107,7 @@ def _vector_of(what, size):
     return outputs
 
 
-def _pose(result):
+def _pose(result: Any) -> Array:
     R, p = _parts(result)
     return np.concatenate([np.ravel(R), np.ravel(p)])
 
@@ -128,40 +133,52 @@ class _Joint:
     same name; compiled models keep theirs.
     """
 
-    def __init__(self):
-        self._known = {}  # the joints by name
+    def __init__(self) -> None:
+        self._known: dict[str, JointFunction] = {}  # the joints by name
 
-    def __call__(self, nq, nv=None, *, parameters=None, neutral=None, integrate=None, difference=None, normalize=None, rates=None, compiled=True):
+    def __call__(
+        self,
+        nq: int,
+        nv: Optional[int] = None,
+        *,
+        parameters: Optional[Mapping[str, Union[str, Parameter]]] = None,
+        neutral: Optional[Callable[..., Any]] = None,
+        integrate: Optional[Callable[..., Any]] = None,
+        difference: Optional[Callable[..., Any]] = None,
+        normalize: Optional[Callable[..., Any]] = None,
+        rates: Optional[Callable[..., Any]] = None,
+        compiled: bool = True,
+    ) -> Callable[[Callable[..., Any]], JointFunction]:
         given = {"neutral": neutral, "integrate": integrate, "difference": difference, "normalize": normalize}
         space = {name: function for name, function in given.items() if function is not None}
         if (space or rates) and len(space) < len(given):
             raise Error(f"a configuration space needs all of neutral, integrate, difference and normalize; there is no {sorted(set(given) - set(space))[0]}")
-        if callable(nq):
+        if inspect.isfunction(nq):
             raise TypeError("write @libdyn.joint(nq=...), with the number of coordinates")
-        nv = nq if nv is None else nv
+        dofs = nq if nv is None else nv
         described = {}
         for name, parameter in (parameters or {}).items():
             described[name] = parameter if isinstance(parameter, Parameter) else Parameter(unit=parameter)
 
-        def define(function):
+        def define(function: Callable[..., Any]) -> JointFunction:
             graphs = {"pose": _traced(function, [nq], described, _pose)}
             if space:
-                graphs["neutral"] = _traced(neutral, [], described, _vector_of("neutral", nq))
-                graphs["integrate"] = _traced(integrate, [nq, nv], described, _vector_of("integrate", nq))
-                graphs["difference"] = _traced(difference, [nq, nq], described, _vector_of("difference", nv))
-                graphs["normalize"] = _traced(normalize, [nq], described, _vector_of("normalize", nq))
+                graphs["neutral"] = _traced(space["neutral"], [], described, _vector_of("neutral", nq))
+                graphs["integrate"] = _traced(space["integrate"], [nq, dofs], described, _vector_of("integrate", nq))
+                graphs["difference"] = _traced(space["difference"], [nq, nq], described, _vector_of("difference", dofs))
+                graphs["normalize"] = _traced(space["normalize"], [nq], described, _vector_of("normalize", nq))
             if rates is not None:
-                graphs["rates"] = _traced(rates, [nq, nv], described, _vector_of("rates", nq))
+                graphs["rates"] = _traced(rates, [nq, dofs], described, _vector_of("rates", nq))
             summary = (inspect.getdoc(function) or f"written in Python by {function.__module__}").splitlines()[0]
             schema = [(name, p.unit, p.help, p.size, p.numbers()) for name, p in described.items()]
-            traced = _core._TracedJoint(function.__name__, summary, schema, nq, nv, graphs)
-            joint = JointFunction(function, traced, nq, nv, described)
+            traced = _core._TracedJoint(function.__name__, summary, schema, nq, dofs, graphs)
+            joint = JointFunction(function, traced, nq, dofs, described)
             self._register(joint, compiled)
             return joint
 
         return define
 
-    def _register(self, joint, compiled):
+    def _register(self, joint: JointFunction, compiled: bool) -> None:
         if compiled:
             try:
                 joint.path = joint._traced.compile()
@@ -174,15 +191,15 @@ class _Joint:
             joint._traced.register(joint.path or "", earlier is not None)
         self._known[joint.name] = joint
 
-    def known(self):
+    def known(self) -> list[JointFunction]:
         """Returns all joint types that were written in Python, in the order of their definition."""
         return list(self._known.values())
 
-    def source(self, joint):
+    def source(self, joint: JointFunction) -> str:
         """Returns the C++ source of the joint's plugin."""
         return joint._traced.source()
 
-    def export_plugin(self, joint, folder):
+    def export_plugin(self, joint: JointFunction, folder: Union[str, "os.PathLike[str]"]) -> pathlib.Path:
         """Writes a new folder from which CMake builds the joint's plugin, with a robot that has one; returns its path."""
         folder = pathlib.Path(folder).absolute()
         if folder.exists():
@@ -199,7 +216,7 @@ class _Joint:
         return folder
 
 
-def _umask():
+def _umask() -> int:
     mask = os.umask(0o022)
     os.umask(mask)
     return mask

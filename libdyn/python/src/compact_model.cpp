@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The compiled model.
 #include "description.hpp"
+#include "typed.hpp"
 
 #include <dyn/compile/compile.hpp>
 
@@ -17,28 +18,29 @@ Eigen::VectorXd arrayOf(const std::vector<double>& x) { return Eigen::Map<const 
 
 void addCompactModel(py::module_& m) {
   py::class_<JointRecord>(m, "JointRecord", "A joint of a compiled model.")
-      .def_readonly("name", &JointRecord::name)
-      .def_readonly("type", &JointRecord::type)
+      .def_readonly("name", &JointRecord::name, "The name in the description.")
+      .def_readonly("type", &JointRecord::type, "The name of the joint type.")
       .def_readonly("parent", &JointRecord::parent, "The index of the joint that carries this one.")
       .def_readonly("idx_q", &JointRecord::idx_q, "The index of its first coordinate in q.")
       .def_readonly("idx_v", &JointRecord::idx_v, "The index of its first velocity in v.")
-      .def_readonly("nq", &JointRecord::nq)
-      .def_readonly("nv", &JointRecord::nv)
+      .def_readonly("nq", &JointRecord::nq, "The number of its coordinates in q.")
+      .def_readonly("nv", &JointRecord::nv, "The number of its velocities in v.")
       .def("__repr__", [](const JointRecord& j) { return "<joint '" + j.name + "' of type " + j.type + ">"; });
   py::class_<FrameRecord>(m, "FrameRecord", "A frame of a compiled model.")
-      .def_readonly("name", &FrameRecord::name)
+      .def_readonly("name", &FrameRecord::name, "The name in the description.")
       .def_readonly("joint", &FrameRecord::joint, "The index of the joint whose body carries it.")
       .def_readonly("placement", &FrameRecord::placement, "The pose in the joint's frame.")
       .def("__repr__", [](const FrameRecord& f) { return "<frame '" + f.name + "'>"; });
 
   py::class_<CompactModel>(m, "CompactModel", "A compiled model: immutable, and shared freely between threads.")
-      .def_property_readonly("name", &CompactModel::name)
+      .def_property_readonly("name", &CompactModel::name, "The name of the robot.")
       .def_property_readonly("nq", &CompactModel::nq, "The number of coordinates.")
       .def_property_readonly("nv", &CompactModel::nv, "The number of degrees of freedom.")
       .def_property_readonly("njoints", &CompactModel::njoints, "The number of joints that can move, plus one for the world.")
       .def_property_readonly("mass", &CompactModel::mass, "The mass of all moving bodies [kg].")
       .def_property_readonly(
-          "gravity", [](const CompactModel& x) { return Eigen::Vector3d(x.gravity().x, x.gravity().y, x.gravity().z); }, "[m/s^2]")
+          "gravity", [](const CompactModel& x) { return Eigen::Vector3d(x.gravity().x, x.gravity().y, x.gravity().z); },
+          "The acceleration of free fall (3,) [m/s^2], in the world.")
       .def_property_readonly("joints", &CompactModel::joints, "All joints; 0 is the world.")
       .def_property_readonly("frames", &CompactModel::frames, "All frames; 0 is the world.")
       .def(
@@ -54,13 +56,13 @@ void addCompactModel(py::module_& m) {
       .def_property_readonly("follows", &CompactModel::follows, "Whether the model has dependent joints, whose coordinates are not in q.")
       .def_property_readonly("nbytes", &CompactModel::bytes, "The approximate size in bytes.")
       .def_property_readonly(
-          "lower", [](const CompactModel& x) { return arrayOf(x.limits().lower); }, "The lowest positions (nq,).")
+          "lower", [](const CompactModel& x) { return arrayOf(x.limits().lower); }, "The lowest positions (nq,) [rad, m]; -inf: none.")
       .def_property_readonly(
-          "upper", [](const CompactModel& x) { return arrayOf(x.limits().upper); }, "The highest positions (nq,).")
+          "upper", [](const CompactModel& x) { return arrayOf(x.limits().upper); }, "The highest positions (nq,) [rad, m]; inf: none.")
       .def_property_readonly(
-          "velocity_limit", [](const CompactModel& x) { return arrayOf(x.limits().velocity); }, "The largest speeds (nv,).")
+          "velocity_limit", [](const CompactModel& x) { return arrayOf(x.limits().velocity); }, "The largest speeds (nv,) [rad/s, m/s]; inf: none.")
       .def_property_readonly(
-          "effort_limit", [](const CompactModel& x) { return arrayOf(x.limits().effort); }, "The largest forces (nv,).")
+          "effort_limit", [](const CompactModel& x) { return arrayOf(x.limits().effort); }, "The largest forces (nv,) [N m, N]; inf: none.")
       .def_property_readonly(
           "passes", [](const CompactModel& x) { return x.report().passes; }, "A line for each pass of the compiler.")
       .def_property_readonly(

@@ -52,7 +52,7 @@ Motions dynamicsOf(const CompactModel& model, Data& data, const Vector& q, const
 
 void addDescriptions(py::module_& m) {
   py::class_<ConstraintDescription>(m, "ConstraintDescription", "A constraint by name: a contact, a closed loop, a coupled or a locked joint.")
-      .def_readwrite("name", &ConstraintDescription::name)
+      .def_readwrite("name", &ConstraintDescription::name, "The name, which errors use.")
       .def_property(
           "baumgarte", [](const ConstraintDescription& c) { return std::pair(c.baumgarte.position, c.baumgarte.velocity); },
           [](ConstraintDescription& c, const std::pair<double, double>& gains) {
@@ -110,7 +110,7 @@ void addSets(py::module_& m) {
            "Returns the description of a constraint, by its number.")
       .def_property_readonly(
           "rows", [](const ConstraintSet& set) { return set.rows(); }, "The number of rows: the size of lambda.")
-      .def("__len__", &ConstraintSet::count)
+      .def("__len__", &ConstraintSet::count, "Returns the number of constraints.")
       .def(
           "rows_of", [](const ConstraintSet& set, int k) { return py::slice(set.firstRow(k), set.firstRow(k) + set.rows(k), 1); },
           py::arg("constraint"), "Returns the slice of the rows of one constraint.");
@@ -134,13 +134,13 @@ void addConstraints(py::module_& m) {
   addDescriptions(m);
   addSets(m);
   py::class_<Motions>(m, "ConstrainedMotion", "Accelerations (or velocities after an impact) and forces (or impulses) of the rows.")
-      .def_readonly("ddq", &Motions::motion, "(nv,) [rad/s^2, m/s^2]")
-      .def_readonly("v_after", &Motions::motion, "(nv,) [rad/s, m/s], of impulse_dynamics")
-      .def_readonly("forces", &Motions::force, "(rows,) [N, N m]: the world, or the other body, exerts them on the constraint's frame.")
-      .def_readonly("impulses", &Motions::force, "(rows,) [N s, N m s], of impulse_dynamics")
-      .def_readonly("residual", &Motions::residual, "The largest violation of a row.")
-      .def_readonly("rank", &Motions::rank, "Of the rows; less than their number if some are redundant.")
-      .def_readonly("iterations", &Motions::iterations);
+      .def_readonly("ddq", &Motions::motion, "The accelerations (nv,) [rad/s^2, m/s^2], of constraint_dynamics.")
+      .def_readonly("v_after", &Motions::motion, "The velocities after the impact (nv,) [rad/s, m/s], of impulse_dynamics.")
+      .def_readonly("forces", &Motions::force, "Forces (rows,) [N, N m] that the world, or the other body, exerts on the constraint's frame.")
+      .def_readonly("impulses", &Motions::force, "Impulses (rows,) [N s, N m s], of impulse_dynamics.")
+      .def_readonly("residual", &Motions::residual, "The largest violation of a row [m/s^2, rad/s^2; m/s, rad/s of impulse_dynamics].")
+      .def_readonly("rank", &Motions::rank, "The rank of the rows; less than their number if some are redundant.")
+      .def_readonly("iterations", &Motions::iterations, "The number of iterations of the solver; 0 of impulse_dynamics.");
   const py::arg model("model"), data("data"), q("q"), v("v"), constraints("constraints");
   m.def("constraint_dynamics", &dynamicsOf, model, data, q, v, py::arg("tau"), constraints, py::kw_only(), py::arg("fext") = py::none(),
         py::arg("method") = "articulated",
@@ -152,14 +152,15 @@ void addConstraints(py::module_& m) {
         const ConstrainedImpact r = impulseDynamics(x, d, at, w, restitution, c);
         return Motions{r.v_after, r.impulse, r.residual, r.rank, 0};
       },
-      model, data, q, v, py::arg("restitution"), constraints, "Computes velocities after an impact, and its impulses; restitution is in [0, 1].");
+      model, data, q, v, py::arg("restitution"), constraints,
+      "Computes velocities after an impact (nv,), and its impulses (rows,); restitution is in [0, 1].");
   m.def(
       "compute_constraint_motion",
       [](const CompactModel& x, Data& d, const Vector& at, const Vector& w, ConstraintData& c) {
         const ConstraintMotion r = computeConstraintMotion(x, d, at, w, c);
-        return py::make_tuple(Eigen::VectorXd(r.velocity), Eigen::VectorXd(r.bias), Eigen::VectorXd(r.error));
+        return std::make_tuple(Eigen::VectorXd(r.velocity), Eigen::VectorXd(r.bias), Eigen::VectorXd(r.error));
       },
-      model, data, q, v, constraints, "Returns velocity, bias and position error of the rows.");
+      model, data, q, v, constraints, "Returns velocity [m/s, rad/s], bias [m/s^2, rad/s^2] and position error [m, rad] of the rows, each (rows,).");
   m.def(
       "compute_constraint_jacobian",
       [](const CompactModel& x, Data& d, const Vector& at, ConstraintData& c) { return Eigen::MatrixXd(computeConstraintJacobian(x, d, at, c)); },

@@ -12,6 +12,7 @@
 
 #include <pybind11/eigen.h>
 #include <pybind11/numpy.h>
+#include <pybind11/stl.h>
 
 namespace dyn::python {
 
@@ -21,7 +22,7 @@ using Vector = Eigen::Ref<const Eigen::VectorXd>;
 using Matrix = Eigen::MatrixXd;
 
 /// Returns an array (n, n, n) whose entry [k, i, j] is entry (i, j) of matrix k.
-py::array arrayOf(const TensorResult& x) {
+py::array_t<double> arrayOf(const TensorResult& x) {
   const auto n = static_cast<py::ssize_t>(x.n);
   return py::array_t<double>({n, n, n}, {8 * n * n, py::ssize_t{8}, 8 * n}, x.data);
 }
@@ -40,7 +41,7 @@ void addKinematicsDerivatives(py::module_& m) {
         [get, number](const CompactModel& x, Data& d, const Name& i, ReferenceFrame r) {
           Matrix out[] = {((void)k, Matrix(6, x.nv()))...};
           get(x, d, number(x, i), r, out[k]...);
-          return py::make_tuple(out[k]...);
+          return std::make_tuple(std::move(out[k])...);
         },
         model, data, which, reference, doc);
   };
@@ -81,7 +82,7 @@ void addRegressors(py::module_& m) {
       "Returns y (10 (njoints - 1),): y . pi is the potential energy [J].");
   m.def(
       "dynamic_parameters", [](const CompactModel& x) { return dynamicParameters(x); }, model,
-      "Returns pi, ten parameters (m, m c, Ixx, Ixy, Iyy, Ixz, Iyz, Izz) of each joint's body, in the joint's frame.");
+      "Returns pi (10 (njoints - 1),): the ten parameters (m, m c, Ixx, Ixy, Iyy, Ixz, Iyz, Izz) of each joint's body, in the joint's frame.");
 }
 
 void addFactors(py::module_& m) {
@@ -123,7 +124,7 @@ void addFactors(py::module_& m) {
       [](const CompactModel& k, Data& d, const Vector& q, const Vector& v, const Vector& tau) {
         return Eigen::VectorXd(forwardDynamics(k, d, q, v, tau));
       },
-      model, data, py::arg("q"), py::arg("v"), py::arg("tau"), "Computes ddq through crba and the factors of M. aba is faster and more exact.");
+      model, data, py::arg("q"), py::arg("v"), py::arg("tau"), "Computes ddq (nv,) through crba and the factors of M. aba is faster and more exact.");
 }
 
 }  // namespace
@@ -150,7 +151,7 @@ void addDerivatives(py::module_& m) {
       [](const CompactModel& x, Data& d, const Vector& at, const Vector& w, const Vector& a) {
         SecondDerivativeData second(x);
         const RneaSecondDerivatives r = computeRNEASecondOrderDerivatives(x, d, second, at, w, a);
-        return py::make_tuple(arrayOf(r.d2tau_dqdq), arrayOf(r.d2tau_dqdv), arrayOf(r.d2tau_dvdv), arrayOf(r.d2tau_dadq));
+        return std::make_tuple(arrayOf(r.d2tau_dqdq), arrayOf(r.d2tau_dqdv), arrayOf(r.d2tau_dvdv), arrayOf(r.d2tau_dadq));
       },
       model, data, q, v, py::arg("a"),
       "Returns d2tau_dqdq, d2tau_dqdv, d2tau_dvdv and d2tau_dadq, each (nv, nv, nv): [k] is the change along degree of freedom k.");
@@ -158,17 +159,19 @@ void addDerivatives(py::module_& m) {
       "compute_constraint_dynamics_derivatives",
       [](const CompactModel& x, Data& d, const Vector& at, const Vector& w, const Vector& tau, ConstraintData& c) {
         const ConstraintDynamicsDerivatives r = computeConstraintDynamicsDerivatives(x, d, at, w, tau, c);
-        return py::make_tuple(Matrix(r.ddq_dq), Matrix(r.ddq_dv), Matrix(r.ddq_dtau), Matrix(r.lambda_dq), Matrix(r.lambda_dv),
-                              Matrix(r.lambda_dtau));
+        return std::make_tuple(Matrix(r.ddq_dq), Matrix(r.ddq_dv), Matrix(r.ddq_dtau), Matrix(r.lambda_dq), Matrix(r.lambda_dv),
+                               Matrix(r.lambda_dtau));
       },
-      model, data, q, v, py::arg("tau"), constraints, "Returns the derivatives of accelerations, then of constraint forces, by q, v and tau.");
+      model, data, q, v, py::arg("tau"), constraints,
+      "Returns the derivatives of accelerations (nv, nv), then of constraint forces (rows, nv), by q, v and tau.");
   m.def(
       "compute_impulse_dynamics_derivatives",
       [](const CompactModel& x, Data& d, const Vector& at, const Vector& w, double restitution, ConstraintData& c) {
         const ImpulseDynamicsDerivatives r = computeImpulseDynamicsDerivatives(x, d, at, w, restitution, c);
-        return py::make_tuple(Matrix(r.v_after_dq), Matrix(r.v_after_dv), Matrix(r.impulse_dq), Matrix(r.impulse_dv));
+        return std::make_tuple(Matrix(r.v_after_dq), Matrix(r.v_after_dv), Matrix(r.impulse_dq), Matrix(r.impulse_dv));
       },
-      model, data, q, v, py::arg("restitution"), constraints, "Returns the derivatives of velocities after an impact, then of impulses, by q and v.");
+      model, data, q, v, py::arg("restitution"), constraints,
+      "Returns the derivatives of velocities after an impact (nv, nv), then of impulses (rows, nv), by q and v.");
 }
 
 }  // namespace dyn::python

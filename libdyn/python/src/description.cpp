@@ -69,7 +69,10 @@ int bodyOf(const Model& model, const std::variant<int, std::string>& body) {
 }
 
 void addDescription(py::module_& m) {
-  py::class_<JointDescription> joint(m, "JointDescription", "A joint by type name and parameters.");
+  py::class_<JointDescription> joint(m, "JointDescription",
+                                     "A joint by type name and parameters.\n\n"
+                                     "parameters: numbers, lists of numbers, texts or lists of joints, by name, as the type defines them.\n"
+                                     "placement: the pose of the joint at its zero in the parent body's frame.");
   joint
       .def(py::init([](const std::string& name, const std::string& type, const GivenParameters& parameters, const SE3<double>& placement) {
              JointDescription j;
@@ -87,11 +90,14 @@ void addDescription(py::module_& m) {
           [](JointDescription& j, const GivenParameters& given) { j.parameters = parametersOf(given); }, "By name, as the type defines them.")
       .def_readwrite("placement", &JointDescription::placement, "The pose of the joint at its zero in the parent body's frame.");
   numbersProperty(
-      joint, "damping", [](JointDescription& j) -> auto& { return j.damping; }, "Viscous [N m s/rad or N s/m].");
+      joint, "damping", [](JointDescription& j) -> auto& { return j.damping; },
+      "Viscous damping [N m s/rad or N s/m], one number for each degree of freedom; one number stands for a list of one.");
   numbersProperty(
-      joint, "friction", [](JointDescription& j) -> auto& { return j.friction; }, "Coulomb [N m or N].");
+      joint, "friction", [](JointDescription& j) -> auto& { return j.friction; },
+      "Coulomb friction [N m or N], one number for each degree of freedom.");
   numbersProperty(
-      joint, "armature", [](JointDescription& j) -> auto& { return j.armature; }, "Rotor inertia [kg m^2 or kg].");
+      joint, "armature", [](JointDescription& j) -> auto& { return j.armature; },
+      "Rotor inertia [kg m^2 or kg], one number for each degree of freedom.");
   numbersProperty(
       joint, "lower", [](JointDescription& j) -> auto& { return j.limits.lower; }, "The lowest position [rad or m]; empty: none.");
   numbersProperty(
@@ -109,20 +115,20 @@ void addDescription(py::module_& m) {
       "Makes the joint depend on another: its coordinate becomes a function of the master's.");
 
   py::class_<BodyDescription>(m, "BodyDescription", "A body and the joint that carries it.")
-      .def_readwrite("name", &BodyDescription::name)
+      .def_readwrite("name", &BodyDescription::name, "Unique among the model's bodies.")
       .def_readwrite("parent", &BodyDescription::parent, "The index of the parent body; 0 is the world.")
-      .def_readwrite("joint", &BodyDescription::joint)
-      .def_readwrite("inertia", &BodyDescription::inertia, "In the body's frame.");
+      .def_readwrite("joint", &BodyDescription::joint, "The joint between the parent body and this one.")
+      .def_readwrite("inertia", &BodyDescription::inertia, "The inertia in the body's frame.");
   py::class_<FrameDescription>(m, "FrameDescription", "A named frame that is fixed to a body.")
-      .def_readwrite("name", &FrameDescription::name)
-      .def_readwrite("body", &FrameDescription::body)
+      .def_readwrite("name", &FrameDescription::name, "Unique among the model's frames.")
+      .def_readwrite("body", &FrameDescription::body, "The index of the body to which the frame is fixed; 0 is the world.")
       .def_readwrite("placement", &FrameDescription::placement, "The pose in the body's frame.");
   py::bind_vector<std::vector<BodyDescription>>(m, "BodyList", "A list of bodies.");
   py::bind_vector<std::vector<FrameDescription>>(m, "FrameList", "A list of frames.");
 
   py::class_<Model>(m, "Model", "The description of a robot, which compile() turns into a CompactModel. Body 0 is the world.")
       .def(py::init<>())
-      .def_readwrite("name", &Model::name)
+      .def_readwrite("name", &Model::name, "The name of the robot.")
       .def_property(
           "gravity",
           [](const Model& x) {
@@ -131,7 +137,7 @@ void addDescription(py::module_& m) {
           [](Model& x, const std::array<double, 3>& g) {
             x.gravity = {g[0], g[1], g[2]};
           },
-          "In the world [m/s^2].")
+          "The acceleration of free fall (3,) [m/s^2], in the world.")
       .def_readonly("bodies", &Model::bodies, "The world and all bodies.")
       .def_readonly("frames", &Model::frames, "Frames in addition to that of each body.")
       .def_readonly("notes", &Model::notes, "What a parser ignored or found odd.")

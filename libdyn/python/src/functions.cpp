@@ -144,7 +144,8 @@ PyObject* callSingle(const Function& f, const CompactModel& model, PyObject* con
       if (!writeTo(PyTuple_GET_ITEM(slots[out], k), name, x.data(), x.rows(), x.cols())) return nullptr;
     }
   }
-  return Py_NewRef(slots[out]);
+  Py_INCREF(slots[out]);
+  return slots[out];
 }
 
 template <class T>
@@ -270,7 +271,7 @@ PyTypeObject* tupleOf(const Function& f) {
   auto& mine = fields.emplace_back();
   for (std::size_t k = 0; k < static_cast<std::size_t>(f.outputs); ++k) mine[k] = {f.algorithm->outputs[k].symbol, nullptr};
   const std::string& name = names.emplace_back("libdyn." + f.name + "_result");
-  PyStructSequence_Desc description{name.c_str(), "Results by name.", mine.data(), f.outputs};
+  PyStructSequence_Desc description{name.c_str(), "Results by name: a tuple of arrays.", mine.data(), f.outputs};
   return PyStructSequence_NewType(&description);
 }
 
@@ -301,6 +302,7 @@ void addFunctions(py::module_& m) {
     const auto function = py::reinterpret_steal<py::object>(PyCFunction_NewEx(&f.definition, self.ptr(), m.attr("__name__").ptr()));
     if (!function || (f.outputs > 1 && f.results == nullptr)) throw py::error_already_set();
     m.add_object(f.name.c_str(), function);
+    if (f.outputs > 1) m.add_object((f.name + "_result").c_str(), py::handle(reinterpret_cast<PyObject*>(f.results)));
   }
 }
 

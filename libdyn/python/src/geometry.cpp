@@ -78,7 +78,7 @@ void addGeometry(py::module_& m) {
             for (const CollisionPair& x : g.pairs()) pairs.emplace_back(x.a, x.b);
             return pairs;
           },
-          "Pairs of indices of geometries.")
+          "The pairs to check, as indices of volumes.")
       .def_property_readonly(
           "report", [](const GeometryModel& g) { return g.report().lines; }, "What was kept and left out, and why.");
   m.def(
@@ -121,20 +121,20 @@ void addGeometry(py::module_& m) {
       geometry, geometry_data, py::arg("volume"), "Returns the pose of a volume (its name or index) in the world.");
   py::class_<Distance>(m, "Distance", "The distance of a pair a, b: nearest_b - nearest_a = distance * normal, in the world.")
       .def_readonly("pair", &Distance::pair, "The index in GeometryModel.pairs; -1: there is no pair.")
-      .def_readonly("distance", &Distance::distance, "[m]; negative if the two overlap.")
+      .def_readonly("distance", &Distance::distance, "The distance [m]; negative if the two overlap.")
       .def_property_readonly(
-          "normal", [](const Distance& x) { return toEigen(x.normal); }, "From a towards b.")
+          "normal", [](const Distance& x) { return toEigen(x.normal); }, "The unit vector from a towards b (3,).")
       .def_property_readonly(
-          "nearest_a", [](const Distance& x) { return toEigen(x.nearest_a); }, "[m]")
+          "nearest_a", [](const Distance& x) { return toEigen(x.nearest_a); }, "The nearest point of a (3,) [m].")
       .def_property_readonly(
-          "nearest_b", [](const Distance& x) { return toEigen(x.nearest_b); }, "[m]");
+          "nearest_b", [](const Distance& x) { return toEigen(x.nearest_b); }, "The nearest point of b (3,) [m].");
   py::class_<Contact>(m, "Contact", "A contact of a pair a, b, in the world.")
-      .def_readonly("pair", &Contact::pair)
+      .def_readonly("pair", &Contact::pair, "The index in GeometryModel.pairs.")
       .def_property_readonly(
-          "position", [](const Contact& x) { return toEigen(x.position); }, "[m] Midpoint between the two surfaces.")
+          "position", [](const Contact& x) { return toEigen(x.position); }, "The midpoint between the two surfaces (3,) [m].")
       .def_property_readonly(
-          "normal", [](const Contact& x) { return toEigen(x.normal); }, "From a towards b.")
-      .def_readonly("depth", &Contact::depth, "[m] by which they overlap.");
+          "normal", [](const Contact& x) { return toEigen(x.normal); }, "The unit vector from a towards b (3,).")
+      .def_readonly("depth", &Contact::depth, "The depth [m] by which they overlap.");
   m.def("compute_distance", &computeDistance, geometry, geometry_data, pair, "Returns the distance of one pair.");
   m.def("compute_distances", &computeDistances, geometry, geometry_data, "Returns the distances of all pairs.");
   m.def("compute_minimum_distance", &computeMinimumDistance, geometry, geometry_data, "Returns the smallest distance of all pairs.");

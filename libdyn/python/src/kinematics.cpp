@@ -81,7 +81,7 @@ void addKinematics(py::module_& m) {
   };
   jacobian(
       "compute_joint_jacobian", [](auto& x, auto& d, auto& at, int i, auto r, auto& J) { computeJointJacobian(x, d, at, i, r, J); }, &jointOf, joint,
-      "Returns the Jacobian of a joint, (6, nv), linear part first.");
+      "Returns the Jacobian of a joint (6, nv) in `reference`, linear part first.");
   jacobian(
       "compute_frame_jacobian", [](auto& x, auto& d, auto& at, int i, auto r, auto& J) { computeFrameJacobian(x, d, at, i, r, J); }, &frameOf, frame,
       "Returns the Jacobian of a frame, (6, nv), linear part first.");
@@ -112,19 +112,19 @@ void addKinematics(py::module_& m) {
   variation(
       "compute_joint_jacobian_time_variation",
       [](auto& x, auto& d, auto& at, auto& along, int i, auto r, auto& J) { computeJointJacobianTimeVariation(x, d, at, along, i, r, J); }, &jointOf,
-      joint, "Returns the rate of the Jacobian of a joint along v, (6, nv).");
+      joint, "Returns the rate of the Jacobian of a joint along v, (6, nv) in `reference`.");
   variation(
       "compute_frame_jacobian_time_variation",
       [](auto& x, auto& d, auto& at, auto& along, int i, auto r, auto& J) { computeFrameJacobianTimeVariation(x, d, at, along, i, r, J); }, &frameOf,
-      frame, "Returns the rate of the Jacobian of a frame along v, (6, nv).");
+      frame, "Returns the rate of the Jacobian of a frame along v, (6, nv) in `reference`.");
 
   py::class_<CenterOfMass>(m, "CenterOfMass", "The centre of mass and its motion, in world axes.")
       .def_property_readonly(
-          "position", [](const CenterOfMass& c) { return toEigen(c.position); }, "[m]")
+          "position", [](const CenterOfMass& c) { return toEigen(c.position); }, "The position (3,) [m].")
       .def_property_readonly(
-          "velocity", [](const CenterOfMass& c) { return toEigen(c.velocity); }, "[m/s]; zero unless v was given")
+          "velocity", [](const CenterOfMass& c) { return toEigen(c.velocity); }, "The velocity (3,) [m/s]; zero unless v was given.")
       .def_property_readonly(
-          "acceleration", [](const CenterOfMass& c) { return toEigen(c.acceleration); }, "[m/s^2]; zero unless a was given");
+          "acceleration", [](const CenterOfMass& c) { return toEigen(c.acceleration); }, "The acceleration (3,) [m/s^2]; zero unless a was given.");
   m.def("center_of_mass", &centre, model, data, q, py::arg("v") = py::none(), py::arg("a") = py::none(),
         "Returns the centre of mass; with v its velocity, too; with a also its acceleration.");
   m.def(

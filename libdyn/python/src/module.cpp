@@ -8,6 +8,7 @@
 #include <numpy/arrayobject.h>
 
 #include <new>
+#include <string>
 
 namespace dyn::python {
 
@@ -27,6 +28,15 @@ void raise(const Error& e) {
   } catch (py::error_already_set& problem) {
     problem.restore();
   }
+}
+
+/// Throws ImportError if the process has another library. The loader takes a libdyn.so that the process has already, or that LD_LIBRARY_PATH names,
+/// for the module's own.
+void checkLibrary() {
+  const std::string library = version().number;
+  if (library != DYN_VERSION)
+    throw py::import_error("the module libdyn is of version " DYN_VERSION ", but this process uses the library libdyn of version " + library +
+                           "; remove the other library from LD_LIBRARY_PATH, or build the module again");
 }
 
 }  // namespace
@@ -63,10 +73,14 @@ PyObject* fail() {
 }
 
 void addErrors(py::module_& m) {
+  // An error that a Python program makes has these values, and stubs have their types.
+  py::dict attributes;
+  for (const char* name : {"code", "file", "joint"}) attributes[name] = "";
+  attributes["line"] = 0;
   error_type = PyErr_NewExceptionWithDoc("libdyn.Error",
                                          "What libdyn reports: the message says what was wrong, where, and what to do.\n\n"
                                          "Attributes: code (such as 'size' or 'model'), file, line (0: unknown), joint.",
-                                         PyExc_ValueError, nullptr);
+                                         PyExc_ValueError, attributes.ptr());
   if (error_type == nullptr) throw py::error_already_set();
   model_warning = PyErr_NewExceptionWithDoc("libdyn.ModelWarning", "What is legal in a model and likely to be a mistake. compile() gives it.",
                                             PyExc_UserWarning, nullptr);
@@ -98,9 +112,13 @@ void addVersion(py::module_& m) {
 
 }  // namespace dyn::python
 
+// pybind11 waits for ever in a subinterpreter (get_internals()), so that PyInit__core, below, looks for one before pybind11's own function runs.
+#define PyInit__core dyn_python_initialize
 PYBIND11_MODULE(_core, m) {
-  if (_import_array() < 0) throw pybind11::error_already_set();
+  m.doc() = "The compiled part of libdyn. Programs import libdyn.";
   using namespace dyn::python;
+  checkLibrary();
+  if (_import_array() < 0) throw pybind11::error_already_set();
   addErrors(m);
   addSpatial(m);
   addLie(m);
@@ -131,4 +149,12 @@ PYBIND11_MODULE(_core, m) {
   addGraphs(m);
   addCodegen(m);
   addVersion(m);
+}
+#undef PyInit__core
+
+extern "C" PYBIND11_EXPORT PyObject* PyInit__core() {
+  if (PyInterpreterState_Get() == PyInterpreterState_Main()) return dyn_python_initialize();
+  PyErr_SetString(PyExc_ImportError,
+                  "a subinterpreter cannot import libdyn, because its classes belong to the main interpreter; use a thread or a process");
+  return nullptr;
 }

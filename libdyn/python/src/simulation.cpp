@@ -14,6 +14,10 @@ namespace dyn::python {
 namespace {
 
 using Vector = Eigen::Ref<const Eigen::VectorXd>;
+using Controller = Typed<py::function, "Callable[[float, NDArray[float64], NDArray[float64]], ArrayLike]">;
+using EventFunction = Typed<py::function, "Callable[[float, NDArray[float64], NDArray[float64]], float]">;
+using Observer = Typed<py::function, "Callable[[float, NDArray[float64], NDArray[float64]], object]">;
+using Statistics = Typed<py::dict, "dict[str, int]">;
 
 /// Returns the times at which advance() looks whether the user has interrupted it: not more often than every 256 steps, and not too many.
 std::vector<double> interruptible(double from, double until, double dt) {
@@ -63,7 +67,7 @@ void setForces(Simulation& s, const MaybeFunction& forces) {
   s.python_forces = forces.has_value();
 }
 
-void setEvents(Simulation& s, const std::vector<std::tuple<std::string, py::function, std::string>>& events) {
+void setEvents(Simulation& s, const std::vector<std::tuple<std::string, EventFunction, std::string>>& events) {
   std::vector<Event> all;
   for (const auto& [name, function, direction] : events) {
     using Direction = Event::Direction;

@@ -12,6 +12,10 @@
 #include <pybind11/eigen.h>
 #include <pybind11/numpy.h>
 #include <pybind11/operators.h>
+#include <pybind11/stl.h>
+
+#include <cmath>
+#include <optional>
 
 namespace dyn::python {
 
@@ -24,7 +28,7 @@ using Six = Eigen::Matrix<double, 6, 1>;
 Sym3<double> sym3(const Matrix3& A) { return {A(0, 0), A(0, 1), A(0, 2), A(1, 1), A(1, 2), A(2, 2)}; }
 
 /// Returns an array that views numbers of `owner`, which it keeps alive.
-py::array view(const py::object& owner, double* first, std::vector<py::ssize_t> shape) {
+py::array_t<double> view(const py::object& owner, double* first, std::vector<py::ssize_t> shape) {
   std::vector<py::ssize_t> strides = shape.size() == 1 ? std::vector<py::ssize_t>{8} : std::vector<py::ssize_t>{8 * shape[1], 8};
   return py::array_t<double>(std::move(shape), std::move(strides), first, owner);
 }
@@ -75,7 +79,7 @@ void addPair(py::module_& m, const char* name, const char* doc, const char* line
   vectorProperty(c, "linear", &T::linear, linear);
   vectorProperty(c, "angular", &T::angular, angular);
   c.def_property_readonly(
-      "vector", [](const T& x) { return toEigen(x); }, "The six numbers, linear part first, as a new array.");
+      "vector", [](const T& x) { return toEigen(x); }, "The six numbers (6,), linear part first, as a new array.");
   c.def(py::self + py::self).def(py::self - py::self).def(double() * py::self).def(py::self += py::self).def(py::self -= py::self);
   c.def(
       "__mul__", [](const T& x, double s) { return s * x; }, py::is_operator());
@@ -92,11 +96,15 @@ void addPair(py::module_& m, const char* name, const char* doc, const char* line
 }  // namespace
 
 void addSpatial(py::module_& m) {
-  addPair<Motion<double>>(m, "Motion", "A spatial velocity or acceleration, linear part first.", "Of the point at the frame's origin [m/s or m/s^2].",
-                          "[rad/s or rad/s^2]");
-  addPair<Force<double>>(m, "Force", "A spatial force, force first and moment second.", "The force [N].",
-                         "The moment about the frame's origin [N m].");
+  addPair<Motion<double>>(m, "Motion", "A spatial velocity or acceleration, linear part first.",
+                          "The part of the point at the frame's origin (3,) [m/s or m/s^2], as a view.",
+                          "The rotation's part (3,) [rad/s or rad/s^2], as a view.");
+  addPair<Force<double>>(m, "Force", "A spatial force, force first and moment second.", "The force (3,) [N], as a view.",
+                         "The moment about the frame's origin (3,) [N m], as a view.");
 
+  // All classes are there before functions whose signatures name them.
+  using X = SE3<double>;
+  py::class_<X> pose(m, "SE3", "The pose aMb of frame b in frame a: x_a = R x_b + p.");
   using Y = Inertia<double>;
   py::class_<Y> inertia(m, "Inertia", "The inertia of a rigid body, in the body's frame.");
   const auto inertia_parts = [](const Y& y) { return py::make_tuple(y.mass, toEigen(y.com), toEigen(y.rotational)); };
@@ -107,22 +115,20 @@ void addSpatial(py::module_& m) {
              return Y{mass, fromEigen3(com), sym3(rotational)};
            }),
            py::arg("mass") = 0.0, py::arg("com") = Vector3::Zero().eval(), py::arg("rotational") = Matrix3::Zero().eval())
-      .def_readwrite("mass", &Y::mass, "[kg]")
+      .def_readwrite("mass", &Y::mass, "The mass [kg].")
       .def_property(
           "rotational", [](const Y& y) { return toEigen(y.rotational); }, [](Y& y, const Matrix3& A) { y.rotational = sym3(A); },
           "The rotational inertia about the centre of mass [kg m^2], as a new array (3, 3).")
       .def_property_readonly(
-          "matrix", [](const Y& y) { return toEigen(y); }, "The 6 x 6 matrix that maps a motion to a momentum, as a new array.")
+          "matrix", [](const Y& y) { return toEigen(y); }, "The matrix (6, 6) that maps a motion to a momentum, as a new array.")
       .def("transformed", &Y::transformed, py::arg("aMb"), "Returns the same inertia in frame a.")
       .def(py::self + py::self)
       .def(
           "__matmul__", [](const Y& y, const Motion<double>& v) { return y * v; }, py::is_operator());
-  vectorProperty(inertia, "com", &Y::com, "The centre of mass [m].");
+  vectorProperty(inertia, "com", &Y::com, "The centre of mass (3,) [m], as a view.");
   copies(inertia, inertia_parts);
   printed(inertia, inertia_parts);
 
-  using X = SE3<double>;
-  py::class_<X> pose(m, "SE3", "The pose aMb of frame b in frame a: x_a = R x_b + p.");
   const auto pose_parts = [](const X& x) { return py::make_tuple(toEigen(x.R), toEigen(x.p)); };
   const auto of = [](const Matrix3& R, const Vector3& p) {
     if (!(R.transpose() * R).isIdentity(1e-9) || !(R.determinant() > 0)) throw Error(ErrorCode::argument, "SE3: R is not a rotation");
@@ -135,13 +141,21 @@ void addSpatial(py::module_& m) {
           [](double x, double y, double z) {
             return X{Mat3<double>::identity(), {x, y, z}};
           },
-          py::arg("x"), py::arg("y"), py::arg("z"), "Returns a pose without rotation.")
+          py::arg("x"), py::arg("y"), py::arg("z"), "Returns a pose without rotation; x, y and z in [m].")
       .def_static(
           "rotation",
-          [](const Vector3& w) {
+          [](const Vector3& vector, const std::optional<double>& angle) {
+            Vector3 w = vector;
+            if (angle) {
+              const double length = vector.stableNorm();
+              if (!(length > 0) || !std::isfinite(length))
+                throw Error(ErrorCode::argument, "SE3.rotation: the axis must be finite and other than zero");
+              w *= *angle / length;
+            }
             return X{exp6(Motion<double>{{}, fromEigen3(w)}).R, {}};
           },
-          py::arg("vector"), "Returns a rotation by |vector| [rad] about the vector.")
+          py::arg("vector"), py::arg("angle") = py::none(),
+          "Returns a rotation by |vector| [rad] about the vector (3,), or by `angle` [rad] about it.")
       .def_static(
           "exp", [](const Motion<double>& v) { return exp6(v); }, py::arg("motion"), "Returns the pose after unit time of a constant motion.")
       .def(
@@ -151,11 +165,11 @@ void addSpatial(py::module_& m) {
           [](const py::object& self) {
             return view(self, py::cast<X&>(self).R.m, {3, 3});
           },
-          "The rotation; its columns are b's axes in a.")
+          "The rotation (3, 3), as a view; its columns are b's axes in a.")
       .def_property_readonly(
-          "homogeneous", [](const X& x) { return toEigen(x); }, "The 4 x 4 matrix [[R, p], [0, 1]], as a new array.")
+          "homogeneous", [](const X& x) { return toEigen(x); }, "The matrix [[R, p], [0, 1]] (4, 4), as a new array.")
       .def_property_readonly(
-          "action", [](const X& x) { return actionMatrix6(x); }, "The 6 x 6 matrix that maps motions from b to a.")
+          "action", [](const X& x) { return actionMatrix6(x); }, "The matrix (6, 6) that maps motions from b to a, as a new array.")
       .def("inverse", &X::inverse, "Returns bMa.")
       .def(
           "act", [](const X& x, const Motion<double>& v) { return x.act(v); }, py::arg("x"), "Maps a motion, force, inertia or point from b to a.")
@@ -188,7 +202,7 @@ void addSpatial(py::module_& m) {
           "__matmul__", [](const X& a, const Vector3& p) { return toEigen(a.act(fromEigen3(p))); }, py::is_operator())
       .def(
           "__eq__", [](const X& a, const X& b) { return toEigen(a) == toEigen(b); }, py::is_operator());
-  vectorProperty(pose, "p", &X::p, "The origin of b in a [m].");
+  vectorProperty(pose, "p", &X::p, "The origin of b in a (3,) [m], as a view.");
   copies(pose, pose_parts);
   printed(pose, pose_parts);
 }
