@@ -77,6 +77,8 @@ PYBIND11_MODULE(_core, m) {
   using namespace dyn::python;
   addErrors(m);
   addSpatial(m);
+  addLie(m);
+  addInertialParameters(m);
   addDescription(m);
   addFiles(m);
   addJointTypes(m);

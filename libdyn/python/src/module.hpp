@@ -10,6 +10,8 @@ namespace py = pybind11;
 
 void addErrors(py::module_& m);
 void addSpatial(py::module_& m);
+void addLie(py::module_& m);
+void addInertialParameters(py::module_& m);
 void addDescription(py::module_& m);
 void addFiles(py::module_& m);
 void addJointTypes(py::module_& m);
