@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Arguments that are arrays, and Eigen's comparison of two arrays."""
+
+import numpy as np
+
+PRECISION = 1e-12
+
+
+def array(x, shape, name):
+    """Returns x as an array of float64 of this shape. Vectors may be columns or rows. Raises ValueError or TypeError that names the argument."""
+    try:
+        out = np.asarray(x, dtype=float)
+    except (TypeError, ValueError):
+        raise TypeError(f"{name} must be numbers of shape {shape}, not {type(x).__name__}") from None
+    if out.shape != shape and len(shape) == 1 and out.ndim == 2 and out.shape in ((shape[0], 1), (1, shape[0])):
+        out = out.reshape(shape)
+    if out.shape != shape:
+        raise ValueError(f"{name} has shape {out.shape}; it must have {shape}")
+    return out
+
+
+def close(a, b, prec=PRECISION):
+    """Returns whether the norm of a - b is at most prec times the smaller norm of the two."""
+    return bool(np.linalg.norm(a - b) <= prec * min(np.linalg.norm(a), np.linalg.norm(b)))
+
+
+def small(a, prec=PRECISION):
+    """Returns whether no entry is larger than prec."""
+    return bool(np.all(np.abs(a) <= prec))
+
+
+def rows(matrix):
+    """Returns the numbers of a matrix as text, a row a line."""
+    return "\n".join(" ".join(f"{x:12.6g}" for x in row) for row in matrix.tolist())
+
+
+def line(vector):
+    """Returns the numbers of a vector as text."""
+    return " ".join(f"{x:.6g}" for x in vector.tolist())
