@@ -50,9 +50,10 @@ def files_of(folder):
     """Returns the files of the wheel, by their names there."""
     files = {}
     suffix = sysconfig.get_config_var("EXT_SUFFIX")
-    for path in (folder / "python" / "libdyn").iterdir():
+    package = folder / "python" / "libdyn"
+    for path in package.rglob("*"):
         if path.suffix in (".py", ".pyi", ".typed") or path.name == f"_core{suffix}":
-            files[f"libdyn/{path.name}"] = path
+            files[f"libdyn/{path.relative_to(package)}"] = path
     # Programs ask for libraries by the name with the interface's number. Wheels have no links.
     for name in ("libdyn", "libdyn_geometry", "libdyn_parsers"):
         (path,) = (folder / "lib").glob(f"{name}.so.?")

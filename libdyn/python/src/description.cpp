@@ -122,6 +122,13 @@ void addDescription(py::module_& m) {
       },
       py::arg("master"), py::arg("type") = "mimic", py::arg("parameters") = GivenParameters(),
       "Makes the joint depend on another: its coordinate becomes a function of the master's.");
+  joint.def_property_readonly(
+      "coupling",
+      [](const JointDescription& j) -> py::object {
+        if (j.coupling.type.empty()) return py::none();
+        return py::make_tuple(j.coupling.type, j.coupling.master, j.coupling.parameters);
+      },
+      "A tuple (type, master, parameters) if the joint depends on another; else None.");
 
   py::class_<BodyDescription>(m, "BodyDescription", "A body and the joint that carries it.")
       .def_readwrite("name", &BodyDescription::name)

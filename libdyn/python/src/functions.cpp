@@ -7,6 +7,7 @@
 
 #include <dyn/algorithm/aba.hpp>
 #include <dyn/algorithm/compute.hpp>
+#include <dyn/algorithm/derivatives.hpp>
 #include <dyn/algorithm/rnea.hpp>
 
 #include <structseq.h>
@@ -103,6 +104,27 @@ bool readForces(const Function& f, PyObject* object, ExternalForces& forces) {
   return true;
 }
 
+/// Returns what an algorithm that takes external forces computes.
+detail::AlgorithmViews withForces(Algorithm algorithm, const CompactModel& model, Data& data, const VectorInput* inputs, const ExternalForces& fext) {
+  const VectorView x = inputs[0].view(), y = inputs[1].view(), z = inputs[2].view();
+  switch (algorithm) {
+    case Algorithm::static_torque:
+      return detail::staticTorque(model, data, x, fext.data(), fext.size());
+    case Algorithm::aba:
+      return detail::aba(model, data, x, y, z, fext.data(), fext.size());
+    case Algorithm::rnea_derivatives: {
+      const detail::DerivativeViews d = detail::rneaDerivatives(model, data, x, &y, &z, fext.data(), fext.size());
+      return {d.by_q, d.by_v, d.inertia};
+    }
+    case Algorithm::aba_derivatives: {
+      const detail::DerivativeViews d = detail::abaDerivatives(model, data, x, y, z, fext.data(), fext.size());
+      return {d.by_q, d.by_v, d.inertia, d.ddq};
+    }
+    default:
+      return detail::rnea(model, data, x, y, z, fext.data(), fext.size());
+  }
+}
+
 PyObject* callSingle(const Function& f, const CompactModel& model, PyObject* const* slots) {
   const char* const name = f.name.c_str();
   Data* const data = pointerTo<Data>(slots[Slot::data], name, "data");
@@ -115,10 +137,7 @@ PyObject* callSingle(const Function& f, const CompactModel& model, PyObject* con
   if (slots[fext] != nullptr) {
     ExternalForces forces;
     if (!readForces(f, slots[fext], forces)) return nullptr;
-    const auto apply = algorithm == Algorithm::aba ? &detail::aba : &detail::rnea;
-    views = algorithm == Algorithm::static_torque
-                ? detail::staticTorque(model, *data, vectors[0].view(), forces.data(), forces.size())
-                : apply(model, *data, vectors[0].view(), vectors[1].view(), vectors[2].view(), forces.data(), forces.size());
+    views = withForces(algorithm, model, *data, vectors, forces);
   } else {
     views = detail::runAlgorithm(model, *data, algorithm, vectors[0].view(), vectors[1].view(), vectors[2].view());
   }
@@ -291,7 +310,8 @@ void addFunctions(py::module_& m) {
       f.names[slot] = algorithm.inputs[k];
       f.positional[static_cast<std::size_t>(f.required++)] = slot;
     }
-    if (algorithm.algorithm == Algorithm::rnea || algorithm.algorithm == Algorithm::aba) f.names[fext] = "fext";
+    constexpr Algorithms with_forces = Algorithm::rnea | Algorithms::aba | Algorithms::rnea_derivatives | Algorithms::aba_derivatives;
+    if (has(with_forces, algorithm.algorithm)) f.names[fext] = "fext";
     while (f.outputs < 4 && algorithm.outputs[static_cast<std::size_t>(f.outputs)].symbol != nullptr) ++f.outputs;
     for (std::size_t k = 0; k < slot_count; ++k)
       if (f.names[k] != nullptr) f.keywords[k] = PyUnicode_InternFromString(f.names[k]);

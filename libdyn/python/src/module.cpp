@@ -88,6 +88,7 @@ PYBIND11_MODULE(_core, m) {
   addKinematics(m);
   addFunctions(m);
   addConstraints(m);
+  addFrameConstraint(m);
   addGeometry(m);
   addDerivatives(m);
   addSimulation(m);

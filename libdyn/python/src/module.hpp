@@ -21,6 +21,7 @@ void addConfiguration(py::module_& m);
 void addKinematics(py::module_& m);
 void addFunctions(py::module_& m);
 void addConstraints(py::module_& m);
+void addFrameConstraint(py::module_& m);
 void addGeometry(py::module_& m);
 void addDerivatives(py::module_& m);
 void addSimulation(py::module_& m);
