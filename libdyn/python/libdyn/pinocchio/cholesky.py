@@ -1,0 +1,27 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Factors M = U D U^T of the mass matrix of the last crba."""
+import numpy as np
+
+import libdyn as dyn
+
+
+def decompose(model, data):
+    """Computes the factors; returns U (nv, nv), which data.U gives, too, beside data.D (nv,)."""
+    c = model.compiled()
+    dyn.cholesky.decompose(c.model, data.use(c, "decompose"))
+    for name in ("U", "D"):
+        data.__dict__.pop(name, None)
+    return data.U
+
+
+def solve(model, data, v):
+    """Returns M^-1 v, for a vector or the columns of a matrix. Call decompose first."""
+    c = model.compiled()
+    given = np.asarray(v, dtype=float)
+    return c.rows_out(dyn.cholesky.solve(c.model, data.use(c, "solve"), c.rows_in(given)))
+
+
+def computeMinv(model, data):
+    """Returns M^-1 (nv, nv); also data.Minv. Call decompose first."""
+    data.Minv = solve(model, data, np.eye(model.nv))
+    return data.Minv

@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Names of Pinocchio's module that are not here, and libdyn's own way to do the same."""
+
+_WAYS = {
+    "buildModelFromMJCF": "libdyn reads URDF files only; convert the file, or build the model with addJoint",
+    "buildModelFromSdf": "libdyn reads URDF files only; convert the file, or build the model with addJoint",
+    "buildGeomFromMJCF": "libdyn reads URDF files only",
+    "buildGeomFromSdf": "libdyn reads URDF files only",
+    "contactInverseDynamics": "libdyn solves contacts with friction forward in time: libdyn.Simulator, or contactStep in C++",
+    "computeContactImpulses": "libdyn.Simulator computes contact impulses with friction",
+    "CoulombFrictionCone": "libdyn.Simulator takes the friction coefficient of contacts: libdyn.geometry_contacts(friction=...)",
+    "ADMMContactSolver": "libdyn.Simulator solves contacts with friction",
+    "PGSContactSolver": "libdyn.Simulator solves contacts with friction",
+    "ContactCholeskyDecomposition": "constraintDynamics needs no such factors; libdyn computes the Delassus matrix in C++ (DelassusOperator)",
+    "computeDelassusMatrix": "libdyn has computeDelassusMatrix in C++",
+    "computeRNEASecondOrderDerivatives": "use libdyn.compute_rnea_second_order_derivatives",
+    "getJointKinematicHessian": "libdyn has no kinematic Hessians; differences of Jacobians are exact to about 8 digits",
+    "computeJointKinematicHessians": "libdyn has no kinematic Hessians; differences of Jacobians are exact to about 8 digits",
+    "getKinematicHessian": "libdyn has no kinematic Hessians; differences of Jacobians are exact to about 8 digits",
+    "computeSupportedInertiaByFrame": "add model.inertias of the joints in model.subtrees",
+    "computeSupportedForceByFrame": "data.f has the forces that joints transmit",
+    "ModelPool": "use libdyn.BatchData, which computes many states in threads",
+    "GeometryPool": "use libdyn.BatchData",
+    "rneaInParallel": "use libdyn.rnea with a libdyn.BatchData, which computes many states in threads",
+    "abaInParallel": "use libdyn.aba with a libdyn.BatchData, which computes many states in threads",
+    "reachableWorkspace": "libdyn has no workspaces; sample randomConfiguration",
+    "reachableWorkspaceHull": "libdyn has no workspaces; sample randomConfiguration",
+    "casadi": "libdyn writes CasADi functions: dyn codegen --casadi",
+    "cppad": "libdyn has analytical derivatives, and expression graphs in C++ (dyn/codegen)",
+    "cppadcg": "libdyn generates code: dyn codegen",
+    "mpfr": "libdyn computes in double precision, and batches also in float",
+}
+
+
+class Missing(NotImplementedError, AttributeError):
+    """A name of Pinocchio's module that is not here. hasattr() is false for it."""
+
+
+def find(name):
+    """Raises Missing with libdyn's way for a name of Pinocchio; AttributeError for any other name."""
+    if name in _WAYS:
+        raise Missing(f"libdyn.pinocchio has no {name}: {_WAYS[name]}")
+    raise AttributeError(f"module 'libdyn.pinocchio' has no attribute '{name}'")
