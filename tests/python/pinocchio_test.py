@@ -1,0 +1,361 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Models, data and algorithms under Pinocchio's names: results agree with libdyn's own functions, with differences, and with each other."""
+import pathlib
+import pickle
+import unittest
+
+import numpy as np
+
+import libdyn as dyn
+import libdyn.pinocchio as pin
+
+BIPED = pathlib.Path(__file__).parents[2] / "models" / "biped.urdf"
+
+
+def scrambled():
+    """Returns a tree whose joints are not numbered depth first, with joints of many types, and armature."""
+    pin.seed(3)
+    model = pin.Model()
+    root = model.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "root")
+    composite = pin.JointModelComposite(pin.JointModelRX()).addJoint(pin.JointModelPZ(), pin.SE3.Random()).addJoint(pin.JointModelSphericalZYX())
+    left = model.addJoint(root, pin.JointModelRevoluteUnaligned(1, 2, 3), pin.SE3.Random(), "left")
+    right = model.addJoint(root, composite, pin.SE3.Random(), "right")
+    hand = model.addJoint(left, pin.JointModelRUBY(), pin.SE3.Random(), "hand")
+    foot = model.addJoint(right, pin.JointModelSpherical(), pin.SE3.Random(), "foot")
+    slider = model.addJoint(hand, pin.JointModelPX(), pin.SE3.Random(), "slider")
+    for i in (root, left, right, hand, foot, slider):
+        model.addJointFrame(i)
+        model.appendBodyToJoint(i, pin.Inertia.Random(), pin.SE3.Random())
+    model.addFrame(pin.Frame("tool", slider, 0, pin.SE3.Random(), pin.OP_FRAME))
+    model.armature = 0.1 * np.arange(1.0, model.nv + 1)
+    return model
+
+
+def state_of(model):
+    """Returns a configuration, a velocity and an acceleration."""
+    random = np.random.default_rng(5)
+    q = pin.randomConfiguration(model, -np.ones(model.nq), np.ones(model.nq))
+    return (q, *random.normal(size=(2, model.nv)))
+
+
+class Models(unittest.TestCase):
+    def test_joints_keep_the_order_in_which_they_are_added(self):
+        model = scrambled()
+        self.assertEqual(model.names, ["universe", "root", "left", "right", "hand", "foot", "slider"])
+        self.assertEqual(model.idx_qs, [0, 0, 7, 8, 13, 15, 19])
+        self.assertEqual(model.idx_vs, [0, 0, 6, 7, 12, 13, 16])
+        self.assertEqual(model.subtrees[2], [2, 4, 6])
+        self.assertEqual(model.supports[6], [0, 1, 2, 4, 6])
+        self.assertEqual((model.nq, model.nv, model.njoints), (20, 17, 7))
+
+    def test_results_do_not_depend_on_the_numbering(self):
+        model = scrambled()
+        data, (q, v, a) = model.createData(), state_of(model)
+        compiled = dyn.compile(model.compiled().description, dissipation=False)
+        to_q, to_v = ([compiled.q_index, compiled.v_index][k] for k in (0, 1))
+        parts = {"right": ["right part 1", "right part 2", "right"]}
+        order_q, order_v = ([k for n in model.names[1:] for part in parts.get(n, [n]) for k in range(to[part].start, to[part].stop)] for to in (to_q, to_v))
+        d = dyn.Data(compiled)
+        mine_q, mine_v, mine_a = np.zeros(model.nq), np.zeros(model.nv), np.zeros(model.nv)
+        mine_q[order_q], mine_v[order_v], mine_a[order_v] = q, v, a
+        np.testing.assert_array_equal(pin.rnea(model, data, q, v, a), dyn.rnea(compiled, d, mine_q, mine_v, mine_a)[order_v])
+        np.testing.assert_array_equal(pin.crba(model, data, q), dyn.crba(compiled, d, mine_q)[np.ix_(order_v, order_v)])
+        np.testing.assert_array_equal(pin.computeJointJacobians(model, data, q), dyn.compute_joint_jacobians(compiled, d, mine_q)[:, order_v])
+        self.assertNotEqual(order_v, sorted(order_v))
+
+    def test_equations_of_motion_hold(self):
+        model = scrambled()
+        data, (q, v, a) = model.createData(), state_of(model)
+        tau = pin.rnea(model, data, q, v, a)
+        M, nle = pin.crba(model, data, q), pin.nonLinearEffects(model, data, q, v)
+        np.testing.assert_allclose(M @ a + nle, tau, atol=1e-10)
+        np.testing.assert_allclose(pin.aba(model, data, q, v, tau), a, atol=1e-9)
+        np.testing.assert_allclose(pin.computeMinverse(model, data, q) @ M, np.eye(model.nv), atol=1e-9)
+        C, g = pin.computeCoriolisMatrix(model, data, q, v), pin.computeGeneralizedGravity(model, data, q)
+        np.testing.assert_allclose(C @ v + g, nle, atol=1e-10)
+        pin.cholesky.decompose(model, data)
+        np.testing.assert_allclose(pin.cholesky.solve(model, data, tau - nle), a, atol=1e-8)
+        np.testing.assert_allclose(data.U @ np.diag(data.D) @ data.U.T, M, atol=1e-9)
+
+    def test_a_change_of_the_model_counts_at_the_next_call(self):
+        def gravity_of(change):
+            model = scrambled()
+            data, q = model.createData(), state_of(model)[0]
+            before = pin.computeGeneralizedGravity(model, data, q)
+            held = (model.inertias[6], model.jointPlacements[6], model.gravity, model.armature)
+            np.testing.assert_array_equal(pin.computeGeneralizedGravity(model, data, q), before)
+            change(model, *held)
+            return np.abs(pin.computeGeneralizedGravity(model, data, q) - before).max(), pin.crba(model, data, q)[6, 6]
+
+        def heavier(model, inertia, placement, gravity, armature):
+            inertia.mass *= 2
+
+        def further(model, inertia, placement, gravity, armature):
+            placement.translation[0] += 0.5
+
+        def falling(model, inertia, placement, gravity, armature):
+            gravity.linear[2] = -1.0
+
+        def replaced(model, inertia, placement, gravity, armature):
+            model.inertias[6] = pin.Inertia.Random()
+
+        def geared(model, inertia, placement, gravity, armature):
+            armature[6] += 100.0
+
+        for change in (heavier, further, falling, replaced):
+            self.assertGreater(gravity_of(change)[0], 1e-3, change.__name__)
+        self.assertGreater(gravity_of(geared)[1], 100)
+
+    def test_a_joint_may_be_added_after_data_was_made(self):
+        model = scrambled()
+        data = model.createData()
+        model.addJoint(1, pin.JointModelRX(), pin.SE3.Identity(), "late")
+        with self.assertRaisesRegex(ValueError, "createData"):
+            pin.crba(model, data, pin.neutral(model))
+        self.assertEqual(pin.crba(model, model.createData(), pin.neutral(model)).shape, (18, 18))
+
+    def test_models_and_data_survive_pickling_and_copying(self):
+        model = scrambled()
+        data, (q, v, a) = model.createData(), state_of(model)
+        model.referenceConfigurations["here"] = q
+        pin.rnea(model, data, q, v, a)
+        for other in (pickle.loads(pickle.dumps(model)), model.copy()):
+            self.assertTrue(other == model)
+            np.testing.assert_array_equal(pin.rnea(other, other.createData(), q, v, a), data.tau)
+            other.inertias[1].mass += 1
+            self.assertFalse(other == model)
+        for other in (pickle.loads(pickle.dumps(data)), data.copy()):
+            self.assertTrue(other == data)
+            other.tau[0] += 1
+            self.assertFalse(other == data)
+
+    def test_a_reduced_model_moves_as_the_whole_one_does_with_its_joints_held(self):
+        model = scrambled()
+        q, v, a = state_of(model)
+        locked = [model.getJointId("hand"), model.getJointId("right")]
+        reduced = pin.buildReducedModel(model, locked, q)
+        self.assertEqual(reduced.names, ["universe", "root", "left", "foot", "slider"])
+        rows = [k for i in range(1, model.njoints) if i not in locked for k in range(model.idx_vs[i], model.idx_vs[i] + model.nvs[i])]
+        columns = [k for i in range(1, model.njoints) if i not in locked for k in range(model.idx_qs[i], model.idx_qs[i] + model.nqs[i])]
+        held = np.zeros(model.nv)
+        held[rows] = v[rows]
+        data, small = model.createData(), reduced.createData()
+        np.testing.assert_allclose(pin.nle(reduced, small, q[columns], v[rows]), pin.nle(model, data, q, held)[rows], atol=1e-10)
+        pin.framesForwardKinematics(model, data, q)
+        pin.framesForwardKinematics(reduced, small, q[columns])
+        whole, part = data.oMf[model.getFrameId("tool")], small.oMf[reduced.getFrameId("tool")]
+        np.testing.assert_allclose(part.homogeneous, whole.homogeneous, atol=1e-12)
+
+    def test_an_appended_model_is_carried_by_its_frame(self):
+        arm, base = pin.buildSampleModelManipulator(), scrambled()
+        placement = pin.SE3.Random()
+        both = pin.appendModel(base, arm, base.getFrameId("tool"), placement)
+        self.assertEqual(both.nv, arm.nv + base.nv)
+        self.assertEqual(both.names[both.parents[both.getJointId("shoulder1_joint")]], "slider")
+        mass = pin.computeTotalMass(base) + pin.computeTotalMass(arm)
+        self.assertAlmostEqual(pin.computeTotalMass(both), mass)
+        with self.assertRaisesRegex(ValueError, "both models"):
+            pin.appendModel(base, base, 0, placement)
+
+    def test_urdf_files_give_the_results_of_libdyn(self):
+        model = pin.buildModelFromUrdf(BIPED, pin.JointModelFreeFlyer())
+        compiled = dyn.compile(dyn.load(BIPED, root="free_flyer", mimic="independent"), dissipation=False)
+        q, v, a = (np.asarray(x) for x in (dyn.random_configuration(compiled, 1), np.ones(model.nv), np.ones(model.nv)))
+        tau = dyn.rnea(compiled, dyn.Data(compiled), q, v, a)
+        np.testing.assert_allclose(pin.rnea(model, model.createData(), q, v, a), tau, rtol=1e-13, atol=1e-12)
+        self.assertEqual(model.names[1:], [joint.name for joint in compiled.joints[1:]])
+        again = pin.buildModelFromXML(BIPED.read_text(), pin.JointModelFreeFlyer(), "base")
+        self.assertEqual(again.names[1], "base")
+        self.assertEqual(pin.buildModelFromXML(BIPED.read_text(), pin.JointModelFreeFlyer()), model)
+        with self.assertRaises(dyn.Error):
+            pin.buildModelFromUrdf("no such file.urdf")
+
+    def test_a_mimic_joint_follows_its_master(self):
+        model = pin.buildSampleModelManipulator(True)
+        self.assertEqual((model.nq, model.nv, model.njoints), (5, 5, 7))
+        free = pin.buildSampleModelManipulator()
+        q = np.linspace(0.1, 0.5, 5)
+        data, other = model.createData(), free.createData()
+        pin.forwardKinematics(model, data, q)
+        pin.forwardKinematics(free, other, np.append(q, 2.5 * q[4] + 0.75))
+        np.testing.assert_allclose(data.oMi[6].homogeneous, other.oMi[6].homogeneous, atol=1e-14)
+        M, G = pin.crba(free, other, np.append(q, 2.5 * q[4] + 0.75)), np.vstack([np.eye(5), [0, 0, 0, 0, 2.5]])
+        np.testing.assert_allclose(pin.crba(model, data, q), G.T @ M @ G, atol=1e-12)
+
+
+class Results(unittest.TestCase):
+    def setUp(self):
+        self.model = scrambled()
+        self.data = self.model.createData()
+        self.q, self.v, self.a = state_of(self.model)
+
+    def test_joint_forces_give_the_generalised_forces(self):
+        forces = [pin.Force.Random() for _ in range(self.model.njoints)]
+        tau = pin.rnea(self.model, self.data, self.q, self.v, self.a, forces)
+        for i in range(1, self.model.njoints):
+            joint = self.model.joints[i]
+            subspace = joint.createData()
+            joint.calc(subspace, self.q)
+            rows = slice(joint.idx_v, joint.idx_v + joint.nv)
+            inertia_of_rotors = self.model.armature[rows] * self.a[rows]
+            if joint.shortname() != "JointModelComposite":
+                np.testing.assert_allclose(subspace.S.T @ self.data.f[i].vector + inertia_of_rotors, tau[rows], atol=1e-10)
+
+    def test_fields_are_those_of_the_last_call(self):
+        model, data, q, v, a = self.model, self.data, self.q, self.v, self.a
+        pin.forwardKinematics(model, data, q, v, a)
+        first = data.oMi[6].copy()
+        pin.forwardKinematics(model, data, pin.integrate(model, q, v))
+        self.assertNotEqual(data.oMi[6], first)
+        pin.forwardKinematics(model, data, q)
+        self.assertEqual(data.oMi[6], first)
+        for i in range(1, model.njoints):
+            np.testing.assert_allclose((data.oMi[model.parents[i]] * data.liMi[i]).homogeneous, data.oMi[i].homogeneous, atol=1e-12)
+
+    def test_momentum_and_centres_of_mass_agree(self):
+        model, data, q, v, a = self.model, self.data, self.q, self.v, self.a
+        pin.ccrba(model, data, q, v)
+        momentum = data.hg.copy()
+        pin.centerOfMass(model, data, q, v, a)
+        mass = pin.computeTotalMass(model)
+        np.testing.assert_allclose(momentum.linear, mass * data.vcom[0], atol=1e-10)
+        np.testing.assert_allclose(pin.computeCentroidalMomentumTimeVariation(model, data, q, v, a).linear, mass * data.acom[0], atol=1e-9)
+        np.testing.assert_allclose(pin.jacobianCenterOfMass(model, data, q) @ v, data.vcom[0], atol=1e-12)
+        np.testing.assert_allclose(pin.getJacobianSubtreeCenterOfMass(model, data, 0), data.Jcom, atol=1e-12)
+        centre, h = model.getJointId("left"), 1e-6
+        J = pin.jacobianSubtreeCenterOfMass(model, data, q, centre)
+        ahead, behind = (self.subtree_centre(pin.integrate(model, q, s * h * v), centre) for s in (1, -1))
+        np.testing.assert_allclose(J @ v, (ahead - behind) / (2 * h), atol=1e-7)
+        c = pin.centerOfMass(model, data, q)
+        whole = sum(model.inertias[i].mass * (data.oMi[i].act(model.inertias[i].lever)) for i in range(1, model.njoints))
+        np.testing.assert_allclose(c, whole / mass, atol=1e-12)
+
+    def subtree_centre(self, q, joint):
+        pin.centerOfMass(self.model, self.data, q)
+        return self.data.oMi[joint].act(self.data.com[joint])
+
+    def test_derivatives_agree_with_differences(self):
+        model, data, q, v, a = self.model, self.data, self.q, self.v, self.a
+        forces = [pin.Force.Random() for _ in range(model.njoints)]
+        dq, dv, da = pin.computeRNEADerivatives(model, data, q, v, a, forces)
+        tau = data.tau.copy()
+        ddq_dq, ddq_dv, Minv = pin.computeABADerivatives(model, data, q, v, tau, forces)
+        np.testing.assert_allclose(data.ddq, a, atol=1e-9)
+        self.near(dq, lambda s: pin.rnea(model, data, pin.integrate(model, q, s), v, a, forces))
+        self.near(dv, lambda s: pin.rnea(model, data, q, v + s, a, forces))
+        self.near(ddq_dq, lambda s: pin.aba(model, data, pin.integrate(model, q, s), v, tau, forces), 1e-4)
+        self.near(ddq_dv, lambda s: pin.aba(model, data, q, v + s, tau, forces), 1e-4)
+        np.testing.assert_allclose(Minv @ da, np.eye(model.nv), atol=1e-8)
+        static = pin.computeStaticTorqueDerivatives(model, data, q, forces)
+        self.near(static, lambda s: pin.computeStaticTorque(model, data, pin.integrate(model, q, s), forces))
+
+    def near(self, matrix, function, tolerance=1e-5, h=1e-6):
+        for k, step in enumerate(h * np.eye(self.model.nv)):
+            np.testing.assert_allclose((function(step) - function(-step)) / (2 * h), matrix[:, k], atol=tolerance * max(1, np.abs(matrix).max()))
+
+    def test_derivatives_of_frames_agree_with_differences(self):
+        model, data, q, v, a = self.model, self.data, self.q, self.v, self.a
+        tool = model.getFrameId("tool")
+
+        def moving(reference, get, *state):
+            pin.forwardKinematics(model, data, *state)
+            return get(model, data, tool, reference).vector
+
+        pin.computeForwardKinematicsDerivatives(model, data, q, v, a)
+        for reference in (pin.LOCAL, pin.WORLD):
+            v_dq, v_dv = pin.getFrameVelocityDerivatives(model, data, tool, reference)
+            again, a_dq, a_dv, a_da = pin.getFrameAccelerationDerivatives(model, data, tool, reference)
+            np.testing.assert_array_equal(again, v_dq)
+            self.near(v_dq, lambda s: moving(reference, pin.getFrameVelocity, pin.integrate(model, q, s), v, a))
+            self.near(v_dv, lambda s: moving(reference, pin.getFrameVelocity, q, v + s, a))
+            self.near(a_dq, lambda s: moving(reference, pin.getFrameAcceleration, pin.integrate(model, q, s), v, a))
+            self.near(a_dv, lambda s: moving(reference, pin.getFrameAcceleration, q, v + s, a))
+            self.near(a_da, lambda s: moving(reference, pin.getFrameAcceleration, q, v, a + s))
+        slider, placement = model.frames[tool].parentJoint, model.frames[tool].placement
+        for reference in (pin.LOCAL, pin.LOCAL_WORLD_ALIGNED):
+            v_dq, a_dq, a_dv, a_da = pin.getPointClassicAccelerationDerivatives(model, data, slider, placement, reference)
+            self.near(v_dq, lambda s: moving(reference, pin.getFrameVelocity, pin.integrate(model, q, s), v, a)[:3])
+            self.near(a_dq, lambda s: moving(reference, pin.getFrameClassicalAcceleration, pin.integrate(model, q, s), v, a)[:3])
+            self.near(a_dv, lambda s: moving(reference, pin.getFrameClassicalAcceleration, q, v + s, a)[:3])
+            np.testing.assert_array_equal(pin.getPointVelocityDerivatives(model, data, slider, placement, reference)[0], v_dq)
+
+    def test_regressors_times_parameters_are_results(self):
+        model, data, q, v, a = self.model, self.data, self.q, self.v, self.a
+        parameters = np.concatenate([model.inertias[i].toDynamicParameters() for i in range(1, model.njoints)])
+        tau = pin.rnea(model, data, q, v, a) - model.armature * a
+        np.testing.assert_allclose(pin.computeJointTorqueRegressor(model, data, q, v, a) @ parameters, tau, atol=1e-10)
+        potential = pin.computePotentialEnergy(model, data, q)
+        self.assertAlmostEqual(pin.computePotentialEnergyRegressor(model, data, q) @ parameters, potential)
+        kinetic = pin.computeKineticEnergy(model, data, q, v) - 0.5 * model.armature @ v**2
+        self.assertAlmostEqual(pin.computeKineticEnergyRegressor(model, data, q, v) @ parameters, kinetic)
+
+    def test_constraints_given_by_jacobian_and_by_frame_agree(self):
+        model, data, q, v = self.model, self.data, self.q, self.v
+        tool = model.frames[model.getFrameId("tool")]
+        for kind, rows in ((pin.CONTACT_6D, 6), (pin.CONTACT_3D, 3)):
+            contact = pin.RigidConstraintModel(kind, model, tool.parentJoint, tool.placement)
+            results = contact.createData()
+            tau = np.ones(model.nv)
+            ddq = pin.constraintDynamics(model, data, q, v, tau, [contact], [results]).copy()
+            forces = data.lambda_c.copy()
+            pin.computeJointJacobiansTimeVariation(model, data, q, v)
+            J = pin.getFrameJacobian(model, data, model.getFrameId("tool"), pin.LOCAL)
+            pin.forwardKinematics(model, data, q, v, np.zeros(model.nv))
+            drift = (pin.getFrameAcceleration if rows == 6 else pin.getFrameClassicalAcceleration)(model, data, model.getFrameId("tool")).vector
+            by_jacobian = pin.forwardDynamics(model, data, q, v, tau, J[:rows], drift[:rows])
+            np.testing.assert_allclose(by_jacobian, ddq, atol=1e-8)
+            np.testing.assert_allclose(data.lambda_c, forces, atol=1e-8)
+            after = pin.impulseDynamics(model, data, q, v, [contact], [results], 0.3).copy()
+            np.testing.assert_allclose(pin.impulseDynamics(model, data, q, v, J[:rows], 0.3), after, atol=1e-9)
+
+
+class Interface(unittest.TestCase):
+    def test_wrong_arguments_are_named(self):
+        model = pin.buildSampleModelManipulator()
+        data, q = model.createData(), np.zeros(6)
+        for call, message in (
+            (lambda: pin.rnea(model, data, q, np.zeros(5), q), "rnea: v has shape"),
+            (lambda: pin.crba(model, data, np.zeros((2, 3))), "crba: q has shape"),
+            (lambda: pin.aba(model, data, q, q, q, [pin.Force.Zero()]), "fext has 1 forces"),
+            (lambda: pin.computeJointJacobian(model, data, q, 99), "joint_id is 99"),
+            (lambda: pin.getFrameJacobian(model, model.createData(), 1), "call computeJointJacobians"),
+            (lambda: pin.getJointVelocityDerivatives(model, data, 1, pin.LOCAL), "call computeForwardKinematicsDerivatives"),
+            (lambda: model.addJoint(0, pin.JointModelRX(), pin.SE3.Identity(), "x", np.zeros(3)), "effortLimit has shape"),
+            (lambda: model.addJoint(77, pin.JointModelRX(), pin.SE3.Identity(), "x"), "parent_id is 77"),
+        ):
+            with self.assertRaisesRegex(ValueError, message):
+                call()
+        with self.assertRaisesRegex(TypeError, "rnea: q must be an array of numbers"):
+            pin.rnea(model, data, "text", q, q)
+        with self.assertRaisesRegex(RuntimeError, "no limits"):
+            pin.randomConfiguration(pin.buildSampleModelHumanoid())
+
+    def test_missing_names_tell_the_way_of_libdyn(self):
+        with self.assertRaisesRegex(NotImplementedError, "BatchData"):
+            pin.ModelPool
+        self.assertFalse(hasattr(pin, "buildModelFromSdf"))
+        with self.assertRaises(AttributeError):
+            pin.noSuchThing
+
+    def test_columns_and_keywords_are_arguments(self):
+        model = pin.buildSampleModelManipulator()
+        data, q = model.createData(), np.linspace(0, 1, 6)
+        M = pin.crba(model, data, q)
+        np.testing.assert_array_equal(pin.crba(model, data, q[:, None]), M)
+        np.testing.assert_array_equal(pin.crba(model=model, data=data, q=list(q), convention=pin.Convention.WORLD), M)
+        J = pin.computeFrameJacobian(model, data, q, 5, reference_frame=pin.WORLD)
+        np.testing.assert_array_equal(pin.computeFrameJacobian(model, data, q, 5, pin.WORLD), J)
+
+    def test_robot_wrapper_calls_the_same_functions(self):
+        robot = pin.RobotWrapper.BuildFromURDF(BIPED, [], pin.JointModelFreeFlyer())
+        q, v = robot.q0, np.ones(robot.nv)
+        np.testing.assert_array_equal(robot.mass(q), pin.crba(robot.model, robot.data, q))
+        centre, velocity = robot.com(q, v)
+        np.testing.assert_allclose(robot.Jcom(q) @ v, velocity, atol=1e-12)
+        np.testing.assert_allclose(robot.com(q), centre, atol=1e-14)
+        reduced = robot.buildReducedRobot([robot.model.names[2]])
+        self.assertEqual(reduced.nv, robot.nv - robot.model.nvs[2])
+
+
+if __name__ == "__main__":
+    unittest.main()
