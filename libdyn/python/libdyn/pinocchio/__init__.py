@@ -21,7 +21,16 @@ from .centroidal import (  # noqa: F401
     dccrba,
     getCentroidalDynamicsDerivatives,
 )
-from .collision import computeBodyRadius, computeCollision, computeCollisions, computeDistance, computeDistances, updateGeometryPlacements  # noqa: F401
+from .collision import (  # noqa: F401
+    ComputeCollision,
+    ComputeDistance,
+    computeBodyRadius,
+    computeCollision,
+    computeCollisions,
+    computeDistance,
+    computeDistances,
+    updateGeometryPlacements,
+)
 from .com import (  # noqa: F401
     centerOfMass,
     computeSubtreeMasses,
@@ -148,6 +157,7 @@ from .explog import (  # noqa: F401
     log3,
     log6,
     log6_quat,
+    skew,
     skewSquare,
     unSkew,
 )

@@ -14,7 +14,7 @@ _MOTIONS = ("oMi", "v", "a")
 
 def computeTotalMass(model, data=None):
     """Returns the mass of all moving bodies [kg]; with data, also data.mass[0]."""
-    mass = float(sum(Y.mass for Y in model.inertias.items()[1:]))
+    mass = float(model.compiled().subtree_masses[0])
     if data is not None:
         data.mass[0] = mass
     return mass
@@ -22,11 +22,8 @@ def computeTotalMass(model, data=None):
 
 def computeSubtreeMasses(model, data):
     """Computes data.mass, the mass of each joint's subtree [kg]."""
-    masses = [0.0, *(Y.mass for Y in model.inertias.items()[1:])]
-    for i in range(model.njoints - 1, 0, -1):
-        masses[model.parents.items()[i]] += masses[i]
-    for i, mass in enumerate(masses):
-        data.mass[i] = float(mass)
+    for i, mass in enumerate(model.compiled().subtree_masses.tolist()):
+        data.mass[i] = mass
 
 
 def centerOfMass(model, data, *arguments, **named):
@@ -95,12 +92,11 @@ def getJacobianSubtreeCenterOfMass(model, data, subtree_root_joint_id):
 
 def _subtree_jacobian(model, c, state, root, function):
     root = index(root, model.njoints, function, "subtree_root_joint_id")
-    bodies = state.arrays()
-    total = bodies.subtree_masses[root]
+    masses, centres = c.subtree_masses, state.bodies().centres
+    total = masses[root]
     if not total > 0:
         raise ValueError(f"{function}: the subtree of joint {root} has no mass")
     J, out = state.J(), np.zeros((3, c.nv))
-    masses, centres = bodies.subtree_masses, bodies.centres
     for i in range(1, c.njoints):
         # A joint inside the subtree moves what it carries; one on the way to it moves the whole subtree.
         moved = i if root in model.supports[i] else root if i in model.supports[root] else None

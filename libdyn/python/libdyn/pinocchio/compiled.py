@@ -10,7 +10,8 @@ from . import convert
 class Compiled:
     """A compiled model. libdyn numbers joints depth first, Pinocchio in the order of addJoint; composite joints are several joints for libdyn.
 
-    Attributes: model (libdyn's); for each joint last (libdyn's number of its last part), bodies (the name of its body), parents, inertias; gravity.
+    Attributes: model (libdyn's), gravity; for each joint last (libdyn's number of its last part), bodies (the name of its body), parents, inertias,
+    masses, centres (of mass, in the joint's frame), subtree_masses.
     """
 
     def __init__(self, model):
@@ -24,6 +25,11 @@ class Compiled:
         self.follows = bool(model.mimicking_joints)
         self.gravity = np.array(self.description.gravity)
         self.inertias = [Y.copy() for Y in model.inertias.items()]
+        self.masses = np.array([0.0, *(Y.mass for Y in self.inertias[1:])])
+        self.centres = np.array([np.zeros(3), *(Y.com for Y in self.inertias[1:])])
+        self.subtree_masses = self.masses.copy()
+        for i in range(self.njoints - 1, 0, -1):
+            self.subtree_masses[self.parents[i]] += self.subtree_masses[i]
         q_order, v_order = np.zeros(model.nq, dtype=int), np.zeros(model.nv, dtype=int)
         for i in range(1, model.njoints):
             at_q, at_v = model.idx_qs[i], model.idx_vs[i]

@@ -25,9 +25,8 @@ _ARRAYS = {
     **dict.fromkeys(("tau", "nle", "g", "ddq", "dq_after"), ("nv",)),
     **dict.fromkeys(("M", "Minv", "C", "dtau_dq", "dtau_dv", "ddq_dq", "ddq_dv", "ddq_dtau"), ("nv", "nv")),
     **dict.fromkeys(("J", "dJ", "Ag", "dAg"), (6, "nv")),
-    **dict.fromkeys(("dHdq", "dFdq", "dFdv", "dFda"), (6, "nv")),
     "Jcom": (3, "nv"),
-    **dict.fromkeys(("lambda_c", "impulse_c", "lambda_c_prox"), (0,)),
+    **dict.fromkeys(("lambda_c", "impulse_c"), (0,)),
 }
 _NUMBERS = ("kinetic_energy", "potential_energy", "mechanical_energy")
 
@@ -100,7 +99,7 @@ class Data(Serializable):
             return Inertia.Zero()
         if name in ("U", "D"):
             return self._factors()[name]
-        raise AttributeError(f"Data has no field '{name}'. {_elsewhere(name)}")
+        raise AttributeError(f"Data has no field '{name}'; libdyn/doc/pinocchio.md lists those that it has")
 
     def _factors(self):
         """Returns the factors of M = U D U^T of the last cholesky.decompose."""
@@ -152,8 +151,3 @@ class Data(Serializable):
         )
 
     __hash__ = object.__hash__
-
-
-def _elsewhere(name):
-    """Returns a hint where libdyn has a quantity that Data has not."""
-    return "libdyn/doc/pinocchio.md lists the fields that it has."

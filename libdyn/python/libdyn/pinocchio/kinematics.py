@@ -78,9 +78,8 @@ def updateFramePlacement(model, data, frame_id):
 
 def updateFramePlacements(model, data):
     """Computes data.oMf, the poses of all frames, from the poses of the last forwardKinematics."""
-    oMi, frames = data.oMi, model.frames
-    fixed = [(frame.parentJoint, frame.placement.copy()) for frame in frames]
-    data.oMf = Elements(len(frames), lambda k: oMi[fixed[k][0]] * fixed[k][1])
+    oMi, frames = data.oMi, list(model.frames)
+    data.oMf = Elements(len(frames), lambda k: oMi[frames[k].parentJoint] * frames[k].placement)
 
 
 def framesForwardKinematics(model, data, q):

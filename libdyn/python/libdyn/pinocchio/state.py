@@ -6,6 +6,7 @@ import numpy as np
 
 import libdyn as dyn
 
+from .bodies import Bodies
 from .elements import Elements
 from .inertia import Inertia
 from .spatial import SE3, Force, Motion, own
@@ -27,12 +28,12 @@ class State:
         self.v_ = None if v is None else v.copy()
         self.a_ = None if a is None else a.copy()
         self.fext = fext
-        self._cache = {}
+        self._bodies = None
 
     def moved(self, workspace):
         """Returns the same state for another Data."""
         other = copy.copy(self)
-        other._workspace, other._cache = workspace, {}
+        other._workspace, other._bodies = workspace, None
         return other
 
     @property
@@ -89,28 +90,23 @@ class State:
         return self._moving(dyn.joint_acceleration, dyn.WORLD)
 
     def a_gf(self):
-        a = self.arrays()
-        return self._each(lambda k: Motion(a.A_gf[k]))
+        return self._each(lambda k: Motion(self.bodies().falling[k]))
 
     def oa_gf(self):
         oa, gravity = self.oa(), Motion(self.c.gravity, np.zeros(3))
         return self._each(lambda k: oa[k] - gravity)
 
     def h(self):
-        a = self.arrays()
-        return self._each(lambda k: Force(a.momenta[k]))
+        return self._each(lambda k: Force(self.bodies().momenta[k]))
 
     def oh(self):
-        h = self.h()
-        return self._each(lambda k: self.joint_pose(k).act(h[k]))
+        return self._each(lambda k: self.joint_pose(k).act(Force(self.bodies().momenta[k])))
 
     def f(self):
-        a = self.arrays()
-        return self._each(lambda k: Force(a.joint_forces()[k]))
+        return self._each(lambda k: Force(self.bodies().forces[k]))
 
     def of(self):
-        f = self.f()
-        return self._each(lambda k: self.joint_pose(k).act(f[k]))
+        return self._each(lambda k: self.joint_pose(k).act(Force(self.bodies().forces[k])))
 
     def J(self):
         return self.c.v_out(dyn.compute_joint_jacobians(self.c.model, self._workspace_for_dynamics(), self.q))
@@ -143,130 +139,37 @@ class State:
         data = self._workspace_for_dynamics()
         return self.c.v_out(dyn.compute_joint_jacobian_time_variation(self.c.model, data, self.q, self.v_or_zero, self.c.last[k], reference))
 
-    def arrays(self):
+    def bodies(self):
         """Returns the Bodies of this state."""
-        if "arrays" not in self._cache:
-            self._cache["arrays"] = Bodies(self)
-        return self._cache["arrays"]
+        if self._bodies is None:
+            self._bodies = Bodies(self)
+        return self._bodies
+
+    def centre_of_mass(self):
+        """Returns libdyn's centre of mass: position, velocity, acceleration."""
+        return dyn.center_of_mass(self.c.model, self._workspace_for_dynamics(), self.q, self.v_or_zero, self.a_or_zero)
 
     def mass(self):
-        return self._each(lambda k: float(self.arrays().subtree_masses[k]))
+        return self._each(lambda k: float(self.c.subtree_masses[k]))
 
     def com(self):
-        return self._each(lambda k: self.arrays().in_joint(self.arrays().centres, k, True))
+        return self._each(lambda k: self.bodies().centre(k) if k else self.centre_of_mass().position)
 
     def com_in_world(self):
-        return self._each(lambda k: self.arrays().centres[k].copy())
+        return self._each(lambda k: self.bodies().centres[k].copy() if k else self.centre_of_mass().position)
 
     def vcom(self):
-        return self._each(lambda k: self.arrays().in_joint(self.arrays().centre_velocities, k))
+        return self._each(lambda k: self.bodies().centre_velocity(k) if k else self.centre_of_mass().velocity)
 
     def acom(self):
-        return self._each(lambda k: self.arrays().in_joint(self.arrays().centre_accelerations, k))
+        return self._each(lambda k: self.bodies().centre_acceleration(k) if k else self.centre_of_mass().acceleration)
 
     def oYcrb(self):
-        a = self.arrays()
-        return self._each(lambda k: a.composite(k) if k else Inertia.Zero())
+        return self._each(lambda k: self.bodies().composite(k))
 
     def Ycrb(self):
-        a = self.arrays()
-        return self._each(lambda k: self.joint_pose(k).actInv(a.composite(k)) if k else Inertia.Zero())
+        return self._each(lambda k: self.joint_pose(k).actInv(self.bodies().composite(k)))
 
     def Ig(self):
-        a = self.arrays()
-        total = a.composite(0)
-        return Inertia(total.mass, np.zeros(3), np.asarray(total.inertia))
-
-
-class Bodies:
-    """Arrays with one row for each joint: R (n, 3, 3) and p (n, 3) of the poses in the world, V and A (n, 6) in joint axes."""
-
-    def __init__(self, state):
-        c, data = state.c, state.kinematics()
-        self.c, n = c, c.njoints
-        self.fext = state.fext
-        self.R, self.p, self.V, self.A = np.tile(np.eye(3), (n, 1, 1)), np.zeros((n, 3)), np.zeros((n, 6)), np.zeros((n, 6))
-        for k in range(1, n):
-            pose = dyn.joint_placement(c.model, data, c.last[k])
-            self.R[k], self.p[k] = pose.R, pose.p
-            self.V[k] = dyn.joint_velocity(c.model, data, c.last[k], dyn.LOCAL).vector
-            self.A[k] = dyn.joint_acceleration(c.model, data, c.last[k], dyn.LOCAL).vector
-        self.masses = np.array([0.0, *(Y.mass for Y in c.inertias[1:])])
-        self.levers = np.array([np.zeros(3), *(np.asarray(Y.lever) for Y in c.inertias[1:])])
-        self.rotational = np.array([np.zeros((3, 3)), *(np.asarray(Y.inertia) for Y in c.inertias[1:])])
-        self.A_gf = self.A.copy()
-        self.A_gf[:, :3] -= np.einsum("kji,j->ki", self.R, c.gravity)
-
-    def _subtree_sums(self, x):
-        """Returns the sums of the rows of x over each joint's subtree."""
-        out = np.array(x, dtype=float)
-        for k in range(self.c.njoints - 1, 0, -1):
-            out[self.c.parents[k]] += out[k]
-        return out
-
-    def _times_inertia(self, X):
-        """Returns the rows of I_k X_k."""
-        linear = self.masses[:, None] * (X[:, :3] + np.cross(X[:, 3:], self.levers))
-        return np.hstack([linear, np.einsum("kij,kj->ki", self.rotational, X[:, 3:]) + np.cross(self.levers, linear)])
-
-    @property
-    def momenta(self):
-        return self._times_inertia(self.V)
-
-    def joint_forces(self):
-        """Returns the forces (n, 6) that joints transmit to their bodies, in joint axes."""
-        h, v, w = self.momenta, self.V[:, :3], self.V[:, 3:]
-        f = self._times_inertia(self.A_gf)
-        f += np.hstack([np.cross(w, h[:, :3]), np.cross(w, h[:, 3:]) + np.cross(v, h[:, :3])])
-        if self.fext is not None:
-            f -= self.fext[self.c.last]
-        for k in range(self.c.njoints - 1, 0, -1):
-            parent = self.c.parents[k]
-            R = self.R[parent].T @ self.R[k]
-            p = self.R[parent].T @ (self.p[k] - self.p[parent])
-            linear = R @ f[k, :3]
-            f[parent] += np.concatenate([linear, R @ f[k, 3:] + np.cross(p, linear)])
-        return f
-
-    @property
-    def subtree_masses(self):
-        return self._subtree_sums(self.masses)
-
-    def _means(self, x):
-        """Returns the means, weighted by mass, of world vectors x over each joint's subtree."""
-        total = self.subtree_masses
-        return self._subtree_sums(self.masses[:, None] * x) / np.where(total > 0, total, np.nan)[:, None]
-
-    def _in_world(self, x):
-        return np.einsum("kij,kj->ki", self.R, x)
-
-    @property
-    def centres(self):
-        return self._means(self.p + self._in_world(self.levers))
-
-    def _point_velocities(self):
-        return self.V[:, :3] + np.cross(self.V[:, 3:], self.levers)
-
-    @property
-    def centre_velocities(self):
-        return self._means(self._in_world(self._point_velocities()))
-
-    @property
-    def centre_accelerations(self):
-        spatial = self.A[:, :3] + np.cross(self.A[:, 3:], self.levers)
-        return self._means(self._in_world(spatial + np.cross(self.V[:, 3:], self._point_velocities())))
-
-    def in_joint(self, x, k, point=False):
-        """Returns row k in axes of joint k, and about its origin if it is a point; row 0 stays in the world."""
-        return x[k].copy() if k == 0 else self.R[k].T @ (x[k] - self.p[k] if point else x[k])
-
-    def composite(self, k):
-        """Returns the inertia of the subtree of joint k, in the world."""
-        total = Inertia.Zero()
-        for i in range(max(k, 1), self.c.njoints):
-            j = i
-            while j > k:
-                j = self.c.parents[j]
-            if j == k:
-                total = total + SE3(self.R[i], self.p[i]).act(self.c.inertias[i])
-        return total
+        total = self.bodies().composite(0)
+        return Inertia(total.mass, np.zeros(3), total.rotational)
