@@ -85,6 +85,24 @@ void addKinematics(py::module_& m) {
   jacobian(
       "compute_frame_jacobian", [](auto& x, auto& d, auto& at, int i, auto r, auto& J) { computeFrameJacobian(x, d, at, i, r, J); }, &frameOf, frame,
       "Returns the Jacobian of a frame, (6, nv), linear part first.");
+  m.def(
+      "compute_jacobian_at",
+      [](const CompactModel& x, Data& d, const Vector& at, const Name& which, const SE3<double>& placement, ReferenceFrame r) {
+        const int i = jointOf(x, which);
+        Eigen::MatrixXd J(6, x.nv());
+        computeJointJacobian(x, d, at, i, r == ReferenceFrame::WORLD ? r : ReferenceFrame::LOCAL, J);
+        if (r == ReferenceFrame::WORLD) return J;
+        J = (actionMatrix6(placement.inverse()) * J).eval();
+        if (r == ReferenceFrame::LOCAL_WORLD_ALIGNED) {
+          forwardKinematics(x, d, at);
+          const Eigen::Matrix3d R = toEigen(jointPlacement(x, d, i).R * placement.R);
+          J.topRows<3>() = (R * J.topRows<3>()).eval();
+          J.bottomRows<3>() = (R * J.bottomRows<3>()).eval();
+        }
+        return J;
+      },
+      model, data, q, joint, py::arg("placement"), reference,
+      "Returns the Jacobian (6, nv) of the frame at `placement` in the frame of a joint, linear part first.");
   const auto variation = [&](const char* name, auto write, auto number, const py::arg& which, const char* doc) {
     m.def(
         name,

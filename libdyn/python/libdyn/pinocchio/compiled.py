@@ -48,7 +48,7 @@ class Compiled:
         """Returns a configuration in libdyn's order. A zero quaternion is no rotation, as in Pinocchio. Raises ValueError for a wrong size."""
         q = convert.vector(q, self.nq, function, name)
         for at in self._quaternions:
-            if not q[at : at + 4].any():
+            if q[at + 3] == 0.0 and not q[at : at + 4].any():
                 q = q.copy()
                 q[at + 3] = 1.0
         return q if self._q is None else q[self._q]

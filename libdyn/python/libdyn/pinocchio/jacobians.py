@@ -63,14 +63,6 @@ def _turn(R, J):
     return np.vstack([R @ J[:3], R @ J[3:]])
 
 
-def _at_frame(state, joint, placement, reference_frame):
-    """Returns the Jacobian of a frame at `placement` in the frame of a joint."""
-    if reference_frame == WORLD:
-        return state.joint_jacobian(joint, WORLD)
-    J = placement.inverse().action @ state.joint_jacobian(joint, LOCAL)
-    return J if reference_frame == LOCAL else _turn(state.joint_pose(joint).rotation @ placement.rotation, J)
-
-
 def frame_jacobian_rate(state, joint, placement, reference_frame):
     """Returns the rate of the Jacobian of a frame."""
     if reference_frame == WORLD:
@@ -92,7 +84,7 @@ def computeFrameJacobian(model, data, q, frame_id, reference_frame=LOCAL):
     joint, placement = _joint_and_placement(model, frame_id, None, "computeFrameJacobian")
     state = data.state(c.q_in(q, "computeFrameJacobian"))
     data.note(PLACEMENTS, state)
-    return _at_frame(state, joint, placement, reference_frame)
+    return state.jacobian_at(joint, placement, reference_frame)
 
 
 def getFrameJacobian(model, data, frame_id, *arguments, reference_frame=LOCAL):
@@ -102,7 +94,7 @@ def getFrameJacobian(model, data, frame_id, *arguments, reference_frame=LOCAL):
     """
     placement, reference = _split(arguments, reference_frame, "getFrameJacobian")
     joint, placement = _joint_and_placement(model, frame_id, placement, "getFrameJacobian")
-    return _at_frame(_jacobians(data, "getFrameJacobian"), joint, placement, reference)
+    return _jacobians(data, "getFrameJacobian").jacobian_at(joint, placement, reference)
 
 
 def getFrameJacobianTimeVariation(model, data, frame_id, reference_frame=LOCAL):

@@ -132,6 +132,12 @@ class State:
             return np.zeros((6, self.c.nv))
         return self.c.v_out(dyn.compute_joint_jacobian(self.c.model, self._workspace_for_dynamics(), self.q, self.c.last[k], reference))
 
+    def jacobian_at(self, k, placement, reference):
+        """Returns the Jacobian (6, nv) of the frame at `placement` in the frame of joint k."""
+        if k == 0:
+            return np.zeros((6, self.c.nv))
+        return self.c.v_out(dyn.compute_jacobian_at(self.c.model, self._workspace_for_dynamics(), self.q, self.c.last[k], placement, reference))
+
     def joint_jacobian_rate(self, k, reference):
         """Returns the rate (6, nv) of the Jacobian of joint k."""
         if k == 0:
