@@ -309,6 +309,39 @@ class Results(unittest.TestCase):
             np.testing.assert_allclose(pin.impulseDynamics(model, data, q, v, J[:rows], 0.3), after, atol=1e-9)
 
 
+    def test_factors_of_motion_and_forces_are_those_of_their_matrix(self):
+        model, data, q = self.model, self.data, self.q
+        tool = model.frames[model.getFrameId("tool")]
+        contacts = [pin.RigidConstraintModel(pin.CONTACT_3D, model, tool.parentJoint, tool.placement)]
+        datas = [x.createData() for x in contacts]
+        pin.initConstraintDynamics(model, data, contacts)
+        M = pin.crba(model, data, q)
+        pin.computeJointJacobians(model, data, q)
+        factors = data.contact_chol
+        factors.compute(model, data, contacts, datas, 0.01)
+        J = pin.getConstraintJacobian(model, data, contacts[0], datas[0])
+        A = np.block([[-0.01 * np.eye(3), J], [J.T, M]])
+        np.testing.assert_allclose(factors.U @ np.diag(factors.D) @ factors.U.T, A, atol=1e-9)
+        np.testing.assert_array_equal(np.triu(factors.U), factors.U)
+        np.testing.assert_allclose(A @ factors.solve(np.arange(20.0)), np.arange(20.0), atol=1e-7)
+        np.testing.assert_allclose(factors.getInverseOperationalSpaceInertiaMatrix(), J @ np.linalg.solve(M, J.T) + 0.01 * np.eye(3), atol=1e-9)
+        np.testing.assert_allclose((data.oMi[tool.parentJoint] * tool.placement).homogeneous, datas[0].oMc1.homogeneous, atol=1e-14)
+
+    def test_many_states_in_threads_give_the_results_of_single_ones(self):
+        model, pool = self.model, pin.ModelPool(self.model, 2)
+        states = [state_of(model) for _ in range(11)]
+        q, v, a = (np.array(x).T for x in zip(*states))
+        tau, out = pin.rneaInParallel(2, pool, q, v, a), np.empty((model.nv, 11))
+        for k, state in enumerate(states):
+            np.testing.assert_allclose(tau[:, k], pin.rnea(model, self.data, *state), atol=1e-11)
+        self.assertIs(pin.abaInParallel(1, pool, q, v, tau, out), out)
+        np.testing.assert_allclose(out, a, atol=1e-8)
+        with self.assertRaisesRegex(ValueError, "v has shape"):
+            pin.rneaInParallel(1, pool, q, v[:, :3], a)
+        with self.assertRaisesRegex(ValueError, "num_threads is 3"):
+            pin.rneaInParallel(3, pool, q, v, a)
+
+
 class Interface(unittest.TestCase):
     def test_wrong_arguments_are_named(self):
         model = pin.buildSampleModelManipulator()
@@ -332,7 +365,7 @@ class Interface(unittest.TestCase):
 
     def test_missing_names_tell_the_way_of_libdyn(self):
         with self.assertRaisesRegex(NotImplementedError, "BatchData"):
-            pin.ModelPool
+            pin.GeometryPool
         self.assertFalse(hasattr(pin, "buildModelFromSdf"))
         with self.assertRaises(AttributeError):
             pin.noSuchThing

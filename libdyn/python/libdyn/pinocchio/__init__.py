@@ -11,6 +11,7 @@ from .. import ArgumentPosition, ReferenceFrame  # noqa: F401
 from .. import __version__ as _version
 from . import cholesky, liegroups, linalg, missing, rpy, utils, visualize  # noqa: F401
 from ._random import seed  # noqa: F401
+from .bodies import Bodies  # noqa: F401
 from .centroidal import (  # noqa: F401
     ccrba,
     computeCentroidalDynamicsDerivatives,
@@ -70,6 +71,7 @@ from .constraints import (  # noqa: F401
     initConstraintDynamics,
 )
 from .contact import computeKKTContactDynamicMatrixInverse, forwardDynamics, getKKTContactDynamicMatrixInverse  # noqa: F401
+from .contact_cholesky import ContactCholeskyDecomposition  # noqa: F401
 from .containers import (  # noqa: F401
     StdMap_String_VectorXd,
     StdVec_Bool,
@@ -242,6 +244,7 @@ from .kinematics import (  # noqa: F401
     updateGlobalPlacements,
 )
 from .model import Model  # noqa: F401
+from .parallel import ModelPool, abaInParallel, omp_get_max_threads, rneaInParallel  # noqa: F401
 from .parsers import buildModelFromUrdf, buildModelFromXML  # noqa: F401
 from .regressors import (  # noqa: F401
     bodyRegressor,

@@ -70,6 +70,10 @@ class Compiled:
         """Returns a matrix (nv, nv) in Pinocchio's order."""
         return M if self._v is None else M[np.ix_(self._v_back, self._v_back)]
 
+    def rows_of_q(self, x):
+        """Returns a matrix with one row for each coordinate in libdyn's order."""
+        return x if self._q is None else x[self._q]
+
     def rows_in(self, x):
         """Returns a matrix with one row for each degree of freedom in libdyn's order."""
         return x if self._v is None else x[self._v]

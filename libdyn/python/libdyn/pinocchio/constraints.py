@@ -7,6 +7,7 @@ import numpy as np
 import libdyn as dyn
 
 from .contact import impulseDynamicsWithJacobian
+from .contact_cholesky import ContactCholeskyDecomposition
 from .containers import instances, typed_list
 from .convert import index
 from .enums import LOCAL, LOCAL_WORLD_ALIGNED, ContactType
@@ -170,6 +171,7 @@ def _store(model, data, contact_models, contact_datas, rows, function):
 def initConstraintDynamics(model, data, contact_models):
     """Resolves the constraints once, so that the first constraintDynamics need not."""
     _problem(model, data, contact_models, "initConstraintDynamics")
+    data.contact_chol = ContactCholeskyDecomposition(model, contact_models)
 
 
 def constraintDynamics(model, data, q, v, tau, contact_models, contact_datas, prox_settings=None):

@@ -72,8 +72,7 @@ def crba(model, data, q, convention=Convention.LOCAL):
     d = data.use(c, "crba")
     q = c.q_in(q, "crba")
     M = data.M = c.square_out(dyn.crba(c.model, d, q))
-    state = data.state(q)
-    data.note(("liMi", "Ycrb") if convention == Convention.LOCAL else ("oMi", "liMi", "oYcrb", "J"), state)
+    data.note((*PLACEMENTS, "Ycrb", "oYcrb", "J"), data.state(q))
     return M
 
 
