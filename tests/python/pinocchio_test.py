@@ -309,6 +309,33 @@ class Results(unittest.TestCase):
             np.testing.assert_allclose(pin.impulseDynamics(model, data, q, v, J[:rows], 0.3), after, atol=1e-9)
 
 
+    def test_contact_forces_with_friction_are_in_their_cones_and_complementary(self):
+        model, data, q, v, a = self.model, self.data, self.q, self.v, self.a
+        tool = model.frames[model.getFrameId("tool")]
+        for reference in (pin.LOCAL, pin.LOCAL_WORLD_ALIGNED):
+            contact = pin.RigidConstraintModel(pin.CONTACT_3D, model, tool.parentJoint, tool.placement, reference)
+            results, cone, R = contact.createData(), pin.CoulombFrictionCone(0.4), np.full(3, 0.5)
+            settings = pin.ProximalSettings(1e-14, 1e-14, 1e-6, 1000)
+            tau = pin.contactInverseDynamics(model, data, q, v, a, 1e-3, [contact], [results], [cone], R, np.array([0, 0, -3.0]), settings)
+            force = data.lambda_c.copy()
+            self.assertTrue(cone.isInside(force, 1e-9))
+            self.assertGreater(force[2], 1)
+            J = pin.getConstraintJacobian(model, data, contact, results)
+            np.testing.assert_allclose(tau, pin.rnea(model, data, q, v, a) - J.T @ force, atol=1e-8)
+            velocity = J @ (v + 1e-3 * a) + np.array([0, 0, -3.0]) + R * 1e-3 * force
+            shifted = velocity + cone.computeNormalCorrection(velocity)
+            self.assertTrue(cone.dual().isInside(shifted, 1e-6))
+            self.assertAlmostEqual(force @ shifted / np.linalg.norm(force), 0, places=5)
+
+    def test_projections_on_cones_are_the_nearest_vectors(self):
+        random = np.random.default_rng(2)
+        for f in random.normal(size=(200, 3)):
+            for cone in (pin.CoulombFrictionCone(0.7), pin.DualCoulombFrictionCone(0.7)):
+                x = cone.project(f)
+                self.assertTrue(cone.isInside(x, 1e-12))
+                self.assertAlmostEqual(x @ (f - x), 0)
+                self.assertTrue(cone.dual().isInside(x - f, 1e-12))
+
     def test_factors_of_motion_and_forces_are_those_of_their_matrix(self):
         model, data, q = self.model, self.data, self.q
         tool = model.frames[model.getFrameId("tool")]

@@ -164,6 +164,14 @@ from .explog import (  # noqa: F401
     unSkew,
 )
 from .frames import Frame  # noqa: F401
+from .friction import (  # noqa: F401
+    CoulombFrictionCone,
+    DualCoulombFrictionCone,
+    StdVec_CoulombFrictionCone,
+    StdVec_DualCoulombFrictionCone,
+    computeContactImpulses,
+    contactInverseDynamics,
+)
 from .geometry import (  # noqa: F401
     COLLISION,
     CollisionPair,
