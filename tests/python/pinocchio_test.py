@@ -193,9 +193,11 @@ class Results(unittest.TestCase):
         forces = [pin.Force.Random() for _ in range(self.model.njoints)]
         tau = pin.rnea(self.model, self.data, self.q, self.v, self.a, forces)
         for i in range(1, self.model.njoints):
-            joint = self.model.joints[i]
-            subspace = joint.createData()
-            joint.calc(subspace, self.q)
+            joint, subspace = self.model.joints[i], self.data.joints[i]
+            alone = joint.createData()
+            joint.calc(alone, self.q, self.v)
+            np.testing.assert_array_equal(alone.S, subspace.S)
+            np.testing.assert_allclose(subspace.S @ subspace.joint_v, subspace.v.vector, atol=1e-12)
             rows = slice(joint.idx_v, joint.idx_v + joint.nv)
             inertia_of_rotors = self.model.armature[rows] * self.a[rows]
             if joint.shortname() != "JointModelComposite":

@@ -11,7 +11,6 @@ from .. import ArgumentPosition, ReferenceFrame  # noqa: F401
 from .. import __version__ as _version
 from . import cholesky, liegroups, linalg, missing, rpy, utils, visualize  # noqa: F401
 from ._random import seed  # noqa: F401
-from .bodies import Bodies  # noqa: F401
 from .centroidal import (  # noqa: F401
     ccrba,
     computeCentroidalDynamicsDerivatives,
@@ -210,8 +209,8 @@ from .jacobians import (  # noqa: F401
     getJointJacobian,
     getJointJacobianTimeVariation,
 )
+from .joint_data import JointData  # noqa: F401
 from .joints import (  # noqa: F401
-    JointData,
     JointModel,
     JointModelComposite,
     JointModelFreeFlyer,

@@ -10,8 +10,8 @@ from . import convert
 class Compiled:
     """A compiled model. libdyn numbers joints depth first, Pinocchio in the order of addJoint; composite joints are several joints for libdyn.
 
-    Attributes: model (libdyn's), gravity; for each joint last (libdyn's number of its last part), bodies (the name of its body), parents, inertias,
-    masses, centres (of mass, in the joint's frame), subtree_masses.
+    Attributes: model (libdyn's), gravity; for each joint last (libdyn's number of its last part), bodies (the name of its body), parents, joints,
+    inertias, masses, centres (of mass, in the joint's frame), subtree_masses.
     """
 
     def __init__(self, model):
@@ -21,7 +21,7 @@ class Compiled:
         self.nq, self.nv, self.njoints = model.nq, model.nv, model.njoints
         joints = self.model.joints
         self.last = [self.model.joint_id(parts[-1]) for parts in names]
-        self.parents = model.parents.items()
+        self.parents, self.joints = model.parents.items(), model.joints.items()
         self.follows = bool(model.mimicking_joints)
         self.gravity = np.array(self.description.gravity)
         self.inertias = [Y.copy() for Y in model.inertias.items()]
@@ -38,7 +38,7 @@ class Compiled:
                 q_order[joint.idx_q : joint.idx_q + joint.nq] = range(at_q, at_q + joint.nq)
                 v_order[joint.idx_v : joint.idx_v + joint.nv] = range(at_v, at_v + joint.nv)
                 at_q, at_v = at_q + joint.nq, at_v + joint.nv
-        self._quaternions = [model.idx_qs[i] + at for i, joint in enumerate(model.joints.items()) for at in joint.quaternions()]
+        self._quaternions = [model.idx_qs[i] + at for i, joint in enumerate(self.joints) for at in joint.quaternions()]
         self._q, self._q_back = _orders(q_order)
         self._v, self._v_back = _orders(v_order)
         self.in_order = self._q is None and self._v is None

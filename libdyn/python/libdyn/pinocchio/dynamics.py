@@ -6,7 +6,7 @@ from .enums import Convention
 from .jacobians import computeJointJacobians, computeJointJacobiansTimeVariation
 from .kinematics import PLACEMENTS, forwardKinematics
 
-_FORCES = ("liMi", "v", "a_gf", "f", "h")
+_FORCES = ("liMi", "joints", "v", "a_gf", "f", "h")
 
 
 def rnea(model, data, q, v, a, fext=None):
@@ -60,7 +60,7 @@ def aba(model, data, q, v, tau, fext=None, convention=Convention.LOCAL):
     d = data.use(c, "aba")
     q, v, tau, forces = c.q_in(q, "aba"), c.v_in(v, "aba", "v"), c.v_in(tau, "aba", "tau"), c.forces_in(fext, "aba")
     ddq = dyn.aba(c.model, d, q, v, tau, fext=forces)
-    data.note(("oMi", "liMi", "v", "a_gf"), data.state(q, v, ddq, forces))
+    data.note((*PLACEMENTS, "v", "a_gf"), data.state(q, v, ddq, forces))
     data._aba = (q.copy(), v.copy(), tau.copy(), forces)
     ddq = data.ddq = c.v_out(ddq)
     return ddq

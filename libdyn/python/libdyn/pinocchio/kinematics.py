@@ -7,7 +7,7 @@ from .elements import Elements
 from .enums import LOCAL, LOCAL_WORLD_ALIGNED, WORLD
 from .spatial import SE3, Motion
 
-PLACEMENTS = ("oMi", "liMi")
+PLACEMENTS = ("oMi", "liMi", "joints")
 _BY_LEVEL = (PLACEMENTS, (*PLACEMENTS, "v"), (*PLACEMENTS, "v", "a"))
 
 

@@ -67,6 +67,17 @@ class State:
         last, model = self.c.last, self.c.model
         return self._each(lambda k: own(function(model, self.kinematics(), last[k], reference)) if k else Motion.Zero())
 
+    def joints(self):
+        q, v = self.c.q_out(self.q), self.c.v_out(self.v_or_zero)
+
+        def make(k):
+            data = self.c.joints[k].createData()
+            if k:
+                data.calc(q, v)
+            return data
+
+        return self._each(make)
+
     def oMi(self):
         return self._each(self.joint_pose)
 
