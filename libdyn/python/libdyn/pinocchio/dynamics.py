@@ -3,7 +3,6 @@
 import libdyn as dyn
 
 from .enums import Convention
-from .jacobians import computeJointJacobians, computeJointJacobiansTimeVariation
 from .kinematics import PLACEMENTS, forwardKinematics
 
 _FORCES = ("liMi", "joints", "v", "a_gf", "f", "h")
@@ -148,7 +147,6 @@ def computeAllTerms(model, data, q, v):
     jacobianCenterOfMass(model, data, q)
     ccrba(model, data, q, v)
     computeMechanicalEnergy(model, data, q, v)
-    computeJointJacobians(model, data, q)
-    computeJointJacobiansTimeVariation(model, data, q, v)
     forwardKinematics(model, data, q, v)
     centerOfMass(model, data, q, v)
+    data.note(("J", "dJ", "ov"), data.source("oMi", "computeAllTerms", ""))

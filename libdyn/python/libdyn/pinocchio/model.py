@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """The model: joints, inertias and frames that may be changed at any time. Algorithms compile it when they first need it, and after changes."""
 import copy
+import sys
 
 import numpy as np
 
@@ -18,6 +19,8 @@ _PER_JOINT = ("names", "parents", "children", "joints", "inertias", "jointPlacem
 _PER_Q = ("lowerPositionLimit", "upperPositionLimit")
 _PER_V = ("velocityLimit", "effortLimit", "rotorInertia", "rotorGearRatio", "friction", "damping")
 _NONE = np.finfo(float).max
+# A part is held by the model and by its entry among the lent ones; the loop and the call that count hold it, too.
+_OWN_REFERENCES = 4
 
 
 class Model(Serializable):
@@ -96,10 +99,12 @@ class Model(Serializable):
 
     def compiled(self):
         """Returns the Compiled of the model as it is now."""
-        for item, before in self._lent.values():
+        for key, (item, before) in list(self._lent.items()) if self._lent else ():
             if _fingerprint(item) != before:
                 self.changed()
                 break
+            if sys.getrefcount(item) == _OWN_REFERENCES:
+                del self._lent[key]  # nobody can change it any more; views of its numbers would hold it
         if self._compiled is None:
             self._compiled = Compiled(self)
         return self._compiled
