@@ -34,7 +34,7 @@ void addInertialParameters(py::module_& m) {
       "pseudo_inertia", [](const DynamicParameters& x) { return toMatrix(pseudoInertia(x)); }, parameters,
       "Returns the pseudo-inertia [[Sigma, m c], [m c', m]] (4, 4) of ten dynamic parameters; Sigma is the sum of m x x'.");
   m.def(
-      "dynamic_parameters", [](const Matrix4& A) { return toVector(dynamicParameters(fromMatrix(A))); }, J,
+      "dynamic_parameters_of_pseudo_inertia", [](const Matrix4& A) { return toVector(dynamicParameters(fromMatrix(A))); }, J,
       "Returns the ten dynamic parameters of a pseudo-inertia (4, 4), whose upper triangle is read.");
   m.def(
       "pseudo_inertia_from_log_cholesky", [](const LogCholeskyParameters& x) { return toMatrix(pseudoInertiaFromLogCholesky(x)); }, parameters,
@@ -42,13 +42,11 @@ void addInertialParameters(py::module_& m) {
   m.def(
       "log_cholesky", [](const Matrix4& A) { return toVector(logCholesky(fromMatrix(A))); }, J,
       "Returns the ten log-Cholesky parameters of a positive definite pseudo-inertia (4, 4).");
-  m.def(
-      "physical_consistency",
-      [](const Inertia<double>& Y) {
-        const PhysicalConsistency x = physicalConsistency(Y);
-        return py::make_tuple(x.consistent, x.margin);
-      },
-      inertia, "Returns whether a body of positive density can have the inertia, and the smallest principal second moment relative to the largest.");
+  py::class_<PhysicalConsistency>(m, "PhysicalConsistency", "Whether a body of positive density can have an inertia; true in an `if` if it can.")
+      .def_readonly("consistent", &PhysicalConsistency::consistent, "Whether it can.")
+      .def_readonly("margin", &PhysicalConsistency::margin, "The smallest principal second moment, relative to the largest one.")
+      .def("__bool__", [](const PhysicalConsistency& x) { return x.consistent; });
+  m.def("physical_consistency", &physicalConsistency, inertia, "Finds whether a body of positive density can have an inertia.");
 }
 
 }  // namespace dyn::python

@@ -77,6 +77,7 @@ PYBIND11_MODULE(_core, m) {
   using namespace dyn::python;
   addErrors(m);
   addSpatial(m);
+  addSubclasses(m);
   addLie(m);
   addInertialParameters(m);
   addDescription(m);

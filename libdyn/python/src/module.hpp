@@ -10,6 +10,7 @@ namespace py = pybind11;
 
 void addErrors(py::module_& m);
 void addSpatial(py::module_& m);
+void addSubclasses(py::module_& m);
 void addLie(py::module_& m);
 void addInertialParameters(py::module_& m);
 void addDescription(py::module_& m);

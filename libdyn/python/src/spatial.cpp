@@ -133,12 +133,13 @@ void addSpatial(py::module_& m) {
   using X = SE3<double>;
   py::class_<X> pose(m, "SE3", "The pose aMb of frame b in frame a: x_a = R x_b + p.");
   const auto pose_parts = [](const X& x) { return py::make_tuple(toEigen(x.R), toEigen(x.p)); };
-  const auto of = [](const Matrix3& R, const Vector3& p) {
-    if (!(R.transpose() * R).isIdentity(1e-9) || !(R.determinant() > 0)) throw Error(ErrorCode::argument, "SE3: R is not a rotation");
+  const auto of = [](const Matrix3& R, const Vector3& p, bool check) {
+    if (check && (!(R.transpose() * R).isIdentity(1e-9) || !(R.determinant() > 0))) throw Error(ErrorCode::argument, "SE3: R is not a rotation");
     return X{rotationFromEigen(R), fromEigen3(p)};
   };
-  pose.def(py::init(of), py::arg("R") = Matrix3::Identity().eval(), py::arg("p") = Vector3::Zero().eval())
-      .def(py::init([of](const Eigen::Matrix4d& H) { return of(H.topLeftCorner<3, 3>(), H.topRightCorner<3, 1>()); }), py::arg("homogeneous"))
+  pose.def(py::init(of), py::arg("R") = Matrix3::Identity().eval(), py::arg("p") = Vector3::Zero().eval(), py::kw_only(), py::arg("check") = true,
+           "Raises Error if R is no rotation, unless check is False.")
+      .def(py::init([of](const Eigen::Matrix4d& H) { return of(H.topLeftCorner<3, 3>(), H.topRightCorner<3, 1>(), true); }), py::arg("homogeneous"))
       .def_static(
           "translation",
           [](double x, double y, double z) {

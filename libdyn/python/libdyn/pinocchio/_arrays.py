@@ -19,9 +19,18 @@ def array(x, shape, name):
     return out
 
 
+def call(function, x, shape, name):
+    """Returns function(x). If the function does not take x as it is, x becomes an array first, which names the argument if that fails."""
+    try:
+        return function(x)
+    except TypeError:
+        return function(array(x, shape, name))
+
+
 def close(a, b, prec=PRECISION):
     """Returns whether the norm of a - b is at most prec times the smaller norm of the two."""
-    return bool(np.linalg.norm(a - b) <= prec * min(np.linalg.norm(a), np.linalg.norm(b)))
+    d, a, b = (a - b).ravel(), a.ravel(), b.ravel()
+    return bool(d @ d <= prec * prec * min(a @ a, b @ b))
 
 
 def small(a, prec=PRECISION):

@@ -43,7 +43,7 @@ class SceneState:
         for k, pose in poses:
             q = self._q[self.scene.slices[k]]
             q[:3] = pose.p
-            q[3:] = libdyn.quaternion_of(pose.R)
+            q[3:] = libdyn.quaternion_of(pose.R, check=False)
         libdyn.update_geometry_placements(self.scene.model, self._data, self.scene.geometry, self._geometry_data, self._q)
 
     def collides(self, pair):

@@ -1,15 +1,16 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Exponentials, logarithms and their Jacobians, computed by libdyn, which is accurate to rounding at every angle."""
 
+import functools
 import math
 
 import numpy as np
 
 import libdyn
 
-from ._arrays import array
+from ._arrays import array, call
 from .rotations import Quaternion
-from .spatial import SE3, Motion, skew
+from .spatial import SE3, Motion, own, skew
 
 __all__ = [
     "Hlog3",
@@ -33,19 +34,23 @@ __all__ = [
 ]
 
 
+# Matrices that have drifted from a rotation have a logarithm here, as they have in Pinocchio.
+_log3 = functools.partial(libdyn.log3, check=False)
+
+
 def exp3(w):
     """Returns the rotation matrix (3, 3) of a rotation vector (3,) [rad]."""
-    return libdyn.exp3(array(w, (3,), "w"))
+    return call(libdyn.exp3, w, (3,), "w")
 
 
 def exp3_quat(w):
     """Returns the unit quaternion (x, y, z, w) of a rotation vector (3,) [rad]."""
-    return libdyn.exp3_quaternion(array(w, (3,), "w"))
+    return call(libdyn.exp3_quaternion, w, (3,), "w")
 
 
 def Jexp3(w):
     """Returns the right Jacobian (3, 3) of exp3 at w."""
-    return libdyn.Jexp3(array(w, (3,), "w"))
+    return call(libdyn.Jexp3, w, (3,), "w")
 
 
 def log3(R, theta=None):
@@ -58,7 +63,7 @@ def log3(R, theta=None):
     elif np.size(R) == 4:
         out = libdyn.log3_quaternion(array(R, (4,), "quat"))
     else:
-        out = libdyn.log3(array(R, (3, 3), "R"))
+        out = call(_log3, R, (3, 3), "R")
     if isinstance(theta, np.ndarray):
         theta[...] = np.linalg.norm(out)
     return out
@@ -66,12 +71,12 @@ def log3(R, theta=None):
 
 def Jlog3(R):
     """Returns the Jacobian (3, 3) of log3 at a rotation matrix, the inverse of Jexp3(log3(R))."""
-    return libdyn.Jlog3(libdyn.log3(array(R, (3, 3), "R")))
+    return libdyn.Jlog3(call(_log3, R, (3, 3), "R"))
 
 
 def Hlog3(R, v):
     """Returns the derivative (3, 3) of Jlog3 at a rotation matrix along v (3,), the product of v and the Hessian of log3."""
-    return libdyn.Hlog3(libdyn.log3(array(R, (3, 3), "R")), array(v, (3,), "v"))
+    return libdyn.Hlog3(call(_log3, R, (3, 3), "R"), array(v, (3,), "v"))
 
 
 def _motion(v):
@@ -84,7 +89,7 @@ def _pose(M):
 
 def exp6(motion):
     """Returns the SE3 that a constant motion, a Motion or an array (6,), reaches in unit time."""
-    return SE3(libdyn.SE3.exp(_motion(motion)))
+    return own(libdyn.SE3.exp(_motion(motion)))
 
 
 def exp6_quat(v):
@@ -100,7 +105,7 @@ def Jexp6(motion):
 
 def log6(M):
     """Returns the constant Motion that leads to an SE3 or a homogeneous matrix (4, 4) in unit time; its angle is at most pi."""
-    return Motion(libdyn.SE3.log(_pose(M)))
+    return own(libdyn.SE3.log(_pose(M)))
 
 
 def log6_quat(q):

@@ -9,7 +9,7 @@ import libdyn
 
 from . import _random
 from ._arrays import PRECISION, array, close, line, rows, small
-from .spatial import _OWN, Force, Motion
+from .spatial import _OWN, Motion, own
 from .symmetric3 import Symmetric3
 
 __all__ = ["Inertia", "LogCholeskyParameters", "PseudoInertia"]
@@ -70,14 +70,14 @@ class Inertia(libdyn.Inertia):
 
     def se3Action(self, M):
         """Returns M.act(self)."""
-        return Inertia(libdyn.SE3.act(M, self))
+        return own(libdyn.SE3.act(M, self))
 
     def se3ActionInverse(self, M):
         """Returns M.actInv(self)."""
-        return Inertia(libdyn.SE3.act_inverse(M, self))
+        return own(libdyn.SE3.act_inverse(M, self))
 
     def __add__(self, other):
-        return Inertia(super().__add__(other))
+        return own(super().__add__(other))
 
     def __iadd__(self, other):
         return self._assign(self + other)
@@ -99,7 +99,7 @@ class Inertia(libdyn.Inertia):
 
     def __mul__(self, motion):
         """Returns the momentum of the body, a Force."""
-        return Force(libdyn.Inertia.__matmul__(self, motion)) if isinstance(motion, libdyn.Motion) else NotImplemented
+        return own(libdyn.Inertia.__matmul__(self, motion))
 
     def __matmul__(self, motion):
         return self * motion
@@ -197,7 +197,7 @@ class Inertia(libdyn.Inertia):
 
     @staticmethod
     def FromDynamicParameters(dynamic_parameters):
-        return Inertia(libdyn.inertia_from_dynamic_parameters(array(dynamic_parameters, (10,), "dynamic_parameters")))
+        return own(libdyn.inertia_from_dynamic_parameters(array(dynamic_parameters, (10,), "dynamic_parameters")))
 
     def toPseudoInertia(self):
         return PseudoInertia.FromInertia(self)
@@ -277,7 +277,7 @@ class PseudoInertia:
         return PseudoInertia(J[3, 3], J[:3, 3], J[:3, :3])
 
     def toDynamicParameters(self):
-        return libdyn.dynamic_parameters(self.toMatrix())
+        return libdyn.dynamic_parameters_of_pseudo_inertia(self.toMatrix())
 
     @staticmethod
     def FromDynamicParameters(dynamic_parameters):
@@ -328,7 +328,7 @@ class LogCholeskyParameters:
         return libdyn.pseudo_inertia_from_log_cholesky(self._parameters)
 
     def toDynamicParameters(self):
-        return libdyn.dynamic_parameters(self._matrix())
+        return libdyn.dynamic_parameters_of_pseudo_inertia(self._matrix())
 
     def toPseudoInertia(self):
         return PseudoInertia.FromMatrix(self._matrix())
@@ -348,8 +348,8 @@ class LogCholeskyParameters:
             dU = np.zeros((4, 4))
             dU[row, column] = scale * rate
             rates.append(dU)
-        # dynamic_parameters is linear, so it maps derivatives, too.
-        return np.stack([libdyn.dynamic_parameters(dU @ U.T + U @ dU.T) for dU in rates], axis=1)
+        # The parameters are linear in the matrix, so the same function maps derivatives.
+        return np.stack([libdyn.dynamic_parameters_of_pseudo_inertia(dU @ U.T + U @ dU.T) for dU in rates], axis=1)
 
     def __array__(self, dtype=None, copy=None):
         return np.array(self._parameters, dtype=dtype)

@@ -16,7 +16,7 @@ def coefficients_of(R):
 
     w is positive where the trace is positive. Elsewhere the component of the largest entry on the diagonal is positive.
     """
-    q = libdyn.quaternion_of(R)
+    q = libdyn.quaternion_of(R, check=False)
     if not R[0, 0] + R[1, 1] + R[2, 2] > 0:
         largest = 1 if R[1, 1] > R[0, 0] else 0
         if R[2, 2] > R[largest, largest]:
@@ -263,7 +263,7 @@ class AngleAxis:
 
     def fromRotationMatrix(self, R):
         """Takes the rotation of a matrix; the angle is then between 0 and pi. Returns self."""
-        self._take(libdyn.log3(array(R, (3, 3), "R")))
+        self._take(libdyn.log3(array(R, (3, 3), "R"), check=False))
         return self
 
     def matrix(self):

@@ -78,15 +78,19 @@ def _tree(x):
     return {"class": name, "state": _tree(state)}
 
 
+def _is_ours(module):
+    return module == "libdyn" or module.startswith("libdyn.pinocchio.")
+
+
 def _name(cls):
-    if cls.__module__ != "libdyn" and not cls.__module__.startswith("libdyn."):
+    if not _is_ours(cls.__module__):
         raise TypeError(f"an object of type {cls.__module__}.{cls.__qualname__} cannot be written")
     return f"{cls.__module__}.{cls.__qualname__}"
 
 
 def _class(name):
     module, _, own = str(name).rpartition(".")
-    cls = getattr(sys.modules.get(module), own, None) if module == "libdyn" or module.startswith("libdyn.") else None
+    cls = getattr(sys.modules.get(module), own, None) if _is_ours(module) else None
     if not isinstance(cls, type):
         raise ValueError(f"there is no class {name!r} in libdyn")
     return cls

@@ -4,6 +4,7 @@
 import numpy as np
 
 import libdyn
+from libdyn._core import _as
 
 from . import _random
 from ._arrays import PRECISION, array, close, line, rows, small
@@ -21,10 +22,11 @@ def skew(u):
 def own(x):
     """Returns a value of libdyn as this package's class for it. Other objects, such as arrays, are returned as they are."""
     cls = _OWN.get(type(x))
-    return x if cls is None else cls(x)
+    return x if cls is None else _as(cls, x)
 
 
 _OWN = {}
+_act, _act_inverse, _inverse, _product = libdyn.SE3.act, libdyn.SE3.act_inverse, libdyn.SE3.inverse, libdyn.SE3.__mul__
 
 
 class SE3(libdyn.SE3):
@@ -40,14 +42,20 @@ class SE3(libdyn.SE3):
         if isinstance(first, libdyn.SE3):
             super().__init__(first)
             return
-        super().__init__()
         if translation is not None:
-            self.rotation = first.matrix() if isinstance(first, Quaternion) else first
-            self.translation = translation
-        elif hasattr(first, "getRotation"):  # Transform3f of hppfcl
+            self._set(first.matrix() if isinstance(first, Quaternion) else first, translation)
+            return
+        super().__init__()
+        if hasattr(first, "getRotation"):  # Transform3f of hppfcl
             self.rotation, self.translation = first.getRotation(), first.getTranslation()
         elif first is not None and not isinstance(first, int):
             self._read(first)
+
+    def _set(self, rotation, translation):
+        try:
+            super().__init__(rotation, translation, check=False)
+        except TypeError:
+            super().__init__(array(rotation, (3, 3), "rotation"), array(translation, (3,), "translation"), check=False)
 
     def _read(self, homogeneous):
         H = array(homogeneous, (4, 4), "array")
@@ -80,7 +88,7 @@ class SE3(libdyn.SE3):
     @property
     def actionInverse(self):
         """The 6 x 6 matrix that maps motions from a to b."""
-        return libdyn.SE3.inverse(self).action
+        return _inverse(self).action
 
     @property
     def dualAction(self):
@@ -101,17 +109,17 @@ class SE3(libdyn.SE3):
 
     def inverse(self):
         """Returns bMa."""
-        return SE3(super().inverse())
+        return own(_inverse(self))
 
     __invert__ = inverse
 
     def act(self, x):
         """Maps a pose, motion, force, inertia or point (3,) from b to a."""
-        return SE3(libdyn.SE3.__mul__(self, x)) if isinstance(x, libdyn.SE3) else own(super().act(x))
+        return own(_product(self, x) if isinstance(x, libdyn.SE3) else _act(self, x))
 
     def actInv(self, x):
         """Maps a pose, motion, force, inertia or point (3,) from a to b."""
-        return SE3(super().inverse() * x) if isinstance(x, libdyn.SE3) else own(super().act_inverse(x))
+        return own(_inverse(self) * x if isinstance(x, libdyn.SE3) else _act_inverse(self, x))
 
     __mul__ = act
 
@@ -146,19 +154,19 @@ class SE3(libdyn.SE3):
     @staticmethod
     def Interpolate(A, B, alpha):
         """Returns A exp6(alpha log6(A^-1 B))."""
-        way = libdyn.SE3.log(libdyn.SE3.inverse(A) * B)
-        return SE3(libdyn.SE3.__mul__(A, libdyn.SE3.exp(float(alpha) * way)))
+        way = libdyn.SE3.log(_inverse(A) * B)
+        return own(_product(A, libdyn.SE3.exp(float(alpha) * way)))
 
     def __array__(self, dtype=None, copy=None):
         return np.asarray(self.homogeneous, dtype=dtype)
 
     def copy(self):
-        return SE3(self)
+        return _as(SE3, self)
 
     __copy__ = copy
 
     def __deepcopy__(self, memo):
-        return SE3(self)
+        return _as(SE3, self)
 
     def __str__(self):
         return f"  R =\n{rows(self.R)}\n  p = {line(self.p)}\n"
@@ -178,34 +186,31 @@ class _Pair:
         else:
             super().__init__(linear, angular)
 
-    def _as_own(self, x):
-        return x if x is NotImplemented else type(self)(x)
-
     def __add__(self, other):
-        return self._as_own(super().__add__(other))
+        return own(super().__add__(other))
 
     def __sub__(self, other):
-        return self._as_own(super().__sub__(other))
+        return own(super().__sub__(other))
 
     def __neg__(self):
-        return type(self)(super().__neg__())
+        return own(super().__neg__())
 
     def __mul__(self, factor):
-        return self._as_own(super().__mul__(factor))
+        return own(super().__mul__(factor))
 
     def __rmul__(self, factor):
-        return self._as_own(super().__rmul__(factor))
+        return own(super().__rmul__(factor))
 
     def __truediv__(self, divisor):
         return type(self)(self.vector / float(divisor))
 
     def se3Action(self, M):
         """Returns M.act(self)."""
-        return type(self)(libdyn.SE3.act(M, self))
+        return own(_act(M, self))
 
     def se3ActionInverse(self, M):
         """Returns M.actInv(self)."""
-        return type(self)(libdyn.SE3.act_inverse(M, self))
+        return own(_act_inverse(M, self))
 
     def dot(self, other):
         """Returns the power of a force along a motion, in the same frame."""
@@ -238,12 +243,12 @@ class _Pair:
         return np.array(self.vector, dtype=dtype)
 
     def copy(self):
-        return type(self)(self)
+        return _as(type(self), self)
 
     __copy__ = copy
 
     def __deepcopy__(self, memo):
-        return type(self)(self)
+        return _as(type(self), self)
 
 
 class Motion(_Pair, libdyn.Motion):

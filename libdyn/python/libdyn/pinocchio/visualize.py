@@ -10,6 +10,7 @@ __all__ = [
     "BaseVisualizer",
     "GepettoVisualizer",
     "MeshcatVisualizer",
+    "NoViewer",
     "Panda3dVisualizer",
     "RVizVisualizer",
     "Visualizer",
@@ -114,29 +115,36 @@ class BaseVisualizer:
         return contextlib.nullcontext()
 
 
+class NoViewer(NotImplementedError, ImportError):
+    """libdyn has no viewer. Scripts that go on without one where it is not installed catch ImportError, and so this."""
+
+
 class _Absent(BaseVisualizer):
-    def __init__(self, *args, **named):
-        raise NotImplementedError(
+    def initViewer(self, *args, **named):
+        """Raises NoViewer."""
+        raise NoViewer(
             f"libdyn has no {type(self).__name__}: derive from libdyn.pinocchio.visualize.BaseVisualizer, place the volumes by "
             "updateGeometryPlacements, and give geometry_data.oMg to your viewer"
         )
 
+    loadViewerModel = display = initViewer
+
 
 class MeshcatVisualizer(_Absent):
-    """Not there; raises NotImplementedError."""
+    """Not there; initViewer() raises NoViewer."""
 
 
 class GepettoVisualizer(_Absent):
-    """Not there; raises NotImplementedError."""
+    """Not there; initViewer() raises NoViewer."""
 
 
 class Panda3dVisualizer(_Absent):
-    """Not there; raises NotImplementedError."""
+    """Not there; initViewer() raises NoViewer."""
 
 
 class RVizVisualizer(_Absent):
-    """Not there; raises NotImplementedError."""
+    """Not there; initViewer() raises NoViewer."""
 
 
 class Visualizer(_Absent):
-    """Not there; raises NotImplementedError."""
+    """Not there; initViewer() raises NoViewer."""
