@@ -85,6 +85,10 @@ class Checks(unittest.TestCase):
         self.assertFalse(computeCollision(model, data, 0))
         with self.assertRaisesRegex(ValueError, "there are 3 pairs"):
             computeCollision(model, data, 3)
+        with self.assertRaisesRegex(TypeError, "geometry_data must be a GeometryData"):
+            computeCollisions(model, model)
+        with self.assertRaisesRegex(TypeError, "give geometry_model"):
+            computeDistances()
 
     def test_margins_and_contacts_follow_the_request(self):
         model = spheres(2)

@@ -19,6 +19,13 @@ def array(x, shape, name):
     return out
 
 
+def instance(x, cls, name):
+    """Returns x. Raises TypeError that names the argument unless x is an instance of cls."""
+    if not isinstance(x, cls):
+        raise TypeError(f"{name} must be a {cls.__name__}, not {type(x).__name__}")
+    return x
+
+
 def call(function, x, shape, name):
     """Returns function(x). If the function does not take x as it is, x becomes an array first, which names the argument if that fails."""
     try:

@@ -3,7 +3,9 @@
 
 import numpy as np
 
+from ._arrays import instance
 from ._queries import check, collide, distance, measure
+from .geometry import GeometryData, GeometryModel
 
 __all__ = [
     "ComputeCollision",
@@ -23,6 +25,8 @@ def updateGeometryPlacements(model, data, geometry_model, geometry_data, q=None)
         from .kinematics import forwardKinematics
 
         forwardKinematics(model, data, q)
+    instance(geometry_model, GeometryModel, "geometry_model")
+    instance(geometry_data, GeometryData, "geometry_data")
     oMi = data.oMi
     for k, volume in enumerate(geometry_model.geometryObjects):
         geometry_data.oMg[k] = oMi[volume.parentJoint] * volume.placement
@@ -41,7 +45,7 @@ def _checked(geometry_model, geometry_data):
 
 def computeCollision(geometry_model, geometry_data, pair_index, collision_request=None):
     """Returns whether a pair collides where geometry_data.oMg has its volumes; fills geometry_data.collisionResults[pair_index]."""
-    geometry_data._check(pair_index)
+    instance(geometry_data, GeometryData, "geometry_data")._check(pair_index)
     result = geometry_data.collisionResults[pair_index]
     result.clear()
     a, b = _shapes(geometry_model, pair_index)
@@ -73,7 +77,7 @@ def computeCollisions(*args, **named):
 
 def computeDistance(geometry_model, geometry_data, pair_index):
     """Returns the DistanceResult of a pair, which is also geometry_data.distanceResults[pair_index]."""
-    geometry_data._check(pair_index)
+    instance(geometry_data, GeometryData, "geometry_data")._check(pair_index)
     result = geometry_data.distanceResults[pair_index]
     a, b = _shapes(geometry_model, pair_index)
     measure(geometry_data._placed(geometry_model, [pair_index]), pair_index, result, a.geometry, b.geometry)
@@ -98,12 +102,14 @@ def computeDistances(*args, **named):
 def _placed_by(args, named):
     """Reads the arguments of the two forms; places the volumes in the second form."""
     args = list(args) + [named[k] for k in ("model", "data", "geometry_model", "geometry_data", "q") if k in named]
-    if len(args) < 5 and not hasattr(args[1], "oMi"):
-        return args[0], args[1], args[2:]
-    if len(args) < 5:
-        raise TypeError("give model, data, geometry_model, geometry_data and q")
-    model, data, geometry_model, geometry_data, q = args[:5]
-    updateGeometryPlacements(model, data, geometry_model, geometry_data, q)
+    at = 0 if args and isinstance(args[0], GeometryModel) else 2
+    if len(args) < (2 if at == 0 else 5):
+        raise TypeError("give geometry_model and geometry_data, or model, data, geometry_model, geometry_data and q")
+    geometry_model = instance(args[at], GeometryModel, "geometry_model")
+    geometry_data = instance(args[at + 1], GeometryData, "geometry_data")
+    if at == 0:
+        return geometry_model, geometry_data, args[2:]
+    updateGeometryPlacements(*args[:5])
     return geometry_model, geometry_data, args[5:]
 
 

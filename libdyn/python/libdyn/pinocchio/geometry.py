@@ -2,13 +2,11 @@
 """Volumes on a robot and the pairs of them that are checked, with the names of Pinocchio."""
 
 import copy
-import enum
 import operator
 
 import numpy as np
 
-from . import hppfcl
-from ._arrays import array
+from ._arrays import array, instance
 from ._queries import (
     CollisionRequest,
     CollisionResult,
@@ -21,6 +19,15 @@ from ._queries import (
 )
 from ._scene import Scene, SceneState
 from .containers import StdVec_Bool, StdVec_Scalar, StdVec_SE3, instances, typed_list
+from .geometry_object import (
+    COLLISION,
+    NO_INDEX,
+    VISUAL,
+    GeometryNoMaterial,
+    GeometryObject,
+    GeometryPhongMaterial,
+    GeometryType,
+)
 from .serialization import Serializable
 from .spatial import SE3
 
@@ -39,131 +46,14 @@ __all__ = [
 ]
 
 
-class GeometryType(enum.IntEnum):
-    """The purpose of a volume."""
-
-    VISUAL = 0
-    COLLISION = 1
-
-
-VISUAL, COLLISION = GeometryType.VISUAL, GeometryType.COLLISION
-
-
-class GeometryNoMaterial:
-    """The material of a volume whose look is in its mesh."""
-
-    def __eq__(self, other):
-        return isinstance(other, GeometryNoMaterial)
-
-    __hash__ = None
-
-
-class GeometryPhongMaterial:
-    """Colours (r, g, b, a) and shininess of a volume."""
-
-    __hash__ = None
-
-    def __init__(self, meshEmissionColor=(0.0, 0.0, 0.0, 1.0), meshSpecularColor=(0.0, 0.0, 0.0, 1.0), meshShininess=0.5):
-        self.meshEmissionColor = np.array(meshEmissionColor, dtype=float)
-        self.meshSpecularColor = np.array(meshSpecularColor, dtype=float)
-        self.meshShininess = float(meshShininess)
-
-    def __eq__(self, other):
-        if not isinstance(other, GeometryPhongMaterial):
-            return NotImplemented
-        mine, theirs = vars(self), vars(other)
-        return all(np.array_equal(mine[name], theirs[name]) for name in mine)
-
-
-class GeometryObject(Serializable):
-    """A volume on a joint: GeometryObject(name, parent_joint[, parent_frame], placement, collision_geometry, ...).
-
-    placement: the pose in the joint's frame. collision_geometry: a shape of hppfcl. mesh_path, mesh_scale, mesh_color and so on are for viewers.
-    """
-
-    __hash__ = None
-    _options = (
-        ("mesh_path", ""),
-        ("mesh_scale", (1.0, 1.0, 1.0)),
-        ("override_material", False),
-        ("mesh_color", (0.0, 0.0, 0.0, 1.0)),
-        ("mesh_texture_path", ""),
-        ("mesh_material", None),
-    )
-
-    def __init__(self, name, *args, **named):
-        if isinstance(name, GeometryObject):
-            self.__dict__.update(copy.deepcopy(vars(name)))
-            return
-        args = list(args)
-        self.name = str(name)
-        # Integers come first: joint and frame, or the other way round before placement and geometry changed places.
-        numbers = [operator.index(args.pop(0)) for _ in range(2) if args and not isinstance(args[0], (SE3, hppfcl.CollisionGeometry))]
-        objects = [args.pop(0) for _ in range(2) if args and isinstance(args[0], (SE3, hppfcl.CollisionGeometry))]
-        if len(numbers) == 2 and objects and isinstance(objects[0], hppfcl.CollisionGeometry):
-            numbers.reverse()
-        joint, frame = (numbers + [None, None])[:2]
-        self.parentJoint = operator.index(named.pop("parent_joint", joint))
-        frame = named.pop("parent_frame", frame)
-        self.parentFrame = _NO_FRAME if frame is None else operator.index(frame)
-        self.placement = named.pop("placement", next((x for x in objects if isinstance(x, SE3)), None))
-        self.geometry = named.pop("collision_geometry", next((x for x in objects if isinstance(x, hppfcl.CollisionGeometry)), None))
-        if not isinstance(self.geometry, hppfcl.CollisionGeometry):
-            raise TypeError(f"collision_geometry must be a shape of hppfcl, not {type(self.geometry).__name__}")
-        options = dict(self._options, **dict(zip((key for key, _ in self._options), args)))
-        unknown = set(named) - set(options)
-        if unknown or len(args) > len(options):
-            raise TypeError(f"GeometryObject has no argument {', '.join(sorted(unknown)) or args[-1]!r}")
-        options.update(named)
-        self.meshPath, self.meshTexturePath = str(options["mesh_path"]), str(options["mesh_texture_path"])
-        self.meshScale = array(options["mesh_scale"], (3,), "mesh_scale").copy()
-        self.meshColor = array(options["mesh_color"], (4,), "mesh_color").copy()
-        self.overrideMaterial = bool(options["override_material"])
-        self.meshMaterial = options["mesh_material"] or GeometryNoMaterial()
-        self.disableCollision = False
-
-    @property
-    def placement(self):
-        """The pose in the joint's frame."""
-        return self._placement
-
-    @placement.setter
-    def placement(self, value):
-        if not isinstance(value, SE3):
-            raise TypeError(f"placement must be an SE3, not {type(value).__name__}")
-        self._placement = value.copy()
-
-    def clone(self):
-        """Returns a copy with a shape of its own."""
-        return copy.deepcopy(self)
-
-    copy = clone
-
-    def __eq__(self, other):
-        if not isinstance(other, GeometryObject):
-            return NotImplemented
-        mine, theirs = vars(self), vars(other)
-        return all(np.array_equal(x, theirs[key]) if isinstance(x, np.ndarray) else x == theirs[key] for key, x in mine.items())
-
-    def __repr__(self):
-        return f"<GeometryObject '{self.name}': {self.geometry!r}>"
-
-    @staticmethod
-    def CreateCapsule(radius, length):
-        return GeometryObject("", 0, 0, SE3.Identity(), hppfcl.Capsule(radius, length))
-
-
-_NO_FRAME = 2**64 - 1
-
-
 class CollisionPair:
     """The indices of two volumes."""
 
     __hash__ = None
 
-    def __init__(self, index1=_NO_FRAME, index2=_NO_FRAME):
+    def __init__(self, index1=NO_INDEX, index2=NO_INDEX):
         self.first, self.second = operator.index(index1), operator.index(index2)
-        if self.first == self.second != _NO_FRAME:
+        if self.first == self.second != NO_INDEX:
             raise ValueError(f"CollisionPair: a volume is not checked against itself ({index1})")
 
     def copy(self):
@@ -190,6 +80,7 @@ class GeometryModel(Serializable):
         self.collisionPairs = StdVec_CollisionPair()
         self._compiled = None
         if other is not None:
+            instance(other, GeometryModel, "other")
             self.geometryObjects, self.collisionPairs = other.geometryObjects.copy(), other.collisionPairs.copy()
 
     ngeoms = property(lambda self: len(self.geometryObjects), doc="The number of volumes.")
@@ -204,7 +95,7 @@ class GeometryModel(Serializable):
 
     def addGeometryObject(self, geometry_object, model=None):
         """Adds a copy of a volume; returns its index. With a model, its joint becomes the one that carries its frame."""
-        added = geometry_object.copy()
+        added = instance(geometry_object, GeometryObject, "geometry_object").copy()
         if model is not None and added.parentFrame < len(model.frames):
             added.parentJoint = model.frames[added.parentFrame].parentJoint
         self.geometryObjects.append(added)
@@ -228,6 +119,7 @@ class GeometryModel(Serializable):
 
     def addCollisionPair(self, collision_pair):
         """Adds a pair, unless it is there. Raises ValueError for an index out of range."""
+        instance(collision_pair, CollisionPair, "collision_pair")
         if not max(collision_pair.first, collision_pair.second) < self.ngeoms:
             raise ValueError(f"{collision_pair}: an index is not less than ngeoms, {self.ngeoms}")
         if not self.existCollisionPair(collision_pair):
@@ -311,7 +203,7 @@ class GeometryData:
         if isinstance(geometry_model, GeometryData):
             self.__dict__.update(copy.deepcopy({k: v for k, v in vars(geometry_model).items() if k != "_state"}), _state=None)
             return
-        pairs = len(geometry_model.collisionPairs)
+        pairs = len(instance(geometry_model, GeometryModel, "geometry_model").collisionPairs)
         self.oMg = StdVec_SE3([SE3() for _ in range(geometry_model.ngeoms)])
         self.activeCollisionPairs = StdVec_Bool(pairs, True)
         self.distanceRequests = StdVec_DistanceRequest(pairs, DistanceRequest())
@@ -391,7 +283,7 @@ class GeometryData:
 
     def _placed(self, geometry_model, pairs):
         """Returns the SceneState with the volumes of these pairs where oMg has them."""
-        scene, index = geometry_model._scene()
+        scene, index = instance(geometry_model, GeometryModel, "geometry_model")._scene()
         if self._state is None or self._state.scene is not scene:
             self._state = SceneState(scene)
         moved = {k for pair in pairs for k in (geometry_model.collisionPairs[pair].first, geometry_model.collisionPairs[pair].second)}

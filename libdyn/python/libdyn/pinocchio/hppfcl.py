@@ -24,6 +24,7 @@ from ._queries import (  # noqa: F401
     distance,
 )
 from ._transform import Transform3f, Transform3s  # noqa: F401
+from .missing import Missing
 
 # These are the names that Pinocchio takes from hpp-fcl. The others are hppfcl.Box, hppfcl.distance and so on.
 __all__ = [
@@ -353,3 +354,19 @@ def _size(x, name):
     if not x >= 0:
         raise ValueError(f"{name} is {x}; it must not be negative")
     return x
+
+
+_WAYS = {
+    "Plane": "use a Halfspace",
+    "TriangleP": "use a BVHModelOBBRSS of one triangle",
+    "HeightFieldAABB": "use a BVHModelOBBRSS of the surface's triangles",
+    "HeightFieldOBBRSS": "use a BVHModelOBBRSS of the surface's triangles",
+    "OcTree": "libdyn compares octrees in C++ (dyn::geometry::OctreeFile)",
+    "DynamicAABBTreeCollisionManager": "libdyn.any_collision sorts volumes by their bounding boxes itself",
+}
+
+
+def __getattr__(name):
+    if name in _WAYS:
+        raise Missing(f"libdyn.pinocchio.hppfcl has no {name}: {_WAYS[name]}")
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -8,7 +8,7 @@ import numpy as np
 import libdyn
 
 from . import _random
-from ._arrays import PRECISION, array, close, line, rows, small
+from ._arrays import PRECISION, array, close, instance, line, rows, small
 from .spatial import _OWN, Motion, own
 from .symmetric3 import Symmetric3
 
@@ -80,10 +80,12 @@ class Inertia(libdyn.Inertia):
         return own(super().__add__(other))
 
     def __iadd__(self, other):
-        return self._assign(self + other)
+        return self._assign(self + instance(other, libdyn.Inertia, "other"))
 
     def __sub__(self, other):
         """Returns the inertia that remains when `other`, a part of this body, is taken away."""
+        if not isinstance(other, libdyn.Inertia):
+            return NotImplemented
         mass = self.mass - other.mass
         if not mass > 0:
             return Inertia(0.0, np.zeros(3), self.rotational - other.rotational)
@@ -95,7 +97,7 @@ class Inertia(libdyn.Inertia):
         return out
 
     def __isub__(self, other):
-        return self._assign(self - other)
+        return self._assign(self - instance(other, libdyn.Inertia, "other"))
 
     def __mul__(self, motion):
         """Returns the momentum of the body, a Force."""
@@ -129,6 +131,7 @@ class Inertia(libdyn.Inertia):
         return self
 
     def isApprox(self, other, prec=PRECISION):
+        instance(other, libdyn.Inertia, "other")
         same = abs(self.mass - other.mass) <= prec and close(self.com, other.com, prec)
         return same and close(self.rotational, other.rotational, prec)
 

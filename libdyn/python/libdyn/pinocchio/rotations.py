@@ -6,7 +6,7 @@ import numpy as np
 import libdyn
 
 from . import _random
-from ._arrays import PRECISION, array, close
+from ._arrays import PRECISION, array, close, instance
 
 __all__ = ["AngleAxis", "Quaternion"]
 
@@ -156,19 +156,21 @@ class Quaternion:
         return self
 
     def dot(self, other):
-        return float(self._c @ other._c)
+        return float(self._c @ instance(other, Quaternion, "other")._c)
 
     def angularDistance(self, other):
         """Returns the angle [rad] of the rotation between two unit quaternions, from 0 to pi."""
+        instance(other, Quaternion, "other")
         return float(np.linalg.norm(libdyn.log3_quaternion(_product(self.conjugate()._c, other._c))))
 
     def slerp(self, t, other):
         """Returns the unit quaternion at t between self (0) and other (1), by the shorter way."""
+        instance(other, Quaternion, "other")
         turn = libdyn.log3_quaternion(_product(self.conjugate()._c, other._c))
         return Quaternion(_product(self._c, libdyn.exp3_quaternion(t * turn)))
 
     def isApprox(self, other, prec=PRECISION):
-        return close(self._c, other._c, prec)
+        return close(self._c, instance(other, Quaternion, "other")._c, prec)
 
     def __mul__(self, other):
         if isinstance(other, Quaternion):
@@ -276,6 +278,7 @@ class AngleAxis:
         return AngleAxis(-self.angle, self._axis)
 
     def isApprox(self, other, prec=PRECISION):
+        instance(other, AngleAxis, "other")
         return abs(self.angle - other.angle) <= prec * min(abs(self.angle), abs(other.angle)) and close(self._axis, other._axis, prec)
 
     def __mul__(self, other):

@@ -7,7 +7,7 @@ import libdyn
 from libdyn._core import _as
 
 from . import _random
-from ._arrays import PRECISION, array, close, line, rows, small
+from ._arrays import PRECISION, array, close, instance, line, rows, small
 from .rotations import Quaternion, coefficients_of
 
 __all__ = ["Force", "Motion", "SE3", "SE3ToXYZQUAT", "SE3ToXYZQUATtuple", "XYZQUATToSE3", "classicAcceleration", "skew"]
@@ -127,6 +127,7 @@ class SE3(libdyn.SE3):
         return self.act(x)
 
     def isApprox(self, other, prec=PRECISION):
+        instance(other, libdyn.SE3, "other")
         return close(self.R, other.R, prec) and close(self.p, other.p, prec)
 
     def isIdentity(self, prec=PRECISION):
@@ -214,9 +215,11 @@ class _Pair:
 
     def dot(self, other):
         """Returns the power of a force along a motion, in the same frame."""
+        instance(other, self._dual, "other")
         return float(self.vector @ other.vector)
 
     def isApprox(self, other, prec=PRECISION):
+        instance(other, self._base, "other")
         return close(self.linear, other.linear, prec) and close(self.angular, other.angular, prec)
 
     def isZero(self, prec=PRECISION):
@@ -255,6 +258,7 @@ class Motion(_Pair, libdyn.Motion):
     """A spatial velocity or acceleration. Motion(), Motion(linear, angular), Motion(array of six), Motion(other)."""
 
     __slots__ = ()
+    _base, _dual = libdyn.Motion, libdyn.Force
 
     @property
     def np(self):
@@ -295,6 +299,7 @@ class Force(_Pair, libdyn.Force):
     """A spatial force or momentum. Force(), Force(linear, angular), Force(array of six), Force(other)."""
 
     __slots__ = ()
+    _base, _dual = libdyn.Force, libdyn.Motion
 
     @property
     def np(self):
@@ -313,14 +318,17 @@ def classicAcceleration(spatial_velocity, spatial_acceleration, placement=None):
 
     With a placement, the result is in its axes.
     """
-    v, a = spatial_velocity, spatial_acceleration
+    v = instance(spatial_velocity, libdyn.Motion, "spatial_velocity")
+    a = instance(spatial_acceleration, libdyn.Motion, "spatial_acceleration")
     if placement is not None:
-        v, a = placement.actInv(v), placement.actInv(a)
+        M = instance(placement, libdyn.SE3, "placement")
+        v, a = M.act_inverse(v), M.act_inverse(a)
     return a.linear + np.cross(v.angular, v.linear)
 
 
 def SE3ToXYZQUAT(M):
     """Returns (x, y, z, qx, qy, qz, qw) as an array (7,)."""
+    instance(M, libdyn.SE3, "M")
     return np.concatenate([M.p, coefficients_of(M.R)])
 
 

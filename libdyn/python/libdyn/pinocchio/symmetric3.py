@@ -4,7 +4,7 @@
 import numpy as np
 
 from . import _random
-from ._arrays import PRECISION, array, close, rows, small
+from ._arrays import PRECISION, array, close, instance, rows, small
 from .spatial import skew
 
 __all__ = ["Symmetric3"]
@@ -132,7 +132,7 @@ class Symmetric3:
         return Symmetric3(R @ self.matrix() @ R.T)
 
     def isApprox(self, other, prec=PRECISION):
-        return close(self._data, other._data, prec)
+        return close(self._data, instance(other, Symmetric3, "other")._data, prec)
 
     def isZero(self, prec=PRECISION):
         return small(self._data, prec)
