@@ -3,6 +3,8 @@
 import copy
 import math
 import pickle
+import resource
+import sys
 import unittest
 
 import numpy as np
@@ -11,7 +13,7 @@ import libdyn as dyn
 from libdyn.pinocchio import _random, explog, rpy
 from libdyn.pinocchio.inertia import Inertia, LogCholeskyParameters, PseudoInertia
 from libdyn.pinocchio.rotations import AngleAxis, Quaternion
-from libdyn.pinocchio.spatial import SE3, Force, Motion, SE3ToXYZQUAT, SE3ToXYZQUATtuple, XYZQUATToSE3, classicAcceleration, skew
+from libdyn.pinocchio.spatial import SE3, Force, Motion, SE3ToXYZQUAT, SE3ToXYZQUATtuple, XYZQUATToSE3, classicAcceleration, own, skew
 from libdyn.pinocchio.symmetric3 import Symmetric3
 
 
@@ -114,10 +116,47 @@ class Spatial(unittest.TestCase):
             (lambda: Inertia.FromDynamicParameters(np.zeros(3)), ValueError, "dynamic_parameters"),
             (lambda: explog.exp3("x"), TypeError, "w must be numbers"),
             (lambda: SE3.Random().act("x"), TypeError, "act"),
+            (lambda: SE3.Random().isApprox(np.eye(4)), TypeError, "other must be a SE3, not ndarray"),
+            (lambda: Motion.Random().dot(Motion.Random()), TypeError, "other must be a Force, not Motion"),
+            (lambda: Motion.Random().isApprox(Force.Random()), TypeError, "other must be a Motion"),
+            (lambda: Quaternion().slerp(0.5, [0, 0, 0, 1]), TypeError, "other must be a Quaternion"),
+            (lambda: SE3ToXYZQUAT(np.eye(4)), TypeError, "M must be a SE3"),
             (lambda: explog.log3(np.zeros(4)), ValueError, "quaternion"),
         ):
             with self.assertRaisesRegex(error, text):
                 call()
+
+    def test_results_leave_no_memory_behind(self):
+        M, v, f, Y = SE3.Random(), Motion.Random(), Force.Random(), Inertia.Random()
+
+        def work(count):
+            for _ in range(count):
+                M * M, M.inverse(), v + v, v ^ f, Y * v, M.copy(), M.translation, explog.log6(M), Y + Y  # noqa: B018
+
+        work(2000)
+        references = [sys.getrefcount(cls) for cls in (SE3, Motion, Force, Inertia)]
+        before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+        work(20000)
+        self.assertEqual([sys.getrefcount(cls) for cls in (SE3, Motion, Force, Inertia)], references)
+        self.assertLess(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before, 2000)  # kB; 180,000 lost poses would be 18,000
+
+    def test_results_of_libdyn_become_classes_of_this_package_only(self):
+        for x, cls in ((dyn.SE3(), SE3), (dyn.Motion(), Motion), (dyn.Force(), Force), (dyn.Inertia(), Inertia)):
+            self.assertIs(type(own(x)), cls)
+            self.assertIs(own("text"), "text")
+            for wrong in (int, dyn.JointDescription, Motion if cls is not Motion else Force):
+                with self.assertRaises(TypeError):
+                    dyn._core._as(wrong, x)
+
+    def test_no_protocol_of_pickle_ends_the_process(self):
+        for protocol in range(pickle.HIGHEST_PROTOCOL + 1):
+            for x in (SE3.Random(), Motion.Random(), Inertia.Random(), Quaternion.Random(), Symmetric3.Random()):
+                self.assertEqual(pickle.loads(pickle.dumps(x, protocol)), x)
+        for x in (dyn.LOCAL, dyn.JointDescription()):
+            with self.assertRaises(TypeError):
+                pickle.dumps(x, 1)
+        with self.assertRaises(TypeError):
+            dyn.SE3.__mro__[1]()
 
     def test_interpolation_reaches_both_ends(self):
         A, B = SE3.Random(), SE3.Random()
