@@ -52,9 +52,9 @@ class Models(unittest.TestCase):
         model = scrambled()
         data, (q, v, a) = model.createData(), state_of(model)
         compiled = dyn.compile(model.compiled().description, dissipation=False)
-        to_q, to_v = ([compiled.q_index, compiled.v_index][k] for k in (0, 1))
         parts = {"right": ["right part 1", "right part 2", "right"]}
-        order_q, order_v = ([k for n in model.names[1:] for part in parts.get(n, [n]) for k in range(to[part].start, to[part].stop)] for to in (to_q, to_v))
+        names = [part for name in model.names[1:] for part in parts.get(name, [name])]
+        order_q, order_v = ([k for part in names for k in range(to[part].start, to[part].stop)] for to in (compiled.q_index, compiled.v_index))
         d = dyn.Data(compiled)
         mine_q, mine_v, mine_a = np.zeros(model.nq), np.zeros(model.nv), np.zeros(model.nv)
         mine_q[order_q], mine_v[order_v], mine_a[order_v] = q, v, a
@@ -403,7 +403,7 @@ class Interface(unittest.TestCase):
         ):
             with self.assertRaisesRegex(ValueError, message):
                 call()
-        with self.assertRaisesRegex(TypeError, "rnea: q must be an array of numbers"):
+        with self.assertRaisesRegex(TypeError, "rnea: q must be numbers"):
             pin.rnea(model, data, "text", q, q)
         with self.assertRaisesRegex(RuntimeError, "no limits"):
             pin.randomConfiguration(pin.buildSampleModelHumanoid())

@@ -18,6 +18,8 @@ def solve(model, data, v):
     """Returns M^-1 v, for a vector or the columns of a matrix. Call decompose first."""
     c = model.compiled()
     given = np.asarray(v, dtype=float)
+    if given.ndim not in (1, 2) or len(given) != c.nv:
+        raise ValueError(f"solve: v has shape {given.shape}, the model wants ({c.nv},) or ({c.nv}, any)")
     return c.rows_out(dyn.cholesky.solve(c.model, data.use(c, "solve"), c.rows_in(given)))
 
 

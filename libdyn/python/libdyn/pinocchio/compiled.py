@@ -41,7 +41,6 @@ class Compiled:
         self._quaternions = [model.idx_qs[i] + at for i, joint in enumerate(self.joints) for at in joint.quaternions()]
         self._q, self._q_back = _orders(q_order)
         self._v, self._v_back = _orders(v_order)
-        self.in_order = self._q is None and self._v is None
         self._joints_in_order = self.last == list(range(self.njoints))
 
     def q_in(self, q, function, name="q"):

@@ -49,7 +49,7 @@ class RigidConstraintModel:
             kinds = {"joint1_placement": SE3, "joint2_placement": SE3, "joint2_id": int, "reference_frame": type(LOCAL)}
             key = next((k for k in keys if kinds[k] is wanted), None)
             if key is None:
-                raise TypeError("RigidConstraintModel: arguments are contact_type, model, joint1_id, placement, joint2_id, placement, reference_frame")
+                raise TypeError("RigidConstraintModel: give contact_type, model, joint1_id, placement, joint2_id, placement, reference_frame")
             given[key] = x
         self.type = ContactType(contact_type)
         if self.type == ContactType.CONTACT_UNDEFINED:

@@ -1,20 +1,17 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Arguments of algorithms: arrays and indices."""
+import operator
+
 import numpy as np
+
+from ._arrays import array
 
 
 def vector(x, size, function, name):
-    """Returns x as an array (size,). Columns and rows of matrices count as vectors, as for Pinocchio. Raises ValueError, which names the argument."""
-    if type(x) is not np.ndarray or x.ndim != 1:
-        try:
-            x = np.asarray(x, dtype=float)
-        except (TypeError, ValueError):
-            raise TypeError(f"{function}: {name} must be an array of numbers, not {type(x).__name__}") from None
-        if x.ndim == 2 and 1 in x.shape:
-            x = x.ravel()
-    if x.shape != (size,):
-        raise ValueError(f"{function}: {name} has shape {x.shape}, the model wants ({size},)")
-    return x
+    """Returns x as an array (size,). Columns and rows of matrices count as vectors, as for Pinocchio. Raises an error that names the argument."""
+    if type(x) is np.ndarray and x.shape == (size,) and x.dtype == float:
+        return x
+    return array(x, (size,), f"{function}: {name}")
 
 
 def matrix(x, rows, columns, function, name):
@@ -27,7 +24,10 @@ def matrix(x, rows, columns, function, name):
 
 def index(i, count, function, name):
     """Returns i if it is one of `count` indices. Raises ValueError, which names the argument."""
-    i = int(i)
+    try:
+        i = operator.index(i)
+    except TypeError:
+        raise TypeError(f"{function}: {name} must be an integer, not {type(i).__name__}") from None
     if not 0 <= i < count:
         raise ValueError(f"{function}: {name} is {i}, the model has {count}")
     return i

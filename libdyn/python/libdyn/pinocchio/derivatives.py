@@ -48,7 +48,8 @@ def computeABADerivatives(model, data, *arguments):
     c = model.compiled()
     d = data.use(c, "computeABADerivatives")
     if len(arguments) >= 3:
-        q, v, tau = (c.q_in(arguments[0], "computeABADerivatives"), *(c.v_in(x, "computeABADerivatives", n) for x, n in zip(arguments[1:3], ("v", "tau"))))
+        names = ("q", "v", "tau")
+        q, v, tau = (take(x, "computeABADerivatives", n) for take, x, n in zip((c.q_in, c.v_in, c.v_in), arguments, names))
         fext = arguments[3:]
     elif getattr(data, "_aba", None) is not None:
         q, v, tau, _ = data._aba

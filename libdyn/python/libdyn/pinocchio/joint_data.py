@@ -16,7 +16,8 @@ class JointData:
         parent = 0
         for k, (kind, parameters, placement) in enumerate(model.parts()):
             where = dyn.SE3() if placement is None else placement
-            parent = robot.add_body(f"body{k}", parent, dyn.JointDescription(f"joint{k}", kind, parameters, where), dyn.Inertia(1.0, np.zeros(3), np.eye(3)))
+            joint = dyn.JointDescription(f"joint{k}", kind, parameters, where)
+            parent = robot.add_body(f"body{k}", parent, joint, dyn.Inertia(1.0, np.zeros(3), np.eye(3)))
         self._model = dyn.compile(robot)
         self._data = dyn.Data(self._model)
         self.calc(dyn.neutral(self._model), None, 0)

@@ -6,6 +6,7 @@ import sys
 import numpy as np
 
 from .compiled import Compiled
+from .containers import StdMap_String_VectorXd
 from .convert import index, vector
 from .elements import Watched
 from .enums import ALL_FRAMES, FrameType
@@ -53,7 +54,7 @@ class Model(Serializable):
         self.frames = [Frame("universe", 0, 0, SE3.Identity(), FrameType.FIXED_JOINT)]
         self.supports, self.subtrees = [[0]], [[0]]
         self.mimicking_joints, self.mimicked_joints = [], []
-        self.referenceConfigurations = {}
+        self.referenceConfigurations = StdMap_String_VectorXd()
         self.gravity = Motion(self.gravity981, np.zeros(3))
 
     # What algorithms read is watched: parts that a program may hold are compared before each use.
@@ -129,7 +130,7 @@ class Model(Serializable):
         friction=None,
         damping=None,
     ):
-        """Adds a joint at joint_placement in the frame of the joint parent_id; returns its index. Limits that are not given are the largest numbers."""
+        """Adds a joint at joint_placement in the frame of the joint parent_id; returns its index. By default limits are the largest numbers."""
         parent_id = index(parent_id, self.njoints, "addJoint", "parent_id")
         if not isinstance(joint_model, JointModel):
             raise TypeError(f"addJoint: joint_model must be a JointModel, not {type(joint_model).__name__}")
@@ -155,7 +156,8 @@ class Model(Serializable):
             self.mimicked_joints.append(followed)
         joint.setIndexes(i, *place, self.nvExtended)
         self.children[parent_id].append(i)
-        for name, item in zip(_PER_JOINT, (str(joint_name), parent_id, [], joint, Inertia.Zero(), joint_placement.copy(), place[0], nq, place[1], nv)):
+        items = (str(joint_name), parent_id, [], joint, Inertia.Zero(), joint_placement.copy(), place[0], nq, place[1], nv)
+        for name, item in zip(_PER_JOINT, items):
             getattr(self, name).append(item)
         self.idx_vExtendeds.append(self.nvExtended)
         self.nvExtendeds.append(joint.nvExtended)
