@@ -327,6 +327,49 @@ class Results(unittest.TestCase):
             np.testing.assert_allclose(pin.impulseDynamics(model, data, q, v, J[:rows], 0.3), after, atol=1e-9)
 
 
+    def test_feedback_closes_a_loop_that_is_open(self):
+        model = pin.buildSampleModelHumanoid()
+        model.gravity = pin.Motion.Zero()
+        data, q, v = model.createData(), pin.neutral(model), np.zeros(model.nv)
+        left, right = model.getJointId("larm_wrist2_joint"), model.getJointId("rarm_wrist2_joint")
+        q = pin.integrate(model, q, np.linspace(-0.3, 0.5, model.nv))
+        for kind in (pin.CONTACT_3D, pin.CONTACT_6D):
+            loop = pin.RigidConstraintModel(kind, model, left, pin.SE3.Identity(), right, pin.SE3.Identity())
+            loop.corrector.Kp[:], loop.corrector.Kd[:] = 100.0, 20.0
+            results, x, rate, errors = loop.createData(), q.copy(), v.copy(), []
+            for _ in range(200):
+                rate += 5e-3 * pin.constraintDynamics(model, data, x, rate, np.zeros(model.nv), [loop], [results])
+                x = pin.integrate(model, x, 5e-3 * rate)
+                errors.append(np.linalg.norm(results.c1Mc2.translation))
+            self.assertGreater(errors[0], 0.1)
+            self.assertLess(errors[-1], 0.01 * errors[0])
+        loop.corrector.Kp[0] = 1.0
+        with self.assertRaisesRegex(NotImplementedError, "corrector.Kp differs"):
+            pin.constraintDynamics(model, data, q, v, v, [loop], [results])
+
+    def test_forces_in_world_axes_are_those_in_local_axes_turned(self):
+        model, data, q, v = self.model, self.data, self.q, self.v
+        tau, tool = np.ones(model.nv), model.frames[model.getFrameId("tool")]
+
+        def solved(kind, reference, at=q):
+            contacts = [pin.RigidConstraintModel(kind, model, tool.parentJoint, tool.placement, reference)]
+            datas = [x.createData() for x in contacts]
+            ddq = pin.constraintDynamics(model, data, at, v, tau, contacts, datas)
+            return ddq, data.lambda_c.copy(), datas[0].oMc1.rotation.copy(), contacts, datas
+
+        for kind in (pin.CONTACT_3D, pin.CONTACT_6D):
+            ddq, forces, R, *_ = solved(kind, pin.LOCAL)
+            again, turned, _, contacts, datas = solved(kind, pin.LOCAL_WORLD_ALIGNED)
+            np.testing.assert_allclose(again, ddq, atol=1e-9)
+            np.testing.assert_allclose(turned.reshape(-1, 3), forces.reshape(-1, 3) @ R.T, atol=1e-8)
+            derivatives = pin.computeConstraintDynamicsDerivatives(model, data, contacts, datas)
+            self.near(derivatives[0], lambda s: solved(kind, pin.LOCAL_WORLD_ALIGNED, pin.integrate(model, q, s))[0], 1e-4)
+            self.near(derivatives[3], lambda s: solved(kind, pin.LOCAL_WORLD_ALIGNED, pin.integrate(model, q, s))[1], 1e-4)
+            pin.computeJointJacobians(model, data, q)
+            J = pin.getConstraintsJacobian(model, data, contacts, datas)
+            frame = pin.getFrameJacobian(model, data, model.getFrameId("tool"), pin.LOCAL_WORLD_ALIGNED)
+            np.testing.assert_allclose(J, frame[: len(J)], atol=1e-12)
+
     def test_contact_forces_with_friction_are_in_their_cones_and_complementary(self):
         model, data, q, v, a = self.model, self.data, self.q, self.v, self.a
         tool = model.frames[model.getFrameId("tool")]

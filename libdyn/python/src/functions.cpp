@@ -246,9 +246,11 @@ const char* explain(Algorithm algorithm) {
     case Algorithm::minverse:
       return "Computes the inverse of the mass matrix.";
     case Algorithm::rnea_derivatives:
-      return "Computes the derivatives of rnea by q (in tangent vectors) and v, and M, its derivative by a.";
+      return "Computes the derivatives of rnea by q (in tangent vectors) and v, and M, its derivative by a.\n"
+             "fext is that of rnea; each force turns with its body.";
     case Algorithm::aba_derivatives:
-      return "Computes the derivatives of aba by q (in tangent vectors) and v, M^-1, its derivative by tau, and ddq.";
+      return "Computes the derivatives of aba by q (in tangent vectors) and v, M^-1, its derivative by tau, and ddq.\n"
+             "fext is that of aba; each force turns with its body.";
     case Algorithm::coriolis:
       return "Computes a Coriolis matrix C(q, v) for which dM/dt - 2 C is skew.";
     case Algorithm::centroidal_map:

@@ -10,7 +10,7 @@ from .contact import impulseDynamicsWithJacobian
 from .contact_cholesky import ContactCholeskyDecomposition
 from .containers import instances, typed_list
 from .convert import index
-from .enums import LOCAL, LOCAL_WORLD_ALIGNED, ContactType
+from .enums import LOCAL, LOCAL_WORLD_ALIGNED, WORLD, ContactType
 from .kinematics import PLACEMENTS
 from .spatial import SE3, Force, Motion
 
@@ -89,7 +89,7 @@ class RigidConstraintModel:
         frame, other = c.bodies[self.joint1_id], c.bodies[self.joint2_id]
         target = self.joint2_id != 0 or gains[0] != 0
         out = dyn.frame_constraint(
-            f"constraint {k}", frame, other, self.joint1_placement, self.joint2_placement, free=free, axes=self.reference_frame, target=target
+            f"constraint {k}", frame, other, self.joint1_placement, self.joint2_placement, free=free, target=target
         )
         out.baumgarte = gains
         return out
@@ -156,16 +156,52 @@ def _problem(model, data, contact_models, function):
     return c, d, known[2]
 
 
-def _store(model, data, contact_models, contact_datas, rows, function):
-    """Writes the forces of all constraints, and the poses of their frames."""
+def _place(data, contact_models, contact_datas, function):
+    """Computes the poses of the constraint frames."""
     if len(contact_datas) != len(contact_models):
         raise ValueError(f"{function}: contact_datas has {len(contact_datas)} entries, contact_models has {len(contact_models)}")
+    for contact, result in zip(contact_models, contact_datas):
+        result.place(contact, data.oMi)
+
+
+def _blocks(contact_models, contact_datas):
+    """Returns for each three rows: their slice, the constraint, and the turn from its frame to its reference."""
     at = 0
+    for contact, result in zip(contact_models, contact_datas):
+        R = result.oMc1.rotation if contact.reference_frame == LOCAL_WORLD_ALIGNED else np.eye(3)
+        for _ in range(contact.size() // 3):
+            yield slice(at, at + 3), contact, R
+            at += 3
+
+
+def _turned(contact_models, contact_datas, rows):
+    """Returns rows, which are in the axes of the constraint frames, in those of the references."""
+    out = np.array(rows)
+    for part, _, R in _blocks(contact_models, contact_datas):
+        out[part] = R @ out[part]
+    return out
+
+
+def _store(data, contact_models, contact_datas, rows, function):
+    """Writes the forces of all constraints, and the poses of their frames; returns the rows in the axes of the references."""
+    _place(data, contact_models, contact_datas, function)
+    rows, at = _turned(contact_models, contact_datas, rows), 0
     for contact, result in zip(contact_models, contact_datas):
         mine = rows[at : at + contact.size()]
         at += contact.size()
         result.contact_force = Force(mine[:3], mine[3:] if len(mine) == 6 else np.zeros(3))
-        result.place(contact, data.oMi)
+    return rows
+
+
+def _force_derivatives(data, contact_models, contact_datas, forces, by_q, *others):
+    """Returns derivatives of forces in the axes of the references, from those in the axes of the frames. By q, the frames turn."""
+    out = [_turned(contact_models, contact_datas, x) for x in (by_q, *others)]
+    state = data.source("oMi", "derivatives of constraint forces", "constraintDynamics")
+    for part, contact, _ in _blocks(contact_models, contact_datas):
+        if contact.reference_frame == LOCAL_WORLD_ALIGNED:
+            turning = state.joint_jacobian(contact.joint1_id, WORLD)[3:]
+            out[0][part] += np.cross(turning.T, forces[part]).T
+    return out
 
 
 def initConstraintDynamics(model, data, contact_models):
@@ -182,8 +218,7 @@ def constraintDynamics(model, data, q, v, tau, contact_models, contact_datas, pr
     motion = dyn.constraint_dynamics(c.model, d, q, v, tau, constraints)
     data.note((*PLACEMENTS, "v"), data.state(q, v, motion.ddq))
     data._constrained = (q.copy(), v.copy(), tau.copy())
-    data.ddq, data.lambda_c = c.v_out(motion.ddq), motion.forces
-    _store(model, data, contact_models, contact_datas, motion.forces, name)
+    data.ddq, data.lambda_c = c.v_out(motion.ddq), _store(data, contact_models, contact_datas, motion.forces, name)
     if prox_settings is not None:
         prox_settings.iter, prox_settings.absolute_residual = max(motion.iterations, 1), motion.residual
     return data.ddq
@@ -197,7 +232,9 @@ def computeConstraintDynamicsDerivatives(model, data, contact_models, contact_da
         raise ValueError(f"{name}: call constraintDynamics first")
     of_motion_and_force = dyn.compute_constraint_dynamics_derivatives(c.model, d, *data._constrained, constraints)
     data.ddq_dq, data.ddq_dv, data.ddq_dtau = map(c.square_out, of_motion_and_force[:3])
-    data.dlambda_dq, data.dlambda_dv, data.dlambda_dtau = map(c.v_out, of_motion_and_force[3:])
+    of_forces = map(c.v_out, of_motion_and_force[3:])
+    turned = _force_derivatives(data, contact_models, contact_datas, data.lambda_c, *of_forces)
+    data.dlambda_dq, data.dlambda_dv, data.dlambda_dtau = turned
     return data.ddq_dq, data.ddq_dv, data.ddq_dtau, data.dlambda_dq, data.dlambda_dv, data.dlambda_dtau
 
 
@@ -218,8 +255,7 @@ def _impact(model, data, q, v, contact_models, contact_datas, r_coeff=0.0, prox_
     impact = dyn.impulse_dynamics(c.model, d, q, v, float(r_coeff), constraints)
     data.note((*PLACEMENTS, "v"), data.state(q, v))
     data._impact = (q.copy(), v.copy())
-    data.dq_after, data.impulse_c = c.v_out(impact.v_after), impact.impulses
-    _store(model, data, contact_models, contact_datas, impact.impulses, name)
+    data.dq_after, data.impulse_c = c.v_out(impact.v_after), _store(data, contact_models, contact_datas, impact.impulses, name)
     return data.dq_after
 
 
@@ -231,7 +267,8 @@ def computeImpulseDynamicsDerivatives(model, data, contact_models, contact_datas
         raise ValueError(f"{name}: call impulseDynamics with contact models first")
     of_motion_and_impulse = dyn.compute_impulse_dynamics_derivatives(c.model, d, *data._impact, float(r_coeff), constraints)
     data.ddq_dq, data.ddq_dv = map(c.square_out, of_motion_and_impulse[:2])
-    data.dlambda_dq, data.dlambda_dv = map(c.v_out, of_motion_and_impulse[2:])
+    of_impulses = map(c.v_out, of_motion_and_impulse[2:])
+    data.dlambda_dq, data.dlambda_dv = _force_derivatives(data, contact_models, contact_datas, data.impulse_c, *of_impulses)
 
 
 def getConstraintsJacobian(model, data, contact_models, contact_datas):
@@ -240,9 +277,9 @@ def getConstraintsJacobian(model, data, contact_models, contact_datas):
     d = data.use(c, "getConstraintsJacobian")
     state = data.source("oMi", "getConstraintsJacobian", "computeJointJacobians(model, data, q)")
     constraints = dyn.ConstraintData(dyn.ConstraintSet(c.model, [x.description(c, k) for k, x in enumerate(contact_models)]))
-    for contact, result in zip(contact_models, contact_datas):
-        result.place(contact, data.oMi)
-    return c.v_out(dyn.compute_constraint_jacobian(c.model, d, state.q, constraints))
+    _place(data, contact_models, contact_datas, "getConstraintsJacobian")
+    J = c.v_out(dyn.compute_constraint_jacobian(c.model, d, state.q, constraints))
+    return _turned(contact_models, contact_datas, J)
 
 
 def getConstraintJacobian(model, data, contact_model, contact_data):
