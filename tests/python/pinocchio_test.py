@@ -3,6 +3,7 @@
 import pathlib
 import pickle
 import unittest
+import weakref
 
 import numpy as np
 
@@ -118,6 +119,15 @@ class Models(unittest.TestCase):
         model = used(scrambled())
         model.armature[6] += 100.0
         self.assertGreater(pin.crba(model, model.createData(), pin.neutral(model))[6, 6], 100)
+
+    def test_a_model_ends_with_its_last_name(self):
+        model = scrambled()
+        inertias, end = model.inertias, weakref.ref(model)
+        pin.crba(model, model.createData(), pin.neutral(model))
+        del model
+        self.assertIsNone(end())
+        inertias[1].mass = 2.0
+        inertias[1] = inertias[2]
 
     def test_a_joint_may_be_added_after_data_was_made(self):
         model = scrambled()
@@ -289,6 +299,20 @@ class Results(unittest.TestCase):
             self.near(a_dq, lambda s: moving(reference, pin.getFrameAcceleration, pin.integrate(model, q, s), v, a))
             self.near(a_dv, lambda s: moving(reference, pin.getFrameAcceleration, q, v + s, a))
             self.near(a_da, lambda s: moving(reference, pin.getFrameAcceleration, q, v, a + s))
+        # In LOCAL_WORLD_ALIGNED the point stays where it is while q changes.
+        pin.computeForwardKinematicsDerivatives(model, data, q, v, a)
+        aligned = pin.getFrameVelocityDerivatives(model, data, tool, pin.LOCAL_WORLD_ALIGNED)
+        _, a_dq, a_dv, _ = pin.getFrameAccelerationDerivatives(model, data, tool, pin.LOCAL_WORLD_ALIGNED)
+        point = pin.SE3(np.eye(3), -pin.updateFramePlacement(model, data, tool).translation)
+
+        def there(get, *state):
+            return point.act(pin.Motion(moving(pin.WORLD, get, *state))).vector
+
+        self.near(aligned[0], lambda s: there(pin.getFrameVelocity, pin.integrate(model, q, s), v, a))
+        self.near(aligned[1], lambda s: there(pin.getFrameVelocity, q, v + s, a))
+        self.near(a_dq, lambda s: there(pin.getFrameAcceleration, pin.integrate(model, q, s), v, a))
+        self.near(a_dv, lambda s: there(pin.getFrameAcceleration, q, v + s, a))
+        pin.computeForwardKinematicsDerivatives(model, data, q, v, a)
         slider, placement = model.frames[tool].parentJoint, model.frames[tool].placement
         for reference in (pin.LOCAL, pin.LOCAL_WORLD_ALIGNED):
             v_dq, a_dq, a_dv, a_da = pin.getPointClassicAccelerationDerivatives(model, data, slider, placement, reference)

@@ -59,16 +59,19 @@ class Elements:
 
 
 class Watched(list):
-    """A list of a Model, its owner: it tells the owner of each change, and which items it gives away, because their holders may change them."""
+    """A list of a Model, its owner: it tells the owner of each change, and which items it gives away, because their holders may change them.
 
-    owner = None
+    owner is a function that returns the Model, or None after its end.
+    """
+
+    owner = staticmethod(lambda: None)
     lends = ""
 
     def __getitem__(self, k):
         item = super().__getitem__(k)
-        if self.owner is not None and self.lends:
+        if self.lends and self.owner() is not None:
             for i, x in zip(range(*k.indices(len(self))), item) if isinstance(k, slice) else ((k % len(self), item),):
-                self.owner.lend((self.lends, i), x)
+                self.owner().lend((self.lends, i), x)
         return item
 
     def __iter__(self):
@@ -91,8 +94,8 @@ class Watched(list):
         return list(list.__iter__(self))
 
     def _report(self):
-        if self.owner is not None:
-            self.owner.changed()
+        if self.owner() is not None:
+            self.owner().changed()
 
     def __reduce__(self):
         return Watched, (self.items(),)

@@ -2,6 +2,7 @@
 """The model: joints, inertias and frames that may be changed at any time. Algorithms compile it when they first need it, and after changes."""
 import copy
 import sys
+import weakref
 
 import numpy as np
 
@@ -62,7 +63,7 @@ class Model(Serializable):
     def _watched(name):  # noqa: N805
         def get(self):
             items = self.__dict__["_" + name]
-            items.owner = self
+            items.owner = weakref.ref(self)
             return items
 
         def put(self, items):
