@@ -15,6 +15,8 @@ sys.path.insert(0, str(SOURCE / "libdyn" / "python"))
 
 import build_backend  # noqa: E402
 
+sys.path.pop(0)  # processes that other tests start would find the package without its compiled part there
+
 
 class Wheel(unittest.TestCase):
     def test_a_wheel_works_away_from_the_build_tree(self):
@@ -29,7 +31,8 @@ class Wheel(unittest.TestCase):
             for path in site.rglob("*"):
                 path.chmod(0o755)
             program = """
-import libdyn, sys
+import libdyn, libdyn.pinocchio, sys
+assert libdyn.pinocchio.buildSampleModelHumanoid().nv == 34
 model = libdyn.compile(libdyn.load(sys.argv[1], root="free_flyer"))
 data = libdyn.Data(model)
 print(libdyn.rnea(model, data, libdyn.neutral(model), [0.0] * model.nv, [0.0] * model.nv)[2])
