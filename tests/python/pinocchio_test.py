@@ -470,8 +470,16 @@ class Interface(unittest.TestCase):
         ):
             with self.assertRaisesRegex(ValueError, message):
                 call()
-        with self.assertRaisesRegex(TypeError, "rnea: q must be numbers"):
-            pin.rnea(model, data, "text", q, q)
+        for call, message in (
+            (lambda: pin.rnea(model, data, "text", q, q), "rnea: q must be numbers"),
+            (lambda: pin.crba(None, data, q), "crba: model must be a Model, not NoneType"),
+            (lambda: pin.crba(model, model, q), "crba: data must be a Data, not Model"),
+            (lambda: pin.neutral(data), "neutral: model must be a Model, not Data"),
+            (lambda: pin.computeJointJacobian(model, data, q, 1.5), "joint_id must be an integer, not float"),
+            (lambda: model.addJoint(0, "RX", pin.SE3.Identity(), "x"), "joint_model must be a JointModel, not str"),
+        ):
+            with self.assertRaisesRegex(TypeError, message):
+                call()
         with self.assertRaisesRegex(RuntimeError, "no limits"):
             pin.randomConfiguration(pin.buildSampleModelHumanoid())
 

@@ -4,6 +4,7 @@ import numpy as np
 
 import libdyn as dyn
 
+from .calls import prepare
 from .kinematics import PLACEMENTS
 from .spatial import Force
 
@@ -12,8 +13,7 @@ _COMMON = (*PLACEMENTS, "J", "com", "mass", "Ig", "oYcrb")
 
 def ccrba(model, data, q, v):
     """Returns Ag (6, nv), for which Ag v is the momentum; also data.Ag, hg, Ig, com, vcom, J."""
-    c = model.compiled()
-    d = data.use(c, "ccrba")
+    c, d = prepare(model, data, "ccrba")
     q, v = c.q_in(q, "ccrba"), c.v_in(v, "ccrba", "v")
     hg, Ag = dyn.ccrba(c.model, d, q, v)
     data.hg, data.Ag = Force(hg), c.v_out(Ag)
@@ -23,8 +23,7 @@ def ccrba(model, data, q, v):
 
 def computeCentroidalMap(model, data, q):
     """Returns Ag (6, nv), for which Ag v is the momentum; also data.Ag, Ig, com, J."""
-    c = model.compiled()
-    d = data.use(c, "computeCentroidalMap")
+    c, d = prepare(model, data, "computeCentroidalMap")
     q = c.q_in(q, "computeCentroidalMap")
     data.Ag = c.v_out(dyn.ccrba(c.model, d, q, np.zeros(c.nv))[1])
     data.note(_COMMON, data.state(q))
@@ -33,8 +32,7 @@ def computeCentroidalMap(model, data, q):
 
 def dccrba(model, data, q, v):
     """Returns dAg (6, nv), the rate of Ag; also data.dAg, Ag, hg, Ig, com, vcom, J, dJ."""
-    c = model.compiled()
-    d = data.use(c, "dccrba")
+    c, d = prepare(model, data, "dccrba")
     q, v = c.q_in(q, "dccrba"), c.v_in(v, "dccrba", "v")
     hg, _, Ag, dAg = dyn.compute_centroidal_momentum_time_variation(c.model, d, q, v, np.zeros(c.nv))
     data.hg, data.Ag, data.dAg = Force(hg), c.v_out(Ag), c.v_out(dAg)
@@ -64,8 +62,7 @@ def computeCentroidalMomentumTimeVariation(model, data, q=None, v=None, a=None):
 
 def _state(model, data, arguments, function, field):
     """Returns the compiled model, libdyn's data, and the state of the arguments or of the last forwardKinematics."""
-    c = model.compiled()
-    d = data.use(c, function)
+    c, d = prepare(model, data, function)
     if arguments[0] is None:
         return c, d, data.source(field, function, f"forwardKinematics(model, data, q, v{', a' if field == 'a' else ''})")
     names = ("q", "v", "a")
@@ -76,8 +73,7 @@ def _state(model, data, arguments, function, field):
 
 def computeCentroidalDynamicsDerivatives(model, data, q, v, a):
     """Returns the derivatives (6, nv) of the momentum by q, and of its rate by q, v and a; also data.hg, dhg, Ag."""
-    c = model.compiled()
-    d = data.use(c, "computeCentroidalDynamicsDerivatives")
+    c, d = prepare(model, data, "computeCentroidalDynamicsDerivatives")
     names = ("q", "v", "a")
     q, v, a = (take(x, "computeCentroidalDynamicsDerivatives", n) for take, x, n in zip((c.q_in, c.v_in, c.v_in), (q, v, a), names))
     state = data.state(q, v, a)
@@ -87,8 +83,7 @@ def computeCentroidalDynamicsDerivatives(model, data, q, v, a):
 
 def getCentroidalDynamicsDerivatives(model, data):
     """Returns the same at the state of the last computeRNEADerivatives."""
-    c = model.compiled()
-    d = data.use(c, "getCentroidalDynamicsDerivatives")
+    c, d = prepare(model, data, "getCentroidalDynamicsDerivatives")
     state = data.source("oa", "getCentroidalDynamicsDerivatives", "computeRNEADerivatives(model, data, q, v, a)")
     return _centroidal_derivatives(c, d, data, state)
 

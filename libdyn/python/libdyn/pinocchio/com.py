@@ -4,6 +4,7 @@ import numpy as np
 
 import libdyn as dyn
 
+from .calls import compiled, prepare
 from .convert import index
 from .enums import KinematicLevel
 from .kinematics import PLACEMENTS
@@ -14,7 +15,7 @@ _MOTIONS = ("oMi", "v", "a")
 
 def computeTotalMass(model, data=None):
     """Returns the mass of all moving bodies [kg]; with data, also data.mass[0]."""
-    mass = float(model.compiled().subtree_masses[0])
+    mass = float(compiled(model, "computeTotalMass").subtree_masses[0])
     if data is not None:
         data.mass[0] = mass
     return mass
@@ -22,7 +23,7 @@ def computeTotalMass(model, data=None):
 
 def computeSubtreeMasses(model, data):
     """Computes data.mass, the mass of each joint's subtree [kg]."""
-    for i, mass in enumerate(model.compiled().subtree_masses.tolist()):
+    for i, mass in enumerate(compiled(model, "computeSubtreeMasses").subtree_masses.tolist()):
         data.mass[i] = mass
 
 
@@ -32,8 +33,7 @@ def centerOfMass(model, data, *arguments, **named):
     Arguments: q[, v[, a]], then compute_subtree_coms; or a kinematic level (POSITION, VELOCITY, ACCELERATION), or nothing, for the state of the last
     forwardKinematics. com[i] is the centre of the subtree of joint i, in the joint's frame; i = 0 is the robot's, in the world.
     """
-    c = model.compiled()
-    data.use(c, "centerOfMass")
+    c, _ = prepare(model, data, "centerOfMass")
     given = [x for x in arguments if not isinstance(x, (bool, np.bool_))]
     given += [named[key] for key in ("q", "v", "a", "kinematic_level") if key in named]
     if given and isinstance(given[0], (int, np.integer)) or not given:
@@ -55,8 +55,7 @@ def jacobianCenterOfMass(model, data, *arguments, **named):
 
     Arguments: q, or nothing for the state of the last forwardKinematics; then compute_subtree_coms.
     """
-    c = model.compiled()
-    d = data.use(c, "jacobianCenterOfMass")
+    c, d = prepare(model, data, "jacobianCenterOfMass")
     state = _state_of(c, data, [x for x in (*arguments, *filter(None.__ne__, [named.get("q")])) if not isinstance(x, bool)], "jacobianCenterOfMass")
     Jcom = data.Jcom = c.v_out(dyn.jacobian_center_of_mass(c.model, d, state.q))
     data.note(("mass", "J", "oMi"), state)
@@ -75,8 +74,7 @@ def _state_of(c, data, given, function):
 
 def jacobianSubtreeCenterOfMass(model, data, *arguments):
     """Returns the Jacobian (3, nv) of the centre of mass of the subtree of a joint. Arguments: [q,] subtree_root_joint_id."""
-    c = model.compiled()
-    data.use(c, "jacobianSubtreeCenterOfMass")
+    c, _ = prepare(model, data, "jacobianSubtreeCenterOfMass")
     state = _state_of(c, data, arguments[:-1], "jacobianSubtreeCenterOfMass")
     data.note(("mass", "J"), state)
     data.note_as("com", state, "com_in_world")
@@ -85,7 +83,7 @@ def jacobianSubtreeCenterOfMass(model, data, *arguments):
 
 def getJacobianSubtreeCenterOfMass(model, data, subtree_root_joint_id):
     """Returns the same at the state of the last jacobianCenterOfMass."""
-    c = model.compiled()
+    c, _ = prepare(model, data, "getJacobianSubtreeCenterOfMass")
     state = data.source("J", "getJacobianSubtreeCenterOfMass", "jacobianCenterOfMass(model, data, q)")
     return _subtree_jacobian(model, c, state, subtree_root_joint_id, "getJacobianSubtreeCenterOfMass")
 

@@ -5,31 +5,32 @@ import numpy as np
 import libdyn as dyn
 
 from . import _random, convert
+from .calls import compiled
 from .enums import ARG0, ARG1
 from .joints import JointModelComposite
 
 
 def neutral(model):
     """Returns the configuration (nq,) at which every joint is at its zero."""
-    c = model.compiled()
+    c = compiled(model, "neutral")
     return c.q_out(dyn.neutral(c.model))
 
 
 def integrate(model, q, v):
     """Returns q (+) v (nq,)."""
-    c = model.compiled()
+    c = compiled(model, "integrate")
     return c.q_out(dyn.integrate(c.model, c.q_in(q, "integrate"), c.v_in(v, "integrate", "v")))
 
 
 def difference(model, q1, q2):
     """Returns the v (nv,) for which q1 (+) v = q2."""
-    c = model.compiled()
+    c = compiled(model, "difference")
     return c.v_out(dyn.difference(c.model, c.q_in(q1, "difference", "q1"), c.q_in(q2, "difference", "q2")))
 
 
 def interpolate(model, q1, q2, alpha):
     """Returns q1 (+) alpha (q2 (-) q1) (nq,)."""
-    c = model.compiled()
+    c = compiled(model, "interpolate")
     return c.q_out(dyn.interpolate(c.model, c.q_in(q1, "interpolate", "q1"), c.q_in(q2, "interpolate", "q2"), float(alpha)))
 
 
@@ -46,13 +47,13 @@ def distance(model, q1, q2):
 
 def normalize(model, q):
     """Returns q with its quaternions and (cos, sin) pairs scaled to norm one (nq,)."""
-    c = model.compiled()
+    c = compiled(model, "normalize")
     return c.q_out(dyn.normalize(c.model, c.q_in(q, "normalize")))
 
 
 def isNormalized(model, q, prec=1e-12):
     """Returns whether every quaternion and pair has norm one to within prec."""
-    c = model.compiled()
+    c = compiled(model, "isNormalized")
     return dyn.is_normalized(c.model, c.q_in(q, "isNormalized"), prec)
 
 
@@ -98,7 +99,7 @@ def _fill_random(joint, at, lower, upper, q):
 
 def _derivatives(function, model, a, b, argument):
     """Returns one derivative, or both as a tuple."""
-    c = model.compiled()
+    c = compiled(model, function.__name__)
     both = [c.square_out(function(c.model, a(c), b(c), by)) for by in ((ARG0, ARG1) if argument is None else (argument,))]
     return tuple(both) if argument is None else both[0]
 

@@ -6,6 +6,7 @@ import numpy as np
 
 import libdyn as dyn
 
+from .calls import prepare
 from .contact import impulseDynamicsWithJacobian
 from .contact_cholesky import ContactCholeskyDecomposition
 from .containers import instances, typed_list
@@ -146,8 +147,7 @@ StdVec_RigidConstraintData = typed_list("StdVec_RigidConstraintData", instances(
 
 def _problem(model, data, contact_models, function):
     """Returns the compiled model, libdyn's data, and libdyn's data of the constraints, which are made anew if the constraints have changed."""
-    c = model.compiled()
-    d = data.use(c, function)
+    c, d = prepare(model, data, function)
     key = tuple(x.key() for x in contact_models)
     known = data.__dict__.get("_constraints")
     if known is None or known[0] is not c or known[1] != key:
@@ -273,8 +273,7 @@ def computeImpulseDynamicsDerivatives(model, data, contact_models, contact_datas
 
 def getConstraintsJacobian(model, data, contact_models, contact_datas):
     """Returns the Jacobian (rows, nv) of constraints at the state of the last forwardKinematics or computeJointJacobians."""
-    c = model.compiled()
-    d = data.use(c, "getConstraintsJacobian")
+    c, d = prepare(model, data, "getConstraintsJacobian")
     state = data.source("oMi", "getConstraintsJacobian", "computeJointJacobians(model, data, q)")
     constraints = dyn.ConstraintData(dyn.ConstraintSet(c.model, [x.description(c, k) for k, x in enumerate(contact_models)]))
     _place(data, contact_models, contact_datas, "getConstraintsJacobian")

@@ -4,6 +4,7 @@ import numpy as np
 
 import libdyn as dyn
 
+from .calls import prepare
 from .convert import index
 from .enums import LOCAL, LOCAL_WORLD_ALIGNED, WORLD
 from .kinematics import PLACEMENTS, _joint_and_placement, _split
@@ -13,8 +14,7 @@ _STATE = (*PLACEMENTS, "v", "ov", "a", "oa", "oa_gf", "of", "oh", "J", "dJ", "oY
 
 def computeRNEADerivatives(model, data, q, v, a, fext=None):
     """Returns the derivatives (nv, nv) of rnea by q, v and a; also data.dtau_dq, dtau_dv, M, tau."""
-    c = model.compiled()
-    d = data.use(c, "computeRNEADerivatives")
+    c, d = prepare(model, data, "computeRNEADerivatives")
     q, v, a = c.q_in(q, "computeRNEADerivatives"), c.v_in(v, "computeRNEADerivatives", "v"), c.v_in(a, "computeRNEADerivatives", "a")
     forces = c.forces_in(fext, "computeRNEADerivatives")
     dtau_dq, dtau_dv, M = map(c.square_out, dyn.compute_rnea_derivatives(c.model, d, q, v, a, fext=forces))
@@ -26,17 +26,15 @@ def computeRNEADerivatives(model, data, q, v, a, fext=None):
 
 def computeGeneralizedGravityDerivatives(model, data, q):
     """Returns the derivative (nv, nv) of g(q)."""
-    c = model.compiled()
+    c, d = prepare(model, data, "computeGeneralizedGravityDerivatives")
     zero = np.zeros(c.nv)
-    d = data.use(c, "computeGeneralizedGravityDerivatives")
     return c.square_out(dyn.compute_rnea_derivatives(c.model, d, c.q_in(q, "computeGeneralizedGravityDerivatives"), zero, zero)[0])
 
 
 def computeStaticTorqueDerivatives(model, data, q, fext):
     """Returns the derivative (nv, nv) of computeStaticTorque by q."""
-    c = model.compiled()
+    c, d = prepare(model, data, "computeStaticTorqueDerivatives")
     zero, forces = np.zeros(c.nv), c.forces_in(fext, "computeStaticTorqueDerivatives")
-    d = data.use(c, "computeStaticTorqueDerivatives")
     return c.square_out(dyn.compute_rnea_derivatives(c.model, d, c.q_in(q, "computeStaticTorqueDerivatives"), zero, zero, fext=forces)[0])
 
 
@@ -45,8 +43,7 @@ def computeABADerivatives(model, data, *arguments):
 
     Arguments: q, v, tau, or nothing for the state of the last aba; then fext, as for rnea.
     """
-    c = model.compiled()
-    d = data.use(c, "computeABADerivatives")
+    c, d = prepare(model, data, "computeABADerivatives")
     if len(arguments) >= 3:
         names = ("q", "v", "tau")
         q, v, tau = (take(x, "computeABADerivatives", n) for take, x, n in zip((c.q_in, c.v_in, c.v_in), arguments, names))
@@ -65,8 +62,7 @@ def computeABADerivatives(model, data, *arguments):
 
 def computeForwardKinematicsDerivatives(model, data, q, v, a):
     """Prepares the derivatives that the functions below return; also the fields of forwardKinematics, data.J and dJ."""
-    c = model.compiled()
-    data.use(c, "computeForwardKinematicsDerivatives")
+    c, _ = prepare(model, data, "computeForwardKinematicsDerivatives")
     names = ("q", "v", "a")
     q, v, a = (take(x, "computeForwardKinematicsDerivatives", n) for take, x, n in zip((c.q_in, c.v_in, c.v_in), (q, v, a), names))
     state = data.state(q, v, a)
@@ -76,7 +72,7 @@ def computeForwardKinematicsDerivatives(model, data, q, v, a):
 
 def _derivatives_of(model, data, joint, reference, function, name):
     """Returns what a function of libdyn returns for a joint at the prepared state."""
-    c = model.compiled()
+    c, _ = prepare(model, data, name)
     state = getattr(data, "_derivatives", None)
     if state is None or state.c is not c:
         raise ValueError(f"{name}: call computeForwardKinematicsDerivatives(model, data, q, v, a) first")
@@ -167,8 +163,7 @@ def getPointClassicAccelerationDerivatives(model, data, joint_id, placement, ref
 
 def getCenterOfMassVelocityDerivatives(model, data):
     """Returns the derivative (3, nv) of the velocity of the centre of mass by q, at the state of the last centerOfMass(q, v) or computeAllTerms."""
-    c = model.compiled()
-    d = data.use(c, "getCenterOfMassVelocityDerivatives")
+    c, d = prepare(model, data, "getCenterOfMassVelocityDerivatives")
     state = data.source("vcom", "getCenterOfMassVelocityDerivatives", "centerOfMass(model, data, q, v)")
     momentum = dyn.compute_centroidal_dynamics_derivatives(c.model, d, state.q, state.v_or_zero, np.zeros(c.nv)).dhg_dq
     return c.v_out(momentum[:3]) / c.model.mass

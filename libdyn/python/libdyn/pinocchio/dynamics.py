@@ -2,6 +2,7 @@
 """Inverse and forward dynamics, the mass matrix, the Coriolis matrix and energies."""
 import libdyn as dyn
 
+from .calls import prepare
 from .enums import Convention
 from .kinematics import PLACEMENTS, forwardKinematics
 
@@ -13,8 +14,7 @@ def rnea(model, data, q, v, a, fext=None):
 
     fext has one Force for each joint, the universe's first, in the joint's frame.
     """
-    c = model.compiled()
-    d = data.use(c, "rnea")
+    c, d = prepare(model, data, "rnea")
     q, v, a, forces = c.q_in(q, "rnea"), c.v_in(v, "rnea", "v"), c.v_in(a, "rnea", "a"), c.forces_in(fext, "rnea")
     tau = data.tau = c.v_out(dyn.rnea(c.model, d, q, v, a, fext=forces))
     data.note(_FORCES, data.state(q, v, a, forces))
@@ -23,8 +23,7 @@ def rnea(model, data, q, v, a, fext=None):
 
 def nonLinearEffects(model, data, q, v):
     """Returns C(q, v) v + g(q) (nv,) [N m, N]; also data.nle, v, a_gf, f, h."""
-    c = model.compiled()
-    d = data.use(c, "nonLinearEffects")
+    c, d = prepare(model, data, "nonLinearEffects")
     q, v = c.q_in(q, "nonLinearEffects"), c.v_in(v, "nonLinearEffects", "v")
     nle = data.nle = c.v_out(dyn.non_linear_effects(c.model, d, q, v))
     data.note(_FORCES, data.state(q, v))
@@ -36,16 +35,14 @@ nle = nonLinearEffects
 
 def computeGeneralizedGravity(model, data, q):
     """Returns g(q) (nv,) [N m, N]; also data.g."""
-    c = model.compiled()
-    d = data.use(c, "computeGeneralizedGravity")
+    c, d = prepare(model, data, "computeGeneralizedGravity")
     g = data.g = c.v_out(dyn.generalized_gravity(c.model, d, c.q_in(q, "computeGeneralizedGravity")))
     return g
 
 
 def computeStaticTorque(model, data, q, fext):
     """Returns the joint forces (nv,) that hold the robot still against gravity and fext; also data.tau."""
-    c = model.compiled()
-    d = data.use(c, "computeStaticTorque")
+    c, d = prepare(model, data, "computeStaticTorque")
     forces = c.forces_in(fext, "computeStaticTorque")
     tau = data.tau = c.v_out(dyn.compute_static_torque(c.model, d, c.q_in(q, "computeStaticTorque"), forces))
     return tau
@@ -55,8 +52,7 @@ def aba(model, data, q, v, tau, fext=None, convention=Convention.LOCAL):
     """Returns ddq = M^-1 (tau - C v - g) with external forces as rnea takes them (nv,) [rad/s^2, m/s^2]; also data.ddq."""
     if isinstance(fext, Convention):
         fext = None
-    c = model.compiled()
-    d = data.use(c, "aba")
+    c, d = prepare(model, data, "aba")
     q, v, tau, forces = c.q_in(q, "aba"), c.v_in(v, "aba", "v"), c.v_in(tau, "aba", "tau"), c.forces_in(fext, "aba")
     ddq = dyn.aba(c.model, d, q, v, tau, fext=forces)
     data.note((*PLACEMENTS, "v", "a_gf"), data.state(q, v, ddq, forces))
@@ -67,8 +63,7 @@ def aba(model, data, q, v, tau, fext=None, convention=Convention.LOCAL):
 
 def crba(model, data, q, convention=Convention.LOCAL):
     """Returns M(q) (nv, nv), both triangles; also data.M, Ycrb."""
-    c = model.compiled()
-    d = data.use(c, "crba")
+    c, d = prepare(model, data, "crba")
     q = c.q_in(q, "crba")
     M = data.M = c.square_out(dyn.crba(c.model, d, q))
     data.note((*PLACEMENTS, "Ycrb", "oYcrb", "J"), data.state(q))
@@ -77,8 +72,7 @@ def crba(model, data, q, convention=Convention.LOCAL):
 
 def computeMinverse(model, data, q=None):
     """Returns M^-1(q) (nv, nv), both triangles; also data.Minv. Without q, that of the last aba."""
-    c = model.compiled()
-    d = data.use(c, "computeMinverse")
+    c, d = prepare(model, data, "computeMinverse")
     if q is None:
         if getattr(data, "_aba", None) is None:
             raise ValueError("computeMinverse: call aba(model, data, q, v, tau) first, or give q")
@@ -91,8 +85,7 @@ def computeMinverse(model, data, q=None):
 
 def computeCoriolisMatrix(model, data, q, v):
     """Returns the matrix C(q, v) (nv, nv) for which dM/dt - 2 C is skew; also data.C, J, dJ."""
-    c = model.compiled()
-    d = data.use(c, "computeCoriolisMatrix")
+    c, d = prepare(model, data, "computeCoriolisMatrix")
     q, v = c.q_in(q, "computeCoriolisMatrix"), c.v_in(v, "computeCoriolisMatrix", "v")
     C = data.C = c.square_out(dyn.compute_coriolis_matrix(c.model, d, q, v))
     data.note((*PLACEMENTS, "J", "dJ"), data.state(q, v))
@@ -101,8 +94,7 @@ def computeCoriolisMatrix(model, data, q, v):
 
 def getCoriolisMatrix(model, data):
     """Returns the Coriolis matrix (nv, nv) at the state of the last computeRNEADerivatives; also data.C."""
-    c = model.compiled()
-    d = data.use(c, "getCoriolisMatrix")
+    c, d = prepare(model, data, "getCoriolisMatrix")
     state = data.source("dJ", "getCoriolisMatrix", "computeRNEADerivatives(model, data, q, v, a)")
     C = data.C = c.square_out(dyn.compute_coriolis_matrix(c.model, d, state.q, state.v_or_zero))
     return C
@@ -129,8 +121,7 @@ def computeMechanicalEnergy(model, data, q=None, v=None):
 
 
 def _energy_state(model, data, q, v, function, field):
-    c = model.compiled()
-    d = data.use(c, function)
+    c, d = prepare(model, data, function)
     if q is None:
         return c, d, data.source(field, function, "forwardKinematics(model, data, q, v)")
     forwardKinematics(model, data, q, v)

@@ -2,6 +2,7 @@
 """Jacobians of joints and frames, and their rates."""
 import numpy as np
 
+from .calls import prepare
 from .convert import index
 from .enums import LOCAL, WORLD
 from .kinematics import PLACEMENTS, _joint_and_placement, _split
@@ -10,8 +11,7 @@ from .spatial import skew
 
 def computeJointJacobians(model, data, q=None):
     """Returns the columns (6, nv) of all joints' Jacobians in WORLD; also data.J, oMi. Without q, at the state of the last forwardKinematics."""
-    c = model.compiled()
-    data.use(c, "computeJointJacobians")
+    c, _ = prepare(model, data, "computeJointJacobians")
     if q is None:
         state = data.source("oMi", "computeJointJacobians", "forwardKinematics(model, data, q)")
     else:
@@ -23,8 +23,7 @@ def computeJointJacobians(model, data, q=None):
 
 def computeJointJacobiansTimeVariation(model, data, q, v):
     """Returns the rates (6, nv) of the columns that computeJointJacobians returns; also data.dJ, J, oMi, v."""
-    c = model.compiled()
-    data.use(c, "computeJointJacobiansTimeVariation")
+    c, _ = prepare(model, data, "computeJointJacobiansTimeVariation")
     q, v = c.q_in(q, "computeJointJacobiansTimeVariation"), c.v_in(v, "computeJointJacobiansTimeVariation", "v")
     data.note((*PLACEMENTS, "v", "ov", "J", "dJ"), data.state(q, v))
     return data.dJ
@@ -40,8 +39,7 @@ def _rates(data, function):
 
 def computeJointJacobian(model, data, q, joint_id):
     """Returns the Jacobian (6, nv) of a joint, in LOCAL."""
-    c = model.compiled()
-    data.use(c, "computeJointJacobian")
+    c, _ = prepare(model, data, "computeJointJacobian")
     joint_id = index(joint_id, model.njoints, "computeJointJacobian", "joint_id")
     return data.state(c.q_in(q, "computeJointJacobian")).joint_jacobian(joint_id, LOCAL)
 
@@ -79,8 +77,7 @@ def frame_jacobian_rate(state, joint, placement, reference_frame):
 
 def computeFrameJacobian(model, data, q, frame_id, reference_frame=LOCAL):
     """Returns the Jacobian (6, nv) of a frame."""
-    c = model.compiled()
-    data.use(c, "computeFrameJacobian")
+    c, _ = prepare(model, data, "computeFrameJacobian")
     joint, placement = _joint_and_placement(model, frame_id, None, "computeFrameJacobian")
     state = data.state(c.q_in(q, "computeFrameJacobian"))
     data.note(PLACEMENTS, state)

@@ -2,6 +2,7 @@
 """Placements, velocities and accelerations of joints and frames."""
 import numpy as np
 
+from .calls import prepare
 from .convert import index
 from .elements import Elements
 from .enums import LOCAL, LOCAL_WORLD_ALIGNED, WORLD
@@ -13,8 +14,7 @@ _BY_LEVEL = (PLACEMENTS, (*PLACEMENTS, "v"), (*PLACEMENTS, "v", "a"))
 
 def forwardKinematics(model, data, q, v=None, a=None):
     """Computes the poses of all joints: data.oMi, liMi; with v their velocities, data.v; with a also their accelerations, data.a, without gravity."""
-    c = model.compiled()
-    data.use(c, "forwardKinematics")
+    c, _ = prepare(model, data, "forwardKinematics")
     if a is not None and v is None:
         raise TypeError("forwardKinematics: a without v; give v, too")
     q = c.q_in(q, "forwardKinematics")

@@ -4,6 +4,7 @@ import numpy as np
 
 import libdyn as dyn
 
+from .calls import prepare
 from .convert import index
 from .enums import LOCAL, LOCAL_WORLD_ALIGNED, WORLD
 from .kinematics import PLACEMENTS, _joint_and_placement
@@ -33,8 +34,7 @@ def frameBodyRegressor(model, data, frame_id):
 
 def computeStaticRegressor(model, data, q):
     """Returns Y (3, 4 (njoints - 1)): Y pi is the centre of mass, with parameters (m, m c) of each body; also data.staticRegressor."""
-    c = model.compiled()
-    data.use(c, "computeStaticRegressor")
+    c, _ = prepare(model, data, "computeStaticRegressor")
     state = data.state(c.q_in(q, "computeStaticRegressor"))
     data.note(PLACEMENTS, state)
     poses = [state.joint_pose(i) for i in range(1, c.njoints)]
@@ -44,8 +44,7 @@ def computeStaticRegressor(model, data, q):
 
 def computeJointTorqueRegressor(model, data, q, v, a):
     """Returns Y (nv, 10 (njoints - 1)): Y pi is rnea without armature; also data.jointTorqueRegressor."""
-    c = model.compiled()
-    d = data.use(c, "computeJointTorqueRegressor")
+    c, d = prepare(model, data, "computeJointTorqueRegressor")
     name = "computeJointTorqueRegressor"
     Y = dyn.compute_joint_torque_regressor(c.model, d, c.q_in(q, name), c.v_in(v, name, "v"), c.v_in(a, name, "a"))
     data.jointTorqueRegressor = c.rows_out(c.blocks_out(Y, 10))
@@ -54,8 +53,7 @@ def computeJointTorqueRegressor(model, data, q, v, a):
 
 def computeKineticEnergyRegressor(model, data, q, v):
     """Returns y (10 (njoints - 1),): y . pi is the kinetic energy [J]; also data.kineticEnergyRegressor."""
-    c = model.compiled()
-    d = data.use(c, "computeKineticEnergyRegressor")
+    c, d = prepare(model, data, "computeKineticEnergyRegressor")
     y = dyn.compute_kinetic_energy_regressor(
         c.model, d, c.q_in(q, "computeKineticEnergyRegressor"), c.v_in(v, "computeKineticEnergyRegressor", "v")
     )
@@ -65,8 +63,7 @@ def computeKineticEnergyRegressor(model, data, q, v):
 
 def computePotentialEnergyRegressor(model, data, q):
     """Returns y (10 (njoints - 1),): y . pi is the potential energy [J]; also data.potentialEnergyRegressor."""
-    c = model.compiled()
-    d = data.use(c, "computePotentialEnergyRegressor")
+    c, d = prepare(model, data, "computePotentialEnergyRegressor")
     y = dyn.compute_potential_energy_regressor(c.model, d, c.q_in(q, "computePotentialEnergyRegressor"))
     data.potentialEnergyRegressor = c.blocks_out(y, 10)
     return data.potentialEnergyRegressor
