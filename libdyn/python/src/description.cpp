@@ -113,6 +113,13 @@ void addDescription(py::module_& m) {
       },
       py::arg("master"), py::arg("type") = "mimic", py::arg("parameters") = GivenParameters(),
       "Makes the joint depend on another: its coordinate becomes a function of the master's.");
+  joint.def_property_readonly(
+      "coupling",
+      [](const JointDescription& j) -> py::object {
+        if (j.coupling.type.empty()) return py::none();
+        return py::make_tuple(j.coupling.type, j.coupling.master, j.coupling.parameters);
+      },
+      "A tuple (type, master, parameters) if the joint depends on another; else None.");
 
   py::class_<BodyDescription>(m, "BodyDescription", "A body and the joint that carries it.")
       .def_readwrite("name", &BodyDescription::name, "Unique among the model's bodies.")
@@ -185,12 +192,12 @@ void addDescription(py::module_& m) {
   const py::arg_v types("registry", py::none());
   m.def(
       "reduce",
-      [](const Model& model, const Locks& lock, const JointRegistry* types) { return reduce(model, registryOr(types), lockedJoints(lock)); },
+      [](const Model& model, const Locks& lock, const JointRegistry* known) { return reduce(model, registryOr(known), lockedJoints(lock)); },
       py::arg("model"), py::arg("lock"), types,
       "Returns the model with joints held. `lock` maps names of joints to their coordinates, or to None for neutral.");
   m.def(
       "keep_only",
-      [](const Model& model, const std::vector<std::string>& keep, const JointRegistry* types) { return keepOnly(model, registryOr(types), keep); },
+      [](const Model& model, const std::vector<std::string>& keep, const JointRegistry* known) { return keepOnly(model, registryOr(known), keep); },
       py::arg("model"), py::arg("keep"), types,
       "Returns the model with all joints held at neutral but those named in `keep` and those on which these depend.");
   m.def(

@@ -99,6 +99,24 @@ void addKinematics(py::module_& m) {
           "Returns the Jacobian of a joint (6, nv) at the q of the last forward_kinematics or compute_joint_jacobians.");
   present("get_frame_jacobian", &getFrameJacobian, &frameOf, frame,
           "Returns the Jacobian of a frame (6, nv) at the q of the last forward_kinematics or compute_joint_jacobians.");
+  m.def(
+      "compute_jacobian_at",
+      [](const CompactModel& x, Data& d, const Vector& at, const Name& which, const SE3<double>& placement, ReferenceFrame r) {
+        const int i = jointOf(x, which);
+        Eigen::MatrixXd J(6, x.nv());
+        computeJointJacobian(x, d, at, i, r == ReferenceFrame::WORLD ? r : ReferenceFrame::LOCAL, J);
+        if (r == ReferenceFrame::WORLD) return J;
+        J = (actionMatrix6(placement.inverse()) * J).eval();
+        if (r == ReferenceFrame::LOCAL_WORLD_ALIGNED) {
+          forwardKinematics(x, d, at);
+          const Eigen::Matrix3d R = toEigen(jointPlacement(x, d, i).R * placement.R);
+          J.topRows<3>() = (R * J.topRows<3>()).eval();
+          J.bottomRows<3>() = (R * J.bottomRows<3>()).eval();
+        }
+        return J;
+      },
+      model, data, q, joint, py::arg("placement"), reference,
+      "Returns the Jacobian (6, nv) of the frame at `placement` in the frame of a joint, linear part first.");
   const auto variation = [&](const char* name, auto write, auto number, const py::arg& which, const char* doc) {
     m.def(
         name,

@@ -123,6 +123,8 @@ PYBIND11_MODULE(_core, m) {
   addSpatial(m);
   addLie(m);
   addRegistry(m);
+  addSubclasses(m);
+  addInertialParameters(m);
   addDescription(m);
   addFiles(m);
   addJointTypes(m);
@@ -138,11 +140,11 @@ PYBIND11_MODULE(_core, m) {
   addFriction(m);
   addDelassus(m);
   addShapes(m);
+  addFrameConstraint(m);
   addGeometry(m);
   addContactFinders(m);
   addDerivatives(m);
   addCompute(m);
-  addInertialParameters(m);
   addSimulation(m);
   addIslands(m);
   addRollout(m);

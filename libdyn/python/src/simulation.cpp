@@ -3,6 +3,7 @@
 #include "simulation.hpp"
 
 #include "choices.hpp"
+#include "typed.hpp"
 
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
@@ -14,9 +15,10 @@ namespace dyn::python {
 namespace {
 
 using Vector = Eigen::Ref<const Eigen::VectorXd>;
-using Controller = Typed<py::function, "Callable[[float, NDArray[float64], NDArray[float64]], ArrayLike]">;
+using ControllerFunction = Typed<py::function, "Callable[[float, NDArray[float64], NDArray[float64]], ArrayLike]">;
 using EventFunction = Typed<py::function, "Callable[[float, NDArray[float64], NDArray[float64]], float]">;
-using Observer = Typed<py::function, "Callable[[float, NDArray[float64], NDArray[float64]], object]">;
+using ObserverFunction = Typed<py::function, "Callable[[float, NDArray[float64], NDArray[float64]], object]">;
+using DerivativesFunction = Typed<py::function, "Callable[[float, NDArray[float64], NDArray[float64]], tuple[ArrayLike, ArrayLike]]">;
 using Statistics = Typed<py::dict, "dict[str, int]">;
 
 /// Returns the times at which advance() looks whether the user has interrupted it: not more often than every 256 steps, and not too many.
@@ -29,9 +31,7 @@ std::vector<double> interruptible(double from, double until, double dt) {
   return times;
 }
 
-using MaybeFunction = std::optional<py::function>;
-
-void setController(Simulation& s, const MaybeFunction& controller, const MaybeFunction& derivatives) {
+void setController(Simulation& s, const std::optional<ControllerFunction>& controller, const std::optional<DerivativesFunction>& derivatives) {
   if (derivatives && !controller) throw Error(ErrorCode::argument, "set_controller: derivatives without a controller");
   Controller control;
   ControllerDerivatives differentiate;
@@ -51,7 +51,7 @@ void setController(Simulation& s, const MaybeFunction& controller, const MaybeFu
   s.python_controller = controller.has_value();
 }
 
-void setForces(Simulation& s, const MaybeFunction& forces) {
+void setForces(Simulation& s, const std::optional<ControllerFunction>& forces) {
   Forces act;
   if (forces)
     act = [f = *forces](double t, const VectorResult& q, const VectorResult& v, Force<double>* fext, int count) {
@@ -85,14 +85,14 @@ void setEvents(Simulation& s, const std::vector<std::tuple<std::string, EventFun
   s.python_events = !events.empty();
 }
 
-int advance(Simulation& s, double until, const std::optional<std::vector<double>>& times, const MaybeFunction& observer) {
+int advance(Simulation& s, double until, const std::optional<std::vector<double>>& times, const std::optional<ObserverFunction>& observer) {
   Observer observe;
   if (times.has_value() != observer.has_value()) throw Error(ErrorCode::argument, "advance: give both times and an observer, or none of them");
   if (observer) observe = [&](double t, const VectorResult& q, const VectorResult& v) { callPython(*observer, t, q, v, [](const py::object&) {}); };
   return withPythonExceptions([&] { return s.advance(until, times.value_or(std::vector<double>()), observe); });
 }
 
-py::dict statisticsOf(const Simulation& s) {
+Statistics statisticsOf(const Simulation& s) {
   const SimulatorStatistics& x = s.get().statistics();
   using namespace py::literals;
   return py::dict("steps"_a = x.steps, "rejected"_a = x.rejected, "evaluations"_a = x.evaluations, "factorizations"_a = x.factorizations,

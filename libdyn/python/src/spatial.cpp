@@ -45,6 +45,7 @@ void vectorProperty(Class& c, const char* name, Vec3<double> T::*member, const c
 template <class Class, class Arguments>
 void copies(Class& c, const Arguments& arguments) {
   using T = typename Class::type;
+  c.def(py::init<const T&>(), py::arg("other"));
   c.def("__copy__", [](const T& x) { return x; });
   c.def(
       "__deepcopy__", [](const T& x, const py::dict&) { return x; }, py::arg("memo"));
@@ -68,7 +69,7 @@ void printed(Class& c, const Arguments& arguments) {
 
 /// Motions and forces: two vectors, linear part first.
 template <class T>
-void addPair(py::module_& m, const char* name, const char* doc, const char* linear, const char* angular) {
+py::class_<T> addPair(py::module_& m, const char* name, const char* doc, const char* linear, const char* angular) {
   py::class_<T> c(m, name, doc);
   const auto parts = [](const T& x) { return py::make_tuple(toEigen(x.linear), toEigen(x.angular)); };
   c.def(py::init([](const Vector3& l, const Vector3& a) {
@@ -78,29 +79,37 @@ void addPair(py::module_& m, const char* name, const char* doc, const char* line
   c.def(py::init([](const Six& x) { return T{{x[0], x[1], x[2]}, {x[3], x[4], x[5]}}; }), py::arg("vector"));
   vectorProperty(c, "linear", &T::linear, linear);
   vectorProperty(c, "angular", &T::angular, angular);
-  c.def_property_readonly(
-      "vector", [](const T& x) { return toEigen(x); }, "The six numbers (6,), linear part first, as a new array.");
+  static_assert(sizeof(T) == 6 * sizeof(double));
+  c.def_property(
+      "vector", [](const py::object& self) { return view(self, &py::cast<T&>(self).linear.x, {6}); },
+      [](T& self, const Six& x) {
+        self = {{x[0], x[1], x[2]}, {x[3], x[4], x[5]}};
+      },
+      "The six numbers (6,), linear part first, as a view.");
   c.def(py::self + py::self).def(py::self - py::self).def(double() * py::self).def(py::self += py::self).def(py::self -= py::self);
   c.def(
       "__mul__", [](const T& x, double s) { return s * x; }, py::is_operator());
   c.def("__neg__", [](const T& x) { return -1.0 * x; });
   c.def(
       "__eq__", [](const T& x, const T& y) { return toEigen(x) == toEigen(y); }, py::is_operator());
-  if constexpr (std::is_same_v<T, Motion<double>>) {
-    c.def("cross", &T::cross, py::arg("motion"), "Returns the derivative of a motion that is fixed in a frame that moves with this one.");
-  }
   copies(c, parts);
   printed(c, parts);
+  return c;
 }
 
 }  // namespace
 
 void addSpatial(py::module_& m) {
-  addPair<Motion<double>>(m, "Motion", "A spatial velocity or acceleration, linear part first.",
-                          "The part of the point at the frame's origin (3,) [m/s or m/s^2], as a view.",
-                          "The rotation's part (3,) [rad/s or rad/s^2], as a view.");
+  auto motion = addPair<Motion<double>>(m, "Motion", "A spatial velocity or acceleration, linear part first.",
+                                        "The part of the point at the frame's origin (3,) [m/s or m/s^2], as a view.",
+                                        "The rotation's part (3,) [rad/s or rad/s^2], as a view.");
   addPair<Force<double>>(m, "Force", "A spatial force, force first and moment second.", "The force (3,) [N], as a view.",
                          "The moment about the frame's origin (3,) [N m], as a view.");
+  motion
+      .def("cross", &Motion<double>::cross, py::arg("x"),
+           "Returns the derivative of a motion or force that is fixed in a frame that moves with this motion.")
+      .def(
+          "cross", [](const Motion<double>& v, const Force<double>& f) { return crossStar(v, f); }, py::arg("x"));
 
   // All classes are there before functions whose signatures name them.
   using X = SE3<double>;
@@ -130,12 +139,13 @@ void addSpatial(py::module_& m) {
   printed(inertia, inertia_parts);
 
   const auto pose_parts = [](const X& x) { return py::make_tuple(toEigen(x.R), toEigen(x.p)); };
-  const auto of = [](const Matrix3& R, const Vector3& p) {
-    if (!(R.transpose() * R).isIdentity(1e-9) || !(R.determinant() > 0)) throw Error(ErrorCode::argument, "SE3: R is not a rotation");
+  const auto of = [](const Matrix3& R, const Vector3& p, bool check) {
+    if (check && (!(R.transpose() * R).isIdentity(1e-9) || !(R.determinant() > 0))) throw Error(ErrorCode::argument, "SE3: R is not a rotation");
     return X{rotationFromEigen(R), fromEigen3(p)};
   };
-  pose.def(py::init(of), py::arg("R") = Matrix3::Identity().eval(), py::arg("p") = Vector3::Zero().eval())
-      .def(py::init([of](const Eigen::Matrix4d& H) { return of(H.topLeftCorner<3, 3>(), H.topRightCorner<3, 1>()); }), py::arg("homogeneous"))
+  pose.def(py::init(of), py::arg("R") = Matrix3::Identity().eval(), py::arg("p") = Vector3::Zero().eval(), py::kw_only(), py::arg("check") = true,
+           "Raises Error if R is no rotation, unless check is False.")
+      .def(py::init([of](const Eigen::Matrix4d& H) { return of(H.topLeftCorner<3, 3>(), H.topRightCorner<3, 1>(), true); }), py::arg("homogeneous"))
       .def_static(
           "translation",
           [](double x, double y, double z) {

@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Arguments that are arrays, and Eigen's comparison of two arrays."""
+
+import numpy as np
+
+PRECISION = 1e-12
+
+
+def array(x, shape, name):
+    """Returns x as an array of float64 of this shape. Vectors may be columns or rows. Raises ValueError or TypeError that names the argument."""
+    try:
+        out = np.asarray(x, dtype=float)
+    except (TypeError, ValueError):
+        raise TypeError(f"{name} must be numbers of shape {shape}, not {type(x).__name__}") from None
+    if out.shape != shape and len(shape) == 1 and out.ndim == 2 and out.shape in ((shape[0], 1), (1, shape[0])):
+        out = out.reshape(shape)
+    if out.shape != shape:
+        raise ValueError(f"{name} has shape {out.shape}; it must have {shape}")
+    return out
+
+
+def instance(x, cls, name):
+    """Returns x. Raises TypeError that names the argument unless x is an instance of cls."""
+    if not isinstance(x, cls):
+        raise TypeError(f"{name} must be a {cls.__name__}, not {type(x).__name__}")
+    return x
+
+
+def call(function, x, shape, name):
+    """Returns function(x). If the function does not take x as it is, x becomes an array first, which names the argument if that fails."""
+    try:
+        return function(x)
+    except TypeError:
+        return function(array(x, shape, name))
+
+
+def close(a, b, prec=PRECISION):
+    """Returns whether the norm of a - b is at most prec times the smaller norm of the two."""
+    d, a, b = (a - b).ravel(), a.ravel(), b.ravel()
+    return bool(d @ d <= prec * prec * min(a @ a, b @ b))
+
+
+def small(a, prec=PRECISION):
+    """Returns whether no entry is larger than prec."""
+    return bool(np.all(np.abs(a) <= prec))
+
+
+def rows(matrix):
+    """Returns the numbers of a matrix as text, a row a line."""
+    return "\n".join(" ".join(f"{x:12.6g}" for x in row) for row in matrix.tolist())
+
+
+def line(vector):
+    """Returns the numbers of a vector as text."""
+    return " ".join(f"{x:.6g}" for x in vector.tolist())

@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Arguments of algorithms: arrays and indices."""
+import operator
+
+import numpy as np
+
+from ._arrays import array
+
+
+def vector(x, size, function, name):
+    """Returns x as an array (size,). Columns and rows of matrices count as vectors, as for Pinocchio. Raises an error that names the argument."""
+    if type(x) is np.ndarray and x.shape == (size,) and x.dtype == float:
+        return x
+    return array(x, (size,), f"{function}: {name}")
+
+
+def matrix(x, rows, columns, function, name):
+    """Returns x as an array (rows, columns); None stands for any number. Raises ValueError, which names the argument."""
+    x = np.asarray(x, dtype=float)
+    if x.ndim != 2 or any(want is not None and have != want for have, want in zip(x.shape, (rows, columns))):
+        raise ValueError(f"{function}: {name} has shape {x.shape}, the model wants ({rows or 'any'}, {columns or 'any'})")
+    return x
+
+
+def index(i, count, function, name):
+    """Returns i if it is one of `count` indices. Raises ValueError, which names the argument."""
+    try:
+        i = operator.index(i)
+    except TypeError:
+        raise TypeError(f"{function}: {name} must be an integer, not {type(i).__name__}") from None
+    if not 0 <= i < count:
+        raise ValueError(f"{function}: {name} is {i}, the model has {count}")
+    return i
