@@ -79,7 +79,9 @@ class Writer:
         unnamed = iter(["key", "value"] if name in ("__getitem__", "__setitem__", "__delitem__") else ["other"])
         for p in signature.parameters[method:]:
             if re.fullmatch(r"arg\d+", p.name):
-                p = Parameter(next(unnamed), p.type, p.default, kinds.POSITIONAL_ONLY)
+                if (known := next(unnamed, None)) is None:
+                    raise NoPythonType(f"its parameter {p.name} has no name")
+                p = Parameter(known, p.type, p.default, kinds.POSITIONAL_ONLY)
             if p.kind is not kinds.POSITIONAL_ONLY and out and out[-1].kind is kinds.POSITIONAL_ONLY:
                 out.append(Parameter("/"))
             if p.kind is kinds.KEYWORD_ONLY and not any(x.kind in (kinds.KEYWORD_ONLY, kinds.VAR_POSITIONAL) for x in out):

@@ -127,9 +127,10 @@ PYBIND11_MODULE(_core, m) {
   addInertialParameters(m);
   addDescription(m);
   addFiles(m);
-  addJointTypes(m);
   addConformance(m);
   addCompactModel(m);
+  addGraphs(m);
+  addJointTypes(m);
   addData(m);
   addNamedAccess(m);
   addConfiguration(m);
@@ -148,7 +149,6 @@ PYBIND11_MODULE(_core, m) {
   addSimulation(m);
   addIslands(m);
   addRollout(m);
-  addGraphs(m);
   addCodegen(m);
   addVersion(m);
 }

@@ -41,10 +41,10 @@ void addSubclasses(py::module_& m) {
     make = base->tp_new;
     base->tp_new = makeIfKnown;
   }
-  m.def("_as", &as<SE3<double>>);
-  m.def("_as", &as<Motion<double>>);
-  m.def("_as", &as<Force<double>>);
-  m.def("_as", &as<Inertia<double>>);
+  m.def("_as", &as<SE3<double>>, py::arg("cls"), py::arg("x"));
+  m.def("_as", &as<Motion<double>>, py::arg("cls"), py::arg("x"));
+  m.def("_as", &as<Force<double>>, py::arg("cls"), py::arg("x"));
+  m.def("_as", &as<Inertia<double>>, py::arg("cls"), py::arg("x"));
 }
 
 }  // namespace dyn::python
