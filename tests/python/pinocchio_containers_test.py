@@ -35,6 +35,9 @@ class Lists(unittest.TestCase):
         with self.assertRaises(TypeError):
             StdVec_StdString([1])
         self.assertIs(type(forces[1:]), StdVec_Force)
+        for size, error in ((-1, ValueError), (2**70, (OverflowError, MemoryError)), (2**62, (OverflowError, MemoryError)), (1.5, TypeError)):
+            with self.assertRaises(error):
+                StdVec_Force(size, Force.Zero())
 
     def test_elements_are_the_objects_themselves_and_copies_are_not(self):
         poses = StdVec_SE3(2, SE3.Identity())

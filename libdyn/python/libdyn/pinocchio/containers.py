@@ -47,8 +47,11 @@ class TypedList(list):
 
     def __init__(self, *args):
         if len(args) == 2:
-            size, value = args
-            args = ([copy.deepcopy(value) for _ in range(operator.index(size))],)
+            size, value = operator.index(args[0]), args[1]
+            if size < 0:
+                raise ValueError(f"size is {size}; it must not be negative")
+            room = [None] * size  # a size beyond the memory is an error here, before copies are made
+            args = ([copy.deepcopy(value) for _ in room],)
         super().__init__(map(self._convert, *args) if args else ())
 
     def append(self, x):
