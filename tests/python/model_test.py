@@ -102,6 +102,13 @@ class Models(unittest.TestCase):
         two.add_body("far", 0, dyn.JointDescription("far_hinge", "revolute", {"axis": [0, 1, 0]}), dyn.Inertia(1.0, [0, 0, -1.0], np.eye(3)))
         self.assertEqual([dyn.compile(two, outputs=["rod"], touching=touching).nv for touching in ([], ["rod", "far"])], [1, 2])
 
+    def test_lists_that_are_copies_cannot_be_changed_by_mistake(self):
+        description = pendulum()
+        for name in ("constraints", "geometries", "disabled_collisions"):
+            self.assertEqual(getattr(description, name), ())
+            with self.assertRaises(AttributeError):
+                getattr(description, name).append(None)
+
     def test_all_errors_of_a_file_are_listed(self):
         self.assertEqual(dyn.check(BIPED), [])
         errors = dyn.check("/no/such.urdf")

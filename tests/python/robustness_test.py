@@ -180,6 +180,28 @@ class Threads(unittest.TestCase):
         self.assertEqual(results, alone)
 
 
+    def test_simulators_that_share_a_finder_wait_for_each_other(self):
+        description = pendulum()
+        model = dyn.compile(description)
+        finder = dyn.geometry_contacts(model, dyn.compile_geometry(model, description))
+        results = []
+
+        def work():
+            simulator = dyn.Simulator(model, dt=1e-3)
+            simulator.set_contacts(dyn.together(finder, dyn.ContactFinder(lambda q, reach: [])))
+            simulator.reset([0.5], [0.0])
+            simulator.advance(0.5)
+            results.append(simulator.q[0])
+
+        threads = [threading.Thread(target=work) for _ in range(4)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual(len(results), 4)
+        np.testing.assert_allclose(results, results[0], atol=1e-12)
+
+
 class Forks(unittest.TestCase):
     def test_batches_work_in_forked_processes(self):
         model = dyn.compile(dyn.load(BIPED, root="free_flyer"))

@@ -86,7 +86,9 @@ void addDescriptions(py::module_& m) {
   m.def("lock_joint", &lockJoint, joint, py::arg("configuration") = std::vector<double>(), "Describes a joint that forces hold.");
 
   py::reinterpret_borrow<py::class_<Model>>(m.attr("Model"))
-      .def_readonly("constraints", &Model::constraints, "Of the mechanism itself: closed loops, gears.")
+      .def_property_readonly(
+          "constraints", [](const Model& x) { return py::tuple(py::cast(x.constraints)); },
+          "Of the mechanism itself: closed loops, gears. add_constraint() adds one.")
       .def(
           "add_constraint", [](Model& x, const ConstraintDescription& c) { x.constraints.push_back(c); }, py::arg("constraint"),
           "Adds a constraint of the mechanism itself.");

@@ -7,6 +7,9 @@
 
 #include <pybind11/stl.h>
 
+#include <memory>
+#include <mutex>
+
 namespace dyn::python {
 
 namespace {
@@ -22,6 +25,20 @@ ContactFinder finderOf(const py::function& function) {
             });
           },
           nullptr};
+}
+
+/// Lets one thread at a time use a finder, whose copies share memory. Simulations run without the interpreter's lock.
+ContactFinder serialized(const ContactFinder& finder) {
+  const auto mutex = std::make_shared<std::mutex>();
+  const auto find = [finder, mutex](const VectorResult& q, double reach, std::vector<ContactPoint>& found) {
+    const std::lock_guard lock(*mutex);
+    finder(q, found, reach);
+  };
+  const auto look = [finder, mutex](const VectorResult& q, const MatrixResult& velocities, double seconds) {
+    const std::lock_guard lock(*mutex);
+    return finder.approach(q, velocities, seconds);
+  };
+  return {find, look};
 }
 
 }  // namespace
@@ -44,7 +61,7 @@ void addContactFinders(py::module_& m) {
       .def_readonly("friction", &ContactPoint::friction, "The coefficient.");
   py::class_<ContactFinder>(
       m, "ContactFinder",
-      "Tells a simulation what touches. Each thread needs its own.\n\n"
+      "Tells a simulation what touches. Each simulation should have its own; those that share one wait for each other.\n\n"
       "find(q, reach) returns a list of ContactPoint, a function of q alone; points farther away than `reach` [m] may be missing.\n"
       "Finders written in Python do not look ahead: fast bodies may pass through thin ones.")
       .def(py::init(&finderOf), py::arg("find"))
@@ -52,7 +69,10 @@ void addContactFinders(py::module_& m) {
           "__call__",
           [](const ContactFinder& finder, const Eigen::VectorXd& q, double reach) {
             std::vector<ContactPoint> found;
-            withPythonExceptions([&] { finder({q.data(), q.size()}, found, reach); });
+            withPythonExceptions([&] {
+              const py::gil_scoped_release unlocked;
+              finder({q.data(), q.size()}, found, reach);
+            });
             return found;
           },
           py::arg("q"), py::arg("reach") = 0.0, "Returns the contact points at q (nq,).")
@@ -64,7 +84,7 @@ void addContactFinders(py::module_& m) {
       [](const CompactModel& model, const GeometryModel& geometry, double friction, double margin, const Frictions& pairs) {
         GeometryContactOptions options{friction, {}, margin};
         for (const auto& [a, b, own] : pairs) options.pairs.push_back({{a, b}, own});
-        return geometryContacts(model, geometry, options);
+        return serialized(geometryContacts(model, geometry, options));
       },
       py::arg("model"), py::arg("geometry"), py::arg("friction") = standard.friction, py::arg("margin") = standard.margin,
       py::arg("pairs") = Frictions(),
@@ -74,7 +94,7 @@ void addContactFinders(py::module_& m) {
   m.def(
       "points_on_plane",
       [](const CompactModel& model, const std::vector<std::string>& frames, const Vector3& normal, double height, double friction) {
-        return pointsOnPlane(model, frames, fromEigen3(normal), height, friction);
+        return serialized(pointsOnPlane(model, frames, fromEigen3(normal), height, friction));
       },
       py::arg("model"), py::arg("frames"), py::arg("normal") = Vector3::UnitZ().eval(), py::arg("height") = 0.0, py::arg("friction") = 0.0,
       "Makes a finder of contacts between origins of frames and the plane normal . x = height [m], in world axes.");

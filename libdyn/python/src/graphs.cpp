@@ -153,7 +153,7 @@ void addTracing(py::module_& m) {
   m.def("traceable_functions", &traceableFunctions, "Returns the names that trace() accepts.");
   m.def(
       "trace", [](const CompactModel& model, const std::string& function, bool packable) { return trace(model, function, {packable}); },
-      py::arg("model"), py::arg("function"), py::kw_only(), py::arg("packable") = false,
+      py::arg("model"), py::arg("function"), py::kw_only(), py::arg("packable") = false, py::call_guard<py::gil_scoped_release>(),
       "Runs an algorithm on unknown values; returns what it computes as a TracedFunction.\n\n"
       "function: a name of traceable_functions(). Poses have 12 numbers a column: the rotation row after row, then the position. packable: marks\n"
       "operations that source of one state per call can compute side by side.");
@@ -171,12 +171,13 @@ void addGraphs(py::module_& m) {
   addGraphClass(m);
   addTracing(m);
   const py::arg graph("graph");
+  const py::call_guard<py::gil_scoped_release> unlocked;
   m.def(
       "differentiate", [](const Graph& g, const std::string& mode) { return differentiate(g, modeOf(mode)); }, graph, py::arg("mode") = "forward",
-      "Returns the JacobianGraph of d outputs / d inputs. mode: 'forward' suits few inputs, 'reverse' few outputs.");
-  m.def("gradient", &gradient, graph,
+      unlocked, "Returns the JacobianGraph of d outputs / d inputs. mode: 'forward' suits few inputs, 'reverse' few outputs.");
+  m.def("gradient", &gradient, graph, unlocked,
         "Returns the graph of d(weights . outputs) / d inputs. Its inputs are those of the graph, then one weight for each output.");
-  m.def("directional", &directional, graph,
+  m.def("directional", &directional, graph, unlocked,
         "Returns the graph of the outputs' change along a direction. Its inputs are those of the graph, then their direction.");
   py::class_<Blocks>(m, "JacobianBlocks", "The blocks d(output)/d(input) of a function's Jacobian. Call it with the function's arguments.")
       .def_property_readonly(

@@ -27,6 +27,10 @@ class Islands {
     scene.island(k);  // checks the number
     return *simulations_[static_cast<std::size_t>(k)];
   }
+  void wake(int k) {
+    island(k).get();  // throws if another thread advances it
+    scene.wake(k);
+  }
   /// Does the same as scene.advance(until), but Ctrl-C ends it.
   void advance(double until) {
     if (!std::isfinite(until) || until < scene.time()) scene.advance(until);  // throws
@@ -97,8 +101,7 @@ void addIslands(py::module_& m) {
           "Returns the number of the island that has this joint, body or frame; -1 if none has it.")
       .def(
           "asleep", [](const Islands& x, int k) { return x.scene.asleep(k); }, py::arg("k"), "Returns whether an island sleeps.")
-      .def(
-          "wake", [](Islands& x, int k) { x.scene.wake(k); }, py::arg("k"), "Lets an island move again, for example after a new controller.")
+      .def("wake", &Islands::wake, py::arg("k"), "Lets an island move again, for example after a new controller.")
       .def(
           "advance", [](Islands& x, double until) { withPythonExceptions([&] { x.advance(until); }); }, py::arg("until"),
           "Advances all islands to this time [s], one after the other. Their events do not end it.")

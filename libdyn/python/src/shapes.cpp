@@ -142,9 +142,12 @@ void addToModel(py::module_& m) {
       .def_readonly("other", &DisabledCollision::other)
       .def_readonly("reason", &DisabledCollision::reason);
   py::reinterpret_borrow<py::class_<Model>>(m.attr("Model"))
-      .def_readonly("geometries", &Model::geometries, "Volumes on bodies and in the world, as a new list.")
-      .def_readwrite("disabled_collisions", &Model::disabled_collisions,
-                     "Pairs that compile_geometry() leaves out, as a new list; assign to change it.")
+      .def_property_readonly(
+          "geometries", [](const Model& x) { return py::tuple(py::cast(x.geometries)); }, "Volumes on bodies and in the world.")
+      .def_property(
+          "disabled_collisions", [](const Model& x) { return py::tuple(py::cast(x.disabled_collisions)); },
+          [](Model& x, const std::vector<DisabledCollision>& pairs) { x.disabled_collisions = pairs; },
+          "Pairs that compile_geometry() leaves out. Assign a list to change them.")
       .def(
           "add_geometry",
           [role_of](Model& model, const std::string& name, const std::variant<int, std::string>& body, const GeometryShape& shape,
