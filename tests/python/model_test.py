@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Descriptions, compiled models and spatial quantities in Python."""
 import copy
+import os
 import pathlib
 import pickle
 import unittest
@@ -46,7 +47,7 @@ class Models(unittest.TestCase):
         data, volume_data = dyn.Data(model), dyn.GeometryData(volumes)
         dyn.update_geometry_placements(model, data, volumes, volume_data, [0.0])
         self.assertAlmostEqual(dyn.compute_minimum_distance(volumes, volume_data).distance, 3 - 0.25 - 0.5, places=6)
-        with self.assertRaisesRegex(dyn.Error, "1 centers and 2 sizes"):
+        with self.assertRaisesRegex(dyn.Error, "1 centres and 2 sizes"):
             dyn.Voxels([[0, 0, 0]], [1.0, 2.0])
 
     def test_bodies_of_a_description_are_changed_in_place(self):
@@ -151,7 +152,7 @@ class Spatial(unittest.TestCase):
         np.testing.assert_allclose(dyn.quaternion_of(R), [0, 0, np.sqrt(0.5), np.sqrt(0.5)], atol=1e-15)
         np.testing.assert_allclose(dyn.rotation_of([0, 0, 3, 3]), R, atol=1e-15)
         for wrong in ([0, 0, 0, 0], [np.nan, 0, 0, 1]):
-            with self.assertRaisesRegex(dyn.Error, "quaternion is zero or not finite"):
+            with self.assertRaisesRegex(dyn.Error, "quaternion: it is zero or not finite"):
                 dyn.rotation_of(wrong)
         with self.assertRaisesRegex(dyn.Error, "log3: R is not a rotation"):
             dyn.log3(2 * R)

@@ -160,7 +160,9 @@ void addCodegen(py::module_& m) {
   py::class_<Native> function(m, "CompiledFunction",
                               "Machine code of a function. Call it with a vector for each input, or with a state a row. Any thread may call it;\n"
                               "calls with rows release the interpreter's lock.");
-  function.def_property_readonly("name", [](const Native& x) { return x.function.name(); })
+  function
+      .def_property_readonly(
+          "name", [](const Native& x) { return x.function.name(); }, "The name of the function.")
       .def_property_readonly(
           "inputs", [](const Native& x) { return x.function.inputs(); }, "The shapes of the inputs.")
       .def_property_readonly(

@@ -99,7 +99,7 @@ void addSets(py::module_& m) {
   py::class_<ConstraintSet>(m, "ConstraintSet", "The constraints of a model, with all names resolved.")
       .def(py::init(&setOf<CompactModel>), py::arg("model"), constraints, types, "Takes these constraints, or those of the model's own description.")
       .def(py::init(&setOf<ConstraintSet>), py::arg("base"), constraints, types, "Takes the constraints of another set, followed by these.")
-      .def_property_readonly("model", &ConstraintSet::model)
+      .def_property_readonly("model", &ConstraintSet::model, "The model that is constrained.")
       .def_property_readonly(
           "names",
           [](const ConstraintSet& set) {
@@ -125,7 +125,7 @@ void addSets(py::module_& m) {
       .def_readwrite("tolerance", &ConstraintSettings::tolerance, "[m/s^2, rad/s^2] Iterations end when all rows are within this.");
   py::class_<ConstraintData>(m, "ConstraintData", "Memory for the forces of a set of constraints, for one thread.")
       .def(py::init<const ConstraintSet&, Need>(), py::arg("constraints"), py::arg("needs") = Need::derivatives)
-      .def_property_readonly("set", &ConstraintData::set)
+      .def_property_readonly("set", &ConstraintData::set, "The constraints whose forces it holds.")
       .def_readonly("settings", &ConstraintData::settings, "How forces are computed; its members may be changed between calls.")
       .def_property_readonly("nbytes", &ConstraintData::bytes, "The size in bytes.");
 }

@@ -39,7 +39,7 @@ void addData(py::module_& m) {
       m, "Data", "Memory for all results of one state of a model. Use it in one thread at a time. By default it has room for everything.")
       .def(py::init([](const CompactModel& model, Need needs) { return std::shared_ptr<Data>(std::make_shared<DataOfModel>(model, needs)); }),
            py::arg("model"), py::arg("needs") = all_of_a_state)
-      .def_property_readonly("model", &modelOf)
+      .def_property_readonly("model", &modelOf, "The model that the data belong to.")
       .def_property_readonly("nbytes", &Data::bytes, "The size in bytes.");
   addBatch<double>(m, "BatchData",
                    "Memory for up to `capacity` states at once, computed in packs and threads. Functions take arrays with a state a row.");

@@ -67,7 +67,7 @@ void addResults(py::module_& m) {
       .def_readonly("v_after", &Step::v_after, "(nv,) [rad/s, m/s]")
       .def_readonly("impulse", &Step::impulse, "(rows,) [N s, N m s]")
       .def_readonly("velocity", &Step::velocity, "(rows,) after the step [m/s, rad/s]")
-      .def_readonly("residual", &Step::residual)
+      .def_readonly("residual", &Step::residual, "The largest violation of a contact law [m/s].")
       .def_readonly("converged", &Step::converged, "Whether the tolerance was reached.")
       .def_readonly("iterations", &Step::iterations, "Of the solver; 0 if all contacts hold.");
   py::class_<Forces>(m, "ContactForces", "The result of contact_forces.")

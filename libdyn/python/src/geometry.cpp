@@ -61,7 +61,7 @@ int geometryOf(const GeometryModel& geometry, const std::variant<int, std::strin
 
 void addGeometry(py::module_& m) {
   py::class_<GeometryRecord>(m, "GeometryRecord", "A volume that belongs to a pair.")
-      .def_readonly("name", &GeometryRecord::name)
+      .def_readonly("name", &GeometryRecord::name, "The name of the volume.")
       .def_readonly("body", &GeometryRecord::body, "The name of the described body that it is on.")
       .def_readonly("joint", &GeometryRecord::joint, "The index of its joint; 0 if it does not move.")
       .def_readonly("placement", &GeometryRecord::placement, "In the joint's frame.")
@@ -70,7 +70,8 @@ void addGeometry(py::module_& m) {
       .def_property_readonly("geometries", &GeometryModel::geometries, "A GeometryRecord for each volume.")
       .def("geometry_id", &GeometryModel::geometryId, py::arg("name"), "Returns the index of a volume; -1 if there is none.")
       .def("pair_id", &GeometryModel::pairId, py::arg("a"), py::arg("b"), "Returns the index of a pair of volumes; -1 if there is none.")
-      .def_property_readonly("names", [](const GeometryModel& g) { return namesOf(g.geometries()); })
+      .def_property_readonly(
+          "names", [](const GeometryModel& g) { return namesOf(g.geometries()); }, "The names of the volumes, in the order of their indices.")
       .def_property_readonly(
           "pairs",
           [](const GeometryModel& g) {

@@ -71,11 +71,11 @@ std::string writtenShape(const ArgumentShape& s) {
 void addGraphClass(py::module_& m) {
   py::class_<OperationCounts>(m, "OperationCounts", "The number of operations of each kind in one evaluation.")
       .def_readonly("additions", &OperationCounts::additions, "Subtractions, negations and absolute values are included.")
-      .def_readonly("multiplications", &OperationCounts::multiplications)
+      .def_readonly("multiplications", &OperationCounts::multiplications, "Products.")
       .def_readonly("divisions", &OperationCounts::divisions, "Square roots are included.")
       .def_readonly("functions", &OperationCounts::functions, "Sine and cosine of one angle count as one each.")
-      .def_readonly("selections", &OperationCounts::selections)
-      .def_property_readonly("total", &OperationCounts::total);
+      .def_readonly("selections", &OperationCounts::selections, "Operations a < b ? c : d.")
+      .def_property_readonly("total", &OperationCounts::total, "The sum of all.");
   py::class_<GraphNode>(m, "GraphNode", "One operation of a graph.")
       .def_property_readonly(
           "operation", [](const GraphNode& n) { return nameOf(n.operation); }, "Its name: 'add', 'sin', 'input', 'constant' and so on.")
@@ -99,8 +99,8 @@ void addGraphClass(py::module_& m) {
                std::to_string(g.count().total()) + " operations>";
       });
   py::class_<Sparsity>(m, "Sparsity", "The entries of a Jacobian that can be nonzero.")
-      .def_readonly("rows", &Sparsity::rows)
-      .def_readonly("columns", &Sparsity::columns)
+      .def_readonly("rows", &Sparsity::rows, "The number of rows of the matrix.")
+      .def_readonly("columns", &Sparsity::columns, "The number of columns of the matrix.")
       .def_readonly("row", &Sparsity::row, "The row of each entry.")
       .def_readonly("column", &Sparsity::column, "The column of each entry.");
   py::class_<JacobianGraph>(m, "JacobianGraph", "The Jacobian of a graph, as a graph.")
@@ -114,7 +114,7 @@ void addTracing(py::module_& m) {
              return ArgumentShape{name, rows, columns};
            }),
            py::arg("name"), py::arg("rows"), py::arg("columns") = 1)
-      .def_readonly("name", &ArgumentShape::name)
+      .def_readonly("name", &ArgumentShape::name, "The symbol, such as q.")
       .def_readonly("rows", &ArgumentShape::rows, "The length of a vector.")
       .def_readonly("columns", &ArgumentShape::columns, "1 for a vector.")
       .def("__repr__", [](const ArgumentShape& s) { return "<" + writtenShape(s) + ">"; });
@@ -139,7 +139,7 @@ void addTracing(py::module_& m) {
                  return TracedFunction{name, graph, inputs, outputs};
                }),
            py::arg("name"), py::arg("graph"), py::arg("inputs"), py::arg("outputs"))
-      .def_readonly("name", &TracedFunction::name)
+      .def_readonly("name", &TracedFunction::name, "The symbol, such as q.")
       .def_readonly("graph", &TracedFunction::graph, "Inputs and outputs argument after argument.")
       .def_readonly("inputs", &TracedFunction::inputs, "The shapes of the inputs.")
       .def_readonly("outputs", &TracedFunction::outputs, "The shapes of the outputs.")

@@ -50,7 +50,7 @@ void addInertialParameters(py::module_& m) {
       "pseudo_inertia_from_log_cholesky", [](const Ten& x) { return matrixOf(pseudoInertiaFromLogCholesky(arrayOf(x))); }, theta,
       "Returns the pseudo-inertia (4, 4) of any parameters theta (10,).");
   py::class_<PhysicalConsistency>(m, "PhysicalConsistency", "Whether a body of positive density can have an inertia.")
-      .def_readonly("consistent", &PhysicalConsistency::consistent)
+      .def_readonly("consistent", &PhysicalConsistency::consistent, "Whether a body of positive density can have the inertia.")
       .def_readonly("margin", &PhysicalConsistency::margin, "The smallest principal second moment, relative to the largest one.")
       .def("__bool__", [](const PhysicalConsistency& x) { return x.consistent; });
   m.def("physical_consistency", &physicalConsistency, inertia, "Finds whether a body of positive density can have an inertia.");

@@ -84,7 +84,8 @@ void addLie(py::module_& m) {
       "Returns the inverse of Jexp6(motion) (6, 6). It is the Jacobian of SE3.log at SE3.exp(motion) if the angle is at most pi.");
   m.def(
       "quaternion_of", [](const Matrix3& x, bool checked) { return toVector(quaternionOf(rotation(x, checked))); }, R, py::kw_only(), check,
-      "Returns the unit quaternion (x, y, z, w) of a rotation matrix, with w >= 0. Raises Error if R is no rotation, unless check is False.");
+      "Returns the unit quaternion x, y, z, w (4,) of a rotation matrix (3, 3), with w >= 0. Raises Error if R is no rotation, unless check is "
+      "False.");
   m.def(
       "rotation_of", [](const Vector4& x) { return toEigen(fromVector(x).matrix()); }, quaternion,
       "Returns the rotation matrix (3, 3) of a quaternion (x, y, z, w) of any norm but zero.");

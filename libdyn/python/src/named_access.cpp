@@ -51,7 +51,7 @@ struct Places {
 
 void addPlaces(py::module_& m) {
   py::class_<Place>(m, "Place", "A joint or frame, as the last forward_kinematics() of a Data found it. Motions are in LOCAL axes.")
-      .def_property_readonly("name", &Place::name)
+      .def_property_readonly("name", &Place::name, "The name of the joint or frame.")
       .def_readonly("id", &Place::id, "Its index in the model.")
       .def_property_readonly(
           "placement", [](const Place& x) { return x.kind->placement(x.model(), *x.data, x.id); }, "The pose in the world.")
@@ -129,26 +129,30 @@ struct SliceIndex {
 void addSliceIndex(py::module_& m) {
   py::class_<SliceIndex>(m, "SliceIndex", "The slices that joints have in q or v, by the joints' names.")
       .def("__getitem__", &SliceIndex::at, py::arg("name"))
-      .def("keys", &SliceIndex::names)
+      .def("keys", &SliceIndex::names, "Returns the names of the joints.")
       .def("_ipython_key_completions_", &SliceIndex::names)
-      .def("items",
-           [](const SliceIndex& x) {
-             std::vector<std::pair<std::string, py::slice>> out;
-             for (const std::string& name : x.names()) out.emplace_back(name, x.at(name));
-             return out;
-           })
-      .def("values",
-           [](const SliceIndex& x) {
-             std::vector<py::slice> out;
-             for (const std::string& name : x.names()) out.push_back(x.at(name));
-             return out;
-           })
+      .def(
+          "items",
+          [](const SliceIndex& x) {
+            std::vector<std::pair<std::string, py::slice>> out;
+            for (const std::string& name : x.names()) out.emplace_back(name, x.at(name));
+            return out;
+          },
+          "Returns pairs of a name and its slice.")
+      .def(
+          "values",
+          [](const SliceIndex& x) {
+            std::vector<py::slice> out;
+            for (const std::string& name : x.names()) out.push_back(x.at(name));
+            return out;
+          },
+          "Returns the slices.")
       .def(
           "get",
           [](const SliceIndex& x, const std::string& name, const py::object& otherwise) {
             return x.contains(name) ? py::object(x.at(name)) : otherwise;
           },
-          py::arg("name"), py::arg("default") = py::none())
+          py::arg("name"), py::arg("default") = py::none(), "Returns the slice of a joint, or `default` if there is none.")
       .def("__len__", [](const SliceIndex& x) { return x.names().size(); })
       .def("__iter__", [](const SliceIndex& x) { return py::iter(py::cast(x.names())); })
       .def("__contains__", &SliceIndex::contains)

@@ -41,7 +41,7 @@ const char* kindOf(const ParameterSpec& p) {
 
 void addTypes(py::module_& m) {
   py::class_<ParameterSpec>(m, "ParameterSpec", "A parameter of a joint or coupling type.")
-      .def_readonly("name", &ParameterSpec::name)
+      .def_readonly("name", &ParameterSpec::name, "The name by which models give it.")
       .def_property_readonly("kind", &kindOf, "'number', 'vector3', 'numbers', 'text' or 'joints'.")
       .def_readonly("required", &ParameterSpec::required, "Whether a model must give it.")
       .def_readonly("unit", &ParameterSpec::unit, "Its unit; empty if it has none.")
@@ -49,8 +49,10 @@ void addTypes(py::module_& m) {
       .def_readonly("example", &ParameterSpec::example, "A value that the type accepts, as text; None if the author gives none.")
       .def("__repr__", [](const ParameterSpec& p) { return "<parameter '" + std::string(p.name) + "': " + kindOf(p) + ">"; });
   py::class_<TypeInfo>(m, "JointTypeInfo", "The description of a joint or coupling type.")
-      .def_property_readonly("name", [](const TypeInfo& t) { return t.info->name; })
-      .def_property_readonly("summary", [](const TypeInfo& t) { return t.info->summary; })
+      .def_property_readonly(
+          "name", [](const TypeInfo& t) { return t.info->name; }, "The name by which models name the type.")
+      .def_property_readonly(
+          "summary", [](const TypeInfo& t) { return t.info->summary; }, "One line for people.")
       .def_readonly("role", &TypeInfo::role, "'joint' or 'coupling'.")
       .def_property_readonly(
           "is_series", [](const TypeInfo& t) { return t.info->structure == Structure::series; }, "Whether it is a list of joints.")

@@ -44,14 +44,17 @@ geometry::Voxels voxelsOf(const Points& centers, const std::variant<double, Eige
 void addSolids(py::module_& m) {
   using namespace geometry;
   const py::arg radius("radius"), length("length");
-  py::class_<Sphere>(m, "Sphere", "A ball [m].").def(py::init([](double r) { return Sphere{r}; }), radius).def_readwrite("radius", &Sphere::radius);
+  py::class_<Sphere>(m, "Sphere", "A ball [m].")
+      .def(py::init([](double r) { return Sphere{r}; }), radius)
+      .def_readwrite("radius", &Sphere::radius, "[m]; 0 makes a point.");
   py::class_<Box>(m, "Box", "A cuboid, by its whole side lengths along x, y, z [m].")
       .def(py::init([](double x, double y, double z) {
              return Box{{x, y, z}};
            }),
            py::arg("x"), py::arg("y"), py::arg("z"))
       .def_property(
-          "size", [](const Box& b) { return toEigen(b.size); }, [](Box& b, const Vector3& size) { b.size = fromEigen3(size); });
+          "size", [](const Box& b) { return toEigen(b.size); }, [](Box& b, const Vector3& size) { b.size = fromEigen3(size); },
+          "Whole side lengths along x, y, z (3,) [m].");
   // Shapes with a radius and a length.
   const auto turned = [&]<class Shape>(const Shape*, const char* name, const char* doc) {
     py::class_<Shape>(m, name, doc)
@@ -59,8 +62,8 @@ void addSolids(py::module_& m) {
                return Shape{r, l};
              }),
              radius, length)
-        .def_readwrite("radius", &Shape::radius)
-        .def_readwrite("length", &Shape::length);
+        .def_readwrite("radius", &Shape::radius, "The radius [m].")
+        .def_readwrite("length", &Shape::length, "The length along z [m].");
   };
   turned(static_cast<const Capsule*>(nullptr), "Capsule", "A cylinder with round ends along z; `length` is between the centres of the ends [m].");
   turned(static_cast<const Cylinder*>(nullptr), "Cylinder", "A circular cylinder along z [m].");
@@ -71,47 +74,56 @@ void addSolids(py::module_& m) {
            }),
            py::arg("normal") = Vector3::UnitZ().eval(), py::arg("offset") = 0.0)
       .def_property(
-          "normal", [](const HalfSpace& h) { return toEigen(h.normal); }, [](HalfSpace& h, const Vector3& n) { h.normal = fromEigen3(n); })
-      .def_readwrite("offset", &HalfSpace::offset);
+          "normal", [](const HalfSpace& h) { return toEigen(h.normal); }, [](HalfSpace& h, const Vector3& n) { h.normal = fromEigen3(n); },
+          "Points outwards (3,); any length but zero.")
+      .def_readwrite("offset", &HalfSpace::offset, "Distance of the plane from the origin along the normal, times its length [m].");
 }
 
 void addMeshes(py::module_& m) {
   using namespace geometry;
   py::class_<ConvexHull>(m, "ConvexHull", "The convex hull of points, one a row [m].")
       .def(py::init([](const Points& points) { return ConvexHull{pointsOf(points)}; }), py::arg("points"))
-      .def_property_readonly("points", [](const ConvexHull& h) { return rowsOf(h.points); });
+      .def_property_readonly(
+          "points", [](const ConvexHull& h) { return rowsOf(h.points); }, "The points, one a row (n, 3) [m].");
   py::class_<TriangleMesh>(m, "TriangleMesh", "A surface of triangles: vertices, one a row [m], and three indices of them a triangle.")
       .def(py::init([](const Points& vertices, const std::vector<std::array<int, 3>>& triangles) {
              return TriangleMesh{pointsOf(vertices), triangles};
            }),
            py::arg("vertices"), py::arg("triangles"))
-      .def_property_readonly("vertices", [](const TriangleMesh& t) { return rowsOf(t.vertices); })
-      .def_readonly("triangles", &TriangleMesh::triangles);
+      .def_property_readonly(
+          "vertices", [](const TriangleMesh& t) { return rowsOf(t.vertices); }, "Corners, one a row (n, 3) [m].")
+      .def_readonly("triangles", &TriangleMesh::triangles, "Three indices of vertices for each triangle.");
   py::class_<MeshFile>(m, "MeshFile", "A mesh in a file: a path, or file://, package:// or model:// and a path.")
       .def(py::init([](const std::string& uri, const Vector3& scale, bool convex) {
              return MeshFile{uri, fromEigen3(scale), convex};
            }),
            py::arg("uri"), py::arg("scale") = Vector3::Ones().eval(), py::arg("convex") = false)
-      .def_readwrite("uri", &MeshFile::uri)
+      .def_readwrite("uri", &MeshFile::uri, "A path, file://, package:// or model://.")
       .def_property(
-          "scale", [](const MeshFile& f) { return toEigen(f.scale); }, [](MeshFile& f, const Vector3& s) { f.scale = fromEigen3(s); })
+          "scale", [](const MeshFile& f) { return toEigen(f.scale); }, [](MeshFile& f, const Vector3& s) { f.scale = fromEigen3(s); },
+          "Factors along x, y, z (3,).")
       .def_readwrite("convex", &MeshFile::convex, "Whether the convex hull of the mesh is meant.");
   py::class_<Voxels>(m, "Voxels", "Cubes along the axes of the frame, such as the occupied leaves of an octree.")
       .def(py::init(&voxelsOf), py::arg("centers"), py::arg("sizes"), "centers: one a row [m]. sizes: one side length [m] for all, or one for each.")
-      .def_property_readonly("centers",
-                             [](const Voxels& v) {
-                               std::vector<Vec3<double>> centers;
-                               for (const Voxels::Cube& cube : v.cubes) centers.push_back(cube.center);
-                               return rowsOf(centers);
-                             })
-      .def_property_readonly("sizes", [](const Voxels& v) {
-        Eigen::VectorXd sizes(static_cast<Eigen::Index>(v.cubes.size()));
-        for (std::size_t k = 0; k < v.cubes.size(); ++k) sizes[static_cast<Eigen::Index>(k)] = v.cubes[k].size;
-        return sizes;
-      });
+      .def_property_readonly(
+          "centers",
+          [](const Voxels& v) {
+            std::vector<Vec3<double>> centers;
+            for (const Voxels::Cube& cube : v.cubes) centers.push_back(cube.center);
+            return rowsOf(centers);
+          },
+          "The centres, one a row (n, 3) [m].")
+      .def_property_readonly(
+          "sizes",
+          [](const Voxels& v) {
+            Eigen::VectorXd sizes(static_cast<Eigen::Index>(v.cubes.size()));
+            for (std::size_t k = 0; k < v.cubes.size(); ++k) sizes[static_cast<Eigen::Index>(k)] = v.cubes[k].size;
+            return sizes;
+          },
+          "The sides [m].");
   py::class_<OctreeFile>(m, "OctreeFile", "The occupied leaves of an octomap file (.bt or .ot).")
       .def(py::init([](const std::string& uri) { return OctreeFile{uri}; }), py::arg("uri"))
-      .def_readwrite("uri", &OctreeFile::uri);
+      .def_readwrite("uri", &OctreeFile::uri, "A path, file://, package:// or model://.");
   m.def(
       "height_field",
       [](const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>& heights, double x0, double y0, double dx, double dy) {
@@ -126,10 +138,10 @@ void addToModel(py::module_& m) {
   using Role = GeometryDescription::Role;
   const auto role_of = [](const std::string& name) { return chosen<Role>("role", name, {{"collision", Role::collision}, {"visual", Role::visual}}); };
   py::class_<GeometryDescription>(m, "GeometryDescription", "A volume that is fixed to a body.")
-      .def_readonly("name", &GeometryDescription::name)
+      .def_readonly("name", &GeometryDescription::name, "Unique among volumes for collision.")
       .def_readonly("body", &GeometryDescription::body, "The index of the body; 0 is the world.")
       .def_readonly("placement", &GeometryDescription::placement, "The pose in the body's frame.")
-      .def_readonly("shape", &GeometryDescription::shape)
+      .def_readonly("shape", &GeometryDescription::shape, "The shape, such as a Sphere.")
       .def_property_readonly(
           "role", [](const GeometryDescription& g) { return g.role == Role::collision ? "collision" : "visual"; }, "'collision' or 'visual'.")
       .def("__repr__", [](const GeometryDescription& g) { return "<volume '" + g.name + "'>"; });
@@ -138,9 +150,9 @@ void addToModel(py::module_& m) {
              return DisabledCollision{body, other, reason};
            }),
            py::arg("body"), py::arg("other"), py::arg("reason") = "")
-      .def_readonly("body", &DisabledCollision::body)
-      .def_readonly("other", &DisabledCollision::other)
-      .def_readonly("reason", &DisabledCollision::reason);
+      .def_readonly("body", &DisabledCollision::body, "The name of a body or volume.")
+      .def_readonly("other", &DisabledCollision::other, "The name of another one.")
+      .def_readonly("reason", &DisabledCollision::reason, "Why, for people.");
   py::reinterpret_borrow<py::class_<Model>>(m.attr("Model"))
       .def_property_readonly(
           "geometries", [](const Model& x) { return py::tuple(py::cast(x.geometries)); }, "Volumes on bodies and in the world.")

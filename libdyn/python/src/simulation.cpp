@@ -140,7 +140,7 @@ int Simulation::advance(double until, const std::vector<double>& times, const Ob
 
 void addSimulation(py::module_& m) {
   py::class_<IntegratorInfo>(m, "IntegratorInfo", "The properties of an integrator.")
-      .def_readonly("name", &IntegratorInfo::name)
+      .def_readonly("name", &IntegratorInfo::name, "The name by which simulators are given it.")
       .def_readonly("order", &IntegratorInfo::order, "The order of the global error in the step size.")
       .def_readonly("adaptive", &IntegratorInfo::adaptive, "Whether the step size follows a tolerance.")
       .def_readonly("implicit", &IntegratorInfo::implicit, "Whether every step solves equations.")
@@ -178,19 +178,21 @@ void addSimulation(py::module_& m) {
           "step", [](Simulation& s) { withPythonExceptions([&] { s.get().step(); }); }, "Takes one step.")
       .def("advance", &advance, py::arg("until"), py::arg("times") = py::none(), py::arg("observer") = py::none(),
            "Advances to this time [s]; returns the index of the event that ended it sooner, or -1. Calls observer(t, q, v) at `times`.")
-      .def_property_readonly("model", [](const Simulation& s) { return s.get().model(); })
+      .def_property_readonly(
+          "model", [](const Simulation& s) { return s.get().model(); }, "The model that is simulated.")
       .def_property_readonly(
           "dt", [](const Simulation& s) { return s.get().options().dt; }, "The length of a step [s].")
       .def_property_readonly(
           "integrator", [](const Simulation& s) { return infoOf(s.get().options().integrator).name; }, "Its name.")
       .def_property_readonly(
-          "time", [](const Simulation& s) { return s.get().time(); }, "[s]")
+          "time", [](const Simulation& s) { return s.get().time(); }, "The time [s].")
       .def_property_readonly(
-          "q", [](const Simulation& s) { return Eigen::VectorXd(s.get().q()); }, "(nq,), a copy.")
+          "q", [](const Simulation& s) { return Eigen::VectorXd(s.get().q()); }, "The configuration (nq,), a copy.")
       .def_property_readonly(
-          "v", [](const Simulation& s) { return Eigen::VectorXd(s.get().v()); }, "(nv,), a copy.")
+          "v", [](const Simulation& s) { return Eigen::VectorXd(s.get().v()); }, "The velocities (nv,), a copy.")
       .def_property_readonly(
-          "acceleration", [](Simulation& s) { return withPythonExceptions([&] { return Eigen::VectorXd(s.get().acceleration()); }); }, "(nv,)")
+          "acceleration", [](Simulation& s) { return withPythonExceptions([&] { return Eigen::VectorXd(s.get().acceleration()); }); },
+          "The accelerations (nv,) of the present state [rad/s^2, m/s^2].")
       .def_property_readonly(
           "energy", [](Simulation& s) { return s.get().energy(); }, "Kinetic plus potential [J].")
       .def_property_readonly(
