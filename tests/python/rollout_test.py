@@ -140,8 +140,8 @@ class Rollouts(unittest.TestCase):
             os.kill(os.getpid(), signal.SIGINT)
 
         thread = threading.Thread(target=interrupt)
-        thread.start()
         with self.assertRaises(KeyboardInterrupt):
+            thread.start()
             dyn.rollout(model, dyn.neutral(model), np.zeros(model.nv), controls, 1e-4, threads=2)
         thread.join()
         self.assertEqual(len(turns), 50)
