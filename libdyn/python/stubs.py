@@ -93,7 +93,10 @@ class Writer:
         for p in out:
             stars = {kinds.VAR_POSITIONAL: "*", kinds.VAR_KEYWORD: "**"}.get(p.kind, "")
             default = f" = {literal(p.default)}" if p.default is not None else ""
-            texts.append(f"{stars}{p.name}: {self.types.argument(p.type)}{default}" if p.type else p.name)
+            kind = self.types.argument(p.type) if p.type else ""
+            # pybind11 takes None for pointers, and does not say so.
+            kind = f"Optional[{kind}]" if p.default == "None" and not kind.startswith(("Optional", "Any", "None", "object")) else kind
+            texts.append(f"{stars}{p.name}: {kind}{default}" if p.type else p.name)
         return ", ".join(texts)
 
     def function(self, name, signatures, indent="", method=False, static=False):

@@ -154,7 +154,7 @@ class Spatial(unittest.TestCase):
         for wrong in ([0, 0, 0, 0], [np.nan, 0, 0, 1]):
             with self.assertRaisesRegex(dyn.Error, "quaternion: it is zero or not finite"):
                 dyn.rotation_of(wrong)
-        with self.assertRaisesRegex(dyn.Error, "log3: R is not a rotation"):
+        with self.assertRaisesRegex(dyn.Error, "R: it is no rotation"):
             dyn.log3(2 * R)
 
     def test_poses_compose_and_act(self):

@@ -72,6 +72,14 @@ def _left_by(path: str, root: str) -> Model:
     return model
 
 
-def check(path, *, root="fixed", mimic="coupled", order="name", continuous="unit_circle", inertias="physical"):
+def check(
+    path: "str | _os.PathLike[str]",
+    *,
+    root: str = "fixed",
+    mimic: str = "coupled",
+    order: str = "name",
+    continuous: str = "unit_circle",
+    inertias: str = "physical",
+) -> "list[Error]":
     """Returns a list of all errors of a file, of which load() raises the first; it is empty if the file loads. The options are those of load()."""
-    return _core._check(os.fspath(path), root=root, mimic=mimic, order=order, continuous=continuous, inertias=inertias)
+    return _core._check(_os.fspath(path), root=root, mimic=mimic, order=order, continuous=continuous, inertias=inertias)

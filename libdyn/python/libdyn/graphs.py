@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Expression graphs of functions written in Python."""
 
+from typing import Any, Callable
+
 import numpy as np
 
 from . import _core
 from .tracing import Tape
 
 
-def trace_function(function, *sizes):
+def trace_function(function: Callable[..., Any], *sizes: int) -> _core.Graph:
     """Runs a function once on unknown numbers; returns its Graph.
 
     sizes: of the function's arguments, which are arrays of one dimension. The function uses sin, cos and the like of this package, and returns a

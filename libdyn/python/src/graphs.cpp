@@ -2,6 +2,7 @@
 // Algorithms as expression graphs: tracing, evaluation and derivatives.
 #include "choices.hpp"
 #include "evaluation.hpp"
+#include "typed.hpp"
 
 #include <dyn/codegen/casadi.hpp>
 #include <dyn/codegen/differentiate.hpp>
@@ -39,7 +40,9 @@ py::object evaluatedGraph(const Graph& graph, const py::args& arguments) {
 }
 
 /// Returns all blocks as dense matrices, by the names of output and input.
-py::dict evaluatedBlocks(const JacobianBlocks& x, const std::vector<ArgumentShape>& outputs, const py::args& arguments) {
+using Matrices = Typed<py::dict, "dict[tuple[str, str], NDArray[float64]]">;
+
+Matrices evaluatedBlocks(const JacobianBlocks& x, const std::vector<ArgumentShape>& outputs, const py::args& arguments) {
   const TracedFunction& f = x.function;
   Evaluation<double> evaluation(f.name, f.inputs, f.outputs, arguments);
   run(f.graph, f.inputs, f.outputs, evaluation);
