@@ -10,14 +10,11 @@
 
 namespace dyn::urdf {
 
-/// How a URDF is read.
-/// @{
 using dyn::Continuous;
 using dyn::Inertias;
 using dyn::Mimic;
 using dyn::Order;
-using Options = LoadOptions;
-/// @}
+using Options = LoadOptions;  ///< how a URDF is read
 
 /// Reads a robot. Every link becomes a body; fixed joints stay joints of type "fixed". The root link's joint is called "root_joint", with "_"
 /// appended until the file has no joint of that name. Throws Error(file | syntax | model).
