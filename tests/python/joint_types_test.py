@@ -205,7 +205,8 @@ class JointTypes(unittest.TestCase):
         def pose(q, p):
             return dyn.SE3.translation(0, 0, q[0])
 
-        for message, arguments in (("nv must be 1 to 6", {"nq": 9}), ("more coordinates", {"nq": 3, "nv": 2}), ("no difference", {"nq": 3, "neutral": lambda p: []})):
+        incomplete = {"nq": 3, "neutral": lambda p: []}
+        for message, arguments in (("nv must be 1 to 6", {"nq": 9}), ("more coordinates", {"nq": 3, "nv": 2}), ("no difference", incomplete)):
             with self.assertRaisesRegex(dyn.Error, message, msg=message):
                 dyn.joint(**arguments)(pose)
         with self.assertRaisesRegex(TypeError, "SE3"):

@@ -71,7 +71,8 @@ class Models(unittest.TestCase):
         with self.assertRaisesRegex(dyn.Error, "must be one of 'coupled', 'independent'"):
             dyn.load(BIPED, mimic="no")
         with self.assertRaises(dyn.Error) as caught:
-            dyn.parse("<robot name='x'>\n<link name='a'><inertial><mass value='1,5'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link></robot>", "bad.urdf")
+            inertia = "<inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/>"
+            dyn.parse(f"<robot name='x'>\n<link name='a'><inertial><mass value='1,5'/>{inertia}</inertial></link></robot>", "bad.urdf")
         self.assertEqual((caught.exception.code, caught.exception.file, caught.exception.line), ("syntax", "bad.urdf", 2))
         with self.assertRaises(dyn.Error) as caught:
             dyn.load("/no/such.urdf")

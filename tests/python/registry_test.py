@@ -24,7 +24,8 @@ def plugin():
 def cam(registry):
     info = registry.joint_type("cam_follower")
     model = dyn.Model()
-    model.add_body("follower", 0, dyn.JointDescription("cam", "cam_follower", dyn.example_parameters(info, 1)), dyn.Inertia(1.0, [0, 0, 0], np.eye(3)))
+    cam = dyn.JointDescription("cam", "cam_follower", dyn.example_parameters(info, 1))
+    model.add_body("follower", 0, cam, dyn.Inertia(1.0, [0, 0, 0], np.eye(3)))
     return model
 
 

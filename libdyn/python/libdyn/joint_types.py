@@ -152,7 +152,8 @@ class _Joint:
         given = {"neutral": neutral, "integrate": integrate, "difference": difference, "normalize": normalize}
         space = {name: function for name, function in given.items() if function is not None}
         if (space or rates) and len(space) < len(given):
-            raise Error(f"a configuration space needs all of neutral, integrate, difference and normalize; there is no {sorted(set(given) - set(space))[0]}")
+            missing = sorted(set(given) - set(space))[0]
+            raise Error(f"a configuration space needs all of neutral, integrate, difference and normalize; there is no {missing}")
         if inspect.isfunction(nq):
             raise TypeError("write @libdyn.joint(nq=...), with the number of coordinates")
         dofs = nq if nv is None else nv
@@ -184,7 +185,8 @@ class _Joint:
                 joint.path = joint._traced.compile()
             except Error as error:
                 if error.code == "compiler":
-                    error.args = (f"{error.args[0]}\n  @libdyn.joint(..., compiled=False) runs the operations of '{joint.name}' one by one, without a compiler",)
+                    remedy = f"@libdyn.joint(..., compiled=False) runs the operations of '{joint.name}' one by one, without a compiler"
+                    error.args = (f"{error.args[0]}\n  {remedy}",)
                 raise
         earlier = self._known.get(joint.name)
         if earlier is None or joint.path is None or joint.path != earlier.path:
