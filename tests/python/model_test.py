@@ -131,6 +131,39 @@ class Models(unittest.TestCase):
             dyn.rnea(other, data, dyn.neutral(other), np.zeros(other.nv), np.zeros(other.nv))
 
 
+class Parts(unittest.TestCase):
+    def chain(self, count):
+        robot = dyn.Model()
+        for k in range(count):
+            robot.add_body(f"b{k}", k, dyn.JointDescription(f"j{k}", "revolute"), dyn.Inertia(1.0, [0, 0, k], np.eye(3)))
+        return robot
+
+    def test_parts_that_a_program_holds_outlive_the_growth_of_the_model(self):
+        robot = self.chain(1)
+        body = robot.bodies[1]
+        joint, inertia, com = body.joint, body.inertia, body.inertia.com
+        iterator = iter(robot.bodies)
+        next(iterator)
+        for k in range(2000):
+            robot.add_body(f"more{k}", 0, dyn.JointDescription(f"more_joint{k}", "fixed"))
+            robot.add_frame(f"frame{k}", 0)
+        self.assertEqual((body.name, joint.name, inertia.mass, list(com), next(iterator).name), ("b0", "j0", 1.0, [0, 0, 0], "b0"))
+        robot.bodies[1].inertia.mass = 3
+        self.assertEqual(robot.bodies[1].inertia.mass, 3)
+
+    def test_slices_are_parts_and_lists_are_not_changed_but_by_the_model(self):
+        robot = self.chain(5)
+        for body in robot.bodies[1:3]:
+            body.inertia.mass = 9
+        self.assertEqual([body.inertia.mass for body in robot.bodies], [0, 9, 9, 1, 1, 1])
+        self.assertEqual([body.name for body in robot.bodies[::-2]], ["b4", "b2", "b0"])
+        self.assertEqual(robot.bodies[-1].name, "b4")
+        with self.assertRaises(IndexError):
+            robot.bodies[6]
+        with self.assertRaises(TypeError):
+            del robot.bodies[1]
+
+
 class Spatial(unittest.TestCase):
     def test_exponentials_and_logarithms_are_inverses(self):
         w, motion = np.array([0.3, -0.2, 0.5]), dyn.Motion([0.3, -0.2, 0.5], [1, 0.4, -0.7])

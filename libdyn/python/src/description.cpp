@@ -9,7 +9,6 @@
 #include <dyn/parsers/load.hpp>
 
 #include <pybind11/stl.h>
-#include <pybind11/stl_bind.h>
 
 namespace dyn::python {
 
@@ -35,6 +34,46 @@ urdf::Options optionsOf(const std::string& root, const std::string& mimic, const
           chosen<Order>("order", order, {{"name", Order::name}, {"file", Order::file}}),
           chosen<Continuous>("continuous", continuous, {{"unit_circle", Continuous::unit_circle}, {"angle", Continuous::angle}}),
           chosen<Inertias>("inertias", inertias, {{"physical", Inertias::physical}, {"any", Inertias::any}})};
+}
+
+/// Adds the class of a list whose elements are parts of the model.
+template <class T>
+void addList(py::module_& m, const char* name, const char* doc) {
+  using List = std::vector<T>;
+  const auto element = [](const py::object& self, py::ssize_t k) {
+    auto& list = py::cast<List&>(self);
+    const auto size = static_cast<py::ssize_t>(list.size());
+    if (k < 0) k += size;
+    if (k < 0 || k >= size) throw py::index_error("the list has " + std::to_string(size) + " elements");
+    return py::cast(&list[static_cast<std::size_t>(k)], py::return_value_policy::reference_internal, self);
+  };
+  py::class_<List>(m, name, doc)
+      .def("__len__", &List::size, "Returns the number of elements.")
+      .def("__getitem__", element, py::arg("index"), "Returns an element.")
+      .def(
+          "__getitem__",
+          [element](const py::object& self, const py::slice& range) {
+            py::ssize_t start = 0, stop = 0, step = 0, count = 0;
+            if (!range.compute(static_cast<py::ssize_t>(py::cast<List&>(self).size()), &start, &stop, &step, &count)) throw py::error_already_set();
+            py::list out;
+            for (py::ssize_t k = 0; k < count; ++k) out.append(element(self, start + k * step));
+            return out;
+          },
+          py::arg("range"), "Returns a list of elements.")
+      .def(
+          "__iter__", [](List& list) { return py::make_iterator(list.begin(), list.end()); }, py::keep_alive<0, 1>(), "Iterates over the elements.");
+}
+
+/// Makes room for one more element. If the elements move, those that the program holds stay where they are, as long as the model lives.
+template <class T>
+void makeRoom(const py::object& model, std::vector<T>& list) {
+  if (list.size() < list.capacity()) return;
+  std::vector<T> larger;
+  larger.reserve(2 * list.size() + 16);
+  larger.insert(larger.end(), list.begin(), list.end());  // assignment might give up the room
+  list.swap(larger);
+  const py::capsule earlier(new std::vector<T>(std::move(larger)), [](void* x) { delete static_cast<std::vector<T>*>(x); });
+  py::detail::keep_alive_impl(model, earlier);
 }
 
 }  // namespace
@@ -130,8 +169,8 @@ void addDescription(py::module_& m) {
       .def_readwrite("name", &FrameDescription::name, "Unique among the model's frames.")
       .def_readwrite("body", &FrameDescription::body, "The index of the body to which the frame is fixed; 0 is the world.")
       .def_readwrite("placement", &FrameDescription::placement, "The pose in the body's frame.");
-  py::bind_vector<std::vector<BodyDescription>>(m, "BodyList", "A list of bodies.");
-  py::bind_vector<std::vector<FrameDescription>>(m, "FrameList", "A list of frames.");
+  addList<BodyDescription>(m, "BodyList", "The bodies of a model. An element is a part of the model, not a copy. Take it again after add_body().");
+  addList<FrameDescription>(m, "FrameList", "The frames of a model. An element is a part of the model, not a copy. Take it again after add_frame().");
 
   py::class_<Model>(m, "Model", "The description of a robot, which compile() turns into a CompactModel. Body 0 is the world.")
       .def(py::init<>())
@@ -152,13 +191,19 @@ void addDescription(py::module_& m) {
       .def("find_joint", &Model::findJoint, py::arg("name"), "Returns the index of the body that a joint carries; -1 if there is none.")
       .def(
           "add_body",
-          [](Model& model, const std::string& name, const std::variant<int, std::string>& parent, const JointDescription& j,
-             const Inertia<double>& inertia) { return model.addBody(name, bodyOf(model, parent), j, inertia); },
+          [](const py::object& self, const std::string& name, const std::variant<int, std::string>& parent, const JointDescription& j,
+             const Inertia<double>& inertia) {
+            auto& model = py::cast<Model&>(self);
+            makeRoom(self, model.bodies);
+            return model.addBody(name, bodyOf(model, parent), j, inertia);
+          },
           py::arg("name"), py::arg("parent"), py::arg("joint"), py::arg("inertia") = Inertia<double>(),
           "Adds a body that `joint` connects to the parent (a name or an index); returns its index.")
       .def(
           "add_frame",
-          [](Model& model, const std::string& name, const std::variant<int, std::string>& body, const SE3<double>& placement) {
+          [](const py::object& self, const std::string& name, const std::variant<int, std::string>& body, const SE3<double>& placement) {
+            auto& model = py::cast<Model&>(self);
+            makeRoom(self, model.frames);
             return model.addFrame(name, bodyOf(model, body), placement);
           },
           py::arg("name"), py::arg("body"), py::arg("placement") = SE3<double>(), "Adds a frame at `placement` in the body's frame.")
