@@ -22,7 +22,7 @@ complete_line() {
   found=$(printf '%s\n' "${COMPREPLY[@]}" | sort | xargs)
   [ "$found" = "$(xargs -n1 <<<"$expected" | sort | xargs)" ] || fail "'$*' is completed by '$found', not by '$expected'"
 }
-complete_line "check codegen collide compute completion" dyn c
+complete_line "check codegen collide completion compute convert" dyn c
 complete_line "list check new" dyn plugin ""
 complete_line "--integrator" dyn simulate --int
 complete_line "--integrator" dyn simulate robot.urdf --time 5 --int

@@ -36,7 +36,7 @@ class Types(unittest.TestCase):
         with tempfile.NamedTemporaryFile("w") as allowlist:
             allowlist.writelines(f"libdyn\\.{'.'.join(path.parts)}\\..*\n" for path in sources)
             allowlist.flush()
-            status, report = run("mypy.stubtest", "libdyn", "--allowlist", allowlist.name, "--ignore-unused-allowlist")
+            status, report = run("mypy.stubtest", "libdyn", "--allowlist", allowlist.name, "--ignore-unused-allowlist", "--mypy-config-file", HERE / "mypy.ini")
         self.assertEqual(status, 0, report)
 
     def test_the_package_and_programs_pass_strict_checks(self):

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Writes a traced joint type as an author would: a class with a name, parameters and functions that are templates over the scalar.
-#include "codegen/traced_joint.hpp"
+#include "traced_joint/traced_joint.hpp"
 
 #include <dyn/error.hpp>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Plugins of traced joint types: compiled into the cache, or as a folder that CMake builds.
 #include "codegen/compiler.hpp"
-#include "codegen/traced_joint.hpp"
+#include "traced_joint/traced_joint.hpp"
 #include "trusted_file.hpp"
 
 #include <dyn/error.hpp>

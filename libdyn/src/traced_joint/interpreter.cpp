@@ -2,7 +2,7 @@
 // A joint type that evaluates graphs, one operation at a time.
 //
 // The subspace S and its bias (dS/dt) v are derived once, as graphs, from the pose map, in the way in which the SDK derives them.
-#include "codegen/traced_joint.hpp"
+#include "traced_joint/traced_joint.hpp"
 
 #include <dyn/error.hpp>
 #include <dyn_sdk/derive.hpp>
