@@ -33,6 +33,7 @@ class Types(unittest.TestCase):
     def test_stubs_have_what_the_module_has(self):
         # Modules in Python have their types in their sources, which mypy itself compares.
         sources = [path.relative_to(PACKAGE).with_suffix("") for path in PACKAGE.rglob("*.py") if path.name != "__init__.py"]
+        sources += [path.relative_to(PACKAGE).parent for path in PACKAGE.glob("*/__init__.py")]
         with tempfile.NamedTemporaryFile("w") as allowlist:
             allowlist.writelines(f"libdyn\\.{'.'.join(path.parts)}\\..*\n" for path in sources)
             allowlist.flush()
