@@ -17,7 +17,8 @@ def things(module, path="libdyn"):
     for name, value in public(module):
         here = f"{path}.{name}"
         if isinstance(value, types.ModuleType):
-            if value.__name__.startswith("libdyn."):
+            # libdyn.pinocchio has the functions of another module's documents.
+            if value.__name__.startswith("libdyn.") and value.__name__ != "libdyn.pinocchio":
                 yield here, value
                 yield from things(value, here)
         elif not str(getattr(value, "__module__", None)).startswith("libdyn"):
