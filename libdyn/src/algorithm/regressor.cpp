@@ -39,15 +39,15 @@ class UnitForces {
            w.x * w.z - dw.y, w.y * w.z + dw.x, w.z * w.z - ww}};
   }
 
-  /// Writes the power of each force along the motion s, ten numbers.
-  void along(const Motion<double>& s, double* out) const {
+  /// Writes the power of each force along the motion s, `stride` numbers apart.
+  void along(const Motion<double>& s, double* out, std::ptrdiff_t stride) const {
     out[0] = dot(s.linear, o_);
     const Vec3<double> c = transposeTimes(A_, s.linear) + cross(o_, s.angular);
-    for (int k = 0; k < 3; ++k) out[1 + k] = c[k];
+    for (int k = 0; k < 3; ++k) out[(1 + k) * stride] = c[k];
     double spin[6], gyroscopic[6];
     inertiaProducts(s.angular, dw_, spin);
     inertiaProducts(cross(s.angular, w_), w_, gyroscopic);
-    for (int k = 0; k < 6; ++k) out[4 + k] = spin[k] + gyroscopic[k];
+    for (int k = 0; k < 6; ++k) out[(4 + k) * stride] = spin[k] + gyroscopic[k];
   }
 
  private:
@@ -83,9 +83,7 @@ void bodyRegressor(const Motion<double>& velocity, const Motion<double>& acceler
   for (int r = 0; r < 6; ++r) {
     Motion<double> unit{};
     (r < 3 ? unit.linear : unit.angular)[r % 3] = 1;
-    double row[10];
-    forces.along(unit, row);
-    for (int p = 0; p < 10; ++p) out[6 * p + r] = row[p];
+    forces.along(unit, out + r, 6);
   }
 }
 
@@ -96,40 +94,30 @@ const double* jointTorqueRegressor(const CompactModel& model, Data& data, Vector
   DataImpl& d = data.impl();
   const std::ptrdiff_t nv = m.nv;
   const bool coupled = !m.couplings.empty();
+  std::fill_n(d.regressor, 10 * nv * (model.njoints() - 1), 0.0);
   const TreeMotions motions(m, d);
   for (int j = 1; j < model.njoints(); ++j) {
-    double* const block = d.regressor + 10 * nv * (j - 1);
-    if (!carriesBody(m, j)) {
-      std::fill_n(block, 10 * nv, 0.0);
-      continue;
-    }
+    if (!carriesBody(m, j)) continue;
     const PointOnBody point = jointOnBody(model, j);
     const Mat3<double> R = d.oM[point.body].R * point.placement.R;
     const Motion<double> aj = originAccelerationOf(m, point, d);
     const UnitForces forces(aj.linear - transposeTimes(R, m.gravity), transposeTimes(point.placement.R, d.v[point.body].angular), aj.angular);
     const Vec3<double> origin = motions.origin[point.body] + d.oM[point.body].R * point.placement.p;
+    // Joints that follow others have rows of their own until reduceForces() adds them to those of their masters.
+    double* const block = d.regressor + 10 * nv * (j - 1);
+    double* const out = coupled ? d.columns : block;
+    const std::ptrdiff_t rows = coupled ? m.nvx : nv;
+    if (coupled) std::fill_n(out, 10 * rows, 0.0);
     const BodyIndex& body = m.index[at(point.body)];
-    const int last = body.idx_v + m.batches[at(body.batch)].nv - 1;
-    // Calls use(k) for each degree of freedom of the path, in contiguous runs.
-    const auto onPath = [&](auto&& use) {
-      for (int k = last, first; k >= 0; k = m.dof_parent[at(first)]) {
-        first = m.dof_segment[at(k)];
-        for (int i = first; i <= k; ++i) use(i);
+    // The degrees of freedom of the path, in contiguous runs.
+    for (int last = body.idx_v + m.batches[at(body.batch)].nv - 1, first; last >= 0; last = m.dof_parent[at(first)]) {
+      first = m.dof_segment[at(last)];
+      for (int k = first; k <= last; ++k) {
+        const Motion<double>& S = motions.column[k];
+        forces.along({transposeTimes(R, S.linear + cross(S.angular, origin)), transposeTimes(R, S.angular)}, out + k, rows);
       }
-    };
-    double* const powers = d.columns;  // ten for each degree of freedom
-    onPath([&](int k) {
-      const Motion<double>& S = motions.column[k];
-      forces.along({transposeTimes(R, S.linear + cross(S.angular, origin)), transposeTimes(R, S.angular)}, powers + 10 * k);
-    });
-    // Each column is written once, from end to end. Joints that follow others have rows of their own until reduceForces() adds them to their
-    // masters'.
-    for (int p = 0; p < 10; ++p) {
-      double* const column = coupled ? d.column : block + p * nv;
-      std::fill_n(column, coupled ? m.nvx : nv, 0.0);
-      onPath([&](int k) { column[k] = powers[10 * k + p]; });
-      if (coupled) reduceForces(m, d, column, block + p * nv);
     }
+    for (int p = 0; coupled && p < 10; ++p) reduceForces(m, d, out + p * rows, block + p * nv);
   }
   return d.regressor;
 }
