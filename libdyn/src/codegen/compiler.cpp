@@ -91,7 +91,8 @@ OpenFile compileInto(const ObjectCache& cache, const std::string& entry, const C
   command.insert(command.end(), task.flags.begin(), task.flags.end());
   command.insert(command.end(), {"-o", object.string(), source.string(), "-lm"});
   const ProcessResult r = runProcess(command, task.seconds);
-  if (r.timed_out) throw Error(ErrorCode::compiler, task.what + " was not compiled within " + std::to_string(task.seconds) + " s; " + task.remedy);
+  if (r.timed_out)
+    throw Error(ErrorCode::compiler, task.what + task.size + " was not compiled within " + std::to_string(task.seconds) + " s; " + task.remedy);
   if (!r.started || r.exit_code != 0 || !fs::exists(object))
     throw Error(ErrorCode::compiler, task.what + " was not compiled by " + joined(task.words) + ": " + r.output.substr(0, 2000));
   cache.enter(entry, object);

@@ -12,7 +12,8 @@ namespace dyn {
 
 /// One source and the command that compiles it.
 struct CompilerTask {
-  std::string what;                ///< what is compiled, for messages, such as "'rnea' (1200 operations)"
+  std::string what;                ///< what is compiled, for messages, such as "'rnea'"
+  std::string size{};              ///< how large it is, such as " (1200 operations)", for a compiler that runs too long
   std::string prefix{};            ///< begins the entry's name in the cache
   std::string source;              ///< its text
   std::string file;                ///< the name of the source file, whose ending tells the language

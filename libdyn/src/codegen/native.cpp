@@ -34,12 +34,13 @@ CompiledFunction make(const TracedFunction& f, const ObjectCache& cache, const N
   SourceOptions how;
   how.single_precision = options.single_precision;
   how.lanes = options.lanes;
-  CompilerTask task{.what = "'" + f.name + "' (" + std::to_string(operations) + " operations)",
+  CompilerTask task{.what = "'" + f.name + "'",
+                    .size = " (" + std::to_string(operations) + " operations)",
                     .source = writeSource({f}, how).code() + uniformEntry(f),
                     .file = "code.c",
                     .words = compilerCommand(options.compiler, "CC", "cc"),
-                    .flags = {"-std=gnu99", "-shared", "-fPIC", "-fvisibility=hidden", "-ffp-contract=fast", "-fno-math-errno",
-                              "-fno-trapping-math", "-fno-tree-vectorize"},
+                    .flags = {"-std=gnu99", "-shared", "-fPIC", "-fvisibility=hidden", "-ffp-contract=fast", "-fno-math-errno", "-fno-trapping-math",
+                              "-fno-tree-vectorize"},
                     .seconds = options.seconds,
                     .remedy = "allow more (NativeOptions::seconds), or compile with -O1"};
   task.flags.insert(task.flags.end(), options.flags.begin(), options.flags.end());

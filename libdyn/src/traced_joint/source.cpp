@@ -78,15 +78,11 @@ const char* functionName(Operation o) {
   }
 }
 
-/// The body of a function: one statement for each operation that is used again or is a function, and texts of the outputs.
+/// The body of a function: one statement for each operation, and texts of the outputs.
 class Body {
  public:
   /// `inputs` are the texts of the graph's inputs; `scalar` is the type of numbers.
   Body(const Graph& graph, const std::vector<std::string>& inputs, const std::string& scalar) : graph_(graph), scalar_(scalar) {
-    std::vector<int> uses(graph.nodes.size(), 0);
-    for (const GraphNode& n : graph.nodes)
-      for (int k = 0; k < arity(n.operation); ++k) ++uses[n.argument[k]];
-    for (const std::uint32_t o : graph.outputs) ++uses[o];
     texts_.reserve(graph.nodes.size());
     for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
       const GraphNode& n = graph.nodes[i];
