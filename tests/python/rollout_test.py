@@ -10,6 +10,7 @@ import unittest
 import numpy as np
 
 import libdyn as dyn
+from robots import ball
 
 ARM = pathlib.Path(__file__).parents[2] / "models" / "arm.urdf"
 
@@ -20,14 +21,6 @@ def arm():
 
 def controls_of(model, trajectories, steps):
     return np.random.default_rng(1).normal(size=(trajectories, steps, model.nv))
-
-
-def ball():
-    model = dyn.Model()
-    model.add_body("ball", 0, dyn.JointDescription("free", "free_flyer"), dyn.Inertia(1.0, [0, 0, 0], 0.004 * np.eye(3)))
-    model.add_geometry("ball_volume", "ball", dyn.Sphere(0.1))
-    model.add_geometry("ground", 0, dyn.HalfSpace())
-    return model
 
 
 class Rollouts(unittest.TestCase):

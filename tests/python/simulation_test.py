@@ -8,20 +8,13 @@ import unittest
 import numpy as np
 
 import libdyn as dyn
+from robots import ball
 
 
 def pendulum():
     model = dyn.Model()
     model.add_body("rod", 0, dyn.JointDescription("hinge", "revolute", {"axis": [0, 1, 0]}), dyn.Inertia(2.0, [0, 0, -1.0], 0.01 * np.eye(3)))
     model.add_frame("tip", "rod", dyn.SE3.translation(0, 0, -1))
-    return model
-
-
-def ball():
-    model = dyn.Model()
-    model.add_body("ball", 0, dyn.JointDescription("free", "free_flyer"), dyn.Inertia(1.0, [0, 0, 0], 0.004 * np.eye(3)))
-    model.add_geometry("ball_volume", "ball", dyn.Sphere(0.1))
-    model.add_geometry("ground", 0, dyn.HalfSpace())
     return model
 
 

@@ -24,6 +24,7 @@ except ImportError as _problem:
     raise ImportError(_loading.remedy(_problem)) from _problem
 
 # Each name is imported as itself, which tells type checkers that it belongs to the package.
+from ._errors import error as _error
 from .graphs import trace_function as trace_function
 from .joint_types import JointFunction as JointFunction, Parameter as Parameter, joint as joint
 from .tracing import Scalar as Scalar, TracedSE3 as TracedSE3, select as select
@@ -58,17 +59,12 @@ def load(
 
 def _left_by(path: str, root: str) -> Model:
     """Runs a Python file and returns the model that it leaves."""
-
-    def refuse(message: str) -> Error:
-        error = Error(f"{path}: {message}")
-        error.code, error.file, error.line, error.joint = "model", path, 0, ""
-        return error
-
     if root != "fixed":
-        raise refuse(f"makes its own joint between world and robot, so that the root joint '{root}' does not apply")
+        raise _error("model", f"makes its own joint between world and robot, so that the root joint '{root}' does not apply", path)
     model = _runpy.run_path(path).get("model")
     if not isinstance(model, Model):
-        raise refuse(f"must leave a libdyn.Model called `model`; it leaves {'none' if model is None else type(model).__name__}")
+        left = "none" if model is None else type(model).__name__
+        raise _error("model", f"must leave a libdyn.Model called `model`; it leaves {left}", path)
     return model
 
 

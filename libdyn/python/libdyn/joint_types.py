@@ -11,7 +11,6 @@ import inspect
 import os
 import pathlib
 import shutil
-import tempfile
 import types
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Optional, Union
@@ -21,7 +20,7 @@ from numpy.typing import ArrayLike
 
 from . import _core
 from ._core import SE3, Error
-from .tracing import Array, Tape, TracedSE3
+from .tracing import Array, Tape, TracedSE3, refusal
 
 Traced = tuple[int, list[tuple[Any, ...]], list[int]]  #: Inputs, operations and outputs of a function.
 
@@ -153,7 +152,7 @@ class _Joint:
         space = {name: function for name, function in given.items() if function is not None}
         if (space or rates) and len(space) < len(given):
             missing = sorted(set(given) - set(space))[0]
-            raise Error(f"a configuration space needs all of neutral, integrate, difference and normalize; there is no {missing}")
+            raise refusal(f"a configuration space needs all of neutral, integrate, difference and normalize; there is no {missing}")
         if inspect.isfunction(nq):
             raise TypeError("write @libdyn.joint(nq=...), with the number of coordinates")
         dofs = nq if nv is None else nv
@@ -206,22 +205,16 @@ class _Joint:
         folder = pathlib.Path(folder).absolute()
         if folder.exists():
             raise FileExistsError(f"{folder} exists already; name a folder that does not")
-        making = pathlib.Path(tempfile.mkdtemp(prefix=f".{folder.name}-", dir=folder.parent))
+        making = folder.with_name(f".{folder.name}-{os.getpid()}")
+        making.mkdir()
         try:
             for name, text in joint._traced.folder():
                 (making / name).write_text(text)
-            making.chmod(0o777 & ~_umask())
             os.rename(making, folder)  # the folder is there whole or not at all
         except BaseException:
             shutil.rmtree(making, ignore_errors=True)
             raise
         return folder
-
-
-def _umask() -> int:
-    mask = os.umask(0o022)
-    os.umask(mask)
-    return mask
 
 
 joint = _Joint()

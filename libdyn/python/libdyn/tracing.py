@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._core import SE3, Error
+from ._errors import error
 
 Array = NDArray[Any]  #: Of numbers, or of objects where some of them are traced.
 Number = Union[float, "Scalar"]
@@ -24,9 +25,7 @@ def refusal(message: str) -> Error:
     while frame.f_back is not None and frame.f_code.co_filename.startswith(__file__.rsplit("/", 1)[0] + "/"):
         frame = frame.f_back
     file, line = frame.f_code.co_filename, frame.f_lineno
-    error = Error(f"{file}:{line}: {message}")
-    error.code, error.file, error.line, error.joint = "argument", file, line, ""
-    return error
+    return error("argument", message, file, line)
 
 
 class Tape:

@@ -12,7 +12,7 @@ from .serialization import Serializable
 from .spatial import SE3, Force, Motion
 from .state import State, Workspace
 
-# What fields hold before an algorithm has run.
+# Values of fields before an algorithm has run.
 _OF_JOINTS = {
     **dict.fromkeys(("oMi", "liMi"), SE3.Identity),
     **dict.fromkeys(("v", "a", "ov", "oa", "a_gf", "oa_gf"), Motion.Zero),

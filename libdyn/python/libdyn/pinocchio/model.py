@@ -58,7 +58,7 @@ class Model(Serializable):
         self.referenceConfigurations = StdMap_String_VectorXd()
         self.gravity = Motion(self.gravity981, np.zeros(3))
 
-    # What algorithms read is watched: parts that a program may hold are compared before each use.
+    # Inputs of algorithms are watched: parts that a program may hold are compared before each use.
 
     def _watched(name):  # noqa: N805
         def get(self):
