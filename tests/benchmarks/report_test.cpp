@@ -43,7 +43,9 @@ TEST_CASE("a label takes the first place that is free and within the picture, or
 
 TEST_CASE("long titles and names are within the picture", "[report]") {
   CHECK(wrapped("one two three", 10, 50).size() == 2);
-  LineChart chart(std::string(40, 'w') + " " + std::string(40, 'w'), {"x"}, {"y"});
+  std::string title(81, 'w');
+  title[40] = ' ';
+  LineChart chart(title, {"x"}, {"y"});
   for (const char* name : {"a name of a series that is rather long for a legend", "another name that is as long, or even longer than that"}) {
     chart.add(name, 0, 0);
     chart.add(name, 1, 1);

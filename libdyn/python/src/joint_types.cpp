@@ -55,8 +55,8 @@ Graph graphOf(const Tape& tape) {
 using Parameter = std::tuple<std::string, std::string, std::string, int, std::vector<double>>;  // name, unit, help, size, usual
 using Tapes = std::map<std::string, std::tuple<int, py::list, std::vector<std::size_t>>>;
 
-TracedJoint jointOf(const std::string& name, const std::string& summary, const std::vector<Parameter>& parameters, int nq, int nv,
-                    const Tapes& functions) {
+TracedJoint tracedJointOf(const std::string& name, const std::string& summary, const std::vector<Parameter>& parameters, int nq, int nv,
+                          const Tapes& functions) {
   TracedJoint joint;
   joint.name = name;
   joint.summary = summary;
@@ -85,7 +85,7 @@ void addJointTypes(py::module_& m) {
       },
       py::arg("inputs"), py::arg("nodes"), py::arg("outputs"));
   py::class_<TracedJoint>(m, "_TracedJoint", "The functions of a joint type as graphs.")
-      .def(py::init(&jointOf), py::arg("name"), py::arg("summary"), py::arg("parameters"), py::arg("nq"), py::arg("nv"), py::arg("functions"))
+      .def(py::init(&tracedJointOf), py::arg("name"), py::arg("summary"), py::arg("parameters"), py::arg("nq"), py::arg("nv"), py::arg("functions"))
       .def("source", &writeJointSource, "Returns the C++ source of a plugin.")
       .def(
           "folder", [](const TracedJoint& joint) { return pluginFolder(joint); }, "Returns names and texts of the files that build a plugin.")

@@ -34,7 +34,7 @@ std::vector<std::string> closedFormsOf(const TypeInfo& type) {
   return out;
 }
 
-const char* kindOf(const ParameterSpec& p) {
+const char* parameterKindOf(const ParameterSpec& p) {
   static constexpr const char* names[] = {"number", "vector3", "numbers", "text", "joints"};
   return names[static_cast<int>(p.kind)];
 }
@@ -42,12 +42,12 @@ const char* kindOf(const ParameterSpec& p) {
 void addTypes(py::module_& m) {
   py::class_<ParameterSpec>(m, "ParameterSpec", "A parameter of a joint or coupling type.")
       .def_readonly("name", &ParameterSpec::name, "The name by which models give it.")
-      .def_property_readonly("kind", &kindOf, "'number', 'vector3', 'numbers', 'text' or 'joints'.")
+      .def_property_readonly("kind", &parameterKindOf, "'number', 'vector3', 'numbers', 'text' or 'joints'.")
       .def_readonly("required", &ParameterSpec::required, "Whether a model must give it.")
       .def_readonly("unit", &ParameterSpec::unit, "Its unit; empty if it has none.")
       .def_readonly("help", &ParameterSpec::help, "Its meaning.")
       .def_readonly("example", &ParameterSpec::example, "A value that the type accepts, as text; None if the author gives none.")
-      .def("__repr__", [](const ParameterSpec& p) { return "<parameter '" + std::string(p.name) + "': " + kindOf(p) + ">"; });
+      .def("__repr__", [](const ParameterSpec& p) { return "<parameter '" + std::string(p.name) + "': " + parameterKindOf(p) + ">"; });
   py::class_<TypeInfo>(m, "JointTypeInfo", "The description of a joint or coupling type.")
       .def_property_readonly(
           "name", [](const TypeInfo& t) { return t.info->name; }, "The name by which models name the type.")
