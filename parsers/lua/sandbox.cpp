@@ -15,6 +15,7 @@ namespace dyn::lua {
 namespace {
 
 constexpr int instructions_per_hook = 100;
+constexpr std::size_t line_bytes = 48;  ///< that the line of a table takes
 
 Sandbox& sandboxOf(lua_State* L) {
   void* self = nullptr;
@@ -33,6 +34,20 @@ int currentLine(lua_State* L) {
 int ignorePrint(lua_State* L) {
   sandboxOf(L).notePrinting();
   return 0;
+}
+
+/// setmetatable without finalizers, which run where no hook counts.
+int setMetatable(lua_State* L) {
+  if (lua_istable(L, 2)) {
+    lua_pushliteral(L, "__gc");
+    if (lua_rawget(L, 2) != LUA_TNIL) luaL_error(L, "a model has no finalizers (__gc)");
+    lua_pop(L, 1);
+  }
+  const int arguments = lua_gettop(L);
+  lua_pushvalue(L, lua_upvalueindex(1));
+  lua_insert(L, 1);
+  lua_call(L, arguments, 1);
+  return 1;
 }
 
 /// string.rep, which otherwise fills a buffer of any size before a text is made of it.
@@ -102,7 +117,7 @@ void* Sandbox::allocate(void* self, void* block, std::size_t old_size, std::size
     // Where there is no block yet, old_size is the kind of object that Lua makes (Lua 5.4 manual, lua_Alloc).
     const char* exceeded = nullptr;
     if (block == nullptr && old_size == LUA_TSTRING && size > Limits::text + 64) exceeded = "makes a text of more than 4096 bytes";
-    if (sandbox.used_ - before + size > Limits::memory) exceeded = "takes more than 1 GiB of memory";
+    if (sandbox.used_ - before + size > Limits::memory) exceeded = "takes more than 512 MiB of memory";
     if (exceeded != nullptr) {
       sandbox.exceeded_ = exceeded;
       sandbox.exceeded_line_ = currentLine(sandbox.L_);
@@ -114,7 +129,10 @@ void* Sandbox::allocate(void* self, void* block, std::size_t old_size, std::size
   sandbox.used_ += size - before;
   if (sandbox.running_ && block == nullptr && old_size == LUA_TTABLE) {
     try {
+      const std::size_t known = sandbox.lines_.size();
       sandbox.lines_[out] = currentLine(sandbox.L_);
+      if (sandbox.lines_.size() > known) sandbox.used_ += line_bytes;
+      sandbox.latest_ = out;
     } catch (...) {  // no memory for a line, which only messages need
     }
   }
@@ -133,6 +151,12 @@ void Sandbox::charge(lua_State* L, std::int64_t instructions) {
 
 void Sandbox::hook(lua_State* L, lua_Debug* record) {
   Sandbox& sandbox = sandboxOf(L);
+  if (record->event == LUA_HOOKLINE) {
+    // Lua counts the `{` of a table to the line of the word before it. The next line that runs is that of the table's first entry.
+    if (sandbox.latest_ != nullptr) sandbox.lines_[sandbox.latest_] = record->currentline;
+    sandbox.latest_ = nullptr;
+    return;
+  }
   sandbox.charge(L, instructions_per_hook);
   if (lua_getlocal(L, record, -Limits::arguments) != nullptr) luaL_error(L, "a call has more than %d arguments", Limits::arguments);
 }
@@ -150,6 +174,7 @@ void Sandbox::openLibraries() {
   drop(L_, {"dofile", "loadfile", "load", "collectgarbage", "warn"});
   lua_pushcfunction(L_, ignorePrint);
   lua_setfield(L_, -2, "print");
+  wrap(L_, "setmetatable", setMetatable);
   // A model is the same whenever it is read.
   lua_getfield(L_, -1, LUA_MATHLIBNAME);
   drop(L_, {"random", "randomseed"});
@@ -175,7 +200,7 @@ Sandbox::Sandbox(const std::string& text, std::string file) : file_(std::move(fi
   try {
     openLibraries();
     running_ = true;
-    lua_sethook(L_, hook, LUA_MASKCOUNT, instructions_per_hook);
+    lua_sethook(L_, hook, LUA_MASKCOUNT | LUA_MASKLINE, instructions_per_hook);
     int status = luaL_loadbufferx(L_, text.data(), text.size(), "=model", "t");
     if (status == LUA_OK) status = lua_pcall(L_, 0, 1, 0);
     running_ = false;
@@ -188,11 +213,7 @@ Sandbox::Sandbox(const std::string& text, std::string file) : file_(std::move(fi
   }
 }
 
-Sandbox::~Sandbox() {
-  // Finalizers of the script run under its limits, too.
-  running_ = true;
-  lua_close(L_);
-}
+Sandbox::~Sandbox() { lua_close(L_); }
 
 int Sandbox::lineOf(const void* table) const {
   const auto found = lines_.find(table);

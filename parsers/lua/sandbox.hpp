@@ -14,12 +14,12 @@ struct lua_State;
 
 namespace dyn::lua {
 
-/// Most that a script may do. A model of 10^5 bodies needs about a tenth of each.
+/// Most that a script may do. A model of 10^5 bodies needs about a tenth of the instructions and half of the memory.
 struct Limits {
   static constexpr std::int64_t instructions = 100'000'000;
-  static constexpr std::size_t memory = std::size_t{1} << 30;  ///< bytes
-  static constexpr std::size_t text = 4096;                    ///< bytes of one text
-  static constexpr int arguments = 1000;                       ///< of one call
+  static constexpr std::size_t memory = std::size_t{512} << 20;  ///< bytes
+  static constexpr std::size_t text = 4096;                      ///< bytes of one text
+  static constexpr int arguments = 1000;                         ///< of one call
 };
 
 /// The state of a script that has run. It offers Lua's functions without files, system, bytecode, coroutines, patterns and random numbers.
@@ -34,7 +34,7 @@ class Sandbox {
 
   lua_State* state() const { return L_; }
   const std::string& file() const { return file_; }
-  /// Returns the line whose code made a table; 0 if it is unknown.
+  /// Returns the line of a table's constructor, or of its first entry if that is on a line of its own; 0 if it is unknown.
   int lineOf(const void* table) const;
   /// Whether the script called print, which does nothing.
   bool printed() const { return printed_; }
@@ -59,6 +59,7 @@ class Sandbox {
   int exceeded_line_ = 0;
   bool printed_ = false;
   std::unordered_map<const void*, int> lines_;  ///< of tables
+  const void* latest_ = nullptr;                ///< the table that was made last, if no other line has run since
 };
 
 }  // namespace dyn::lua
