@@ -13,8 +13,8 @@
 
 namespace dyn::sdf {
 
-/// The most elements of a file with all that it includes. libsdformat takes 6 kB and more for each.
-inline constexpr std::int64_t most_elements = 2'000'000;
+/// The most elements of a file with all that it includes. libsdformat takes about 100 kB for each.
+inline constexpr std::int64_t most_elements = 20000;
 
 /// The checked text. If it includes files, their checked copies lie in a folder of this object, and <uri> elements name them. Lines stay as they are.
 class Sources {

@@ -3,6 +3,8 @@
 
 #include "common/characters.hpp"
 
+#include <console_bridge/console.h>
+
 #include <ostream>
 #include <sdf/Console.hh>
 
@@ -26,9 +28,14 @@ std::string plain(const std::string& line) {
 Console::Console() : lock_(consoleMutex()) {
   auto& console = *::sdf::Console::Instance();
   console.GetMsgStream().SetStream(&said_);
+  // libsdformat tries whether text that is no SDF is a URDF, by urdfdom, which says that it is none.
+  console_bridge::noOutputHandler();
 }
 
-Console::~Console() { ::sdf::Console::Instance()->GetMsgStream().SetStream(&std::cerr); }
+Console::~Console() {
+  console_bridge::restorePreviousOutputHandler();
+  ::sdf::Console::Instance()->GetMsgStream().SetStream(&std::cerr);
+}
 
 void Console::note(reader::Notes& notes) {
   std::istringstream lines(said_.str());
