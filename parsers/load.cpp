@@ -1,16 +1,166 @@
 // SPDX-License-Identifier: BSD-2-Clause
+#include <dyn/file.hpp>
+#include <dyn/near_names.hpp>
 #include <dyn/parsers/load.hpp>
+#ifdef DYN_HAS_LUA
+#include <dyn/parsers/lua.hpp>
+#endif
+#ifdef DYN_HAS_SDF
+#include <dyn/parsers/sdf.hpp>
+#endif
+
+#include <algorithm>
+#include <cctype>
+#include <cstring>
 
 namespace dyn {
 
-Model load(const std::string& path, const LoadOptions& options, ModelFormat format) {
-  if (format == ModelFormat::by_name && path.ends_with(".xacro"))
-    throw Error(ErrorCode::syntax, "is a xacro file, which makes a URDF; run `xacro " + path + " > robot.urdf` and load that", {path, 0, ""});
-  if (format == ModelFormat::urdf || (format == ModelFormat::by_name && !path.ends_with(".json"))) return urdf::load(path, options);
+namespace {
+
+/// Returns the text from its first character that is no white space, behind a byte order mark.
+std::string_view begin(const std::string& text) {
+  std::string_view rest(text);
+  if (rest.starts_with("\xef\xbb\xbf")) rest.remove_prefix(3);
+  while (!rest.empty() && std::isspace(static_cast<unsigned char>(rest.front()))) rest.remove_prefix(1);
+  return rest;
+}
+
+/// Returns the name of an XML text's first element; empty if there is none.
+std::string_view rootElement(const std::string& text) {
+  for (std::string_view rest = begin(text); rest.starts_with('<');) {
+    const bool comment = rest.starts_with("<!--");
+    if (!comment && !rest.starts_with("<?") && !rest.starts_with("<!")) return rest.substr(1, rest.find_first_of(" \t\r\n/>", 1) - 1);
+    const std::size_t end = rest.find(comment ? "-->" : ">");
+    if (end == std::string_view::npos) break;
+    rest = rest.substr(std::min(rest.size(), rest.find('<', end)));
+  }
+  return {};
+}
+
+bool isUrdf(const std::string& text) { return rootElement(text) == "robot"; }
+bool isSdf(const std::string& text) { return rootElement(text) == "sdf"; }
+bool isJson(const std::string& text) { return begin(text).starts_with('{'); }
+/// A Lua model begins with a comment or a name, and returns a table.
+bool isLua(const std::string& text) {
+  const std::string_view rest = begin(text);
+  const bool name = !rest.empty() && (std::isalpha(static_cast<unsigned char>(rest.front())) || rest.front() == '_');
+  return (name || rest.starts_with("--")) && rest.find("return") != std::string_view::npos;
+}
+bool never(const std::string&) { return false; }
+
+Model parseJson(const std::string& text, const std::string& path, const LoadOptions& options) {
   if (options.root != LoadOptions().root)
     throw Error(ErrorCode::argument, "has its own joint between world and robot, so that the root joint '" + options.root + "' does not apply",
                 {path, 0, ""});
-  return json::load(path);
+  return json::parse(text, path);
+}
+
+/// A format's row of the table: how its files are recognised, and its reader.
+struct Row {
+  const char* name;
+  std::vector<std::string> endings;
+  bool (*recognises)(const std::string& text);  ///< by content
+  std::uintmax_t largest;                       ///< most that is read of a file [bytes]
+  Model (*parse)(const std::string& text, const std::string& path, const LoadOptions& options);
+  std::vector<Error> (*check)(const std::string& path, const LoadOptions& options);  ///< null: the reader stops at the first error
+  const char* missing;                                                               ///< why there is no reader
+};
+
+constexpr std::uintmax_t usual = largest_model_file;
+
+const std::vector<Row>& rows() {
+  static const std::vector<Row> table{
+      {"urdf", {".urdf"}, isUrdf, usual, urdf::parse, urdf::check, ""},
+      {"json", {".json"}, isJson, json::largest_file, parseJson, nullptr, ""},
+#ifdef DYN_HAS_SDF
+      {"sdf", {".sdf", ".world"}, isSdf, usual, sdf::parse, nullptr, ""},
+#else
+      {"sdf", {".sdf", ".world"}, isSdf, usual, nullptr, nullptr, "this libdyn was built without SDF; build it with -DDYN_BUILD_SDF=ON"},
+#endif
+#ifdef DYN_HAS_LUA
+      {"lua", {".lua"}, isLua, usual, lua::parse, nullptr, ""},
+#else
+      {"lua", {".lua"}, isLua, usual, nullptr, nullptr, "this libdyn was built without Lua; build it with -DDYN_BUILD_LUA=ON"},
+#endif
+      {"xacro", {".xacro"}, never, usual, nullptr, nullptr, "is a xacro file, which makes a URDF; run `xacro FILE > robot.urdf` and load that"},
+  };
+  return table;
+}
+
+std::string listed() {
+  std::string out;
+  for (const Row& row : rows()) out += (out.empty() ? "" : ", ") + std::string(row.name) + " (" + row.endings.front() + ")";
+  return out;
+}
+
+const Row& rowNamed(const std::string& name, const std::string& path) {
+  std::vector<std::string> names;
+  for (const Row& row : rows()) {
+    if (row.name == name) return row;
+    names.emplace_back(row.name);
+  }
+  throw Error(ErrorCode::argument, "there is no format '" + name + "'" + nearNames(name, names) + "; formats are " + listed(), {path, 0, ""});
+}
+
+/// A file whose format is known. Its text is read where that was needed to know it.
+struct Opened {
+  const Row& row;
+  std::string text;
+};
+
+/// Finds a file's format: the one that is given, or by the ending, or by the content.
+Opened open(const std::string& path, const std::string& format, bool wants_text) {
+  const Row* row = format.empty() ? nullptr : &rowNamed(format, path);
+  for (const Row& candidate : rows())
+    if (row == nullptr && std::any_of(candidate.endings.begin(), candidate.endings.end(), [&](const std::string& e) { return path.ends_with(e); }))
+      row = &candidate;
+  std::string text;
+  if (row == nullptr) {
+    text = readFile(path, json::largest_file);
+    for (const Row& candidate : rows())
+      if (row == nullptr && candidate.recognises(text)) row = &candidate;
+    if (row == nullptr && text.empty()) throw Error(ErrorCode::syntax, "is empty", {path, 0, ""});
+    if (row == nullptr) {
+      const std::string root(rootElement(text).substr(0, 40));
+      throw Error(ErrorCode::syntax,
+                  (root.empty() ? "is no model by its ending or content" : "is another format: its root element is <" + root + ">") +
+                      "; formats are " + listed(),
+                  {path, 0, ""});
+    }
+    if (text.size() > row->largest) readFile(path, row->largest);  // says so
+  } else if (wants_text && row->parse != nullptr) {
+    text = readFile(path, row->largest);
+  }
+  if (row->parse == nullptr) {
+    std::string why = row->missing;
+    if (const std::size_t at = why.find("FILE"); at != std::string::npos) why.replace(at, 4, path);
+    throw Error(row->recognises == never ? ErrorCode::syntax : ErrorCode::argument, why, {path, 0, ""});
+  }
+  return {*row, std::move(text)};
+}
+
+}  // namespace
+
+std::vector<ModelFormat> modelFormats() {
+  std::vector<ModelFormat> out;
+  for (const Row& row : rows()) out.push_back({row.name, row.endings, row.missing});
+  return out;
+}
+
+Model load(const std::string& path, const LoadOptions& options, const std::string& format) {
+  const Opened file = open(path, format, true);
+  return file.row.parse(file.text, path, options);
+}
+
+std::vector<Error> check(const std::string& path, const LoadOptions& options, const std::string& format) {
+  try {
+    const Opened file = open(path, format, false);
+    if (file.row.check != nullptr) return file.row.check(path, options);
+    load(path, options, file.row.name);
+    return {};
+  } catch (const Error& e) {
+    return {e};
+  }
 }
 
 }  // namespace dyn

@@ -4,7 +4,9 @@
 include(CMakePackageConfigHelpers)
 
 set(DYN_CMAKE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/libdyn)
-install(TARGETS libdyn dyn_sdk libdyn_geometry libdyn_parsers EXPORT libdynTargets
+get_property(parsers GLOBAL PROPERTY DYN_PARSERS)
+list(TRANSFORM parsers PREPEND libdyn_ OUTPUT_VARIABLE parser_targets)
+install(TARGETS libdyn dyn_sdk libdyn_geometry ${parser_targets} EXPORT libdynTargets
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT runtime NAMELINK_COMPONENT development)
 install(EXPORT libdynTargets NAMESPACE libdyn:: DESTINATION ${DYN_CMAKE_DIR} COMPONENT development)
 install(DIRECTORY libdyn/include/dyn libdyn/sdk/dyn_sdk parsers/include/dyn DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development)
@@ -30,6 +32,7 @@ if(TARGET libdyn_python)
     FILES_MATCHING PATTERN "*.py" PATTERN "*.pyi" PATTERN "py.typed" PATTERN "__pycache__" EXCLUDE)
 endif()
 
+list(JOIN parsers ", " DYN_PARSER_NAMES)
 configure_package_config_file(libdyn/cmake/libdynConfig.cmake.in ${PROJECT_BINARY_DIR}/libdynConfig.cmake INSTALL_DESTINATION ${DYN_CMAKE_DIR})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/libdynConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/libdynConfig.cmake ${PROJECT_BINARY_DIR}/libdynConfigVersion.cmake libdyn/cmake/libdynPlugin.cmake
@@ -43,4 +46,12 @@ function(dyn_pkg_config DYN_PC_NAME DYN_PC_LIBRARY DYN_PC_REQUIRES DYN_PC_DESCRI
 endfunction()
 dyn_pkg_config(libdyn dyn eigen3 "Kinematics and dynamics of robots; joints come from plugins")
 dyn_pkg_config(libdyn-geometry dyn_geometry libdyn "Collision and distance, for libdyn")
-dyn_pkg_config(libdyn-parsers dyn_parsers libdyn "Robots from URDF, for libdyn")
+set(formats ${parsers})
+list(REMOVE_ITEM formats parsers)
+foreach(format ${formats})
+  string(TOUPPER ${format} name)
+  dyn_pkg_config(libdyn-${format} dyn_${format} libdyn "Robots from ${name}, for libdyn")
+endforeach()
+list(TRANSFORM formats PREPEND libdyn- OUTPUT_VARIABLE modules)
+list(JOIN modules " " modules)
+dyn_pkg_config(libdyn-parsers dyn_parsers "${modules}" "Robots from files of any format, for libdyn")

@@ -87,8 +87,7 @@ def files_of(folder):
     if f"libdyn/_core{suffix}" not in files:
         raise SystemExit(f"libdyn: {package} has no module for this Python (_core{suffix})")
     # Programs ask for libraries by the name with the interface's number. Wheels have no links.
-    for name in ("libdyn", "libdyn_geometry", "libdyn_parsers"):
-        (path,) = (folder / "lib").glob(f"{name}.so.?")
+    for path in sorted((folder / "lib").glob("libdyn*.so.?")):
         files[f"libdyn/lib/{path.name}"] = path
     # Joint types written in Python are compiled with the headers of the SDK.
     for sources in (ROOT / "libdyn" / "include", ROOT / "libdyn" / "sdk"):

@@ -16,7 +16,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::uintmax_t largest_file = std::uintmax_t{1} << 30;
 constexpr int deepest_joints = 16;  ///< joints that are made of joints that are made of joints ...
 
 /// A value of the file, and its place there for messages.

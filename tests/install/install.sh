@@ -69,6 +69,35 @@ for library in libdyn.so libdyn_parsers.so; do
   fi
 done
 
+say "who reads URDF alone links neither libsdformat nor Lua"
+for library in libdyn.so libdyn_urdf.so; do
+  if objdump -p "$(find "$prefix" -name $library)" | grep -E 'NEEDED.*(sdformat|ignition|lua)'; then
+    echo "$library needs the library of another format" >&2
+    exit 1
+  fi
+done
+g++ -std=c++20 -O1 "$source/tests/install/one_format/main.cpp" -o "$work/one" $(pkg-config --cflags --libs libdyn-urdf) \
+  -Wl,-rpath,"$(pkg-config --variable=libdir libdyn)"
+"$work/one" "$source/models/arm.urdf"
+if ldd "$work/one" | grep -E 'sdformat|lua'; then
+  echo "a program that reads URDF alone links another format" >&2
+  exit 1
+fi
+cp -r "$source/tests/install/one_format" "$work/one_format"
+cmake -S "$work/one_format" -B "$work/one_format/build" -G Ninja -DCMAKE_PREFIX_PATH="$prefix" >/dev/null
+cmake --build "$work/one_format/build" >/dev/null
+"$work/one_format/build/one_format" "$source/models/arm.urdf"
+
+say "the installed command reads every format that was built"
+for model in "$source"/models/arm.*; do
+  case $model in
+    *.sdf) library=libdyn_sdf.so ;;
+    *.lua) library=libdyn_lua.so ;;
+    *) library=libdyn_urdf.so ;;
+  esac
+  if [ -n "$(find "$prefix" -name "$library")" ]; then "$prefix/bin/dyn" info "$model" --quiet | head -1; fi
+done
+
 say "the installed tree moved"
 mv "$work/first" "$work/second"
 "$work/second/bin/dyn" info "$robot" | head -4

@@ -5,6 +5,7 @@
 #include "messages.hpp"
 #include "options.hpp"
 
+#include <dyn/parsers/load.hpp>
 #include <dyn/version.hpp>
 
 #include <unistd.h>
@@ -17,10 +18,19 @@
 
 namespace {
 
+/// Returns the formats of models that this program reads.
+std::string formats() {
+  std::string out;
+  for (const dyn::ModelFormat& format : dyn::modelFormats())
+    if (format.missing.empty()) out += (out.empty() ? "" : ", ") + format.name;
+  return out;
+}
+
 std::string versionText() {
   const dyn::Version version = dyn::version();
   return "dyn " + version.number + " (" + version.build_type + ")\ninstruction set " + version.instruction_set + "\nplugin interface " +
-         std::to_string(version.plugin_interface) + "\nreads URDF, SRDF, .dyn.json and Python files; meshes by assimp, octrees by octomap, broad phase by FCL";
+         std::to_string(version.plugin_interface) + "\nreads " + formats() +
+         " and python; SRDF; meshes by assimp, octrees by octomap, broad phase by FCL";
 }
 
 int run(int argc, char** argv) {

@@ -8,12 +8,23 @@
 
 namespace dyn::tool {
 
+namespace {
+
+std::vector<std::string> formatNames() {
+  std::vector<std::string> names;
+  for (const ModelFormat& known : modelFormats()) names.push_back(known.name);
+  names.emplace_back("python");
+  return names;
+}
+
+}  // namespace
+
 void ModelOptions::add(CLI::App& app) {
-  app.add_option("MODEL", path, "URDF file, NAME.dyn.json, or a Python file that leaves a `model` (which runs python3)")
+  app.add_option("MODEL", path, "model file of any format, or a Python file that leaves a `model` (which runs python3)")
       ->type_name("FILE")
       ->required()
       ->check(fileName());
-  app.add_option("--format", format, "format of MODEL, if its ending does not tell it")->check(CLI::IsMember({"urdf", "json", "python"}));
+  app.add_option("--format", format, "format of MODEL, if neither its ending nor its content tells it")->check(CLI::IsMember(formatNames()));
   app.add_option("--root", root, "joint between the world and the root link: fixed, free_flyer, or any joint type that needs no parameters")
       ->capture_default_str();
   app.add_option("--mimic", mimic, "mimic joints move on their own, or follow their masters")
@@ -25,6 +36,9 @@ void ModelOptions::add(CLI::App& app) {
       ->capture_default_str();
   app.add_option("--inertia", inertia, "refuse inertias that no body has, or load them as they are")
       ->check(CLI::IsMember({"physical", "any"}))
+      ->capture_default_str();
+  app.add_option("--files", files, "files that MODEL includes lie beside it or in folders below, or anywhere")
+      ->check(CLI::IsMember({"beside", "anywhere"}))
       ->capture_default_str();
   app.add_option("--plugin", plugins, "load this shared object too (repeatable)")->type_name("FILE");
   app.add_option("--lock", lock, "hold this joint at neutral (repeatable)");
@@ -47,13 +61,14 @@ JointRegistry ModelOptions::registry() const {
   return registry;
 }
 
-urdf::Options ModelOptions::urdfOptions() const {
-  urdf::Options options;
+LoadOptions ModelOptions::loadOptions() const {
+  LoadOptions options;
   options.root = root;
-  options.mimic = mimic == "coupled" ? urdf::Mimic::coupled : urdf::Mimic::independent;
-  options.order = order == "file" ? urdf::Order::file : urdf::Order::name;
-  options.continuous = continuous == "angle" ? urdf::Continuous::angle : urdf::Continuous::unit_circle;
-  options.inertias = inertia == "any" ? urdf::Inertias::any : urdf::Inertias::physical;
+  options.mimic = mimic == "coupled" ? Mimic::coupled : Mimic::independent;
+  options.order = order == "file" ? Order::file : Order::name;
+  options.continuous = continuous == "angle" ? Continuous::angle : Continuous::unit_circle;
+  options.inertias = inertia == "any" ? Inertias::any : Inertias::physical;
+  options.files = files == "anywhere" ? Files::anywhere : Files::beside;
   return options;
 }
 
@@ -67,12 +82,12 @@ const PythonModel& ModelOptions::python() const {
 Model ModelOptions::read() const {
   return timed("read " + path, [&] {
     if (isPython()) return python().model;
-    return load(path, urdfOptions(), format == "urdf" ? ModelFormat::urdf : format == "json" ? ModelFormat::json : ModelFormat::by_name);
+    return load(path, loadOptions(), format);
   });
 }
 
 std::vector<Error> ModelOptions::problems() const {
-  if (!isPython() && (format == "urdf" || (format.empty() && !path.ends_with(".json")))) return urdf::check(path, urdfOptions());
+  if (!isPython()) return check(path, loadOptions(), format);
   try {
     read();
     return {};

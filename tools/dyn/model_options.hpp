@@ -17,12 +17,13 @@ namespace dyn::tool {
 
 struct ModelOptions {
   std::string path;
-  std::string format;  ///< empty: by the file's ending
+  std::string format;  ///< empty: by the file's ending or content
   std::string root = "fixed";
   std::string mimic = "independent";
   std::string order = "name";
   std::string continuous = "unit_circle";
   std::string inertia = "physical";
+  std::string files = "beside";
   std::vector<std::string> plugins;
   std::vector<std::string> lock;
   bool losses = false;
@@ -30,7 +31,7 @@ struct ModelOptions {
 
   void add(CLI::App& app);
   JointRegistry registry() const;
-  urdf::Options urdfOptions() const;
+  LoadOptions loadOptions() const;
   Model read() const;
   /// Returns all that is wrong with the file; empty if it can be read.
   std::vector<Error> problems() const;

@@ -43,18 +43,22 @@ def load(
     order: str = "name",
     continuous: str = "unit_circle",
     inertias: str = "physical",
+    files: str = "beside",
+    format: str = "",
 ) -> Model:
     """Reads a robot from a file; returns a Model.
 
-    The file's ending tells its format: .json is libdyn's own, .py is a Python file that leaves a `model`, all others are URDF.
+    The file's ending tells its format, or its content does: URDF, SDF, RBDL's Lua, libdyn's own (.dyn.json), or a Python file that leaves a `model`
+    (.py). format: the name of a format, such as "sdf", if neither tells it.
     root: the joint type between world and root link, such as "free_flyer". mimic: "coupled" or "independent". order: siblings by "name" or as in
     the "file". continuous: a continuous joint's q is a point of the "unit_circle" or an "angle". inertias: "physical", or "any" to load what no body
-    has. Raises Error with the file and line of what is wrong. A Python file is run, with all that it may do.
+    has. files: files that the model includes lie "beside" it or in folders below, or "anywhere". Raises Error with the file and line of what is wrong.
+    A Python file is run, with all that it may do.
     """
     path = _os.fspath(path)
-    if path.endswith(".py"):
+    if format == "python" or (not format and path.endswith(".py")):
         return _left_by(path, root)
-    return _core._load(path, root=root, mimic=mimic, order=order, continuous=continuous, inertias=inertias)
+    return _core._load(path, root=root, mimic=mimic, order=order, continuous=continuous, inertias=inertias, files=files, format=format)
 
 
 def _left_by(path: str, root: str) -> Model:
@@ -76,6 +80,9 @@ def check(
     order: str = "name",
     continuous: str = "unit_circle",
     inertias: str = "physical",
+    files: str = "beside",
+    format: str = "",
 ) -> "list[Error]":
     """Returns a list of all errors of a file, of which load() raises the first; it is empty if the file loads. The options are those of load()."""
-    return _core._check(_os.fspath(path), root=root, mimic=mimic, order=order, continuous=continuous, inertias=inertias)
+    return _core._check(
+        _os.fspath(path), root=root, mimic=mimic, order=order, continuous=continuous, inertias=inertias, files=files, format=format)

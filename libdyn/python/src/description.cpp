@@ -27,13 +27,14 @@ void numbersProperty(Class& c, const char* name, Get get, const char* doc) {
       name, [get](T& x) { return get(x); }, [get](T& x, const std::variant<double, std::vector<double>>& value) { get(x) = numbers(value); }, doc);
 }
 
-urdf::Options optionsOf(const std::string& root, const std::string& mimic, const std::string& order, const std::string& continuous,
-                        const std::string& inertias) {
-  using namespace urdf;
-  return {root, chosen<Mimic>("mimic", mimic, {{"coupled", Mimic::coupled}, {"independent", Mimic::independent}}),
+LoadOptions optionsOf(const std::string& root, const std::string& mimic, const std::string& order, const std::string& continuous,
+                      const std::string& inertias, const std::string& files = "beside") {
+  return {root,
+          chosen<Mimic>("mimic", mimic, {{"coupled", Mimic::coupled}, {"independent", Mimic::independent}}),
           chosen<Order>("order", order, {{"name", Order::name}, {"file", Order::file}}),
           chosen<Continuous>("continuous", continuous, {{"unit_circle", Continuous::unit_circle}, {"angle", Continuous::angle}}),
-          chosen<Inertias>("inertias", inertias, {{"physical", Inertias::physical}, {"any", Inertias::any}})};
+          chosen<Inertias>("inertias", inertias, {{"physical", Inertias::physical}, {"any", Inertias::any}}),
+          chosen<Files>("files", files, {{"beside", Files::beside}, {"anywhere", Files::anywhere}})};
 }
 
 /// Adds the class of a list whose elements are parts of the model.
@@ -213,13 +214,12 @@ void addDescription(py::module_& m) {
       .def("__repr__", [](const Model& x) { return "<libdyn.Model '" + x.name + "': " + std::to_string(x.bodies.size() - 1) + " bodies>"; });
 
   const py::arg_v root("root", "fixed"), mimic("mimic", "coupled"), order("order", "name"), continuous("continuous", "unit_circle"),
-      inertias("inertias", "physical");
+      inertias("inertias", "physical"), files("files", "beside"), named("format", "");
   m.def(
       "_load",
-      [](const std::string& path, const std::string& r, const std::string& mi, const std::string& o, const std::string& c, const std::string& i) {
-        return load(path, optionsOf(r, mi, o, c, i));
-      },
-      py::arg("path"), root, mimic, order, continuous, inertias);
+      [](const std::string& path, const std::string& r, const std::string& mi, const std::string& o, const std::string& c, const std::string& i,
+         const std::string& f, const std::string& format) { return load(path, optionsOf(r, mi, o, c, i, f), format); },
+      py::arg("path"), root, mimic, order, continuous, inertias, files, named);
   m.def(
       "parse",
       [](const std::string& text, const std::string& name, const std::string& r, const std::string& mi, const std::string& o, const std::string& c,
@@ -228,12 +228,13 @@ void addDescription(py::module_& m) {
       "Reads a robot from the text of a URDF file. Messages call the text `name`. The options are those of load().");
   m.def(
       "_check",
-      [](const std::string& path, const std::string& r, const std::string& mi, const std::string& o, const std::string& c, const std::string& i) {
+      [](const std::string& path, const std::string& r, const std::string& mi, const std::string& o, const std::string& c, const std::string& i,
+         const std::string& f, const std::string& format) {
         py::list errors;
-        for (const Error& e : urdf::check(path, optionsOf(r, mi, o, c, i))) errors.append(errorOf(e));
+        for (const Error& e : check(path, optionsOf(r, mi, o, c, i, f), format)) errors.append(errorOf(e));
         return errors;
       },
-      py::arg("path"), root, mimic, order, continuous, inertias);
+      py::arg("path"), root, mimic, order, continuous, inertias, files, named);
   const py::arg_v types("registry", py::none());
   m.def(
       "reduce",

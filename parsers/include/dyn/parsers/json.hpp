@@ -4,12 +4,15 @@
 
 #include <dyn/model/model.hpp>
 
+#include <cstdint>
 #include <string>
 
 namespace dyn::json {
 
 /// The version of the format that save() writes. load() reads it and all before it.
 inline constexpr int format_version = 1;
+/// The most that is read of a file [bytes].
+inline constexpr std::uintmax_t largest_file = std::uintmax_t{1} << 30;
 
 /// Reads a model from a file. Throws Error(file), Error(syntax) with the line of malformed JSON, or with the place of a member that is unknown,
 /// missing or of the wrong kind, such as bodies[2].joint.type, and Error(model) for names that are not there.

@@ -2,6 +2,7 @@
 // How model files are read, whatever their format.
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 namespace dyn {
@@ -15,6 +16,12 @@ enum class Continuous { unit_circle, angle };
 /// Inertias that are not positive semi-definite are errors, or are noted and loaded.
 enum class Inertias { physical, any };
 
+/// Files that a model file includes, and meshes whose mass it needs, lie in the model's folder or below it, or may lie anywhere.
+enum class Files { beside, anywhere };
+
+/// The most that is read of a model file [bytes]; .dyn.json has a limit of its own.
+inline constexpr std::uintmax_t largest_model_file = std::uintmax_t{64} << 20;
+
 /// How a model file is read.
 struct LoadOptions {
   std::string root = "fixed";                       ///< joint type between world and root link, for example "free_flyer"
@@ -22,6 +29,7 @@ struct LoadOptions {
   Order order = Order::name;                        ///< order of siblings
   Continuous continuous = Continuous::unit_circle;  ///< coordinates of continuous joints
   Inertias inertias = Inertias::physical;           ///< treatment of inertias that no body has
+  Files files = Files::beside;                      ///< where files may lie that the model file names
 };
 
 }  // namespace dyn

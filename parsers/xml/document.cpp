@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "document.hpp"
+#include "xml/document.hpp"
+
+#include "common/characters.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -7,12 +9,9 @@
 #include <cstring>
 #include <utility>
 
-namespace dyn::urdf {
+namespace dyn::xml {
 
 namespace {
-
-/// XML allows three characters below the space: tab and the two that end lines (XML 1.0, sec. 2.2).
-bool isControl(unsigned long c) { return c < 0x20 && c != '\t' && c != '\n' && c != '\r'; }
 
 bool isSpace(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 
@@ -41,19 +40,6 @@ int lineOf(const std::string& text, std::size_t position) {
   return 1 + static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(position), '\n'));
 }
 
-/// Returns the length in bytes of the UTF-8 character at `i`; 0 if there is none (RFC 3629: the shortest form, no surrogates, up to 10FFFF).
-std::size_t characterAt(const std::string& text, std::size_t i) {
-  const auto byte = [&](std::size_t k) { return i + k < text.size() ? static_cast<unsigned char>(text[i + k]) : 0u; };
-  const unsigned lead = byte(0), second = byte(1);
-  if (lead < 0x80) return 1;
-  const std::size_t length = lead >= 0xc2 && lead < 0xe0 ? 2 : (lead >= 0xe0 && lead < 0xf0 ? 3 : (lead >= 0xf0 && lead < 0xf5 ? 4 : 0));
-  if ((lead == 0xe0 && second < 0xa0) || (lead == 0xed && second >= 0xa0) || (lead == 0xf0 && second < 0x90) || (lead == 0xf4 && second >= 0x90))
-    return 0;
-  for (std::size_t k = 1; k < length; ++k)
-    if ((byte(k) & 0xc0) != 0x80) return 0;
-  return length;
-}
-
 /// Whether the reference "&#...;" at `i` has a number that no character has or XML forbids.
 bool standsForNothing(const std::string& text, std::size_t i) {
   const bool hexadecimal = text.compare(i + 2, 1, "x") == 0;
@@ -66,7 +52,7 @@ bool standsForNothing(const std::string& text, std::size_t i) {
 
 }  // namespace
 
-Document::Document(const std::string& text, std::string file) : file_(std::move(file)) {
+Document::Document(const std::string& text, std::string file, const char* root) : file_(std::move(file)) {
   const auto refuse = [&](const std::string& why, int line) { throw Error(ErrorCode::syntax, why, {file_, line, ""}); };
   if (text.empty()) refuse("is empty", 0);
   if (text.size() >= 2 && ((text[0] == '\xff' && text[1] == '\xfe') || (text[0] == '\xfe' && text[1] == '\xff')))
@@ -82,15 +68,15 @@ Document::Document(const std::string& text, std::string file) : file_(std::move(
   for (std::size_t i = text.find("&#"); i != std::string::npos; i = text.find("&#", i + 2))
     if (standsForNothing(text, i)) refuse("is not XML: '" + text.substr(i, text.find(';', i) + 1 - i) + "' stands for no character", lineOf(text, i));
   if (const std::size_t type = text.find("<!DOCTYPE"); type != std::string::npos)
-    refuse("has a document type, which URDF does not use and this reader refuses", lineOf(text, type));
+    refuse("has a document type, which models do not use and this reader refuses", lineOf(text, type));
   if (xml_.Parse(text.data(), text.size()) != tinyxml2::XML_SUCCESS) {
     const bool deep = xml_.ErrorID() == tinyxml2::XML_ELEMENT_DEPTH_EXCEEDED;
-    refuse(deep ? "nests elements too deep; URDF lists links and joints side by side" : std::string("is not XML: ") + xml_.ErrorStr(),
-           xml_.ErrorLineNum());
+    refuse(deep ? "nests elements too deep for a model" : std::string("is not XML: ") + xml_.ErrorStr(), xml_.ErrorLineNum());
   }
   robot_ = xml_.RootElement();
-  if (robot_ == nullptr || std::strcmp(robot_->Name(), "robot") != 0)
-    refuse(robot_ ? std::string("is another format: its root element is <") + robot_->Name() + ">, not <robot>" : "has no element <robot>", 1);
+  if (robot_ == nullptr) refuse(root ? std::string("has no element <") + root + ">" : "has no element", 1);
+  if (root != nullptr && std::strcmp(robot_->Name(), root) != 0)
+    refuse(std::string("is another format: its root element is <") + robot_->Name() + ">, not <" + root + ">", 1);
 }
 
 void Document::fail(const tinyxml2::XMLElement& e, const std::string& why, ErrorCode code) const { throw Error(code, why, where(e)); }
@@ -164,4 +150,4 @@ bool onlyNumbers(const std::string& text, std::vector<double>& out) {
   return !out.empty();
 }
 
-}  // namespace dyn::urdf
+}  // namespace dyn::xml
