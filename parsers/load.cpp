@@ -2,6 +2,7 @@
 #include <dyn/file.hpp>
 #include <dyn/near_names.hpp>
 #include <dyn/parsers/load.hpp>
+#include <dyn/parsers/mjcf.hpp>
 #ifdef DYN_HAS_LUA
 #include <dyn/parsers/lua.hpp>
 #endif
@@ -38,6 +39,7 @@ std::string_view rootElement(const std::string& text) {
 }
 
 bool isUrdf(const std::string& text) { return rootElement(text) == "robot"; }
+bool isMjcf(const std::string& text) { return rootElement(text) == "mujoco"; }
 bool isSdf(const std::string& text) { return rootElement(text) == "sdf"; }
 bool isJson(const std::string& text) { return begin(text).starts_with('{'); }
 /// A Lua model begins with a comment or a name, and returns a table.
@@ -71,6 +73,7 @@ constexpr std::uintmax_t usual = largest_model_file;
 const std::vector<Row>& rows() {
   static const std::vector<Row> table{
       {"urdf", {".urdf"}, isUrdf, usual, urdf::parse, urdf::check, ""},
+      {"mjcf", {".mjcf"}, isMjcf, usual, mjcf::parse, mjcf::check, ""},
       {"json", {".json"}, isJson, json::largest_file, parseJson, nullptr, ""},
 #ifdef DYN_HAS_SDF
       {"sdf", {".sdf", ".world"}, isSdf, usual, sdf::parse, nullptr, ""},

@@ -16,8 +16,15 @@ const std::string json_text = R"({"format": "libdyn model", "version": 1, "name"
 const std::string lua_text = "-- a model\nreturn { frames = { { name = 'a', parent = 'ROOT' } } }";
 const std::string sdf_text = "<sdf version='1.9'><model name='r'><link name='a'/></model></sdf>";
 
+const std::string mjcf_text = "<mujoco><worldbody><body name='a'/></worldbody></mujoco>";
+
 std::string textOf(const std::string& format) {
-  return format == "urdf" ? urdf_text : format == "json" ? json_text : format == "lua" ? lua_text : format == "sdf" ? sdf_text : "";
+  return format == "urdf"   ? urdf_text
+         : format == "mjcf" ? mjcf_text
+         : format == "json" ? json_text
+         : format == "lua"  ? lua_text
+         : format == "sdf"  ? sdf_text
+                            : "";
 }
 
 }  // namespace

@@ -29,9 +29,9 @@ struct Mechanism {
   }
 };
 
-const std::vector<Mechanism> mechanisms{{"arm", "fixed", {"urdf", "lua", "sdf"}},
-                                        {"biped", "free_flyer", {"urdf", "lua", "sdf"}},
-                                        {"four_bar", "fixed", {"urdf", "lua", "sdf"}, {0, -0.6073259925291629, -0.04197256229182978}}};
+const std::vector<Mechanism> mechanisms{{"arm", "fixed", {"urdf", "mjcf", "lua", "sdf"}},
+                                        {"biped", "free_flyer", {"urdf", "mjcf", "lua", "sdf"}},
+                                        {"four_bar", "fixed", {"urdf", "mjcf", "lua", "sdf"}, {0, -0.6073259925291629, -0.04197256229182978}}};
 
 /// Whether this build reads a format.
 bool built(const std::string& format) {
@@ -41,7 +41,9 @@ bool built(const std::string& format) {
 }
 
 Model read(const Mechanism& mechanism, const std::string& format) {
-  return load(std::string(DYN_SOURCE_DIR) + "/models/" + mechanism.name + "." + format, {.root = mechanism.root, .continuous = Continuous::angle});
+  const bool mjcf = format == "mjcf";  // has its own joint between world and robot
+  return load(std::string(DYN_SOURCE_DIR) + "/models/" + mechanism.name + "." + (mjcf ? "xml" : format),
+              {.root = mjcf ? "fixed" : mechanism.root, .continuous = Continuous::angle});
 }
 
 std::vector<std::string> movingJoints(const CompactModel& model) {
@@ -114,5 +116,23 @@ TEST_CASE("a closed loop moves the same in every format", "[parser]") {
     all << q + four_bar.shift(format, 3), v, a;
     if (first.size() == 0) first = all;
     CHECK(off(all, first) < 1e-9);
+  }
+}
+
+TEST_CASE("URDF and MJCF of a mechanism have the same limits and volumes", "[parser]") {
+  for (const Mechanism& mechanism : mechanisms) {
+    INFO(mechanism.name);
+    const Model urdf = read(mechanism, "urdf"), mjcf = read(mechanism, "mjcf");
+    const CompactModel expected = compile(urdf, registry()), model = compile(mjcf, registry());
+    REQUIRE(model.nq() == expected.nq());
+    REQUIRE(model.nv() == expected.nv());
+    CHECK(model.limits().lower == expected.limits().lower);
+    CHECK(model.limits().upper == expected.limits().upper);
+    CHECK(model.limits().effort == expected.limits().effort);
+    REQUIRE(mjcf.geometries.size() == urdf.geometries.size());
+    for (std::size_t i = 0; i < urdf.geometries.size(); ++i) {
+      CHECK(mjcf.geometries[i].shape.index() == urdf.geometries[i].shape.index());
+      CHECK(std::fabs(mjcf.geometries[i].placement.p.z - urdf.geometries[i].placement.p.z) < 1e-15);
+    }
   }
 }

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The elements and attributes that the reader knows. Everything else becomes a note.
+#pragma once
+
+#include "notes.hpp"
+#include "source.hpp"
+
+namespace dyn::mjcf {
+
+/// Whether the reader reads this attribute of the element <kind>.
+bool reads(const std::string& kind, const char* attribute);
+
+/// Counts each kind of element and attribute that nothing reads. Those of the appearance (colours, textures, lights) and of MuJoCo's memory are not
+/// counted. Elements that are not read are not entered.
+void noteUnread(const Source& source, Notes& notes);
+
+}  // namespace dyn::mjcf
