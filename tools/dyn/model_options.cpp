@@ -4,6 +4,7 @@
 #include "messages.hpp"
 #include "options.hpp"
 
+#include <dyn/parsers/srdf.hpp>
 #include <dyn/version.hpp>
 
 namespace dyn::tool {
@@ -26,6 +27,12 @@ void ModelOptions::add(CLI::App& app) {
   app.add_option("--inertia", inertia, "refuse inertias that no body has, or load them as they are")
       ->check(CLI::IsMember({"physical", "any"}))
       ->capture_default_str();
+  app.add_option("--versions", versions, "refuse files of a newer version of their format, or read what is understood")
+      ->check(CLI::IsMember({"known", "any"}))
+      ->capture_default_str();
+  app.add_option("--srdf", srdf, "groups and named states of the robot, and pairs of links that are not checked for collision")
+      ->type_name("FILE")
+      ->check(fileName());
   app.add_option("--plugin", plugins, "load this shared object too (repeatable)")->type_name("FILE");
   app.add_option("--lock", lock, "hold this joint at neutral (repeatable)");
   app.add_flag("--losses", losses, "joint damping and friction of the model act in the dynamics");
@@ -54,6 +61,7 @@ urdf::Options ModelOptions::urdfOptions() const {
   options.order = order == "file" ? urdf::Order::file : urdf::Order::name;
   options.continuous = continuous == "angle" ? urdf::Continuous::angle : urdf::Continuous::unit_circle;
   options.inertias = inertia == "any" ? urdf::Inertias::any : urdf::Inertias::physical;
+  options.versions = versions == "any" ? urdf::Versions::any : urdf::Versions::known;
   return options;
 }
 
@@ -65,10 +73,12 @@ const PythonModel& ModelOptions::python() const {
 }
 
 Model ModelOptions::read() const {
-  return timed("read " + path, [&] {
+  Model model = timed("read " + path, [&] {
     if (isPython()) return python().model;
     return load(path, urdfOptions(), format == "urdf" ? ModelFormat::urdf : format == "json" ? ModelFormat::json : ModelFormat::by_name);
   });
+  if (!srdf.empty()) timed("read " + srdf, [&] { srdf::load(srdf, model); });
+  return model;
 }
 
 std::vector<Error> ModelOptions::problems() const {

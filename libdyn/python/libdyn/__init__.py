@@ -43,18 +43,20 @@ def load(
     order: str = "name",
     continuous: str = "unit_circle",
     inertias: str = "physical",
+    versions: str = "known",
 ) -> Model:
     """Reads a robot from a file; returns a Model.
 
     The file's ending tells its format: .json is libdyn's own, .py is a Python file that leaves a `model`, all others are URDF.
     root: the joint type between world and root link, such as "free_flyer". mimic: "coupled" or "independent". order: siblings by "name" or as in
     the "file". continuous: a continuous joint's q is a point of the "unit_circle" or an "angle". inertias: "physical", or "any" to load what no body
-    has. Raises Error with the file and line of what is wrong. A Python file is run, with all that it may do.
+    has. versions: "known", or "any" to read files of newer versions of their format as far as they are understood. Raises Error with the file and
+    line of what is wrong. A Python file is run, with all that it may do.
     """
     path = _os.fspath(path)
     if path.endswith(".py"):
         return _left_by(path, root)
-    return _core._load(path, root=root, mimic=mimic, order=order, continuous=continuous, inertias=inertias)
+    return _core._load(path, root=root, mimic=mimic, order=order, continuous=continuous, inertias=inertias, versions=versions)
 
 
 def _left_by(path: str, root: str) -> Model:
@@ -76,6 +78,7 @@ def check(
     order: str = "name",
     continuous: str = "unit_circle",
     inertias: str = "physical",
+    versions: str = "known",
 ) -> "list[Error]":
     """Returns a list of all errors of a file, of which load() raises the first; it is empty if the file loads. The options are those of load()."""
-    return _core._check(_os.fspath(path), root=root, mimic=mimic, order=order, continuous=continuous, inertias=inertias)
+    return _core._check(_os.fspath(path), root=root, mimic=mimic, order=order, continuous=continuous, inertias=inertias, versions=versions)

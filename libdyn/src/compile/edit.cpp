@@ -196,7 +196,9 @@ class Holder {
       values = std::move(kept);
     };
     for (std::vector<double>* values : {&joint.limits.lower, &joint.limits.upper}) keep(*values, &JointInstance::nq);
-    for (std::vector<double>* values : {&joint.limits.velocity, &joint.limits.effort, &joint.damping, &joint.friction, &joint.armature})
+    JointLimits& limits = joint.limits;
+    for (std::vector<double>* values : {&limits.velocity, &limits.effort, &limits.acceleration, &limits.deceleration, &limits.jerk, &joint.damping,
+                                        &joint.friction, &joint.armature})
       keep(*values, &JointInstance::nv);
   }
 

@@ -12,8 +12,10 @@ enum class Mimic { coupled, independent };
 enum class Order { name, file };
 /// A continuous joint has q = (cos, sin), or one unbounded angle.
 enum class Continuous { unit_circle, angle };
-/// Inertias that are not positive semi-definite are errors, or are noted and loaded.
+/// Inertias that are not positive semi-definite are errors, or are noted and loaded. Links that fixed joints hold together are judged as one body.
 enum class Inertias { physical, any };
+/// Files of a version of their format that is newer than libdyn knows are refused, or are read as far as they are understood.
+enum class Versions { known, any };
 
 /// How a model file is read.
 struct LoadOptions {
@@ -22,6 +24,7 @@ struct LoadOptions {
   Order order = Order::name;                        ///< order of siblings
   Continuous continuous = Continuous::unit_circle;  ///< coordinates of continuous joints
   Inertias inertias = Inertias::physical;           ///< treatment of inertias that no body has
+  Versions versions = Versions::known;              ///< treatment of files that are newer than libdyn
 };
 
 }  // namespace dyn
