@@ -5,14 +5,11 @@
 #include <dyn/parsers/urdf.hpp>
 
 #include <algorithm>
-#include <filesystem>
 #include <unordered_set>
 
 namespace dyn::urdf {
 
 namespace {
-
-namespace fs = std::filesystem;
 
 class Writer {
  public:
@@ -190,11 +187,11 @@ class Writer {
   /// Returns whether URDF can say the volume's shape.
   bool writeVolume(const GeometryDescription& g) { return std::visit(ShapeWriter{*this, g}, g.shape); }
 
-  /// Relative paths begin in the folder of the file that was read, which may be another one than that of the file to write.
+  /// Relative paths began in the folder of the file that was read, which may be another one than that of the file to write.
   std::string pathOf(const std::string& uri, const std::string& file) {
-    if (file.empty() || uri.empty() || uri.front() == '/' || uri.find("://") != std::string::npos) return uri;
-    out_.lose("relative paths of meshes, which become paths of this machine", uri);
-    return (fs::absolute(file).parent_path() / uri).lexically_normal().string();
+    if (!file.empty() && !uri.empty() && uri.front() != '/' && uri.find("://") == std::string::npos)
+      out_.lose("the folder in which relative paths of files begin, which is now that of the URDF", uri);
+    return uri;
   }
 
   void writeExtensions(int root) {
