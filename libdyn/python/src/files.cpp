@@ -15,16 +15,15 @@ void addFiles(py::module_& m) {
   m.def(
       "save", [](const Model& model, const std::filesystem::path& path) { json::save(model, path.string()); }, py::arg("model"), py::arg("path"),
       "Writes a model to a file of libdyn's own format (NAME.dyn.json), which load() reads back to the same bits. The file is replaced as a whole.");
-  const py::arg model("model");
   m.def(
       "write_urdf",
       [](const Model& x) {
         urdf::Written written = urdf::write(x);
         return std::pair(std::move(written.text), std::move(written.lost));
       },
-      model, "Returns a model as the text of a URDF with libdyn's extension, and a list of what URDF cannot say.");
+      py::arg("model"), "Returns a model as the text of a URDF with libdyn's extension, and a list of what URDF cannot say.");
   m.def(
-      "save_urdf", [](const Model& x, const std::filesystem::path& path) { return urdf::save(x, path.string()); }, model, py::arg("path"),
+      "save_urdf", [](const Model& x, const std::filesystem::path& path) { return urdf::save(x, path.string()); }, py::arg("model"), py::arg("path"),
       "Replaces a file by that text, as a whole; returns the list of what URDF cannot say.");
   py::class_<Difference>(m, "Difference", "One difference between two models, A and B.")
       .def_readonly("topic", &Difference::topic, "Such as 'structure', 'joint', 'placement', 'inertia' or 'limits'.")
