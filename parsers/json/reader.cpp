@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: BSD-2-Clause
+#include "json/value.hpp"
+
 #include <dyn/file.hpp>
-#include <dyn/near_names.hpp>
 #include <dyn/parsers/json.hpp>
 
-#include <nlohmann/json.hpp>
-
-#include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 
 namespace dyn::json {
@@ -17,85 +14,6 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr int deepest_joints = 16;  ///< joints that are made of joints that are made of joints ...
-
-/// A value of the file, and its place there for messages.
-class Value {
- public:
-  Value(const Json& json, std::string place, const std::string& file) : json_(&json), place_(std::move(place)), file_(&file) {}
-
-  [[noreturn]] void fail(const std::string& what, ErrorCode code = ErrorCode::syntax) const {
-    throw Error(code, (place_.empty() ? "the file" : place_) + ": " + what, {*file_, 0, ""});
-  }
-
-  /// The members of an object. Throws for one that is not in the list.
-  const Value& only(std::initializer_list<const char*> known) const {
-    if (!json_->is_object()) fail("must be an object");
-    for (const auto& [key, value] : json_->items())
-      if (std::none_of(known.begin(), known.end(), [&key = key](const char* name) { return key == name; }))
-        fail("has an unknown member '" + key + "'" + nearNames(key, std::vector<std::string>(known.begin(), known.end())));
-    return *this;
-  }
-  bool has(const char* key) const { return json_->contains(key); }
-  Value operator[](const char* key) const {
-    if (!json_->is_object() || !has(key)) fail(std::string("has no member '") + key + "'");
-    return {(*json_)[key], place_.empty() ? key : place_ + "." + key, *file_};
-  }
-  template <class Each>
-  void each(const Each& one) const {
-    if (!json_->is_array()) fail("must be a list");
-    for (std::size_t k = 0; k < json_->size(); ++k) one(Value((*json_)[k], place_ + "[" + std::to_string(k) + "]", *file_));
-  }
-  template <class Each>
-  void eachMember(const Each& one) const {
-    if (!json_->is_object()) fail("must be an object");
-    for (const auto& [key, value] : json_->items()) one(key, Value(value, place_ + "." + key, *file_));
-  }
-
-  double number() const {
-    if (json_->is_number()) return json_->get<double>();
-    if (json_->is_string()) {
-      const std::string text = json_->get<std::string>();
-      if (text == "inf") return std::numeric_limits<double>::infinity();
-      if (text == "-inf") return -std::numeric_limits<double>::infinity();
-      if (text == "nan") return std::numeric_limits<double>::quiet_NaN();
-    }
-    fail("must be a number, \"inf\", \"-inf\" or \"nan\"");
-  }
-  int integer() const {
-    if (!json_->is_number_integer()) fail("must be a whole number");
-    const auto x = json_->get<std::int64_t>();
-    if (x < std::numeric_limits<int>::min() || x > std::numeric_limits<int>::max()) fail("is out of range");
-    return static_cast<int>(x);
-  }
-  bool boolean() const {
-    if (!json_->is_boolean()) fail("must be true or false");
-    return json_->get<bool>();
-  }
-  std::string text() const {
-    if (!json_->is_string()) fail("must be a text");
-    return json_->get<std::string>();
-  }
-  std::vector<double> numbers() const {
-    std::vector<double> out;
-    each([&](const Value& x) { out.push_back(x.number()); });
-    return out;
-  }
-  std::vector<double> numbers(std::size_t count) const {
-    const std::vector<double> out = numbers();
-    if (out.size() != count) fail("must have " + std::to_string(count) + " numbers, not " + std::to_string(out.size()));
-    return out;
-  }
-  Vec3<double> vector() const {
-    const std::vector<double> x = numbers(3);
-    return {x[0], x[1], x[2]};
-  }
-  const Json& json() const { return *json_; }
-
- private:
-  const Json* json_;
-  std::string place_;
-  const std::string* file_;
-};
 
 SE3<double> poseOf(const Value& x) {
   x.only({"rotation", "position"});
@@ -111,28 +29,8 @@ SE3<double> poseOf(const Value& x) {
   return out;
 }
 
-Where whereOf(const Value& x) {
-  Where out;
-  if (!x.has("where")) return out;
-  const Value where = x["where"];
-  where.only({"file", "line", "joint"});
-  if (where.has("file")) out.file = where["file"].text();
-  if (where.has("line")) out.line = where["line"].integer();
-  if (where.has("joint")) out.joint = where["joint"].text();
-  return out;
-}
-
-void read(const Value& x, const char* key, std::vector<double>& out) {
-  if (x.has(key)) out = x[key].numbers();
-}
 void read(const Value& x, const char* key, SE3<double>& out) {
   if (x.has(key)) out = poseOf(x[key]);
-}
-void read(const Value& x, const char* key, bool& out) {
-  if (x.has(key)) out = x[key].boolean();
-}
-void read(const Value& x, const char* key, std::string& out) {
-  if (x.has(key)) out = x[key].text();
 }
 
 JointDescription jointOf(const Value& x, int depth);
@@ -165,8 +63,8 @@ Coupling couplingOf(const Value& x, int depth) {
 }
 
 JointDescription jointOf(const Value& x, int depth) {
-  x.only({"name", "type", "parameters", "placement", "lower", "upper", "velocity", "effort", "damping", "friction", "armature", "coupling", "held",
-          "where"});
+  x.only({"name", "type", "parameters", "placement", "lower", "upper", "velocity", "effort", "acceleration", "deceleration", "jerk", "damping",
+          "friction", "armature", "coupling", "held", "where"});
   JointDescription j;
   j.name = x["name"].text();
   j.type = x["type"].text();
@@ -176,6 +74,9 @@ JointDescription jointOf(const Value& x, int depth) {
   read(x, "upper", j.limits.upper);
   read(x, "velocity", j.limits.velocity);
   read(x, "effort", j.limits.effort);
+  read(x, "acceleration", j.limits.acceleration);
+  read(x, "deceleration", j.limits.deceleration);
+  read(x, "jerk", j.limits.jerk);
   read(x, "damping", j.damping);
   read(x, "friction", j.friction);
   read(x, "armature", j.armature);
@@ -329,7 +230,8 @@ Model parse(const std::string& text, const std::string& name) {
     x.fail("is no model of libdyn: it needs \"format\": \"libdyn model\"");
   if (const int version = x["version"].integer(); version < 1 || version > format_version)
     x["version"].fail("is " + std::to_string(version) + ", and this libdyn reads 1 to " + std::to_string(format_version) + "; use a newer libdyn");
-  x.only({"format", "version", "name", "gravity", "bodies", "frames", "constraints", "geometries", "disabled_collisions", "notes"});
+  x.only({"format", "version", "name", "gravity", "bodies", "frames", "constraints", "geometries", "disabled_collisions", "groups", "end_effectors",
+          "virtual_joints", "passive_joints", "configurations", "notes"});
   Model model;
   model.name = x["name"].text();
   if (x.has("gravity")) model.gravity = x["gravity"].vector();
@@ -375,6 +277,7 @@ Model parse(const std::string& text, const std::string& name) {
       read(pair, "reason", out.reason);
       model.disabled_collisions.push_back(out);
     });
+  readGroups(x, model);
   if (x.has("notes")) x["notes"].each([&](const Value& note) { model.notes.push_back(note.text()); });
   return model;
 }

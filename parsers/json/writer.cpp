@@ -86,6 +86,9 @@ Json written(const JointDescription& j) {
   put(out, "upper", j.limits.upper);
   put(out, "velocity", j.limits.velocity);
   put(out, "effort", j.limits.effort);
+  put(out, "acceleration", j.limits.acceleration);
+  put(out, "deceleration", j.limits.deceleration);
+  put(out, "jerk", j.limits.jerk);
   put(out, "damping", j.damping);
   put(out, "friction", j.friction);
   put(out, "armature", j.armature);
@@ -147,6 +150,52 @@ Json written(const ConstraintDescription& c) {
     out["baumgarte"] = Json{{"position", written(c.baumgarte.position)}, {"velocity", written(c.baumgarte.velocity)}};
   put(out, c.where);
   return out;
+}
+
+void put(Json& out, const char* key, const std::vector<std::string>& x) {
+  if (!x.empty()) out[key] = x;
+}
+
+Json written(const GroupDescription& group) {
+  Json out{{"name", group.name}};
+  put(out, "bodies", group.bodies);
+  put(out, "joints", group.joints);
+  for (const Chain& chain : group.chains) out["chains"].push_back(Json{{"base", chain.base}, {"tip", chain.tip}});
+  put(out, "groups", group.groups);
+  put(out, group.where);
+  return out;
+}
+
+Json written(const EndEffectorDescription& e) {
+  Json out{{"name", e.name}, {"group", e.group}, {"body", e.body}};
+  put(out, "parent_group", e.parent_group);
+  put(out, e.where);
+  return out;
+}
+
+Json written(const VirtualJointDescription& joint) {
+  Json out{{"name", joint.name}, {"type", joint.type}, {"frame", joint.frame}, {"body", joint.body}};
+  put(out, joint.where);
+  return out;
+}
+
+Json written(const ConfigurationDescription& state) {
+  Json out{{"name", state.name}};
+  put(out, "group", state.group);
+  Json& joints = out["joints"] = Json::array();
+  for (const JointState& joint : state.joints) {
+    Json entry{{"joint", joint.joint}};
+    put(entry, "q", joint.q);
+    put(entry, "v", joint.v);
+    joints.push_back(std::move(entry));
+  }
+  put(out, state.where);
+  return out;
+}
+
+template <class Records>
+void putAll(Json& out, const char* key, const Records& records) {
+  for (const auto& record : records) out[key].push_back(written(record));
 }
 
 struct ShapeWriter {
@@ -214,7 +263,7 @@ std::string write(const Model& model) {
     put(entry, "placement", frame.placement);
     out["frames"].push_back(std::move(entry));
   }
-  for (const ConstraintDescription& constraint : model.constraints) out["constraints"].push_back(written(constraint));
+  putAll(out, "constraints", model.constraints);
   for (const GeometryDescription& g : model.geometries) {
     Json entry{{"name", g.name}, {"body", bodies(g.body, "a volume")}, {"shape", std::visit(ShapeWriter{}, g.shape)}};
     put(entry, "placement", g.placement);
@@ -227,6 +276,11 @@ std::string write(const Model& model) {
     put(entry, "reason", pair.reason);
     out["disabled_collisions"].push_back(std::move(entry));
   }
+  putAll(out, "groups", model.groups);
+  putAll(out, "end_effectors", model.end_effectors);
+  putAll(out, "virtual_joints", model.virtual_joints);
+  put(out, "passive_joints", model.passive_joints);
+  putAll(out, "configurations", model.configurations);
   if (!model.notes.empty()) out["notes"] = model.notes;
   std::string text;
   print(out, "", text);

@@ -16,9 +16,16 @@ using tinyxml2::XMLElement;
 
 /// Reads an attribute that describes the joint itself and is not a parameter of its type. Returns false for other attributes.
 bool readCommon(const Document& document, const XMLElement& e, const char* attribute, JointDescription& joint) {
-  const std::pair<const char*, std::vector<double>*> fields[] = {
-      {"armature", &joint.armature},  {"damping", &joint.damping},      {"friction", &joint.friction},       {"lower", &joint.limits.lower},
-      {"upper", &joint.limits.upper}, {"effort", &joint.limits.effort}, {"velocity", &joint.limits.velocity}};
+  const std::pair<const char*, std::vector<double>*> fields[] = {{"armature", &joint.armature},
+                                                                 {"damping", &joint.damping},
+                                                                 {"friction", &joint.friction},
+                                                                 {"lower", &joint.limits.lower},
+                                                                 {"upper", &joint.limits.upper},
+                                                                 {"effort", &joint.limits.effort},
+                                                                 {"velocity", &joint.limits.velocity},
+                                                                 {"acceleration", &joint.limits.acceleration},
+                                                                 {"deceleration", &joint.limits.deceleration},
+                                                                 {"jerk", &joint.limits.jerk}};
   for (const auto& [name, field] : fields) {
     if (std::strcmp(name, attribute) != 0) continue;
     *field = document.numbers(e, attribute);
@@ -171,7 +178,8 @@ void applyExtension(const Document& document, const XMLElement& extension, Joint
   // Values of the <joint> element stay where the extension gives none.
   for (auto field : {&JointDescription::armature, &JointDescription::damping, &JointDescription::friction})
     if ((joint.*field).empty()) joint.*field = before.*field;
-  for (auto field : {&JointLimits::lower, &JointLimits::upper, &JointLimits::velocity, &JointLimits::effort})
+  for (auto field : {&JointLimits::lower, &JointLimits::upper, &JointLimits::velocity, &JointLimits::effort, &JointLimits::acceleration,
+                     &JointLimits::deceleration, &JointLimits::jerk})
     if ((joint.limits.*field).empty()) joint.limits.*field = before.limits.*field;
   joint.coupling = before.coupling;
   if (const XMLElement* coupling = extension.FirstChildElement("coupling")) {

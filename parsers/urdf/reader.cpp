@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "extension.hpp"
 #include "geometry.hpp"
+#include "welded.hpp"
 
 #include <dyn/file.hpp>
 #include <dyn/parsers/urdf.hpp>
@@ -56,7 +57,7 @@ class Reader {
  private:
   int addLink(const std::string& name, int parent, JointDescription joint) {
     const XMLElement& link = *outline_.link.at(name);
-    const int body = model_.addBody(name, parent, std::move(joint), inertia(link));
+    const int body = model_.addBody(name, parent, std::move(joint), inertiaOf(d_, link));
     model_.bodies.back().where = d_.where(link);
     for (GeometryDescription& g : readGeometries(d_, link, body)) model_.geometries.push_back(std::move(g));
     return body;
@@ -76,19 +77,6 @@ class Reader {
   SE3<double> origin(const XMLElement& parent) const {
     const XMLElement* e = parent.FirstChildElement("origin");
     return e ? poseOf(d_, *e) : SE3<double>{};
-  }
-
-  /// Returns the inertia in the link's axes, rotated in extended precision and rounded once.
-  Inertia<double> inertia(const XMLElement& link) const {
-    const XMLElement* e = link.FirstChildElement("inertial");
-    if (e == nullptr) return {};
-    const XMLElement& m = *e->FirstChildElement("mass");
-    const XMLElement& i = *e->FirstChildElement("inertia");
-    Inertia<double> Y;
-    Y.mass = d_.number(m, "value");
-    Y.rotational = {d_.number(i, "ixx"), d_.number(i, "ixy", 0), d_.number(i, "ixz", 0),
-                    d_.number(i, "iyy"), d_.number(i, "iyz", 0), d_.number(i, "izz")};
-    return cast<double>(cast<long double>(Y).transformed(cast<long double>(origin(*e))));
   }
 
   JointDescription joint(const XMLElement& e) {
@@ -120,8 +108,14 @@ class Reader {
         j.limits.lower = {d_.number(*limit, "lower", 0)};
         j.limits.upper = {d_.number(*limit, "upper", 0)};
       }
-      if (limit->Attribute("effort")) j.limits.effort = {d_.number(*limit, "effort")};
-      if (limit->Attribute("velocity")) j.limits.velocity = {d_.number(*limit, "velocity")};
+      const auto read = [&](const char* attribute, std::vector<double>& values) {
+        if (limit->Attribute(attribute)) values = {d_.number(*limit, attribute)};
+      };
+      read("effort", j.limits.effort);
+      read("velocity", j.limits.velocity);
+      read("acceleration", j.limits.acceleration);
+      read("deceleration", j.limits.deceleration);
+      read("jerk", j.limits.jerk);
     }
     if (const XMLElement* dynamics = e.FirstChildElement("dynamics")) {
       if (dynamics->Attribute("damping")) j.damping = {d_.number(*dynamics, "damping")};
@@ -153,7 +147,7 @@ class Reader {
 Model parse(const std::string& text, const std::string& name, const Options& options) {
   const Document document(text, name);
   std::vector<Error> errors;
-  Outline outline = validate(document, options.inertias, errors);
+  Outline outline = validate(document, options, errors);
   if (!errors.empty()) throw errors.front();
   return Reader(document, options, std::move(outline)).run();
 }
@@ -164,7 +158,7 @@ std::vector<Error> check(const std::string& path, const Options& options) {
   std::vector<Error> errors;
   try {
     const Document document(readFile(path, largest_file), path);
-    Outline outline = validate(document, options.inertias, errors);
+    Outline outline = validate(document, options, errors);
     if (errors.empty()) Reader(document, options, std::move(outline)).run();
   } catch (const Error& e) {
     errors.push_back(e);

@@ -2,13 +2,16 @@
 #include "validate.hpp"
 
 #include "extension.hpp"
+#include "version.hpp"
 #include "vocabulary.hpp"
+#include "welded.hpp"
 
 #include <dyn/near_names.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <optional>
 #include <unordered_set>
 
 namespace dyn::urdf {
@@ -21,14 +24,17 @@ constexpr const char* joint_types[] = {"fixed", "revolute", "continuous", "prism
 
 class Validator {
  public:
-  Validator(const Document& document, Inertias inertias, std::vector<Error>& errors) : d_(document), inertias_(inertias), errors_(errors) {}
+  Validator(const Document& document, const Options& options, std::vector<Error>& errors)
+      : d_(document), inertias_(options.inertias), versions_(options.versions), errors_(errors) {}
 
   Outline run() {
+    guarded([&] { checkVersion(d_, versions_); });
     for (const XMLElement* e = d_.robot().FirstChildElement(); e; e = e->NextSiblingElement()) guarded([&] { collect(*e); });
     guarded([&] { tree(); });
     for (const XMLElement* link : out_.links) guarded([&] { checkLink(*link); });
     for (const XMLElement* joint : out_.joints) guarded([&] { checkJoint(*joint); });
     for (const XMLElement* joint : out_.joints) guarded([&] { checkMimic(*joint); });
+    guarded([&] { judgeIndefinite(); });
     noteUnread(d_);
     return std::move(out_);
   }
@@ -95,7 +101,7 @@ class Validator {
     if (const XMLElement* e = parent.FirstChildElement("origin")) poseOf(d_, *e);
   }
 
-  void checkLink(const XMLElement& link) const {
+  void checkLink(const XMLElement& link) {
     const XMLElement* inertial = link.FirstChildElement("inertial");
     if (inertial == nullptr) return;
     checkOrigin(*inertial);
@@ -106,45 +112,45 @@ class Validator {
     if (inertia == nullptr) d_.fail(*inertial, "link '" + name + "': <inertial> has no <inertia>");
     const double m = d_.number(*mass, "value");
     if (m < 0) d_.fail(*mass, "link '" + name + "': its mass is negative");
-    double xx = d_.number(*inertia, "ixx"), xy = d_.number(*inertia, "ixy", 0), xz = d_.number(*inertia, "ixz", 0);
-    double yy = d_.number(*inertia, "iyy"), yz = d_.number(*inertia, "iyz", 0), zz = d_.number(*inertia, "izz");
-    // The inertia must be positive semi-definite, which its principal minors tell. `slack` allows for the rounding of numbers written with a few
-    // digits, and for rounding relative to the same body's inertia about the link's origin.
-    note(*inertial, m == 0 && (xx != 0 || yy != 0 || zz != 0), "link '" + name + "': it has an inertia but no mass");
-    note(*inertial, m > 0 && xx == 0 && yy == 0 && zz == 0, "link '" + name + "': it has a mass but no inertia, as a point has");
-    const double scale = std::max({std::fabs(xx), std::fabs(yy), std::fabs(zz), std::fabs(xy), std::fabs(xz), std::fabs(yz)});
+    const Sym3<double> I{d_.number(*inertia, "ixx"), d_.number(*inertia, "ixy", 0), d_.number(*inertia, "ixz", 0),
+                         d_.number(*inertia, "iyy"), d_.number(*inertia, "iyz", 0), d_.number(*inertia, "izz")};
+    const double scale = std::max({std::fabs(I.xx), std::fabs(I.yy), std::fabs(I.zz), std::fabs(I.xy), std::fabs(I.xz), std::fabs(I.yz)});
+    note(*inertial, m == 0 && scale > 0, "link '" + name + "': it has an inertia but no mass");
+    note(*inertial, m > 0 && I.xx == 0 && I.yy == 0 && I.zz == 0, "link '" + name + "': it has a mass but no inertia, as a point has");
     const XMLElement* origin = inertial->FirstChildElement("origin");
     const Vec3<double> com = origin && origin->Attribute("xyz") ? d_.vector3(*origin, "xyz") : Vec3<double>{};
     if (scale == 0) return;
-    // Scaled by the largest entry, so that no product of three entries leaves the range of doubles.
-    for (double* moment : {&xx, &yy, &zz, &xy, &xz, &yz}) *moment /= scale;
-    const double slack = 1e-6 + 1e-15 * m * dot(com, com) / scale;
-    const double minors[] = {(xx + slack) * (yy + slack) - xy * xy, (xx + slack) * (zz + slack) - xz * xz, (yy + slack) * (zz + slack) - yz * yz};
-    const double determinant =
-        (xx + slack) * ((yy + slack) * (zz + slack) - yz * yz) - xy * (xy * (zz + slack) - yz * xz) + xz * (xy * yz - (yy + slack) * xz);
-    if (xx < -slack || yy < -slack || zz < -slack || *std::min_element(minors, minors + 3) < 0 || determinant < 0)
-      indefinite(*inertia, "link '" + name + "': its inertia is not positive semi-definite; no body has it");
-    checkTriangle(*inertia, name, xx, yy, zz, xy, xz, yz, slack);
+    const double slack = slackOf({m, com, I});
+    if (!isPositiveSemidefinite(I, slack)) indefinite_.push_back({&link, inertia});
+    // Principal moments of a body satisfy A + B >= C, so the largest is at most half the trace: half * 1 - I is positive semi-definite.
+    const double half = 0.5 * (I.xx + I.yy + I.zz);
+    note(*inertia, !isPositiveSemidefinite({half - I.xx, -I.xy, -I.xz, half - I.yy, -I.yz, half - I.zz}, slack),
+         "link '" + name + "': its inertia violates the triangle inequality; no real body has it");
   }
 
   void note(const XMLElement& e, bool condition, const std::string& what) const {
     if (condition) d_.notes().push_back("line " + std::to_string(e.GetLineNum()) + ": " + what);
   }
 
-  void indefinite(const XMLElement& e, const std::string& what) const {
-    if (inertias_ == Inertias::physical) d_.fail(e, what + " (urdf::Inertias::any, --inertia any, loads it all the same)");
-    note(e, true, what);
-  }
-
-  /// Principal moments of a body satisfy A + B >= C, so the largest is at most half the trace. Adds a note otherwise.
-  void checkTriangle(const XMLElement& e, const std::string& name, double xx, double yy, double zz, double xy, double xz, double yz,
-                     double slack) const {
-    const double half = 0.5 * (xx + yy + zz) + slack;
-    // Then half * 1 - I is positive semi-definite.
-    const double a = half - xx, b = half - yy, c = half - zz;
-    const double determinant = a * (b * c - yz * yz) - xy * (xy * c + yz * xz) - xz * (xy * yz + b * xz);
-    note(e, a < 0 || b < 0 || c < 0 || a * b < xy * xy || a * c < xz * xz || b * c < yz * yz || determinant < 0,
-         "link '" + name + "': its inertia violates the triangle inequality; no real body has it");
+  /// Refuses links whose inertia no body has, unless fixed joints weld them to others and the rigid body of all has one that is possible.
+  void judgeIndefinite() {
+    if (indefinite_.empty()) return;
+    const std::optional<WeldedBodies> welded = errors_.empty() ? std::optional<WeldedBodies>(std::in_place, d_, out_) : std::nullopt;
+    for (const auto& [link, inertia] : indefinite_) {
+      const std::string name = link->Attribute("name");
+      const int links = welded ? welded->links(name) : 1;
+      std::string what = "link '" + name + "': its inertia is not positive semi-definite; no body has it";
+      if (links > 1 && welded->isPhysical(name)) {
+        note(*inertia, true, what + ", but the rigid body of " + std::to_string(links) + " links to which it is fixed has one that is possible");
+        continue;
+      }
+      if (links > 1) what += ", nor has the rigid body of " + std::to_string(links) + " links to which it is fixed";
+      if (inertias_ == Inertias::any) {
+        note(*inertia, true, what);
+      } else {
+        guarded([&, at = inertia] { d_.fail(*at, what + " (urdf::Inertias::any, --inertia any, loads it all the same)"); });
+      }
+    }
   }
 
   void checkJoint(const XMLElement& joint) const {
@@ -166,7 +172,7 @@ class Validator {
       const bool bounded = type == "revolute" || type == "prismatic", given = limit->Attribute("lower") || limit->Attribute("upper");
       note(*limit, bounded && !given, "joint '" + name + "': its <limit> has neither lower nor upper, so that its range is zero");
       note(*limit, type == "continuous" && given, "joint '" + name + "' (continuous): lower and upper in its <limit> are ignored");
-      for (const char* attribute : {"effort", "velocity"})
+      for (const char* attribute : {"effort", "velocity", "acceleration", "deceleration", "jerk"})
         note(*limit, d_.number(*limit, attribute, 0) < 0, "joint '" + name + "': its " + attribute + " limit is negative");
     } else if (type == "revolute" || type == "prismatic") {
       note(joint, true, "joint '" + name + "' (" + type + ") has no <limit>: taken as unlimited");
@@ -202,10 +208,16 @@ class Validator {
     return nearNames(name, names);
   }
 
+  struct Indefinite {
+    const XMLElement *link, *inertia;
+  };
+
   const Document& d_;
   Inertias inertias_;
+  Versions versions_;
   std::vector<Error>& errors_;
   Outline out_;
+  std::vector<Indefinite> indefinite_;              ///< links with inertias that no body has
   std::unordered_set<const XMLElement*> followed_;  ///< mimics whose chain of masters was checked, to its end or to the first error
 };
 
@@ -217,6 +229,6 @@ std::string linkOf(const Document& document, const XMLElement& joint, const char
   return document.text(*e, "link");
 }
 
-Outline validate(const Document& document, Inertias inertias, std::vector<Error>& errors) { return Validator(document, inertias, errors).run(); }
+Outline validate(const Document& document, const Options& options, std::vector<Error>& errors) { return Validator(document, options, errors).run(); }
 
 }  // namespace dyn::urdf

@@ -22,7 +22,7 @@ struct Outline {
 };
 
 /// Adds every Error(syntax | model) found, with file and line, to `errors`; the outline is usable only if there are none. Adds notes to the document.
-Outline validate(const Document& document, Inertias inertias, std::vector<Error>& errors);
+Outline validate(const Document& document, const Options& options, std::vector<Error>& errors);
 
 /// Returns the link that a joint's <parent> or <child> (`which`) names. Throws Error(model) if the element is missing.
 std::string linkOf(const Document& document, const tinyxml2::XMLElement& joint, const char* which);

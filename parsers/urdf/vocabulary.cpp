@@ -3,58 +3,18 @@
 
 #include <algorithm>
 #include <cstring>
-#include <map>
-#include <string>
 #include <utility>
-#include <vector>
 
 namespace dyn::urdf {
 
 namespace {
 
 using tinyxml2::XMLElement;
-using Names = std::vector<std::string>;
-
-struct Element {
-  Names attributes;
-  Names once;  ///< children of which only the first counts
-  Names any;   ///< children that may occur several times
-};
-
-const std::map<std::string, Element>& vocabulary() {
-  const Element origin{{"xyz", "rpy", "quat_xyzw"}, {}, {}};
-  static const std::map<std::string, Element> all = {
-      {"robot", {{"name", "version"}, {}, {"link", "joint", "libdyn"}}},
-      {"link", {{"name"}, {"inertial"}, {"collision", "visual", "collision_checking"}}},
-      {"inertial", {{}, {"origin", "mass", "inertia"}, {}}},
-      {"origin", origin},
-      {"mass", {{"value"}, {}, {}}},
-      {"inertia", {{"ixx", "ixy", "ixz", "iyy", "iyz", "izz"}, {}, {}}},
-      {"collision", {{"name"}, {"origin", "geometry"}, {}}},
-      {"geometry", {{}, {"box", "sphere", "cylinder", "mesh", "capsule", "cone", "plane", "octree"}, {}}},
-      {"box", {{"size"}, {}, {}}},
-      {"sphere", {{"radius"}, {}, {}}},
-      {"cylinder", {{"radius", "length"}, {}, {}}},
-      {"capsule", {{"radius", "length"}, {}, {}}},
-      {"cone", {{"radius", "length"}, {}, {}}},
-      {"plane", {{"normal", "offset"}, {}, {}}},
-      {"mesh", {{"filename", "scale"}, {}, {}}},
-      {"octree", {{"filename"}, {}, {}}},
-      {"joint", {{"name", "type"}, {"origin", "parent", "child", "axis", "limit", "dynamics", "mimic"}, {}}},
-      {"parent", {{"link"}, {}, {}}},
-      {"child", {{"link"}, {}, {}}},
-      {"axis", {{"xyz"}, {}, {}}},
-      {"limit", {{"lower", "upper", "effort", "velocity"}, {}, {}}},
-      {"dynamics", {{"damping", "friction"}, {}, {}}},
-      {"mimic", {{"joint", "multiplier", "offset"}, {}, {}}}};
-  return all;
-}
-
 bool has(const Names& names, const char* name) { return std::find(names.begin(), names.end(), name) != names.end(); }
 
 class Scan {
  public:
-  explicit Scan(const Document& document) : d_(document) {}
+  Scan(const Document& document, const Vocabulary& words) : d_(document), words_(words) {}
 
   void run() {
     // A stack instead of recursion. Unknown elements may be nested to any depth, but they are not entered.
@@ -62,7 +22,7 @@ class Scan {
     while (!left.empty()) {
       const XMLElement& e = *left.back();
       left.pop_back();
-      const Element& known = vocabulary().at(e.Name());
+      const ElementWords& known = *wordsOf(e);
       attributes(e, known);
       Names seen;
       for (const XMLElement* child = e.FirstChildElement(); child; child = child->NextSiblingElement()) {
@@ -74,7 +34,7 @@ class Scan {
           count(std::string("<") + child->Name() + "> in <" + e.Name() + "> after the first", *child);
         } else {
           seen.emplace_back(child->Name());
-          if (vocabulary().count(child->Name())) left.push_back(child);
+          if (wordsOf(*child)) left.push_back(child);
         }
       }
     }
@@ -84,7 +44,13 @@ class Scan {
   }
 
  private:
-  void attributes(const XMLElement& e, const Element& known) {
+  const ElementWords* wordsOf(const XMLElement& e) const {
+    const XMLElement* parent = e.Parent()->ToElement();
+    auto found = parent ? words_.find(std::string(parent->Name()) + "/" + e.Name()) : words_.end();
+    if (found == words_.end()) found = words_.find(e.Name());
+    return found == words_.end() ? nullptr : &found->second;
+  }
+  void attributes(const XMLElement& e, const ElementWords& known) {
     for (const tinyxml2::XMLAttribute* a = e.FirstAttribute(); a; a = a->Next())
       if (!has(known.attributes, a->Name()) && std::strncmp(a->Name(), "xmlns", 5) != 0)
         count(std::string("attribute ") + a->Name() + " of <" + e.Name() + ">", e);
@@ -95,11 +61,40 @@ class Scan {
   }
 
   const Document& d_;
+  const Vocabulary& words_;
   std::map<std::string, std::pair<int, int>> unread_;  ///< what -> how often, first line
 };
 
 }  // namespace
 
-void noteUnread(const Document& document) { Scan(document).run(); }
+const Vocabulary& vocabulary() {
+  const ElementWords origin{{"xyz", "rpy", "quat_xyzw"}, {}, {}};
+  static const Vocabulary all = {{"robot", {{"name", "version"}, {}, {"link", "joint", "libdyn"}}},
+                                 {"link", {{"name"}, {"inertial"}, {"collision", "visual", "collision_checking"}}},
+                                 {"inertial", {{}, {"origin", "mass", "inertia"}, {}}},
+                                 {"origin", origin},
+                                 {"mass", {{"value"}, {}, {}}},
+                                 {"inertia", {{"ixx", "ixy", "ixz", "iyy", "iyz", "izz"}, {}, {}}},
+                                 {"collision", {{"name"}, {"origin", "geometry"}, {}}},
+                                 {"geometry", {{}, {"box", "sphere", "cylinder", "mesh", "capsule", "cone", "plane", "octree"}, {}}},
+                                 {"box", {{"size"}, {}, {}}},
+                                 {"sphere", {{"radius"}, {}, {}}},
+                                 {"cylinder", {{"radius", "length"}, {}, {}}},
+                                 {"capsule", {{"radius", "length"}, {}, {}}},
+                                 {"cone", {{"radius", "length"}, {}, {}}},
+                                 {"plane", {{"normal", "offset"}, {}, {}}},
+                                 {"mesh", {{"filename", "scale"}, {}, {}}},
+                                 {"octree", {{"filename"}, {}, {}}},
+                                 {"joint", {{"name", "type"}, {"origin", "parent", "child", "axis", "limit", "dynamics", "mimic"}, {}}},
+                                 {"parent", {{"link"}, {}, {}}},
+                                 {"child", {{"link"}, {}, {}}},
+                                 {"axis", {{"xyz"}, {}, {}}},
+                                 {"limit", {{"lower", "upper", "effort", "velocity", "acceleration", "deceleration", "jerk"}, {}, {}}},
+                                 {"dynamics", {{"damping", "friction"}, {}, {}}},
+                                 {"mimic", {{"joint", "multiplier", "offset"}, {}, {}}}};
+  return all;
+}
+
+void noteUnread(const Document& document, const Vocabulary& words) { Scan(document, words).run(); }
 
 }  // namespace dyn::urdf

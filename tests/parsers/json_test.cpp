@@ -48,6 +48,11 @@ Model everything() {
   model.geometries[0].role = GeometryDescription::Role::visual;
   model.geometries[1].where = {"robot.urdf", 7, ""};
   model.disabled_collisions = {{"a", "b", "adjacent"}, {"a", "c", ""}};
+  model.groups = {{"arm", {"b"}, {"series"}, {{"a", "c"}}, {"hand"}, {"robot.srdf", 3, ""}}, {.name = "hand"}};
+  model.end_effectors = {{"gripper", "hand", "c", "arm", {}}};
+  model.virtual_joints = {{"world", "free_flyer", "odom", "a", {"robot.srdf", 9, ""}}};
+  model.passive_joints = {"slave"};
+  model.configurations = {{"home", "arm", {{"series", {0.1, 1.0 / 3}, {1, 2}}, {"slave", {}, {}}}, {}}, {.name = "zero"}};
   model.notes = {"odd"};
   return model;
 }
@@ -80,6 +85,9 @@ TEST_CASE("a model of every kind of member is written, read and written to the s
   CHECK(read.bodies[3].parent == 2);
   CHECK(read.frames[0].body == 3);
   CHECK(read.geometries.size() == 11);
+  CHECK(read.groups.at(0).chains.at(0).tip == "c");
+  CHECK(read.groups.at(0).where.line == 3);
+  CHECK(read.configurations.at(0).joints.at(0).v == std::vector<double>{1, 2});
   CHECK(std::get<std::vector<JointDescription>>(read.bodies[1].joint.parameters.at("parts")).size() == 2);
 }
 
@@ -123,6 +131,8 @@ TEST_CASE("what is wrong in a file of libdyn's own format is said with its place
                "did you mean 'universe'");
   checkRefused(R"({"format": "libdyn model", "version": 1, "name": "m", "bodies": [{"name": "a", "parent": 1, "joint": {}}]})",
                "there is no body 1 before this place");
+  checkRefused(R"({"format": "libdyn model", "version": 1, "name": "m", "bodies": [], "groups": [{"name": "g", "links": []}]})",
+               "groups[0]: has an unknown member 'links'");
   std::string nested = R"({"name": "j", "type": "fixed"})";
   for (int k = 0; k < 100; ++k) nested = R"({"name": "j", "type": "composite", "parameters": {"parts": {"joints": [)" + nested + "]}}}";
   checkRefused(withJoint(nested), "nested too deep");

@@ -6,14 +6,17 @@
 
 #include <dyn/compile/compile.hpp>
 #include <dyn/lie/so3.hpp>
-#include <dyn/parsers/urdf.hpp>
+#include <dyn/model/difference.hpp>
+#include <dyn/parsers/urdfdom.hpp>
 #include <dyn/spatial/eigen.hpp>
 
 #include <console_bridge/console.h>
 #include <urdf_parser/urdf_parser.h>
 
 #include <filesystem>
+#include <fstream>
 #include <iostream>
+#include <sstream>
 
 using namespace dyn;
 using namespace dyn::test;
@@ -112,6 +115,46 @@ TEST_CASE("the reader agrees with urdfdom on every robot that both can read", "[
   }
   if (std::getenv("DYN_SHOW_ERRORS")) std::cout << compared << " robots compared\n";
   CHECK(compared >= 18);
+}
+
+TEST_CASE("a robot that urdfdom has parsed becomes the model that the reader makes of its file", "[urdf]") {
+  DYN_NEEDS_SHARED();
+  console_bridge::setLogLevel(console_bridge::CONSOLE_BRIDGE_LOG_NONE);
+  int compared = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(sharedFolder() + "/models")) {
+    const std::string path = entry.path().string();
+    const auto theirs = ::urdf::parseURDFFile(path);
+    if (!theirs) continue;
+    INFO(path);
+    std::ostringstream text;
+    text << std::ifstream(path).rdbuf();
+    // urdfdom does not read this element, which replaces shapes.
+    const bool replaces_shapes = text.str().find("<collision_checking>") != std::string::npos;
+    for (const char* root : {"fixed", "free_flyer"}) {
+      const dyn::urdf::Options options{.root = root, .inertias = Inertias::any};
+      const Model ours = dyn::urdf::load(path, options), model = dyn::urdf::fromUrdfdom(*theirs, options);
+      for (const Difference& d : differences(ours, model, 1e-14))
+        FAIL_CHECK(d.topic << " " << d.name << " " << d.what << ": " << d.a << " | " << d.b);
+      REQUIRE(ours.bodies.size() == model.bodies.size());
+      for (std::size_t i = 0; i < ours.bodies.size(); ++i) CHECK(ours.bodies[i].name == model.bodies[i].name);
+      CHECK(model.bodies.back().where.line == 0);
+    }
+    ++compared;
+  }
+  CHECK(compared >= 18);
+}
+
+TEST_CASE("a robot of urdfdom that is no mechanism is refused by its name", "[urdf]") {
+  console_bridge::setLogLevel(console_bridge::CONSOLE_BRIDGE_LOG_NONE);
+  const auto theirs = ::urdf::parseURDF(R"(<robot name="heavy"><link name="a"><inertial><mass value="-1"/>
+    <inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link></robot>)");
+  REQUIRE(theirs);
+  CHECK_THROWS_WITH(dyn::urdf::fromUrdfdom(*theirs), containing("urdfdom's model 'heavy'") && containing("link 'a'") && containing("negative"));
+  // Its notes do not name lines of a text that the program has never seen.
+  const auto point = ::urdf::parseURDF(R"(<robot name="point"><link name="a"><inertial><mass value="1"/>
+    <inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial></link></robot>)");
+  REQUIRE(point);
+  CHECK(dyn::urdf::fromUrdfdom(*point).notes == std::vector<std::string>{"link 'a': it has a mass but no inertia, as a point has"});
 }
 
 TEST_CASE("the reader takes what urdfdom refuses, and refuses what urdfdom lets pass", "[urdf]") {

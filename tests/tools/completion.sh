@@ -23,6 +23,8 @@ complete_line() {
   [ "$found" = "$(xargs -n1 <<<"$expected" | sort | xargs)" ] || fail "'$*' is completed by '$found', not by '$expected'"
 }
 complete_line "check codegen collide completion compute convert" dyn c
+complete_line "demo diff" dyn d
+complete_line "--q" dyn compute --q
 complete_line "list check new" dyn plugin ""
 complete_line "--integrator" dyn simulate --int
 complete_line "--integrator" dyn simulate robot.urdf --time 5 --int

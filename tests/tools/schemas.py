@@ -70,6 +70,12 @@ with tempfile.TemporaryDirectory() as folder:
     for path in [biped, *sorted(glob.glob(os.path.dirname(source) + "/shared/models/*.urdf"))]:
         run("convert", path, folder + "/model.dyn.json", "--inertia", "any", "--quiet")
         valid("model", read(folder + "/model.dyn.json"), "the output of dyn convert")
+    four_bar = source + "/models/four_bar.urdf"
+    for words in ([biped, biped], [biped, four_bar]):
+        answer = subprocess.run([build + "/bin/dyn", "diff", *words, "--json"], stdout=subprocess.PIPE, encoding="utf-8")
+        valid("differences", json.loads(answer.stdout), "the output of dyn diff --json")
+        if answer.returncode != (words[0] != words[1]):
+            sys.exit(f"dyn diff {' '.join(words)} ended with {answer.returncode}")
     refused("model", dict(read(folder + "/model.dyn.json"), version=2))
 
     for words in ([], ["--distances"], ["--states", states]):

@@ -4,9 +4,11 @@
 #include "condition.hpp"
 #include "messages.hpp"
 #include "model_options.hpp"
+#include "options.hpp"
 
 #include <cstdio>
 #include <memory>
+#include <unordered_set>
 
 namespace dyn::tool {
 
@@ -29,17 +31,33 @@ class Findings {
   int errors_ = 0, warnings_ = 0;
 };
 
-void checkMassMatrix(const CompactModel& model, Findings& findings) {
+/// Checks the mass matrix at q, which messages call `where`.
+void checkMassMatrix(const CompactModel& model, const Eigen::VectorXd& q, const std::string& where, Findings& findings) {
   Data data(model, Need::mass_matrix);
-  const Eigen::VectorXd q = neutral(model);
   try {
     const Eigen::VectorXd zero = Eigen::VectorXd::Zero(model.nv());
     aba(model, data, q, zero, zero);
   } catch (const Error& e) {
-    findings.error(std::string("at the neutral configuration: ") + e.what());
+    findings.error("at " + where + ": " + e.what());
     return;
   }
-  if (const std::string warning = warningOfCondition(model, q); !warning.empty()) findings.warning("at the neutral configuration " + warning);
+  if (const std::string warning = warningOfCondition(model, q); !warning.empty()) findings.warning("at " + where + " " + warning);
+}
+
+/// Checks that the model's named states are within the limits of its joints.
+void checkStates(const CompactModel& model, const Model& description, Findings& findings) {
+  for (const ConfigurationDescription& state : description.configurations) {
+    const std::string name = state.group.empty() ? state.name : state.group + "/" + state.name;
+    const Eigen::VectorXd q = namedConfiguration(model, description, name);
+    std::unordered_set<std::string> set;
+    for (const JointState& joint : state.joints) set.insert(joint.joint);
+    for (const JointRecord& joint : model.joints()) {
+      bool outside = false;
+      for (int k = joint.idx_q; k < joint.idx_q + joint.nq; ++k)
+        outside = outside || q[k] < model.limits().lower[static_cast<std::size_t>(k)] || q[k] > model.limits().upper[static_cast<std::size_t>(k)];
+      if (outside && set.count(joint.name)) findings.warning("state '" + name + "': joint '" + joint.name + "' is outside of its limits");
+    }
+  }
 }
 
 void checkInertias(const Model& description, Findings& findings) {
@@ -51,7 +69,11 @@ void checkInertias(const Model& description, Findings& findings) {
   }
 }
 
-void runCheck(const ModelOptions& o) {
+struct CheckOptions : ModelOptions {
+  std::string named;
+};
+
+void runCheck(const CheckOptions& o) {
   Findings findings;
   for (const Error& e : o.problems()) findings.error(e.what());
   if (findings.errors() == 0) {
@@ -61,7 +83,9 @@ void runCheck(const ModelOptions& o) {
       const CompactModel model = o.compile(description);
       for (const std::string& warning : model.report().warnings) findings.warning(warning);
       checkInertias(description, findings);
-      checkMassMatrix(model, findings);
+      checkStates(model, description, findings);
+      const Eigen::VectorXd q = o.named.empty() ? neutral(model) : namedConfiguration(model, description, o.named);
+      checkMassMatrix(model, q, o.named.empty() ? "the neutral configuration" : "the state '" + o.named + "'", findings);
     } catch (const Error& e) {
       findings.error(e.what());
     }
@@ -74,8 +98,9 @@ void runCheck(const ModelOptions& o) {
 
 void addCheck(CLI::App& app) {
   CLI::App* sub = addCommand(app, "check", "lints a model; exit code 1 on errors");
-  auto o = std::make_shared<ModelOptions>();
+  auto o = std::make_shared<CheckOptions>();
   o->add(*sub);
+  addNamedState(*sub, o->named, "");
   sub->callback([o] { runCheck(*o); });
 }
 

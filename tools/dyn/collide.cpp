@@ -25,7 +25,7 @@ namespace {
 
 struct CollideOptions : ModelOptions {
   VolumeOptions volumes;
-  std::string states, out;
+  std::string states, named, out;
   bool all_distances = false;
   int learn = 0;
   std::uint64_t seed = 1;
@@ -33,8 +33,10 @@ struct CollideOptions : ModelOptions {
   void add(CLI::App& app) {
     ModelOptions::add(app);
     volumes.add(app);
-    app.add_option("--states", states, "JSON with {\"samples\":[{\"q\":[...]}, ...]}; - for standard input; without it the neutral configuration")
+    app.add_option("--states", states,
+                   "JSON with {\"samples\":[{\"q\":[...]}, ...]}; - for standard input; without it and --q the neutral configuration")
         ->type_name("FILE");
+    addNamedState(app, named, "--states");
     app.add_flag("--distances", all_distances, "distances of all pairs, not only the least");
     app.add_option("--learn", learn, "sample so many configurations and write an SRDF of the pairs of links that always or never collide")
         ->check(inRange(1, 1e9));
@@ -108,7 +110,7 @@ void collide(const CollideOptions& o, const Model& description) {
   };
   const Interruption interruption;
   if (o.states.empty()) {
-    at(neutral(robot.model));
+    at(o.named.empty() ? neutral(robot.model) : namedConfiguration(robot.model, description, o.named));
   } else {
     const std::vector<State> states = timed("read states from " + o.states, [&] { return readStates(o.states, robot.model); });
     Progress progress(static_cast<double>(states.size()), "states");

@@ -24,6 +24,7 @@ void addCollide(CLI::App& app);
 void addCompute(CLI::App& app);
 void addConvert(CLI::App& app);
 void addDemo(CLI::App& app);
+void addDiff(CLI::App& app);
 void addAccuracy(CLI::App& app);
 void addBench(CLI::App& app);
 void addProfile(CLI::App& app);

@@ -6,6 +6,7 @@
 #include "interrupt.hpp"
 #include "messages.hpp"
 #include "model_options.hpp"
+#include "options.hpp"
 #include "progress.hpp"
 #include "states.hpp"
 
@@ -202,7 +203,7 @@ void print(const Json& value, std::string& out) {
 
 struct Options {
   ModelOptions model;
-  std::string states;
+  std::string states, named;
   std::vector<std::string> only, frames, contacts;
 };
 
@@ -221,8 +222,11 @@ void warnOfCondition(const CompactModel& model, const std::vector<State>& states
 }
 
 void run(const Options& o) {
-  const CompactModel model = o.model.compile();
-  const std::vector<State> states = timed("read states from " + o.states, [&] { return readStates(o.states, model); });
+  if (o.states.empty() && o.named.empty()) throw CLI::RequiredError("--states or --q");
+  const Model description = o.model.description();
+  const CompactModel model = o.model.compile(description);
+  const std::vector<State> states = o.states.empty() ? std::vector<State>{namedState(model, description, o.named)}
+                                                     : timed("read states from " + o.states, [&] { return readStates(o.states, model); });
   std::set<std::string> only(o.only.begin(), o.only.end());
   for (const std::string& key : only) {
     if (o.contacts.empty() && isKeyOf(contactQuantities(), key))
@@ -276,8 +280,8 @@ void addCompute(CLI::App& app) {
   auto o = std::make_shared<Options>();
   o->model.add(*sub);
   sub->add_option("--states", o->states, "JSON file {\"samples\":[{\"q\":[],\"v\":[],\"a\":[],\"tau\":[]}, ...]}, or - for standard input")
-      ->type_name("FILE")
-      ->required();
+      ->type_name("FILE");
+  addNamedState(*sub, o->named, "--states");
   std::vector<std::string> keys;
   for (const Quantity& q : quantities()) keys.emplace_back(q.key);
   for (const ContactQuantity& q : contactQuantities()) keys.emplace_back(q.key);

@@ -57,6 +57,27 @@ void printFrames(const CompactModel& model) {
   }
 }
 
+std::string joined(const std::vector<std::string>& names) {
+  std::string out;
+  for (const std::string& name : names) out += (out.empty() ? "" : ", ") + name;
+  return out;
+}
+
+/// Prints the parts of the robot that planners name, and its named states.
+void printGroups(const Model& description) {
+  if (!description.groups.empty()) std::printf("\n%s\n", heading("groups and their joints").c_str());
+  for (const GroupDescription& group : description.groups)
+    std::printf("  %s: %s\n", group.name.c_str(), joined(description.jointsOf(group.name)).c_str());
+  if (!description.end_effectors.empty()) std::printf("\n%s\n", heading("end effectors").c_str());
+  for (const EndEffectorDescription& e : description.end_effectors)
+    std::printf("  %s: group %s on %s%s%s\n", e.name.c_str(), e.group.c_str(), e.body.c_str(), e.parent_group.empty() ? "" : ", moved by ",
+                e.parent_group.c_str());
+  if (!description.passive_joints.empty()) std::printf("\n%s\n  %s\n", heading("passive joints").c_str(), joined(description.passive_joints).c_str());
+  if (!description.configurations.empty()) std::printf("\n%s\n", heading("named states").c_str());
+  for (const ConfigurationDescription& state : description.configurations)
+    std::printf("  %s%s%s: %zu joints\n", state.group.c_str(), state.group.empty() ? "" : "/", state.name.c_str(), state.joints.size());
+}
+
 void runInfo(const ModelOptions& o) {
   const JointRegistry registry = o.registry();
   const Model description = o.description();
@@ -80,6 +101,7 @@ void runInfo(const ModelOptions& o) {
   for (const std::string& line : model.report().warnings) std::printf("  %s %s\n", styled(stdout, Style::warning, "warning:").c_str(), line.c_str());
   if (!description.notes.empty()) std::printf("\n%s\n", heading("notes of the parser").c_str());
   for (const std::string& line : description.notes) std::printf("  %s\n", line.c_str());
+  printGroups(description);
   std::printf("\n%s\n", heading("tree").c_str());
   printTree(model);
   std::printf("\n%s\n", heading("frames, each with the joint that moves it").c_str());

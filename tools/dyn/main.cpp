@@ -47,6 +47,7 @@ int run(int argc, char** argv) {
   dyn::tool::addCompute(app);
   dyn::tool::addConvert(app);
   dyn::tool::addDemo(app);
+  dyn::tool::addDiff(app);
   dyn::tool::addAccuracy(app);
   dyn::tool::addBench(app);
   dyn::tool::addProfile(app);

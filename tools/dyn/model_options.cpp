@@ -4,6 +4,7 @@
 #include "messages.hpp"
 #include "options.hpp"
 
+#include <dyn/parsers/srdf.hpp>
 #include <dyn/version.hpp>
 
 namespace dyn::tool {
@@ -40,6 +41,12 @@ void ModelOptions::add(CLI::App& app) {
   app.add_option("--files", files, "files that MODEL includes lie beside it or in folders below, or anywhere")
       ->check(CLI::IsMember({"beside", "anywhere"}))
       ->capture_default_str();
+  app.add_option("--versions", versions, "refuse files of a newer version of their format, or read what is understood")
+      ->check(CLI::IsMember({"known", "any"}))
+      ->capture_default_str();
+  app.add_option("--srdf", srdf, "groups and named states of the robot, and pairs of links that are not checked for collision")
+      ->type_name("FILE")
+      ->check(fileName());
   app.add_option("--plugin", plugins, "load this shared object too (repeatable)")->type_name("FILE");
   app.add_option("--lock", lock, "hold this joint at neutral (repeatable)");
   app.add_flag("--losses", losses, "joint damping and friction of the model act in the dynamics");
@@ -69,6 +76,7 @@ LoadOptions ModelOptions::loadOptions() const {
   options.continuous = continuous == "angle" ? Continuous::angle : Continuous::unit_circle;
   options.inertias = inertia == "any" ? Inertias::any : Inertias::physical;
   options.files = files == "anywhere" ? Files::anywhere : Files::beside;
+  options.versions = versions == "any" ? Versions::any : Versions::known;
   return options;
 }
 
@@ -80,10 +88,12 @@ const PythonModel& ModelOptions::python() const {
 }
 
 Model ModelOptions::read() const {
-  return timed("read " + path, [&] {
+  Model model = timed("read " + path, [&] {
     if (isPython()) return python().model;
     return load(path, loadOptions(), format);
   });
+  if (!srdf.empty()) timed("read " + srdf, [&] { srdf::load(srdf, model); });
+  return model;
 }
 
 std::vector<Error> ModelOptions::problems() const {

@@ -24,6 +24,8 @@ struct ModelOptions {
   std::string continuous = "unit_circle";
   std::string inertia = "physical";
   std::string files = "beside";
+  std::string versions = "known";
+  std::string srdf;
   std::vector<std::string> plugins;
   std::vector<std::string> lock;
   bool losses = false;

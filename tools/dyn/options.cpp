@@ -55,6 +55,12 @@ CLI::Validator fileName(const std::vector<std::string>& endings, const std::stri
           ""};
 }
 
+void addNamedState(CLI::App& app, std::string& name, const std::string& other) {
+  CLI::Option* option = app.add_option("--q", name, "named state of the model: home, or arm/home of a group; several with commas");
+  option->type_name("STATE");
+  if (!other.empty()) option->excludes(other);
+}
+
 namespace {
 
 /// Returns what is wrong if a word of the command line is no subcommand or no option, with similar names or all names; otherwise an empty text.

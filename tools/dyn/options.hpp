@@ -19,6 +19,9 @@ CLI::Validator fileName();
 /// Accepts the name of a file to write, whose ending chooses one of several formats. If there is only one format, the ending may be missing.
 CLI::Validator fileName(const std::vector<std::string>& endings, const std::string& what);
 
+/// Adds --q, a named state of the model, in place of the states of another option.
+void addNamedState(CLI::App& app, std::string& name, const std::string& other);
+
 /// The message for a wrong command line, such as "dyn simulate: --time: ...": the error, and where to find help.
 std::string refusal(const CLI::App* app, const CLI::Error& error);
 

@@ -27,7 +27,7 @@ namespace {
 constexpr std::size_t most_numbers = 1u << 28;  ///< in a trajectory kept in memory: 2 GiB
 
 struct SimulateOptions : ModelOptions {
-  std::string integrator = "rk4", state, out, plot, save, resume;
+  std::string integrator = "rk4", state, named, out, plot, save, resume;
   std::vector<std::string> contacts, ground;
   VolumeOptions volumes;
   double time = 1, dt = 1e-3, tolerance = 1e-8, every = 0, height = 0, friction = 0.8, restitution = 0;
@@ -41,15 +41,16 @@ struct SimulateOptions : ModelOptions {
     for (const IntegratorInfo& info : integrators()) names.emplace_back(info.name);
     app.add_option("--integrator", integrator, "method")->check(CLI::IsMember(names))->capture_default_str();
     app.add_option("--tolerance", tolerance, "of the adaptive integrator: error of a step [m, rad]")->check(positive())->capture_default_str();
-    app.add_option("--state", state, "JSON file whose first sample is where to start; otherwise at neutral and at rest")
+    app.add_option("--state", state, "JSON file whose first sample is where to start; without it and --q at neutral and at rest")
         ->type_name("FILE")
         ->check(fileName());
+    addNamedState(app, named, "--state");
     app.add_option("--contacts", contacts, "hold FRAME:3d (a point) or FRAME:6d where it is (repeatable)")->delimiter(',');
     app.add_option("--ground", ground, "frames whose origins touch the ground, a plane with z up (repeatable)")->delimiter(',');
     app.add_option("--ground-height", height, "z of the ground [m]")->capture_default_str();
     app.add_flag("--touching", touching, "bodies touch each other, and what --scene puts around them, by their collision volumes");
     volumes.add(app);
-    for (const char* option : {"--scene", "--srdf", "--package", "--skip-missing"}) app.get_option(option)->needs("--touching");
+    for (const char* option : {"--scene", "--package", "--skip-missing"}) app.get_option(option)->needs("--touching");
     app.add_option("--friction", friction, "of contacts")->check(notNegative())->capture_default_str();
     app.add_flag("--limits", limits, "joints stop at their limits of position");
     app.add_option("--restitution", restitution, "of impacts of contacts and with limits")->check(inRange(0, 1))->capture_default_str();
@@ -58,7 +59,7 @@ struct SimulateOptions : ModelOptions {
     app.add_option("--out", out, "trajectory, .csv or .json")->type_name("FILE")->check(fileName({".csv", ".json"}, "trajectories"));
     app.add_option("--plot", plot, "picture of the configuration over time, SVG")->type_name("FILE")->check(fileName({".svg"}, "pictures"));
     app.add_option("--save", save, "write where the simulation ended, without loss")->type_name("FILE")->check(fileName());
-    app.add_option("--resume", resume, "go on from there")->type_name("FILE")->check(fileName())->excludes("--state");
+    app.add_option("--resume", resume, "go on from there")->type_name("FILE")->check(fileName())->excludes("--state")->excludes("--q");
   }
 
   ConstraintSet constraints(const CompactModel& model) const { return {ConstraintSet(model), readContacts(contacts)}; }
@@ -101,7 +102,7 @@ struct Momentum {
   Momentum(const CompactModel& model, Data& data, const Simulator& s) : value(ccrba(model, data, s.q(), s.v()).hg) {}
 };
 
-void start(const SimulateOptions& o, Simulator& simulator, const ConstraintSet& constraints) {
+void start(const SimulateOptions& o, const Model& description, Simulator& simulator, const ConstraintSet& constraints) {
   const CompactModel& model = simulator.model();
   if (!o.resume.empty()) return simulator.resume(readFile(o.resume));
   Eigen::VectorXd q = neutral(model), v = Eigen::VectorXd::Zero(model.nv());
@@ -110,6 +111,10 @@ void start(const SimulateOptions& o, Simulator& simulator, const ConstraintSet& 
     if (states.empty()) throw Error(ErrorCode::syntax, "has no sample to start from", {o.state, 0, ""});
     q = states.front().q;
     v = states.front().v;
+  }
+  if (!o.named.empty()) {
+    q = namedConfiguration(model, description, o.named);
+    v = namedVelocity(model, description, o.named);
   }
   if (constraints.rows() > 0) {
     Data data(model, Need::derivatives);
@@ -131,7 +136,7 @@ void run(const SimulateOptions& o) {
       {.integrator = integratorByName(o.integrator), .dt = o.dt, .tolerance = o.tolerance, .limits = o.limits, .restitution = o.restitution});
   const ContactFinder finder = o.finder(model, description);
   if (finder) simulator.setContacts(finder);
-  start(o, simulator, constraints);
+  start(o, description, simulator, constraints);
   const double from = simulator.time(), until = from + o.time;
   const std::vector<double> times = o.times(from, static_cast<std::size_t>(model.nq() + model.nv()) + 2);
 

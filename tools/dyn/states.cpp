@@ -2,6 +2,7 @@
 #include "states.hpp"
 
 #include <dyn/algorithm/configuration.hpp>
+#include <dyn/algorithm/named_configuration.hpp>
 #include <dyn/error.hpp>
 #include <dyn/file.hpp>
 
@@ -132,6 +133,15 @@ std::vector<State> readStates(const std::string& path, const CompactModel& model
   std::vector<State> states;
   for (auto& [state, entry] : readSamples(path, model)) states.push_back(std::move(state));
   return states;
+}
+
+State namedState(const CompactModel& model, const Model& description, const std::string& name) {
+  State s;
+  s.q = namedConfiguration(model, description, name);
+  s.v = namedVelocity(model, description, name);
+  s.a = s.tau = Eigen::VectorXd::Zero(model.nv());
+  s.has_v = true;
+  return s;
 }
 
 std::vector<State> randomStates(const CompactModel& model, int count, std::uint64_t seed) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <dyn/compile/compact_model.hpp>
+#include <dyn/model/model.hpp>
 #include <dyn/spatial/motion.hpp>
 
 #include <Eigen/Core>
@@ -44,6 +45,9 @@ std::vector<State> readStates(const std::string& path, const CompactModel& model
 
 /// Reads the same; each state comes with its JSON entry.
 std::vector<std::pair<State, nlohmann::json>> readSamples(const std::string& path, const CompactModel& model);
+
+/// Returns the state that the description calls by this name, with a = 0 and tau = 0. It has a velocity, which is 0 unless the description has one.
+State namedState(const CompactModel& model, const Model& description, const std::string& name);
 
 /// Random states of a model: q within its limits, v and a in [-1, 1], tau in [-5, 5].
 std::vector<State> randomStates(const CompactModel& model, int count, std::uint64_t seed);

@@ -18,7 +18,7 @@ namespace {
 
 struct TruthOptions {
   ModelOptions model;
-  std::string states, out;
+  std::string states, named, out;
   int count = 2;
   std::uint64_t seed = 1;
 };
@@ -32,7 +32,9 @@ void writeTruth(const TruthOptions& o) {
   CompileOptions options = o.model.compileOptions();
   options.armature = false;
   const CompactModel model = compile(description, o.model.registry(), options);
-  const std::vector<State> states = o.states.empty() ? referenceStates(model, o.count, o.seed) : readStates(o.states, model);
+  const std::vector<State> states = !o.named.empty()   ? std::vector<State>{namedState(model, description, o.named)}
+                                    : o.states.empty() ? referenceStates(model, o.count, o.seed)
+                                                       : readStates(o.states, model);
   const Interruption interruption;
   std::string text;
   {
@@ -57,6 +59,7 @@ void addTruth(CLI::App& app) {
   sub->add_option("--states", o->states, "JSON file of states, or an older file of references. The default is random states.")
       ->type_name("FILE")
       ->check(fileName());
+  addNamedState(*sub, o->named, "--states");
   sub->add_option("--count", o->count, "number of random states")->check(inRange(1, 1000))->capture_default_str();
   sub->add_option("--seed", o->seed, "seed of the random states")->capture_default_str();
   sub->callback([o] { writeTruth(*o); });

@@ -3,13 +3,10 @@
 
 #include "messages.hpp"
 
-#include <dyn/parsers/srdf.hpp>
-
 namespace dyn::tool {
 
 void VolumeOptions::add(CLI::App& app) {
   app.add_option("--scene", scene, "a URDF whose volumes stand in the world")->type_name("FILE");
-  app.add_option("--srdf", srdf, "pairs that are not to be checked (disable_collisions)")->type_name("FILE");
   app.add_option("--package", packages, "folder of packages, or a package, for package:// (repeatable); then ROS_PACKAGE_PATH, AMENT_PREFIX_PATH")
       ->type_name("FOLDER");
   app.add_flag("--skip-missing", skip_missing, "leave out volumes whose files are not there");
@@ -21,7 +18,6 @@ void VolumeOptions::add(CLI::App& app) {
 
 Model VolumeOptions::description(const ModelOptions& robot) const {
   Model description = robot.read();
-  if (!srdf.empty()) timed("read " + srdf, [&] { srdf::load(srdf, description); });
   if (!scene.empty()) description = append(description, timed("read " + scene, [&] { return load(scene); }), "universe", {}, "scene/");
   printNotes(description);
   return description;

@@ -13,7 +13,7 @@
 namespace dyn::tool {
 
 struct VolumeOptions {
-  std::string scene, srdf;
+  std::string scene;
   std::vector<std::string> packages;
   bool skip_missing = false;
   std::string narrow = "own";

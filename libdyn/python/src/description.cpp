@@ -28,13 +28,14 @@ void numbersProperty(Class& c, const char* name, Get get, const char* doc) {
 }
 
 LoadOptions optionsOf(const std::string& root, const std::string& mimic, const std::string& order, const std::string& continuous,
-                      const std::string& inertias, const std::string& files = "beside") {
+                      const std::string& inertias, const std::string& files = "beside", const std::string& versions = "known") {
   return {root,
           chosen<Mimic>("mimic", mimic, {{"coupled", Mimic::coupled}, {"independent", Mimic::independent}}),
           chosen<Order>("order", order, {{"name", Order::name}, {"file", Order::file}}),
           chosen<Continuous>("continuous", continuous, {{"unit_circle", Continuous::unit_circle}, {"angle", Continuous::angle}}),
           chosen<Inertias>("inertias", inertias, {{"physical", Inertias::physical}, {"any", Inertias::any}}),
-          chosen<Files>("files", files, {{"beside", Files::beside}, {"anywhere", Files::anywhere}})};
+          chosen<Files>("files", files, {{"beside", Files::beside}, {"anywhere", Files::anywhere}}),
+          chosen<Versions>("versions", versions, {{"known", Versions::known}, {"any", Versions::any}})};
 }
 
 /// Adds the class of a list whose elements are parts of the model.
@@ -146,6 +147,14 @@ void addDescription(py::module_& m) {
       joint, "velocity_limit", [](JointDescription& j) -> auto& { return j.limits.velocity; }, "The largest speed [rad/s or m/s].");
   numbersProperty(
       joint, "effort_limit", [](JointDescription& j) -> auto& { return j.limits.effort; }, "The largest force [N m or N].");
+  numbersProperty(
+      joint, "acceleration_limit", [](JointDescription& j) -> auto& { return j.limits.acceleration; },
+      "The largest acceleration [rad/s^2 or m/s^2], for planners.");
+  numbersProperty(
+      joint, "deceleration_limit", [](JointDescription& j) -> auto& { return j.limits.deceleration; },
+      "The largest deceleration [rad/s^2 or m/s^2], if it differs.");
+  numbersProperty(
+      joint, "jerk_limit", [](JointDescription& j) -> auto& { return j.limits.jerk; }, "The largest jerk [rad/s^3 or m/s^3], for planners.");
   joint.def(
       "couple",
       [](JointDescription& j, const std::string& master, const std::string& type, const GivenParameters& parameters) {
@@ -214,27 +223,27 @@ void addDescription(py::module_& m) {
       .def("__repr__", [](const Model& x) { return "<libdyn.Model '" + x.name + "': " + std::to_string(x.bodies.size() - 1) + " bodies>"; });
 
   const py::arg_v root("root", "fixed"), mimic("mimic", "coupled"), order("order", "name"), continuous("continuous", "unit_circle"),
-      inertias("inertias", "physical"), files("files", "beside"), named("format", "");
+      inertias("inertias", "physical"), files("files", "beside"), versions("versions", "known"), named("format", "");
   m.def(
       "_load",
       [](const std::string& path, const std::string& r, const std::string& mi, const std::string& o, const std::string& c, const std::string& i,
-         const std::string& f, const std::string& format) { return load(path, optionsOf(r, mi, o, c, i, f), format); },
-      py::arg("path"), root, mimic, order, continuous, inertias, files, named);
+         const std::string& f, const std::string& ve, const std::string& format) { return load(path, optionsOf(r, mi, o, c, i, f, ve), format); },
+      py::arg("path"), root, mimic, order, continuous, inertias, files, versions, named);
   m.def(
       "parse",
       [](const std::string& text, const std::string& name, const std::string& r, const std::string& mi, const std::string& o, const std::string& c,
-         const std::string& i) { return urdf::parse(text, name, optionsOf(r, mi, o, c, i)); },
-      py::arg("text"), py::arg("name") = "<text>", root, mimic, order, continuous, inertias,
+         const std::string& i, const std::string& ve) { return urdf::parse(text, name, optionsOf(r, mi, o, c, i, ve)); },
+      py::arg("text"), py::arg("name") = "<text>", root, mimic, order, continuous, inertias, versions,
       "Reads a robot from the text of a URDF file. Messages call the text `name`. The options are those of load().");
   m.def(
       "_check",
       [](const std::string& path, const std::string& r, const std::string& mi, const std::string& o, const std::string& c, const std::string& i,
-         const std::string& f, const std::string& format) {
+         const std::string& f, const std::string& ve, const std::string& format) {
         py::list errors;
-        for (const Error& e : check(path, optionsOf(r, mi, o, c, i, f), format)) errors.append(errorOf(e));
+        for (const Error& e : check(path, optionsOf(r, mi, o, c, i, f, ve), format)) errors.append(errorOf(e));
         return errors;
       },
-      py::arg("path"), root, mimic, order, continuous, inertias, files, named);
+      py::arg("path"), root, mimic, order, continuous, inertias, files, versions, named);
   const py::arg_v types("registry", py::none());
   m.def(
       "reduce",

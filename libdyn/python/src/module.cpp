@@ -141,6 +141,7 @@ PYBIND11_MODULE(_core, m) {
   addFriction(m);
   addDelassus(m);
   addShapes(m);
+  addGroups(m);
   addFrameConstraint(m);
   addGeometry(m);
   addContactFinders(m);

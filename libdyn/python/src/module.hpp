@@ -30,6 +30,7 @@ void addFunctions(py::module_& m);
 void addConstraints(py::module_& m);
 void addFriction(py::module_& m);
 void addDelassus(py::module_& m);
+void addGroups(py::module_& m);
 void addShapes(py::module_& m);
 void addFrameConstraint(py::module_& m);
 void addGeometry(py::module_& m);

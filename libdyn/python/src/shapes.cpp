@@ -181,11 +181,13 @@ void addToModel(py::module_& m) {
 }
 
 void addSrdf(py::module_& m) {
-  auto s = m.def_submodule("srdf", "SRDF files (MoveIt's companion of a URDF): pairs of links that are not checked for collision.");
+  auto s = m.def_submodule("srdf",
+                           "SRDF files (MoveIt's companions of URDFs): groups, named states, and pairs of links that are not checked for collision.");
   const py::arg path("path"), model("model"), robot("robot"), disabled("disabled");
   s.def(
       "load", [](const Path& file, Model& x) { srdf::load(file.string(), x); }, path, model,
-      "Adds the pairs of a file to model.disabled_collisions, and a note to model.notes for each link that the model does not have.");
+      "Adds groups, end effectors, virtual and passive joints, named states and pairs without collision checks of a file to the model, and a note to "
+      "model.notes for each name that the model does not have.");
   s.def("parse", &srdf::parse, py::arg("text"), py::arg("name"), model, "Does the same for a text, which messages call `name`.");
   s.def("text", &srdf::text, robot, disabled, "Returns the text of an SRDF with these pairs.");
   s.def(

@@ -204,6 +204,9 @@ class Resolver {
     limit("upper", joint.limits.upper, nq);
     limit("velocity", joint.limits.velocity, nv);
     limit("effort", joint.limits.effort, nv);
+    limit("acceleration", joint.limits.acceleration, nv);
+    limit("deceleration", joint.limits.deceleration, nv);
+    limit("jerk", joint.limits.jerk, nv);
     loss("damping", joint.damping);
     loss("friction", joint.friction);
     loss("armature", joint.armature);

@@ -28,13 +28,17 @@ struct Coupling {
   Parameters parameters{};  ///< as the coupling type defines them
 };
 
-/// Limits of one joint: one entry for each coordinate (position) or degree of freedom (velocity, effort). Empty means unlimited. compile() throws
+/// Limits of one joint: one entry for each coordinate (position) or degree of freedom (all others). Empty means unlimited. compile() throws
 /// Error(size) for another number of entries, and Error(model) for NaN or a lower limit above the upper one.
 struct JointLimits {
   std::vector<double> lower{},     ///< lowest position [rad or m]
       upper{};                     ///< highest position [rad or m]
   std::vector<double> velocity{};  ///< largest speed [rad/s or m/s]
   std::vector<double> effort{};    ///< largest force [N m or N]
+  /// For planners and controllers; CompactModel does not have them.
+  std::vector<double> acceleration{},  ///< largest acceleration [rad/s^2 or m/s^2]
+      deceleration{},                  ///< largest deceleration, if it differs
+      jerk{};                          ///< largest rate of change of the acceleration [rad/s^3 or m/s^3]
 };
 
 /// A joint by type name and parameters. Only the plugin knows what these names mean.

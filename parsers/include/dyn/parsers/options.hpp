@@ -13,8 +13,10 @@ enum class Mimic { coupled, independent };
 enum class Order { name, file };
 /// A continuous joint has q = (cos, sin), or one unbounded angle.
 enum class Continuous { unit_circle, angle };
-/// Inertias that are not positive semi-definite are errors, or are noted and loaded.
+/// Inertias that are not positive semi-definite are errors, or are noted and loaded. Links that fixed joints hold together are judged as one body.
 enum class Inertias { physical, any };
+/// Files of a version of their format that is newer than libdyn knows are refused, or are read as far as they are understood.
+enum class Versions { known, any };
 
 /// Files that a model file includes, and meshes whose mass it needs, lie in the model's folder or below it, or may lie anywhere.
 enum class Files { beside, anywhere };
@@ -30,6 +32,7 @@ struct LoadOptions {
   Continuous continuous = Continuous::unit_circle;  ///< coordinates of continuous joints
   Inertias inertias = Inertias::physical;           ///< treatment of inertias that no body has
   Files files = Files::beside;                      ///< where files may lie that the model file names
+  Versions versions = Versions::known;              ///< treatment of files that are newer than libdyn
 };
 
 }  // namespace dyn
