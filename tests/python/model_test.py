@@ -58,6 +58,16 @@ class Models(unittest.TestCase):
         self.assertEqual(model.mass, 5)
         np.testing.assert_array_equal(model.gravity, np.zeros(3))
 
+    def test_parts_of_a_description_are_found_by_name(self):
+        model = pendulum()
+        model.joint("hinge").damping = 0.7
+        model.body("rod").inertia = dyn.Inertia(3.0, [0, 0, -1], 0.01 * np.eye(3))
+        self.assertEqual((model.bodies[1].joint.damping, model.bodies[1].inertia.mass), ([0.7], 3))
+        with self.assertRaisesRegex(dyn.Error, "no joint 'hing'; did you mean 'hinge'"):
+            model.joint("hing")
+        with self.assertRaisesRegex(dyn.Error, "no body 'rood'; did you mean 'rod'"):
+            model.body("rood")
+
     def test_joints_are_found_by_name(self):
         model = dyn.compile(dyn.load(BIPED, root="free_flyer"))
         record = model.joints[3]
@@ -203,6 +213,17 @@ class Spatial(unittest.TestCase):
         np.testing.assert_allclose(X.act_inverse(X @ motion).vector, motion.vector, atol=1e-14)
         np.testing.assert_allclose(dyn.SE3.exp(X.log()).homogeneous, X.homogeneous, atol=1e-15)
         np.testing.assert_allclose((X @ X.inverse()).homogeneous, np.eye(4), atol=1e-15)
+
+    def test_poses_act_on_many_points(self):
+        pose = dyn.SE3.translation(0.1, -0.2, 0.3) @ dyn.SE3.rotation([0.4, 0.5, -0.6])
+        points = np.random.default_rng(1).normal(size=(3, 3))  # as many points as coordinates: rows are points
+        moved = pose @ points
+        np.testing.assert_allclose(moved, [pose.R @ p + pose.p for p in points], atol=1e-15)
+        np.testing.assert_array_equal(pose.act(points), moved)
+        np.testing.assert_allclose(pose.act_inverse(moved), points, atol=1e-15)
+        self.assertEqual((pose @ np.empty((0, 3))).shape, (0, 3))
+        with self.assertRaises(TypeError):
+            pose.act(np.zeros((3, 2)))
 
     def test_a_rotation_is_given_by_its_vector_or_by_axis_and_angle(self):
         np.testing.assert_allclose(dyn.SE3.rotation([0, 3, 4], 0.5).R, dyn.SE3.rotation([0, 0.3, 0.4]).R, atol=1e-15)

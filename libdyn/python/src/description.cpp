@@ -109,6 +109,15 @@ int bodyOf(const Model& model, const std::variant<int, std::string>& body) {
   return found;
 }
 
+/// Returns the index of the body that a joint carries.
+int carriedBy(const Model& model, const std::string& joint) {
+  const int found = model.findJoint(joint);
+  if (found >= 0) return found;
+  std::vector<std::string> names;
+  for (const BodyDescription& b : model.bodies) names.push_back(b.joint.name);
+  throw Error(ErrorCode::argument, "the model has no joint '" + joint + "'" + nearNames(joint, names));
+}
+
 void addDescription(py::module_& m) {
   py::class_<JointDescription> joint(m, "JointDescription",
                                      "A joint by type name and parameters.\n\n"
@@ -197,6 +206,13 @@ void addDescription(py::module_& m) {
       .def_readonly("bodies", &Model::bodies, "The world and all bodies.")
       .def_readonly("frames", &Model::frames, "Frames in addition to that of each body.")
       .def_readonly("notes", &Model::notes, "What a parser ignored or found odd.")
+      .def(
+          "body", [](Model& x, const std::string& name) -> BodyDescription& { return x.bodies[static_cast<std::size_t>(bodyOf(x, name))]; },
+          py::arg("name"), py::return_value_policy::reference_internal, "Returns a body, as a part of the model. Take it again after add_body().")
+      .def(
+          "joint",
+          [](Model& x, const std::string& name) -> JointDescription& { return x.bodies[static_cast<std::size_t>(carriedBy(x, name))].joint; },
+          py::arg("name"), py::return_value_policy::reference_internal, "Returns a joint, as a part of the model. Take it again after add_body().")
       .def("find_body", &Model::findBody, py::arg("name"), "Returns the index of a body; -1 if there is none.")
       .def("find_joint", &Model::findJoint, py::arg("name"), "Returns the index of the body that a joint carries; -1 if there is none.")
       .def(

@@ -138,6 +138,10 @@ void addSpatial(py::module_& m) {
   copies(inertia, inertia_parts);
   printed(inertia, inertia_parts);
 
+  using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
+  const auto mapped = [](const X& x, const Points& points) -> Points {
+    return (points * toEigen(x.R).transpose()).rowwise() + toEigen(x.p).transpose();
+  };
   const auto pose_parts = [](const X& x) { return py::make_tuple(toEigen(x.R), toEigen(x.p)); };
   const auto of = [](const Matrix3& R, const Vector3& p, bool check) {
     if (check && (!(R.transpose() * R).isIdentity(1e-9) || !(R.determinant() > 0))) throw Error(ErrorCode::argument, "SE3: R is not a rotation");
@@ -182,22 +186,26 @@ void addSpatial(py::module_& m) {
           "action", [](const X& x) { return actionMatrix6(x); }, "The matrix (6, 6) that maps motions from b to a, as a new array.")
       .def("inverse", &X::inverse, "Returns bMa.")
       .def(
-          "act", [](const X& x, const Motion<double>& v) { return x.act(v); }, py::arg("x"), "Maps a motion, force, inertia or point from b to a.")
+          "act", [](const X& x, const Motion<double>& v) { return x.act(v); }, py::arg("x"),
+          "Maps a motion, force, inertia, point (3,) or points (n, 3) from b to a.")
       .def(
           "act", [](const X& x, const Force<double>& f) { return x.act(f); }, py::arg("x"))
       .def(
           "act", [](const X& x, const Y& y) { return y.transformed(x); }, py::arg("x"))
       .def(
           "act", [](const X& x, const Vector3& p) { return toEigen(x.act(fromEigen3(p))); }, py::arg("x"))
+      .def("act", mapped, py::arg("x"))
       .def(
           "act_inverse", [](const X& x, const Motion<double>& v) { return x.actInv(v); }, py::arg("x"),
-          "Maps a motion, force, inertia or point from a to b.")
+          "Maps a motion, force, inertia, point (3,) or points (n, 3) from a to b.")
       .def(
           "act_inverse", [](const X& x, const Force<double>& f) { return x.actInv(f); }, py::arg("x"))
       .def(
           "act_inverse", [](const X& x, const Y& y) { return y.transformed(x.inverse()); }, py::arg("x"))
       .def(
           "act_inverse", [](const X& x, const Vector3& p) { return toEigen(x.actInv(fromEigen3(p))); }, py::arg("x"))
+      .def(
+          "act_inverse", [mapped](const X& x, const Points& points) { return mapped(x.inverse(), points); }, py::arg("x"))
       .def(
           "__mul__", [](const X& a, const X& b) { return a * b; }, py::is_operator())
       .def(
@@ -210,6 +218,7 @@ void addSpatial(py::module_& m) {
           "__matmul__", [](const X& a, const Y& y) { return y.transformed(a); }, py::is_operator())
       .def(
           "__matmul__", [](const X& a, const Vector3& p) { return toEigen(a.act(fromEigen3(p))); }, py::is_operator())
+      .def("__matmul__", mapped, py::is_operator())
       .def(
           "__eq__", [](const X& a, const X& b) { return toEigen(a) == toEigen(b); }, py::is_operator());
   vectorProperty(pose, "p", &X::p, "The origin of b in a (3,) [m], as a view.");
