@@ -24,7 +24,7 @@ complete_line() {
 }
 complete_line "check codegen collide completion compute convert" dyn c
 complete_line "demo diff" dyn d
-complete_line "--q" dyn compute --q
+complete_line "--q --quiet" dyn compute --q
 complete_line "list check new" dyn plugin ""
 complete_line "--integrator" dyn simulate --int
 complete_line "--integrator" dyn simulate robot.urdf --time 5 --int
