@@ -93,12 +93,4 @@ std::string freeName(std::string name, std::map<std::string, int>& taken) {
   return name;
 }
 
-JointDescription rootJoint(const std::string& name, const LoadOptions& options, const Where& where) {
-  JointDescription joint;
-  joint.name = name;
-  joint.type = options.root;
-  joint.where = where;
-  return joint;
-}
-
 }  // namespace dyn::reader

@@ -43,7 +43,4 @@ Mat3<double> nearestRotation(const Mat3<double>& M, const std::string& what, con
 /// Returns a name that is not in `taken`, made from `name` by appending "_", and adds it.
 std::string freeName(std::string name, std::map<std::string, int>& taken);
 
-/// Returns the joint between the world and a root body, as the option `root` says.
-JointDescription rootJoint(const std::string& name, const LoadOptions& options, const Where& where);
-
 }  // namespace dyn::reader
