@@ -17,6 +17,7 @@
 #include <dyn/algorithm/kinematics.hpp>
 #include <dyn/algorithm/kinematics_derivatives.hpp>
 #include <dyn/algorithm/layout.hpp>
+#include <dyn/algorithm/named_configuration.hpp>
 #include <dyn/algorithm/regressor.hpp>
 #include <dyn/algorithm/rnea.hpp>
 #include <dyn/algorithm/second_derivatives.hpp>

@@ -27,7 +27,7 @@ DYN_API Model reduce(const Model& model, const JointRegistry& registry, const st
 DYN_API Model keepOnly(const Model& model, const JointRegistry& registry, const std::vector<std::string>& keep);
 
 /// Returns `model` with a copy of `other` that the body or frame called `at` carries, at `placement` in it. Names of the copy get `prefix`.
-/// Gravity and name are those of `model`. Throws Error(model) if `at` does not exist or a name would be used twice.
+/// Gravity, name and virtual joints are those of `model`. Throws Error(model) if `at` does not exist or a name would be used twice.
 DYN_API Model append(const Model& model, const Model& other, const std::string& at, const SE3<double>& placement = {},
                      const std::string& prefix = "");
 

@@ -22,8 +22,8 @@ struct Scene {
 
 /// Returns the model without the parts that cannot influence the outputs. With dynamics these are trees that no constraint, coupling or contact ties
 /// to a tree with an output. Without dynamics, all constraints are left out. A body stays only if it carries an output, or the master of a dependent
-/// joint that carries one. Frames that neither the scene nor a remaining constraint names are left out, too. The rest moves as in the whole model, up
-/// to rounding: all joints together decide which of them share lanes, and so the order of sums. `report` gets a line that says what was left out.
+/// joint that carries one. Frames that neither the scene nor a remaining constraint names are left out, too, and so are groups and named
+/// states. The rest moves as in the whole model, up to rounding: all joints together decide which of them share lanes, and so the order of sums. `report` gets a line that says what was left out.
 /// Throws Error(model) for a name that does not exist.
 DYN_API Model keepForScene(const Model& model, const Scene& scene, std::vector<std::string>& report);
 

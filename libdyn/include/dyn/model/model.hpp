@@ -4,6 +4,7 @@
 
 #include <dyn/model/constraint.hpp>
 #include <dyn/model/geometry_description.hpp>
+#include <dyn/model/group.hpp>
 #include <dyn/spatial/inertia.hpp>
 
 #include <string>
@@ -30,14 +31,19 @@ struct FrameDescription {
 /// The description of a robot, which compile() turns into a CompactModel. Parents come before their children in `bodies`. bodies[0] is the world,
 /// called "universe".
 struct DYN_API Model {
-  std::string name;                                    ///< the robot's name
-  Vec3<double> gravity{0, 0, -9.81};                   ///< in the world [m/s^2]
-  std::vector<BodyDescription> bodies;                 ///< the world and all bodies
-  std::vector<FrameDescription> frames;                ///< in addition to the frame of each body
-  std::vector<ConstraintDescription> constraints;      ///< of the mechanism itself: closed loops, gears
-  std::vector<GeometryDescription> geometries;         ///< volumes on bodies and in the world
-  std::vector<DisabledCollision> disabled_collisions;  ///< pairs that compileGeometry() leaves out
-  std::vector<std::string> notes;                      ///< what a parser ignored or found odd, each once
+  std::string name;                                      ///< the robot's name
+  Vec3<double> gravity{0, 0, -9.81};                     ///< in the world [m/s^2]
+  std::vector<BodyDescription> bodies;                   ///< the world and all bodies
+  std::vector<FrameDescription> frames;                  ///< in addition to the frame of each body
+  std::vector<ConstraintDescription> constraints;        ///< of the mechanism itself: closed loops, gears
+  std::vector<GeometryDescription> geometries;           ///< volumes on bodies and in the world
+  std::vector<DisabledCollision> disabled_collisions;    ///< pairs that compileGeometry() leaves out
+  std::vector<GroupDescription> groups;                  ///< named parts
+  std::vector<EndEffectorDescription> end_effectors;     ///< hands and tools
+  std::vector<VirtualJointDescription> virtual_joints;   ///< how planners see the root joints
+  std::vector<std::string> passive_joints;               ///< names of joints that no motor moves
+  std::vector<ConfigurationDescription> configurations;  ///< named states; namedConfiguration() returns their q
+  std::vector<std::string> notes;                        ///< what a parser ignored or found odd, each once
 
   /// Makes a model that has only the world.
   Model();
@@ -56,6 +62,10 @@ struct DYN_API Model {
   /// @}
   /// Returns the index of the collision geometry of that name; -1 if there is none. O(geometries).
   int findGeometry(const std::string& geometry) const;
+  /// Returns the names of the joints of a group, of its chains and of its subgroups, in the order of `bodies`. Throws Error(argument) for a group
+  /// that does not exist, and Error(model) if it names a body, joint or group that does not. O(n + the groups and the lengths of
+  /// their chains).
+  std::vector<std::string> jointsOf(const std::string& group) const;
 };
 
 }  // namespace dyn
