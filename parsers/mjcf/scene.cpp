@@ -187,7 +187,8 @@ class SceneReader {
       });
     }
     const bool inside = at.p.x == 0 && at.p.y == 0 && at.p.z == 0;
-    if (count == 0 || !inside) {
+    // A joint with an error carries no body.
+    if (record.last == model_.bodies.size() || !inside) {
       JointDescription fixed;
       fixed.placement = cast<double>(at);
       fixed.where = where;

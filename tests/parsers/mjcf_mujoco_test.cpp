@@ -195,7 +195,7 @@ void printRow(const std::string& name, const Differences& d, const std::string& 
 }
 
 const char* samples = "/usr/share/mujoco/model";
-const char* inexact_axes = "MuJoCo's principal axes of several geoms are exact to 1e-6 rad";
+const char* inexact_axes = "MuJoCo's principal axes of several geoms are exact to 1.4e-6 rad";
 
 }  // namespace
 
@@ -247,7 +247,7 @@ TEST_CASE("models of MuJoCo's samples have MuJoCo's poses, mass matrix, bias for
     if (diagonalised && d.inertias >= 1e-12) remark += std::string(remark.empty() ? "" : "; ") + inexact_axes;
     printRow(name, d, remark);
     CHECK(d.worst() < 1e-12);
-    CHECK(d.inertias < (diagonalised || again->nmesh > 0 ? 1e-6 : 1e-12));
+    CHECK(d.inertias < (diagonalised || again->nmesh > 0 ? 2e-6 : 1e-12));
     ++compared;
   }
   CHECK(compared >= 12);
@@ -268,7 +268,7 @@ TEST_CASE("random models have MuJoCo's inertias, poses, mass matrix, bias forces
       const Differences d = compare(path, *m);
       INFO("inertias " << d.inertias << ", poses " << d.poses << ", M " << d.mass << ", bias " << d.bias << ", gravity " << d.gravity);
       CHECK(d.worst() < 1e-12);
-      CHECK(d.inertias < (diagonalised ? 1e-6 : 1e-12));
+      CHECK(d.inertias < (diagonalised ? 2e-6 : 1e-12));
       worst = {std::max(worst.nq, d.nq),       std::max(worst.nv, d.nv),     std::max(worst.bodies, d.bodies), std::max(worst.inertias, d.inertias),
                std::max(worst.poses, d.poses), std::max(worst.mass, d.mass), std::max(worst.bias, d.bias),     std::max(worst.gravity, d.gravity)};
     }
