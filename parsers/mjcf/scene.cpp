@@ -179,7 +179,7 @@ class SceneReader {
         // A free joint's q is the body's pose in the world, as in MuJoCo.
         j.placement = free ? SE3<double>{} : cast<double>(at * joint.pose);
         enter(item, "joint", j.name, scene_.joints.size(), scene_.joint);
-        scene_.joints.push_back({model_.bodies.size(), joint.ref, free ? 7 : (j.type == "spherical" ? 4 : 1)});
+        scene_.joints.push_back({model_.bodies.size(), index, joint.ref, free ? 7 : (j.type == "spherical" ? 4 : 1)});
         at = joint.after;
         record.last = model_.bodies.size();
         carrier = model_.addBody("", carrier, std::move(j));

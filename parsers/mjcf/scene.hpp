@@ -27,8 +27,9 @@ struct GeomRecord {
 
 /// A joint of the file.
 struct JointRecord {
-  std::size_t body;  ///< index in Model::bodies of the body that it carries
-  double ref = 0;    ///< q where the file puts the body; of hinges and slides
+  std::size_t body;    ///< index in Model::bodies of the body that it carries
+  std::size_t record;  ///< index in Scene::bodies of the body that the file gives it to
+  double ref = 0;      ///< q where the file puts the body; of hinges and slides
   int nq = 1;
 };
 
@@ -57,7 +58,10 @@ using Guard = std::function<void(const std::function<void()>&)>;
 /// Names that the file does not give, or that two things of the model would share, are made up.
 Scene readScene(const Context& context, const LoadOptions& options, const Guard& guard);
 
-/// Reads <contact>, <equality> and <keyframe> elements into the model.
+/// Reads <contact> and <equality> elements into the model.
 void readRelations(const Context& context, Scene& scene, const Guard& guard);
+
+/// Reads <keyframe> elements as named configurations. The one in which the file puts the bodies is called qpos0; it is left out if it is neutral.
+void readKeyframes(const Context& context, Scene& scene, const Guard& guard);
 
 }  // namespace dyn::mjcf

@@ -71,7 +71,8 @@ const std::map<std::string, Element, std::less<>>& vocabulary() {
       {"fixed/joint", {"joint coef", ""}},
       {"actuator", {"", ""}},
       {"sensor", {"", ""}},
-      {"keyframe", {"", ""}}};
+      {"keyframe", {"", "", "key"}},
+      {"key", {"name qpos qvel", ""}}};
   return all;
 }
 

@@ -353,6 +353,34 @@ TEST_CASE("equalities of fixed tendons of one or two joints couple these", "[mjc
   CHECK(noted(model, "<fixed> in <tendon>, 1 time"));
 }
 
+TEST_CASE("keyframes become named configurations, with quaternions as libdyn has them", "[mjcf]") {
+  const std::string bodies = "<body name=\"a\" pos=\"1 2 3\" quat=\"0 0 0 1\"><freejoint name=\"f\"/>" + mass +
+                             "<body><joint name=\"b\" type=\"ball\"/>" + mass + "<body><joint name=\"h\" ref=\"90\"/>" + mass +
+                             "</body></body></body>";
+  const Model model =
+      read(bodies, "<keyframe><key name=\"up\" qpos=\"0 0 1 2 0 0 2 1 0 0 0 0.5\" qvel=\"1 0 0 0 0 0 0 0 0 7\"/><key time=\"1\"/></keyframe>");
+  REQUIRE(model.configurations.size() == 3);
+  const auto& home = model.configurations[0];
+  CHECK(home.name == "qpos0");
+  CHECK(home.joints[0].q == std::vector<double>{1, 2, 3, 0, 0, 1, 0});
+  CHECK(home.joints[2].q[0] == approx(pi / 2));
+  const auto& up = model.configurations[1];
+  CHECK(up.name == "up");
+  CHECK(up.joints[0].joint == "f");
+  CHECK(up.joints[0].q[5] == approx(std::sqrt(0.5)));
+  CHECK(up.joints[0].q[6] == approx(std::sqrt(0.5)));
+  // The base is turned by a quarter about z, so that x of the world is -y of the body.
+  CHECK(up.joints[0].v[1] == approx(-1));
+  CHECK(up.joints[1].q == std::vector<double>{0, 0, 0, 1});
+  CHECK(up.joints[2].q == std::vector<double>{0.5});
+  CHECK(up.joints[2].v == std::vector<double>{7});
+  CHECK(model.configurations[2].name == "key_1");
+  CHECK(noted(model, "attribute time of <key>"));
+  CHECK(read("<body><joint/>" + mass + "</body>").configurations.empty());
+  CHECK_THROWS_WITH(read(bodies, "<keyframe><key qpos=\"1 2\"/></keyframe>"), containing("must have 12 numbers"));
+  CHECK_THROWS_WITH(read(bodies, "<keyframe><key name=\"k\"/><key name=\"k\"/></keyframe>"), containing("two keyframes"));
+}
+
 TEST_CASE("meshes give mass, and volumes keep their file", "[mjcf]") {
   const Folder folder;
   // A cube of side 2 with one corner at the origin, and one triangle of it as STL.
@@ -437,7 +465,7 @@ TEST_CASE("what the reader does not represent is noted, each kind once", "[mjcf]
       "<body gravcomp=\"1\"><joint name=\"j\" stiffness=\"2\"/><geom size=\"1\" friction=\"1 0 0\" rgba=\"1 0 0 1\"/>"
       "<geom size=\"1\" friction=\"1 0 0\"/><light/></body>",
       "<option timestep=\"0.1\"/><visual><map/></visual><actuator><motor joint=\"j\"/><motor joint=\"j\"/></actuator>"
-      "<sensor><jointpos joint=\"j\"/></sensor><tendon><fixed/></tendon><keyframe><key/></keyframe><deformable/>");
+      "<sensor><jointpos joint=\"j\"/></sensor><tendon><fixed/></tendon><deformable/>");
   const auto& notes = model.notes;
   for (const char* what :
        {"attribute gravcomp of <body>, 1 time, first at line 3", "attribute stiffness of <joint>, 1 time", "attribute friction of <geom>, 2 times",
