@@ -50,10 +50,14 @@ bool isLua(const std::string& text) {
 }
 bool never(const std::string&) { return false; }
 
-Model parseJson(const std::string& text, const std::string& path, const LoadOptions& options) {
+void refuseRoot(const std::string& path, const LoadOptions& options) {
   if (options.root != LoadOptions().root)
     throw Error(ErrorCode::argument, "has its own joint between world and robot, so that the root joint '" + options.root + "' does not apply",
                 {path, 0, ""});
+}
+
+Model parseJson(const std::string& text, const std::string& path, const LoadOptions& options) {
+  refuseRoot(path, options);
   return json::parse(text, path);
 }
 
@@ -151,6 +155,8 @@ std::vector<ModelFormat> modelFormats() {
 }
 
 Model load(const std::string& path, const LoadOptions& options, const std::string& format) {
+  // Said before the file is read, as its name tells it.
+  if (format == "json" || (format.empty() && path.ends_with(".json"))) refuseRoot(path, options);
   const Opened file = open(path, format, true);
   return file.row.parse(file.text, path, options);
 }
