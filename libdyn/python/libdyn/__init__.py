@@ -49,8 +49,8 @@ def load(
 ) -> Model:
     """Reads a robot from a file; returns a Model.
 
-    The file's ending tells its format, or its content does: URDF, MJCF, SDF, RBDL's Lua, libdyn's own (.dyn.json), or a Python file that leaves a `model`
-    (.py). format: the name of a format, such as "sdf", if neither tells it.
+    The file's ending tells its format, or its content does: URDF, MJCF, SDF, RBDL's Lua, libdyn's own (.dyn.json), or a Python file that leaves a
+    `model` (.py). format: the name of a format, such as "sdf", if neither tells it.
     root: the joint type between world and root link, such as "free_flyer". mimic: "coupled" or "independent". order: siblings by "name" or as in
     the "file". continuous: a continuous joint's q is a point of the "unit_circle" or an "angle". inertias: "physical", or "any" to load what no body
     has. files: files that the model includes lie "beside" it or in folders below, or "anywhere". versions: "known", or "any" to read files of newer
@@ -60,7 +60,8 @@ def load(
     path = _os.fspath(path)
     if format == "python" or (not format and path.endswith(".py")):
         return _left_by(path, root)
-    return _core._load(path, root=root, mimic=mimic, order=order, continuous=continuous, inertias=inertias, files=files, versions=versions, format=format)
+    return _core._load(
+        path, root=root, mimic=mimic, order=order, continuous=continuous, inertias=inertias, files=files, versions=versions, format=format)
 
 
 def _left_by(path: str, root: str) -> Model:
@@ -88,4 +89,5 @@ def check(
 ) -> "list[Error]":
     """Returns a list of all errors of a file, of which load() raises the first; it is empty if the file loads. The options are those of load()."""
     return _core._check(
-        _os.fspath(path), root=root, mimic=mimic, order=order, continuous=continuous, inertias=inertias, files=files, versions=versions, format=format)
+        _os.fspath(path), root=root, mimic=mimic, order=order, continuous=continuous, inertias=inertias, files=files, versions=versions,
+        format=format)
