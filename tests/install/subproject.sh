@@ -12,7 +12,7 @@ mkdir -p "$work/plain"
 # The names of a cache's entries that users see.
 names() { sed -nE '/:(INTERNAL|STATIC)=/!s/^([A-Za-z0-9_]+):.*/\1/p' "$1/CMakeCache.txt" | sort; }
 # libdyn may enter its own options and what find_package finds. GNUInstallDirs is in the plain project.
-permitted='DYN_[A-Z_]+|(Boost|Eigen3|assimp|boost_[a-z]+|ccd|draco|fcl|nlohmann_json|octomap|sdformat12|console_bridge)_DIR|Boost_(INCLUDE_DIR|FILESYSTEM_LIBRARY_[A-Z]+)|PKG_CONFIG_(ARGN|EXECUTABLE)'
+permitted='DYN_[A-Z_]+|(Boost|Eigen3|assimp|boost_[a-z]+|ccd|draco|fcl|nlohmann_json|octomap|sdformat12|console_bridge|urdfdom_headers)_DIR|Boost_(INCLUDE_DIR|FILESYSTEM_LIBRARY_[A-Z]+)|PKG_CONFIG_(ARGN|EXECUTABLE)'
 permitted+='|pkgcfg_lib_TINYXML2_tinyxml2|QHULL_R_LIBRARY|XSIMD_INCLUDE_DIR|BY_FETCHCONTENT|LIBDYN_(SOURCE|EXAMPLES)|FETCHCONTENT_[A-Z_]+'
 printf '%s\n' 'cmake_minimum_required(VERSION 3.25)' 'project(user LANGUAGES CXX)' 'include(GNUInstallDirs)' >"$work/plain/CMakeLists.txt"
 cmake -S "$work/plain" -B "$work/plain" -G Ninja >/dev/null

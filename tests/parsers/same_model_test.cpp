@@ -98,9 +98,11 @@ TEST_CASE("a closed loop moves the same in every format", "[parser]") {
   for (const std::string format : four_bar.formats) {
     INFO(format);
     if (!built(format)) continue;
-    const CompactModel model = compile(read(four_bar, format), registry(), {.dissipation = false});
+    Model description = read(four_bar, format);
+    for (ConstraintDescription& loop : description.constraints) loop.baumgarte = {};  // a file's solver has it, not the mechanism
+    const CompactModel model = compile(description, registry(), {.dissipation = false});
     const ConstraintSet set(model);
-    REQUIRE(set.rows() == 5);
+    REQUIRE(set.rows() == (format == "mjcf" ? 3 : 5));  // MuJoCo connects points, which makes a hinge in a plane
     Data data(model, Need::mass_matrix);
     ConstraintData constraints(set);
     Eigen::VectorXd q(3), v(3);

@@ -134,7 +134,7 @@ TEST_CASE("a robot that urdfdom has parsed becomes the model that the reader mak
       const dyn::urdf::Options options{.root = root, .inertias = Inertias::any};
       const Model ours = dyn::urdf::load(path, options), model = dyn::urdf::fromUrdfdom(*theirs, options);
       for (const Difference& d : differences(ours, model, 1e-14))
-        FAIL_CHECK(d.topic << " " << d.name << " " << d.what << ": " << d.a << " | " << d.b);
+        if (!(replaces_shapes && d.what == "shape")) FAIL_CHECK(d.topic << " " << d.name << " " << d.what << ": " << d.a << " | " << d.b);
       REQUIRE(ours.bodies.size() == model.bodies.size());
       for (std::size_t i = 0; i < ours.bodies.size(); ++i) CHECK(ours.bodies[i].name == model.bodies[i].name);
       CHECK(model.bodies.back().where.line == 0);

@@ -54,7 +54,7 @@ TEST_CASE("dyn --version names the library, the instruction set and the plugin i
   const Answer a = run("--version");
   CHECK(a.code == 0);
   CHECK_THAT(a.out, containing("dyn 0.") && containing(" (") && containing("instruction set ") && containing("plugin interface ") &&
-                        containing("reads urdf, json"));
+                        containing("reads urdf, mjcf, json"));
 }
 
 TEST_CASE("a word that is no subcommand is named, with those that there are", "[command]") {

@@ -248,7 +248,7 @@ void addDescription(py::module_& m) {
   m.def(
       "parse",
       [](const std::string& text, const std::string& name, const std::string& r, const std::string& mi, const std::string& o, const std::string& c,
-         const std::string& i, const std::string& ve) { return urdf::parse(text, name, optionsOf(r, mi, o, c, i, ve)); },
+         const std::string& i, const std::string& ve) { return urdf::parse(text, name, optionsOf(r, mi, o, c, i, "beside", ve)); },
       py::arg("text"), py::arg("name") = "<text>", root, mimic, order, continuous, inertias, versions,
       "Reads a robot from the text of a URDF file. Messages call the text `name`. The options are those of load().");
   m.def(
