@@ -96,7 +96,8 @@ const std::vector<Row>& rows() {
 
 std::string listed() {
   std::string out;
-  for (const Row& row : rows()) out += (out.empty() ? "" : ", ") + std::string(row.name) + " (" + row.endings.front() + ")";
+  for (const Row& row : rows())
+    if (row.parse != nullptr) out += (out.empty() ? "" : ", ") + std::string(row.name) + " (" + row.endings.front() + ")";
   return out;
 }
 

@@ -55,7 +55,8 @@ TEST_CASE("a format that this libdyn was built without is refused, with what is 
     CHECK_THROWS_WITH(load(path), containing(path) && containing(format.name == "xacro" ? "run `xacro " + path : "DYN_BUILD_"));
     CHECK(check(path).size() == 1);
   }
-  CHECK(std::any_of(modelFormats().begin(), modelFormats().end(), [](const ModelFormat& f) { return f.name == "urdf"; }));
+  const std::vector<ModelFormat> formats = modelFormats();
+  CHECK(std::any_of(formats.begin(), formats.end(), [](const ModelFormat& f) { return f.name == "urdf"; }));
 }
 
 TEST_CASE("a file of no known format is refused, and the message says which there are", "[parser]") {

@@ -10,8 +10,8 @@
 
 namespace dyn::mjcf {
 
-/// Reads a robot. Every `<body>` becomes a body, whose frame is MuJoCo's. Joints of one body become a chain of bodies without mass, and so does a joint
-/// that is not at the body's origin. A root joint other than "fixed" goes to the only body of the world, if that body has no joint. The options
+/// Reads a robot. Every `<body>` becomes a body, whose frame is MuJoCo's. Joints of one body become a chain of bodies without mass, and so does a
+/// joint that is not at the body's origin. A root joint other than "fixed" goes to the only body of the world, if that body has no joint. The options
 /// mimic, order and continuous have no effect: qpos decides. Throws Error(file | syntax | model), and Error(argument) for a root joint that cannot be
 /// added.
 DYN_API Model load(const std::string& path, const LoadOptions& options = {});

@@ -10,9 +10,9 @@
 namespace dyn::urdf {
 
 /// Returns the Model that load() makes of the same file, up to the last digit of rotations, which urdfdom keeps as quaternions. It has no lines of
-/// the file in messages, and nothing that urdfdom does not read: libdyn's extension, `<collision_checking>`, cones, half-spaces, octrees; and capsules
-/// and limits of acceleration only as far as that version of urdfdom has them. Siblings are in the order of their names, whatever options.order says.
-/// Throws Error(model | syntax) as load().
+/// the file in messages, and nothing that urdfdom does not read: libdyn's extension, `<collision_checking>`, cones, half-spaces, octrees; and
+/// capsules and limits of acceleration only as far as that version of urdfdom has them. Siblings are in the order of their names, whatever
+/// options.order says. Throws Error(model | syntax) as load().
 DYN_API Model fromUrdfdom(const ::urdf::ModelInterface& robot, const Options& options = {});
 
 }  // namespace dyn::urdf
