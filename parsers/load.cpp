@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
+#include "common/reader.hpp"
+
 #include <dyn/file.hpp>
 #include <dyn/near_names.hpp>
 #include <dyn/parsers/load.hpp>
@@ -50,16 +52,7 @@ bool isLua(const std::string& text) {
 }
 bool never(const std::string&) { return false; }
 
-void refuseRoot(const std::string& path, const LoadOptions& options) {
-  if (options.root != LoadOptions().root)
-    throw Error(ErrorCode::argument, "has its own joint between world and robot, so that the root joint '" + options.root + "' does not apply",
-                {path, 0, ""});
-}
-
-Model parseJson(const std::string& text, const std::string& path, const LoadOptions& options) {
-  refuseRoot(path, options);
-  return json::parse(text, path);
-}
+Model parseJson(const std::string& text, const std::string& path, const LoadOptions&) { return json::parse(text, path); }
 
 /// A format's row of the table: how its files are recognised, and its reader.
 struct Row {
@@ -70,6 +63,7 @@ struct Row {
   Model (*parse)(const std::string& text, const std::string& path, const LoadOptions& options);
   std::vector<Error> (*check)(const std::string& path, const LoadOptions& options);  ///< null: the reader stops at the first error
   const char* missing;                                                               ///< why there is no reader
+  bool has_root = false;  ///< models have their joint between world and robot, so that no root joint applies
 };
 
 constexpr std::uintmax_t usual = largest_model_file;
@@ -78,7 +72,7 @@ const std::vector<Row>& rows() {
   static const std::vector<Row> table{
       {"urdf", {".urdf"}, isUrdf, usual, urdf::parse, urdf::check, ""},
       {"mjcf", {".mjcf"}, isMjcf, usual, mjcf::parse, mjcf::check, ""},
-      {"json", {".json"}, isJson, json::largest_file, parseJson, nullptr, ""},
+      {"json", {".json"}, isJson, json::largest_file, parseJson, nullptr, "", true},
 #ifdef DYN_HAS_SDF
       {"sdf", {".sdf", ".world"}, isSdf, usual, sdf::parse, nullptr, ""},
 #else
@@ -110,40 +104,47 @@ const Row& rowNamed(const std::string& name, const std::string& path) {
   throw Error(ErrorCode::argument, "there is no format '" + name + "'" + nearNames(name, names) + "; formats are " + listed(), {path, 0, ""});
 }
 
-/// A file whose format is known. Its text is read where that was needed to know it.
+/// Returns the row of the format that is given, or that the file's ending tells; null if neither does.
+const Row* rowByName(const std::string& path, const std::string& format) {
+  if (!format.empty()) return &rowNamed(format, path);
+  for (const Row& row : rows())
+    if (std::any_of(row.endings.begin(), row.endings.end(), [&](const std::string& e) { return path.ends_with(e); })) return &row;
+  return nullptr;
+}
+
+const Row& rowByContent(const std::string& text, const std::string& path) {
+  for (const Row& row : rows())
+    if (row.recognises(text)) return row;
+  if (text.empty()) throw Error(ErrorCode::syntax, "is empty", {path, 0, ""});
+  const std::string root(rootElement(text).substr(0, 40));
+  throw Error(
+      ErrorCode::syntax,
+      (root.empty() ? "is no model by its ending or content" : "is another format: its root element is <" + root + ">") + "; formats are " + listed(),
+      {path, 0, ""});
+}
+
+/// A file whose format is known.
 struct Opened {
   const Row& row;
   std::string text;
 };
 
-/// Finds a file's format: the one that is given, or by the ending, or by the content.
-Opened open(const std::string& path, const std::string& format, bool wants_text) {
-  const Row* row = format.empty() ? nullptr : &rowNamed(format, path);
-  for (const Row& candidate : rows())
-    if (row == nullptr && std::any_of(candidate.endings.begin(), candidate.endings.end(), [&](const std::string& e) { return path.ends_with(e); }))
-      row = &candidate;
+/// Finds a file's format. Reads the file for that if need be, or if it is `wanted` with these options.
+Opened open(const std::string& path, const std::string& format, const LoadOptions* wanted) {
+  const Row* row = rowByName(path, format);
   std::string text;
   if (row == nullptr) {
     text = readFile(path, json::largest_file);
-    for (const Row& candidate : rows())
-      if (row == nullptr && candidate.recognises(text)) row = &candidate;
-    if (row == nullptr && text.empty()) throw Error(ErrorCode::syntax, "is empty", {path, 0, ""});
-    if (row == nullptr) {
-      const std::string root(rootElement(text).substr(0, 40));
-      throw Error(ErrorCode::syntax,
-                  (root.empty() ? "is no model by its ending or content" : "is another format: its root element is <" + root + ">") +
-                      "; formats are " + listed(),
-                  {path, 0, ""});
-    }
+    row = &rowByContent(text, path);
     if (text.size() > row->largest) readFile(path, row->largest);  // says so
-  } else if (wants_text && row->parse != nullptr) {
-    text = readFile(path, row->largest);
   }
   if (row->parse == nullptr) {
     std::string why = row->missing;
     if (const std::size_t at = why.find("FILE"); at != std::string::npos) why.replace(at, 4, path);
     throw Error(row->recognises == never ? ErrorCode::syntax : ErrorCode::argument, why, {path, 0, ""});
   }
+  if (wanted != nullptr && row->has_root && wanted->root != LoadOptions().root) reader::refuseRoot(wanted->root, path);
+  if (wanted != nullptr && text.empty()) text = readFile(path, row->largest);
   return {*row, std::move(text)};
 }
 
@@ -156,15 +157,13 @@ std::vector<ModelFormat> modelFormats() {
 }
 
 Model load(const std::string& path, const LoadOptions& options, const std::string& format) {
-  // Said before the file is read, as its name tells it.
-  if (format == "json" || (format.empty() && path.ends_with(".json"))) refuseRoot(path, options);
-  const Opened file = open(path, format, true);
+  const Opened file = open(path, format, &options);
   return file.row.parse(file.text, path, options);
 }
 
 std::vector<Error> check(const std::string& path, const LoadOptions& options, const std::string& format) {
   try {
-    const Opened file = open(path, format, false);
+    const Opened file = open(path, format, nullptr);
     if (file.row.check != nullptr) return file.row.check(path, options);
     load(path, options, file.row.name);
     return {};

@@ -88,9 +88,13 @@ Mat3<double> nearestRotation(const Mat3<double>& M, const std::string& what, con
   return out;
 }
 
-std::string freeName(std::string name, std::map<std::string, int>& taken) {
-  while (!taken.emplace(name, 0).second) name += '_';
+std::string freeName(std::string name, std::set<std::string>& taken) {
+  while (!taken.insert(name).second) name += '_';
   return name;
+}
+
+void refuseRoot(const std::string& root, const std::string& file, const char* why) {
+  throw Error(ErrorCode::argument, std::string(why) + ", so that the root joint '" + root + "' does not apply", {file, 0, ""});
 }
 
 }  // namespace dyn::reader

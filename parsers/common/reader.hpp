@@ -6,6 +6,7 @@
 #include <dyn/parsers/options.hpp>
 
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -41,6 +42,9 @@ void judgeInertia(const Inertia<double>& Y, const std::string& body, Inertias in
 Mat3<double> nearestRotation(const Mat3<double>& M, const std::string& what, const Where& where);
 
 /// Returns a name that is not in `taken`, made from `name` by appending "_", and adds it.
-std::string freeName(std::string name, std::map<std::string, int>& taken);
+std::string freeName(std::string name, std::set<std::string>& taken);
+
+/// Throws Error(argument) that says why the robot in `file` takes no root joint.
+[[noreturn]] void refuseRoot(const std::string& root, const std::string& file, const char* why = "has its own joint between world and robot");
 
 }  // namespace dyn::reader

@@ -94,7 +94,7 @@ std::vector<NamedConstraints> readConstraintSets(const Value& sets, const Model&
   if (!sets.exists()) return out;
   for (const std::string& name : sets.names()) {
     NamedConstraints read{name, {}};
-    std::map<std::string, int> taken;
+    std::set<std::string> taken;
     const Value set = sets[name.c_str()];
     for (int k = 1, count = set.length(); k <= count; ++k) {
       const Value constraint = set[k];

@@ -195,8 +195,7 @@ class Reader {
     for (Entry& entry : entries_) {
       JointDescription& joint = entry.body.joint;
       if (!joint.name.empty()) continue;
-      joint.name = entry.body.name + "_joint";
-      while (!taken.insert(joint.name).second) joint.name += '_';
+      joint.name = reader::freeName(entry.body.name + "_joint", taken);
       joint.where.joint = joint.name;
     }
   }
@@ -208,9 +207,7 @@ class Reader {
     int roots = 0;
     for (Entry& entry : entries_)
       if (entry.parent < 0 && ++roots > 0) root = &entry;
-    if (roots != 1 || root->body.joint.type != "fixed")
-      throw Error(ErrorCode::argument, "has its own joint between world and robot, so that the root joint '" + options_.root + "' does not apply",
-                  {sandbox_.file(), 0, ""});
+    if (roots != 1 || root->body.joint.type != "fixed") reader::refuseRoot(options_.root, sandbox_.file());
     root->body.joint.type = options_.root;
   }
 
@@ -228,14 +225,14 @@ class Reader {
       entry.body.parent = entry.parent < 0 ? 0 : body_of[static_cast<std::size_t>(entry.parent)];
       const int body = body_of[static_cast<std::size_t>(k)] = static_cast<int>(model_.bodies.size());
       names_.bodies[entry.body.name] = body;
-      taken_[entry.body.name] = 0;
+      taken_.insert(entry.body.name);
       for (GeometryDescription& volume : entry.visuals) {
         volume.body = body;
         model_.geometries.push_back(std::move(volume));
       }
       model_.bodies.push_back(std::move(entry.body));
     }
-    taken_[model_.bodies[0].name] = 0;
+    taken_.insert(model_.bodies[0].name);
     for (std::size_t k = 0; k < entries_.size(); ++k)
       for (const auto& [name, point] : entries_[k].markers) addFrame(name, body_of[k], {Mat3<double>::identity(), point});
   }
@@ -298,7 +295,7 @@ class Reader {
   Model model_;
   std::vector<Entry> entries_;
   Names names_;
-  std::map<std::string, int> taken_;  ///< names of bodies and frames
+  std::set<std::string> taken_;  ///< names of bodies and frames
   std::vector<NamedConstraints> sets_;
 };
 

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "mesh.hpp"
-#include "notes.hpp"
+#include "xml/notes.hpp"
 
 namespace dyn::mjcf {
 
@@ -13,7 +13,7 @@ struct Context {
   const Settings& settings;
   const Defaults& defaults;
   Meshes& meshes;
-  Notes& notes;
+  xml::Notes& notes;
 };
 
 struct Geom {

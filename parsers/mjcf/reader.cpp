@@ -27,7 +27,7 @@ Model read(const std::string& text, const std::string& name, const LoadOptions& 
   const Settings settings = readSettings(source);
   const Defaults defaults(source);
   Meshes meshes(source, settings);
-  Notes notes;
+  xml::Notes notes;
   const Context context{source, settings, defaults, meshes, notes};
   const DefaultClass& main = defaults.find("", source.root());
   source.forEach(source.root(), [&](const XMLElement& asset) {

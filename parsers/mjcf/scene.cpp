@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
+#include "common/reader.hpp"
 #include "names.hpp"
 
 #include <cmath>
@@ -268,19 +269,16 @@ class SceneReader {
   /// Gives the root joint of the options to the only body of the world.
   void addRoot() {
     if (options_.root == LoadOptions().root) return;
-    const auto refuse = [&](const std::string& why) {
-      throw Error(ErrorCode::argument, why + ", so that the root joint '" + options_.root + "' does not apply",
-                  {c_.source.of(c_.source.root()).file(), 0, ""});
-    };
+    const std::string& file = c_.source.of(c_.source.root()).file();
     std::size_t root = 0;
     for (std::size_t i = 1; i < scene_.bodies.size(); ++i) {
       if (parents_[i - 1] != 0) continue;
-      if (root != 0) refuse("has several bodies in the world");
+      if (root != 0) reader::refuseRoot(options_.root, file, "has several bodies in the world");
       root = i;
     }
-    if (root == 0) refuse("has no body");
+    if (root == 0) reader::refuseRoot(options_.root, file, "has no body");
     JointDescription& joint = model_.bodies[scene_.bodies[root].first].joint;
-    if (joint.type != "fixed") refuse("has its own joint between world and robot");
+    if (joint.type != "fixed") reader::refuseRoot(options_.root, file);
     joint.type = options_.root;
     joint.name = "root_joint";
     while (scene_.joint.count(joint.name)) joint.name += '_';

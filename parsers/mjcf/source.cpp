@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "source.hpp"
 
+#include "common/paths.hpp"
+
 #include <dyn/file.hpp>
 
 #include <cstring>
@@ -9,15 +11,9 @@
 namespace dyn::mjcf {
 
 namespace fs = std::filesystem;
+using reader::resolvedPath;
 
 namespace {
-
-/// Returns a path without links and "..", also if its last parts do not exist.
-fs::path resolved(const fs::path& path) {
-  std::error_code error;
-  fs::path out = fs::weakly_canonical(path, error);
-  return error ? fs::absolute(path).lexically_normal() : out;
-}
 
 bool isThere(const fs::path& path) {
   std::error_code error;
@@ -32,7 +28,7 @@ bool isFile(const fs::path& path) {
 
 Source::Source(const std::string& text, const std::string& file, Files files)
     : folder_(fs::path(file).parent_path().string()), files_(files), bytes_(text.size()) {
-  seen_.emplace(resolved(file).string(), Where{file, 0, ""});
+  seen_.emplace(resolvedPath(file).string(), Where{file, 0, ""});
   add(std::make_unique<xml::Document>(text, file, "mujoco"));
   findIncludes(*documents_.front(), 0);
 }
@@ -43,13 +39,9 @@ void Source::add(std::unique_ptr<xml::Document> document) {
 }
 
 void Source::checkAllowed(const XMLElement& e, const std::string& path) const {
-  if (files_ == Files::beside) {
-    const fs::path own = resolved(folder_.empty() ? fs::path(".") : fs::path(folder_));
-    const fs::path inside = resolved(path).lexically_relative(own);
-    if (inside.empty() || *inside.begin() == "..")
-      fail(e, "names the file '" + path + "', which is outside the model's folder; Files::anywhere (--files anywhere) reads it all the same",
-           ErrorCode::file);
-  }
+  if (files_ == Files::beside && !reader::isInside(path, resolvedPath(folder_.empty() ? "." : folder_)))
+    fail(e, "names the file '" + path + "', which is outside the model's folder; Files::anywhere (--files anywhere) reads it all the same",
+         ErrorCode::file);
   if (!isThere(path)) fail(e, "names the file '" + path + "', which does not exist", ErrorCode::file);
   if (!isFile(path)) fail(e, "names '" + path + "', which is not a file", ErrorCode::file);
 }
@@ -63,7 +55,7 @@ void Source::include(const XMLElement& e, int depth) {
   if (!isThere(file)) file = fs::path(folder_) / name;
   const std::string path = file.string();
   checkAllowed(e, path);
-  if (const auto [first, is_new] = seen_.emplace(resolved(path).string(), where(e)); !is_new)
+  if (const auto [first, is_new] = seen_.emplace(resolvedPath(path).string(), where(e)); !is_new)
     fail(e,
          first->second.line == 0 ? "the file '" + name + "' includes itself"
                                  : "the file '" + name + "' is included twice; the other <include> is at " + first->second.file + ":" +

@@ -85,7 +85,7 @@ const Element* elementOf(const char* parent, const char* name) {
 
 class Scan {
  public:
-  Scan(const Source& source, Notes& notes) : s_(source), notes_(notes) {}
+  Scan(const Source& source, xml::Notes& notes) : s_(source), notes_(notes) {}
 
   void run() {
     struct Entry {
@@ -121,7 +121,7 @@ class Scan {
   void count(const std::string& what, const XMLElement& at) { notes_.count("ignored: " + what, s_.where(at)); }
 
   const Source& s_;
-  Notes& notes_;
+  xml::Notes& notes_;
 };
 
 }  // namespace
@@ -131,6 +131,6 @@ bool reads(const std::string& kind, const char* attribute) {
   return found != vocabulary().end() && found->second.read.count(attribute);
 }
 
-void noteUnread(const Source& source, Notes& notes) { Scan(source, notes).run(); }
+void noteUnread(const Source& source, xml::Notes& notes) { Scan(source, notes).run(); }
 
 }  // namespace dyn::mjcf

@@ -2,8 +2,8 @@
 // The elements and attributes that the reader knows. Everything else becomes a note.
 #pragma once
 
-#include "notes.hpp"
 #include "source.hpp"
+#include "xml/notes.hpp"
 
 namespace dyn::mjcf {
 
@@ -12,6 +12,6 @@ bool reads(const std::string& kind, const char* attribute);
 
 /// Counts each kind of element and attribute that nothing reads. Those of the appearance (colours, textures, lights) and of MuJoCo's memory are not
 /// counted. Elements that are not read are not entered.
-void noteUnread(const Source& source, Notes& notes);
+void noteUnread(const Source& source, xml::Notes& notes);
 
 }  // namespace dyn::mjcf

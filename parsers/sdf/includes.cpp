@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "includes.hpp"
 
+#include "common/paths.hpp"
 #include "vocabulary.hpp"
 #include "xml/document.hpp"
 
@@ -14,23 +15,13 @@
 namespace dyn::sdf {
 
 namespace fs = std::filesystem;
+using reader::isInside;
+using reader::resolvedPath;
 using tinyxml2::XMLElement;
 
 namespace {
 
 constexpr int deepest = 50;  ///< includes in includes
-
-/// Returns a path without links and "..", also if its last parts do not exist.
-fs::path resolvedPath(const fs::path& path) {
-  std::error_code error;
-  const fs::path out = fs::weakly_canonical(path, error);
-  return error ? fs::absolute(path).lexically_normal() : out;
-}
-
-bool isInside(const fs::path& path, const fs::path& folder) {
-  const fs::path inside = resolvedPath(path).lexically_relative(folder);
-  return !inside.empty() && *inside.begin() != "..";
-}
 
 /// Whether a <uri> is that of an <include> which libsdformat follows.
 bool isInclude(const XMLElement& uri) {

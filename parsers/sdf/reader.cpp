@@ -192,9 +192,7 @@ class Reader {
         if (!links_[k].is_static) ++free_roots_;
         spread(static_cast<int>(k));
       }
-    if (free_roots_ == 0 && c_.options.root != LoadOptions().root)
-      throw Error(ErrorCode::argument, "has its own joint between world and robot, so that the root joint '" + c_.options.root + "' does not apply",
-                  {c_.sources.original(""), 0, ""});
+    if (free_roots_ == 0 && c_.options.root != LoadOptions().root) reader::refuseRoot(c_.options.root, c_.sources.original(""));
     if (free_roots_ > 0 && c_.options.root == "fixed")
       c_.notes.add(std::to_string(free_roots_) + (free_roots_ == 1 ? " link that no joint carries is" : " links that no joint carries are") +
                    " fixed to the world by the root joint; SDF lets such a model move freely (--root free_flyer)");
@@ -203,15 +201,10 @@ class Reader {
   JointDescription rootJoint(const LinkRead& link) {
     JointDescription joint;
     joint.type = link.is_static ? "fixed" : c_.options.root;
-    joint.name = freeJointName(!link.is_static && free_roots_ == 1 ? "root_joint" : link.name + "_root_joint");
+    joint.name = reader::freeName(!link.is_static && free_roots_ == 1 ? "root_joint" : link.name + "_root_joint", joint_names_);
     joint.placement = link.pose;
     joint.where = c_.where(*link.link, joint.name);
     return joint;
-  }
-
-  std::string freeJointName(std::string name) {
-    while (!joint_names_.insert(name).second) name += '_';
-    return name;
   }
 
   void addBodies() {
@@ -241,7 +234,7 @@ class Reader {
         const int frame = model_.addBody(read.name, parent, std::move(motion.joint));
         model_.bodies.back().where = c_.where(*read.joint);
         JointDescription weld;
-        weld.name = freeJointName(read.name + "_to_link");
+        weld.name = reader::freeName(read.name + "_to_link", joint_names_);
         weld.placement = (link.reversed ? read.in_parent : read.in_child).inverse();
         weld.where = c_.where(*read.joint, weld.name);
         link.body = model_.addBody(link.name, frame, weld, inertia);

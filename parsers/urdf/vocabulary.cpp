@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "vocabulary.hpp"
 
+#include "xml/notes.hpp"
+
 #include <algorithm>
 #include <cstring>
 #include <utility>
@@ -38,9 +40,7 @@ class Scan {
         }
       }
     }
-    for (const auto& [what, found] : unread_)
-      d_.notes().push_back("ignored: " + what + ", " + std::to_string(found.first) + (found.first == 1 ? " time" : " times") + ", first at line " +
-                           std::to_string(found.second));
+    for (std::string& note : unread_.lines(d_.file())) d_.notes().push_back(std::move(note));
   }
 
  private:
@@ -55,14 +55,11 @@ class Scan {
       if (!has(known.attributes, a->Name()) && std::strncmp(a->Name(), "xmlns", 5) != 0)
         count(std::string("attribute ") + a->Name() + " of <" + e.Name() + ">", e);
   }
-  void count(const std::string& what, const XMLElement& at) {
-    auto& [times, line] = unread_[what];
-    line = times++ == 0 ? at.GetLineNum() : std::min(line, at.GetLineNum());
-  }
+  void count(const std::string& what, const XMLElement& at) { unread_.count("ignored: " + what, d_.where(at)); }
 
   const Document& d_;
   const Vocabulary& words_;
-  std::map<std::string, std::pair<int, int>> unread_;  ///< what -> how often, first line
+  xml::Notes unread_;
 };
 
 }  // namespace

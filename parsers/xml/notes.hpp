@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace dyn::mjcf {
+namespace dyn::xml {
 
 class Notes {
  public:
@@ -25,4 +25,4 @@ class Notes {
   std::map<std::string, Found> found_;
 };
 
-}  // namespace dyn::mjcf
+}  // namespace dyn::xml

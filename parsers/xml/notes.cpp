@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "notes.hpp"
 
-namespace dyn::mjcf {
+namespace dyn::xml {
 
 void Notes::count(const std::string& what, const Where& here) {
   Found& found = found_[what];
@@ -16,4 +16,4 @@ std::vector<std::string> Notes::lines(const std::string& main) const {
   return out;
 }
 
-}  // namespace dyn::mjcf
+}  // namespace dyn::xml
