@@ -3,6 +3,9 @@
 
 #include "fuzz.hpp"
 
+#include <dyn/geometry/collision.hpp>
+#include <dyn/geometry/distance.hpp>
+
 #include <algorithm>
 #include <cmath>
 
@@ -109,6 +112,18 @@ void exercise(const Model& description, const CompactModel& model, std::uint64_t
     rnea(model, batch, Q, V, V);
     aba(model, batch, Q, V, V);
   });
+}
+
+void exerciseVolumes(const Model& description, const CompactModel& model) {
+  GeometryOptions options;
+  options.missing = GeometryOptions::Missing::skip;
+  const GeometryModel geometry = compileGeometry(model, description, options);
+  if (geometry.pairs().size() > 100) return;
+  Data state(model);
+  GeometryData volumes(geometry);
+  updateGeometryPlacements(model, state, geometry, volumes, neutral(model));
+  computeCollisions(geometry, volumes);
+  computeDistances(geometry, volumes);
 }
 
 }  // namespace dyn::fuzz

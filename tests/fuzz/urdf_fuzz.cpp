@@ -3,8 +3,6 @@
 #include "exercise.hpp"
 #include "fuzz.hpp"
 
-#include <dyn/geometry/collision.hpp>
-#include <dyn/geometry/distance.hpp>
 #include <dyn/parsers/urdf.hpp>
 
 using namespace dyn;
@@ -20,15 +18,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const Model description = urdf::parse(text, "fuzz.urdf", options);
     const CompactModel model = compile(description, registry);
     fuzz::exercise(description, model, size);
-    GeometryOptions geometry_options;
-    geometry_options.missing = GeometryOptions::Missing::skip;
-    const GeometryModel geometry = compileGeometry(model, description, geometry_options);
-    if (geometry.pairs().size() > 100) return;
-    Data state(model);
-    GeometryData volumes(geometry);
-    updateGeometryPlacements(model, state, geometry, volumes, neutral(model));
-    computeCollisions(geometry, volumes);
-    computeDistances(geometry, volumes);
+    fuzz::exerciseVolumes(description, model);
   });
   return 0;
 }
