@@ -12,7 +12,7 @@ mkdir -p "$work"
 export PKG_CONFIG_PATH=$(dirname "$(find "$prefix" -name libdyn.pc)")
 read -r -a libdyn <<<"$(pkg-config --cflags --libs libdyn-geometry libdyn-parsers) -Wl,-rpath,$(pkg-config --variable=libdir libdyn)"
 
-variants=("g++ -O1" "g++ -O2 -march=native" "g++ -O1 -DNDEBUG" "g++ -O0 -DEIGEN_MAX_ALIGN_BYTES=0" "g++ -O1 -DEIGEN_MAX_ALIGN_BYTES=64 -march=native")
+variants=("g++ -O1" "g++ -O2 -march=native -DNDEBUG" "g++ -O0 -DEIGEN_MAX_ALIGN_BYTES=0" "g++ -O1 -DEIGEN_MAX_ALIGN_BYTES=64 -march=native")
 if echo 'int main() {}' | clang++-16 -fsanitize=address -x c++ - -o "$work/probe" 2>/dev/null; then
   variants+=("clang++-16 -O1" "clang++-16 -O2 -march=native -DNDEBUG")
 else

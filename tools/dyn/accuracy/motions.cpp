@@ -95,9 +95,10 @@ MotionProblem falling(const Specimen& x) {
 
 std::vector<MotionProblem> problemsOf(const std::vector<Specimen>& specimens, const JointRegistry& registry, bool quick) {
   std::vector<MotionProblem> out;
+  const double part = quick ? 0.2 : 1;  // of each motion's time
   const auto add = [&](const std::string& name, const std::string& about, const Model& description, const State& start, double time) {
     const CompactModel model = compile(description, registry);
-    out.push_back({name, about, model, start, time, {}});
+    out.push_back({name, about, model, start, part * time, {}});
     follow(Oracle(description, model), out.back());
   };
   const auto vector = [](std::initializer_list<double> x) {
@@ -117,7 +118,7 @@ std::vector<MotionProblem> problemsOf(const std::vector<Specimen>& specimens, co
     // All cranks turn as one crank with their inertia does. So the loop's motion is known from a model without a loop.
     const Model description = fourBars(1), crank = fourBarsCrank(1);
     const CompactModel model = compile(description, registry), single = compile(crank, registry);
-    MotionProblem one{"", "", single, {}, 10, {}};
+    MotionProblem one{"", "", single, {}, part * 10, {}};
     one.start.q = vector({0});
     one.start.v = vector({-1});
     follow(Oracle(crank, single), one);
