@@ -55,7 +55,7 @@ void computeInThreads(const Work& work, const std::function<std::int64_t(const D
     });
 }
 
-/// What rank 0 knows of the sweep.
+/// The state of the sweep, as rank 0 knows it.
 class Overseer {
  public:
   Overseer(const Work& work, const std::vector<std::int64_t>& missing)

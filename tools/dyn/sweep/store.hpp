@@ -23,7 +23,7 @@ struct Chunk {
   std::vector<double> numbers;  ///< field after field; in each field sample after sample
 };
 
-/// What a sweep is. A sweep goes on only with the same manifest.
+/// The description of a sweep. A sweep goes on only with the same manifest.
 struct Manifest {
   std::string version, instruction_set, model_sha256, host;
   std::string study_name, study_folder;
@@ -71,7 +71,7 @@ class Store {
   /// Reads a chunk. Throws Error(file | syntax) if it is damaged.
   Chunk read(const Manifest& manifest, std::int64_t number, std::size_t numbers_a_sample) const;
   void removeChunks() const;
-  /// What `dyn sweep --status` prints.
+  /// Returns the output of `dyn sweep --status`.
   Json status() const;
 
  private:

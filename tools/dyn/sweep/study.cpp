@@ -80,6 +80,7 @@ std::string withMembers(std::string text, const CLI::App& app) {
   for (const CLI::Option* option : app.get_options())
     for (const std::string& name : option->get_lnames())
       for (std::size_t at; (at = text.find("--" + name)) != std::string::npos;) text.replace(at, name.size() + 2, memberOf(*option));
+  if (const std::size_t at = text.find("MODEL"); at != std::string::npos) text.replace(at, 5, "model");
   return text;
 }
 

@@ -45,6 +45,13 @@ bool asksForLimits(const json::Value& value) {
   return value.json().is_object() && value.json().size() == 1 && value.has("uniform") && value["uniform"].json() == "limits";
 }
 
+/// The names of the joints, without the world.
+std::vector<std::string> jointNames(const CompactModel& model) {
+  std::vector<std::string> names = namesOf(model.joints());
+  names.erase(names.begin());
+  return names;
+}
+
 Distribution ofState(const json::Value& value, Kind kind, const CompactModel& model, int first, int size) {
   if (!asksForLimits(value)) return readDistribution(value, size);
   const ModelLimits& limits = model.limits();
@@ -109,7 +116,7 @@ void Variation::readState(const json::Value& value, Kind kind, const std::string
     if (value.json().size() != 1) value.fail("with 'joints' it has no other member");
     value["joints"].eachMember([&](const std::string& joint, const json::Value& entry) {
       const int index = model_.findJoint(joint);
-      if (index < 1) unknownName(value["joints"], "moving joint", joint, namesOf(model_.joints()));
+      if (index < 1) unknownName(value["joints"], "moving joint", joint, jointNames(model_));
       const JointRecord& record = model_.joints()[static_cast<std::size_t>(index)];
       if (record.nv == 0) entry.fail("the joint depends on another one");
       quantity.parts.push_back({record.idx_v, ofState(entry, kind, model_, record.idx_v, record.nv)});
@@ -149,7 +156,7 @@ void Variation::readBodies(const json::Value& value, const Model& description) {
 void Variation::readJoints(const json::Value& value, const Model& description, bool dissipation) {
   value.eachMember([&](const std::string& joint, const json::Value& entry) {
     const int body = description.findJoint(joint), index = model_.findJoint(joint);
-    if (body < 1 || index < 1) unknownName(value, "moving joint", joint, namesOf(model_.joints()));
+    if (body < 1 || index < 1) unknownName(value, "moving joint", joint, jointNames(model_));
     const int nv = model_.joints()[static_cast<std::size_t>(index)].nv;
     if (nv == 0) entry.fail("the joint depends on another one");
     entry.only({"damping", "friction", "armature"});

@@ -9,7 +9,7 @@
 
 namespace dyn::tool::sweep {
 
-/// What varies in one sample.
+/// The values of one sample.
 struct Inputs {
   Eigen::VectorXd q, v, a, tau;  ///< neutral and zero, unless they vary
   std::vector<double> values;    ///< of all quantities, one after another; q with its nq coordinates

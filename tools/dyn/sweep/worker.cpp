@@ -34,7 +34,7 @@ void Worker::readSuccess() {
       first += f.size();
       return false;
     });
-    if (field == fields_.end()) unknownName(success, "result that is kept", name, namesOf(fields_));
+    if (field == fields_.end()) unknownName(success, "kept result", name, namesOf(fields_));
     std::vector<json::Value> ends;
     value.each([&](const json::Value& end) { ends.push_back(end); });
     if (ends.size() != 2) value.fail("must be [low, high]");
