@@ -27,6 +27,8 @@ complete_line "demo diff" dyn d
 complete_line "--q --quiet" dyn compute --q
 complete_line "list check new" dyn plugin ""
 complete_line "--integrator" dyn simulate --int
+complete_line "simulate sweep" dyn s
+complete_line "--replay --resume" dyn sweep --re
 complete_line "--integrator" dyn simulate robot.urdf --time 5 --int
 complete_line "semi_implicit_euler" dyn simulate --integrator se
 complete_line "semi_implicit_euler" dyn simulate --integrator = se
@@ -48,7 +50,7 @@ _dyn
 
 # Every option that --help lists is offered.
 offered=0
-for command in info simulate bench "plugin check"; do
+for command in info simulate sweep bench "plugin check"; do
   for option in $("$build/bin/dyn" $command --help | grep -oE '^ +(-[a-z],)?--[a-z-]+' | grep -oE -- '--[a-z-]+'); do
     complete_line_words=(dyn $command "$option")
     COMP_WORDS=("${complete_line_words[@]}") COMP_CWORD=$((${#complete_line_words[@]} - 1))

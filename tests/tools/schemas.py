@@ -95,6 +95,19 @@ with tempfile.TemporaryDirectory() as folder:
     for line in run("profile", biped, "--json").splitlines():
         valid("profile", json.loads(line), "a line of dyn profile --json")
 
+    study = folder + "/study.json"
+    with open(study, "w", encoding="utf-8") as file:
+        json.dump({"model": biped, "root": "free_flyer", "task": "simulate", "time": 0.002, "samples": 2, "keep": ["final", "inputs"],
+                   "success": {"v_final": [-9, 9]}, "vary": {"q": {"joints": {"left_knee": {"uniform": [0, 1]}}}, "v": {"normal": [0, 1]},
+                                                             "gravity": {"list": [[0, 0, -9.81], 0]}, "dt": {"grid": [0.001, 0.002, 2]}}}, file)
+    valid("study", read(study), "an input of dyn sweep")
+    refused("study", dict(read(study), vary={"q": {"unform": [0, 1]}}))
+    # dyn accepts what the schema does.
+    answer = subprocess.run([build + "/bin/dyn", "sweep", study, "--out", folder + "/sweep", "--quiet"], stderr=subprocess.PIPE, encoding="utf-8",
+                            stdout=subprocess.DEVNULL)
+    if answer.returncode and "without HDF5" not in answer.stderr:
+        sys.exit(f"dyn sweep refuses what the schema accepts: {answer.stderr}")
+
     run("simulate", *floating, "--time", "0.01", "--out", folder + "/out.json")
     valid("trajectory", read(folder + "/out.json"), "the output of dyn simulate")
     # A trajectory's first state can be where another simulation begins.

@@ -30,6 +30,7 @@ void addBench(CLI::App& app);
 void addProfile(CLI::App& app);
 void addPlugin(CLI::App& app);
 void addSimulate(CLI::App& app);
+void addSweep(CLI::App& app);
 void addTruth(CLI::App& app);
 /// These two describe all subcommands of the app, also those added after them.
 void addHelp(CLI::App& app);

@@ -53,6 +53,7 @@ int run(int argc, char** argv) {
   dyn::tool::addProfile(app);
   dyn::tool::addPlugin(app);
   dyn::tool::addSimulate(app);
+  dyn::tool::addSweep(app);
   dyn::tool::addTruth(app);
   dyn::tool::addHelp(app);
   dyn::tool::addCompletion(app);

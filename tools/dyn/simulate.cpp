@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // dyn simulate: a robot's motion through time, the change of its conserved quantities, and the speed of the computation.
 #include "commands.hpp"
-#include "contacts.hpp"
 #include "interrupt.hpp"
 #include "messages.hpp"
+#include "motion_options.hpp"
 #include "options.hpp"
 #include "progress.hpp"
 #include "trajectory.hpp"
-#include "volume_options.hpp"
 
 #include <dyn/file.hpp>
-#include <dyn/geometry/contact_finder.hpp>
 
 #include <report/svg.hpp>
 
@@ -26,50 +24,22 @@ namespace {
 
 constexpr std::size_t most_numbers = 1u << 28;  ///< in a trajectory kept in memory: 2 GiB
 
-struct SimulateOptions : ModelOptions {
-  std::string integrator = "rk4", state, named, out, plot, save, resume;
-  std::vector<std::string> contacts, ground;
-  VolumeOptions volumes;
-  double time = 1, dt = 1e-3, tolerance = 1e-8, every = 0, height = 0, friction = 0.8, restitution = 0;
-  bool limits = false, touching = false;
+struct SimulateOptions : MotionOptions {
+  std::string state, named, out, plot, save, resume;
+  double every = 0;
 
   void add(CLI::App& app) {
-    ModelOptions::add(app);
-    app.add_option("--time", time, "seconds to simulate")->check(notNegative())->capture_default_str();
-    app.add_option("--dt", dt, "seconds of a step; of the adaptive integrator the first one tried")->check(positive())->capture_default_str();
-    std::vector<std::string> names;
-    for (const IntegratorInfo& info : integrators()) names.emplace_back(info.name);
-    app.add_option("--integrator", integrator, "method")->check(CLI::IsMember(names))->capture_default_str();
-    app.add_option("--tolerance", tolerance, "of the adaptive integrator: error of a step [m, rad]")->check(positive())->capture_default_str();
+    MotionOptions::add(app);
     app.add_option("--state", state, "JSON file whose first sample is where to start; without it and --q at neutral and at rest")
         ->type_name("FILE")
         ->check(fileName());
     addNamedState(app, named, "--state");
-    app.add_option("--contacts", contacts, "hold FRAME:3d (a point) or FRAME:6d where it is (repeatable)")->delimiter(',');
-    app.add_option("--ground", ground, "frames whose origins touch the ground, a plane with z up (repeatable)")->delimiter(',');
-    app.add_option("--ground-height", height, "z of the ground [m]")->capture_default_str();
-    app.add_flag("--touching", touching, "bodies touch each other, and what --scene puts around them, by their collision volumes");
-    volumes.add(app);
-    for (const char* option : {"--scene", "--package", "--skip-missing"}) app.get_option(option)->needs("--touching");
-    app.add_option("--friction", friction, "of contacts")->check(notNegative())->capture_default_str();
-    app.add_flag("--limits", limits, "joints stop at their limits of position");
-    app.add_option("--restitution", restitution, "of impacts of contacts and with limits")->check(inRange(0, 1))->capture_default_str();
     app.add_option("--every", every, "seconds between the states of --out and --plot; without it a thousand of them, but no more than steps")
         ->check(notNegative());
     app.add_option("--out", out, "trajectory, .csv or .json")->type_name("FILE")->check(fileName({".csv", ".json"}, "trajectories"));
     app.add_option("--plot", plot, "picture of the configuration over time, SVG")->type_name("FILE")->check(fileName({".svg"}, "pictures"));
     app.add_option("--save", save, "write where the simulation ended, without loss")->type_name("FILE")->check(fileName());
     app.add_option("--resume", resume, "go on from there")->type_name("FILE")->check(fileName())->excludes("--state")->excludes("--q");
-  }
-
-  ConstraintSet constraints(const CompactModel& model) const { return {ConstraintSet(model), readContacts(contacts)}; }
-
-  /// Finds contacts with the ground, between volumes, or both; empty if the options ask for neither.
-  ContactFinder finder(const CompactModel& model, const Model& description) const {
-    ContactFinder plane;
-    if (!ground.empty()) plane = pointsOnPlane(model, ground, {0, 0, 1}, height, friction);
-    if (!touching) return plane;
-    return together(plane, geometryContacts(model, compileGeometry(model, description, volumes.geometry()), {.friction = friction}));
   }
 
   /// Times of the states to keep, including the first and the last. Throws Error(argument) if these need more than 2 GiB.
@@ -116,12 +86,7 @@ void start(const SimulateOptions& o, const Model& description, Simulator& simula
     q = namedConfiguration(model, description, o.named);
     v = namedVelocity(model, description, o.named);
   }
-  if (constraints.rows() > 0) {
-    Data data(model, Need::derivatives);
-    ConstraintData loops(constraints);
-    assemble(model, data, q, loops);
-    v = Eigen::VectorXd(projectVelocity(model, data, q, v, loops));
-  }
+  assembleState(model, constraints, q, v);
   simulator.reset(q, v);
 }
 
@@ -131,9 +96,7 @@ void run(const SimulateOptions& o) {
   const Model description = o.volumes.description(o);
   const CompactModel model = o.compile(description);
   const ConstraintSet constraints = o.constraints(model);
-  Simulator simulator(
-      constraints,
-      {.integrator = integratorByName(o.integrator), .dt = o.dt, .tolerance = o.tolerance, .limits = o.limits, .restitution = o.restitution});
+  Simulator simulator(constraints, o.simulator());
   const ContactFinder finder = o.finder(model, description);
   if (finder) simulator.setContacts(finder);
   start(o, description, simulator, constraints);

@@ -27,6 +27,7 @@ except ImportError as _problem:
 from ._errors import error as _error
 from .graphs import trace_function as trace_function
 from .joint_types import JointFunction as JointFunction, Parameter as Parameter, joint as joint
+from .sweeps import sweep as sweep
 from .tracing import Scalar as Scalar, TracedSE3 as TracedSE3, select as select
 from .tracing import atan2 as atan2, cos as cos, exp as exp, log as log, sin as sin, sqrt as sqrt, tan as tan
 

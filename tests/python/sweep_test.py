@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""Sweeps from Python: the arrays of dyn sweep, with and without h5py."""
+import json
+import os
+import pathlib
+import tempfile
+import unittest
+from unittest import mock
+
+import numpy as np
+
+import libdyn as dyn
+from libdyn import sweeps
+
+ARM = pathlib.Path(__file__).parents[2] / "models" / "arm.urdf"
+
+
+def study(**members):
+    return dict({"model": str(ARM), "task": "simulate", "time": 0.01, "samples": 12, "seed": 3, "chunk": 5,
+                 "vary": {"q": {"uniform": "limits"}, "v": {"uniform": [-1, 1]}}, "keep": ["initial", "final"]}, **members)
+
+
+class Sweeps(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        try:
+            with tempfile.TemporaryDirectory() as folder:
+                dyn.sweep(study(samples=1), folder + "/out")
+        except dyn.Error as problem:
+            if "without HDF5" in str(problem) or "is not there" in str(problem):
+                if os.environ.get("DYN_REQUIRE_ALL") == "1":
+                    raise
+                raise unittest.SkipTest(str(problem))
+            raise
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def test_each_sample_is_what_a_simulator_gives(self):
+        results = dyn.sweep(study(), self.folder / "out", threads=2)
+        self.assertEqual(results["q_final"].shape, (12, 7))
+        self.assertEqual(results["success"].tolist(), 12 * [1])
+        simulator = dyn.Simulator(dyn.compile(dyn.load(ARM)), integrator="rk4", dt=1e-3)
+        for k in (0, 11):
+            simulator.reset(results["q_initial"][k], results["v_initial"][k])
+            simulator.advance(0.01)
+            np.testing.assert_allclose(simulator.q, results["q_final"][k], rtol=1e-12, atol=1e-12)
+
+    def test_results_are_the_same_without_h5py_and_after_a_restart(self):
+        results = dyn.sweep(study(), self.folder / "one")
+        with mock.patch.object(sweeps, "_h5py", lambda: None):
+            parts = dyn.sweep(study(), self.folder / "two", threads=1)
+            again = dyn.sweep(study(), self.folder / "two", resume=True)
+            with self.assertRaisesRegex(dyn.Error, "h5py"):
+                dyn.sweep(study(), self.folder / "one", resume=True)
+        for other in (parts, again):
+            self.assertEqual(set(other), set(results))
+            for name in results:
+                np.testing.assert_array_equal(other[name], results[name])
+
+    def test_a_study_may_be_a_file_and_paths_are_relative_to_it(self):
+        (self.folder / "arm.urdf").write_bytes(ARM.read_bytes())
+        path = self.folder / "study.json"
+        path.write_text(json.dumps(study(model="arm.urdf")))
+        np.testing.assert_array_equal(dyn.sweep(path, self.folder / "a")["q_final"], dyn.sweep(study(), self.folder / "b")["q_final"])
+
+    def test_a_wrong_study_is_an_error_with_the_place(self):
+        with self.assertRaisesRegex(dyn.Error, "vary: there is no quantity 'Q'"):
+            dyn.sweep(study(vary={"Q": 1}), self.folder / "out")
+        dyn.sweep(study(), self.folder / "out")
+        with self.assertRaisesRegex(dyn.Error, "there is a sweep in this folder"):
+            dyn.sweep(study(), self.folder / "out")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: BSD-2-Clause
+#include "ranks.hpp"
+
+#include <dyn/error.hpp>
+
+#include <cstdlib>
+
+#ifdef DYN_HAS_MPI
+#include <mpi.h>
+
+#include <chrono>
+#include <thread>
+#endif
+
+namespace dyn::tool::sweep {
+
+namespace {
+
+int fromEnvironment(std::initializer_list<const char*> names, int otherwise) {
+  for (const char* name : names)
+    if (const char* value = std::getenv(name)) return std::atoi(value);
+  return otherwise;
+}
+
+}  // namespace
+
+// Open MPI, then what MPICH and Slurm give to the processes that they start.
+int Ranks::numberFromEnvironment() { return fromEnvironment({"OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK"}, 0); }
+int Ranks::countFromEnvironment() { return fromEnvironment({"OMPI_COMM_WORLD_SIZE", "PMI_SIZE"}, std::getenv("PMIX_RANK") ? 2 : 1); }
+
+#ifdef DYN_HAS_MPI
+
+Ranks::Ranks() {
+  if (countFromEnvironment() <= 1) return;
+  int provided = 0;
+  MPI_Init_thread(nullptr, nullptr, MPI_THREAD_SERIALIZED, &provided);
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
+  MPI_Comm_size(MPI_COMM_WORLD, &count_);
+  if (provided < MPI_THREAD_SERIALIZED) throw Error(ErrorCode::argument, "this MPI does not allow threads (MPI_THREAD_SERIALIZED)");
+}
+
+Ranks::~Ranks() {
+  int initialized = 0;
+  MPI_Initialized(&initialized);
+  if (initialized) MPI_Finalize();
+}
+
+std::vector<std::string> Ranks::gather(const std::string& text) const {
+  if (count_ == 1) return {text};
+  const int length = static_cast<int>(text.size());
+  std::vector<int> lengths(static_cast<std::size_t>(count_)), begins(lengths.size());
+  MPI_Gather(&length, 1, MPI_INT, lengths.data(), 1, MPI_INT, 0, MPI_COMM_WORLD);
+  int sum = 0;
+  for (std::size_t k = 0; k < lengths.size(); ++k) begins[k] = sum, sum += lengths[k];
+  std::string all(static_cast<std::size_t>(sum), ' ');
+  MPI_Gatherv(text.data(), length, MPI_CHAR, all.data(), lengths.data(), begins.data(), MPI_CHAR, 0, MPI_COMM_WORLD);
+  std::vector<std::string> out;
+  if (rank_ == 0)
+    for (std::size_t k = 0; k < lengths.size(); ++k)
+      out.push_back(all.substr(static_cast<std::size_t>(begins[k]), static_cast<std::size_t>(lengths[k])));
+  return out;
+}
+
+std::string Ranks::broadcast(const std::string& text) const {
+  if (count_ == 1) return text;
+  int length = static_cast<int>(text.size());
+  MPI_Bcast(&length, 1, MPI_INT, 0, MPI_COMM_WORLD);
+  std::string out = text;
+  out.resize(static_cast<std::size_t>(length));
+  MPI_Bcast(out.data(), length, MPI_CHAR, 0, MPI_COMM_WORLD);
+  return out;
+}
+
+void Ranks::send(int to, const std::string& text) const { MPI_Send(text.data(), static_cast<int>(text.size()), MPI_CHAR, to, 0, MPI_COMM_WORLD); }
+
+std::optional<Ranks::Message> Ranks::poll() const {
+  int arrived = 0, length = 0;
+  MPI_Status status;
+  if (count_ == 1) return {};
+  MPI_Iprobe(MPI_ANY_SOURCE, 0, MPI_COMM_WORLD, &arrived, &status);
+  if (!arrived) return {};
+  MPI_Get_count(&status, MPI_CHAR, &length);
+  Message out{status.MPI_SOURCE, std::string(static_cast<std::size_t>(length), ' ')};
+  MPI_Recv(out.text.data(), length, MPI_CHAR, out.from, 0, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+  return out;
+}
+
+std::string Ranks::wait() const {
+  for (;;) {
+    if (const std::optional<Message> message = poll()) return message->text;
+    std::this_thread::sleep_for(std::chrono::microseconds(200));  // MPI's own wait would keep a processor busy
+  }
+}
+
+#else
+
+Ranks::Ranks() {
+  if (countFromEnvironment() > 1)
+    throw Error(ErrorCode::argument, "this dyn was built without MPI; start it without mpirun, or install libopenmpi-dev and build again");
+}
+Ranks::~Ranks() = default;
+std::vector<std::string> Ranks::gather(const std::string& text) const { return {text}; }
+std::string Ranks::broadcast(const std::string& text) const { return text; }
+void Ranks::send(int, const std::string&) const {}
+std::optional<Ranks::Message> Ranks::poll() const { return {}; }
+std::string Ranks::wait() const { return {}; }
+
+#endif
+
+}  // namespace dyn::tool::sweep

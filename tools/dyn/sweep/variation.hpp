@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// The part of a study that varies: states, gravity, bodies, joints and options of each sample.
+#pragma once
+
+#include "distribution.hpp"
+#include "states.hpp"
+
+#include <optional>
+
+namespace dyn::tool::sweep {
+
+/// The values of one sample.
+struct Inputs {
+  Eigen::VectorXd q, v, a, tau;  ///< neutral and zero, unless they vary
+  std::vector<double> values;    ///< of all quantities, one after another; q with its nq coordinates
+};
+
+/// One quantity that varies.
+struct Quantity {
+  enum class Kind { q, v, a, tau, gravity, mass, com, damping, friction, armature, option };
+  /// Some of the numbers, with a distribution of their own.
+  struct Part {
+    int first = 0;
+    Distribution distribution;
+    std::int64_t stride = 1;  ///< samples for which its cell stays the same, in a row
+  };
+  std::string name;  ///< such as q or bodies.hand.mass
+  Kind kind{};
+  int target = 0;  ///< number of the body in the description, or of the joint's body
+  int size = 0;    ///< numbers among Inputs::values
+  std::vector<Part> parts;
+  bool limits = false;       ///< q: uniform within the model's limits, rotations uniform over their group
+  bool coordinates = false;  ///< q: the parts are coordinates (nq), not displacements from neutral (nv)
+};
+
+class Variation {
+ public:
+  /// Reads the member "vary". Throws Error(syntax | argument), which names the member.
+  Variation(const Study& study, const Model& description, const CompactModel& model);
+
+  const std::vector<Quantity>& quantities() const { return quantities_; }
+  /// Entries of all lists times points of all grids. Sample k takes cell k modulo this number; the quantity whose name comes last varies fastest.
+  std::int64_t cells() const { return cells_; }
+  bool changesModel() const { return changes_model_; }
+  bool changesOptions() const { return changes_options_; }
+
+  Inputs draw(std::uint64_t sample) const;
+  /// Puts a sample's values into the description and the options. Throws Error(argument) for a value out of its range.
+  void apply(const Inputs& inputs, Model& description, MotionOptions& options) const;
+  /// The values by name.
+  Json json(const Inputs& inputs) const;
+
+ private:
+  void add(Quantity quantity);
+  void readState(const json::Value& value, Quantity::Kind kind, const std::string& name, const Model& description);
+  void readBodies(const json::Value& value, const Model& description);
+  void readJoints(const json::Value& value, const Model& description, bool dissipation);
+  void placeCells();
+
+  CompactModel model_;
+  std::uint64_t seed_;
+  std::vector<Quantity> quantities_;
+  std::int64_t cells_ = 1;
+  bool changes_model_ = false, changes_options_ = false;
+};
+
+}  // namespace dyn::tool::sweep

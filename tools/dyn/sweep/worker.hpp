@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-2-Clause
+// One thread's work: samples and chunks of them.
+#pragma once
+
+#include "store.hpp"
+#include "task.hpp"
+
+#include <optional>
+
+namespace dyn::tool::sweep {
+
+class Worker {
+ public:
+  /// Throws Error for a study whose results or predicate do not exist.
+  explicit Worker(const Setting& setting);
+
+  /// All results of a sample: failed, success, the inputs if they are kept, and those of the task.
+  const std::vector<Field>& fields() const { return fields_; }
+  Task& task() { return *task_; }
+
+  /// Computes a sample. Returns why it failed; its results are then NaN.
+  std::optional<std::string> sample(std::int64_t sample, double* row);
+  /// Computes a chunk. Returns nothing if a signal arrives meanwhile.
+  std::optional<Chunk> chunk(std::int64_t first, std::int64_t count);
+
+ private:
+  /// Bounds on a result, by which success is decided.
+  struct Bound {
+    std::size_t first;  ///< place in the row
+    std::vector<double> low, high;
+  };
+  void readSuccess();
+
+  const Setting& setting_;
+  std::unique_ptr<Task> task_;
+  std::vector<Field> fields_;
+  std::vector<Bound> bounds_;
+  std::size_t inputs_ = 0;  ///< numbers of inputs that are kept
+  std::vector<double> row_;
+};
+
+}  // namespace dyn::tool::sweep
