@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "reader.hpp"
 
+#include "common/inertia.hpp"
+
 #include <dyn/spatial/eigen.hpp>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include <algorithm>
@@ -50,25 +51,15 @@ std::vector<int> depthFirst(const std::vector<int>& parent, const std::vector<st
 }
 
 void judgeInertia(const Inertia<double>& Y, const std::string& body, Inertias inertias, const Where& where, Notes& notes) {
-  const Eigen::Matrix3d I = toEigen(Y.rotational);
-  const double scale = I.cwiseAbs().maxCoeff();
-  const double arm = dot(Y.com, Y.com);
-  if (!std::isfinite(Y.mass) || !std::isfinite(arm) || !I.allFinite())
-    throw Error(ErrorCode::model, "body '" + body + "': its mass or inertia is not finite", where);
-  if (Y.mass < 0) throw Error(ErrorCode::model, "body '" + body + "': its mass is negative", where);
-  if (Y.mass == 0 && scale > 0) notes.add("body '" + body + "': it has an inertia but no mass", where.line);
-  if (Y.mass > 0 && scale == 0) notes.add("body '" + body + "': it has a mass but no inertia, as a point has", where.line);
-  if (scale == 0) return;
-  // `slack` allows for the rounding of numbers written with a few digits, and for rounding relative to the inertia about the body's origin.
-  const double slack = 1e-6 + 1e-15 * Y.mass * arm / scale;
-  const Eigen::Vector3d moments = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(I / scale, Eigen::EigenvaluesOnly).eigenvalues();
-  if (moments[0] < -slack) {
-    const std::string why = "body '" + body + "': its inertia is not positive semi-definite; no body has it";
-    if (inertias == Inertias::physical) throw Error(ErrorCode::model, why + " (Inertias::any, --inertia any, loads it all the same)", where);
-    notes.add(why, where.line);
-  } else if (moments[2] > moments[0] + moments[1] + 2 * slack) {
-    notes.add("body '" + body + "': its inertia violates the triangle inequality; no real body has it", where.line);
-  }
+  const std::string whose = "body '" + body + "': ";
+  if (!std::isfinite(Y.mass) || !std::isfinite(dot(Y.com, Y.com)) || !toEigen(Y.rotational).allFinite())
+    throw Error(ErrorCode::model, whose + "its mass or inertia is not finite", where);
+  if (Y.mass < 0) throw Error(ErrorCode::model, whose + "its mass is negative", where);
+  const InertiaFaults faults = faultsOf(Y);
+  if (faults.massless) notes.add(whose + massless_words, where.line);
+  if (faults.point) notes.add(whose + point_words, where.line);
+  if (faults.indefinite && inertias == Inertias::physical) throw Error(ErrorCode::model, whose + indefinite_words + anyway_words, where);
+  if (faults.indefinite || faults.unreal) notes.add(whose + (faults.indefinite ? indefinite_words : unreal_words), where.line);
 }
 
 Mat3<double> nearestRotation(const Mat3<double>& M, const std::string& what, const Where& where) {

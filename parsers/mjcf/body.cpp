@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "body.hpp"
 
+#include "common/inertia.hpp"
+
 #include <dyn/lie/so3.hpp>
 
 #include <Eigen/Eigenvalues>
@@ -20,23 +22,17 @@ Eigen::SelfAdjointEigenSolver<Matrix> principal(const Sym3<long double>& I) {
   return Eigen::SelfAdjointEigenSolver<Matrix>(M);
 }
 
-/// Refuses or notes what no body has. Slack allows for numbers that were written with a few digits.
+/// Refuses or notes what no body has.
 void checkPhysical(const Values& v, const Inertia<long double>& Y, Inertias inertias, const Context& c) {
-  const Sym3<long double>& I = Y.rotational;
-  const long double scale = std::max({std::fabs(I.xx), std::fabs(I.yy), std::fabs(I.zz), std::fabs(I.xy), std::fabs(I.xz), std::fabs(I.yz)});
+  const reader::InertiaFaults faults = reader::faultsOf(cast<double>(Y));
   const Where where = c.source.where(v.element());
-  if (scale == 0) {
-    if (Y.mass > 0) c.notes.count("<inertial> with a mass but no inertia, as a point has", where);
-    return;
-  }
-  if (Y.mass == 0) c.notes.count("<inertial> with an inertia but no mass", where);
-  const auto moments = principal((1 / scale) * I).eigenvalues();
-  if (moments[0] < -1e-6L) {
-    const std::string what = "its inertia is not positive semi-definite; no body has it";
-    if (inertias == Inertias::physical) v.fail(v.described() + ": " + what + " (Inertias::any, --inertia any, loads it all the same)");
-    c.notes.count("<inertial>: " + what, where);
-  } else if (moments[0] + moments[1] < moments[2] - 1e-6L && !c.settings.balance_inertia) {
-    c.notes.count("<inertial>: its inertia violates the triangle inequality; no real body has it", where);
+  if (faults.point) c.notes.count(std::string("<inertial>: ") + reader::point_words, where);
+  if (faults.massless) c.notes.count(std::string("<inertial>: ") + reader::massless_words, where);
+  if (faults.indefinite && inertias == Inertias::physical) v.fail(v.described() + ": " + reader::indefinite_words + reader::anyway_words);
+  if (faults.indefinite) {
+    c.notes.count(std::string("<inertial>: ") + reader::indefinite_words, where);
+  } else if (faults.unreal && !c.settings.balance_inertia) {
+    c.notes.count(std::string("<inertial>: ") + reader::unreal_words, where);
   }
 }
 

@@ -1,24 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "output.hpp"
 
-#include <array>
-#include <charconv>
 #include <cmath>
 
 namespace dyn::urdf {
-
-void Output::put(const char* attribute, const std::vector<double>& values) {
-  std::string text;
-  for (const double x : values) {
-    if (!std::isfinite(x))
-      throw Error(ErrorCode::model, std::string("cannot be written: ") + attribute + " is not finite, and URDF has finite numbers");
-    std::array<char, 32> digits{};
-    const char* const end = std::to_chars(digits.data(), digits.data() + digits.size(), x).ptr;
-    text += text.empty() ? "" : " ";
-    text.append(digits.data(), static_cast<std::size_t>(end - digits.data()));
-  }
-  put(attribute, text);
-}
 
 namespace {
 
@@ -45,20 +30,6 @@ void Output::origin(const SE3<double>& X) {
   open("origin");
   putPose(X);
   close();
-}
-
-void Output::lose(const std::string& what, const std::string& owner) {
-  Loss& loss = lost_[what];
-  if (loss.count++ == 0) loss.first = owner;
-}
-
-std::vector<std::string> Output::lost() const {
-  std::vector<std::string> out;
-  for (const auto& [what, loss] : lost_) {
-    const std::string first = loss.first.empty() ? "" : (loss.count > 1 ? ", first of '" : " of '") + loss.first + "'";
-    out.push_back(what + (loss.count > 1 ? ", " + std::to_string(loss.count) + " times" : "") + first);
-  }
-  return out;
 }
 
 }  // namespace dyn::urdf

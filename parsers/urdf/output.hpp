@@ -1,51 +1,21 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// URDF text: elements with attributes whose numbers read back to the same bits, and a list of what URDF cannot say.
+// The URDF writer's output: poses as xyz and rpy, and the parts of <joint> and <libdyn>.
 #pragma once
+
+#include "xml/output.hpp"
 
 #include <dyn/model/model.hpp>
 
-#include <tinyxml2.h>
-
-#include <map>
 #include <string>
-#include <vector>
 
 namespace dyn::urdf {
 
-class Output {
- public:
-  void open(const char* element) { printer_.OpenElement(element); }
-  void close() { printer_.CloseElement(); }
-  void put(const char* attribute, const std::string& value) { printer_.PushAttribute(attribute, value.c_str()); }
-  void put(const char* attribute, double value) { put(attribute, std::vector<double>{value}); }
-  /// Throws Error(model) for a number that is not finite, which URDF does not have.
-  void put(const char* attribute, const std::vector<double>& values);
-  void put(const char* attribute, const Vec3<double>& x) { put(attribute, std::vector<double>{x.x, x.y, x.z}); }
-  /// Writes an element that has one attribute.
-  template <class Value>
-  void element(const char* name, const char* attribute, const Value& value) {
-    open(name);
-    put(attribute, value);
-    close();
-  }
+struct Output : xml::Output {
+  Output() : xml::Output("URDF") {}
   /// Writes the attributes of a pose, as far as they are not zero.
   void putPose(const SE3<double>& X, const char* xyz = "xyz", const char* rpy = "rpy");
   /// Writes <origin>, unless the pose is the identity.
   void origin(const SE3<double>& X);
-
-  /// Counts something that URDF cannot say, with its first owner.
-  void lose(const std::string& what, const std::string& owner = {});
-  /// Returns a line for each kind of what was lost.
-  std::vector<std::string> lost() const;
-  std::string text() const { return printer_.CStr(); }
-
- private:
-  struct Loss {
-    int count = 0;
-    std::string first;
-  };
-  tinyxml2::XMLPrinter printer_;
-  std::map<std::string, Loss> lost_;
 };
 
 /// Writes <joint>, which connects two links.

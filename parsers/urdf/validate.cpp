@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "validate.hpp"
 
+#include "common/inertia.hpp"
 #include "extension.hpp"
 #include "version.hpp"
 #include "vocabulary.hpp"
@@ -9,7 +10,6 @@
 #include <dyn/near_names.hpp>
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <optional>
 #include <unordered_set>
@@ -114,18 +114,13 @@ class Validator {
     if (m < 0) d_.fail(*mass, "link '" + name + "': its mass is negative");
     const Sym3<double> I{d_.number(*inertia, "ixx"), d_.number(*inertia, "ixy", 0), d_.number(*inertia, "ixz", 0),
                          d_.number(*inertia, "iyy"), d_.number(*inertia, "iyz", 0), d_.number(*inertia, "izz")};
-    const double scale = std::max({std::fabs(I.xx), std::fabs(I.yy), std::fabs(I.zz), std::fabs(I.xy), std::fabs(I.xz), std::fabs(I.yz)});
-    note(*inertial, m == 0 && scale > 0, "link '" + name + "': it has an inertia but no mass");
-    note(*inertial, m > 0 && I.xx == 0 && I.yy == 0 && I.zz == 0, "link '" + name + "': it has a mass but no inertia, as a point has");
     const XMLElement* origin = inertial->FirstChildElement("origin");
     const Vec3<double> com = origin && origin->Attribute("xyz") ? d_.vector3(*origin, "xyz") : Vec3<double>{};
-    if (scale == 0) return;
-    const double slack = slackOf({m, com, I});
-    if (!isPositiveSemidefinite(I, slack)) indefinite_.push_back({&link, inertia});
-    // Principal moments of a body satisfy A + B >= C, so the largest is at most half the trace: half * 1 - I is positive semi-definite.
-    const double half = 0.5 * (I.xx + I.yy + I.zz);
-    note(*inertia, !isPositiveSemidefinite({half - I.xx, -I.xy, -I.xz, half - I.yy, -I.yz, half - I.zz}, slack),
-         "link '" + name + "': its inertia violates the triangle inequality; no real body has it");
+    const reader::InertiaFaults faults = reader::faultsOf({m, com, I});
+    note(*inertial, faults.massless, "link '" + name + "': " + reader::massless_words);
+    note(*inertial, faults.point, "link '" + name + "': " + reader::point_words);
+    if (faults.indefinite) indefinite_.push_back({&link, inertia});
+    note(*inertia, faults.unreal, "link '" + name + "': " + reader::unreal_words);
   }
 
   void note(const XMLElement& e, bool condition, const std::string& what) const {
@@ -139,7 +134,7 @@ class Validator {
     for (const auto& [link, inertia] : indefinite_) {
       const std::string name = link->Attribute("name");
       const int links = welded ? welded->links(name) : 1;
-      std::string what = "link '" + name + "': its inertia is not positive semi-definite; no body has it";
+      std::string what = "link '" + name + "': " + reader::indefinite_words;
       if (links > 1 && welded->isPhysical(name)) {
         note(*inertia, true, what + ", but the rigid body of " + std::to_string(links) + " links to which it is fixed has one that is possible");
         continue;
@@ -148,7 +143,7 @@ class Validator {
       if (inertias_ == Inertias::any) {
         note(*inertia, true, what);
       } else {
-        guarded([&, at = inertia] { d_.fail(*at, what + " (urdf::Inertias::any, --inertia any, loads it all the same)"); });
+        guarded([&, at = inertia] { d_.fail(*at, what + reader::anyway_words); });
       }
     }
   }

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "welded.hpp"
 
+#include "common/inertia.hpp"
 #include "extension.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <unordered_set>
 
@@ -39,22 +38,6 @@ Inertia<double> inertiaOf(const Document& document, const XMLElement& link) {
   return cast<double>(cast<long double>(Y).transformed(cast<long double>(X)));
 }
 
-bool isPositiveSemidefinite(const Sym3<double>& I, double slack) {
-  const double scale = std::max({std::fabs(I.xx), std::fabs(I.yy), std::fabs(I.zz), std::fabs(I.xy), std::fabs(I.xz), std::fabs(I.yz)});
-  if (scale == 0) return true;
-  // Scaled by the largest entry, so that no product of three entries leaves the range of doubles.
-  const double s = slack / scale, xy = I.xy / scale, xz = I.xz / scale, yz = I.yz / scale;
-  const double xx = I.xx / scale + s, yy = I.yy / scale + s, zz = I.zz / scale + s;
-  const double determinant = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz);
-  return !(xx < 0 || yy < 0 || zz < 0 || xx * yy < xy * xy || xx * zz < xz * xz || yy * zz < yz * yz || determinant < 0);
-}
-
-double slackOf(const Inertia<double>& Y) {
-  const Sym3<double>& I = Y.rotational;
-  const double scale = std::max({std::fabs(I.xx), std::fabs(I.yy), std::fabs(I.zz), std::fabs(I.xy), std::fabs(I.xz), std::fabs(I.yz)});
-  return 1e-6 * scale + 1e-15 * Y.mass * dot(Y.com, Y.com);
-}
-
 WeldedBodies::WeldedBodies(const Document& document, const Outline& outline) {
   const std::unordered_set<std::string> moved = movedByExtensions(document);
   struct Entry {
@@ -86,9 +69,6 @@ WeldedBodies::WeldedBodies(const Document& document, const Outline& outline) {
   }
 }
 
-bool WeldedBodies::isPhysical(const std::string& link) const {
-  const Inertia<double> Y = cast<double>(bodies_[of_.at(link)].inertia);
-  return isPositiveSemidefinite(Y.rotational, slackOf(Y));
-}
+bool WeldedBodies::isPhysical(const std::string& link) const { return !reader::faultsOf(cast<double>(bodies_[of_.at(link)].inertia)).indefinite; }
 
 }  // namespace dyn::urdf

@@ -15,13 +15,6 @@ namespace dyn::urdf {
 /// Returns the inertia of a link in its own axes, rotated in extended precision and rounded once; zero without <inertial>.
 Inertia<double> inertiaOf(const Document& document, const tinyxml2::XMLElement& link);
 
-/// Whether a symmetric matrix is positive semi-definite, as its principal minors tell. `slack` is added to the diagonal.
-bool isPositiveSemidefinite(const Sym3<double>& I, double slack);
-
-/// The amount by which numbers written with a few digits may fail to be positive semi-definite: one millionth of the largest entry, and the rounding
-/// relative to the same body's inertia about the link's origin.
-double slackOf(const Inertia<double>& Y);
-
 /// The rigid bodies of a robot: links that fixed joints hold together.
 class WeldedBodies {
  public:

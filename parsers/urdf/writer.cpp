@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-2-Clause
+#include "common/attached.hpp"
+#include "common/reader.hpp"
 #include "output.hpp"
 
 #include <dyn/file.hpp>
 #include <dyn/parsers/urdf.hpp>
 
 #include <algorithm>
-#include <unordered_set>
 
 namespace dyn::urdf {
 
@@ -13,14 +14,12 @@ namespace {
 
 class Writer {
  public:
-  explicit Writer(const Model& model) : model_(model), volumes_(model.bodies.size()), frames_(model.bodies.size()) {
+  explicit Writer(const Model& model) : model_(model), attached_(model) {
     for (const BodyDescription& body : model.bodies) {
       links_.insert(body.name);
       joints_.insert(body.joint.name);
     }
     for (const FrameDescription& frame : model.frames) links_.insert(frame.name);
-    for (const GeometryDescription& g : model.geometries) volumes_[indexOf(g.body, "volume", g.name)].push_back(&g);
-    for (const FrameDescription& frame : model.frames) frames_[indexOf(frame.body, "frame", frame.name)].push_back(&frame);
   }
 
   Written write() {
@@ -32,29 +31,18 @@ class Writer {
       const BodyDescription& body = model_.bodies[i];
       writeLink(body.name, body.inertia, i);
       if (static_cast<int>(i) != root) {
-        const std::size_t parent = indexOf(body.parent, "body", body.name);
-        writeJoint(out_, body.joint, parent == 0 ? world_ : model_.bodies[parent].name, body.name, masterIsJoint(body.joint));
+        const std::string& parent = body.parent == 0 ? world_ : model_.bodies[static_cast<std::size_t>(body.parent)].name;
+        writeJoint(out_, body.joint, parent, body.name, masterIsJoint(body.joint));
       }
     }
     for (const FrameDescription& frame : model_.frames) writeFrame(frame);
     writeExtensions(root);
     loseOthers();
     out_.close();
-    return {"<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n" + out_.text(), out_.lost()};
+    return {out_.text(), out_.lost()};
   }
 
  private:
-  std::size_t indexOf(int body, const char* what, const std::string& name) const {
-    if (body < 0 || static_cast<std::size_t>(body) >= model_.bodies.size())
-      throw Error(ErrorCode::model, std::string(what) + " '" + name + "' refers to body " + std::to_string(body) + ", which the model does not have");
-    return static_cast<std::size_t>(body);
-  }
-
-  static std::string unused(std::unordered_set<std::string>& names, std::string name) {
-    while (!names.insert(name).second) name += '_';
-    return name;
-  }
-
   /// Returns the only body on the world, if its joint says nothing that a reader does not add itself; otherwise -1.
   int plainRoot() const {
     int root = -1;
@@ -63,7 +51,7 @@ class Writer {
       if (root >= 0) return -1;
       root = static_cast<int>(i);
     }
-    if (root < 0 || !volumes_[0].empty() || !frames_[0].empty()) return -1;
+    if (root < 0 || !attached_.volumes[0].empty() || !attached_.frames[0].empty()) return -1;
     const JointDescription& joint = model_.bodies[static_cast<std::size_t>(root)].joint;
     const SE3<double> identity;
     const bool at_origin = std::equal(std::begin(joint.placement.R.m), std::end(joint.placement.R.m), std::begin(identity.R.m)) &&
@@ -72,7 +60,7 @@ class Writer {
   }
 
   void writeWorld() {
-    world_ = unused(links_, "world");
+    world_ = reader::freeName("world", links_);
     out_.lose("the world, which becomes a link '" + world_ + "'");
     writeLink(world_, {}, 0);
   }
@@ -95,7 +83,7 @@ class Writer {
     }
     int count[2] = {0, 0};
     std::vector<std::string> convex;
-    for (const GeometryDescription* g : volumes_[body]) {
+    for (const GeometryDescription* g : attached_.volumes[body]) {
       const bool visual = g->role == GeometryDescription::Role::visual;
       if (!writeVolume(*g)) continue;
       if (g->name != name + (visual ? "_visual_" : "_") + std::to_string(count[visual]++)) out_.lose("names of volumes", g->name);
@@ -117,7 +105,7 @@ class Writer {
     out_.put("name", frame.name);
     out_.close();
     JointDescription joint;
-    joint.name = unused(joints_, frame.name + "_mount");
+    joint.name = reader::freeName(frame.name + "_mount", joints_);
     joint.placement = frame.placement;
     writeJoint(out_, joint, frame.body == 0 ? world_ : model_.bodies[static_cast<std::size_t>(frame.body)].name, frame.name, false);
   }
@@ -144,15 +132,17 @@ class Writer {
     }
     bool operator()(const geometry::MeshFile& s) const {
       begin();
+      w.out_.loseFolder(s.uri, g.where.file);
       w.out_.open("mesh");
-      w.out_.put("filename", w.pathOf(s.uri, g.where.file));
+      w.out_.put("filename", s.uri);
       if (s.scale.x != 1 || s.scale.y != 1 || s.scale.z != 1) w.out_.put("scale", s.scale);
       w.out_.close();
       return end();
     }
     bool operator()(const geometry::OctreeFile& s) const {
       begin();
-      w.out_.element("octree", "filename", w.pathOf(s.uri, g.where.file));
+      w.out_.loseFolder(s.uri, g.where.file);
+      w.out_.element("octree", "filename", s.uri);
       return end();
     }
     bool operator()(const geometry::ConvexHull&) const { return lose(); }
@@ -186,13 +176,6 @@ class Writer {
 
   /// Returns whether URDF can say the volume's shape.
   bool writeVolume(const GeometryDescription& g) { return std::visit(ShapeWriter{*this, g}, g.shape); }
-
-  /// Relative paths began in the folder of the file that was read, which may be another one than that of the file to write.
-  std::string pathOf(const std::string& uri, const std::string& file) {
-    if (!file.empty() && !uri.empty() && uri.front() != '/' && uri.find("://") == std::string::npos)
-      out_.lose("the folder in which relative paths of files begin, which is now that of the URDF", uri);
-    return uri;
-  }
 
   void writeExtensions(int root) {
     const auto extended = [&](std::size_t i) {
@@ -253,17 +236,13 @@ class Writer {
   const Model& model_;
   Output out_;
   std::string world_;
-  std::vector<std::vector<const GeometryDescription*>> volumes_;  ///< by body
-  std::vector<std::vector<const FrameDescription*>> frames_;      ///< by body
-  std::unordered_set<std::string> links_, joints_;                ///< names that are in use
+  const reader::Attached attached_;
+  std::set<std::string> links_, joints_;  ///< names that are in use
 };
 
 }  // namespace
 
-Written write(const Model& model) {
-  if (model.bodies.empty()) throw Error(ErrorCode::model, "cannot be written: it has no bodies; bodies[0] is the world, which Model() makes");
-  return Writer(model).write();
-}
+Written write(const Model& model) { return Writer(model).write(); }
 
 std::vector<std::string> save(const Model& model, const std::string& path) {
   Written written = write(model);

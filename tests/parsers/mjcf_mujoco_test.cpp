@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// libdyn's MJCF reader compared with MuJoCo itself, which shares no code with it: poses, sites, mass matrix, bias forces and gravity.
+// libdyn's MJCF reader and writer compared with MuJoCo itself, which shares no code with them: poses, sites, mass matrix, bias forces and gravity.
 #include "support/folder.hpp"
 #include "support/random_mjcf.hpp"
+#include "support/random_model.hpp"
 #include "support/registry.hpp"
+#include "support/shared.hpp"
 #include "support/skip.hpp"
 
 #include <dyn/dyn.hpp>
 #include <dyn/file.hpp>
 #include <dyn/lie/so3.hpp>
+#include <dyn/parsers/load.hpp>
 #include <dyn/parsers/mjcf.hpp>
 #include <dyn/spatial/eigen.hpp>
 
@@ -181,6 +184,29 @@ Differences compare(const std::string& path, const mjModel& m) {
   return out;
 }
 
+Differences larger(const Differences& a, const Differences& b) {
+  return {std::max(a.nq, b.nq),       std::max(a.nv, b.nv),     std::max(a.bodies, b.bodies), std::max(a.inertias, b.inertias),
+          std::max(a.poses, b.poses), std::max(a.mass, b.mass), std::max(a.bias, b.bias),     std::max(a.gravity, b.gravity)};
+}
+
+/// Writes a model as MJCF. Efforts are left out, because MuJoCo 2.2.2 does not know actuatorfrcrange.
+Written written(Model description) {
+  for (BodyDescription& body : description.bodies) body.joint.limits.effort.clear();
+  return mjcf::write(description);
+}
+
+/// Compares what MuJoCo and libdyn make of the MJCF that libdyn writes.
+Differences compareWritten(const Model& description, const Folder& folder) {
+  const std::string path = folder.write("written.xml", written(description).text);
+  std::string why;
+  const MjModel m = loadMujoco(path, why);
+  INFO(why);
+  REQUIRE(m);
+  CHECK(m->neq >= static_cast<int>(description.constraints.size()));
+  CHECK(m->nkey >= static_cast<int>(description.configurations.size()) - 1);  // qpos0 is in the poses of bodies
+  return compare(path, *m);
+}
+
 void printHead() {
   std::cout << std::left << std::setw(34) << "model" << std::right << std::setw(7) << "bodies" << std::setw(6) << "nq" << std::setw(6) << "nv"
             << std::setw(10) << "inertias" << std::setw(10) << "poses" << std::setw(10) << "M" << std::setw(10) << "bias" << std::setw(10)
@@ -269,9 +295,71 @@ TEST_CASE("random models have MuJoCo's inertias, poses, mass matrix, bias forces
       INFO("inertias " << d.inertias << ", poses " << d.poses << ", M " << d.mass << ", bias " << d.bias << ", gravity " << d.gravity);
       CHECK(d.worst() < 1e-12);
       CHECK(d.inertias < (diagonalised ? 2e-6 : 1e-12));
-      worst = {std::max(worst.nq, d.nq),       std::max(worst.nv, d.nv),     std::max(worst.bodies, d.bodies), std::max(worst.inertias, d.inertias),
-               std::max(worst.poses, d.poses), std::max(worst.mass, d.mass), std::max(worst.bias, d.bias),     std::max(worst.gravity, d.gravity)};
+      worst = larger(worst, d);
     }
     printRow(diagonalised ? "100 random, several geoms a body" : "100 random, one geom a body", worst, diagonalised ? inexact_axes : "");
   }
+}
+
+TEST_CASE("MuJoCo reads what libdyn writes, and sees the same model", "[mjcf]") {
+  const Folder folder;
+  printHead();
+  Differences worst;
+  // MuJoCo stores inertias by their principal axes, which it finds to 1.4e-6 rad.
+  constexpr double inertias = 2e-6;
+  for (unsigned seed = 0; seed < 40; ++seed) {
+    INFO("seed " << seed);
+    Model model = treeOf(registry(), {"revolute", "spherical", "prismatic", "universal", "translation", "spherical_zyx", "cylindrical"}, 12, seed);
+    if (seed % 2) {
+      model.bodies[1].joint.type = "free_flyer";
+      model.bodies[1].joint.parameters.clear();
+      model.bodies[1].joint.armature.clear();
+    }
+    model.addFrame("tool", 7, Random(seed).pose());
+    model.constraints = {coupleJoint("j7", {"mimic", "j2", {{"coefficients", std::vector<double>{0.1, 2, 3}}}}), lockJoint("j9", {0.3})};
+    model.constraints[0].baumgarte = {100, 20};
+    model.configurations = {{.name = "home", .joints = {{"j1", {0, 0.6, 0, 0.8}, {1, 2, 3}}}}, {.name = "zero"}};
+    const Differences d = compareWritten(model, folder);
+    CHECK(d.worst() < 1e-12);
+    CHECK(d.inertias < inertias);
+    worst = larger(worst, d);
+  }
+  printRow("40 random trees, written", worst, inexact_axes);
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    INFO("seed " << seed);
+    const Differences d = compareWritten(mjcf::parse(RandomMjcf(seed).text(), "random.xml"), folder);
+    CHECK(d.worst() < 1e-12);
+    CHECK(d.inertias < inertias);
+    worst = larger(worst, d);
+  }
+  printRow("20 random MJCF, read and written", worst, inexact_axes);
+}
+
+TEST_CASE("MuJoCo reads real robots that libdyn writes, unless the report says that it refuses them", "[mjcf]") {
+  DYN_NEEDS_SHARED();
+  const Folder folder;
+  printHead();
+  int compared = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(sharedFolder() + "/models")) {
+    if (entry.path().extension() != ".urdf") continue;
+    const std::string name = entry.path().filename().string();
+    INFO(name);
+    Model model = load(entry.path().string(), {.root = "free_flyer", .continuous = Continuous::angle, .inertias = Inertias::any});
+    model.geometries.clear();  // their files are not there
+    const std::vector<std::string> lost = written(model).lost;
+    const auto refused =
+        std::find_if(lost.begin(), lost.end(), [](const std::string& line) { return line.find("MuJoCo refuses") != std::string::npos; });
+    if (refused != lost.end()) {
+      std::string why;
+      CHECK_FALSE(loadMujoco(folder.write("refused.xml", written(model).text), why));
+      std::cout << name << ": not compared: " << *refused << "\n";
+      continue;
+    }
+    const Differences d = compareWritten(model, folder);
+    printRow(name, d, d.inertias >= 1e-12 ? inexact_axes : "");
+    CHECK(d.worst() < 1e-12);
+    CHECK(d.inertias < 2e-6);
+    ++compared;
+  }
+  CHECK(compared >= 8);
 }

@@ -31,6 +31,7 @@ struct Mechanism {
 
 const std::vector<Mechanism> mechanisms{{"arm", "fixed", {"urdf", "mjcf", "lua", "sdf"}},
                                         {"biped", "free_flyer", {"urdf", "mjcf", "lua", "sdf"}},
+                                        {"cart", "free_flyer", {"urdf", "mjcf", "lua", "sdf"}},
                                         {"four_bar", "fixed", {"urdf", "mjcf", "lua", "sdf"}, {0, -0.6073259925291629, -0.04197256229182978}}};
 
 /// Whether this build reads a format.

@@ -65,6 +65,17 @@ class Urdf(unittest.TestCase):
             (difference,) = dyn.differences(robot, dyn.load(path))
         self.assertEqual((difference.topic, difference.name, difference.a, difference.b), ("group", "all", "present", "-"))
 
+    def test_a_model_is_written_as_mjcf_and_read(self):
+        robot = dyn.load(pathlib.Path(ARM).with_suffix(".xml"))
+        self.assertEqual(dyn.write_mjcf(robot)[1], [])
+        robot.groups = [dyn.GroupDescription("all")]
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "arm.xml"
+            self.assertEqual(dyn.save_mjcf(robot, path), ["groups (an SRDF has them) of 'all'"])
+            self.assertEqual(path.read_text(), dyn.write_mjcf(robot)[0])
+            (difference,) = dyn.differences(robot, dyn.load(path))
+        self.assertEqual((difference.topic, difference.name), ("group", "all"))
+
     def test_newer_versions_are_refused_unless_asked(self):
         text = '<robot name="r" version="1.3"><link name="a"/></robot>'
         with self.assertRaisesRegex(dyn.Error, "1.0 to 1.2"):

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// dyn with named states, dyn diff, and dyn convert to URDF.
+// dyn with named states, dyn diff, and dyn convert to URDF and MJCF.
 #include "command.hpp"
 #include "support/catch.hpp"
 
@@ -74,7 +74,7 @@ TEST_CASE("diff lists differences as a table or JSON, and its exit code tells th
 TEST_CASE("convert writes URDF that differs in nothing, and says what URDF cannot hold", "[command]") {
   const Folder folder;
   const std::string out = (folder.path / "out.urdf").string();
-  for (const char* name : {"arm", "biped", "four_bar"}) {
+  for (const char* name : {"arm", "biped", "cart", "four_bar"}) {
     INFO(name);
     const std::string model = std::string(DYN_SOURCE_DIR "/models/") + name + ".urdf";
     const Answer converted = run("convert '" + model + "' '" + out + "'");
@@ -88,4 +88,29 @@ TEST_CASE("convert writes URDF that differs in nothing, and says what URDF canno
   CHECK(lost.code == 0);
   CHECK_THAT(lost.err, containing("URDF cannot say groups (an SRDF has them) of 'arm'"));
   CHECK(run("convert '" + arm + "' '" + (folder.path / "out.sdf").string() + "'").code == 2);
+}
+
+TEST_CASE("convert writes MJCF by the ending of the file, and says what MJCF cannot hold", "[command]") {
+  const Folder folder;
+  for (const char* ending : {"out.xml", "out.mjcf"}) {
+    const std::string out = (folder.path / ending).string();
+    for (const char* name : {"arm", "biped", "cart", "four_bar"}) {
+      INFO(name);
+      const std::string model = std::string(DYN_SOURCE_DIR "/models/") + name + ".xml";
+      const Answer converted = run("convert '" + model + "' '" + out + "'");
+      CHECK(converted.code == 0);
+      CHECK_THAT(converted.err, !containing("cannot say"));
+      const Answer difference = run("diff '" + model + "' '" + out + "'");
+      INFO(difference.out);
+      CHECK(difference.code == 0);
+    }
+    const Answer lost = run("convert '" + arm + "' '" + out + "'");
+    CHECK(lost.code == 0);
+    CHECK_THAT(lost.err, containing("MJCF cannot say limits of velocity"));
+  }
+  const std::string none = (folder.path / "none.xml").string();
+  const Answer refused = run("convert " DYN_SOURCE_DIR "/tests/truth/references/many_axes.urdf '" + none + "'");
+  CHECK(refused.code == 1);
+  CHECK_THAT(refused.err, containing("is not made of free, ball, hinge and slide"));
+  CHECK_FALSE(std::filesystem::exists(none));
 }

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The project's own references: they cover every algorithm and joint type, and results of every algorithm of the catalogue agree with them, for
 // single states and for batches in double and in float.
+#include "support/skip.hpp"
 #include "truth/data_sets.hpp"
+
+#include <dyn/parsers/load.hpp>
 
 #include <set>
 
@@ -131,7 +134,7 @@ void typesOf(const JointDescription& joint, std::set<std::string>& out) {
 TEST_CASE("every algorithm of the catalogue and every joint type has a reference", "[truth]") {
   std::set<std::string> types, keys;
   for (const std::string& name : ownSets()) {
-    const Set set = load(name);
+    const Set set = test::load(name);
     for (const BodyDescription& body : set.description.bodies) typesOf(body.joint, types);
     for (const auto& [key, value] : set.document["samples"].at(0)["truth"].items())
       if (!value.empty()) keys.insert(key);
@@ -155,15 +158,28 @@ TEST_CASE("every algorithm of the catalogue and every joint type has a reference
 TEST_CASE("every algorithm of the catalogue agrees with the references, for single states", "[truth]") {
   for (const std::string& name : ownSets()) {
     Worst worst(name);
-    checkSingle(load(name), worst);
+    checkSingle(test::load(name), worst);
   }
 }
 
 TEST_CASE("every algorithm of the catalogue agrees with the references, in batches of double and of float", "[truth]") {
   for (const std::string& name : ownSets()) {
-    const Set set = load(name);
+    const Set set = test::load(name);
     Worst worst(name);
     checkBatch<double>(set, worst);
     checkBatch<float>(set, worst);
+  }
+}
+
+TEST_CASE("RBDL's Lua models agree with the references of the same mechanisms in URDF", "[truth][lua]") {
+  const std::vector<ModelFormat> formats = modelFormats();
+  const auto lua = std::find_if(formats.begin(), formats.end(), [](const ModelFormat& format) { return format.name == "lua"; });
+  if (!lua->missing.empty()) DYN_SKIP("this build reads no Lua");
+  for (const std::string name : {"arm", "biped"}) {
+    Set set = test::load("references/" + name);
+    set.description = dyn::load(DYN_SOURCE_DIR "/models/" + name + ".lua", {.root = set.document["root"]});
+    set.model = compile(set.description, JointRegistry::standard(), {.dissipation = false, .armature = false});
+    Worst worst(name + ".lua");
+    checkSingle(set, worst);
   }
 }

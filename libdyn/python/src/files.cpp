@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// Models in libdyn's own format, as URDF, and their differences.
+// Models in libdyn's own format, as URDF and MJCF, and their differences.
 #include "module.hpp"
 
 #include <dyn/model/difference.hpp>
 #include <dyn/parsers/json.hpp>
+#include <dyn/parsers/mjcf.hpp>
 #include <dyn/parsers/urdf.hpp>
 
 #include <pybind11/stl.h>
@@ -15,16 +16,21 @@ void addFiles(py::module_& m) {
   m.def(
       "save", [](const Model& model, const std::filesystem::path& path) { json::save(model, path.string()); }, py::arg("model"), py::arg("path"),
       "Writes a model to a file of libdyn's own format (NAME.dyn.json), which load() reads back to the same bits. The file is replaced as a whole.");
+  const auto written = [](Written x) { return std::pair(std::move(x.text), std::move(x.lost)); };
   m.def(
-      "write_urdf",
-      [](const Model& x) {
-        urdf::Written written = urdf::write(x);
-        return std::pair(std::move(written.text), std::move(written.lost));
-      },
-      py::arg("model"), "Returns a model as the text of a URDF with libdyn's extension, and a list of what URDF cannot say.");
+      "write_urdf", [written](const Model& x) { return written(urdf::write(x)); }, py::arg("model"),
+      "Returns a model as the text of a URDF with libdyn's extension, and a list of what URDF cannot say.");
   m.def(
       "save_urdf", [](const Model& x, const std::filesystem::path& path) { return urdf::save(x, path.string()); }, py::arg("model"), py::arg("path"),
       "Replaces a file by that text, as a whole; returns the list of what URDF cannot say.");
+  m.def(
+      "write_mjcf", [written](const Model& x) { return written(mjcf::write(x)); }, py::arg("model"),
+      "Returns a model as the text of an MJCF, MuJoCo's format, and a list of what MJCF cannot say. Raises Error for types of joints that are no "
+      "series "
+      "of MuJoCo's.");
+  m.def(
+      "save_mjcf", [](const Model& x, const std::filesystem::path& path) { return mjcf::save(x, path.string()); }, py::arg("model"), py::arg("path"),
+      "Replaces a file by that text, as a whole; returns the list of what MJCF cannot say.");
   py::class_<Difference>(m, "Difference", "One difference between two models, A and B.")
       .def_readonly("topic", &Difference::topic, "Such as 'structure', 'joint', 'placement', 'inertia' or 'limits'.")
       .def_readonly("name", &Difference::name, "The name of the body, joint, frame, volume, ...")

@@ -4,6 +4,7 @@
 
 #include <dyn/model/model.hpp>
 #include <dyn/parsers/options.hpp>
+#include <dyn/parsers/written.hpp>
 
 #include <string>
 #include <vector>
@@ -15,6 +16,7 @@ using dyn::Inertias;
 using dyn::Mimic;
 using dyn::Order;
 using dyn::Versions;
+using dyn::Written;
 using Options = LoadOptions;  ///< how a URDF is read
 
 /// Reads a robot. Every link becomes a body; fixed joints stay joints of type "fixed". The root link's joint is called "root_joint", with "_"
@@ -25,12 +27,6 @@ DYN_API Model parse(const std::string& text, const std::string& name, const Opti
 
 /// Returns all errors of a file, of which load() throws the first; empty if the file loads.
 DYN_API std::vector<Error> check(const std::string& path, const Options& options = {});
-
-/// A model as the text of a URDF, and what it cannot say.
-struct Written {
-  std::string text;               ///< the file
-  std::vector<std::string> lost;  ///< a line for each kind of loss, with how often it occurs and where first
-};
 
 /// Returns a model as URDF, with libdyn's extension for what other programs do not know: types of plugins, armatures, closed loops, gears. Numbers
 /// read back to the same bits, rotations (as roll, pitch and yaw) to the last digit. A single body that is fixed to the world at the identity becomes
