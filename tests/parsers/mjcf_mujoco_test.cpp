@@ -202,6 +202,7 @@ Differences compareWritten(const Model& description, const Folder& folder) {
   const MjModel m = loadMujoco(path, why);
   INFO(why);
   REQUIRE(m);
+  CHECK(m->nexclude == static_cast<int>(description.disabled_collisions.size()));
   CHECK(m->neq >= static_cast<int>(description.constraints.size()));
   CHECK(m->nkey >= static_cast<int>(description.configurations.size()) - 1);  // qpos0 is in the poses of bodies
   return compare(path, *m);
@@ -319,6 +320,9 @@ TEST_CASE("MuJoCo reads what libdyn writes, and sees the same model", "[mjcf]") 
     model.constraints = {coupleJoint("j7", {"mimic", "j2", {{"coefficients", std::vector<double>{0.1, 2, 3}}}}), lockJoint("j9", {0.3})};
     model.constraints[0].baumgarte = {100, 20};
     model.configurations = {{.name = "home", .joints = {{"j1", {0, 0.6, 0, 0.8}, {1, 2, 3}}}}, {.name = "zero"}};
+    model.addGeometry("hull", 3, Random(seed).pose(), geometry::ConvexHull{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}});
+    model.addGeometry("ground", 0, Random(seed).pose(), geometry::HalfSpace{});
+    model.disabled_collisions = {{"b0", "b2", ""}};
     const Differences d = compareWritten(model, folder);
     CHECK(d.worst() < 1e-12);
     CHECK(d.inertias < inertias);
