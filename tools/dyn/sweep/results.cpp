@@ -46,6 +46,12 @@ class Handle {
   herr_t (*close_)(hid_t);
 };
 
+void start() {
+  // After a write that failed, HDF5's own clean-up at the end of the process crashes.
+  H5dont_atexit();
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // errors are reported as exceptions, not printed
+}
+
 [[noreturn]] void cannotWrite(const std::string& file) { throw Error(ErrorCode::file, "HDF5 cannot write to it; is the disk full?", {file, 0, ""}); }
 void require(herr_t answer, const std::string& file) {
   if (answer < 0) cannotWrite(file);
@@ -99,7 +105,7 @@ class ResultsFile {
 
  private:
   Handle create() {
-    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // errors are reported as exceptions, not printed
+    start();
     return {H5Fcreate(path_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose, path_, "create it"};
   }
 
@@ -143,7 +149,8 @@ void merge(const Store& store, const Manifest& manifest, const std::vector<Field
   }
   if (!times.empty()) {
     const std::vector<hsize_t> shape{times.size()};
-    file.write(file.dataset("times", shape, false), shape, 0, static_cast<std::int64_t>(times.size()), times.data());
+    datasets.push_back(file.dataset("times", shape, false));
+    file.write(datasets.back(), shape, 0, static_cast<std::int64_t>(times.size()), times.data());
   }
   std::ofstream lines(lines_part.path);
   for (std::int64_t number = 0; number < manifest.chunks(); ++number) {
@@ -160,7 +167,9 @@ void merge(const Store& store, const Manifest& manifest, const std::vector<Field
       lines << line.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace) << "\n";
     }
   }
-  datasets.clear();
+  // HDF5 keeps numbers back until a dataset is closed.
+  for (Handle& dataset : datasets)
+    if (!dataset.close()) cannotWrite(part.path);
   file.close();
   lines.close();
   if (!lines) cannotWrite(lines_part.path);
@@ -203,7 +212,7 @@ void addToDigest(Sha256& hash, hid_t file, const std::string& name, const std::s
 }  // namespace
 
 std::string digestOf(const std::string& path) {
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  start();
   if (!std::filesystem::exists(path)) throw Error(ErrorCode::file, "does not exist; the sweep is not finished", {path, 0, ""});
   const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose, path, "open it");
   std::vector<std::string> names;
