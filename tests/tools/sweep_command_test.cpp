@@ -199,8 +199,8 @@ TEST_CASE("a sweep of collisions has the distances of dyn collide", "[command][s
     const Json sample = s.replay("out", k), &results = sample["results"];
     const double x = sample["input"]["q"][0], y = sample["input"]["q"][1], distance = results["distance"];
     CHECK(std::abs(distance - (std::hypot(x, y) - 0.5)) < 1e-12);
-    CHECK(results["collides"] == (distance < 0));
-    CHECK(results["collisions"] == (distance < 0));
+    CHECK(results["collides"] == static_cast<int>(distance < 0));
+    CHECK(results["collisions"] == static_cast<int>(distance < 0));
     collisions += distance < 0;
   }
   CHECK((collisions > 0 && collisions < 8));
