@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Sweeps: many simulations or evaluations of one model, by the command `dyn`."""
 
+import importlib
 import json
 import os
 import pathlib
@@ -41,10 +42,9 @@ def sweep(
 
 def _h5py() -> Any:
     try:
-        import h5py  # type: ignore[import-not-found, import-untyped, unused-ignore]
+        return importlib.import_module("h5py")
     except ImportError:
         return None
-    return h5py
 
 
 def _command() -> str:
