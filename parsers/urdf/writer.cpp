@@ -226,10 +226,7 @@ class Writer {
     const Vec3<double> usual = Model().gravity, &g = model_.gravity;
     if (g.x != usual.x || g.y != usual.y || g.z != usual.z) out_.lose("gravity other than 9.81 m/s^2 along -z");
     for (const DisabledCollision& d : model_.disabled_collisions) out_.lose("pairs without collision checks (an SRDF has them)", d.body);
-    for (const GroupDescription& group : model_.groups) out_.lose("groups (an SRDF has them)", group.name);
-    for (const EndEffectorDescription& e : model_.end_effectors) out_.lose("end effectors (an SRDF has them)", e.name);
-    for (const VirtualJointDescription& joint : model_.virtual_joints) out_.lose("virtual joints (an SRDF has them)", joint.name);
-    for (const std::string& joint : model_.passive_joints) out_.lose("passive joints (an SRDF has them)", joint);
+    out_.loseGroups(model_);
     for (const ConfigurationDescription& state : model_.configurations) out_.lose("named states (an SRDF has them)", state.name);
   }
 

@@ -30,6 +30,13 @@ void Output::loseFolder(const std::string& path, const std::string& file) {
     lose(std::string("the folder in which relative paths of files begin, which is now that of the ") + format_, path);
 }
 
+void Output::loseGroups(const Model& model) {
+  for (const GroupDescription& group : model.groups) lose("groups (an SRDF has them)", group.name);
+  for (const EndEffectorDescription& e : model.end_effectors) lose("end effectors (an SRDF has them)", e.name);
+  for (const VirtualJointDescription& joint : model.virtual_joints) lose("virtual joints (an SRDF has them)", joint.name);
+  for (const std::string& joint : model.passive_joints) lose("passive joints (an SRDF has them)", joint);
+}
+
 std::vector<std::string> Output::lost() const {
   std::vector<std::string> out;
   for (const auto& [what, loss] : lost_) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <dyn/error.hpp>
+#include <dyn/model/model.hpp>
 #include <dyn/spatial/vector3.hpp>
 
 #include <tinyxml2.h>
@@ -37,6 +38,8 @@ class Output {
   void lose(const std::string& what, const std::string& owner = {});
   /// Counts a relative path, which began in the folder of `file`. That may be another folder than the one of the file to write.
   void loseFolder(const std::string& path, const std::string& file);
+  /// Counts the model's groups, end effectors, virtual and passive joints, which no format but SRDF says.
+  void loseGroups(const Model& model);
   /// Returns a line for each kind of what was lost.
   std::vector<std::string> lost() const;
   /// Returns the text, with the XML declaration.

@@ -14,6 +14,20 @@ const char* const semantics = R"(<robot name="arm"><group name="arm"><chain base
   <group_state name="bent" group="arm"><joint name="bend" value="0.5"/></group_state>
   <group_state name="broken" group="arm"><joint name="bend" value="50"/></group_state></robot>)";
 
+/// Converts each of our models from a file with this ending to `out`, and checks that nothing is lost and nothing differs.
+void checkConverted(const std::string& ending, const std::string& out) {
+  for (const char* name : {"arm", "biped", "cart", "four_bar"}) {
+    INFO(name);
+    const std::string model = std::string(DYN_SOURCE_DIR "/models/") + name + ending;
+    const Answer converted = run("convert '" + model + "' '" + out + "'");
+    CHECK(converted.code == 0);
+    CHECK_THAT(converted.err, !containing("cannot say"));
+    const Answer difference = run("diff '" + model + "' '" + out + "'");
+    INFO(difference.out);
+    CHECK(difference.code == 0);
+  }
+}
+
 }  // namespace
 
 TEST_CASE("every subcommand that takes a configuration takes the name of a state", "[command]") {
@@ -74,16 +88,7 @@ TEST_CASE("diff lists differences as a table or JSON, and its exit code tells th
 TEST_CASE("convert writes URDF that differs in nothing, and says what URDF cannot hold", "[command]") {
   const Folder folder;
   const std::string out = (folder.path / "out.urdf").string();
-  for (const char* name : {"arm", "biped", "cart", "four_bar"}) {
-    INFO(name);
-    const std::string model = std::string(DYN_SOURCE_DIR "/models/") + name + ".urdf";
-    const Answer converted = run("convert '" + model + "' '" + out + "'");
-    CHECK(converted.code == 0);
-    CHECK_THAT(converted.err, !containing("cannot say"));
-    const Answer difference = run("diff '" + model + "' '" + out + "'");
-    INFO(difference.out);
-    CHECK(difference.code == 0);
-  }
+  checkConverted(".urdf", out);
   const Answer lost = run("convert '" + arm + "' '" + out + "' --srdf '" + folder.write("arm.srdf", semantics) + "'");
   CHECK(lost.code == 0);
   CHECK_THAT(lost.err, containing("URDF cannot say groups (an SRDF has them) of 'arm'"));
@@ -94,16 +99,7 @@ TEST_CASE("convert writes MJCF by the ending of the file, and says what MJCF can
   const Folder folder;
   for (const char* ending : {"out.xml", "out.mjcf"}) {
     const std::string out = (folder.path / ending).string();
-    for (const char* name : {"arm", "biped", "cart", "four_bar"}) {
-      INFO(name);
-      const std::string model = std::string(DYN_SOURCE_DIR "/models/") + name + ".xml";
-      const Answer converted = run("convert '" + model + "' '" + out + "'");
-      CHECK(converted.code == 0);
-      CHECK_THAT(converted.err, !containing("cannot say"));
-      const Answer difference = run("diff '" + model + "' '" + out + "'");
-      INFO(difference.out);
-      CHECK(difference.code == 0);
-    }
+    checkConverted(".xml", out);
     const Answer lost = run("convert '" + arm + "' '" + out + "'");
     CHECK(lost.code == 0);
     CHECK_THAT(lost.err, containing("MJCF cannot say limits of velocity"));

@@ -55,7 +55,7 @@ class Writer {
     writeExcludes();
     equality_.write(joints_);
     writeKeyframes(model_, order_, joints_, chains_, out_);
-    loseOthers();
+    out_.loseGroups(model_);
     out_.close();
     return {out_.text(), out_.lost()};
   }
@@ -232,13 +232,6 @@ class Writer {
       out_.close();
     }
     if (!written.empty()) out_.close();
-  }
-
-  void loseOthers() {
-    for (const GroupDescription& group : model_.groups) out_.lose("groups (an SRDF has them)", group.name);
-    for (const EndEffectorDescription& e : model_.end_effectors) out_.lose("end effectors (an SRDF has them)", e.name);
-    for (const VirtualJointDescription& joint : model_.virtual_joints) out_.lose("virtual joints (an SRDF has them)", joint.name);
-    for (const std::string& joint : model_.passive_joints) out_.lose("passive joints (an SRDF has them)", joint);
   }
 
   const Model& model_;

@@ -100,9 +100,9 @@ class Overseer {
     done_ += work_.manifest.count(done.number);
     failed_ += static_cast<std::int64_t>(done.failed);
     if (done.failed > 0 && shown_failures_++ < most_shown) warning(done.reason + (done.failed > 1 ? " (and others of its chunk)" : ""));
-    if (done.failed > 0 && shown_failures_ == most_shown) note_once();
+    if (done.failed > 0 && shown_failures_ == most_shown)
+      tool::note("more samples that fail are not shown; failures.jsonl has all of them in the end");
   }
-  static void note_once() { tool::note("more samples that fail are not shown; failures.jsonl has all of them in the end"); }
 
   const Work& work_;
   const std::vector<std::int64_t>& missing_;

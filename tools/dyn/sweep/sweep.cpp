@@ -190,7 +190,10 @@ void compute(const Options& o) {
   };
   // Joint types are loaded in trial processes, which must come before MPI.
   std::string problem;
-  several ? static_cast<void>(problem = problemOf(prepare)) : prepare();
+  if (several)
+    problem = problemOf(prepare);
+  else
+    prepare();
   const Ranks ranks;
   agree(ranks, problem);
   Manifest common = manifest;
@@ -198,7 +201,10 @@ void compute(const Options& o) {
   const std::string first = ranks.broadcast(common.text());
   agree(ranks, first == common.text() ? "" : "it has another version of libdyn, instruction set, study or model than rank 0");
   const int threads = o.threads > 0 ? o.threads : several ? 1 : std::max(static_cast<int>(std::thread::hardware_concurrency()), 1);
-  ranks.rank() == 0 ? lead(o, ranks, *setting, manifest, threads) : follow(o, ranks, *setting, threads);
+  if (ranks.rank() == 0)
+    lead(o, ranks, *setting, manifest, threads);
+  else
+    follow(o, ranks, *setting, threads);
 }
 
 /// The sample's number. Throws CLI::ValidationError.
