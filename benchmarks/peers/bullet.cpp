@@ -120,6 +120,6 @@ class Bullet : public Peer {
 
 }  // namespace
 
-std::unique_ptr<Peer> makeBullet(const Robot& robot) { return std::make_unique<Bullet>(robot); }
-
 }  // namespace dyn::benchmark::peers
+
+dyn::benchmark::peers::Peer* makePeer(const dyn::benchmark::peers::Robot& robot) { return new dyn::benchmark::peers::Bullet(robot); }

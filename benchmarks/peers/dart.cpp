@@ -122,6 +122,6 @@ class Dart : public Peer {
 
 }  // namespace
 
-std::unique_ptr<Peer> makeDart(const Robot& robot) { return std::make_unique<Dart>(robot); }
-
 }  // namespace dyn::benchmark::peers
+
+dyn::benchmark::peers::Peer* makePeer(const dyn::benchmark::peers::Robot& robot) { return new dyn::benchmark::peers::Dart(robot); }

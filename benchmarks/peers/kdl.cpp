@@ -83,9 +83,8 @@ class Kdl : public Peer {
 
 }  // namespace
 
-std::unique_ptr<Peer> makeKdl(const Robot& robot) {
-  if (robot.floating) return nullptr;
-  return std::make_unique<Kdl>(robot);
-}
-
 }  // namespace dyn::benchmark::peers
+
+dyn::benchmark::peers::Peer* makePeer(const dyn::benchmark::peers::Robot& robot) {
+  return robot.floating ? nullptr : new dyn::benchmark::peers::Kdl(robot);
+}

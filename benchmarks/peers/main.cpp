@@ -1,19 +1,22 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// dyn_peers OUT_DIR FILE[:floating]...: gives every library the same tasks, robot by robot, in turn. It prints a table and writes a picture per task
-// and peers.json, which also has the errors at rest. Robots with a fixed base also fall under gravity, simulated by each library's own integrators.
+// dyn_peers OUT_DIR FILE[:floating]...: gives every library the same tasks, robot by robot, in turn. It prints what each library is compiled for and
+// a table, and writes a picture per task and peers.json, which also has the errors at rest. Robots with a fixed base also fall under gravity,
+// simulated by each library's own integrators. Only libraries that are compiled for this processor count as the best peer of a task.
 #include "peers/peers.hpp"
 #include "report/bar_chart.hpp"
 #include "report/quartiles.hpp"
 
 #include <dyn/error.hpp>
 #include <dyn/file.hpp>
+#include <dyn/version.hpp>
 
+#include <dlfcn.h>
 #include <oracle.hpp>
 
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
+#include <set>
 
 namespace dyn::benchmark::peers {
 
@@ -34,39 +37,40 @@ const char* nameOf(Task task) {
   }
 }
 
-std::vector<Library> libraries() {
-  return {
-      {"libdyn", "", makeLibdyn},
-#ifdef DYN_WITH_PINOCCHIO
-      {"Pinocchio", DYN_WITH_PINOCCHIO, makePinocchio},
-#endif
-#ifdef DYN_WITH_RBDL
-      {"RBDL", DYN_WITH_RBDL, makeRbdl},
-#endif
-#ifdef DYN_WITH_MUJOCO
-      {"MuJoCo", DYN_WITH_MUJOCO, makeMujoco},
-#endif
-#ifdef DYN_WITH_DART
-      {"DART", DYN_WITH_DART, makeDart},
-#endif
-#ifdef DYN_WITH_KDL
-      {"KDL", DYN_WITH_KDL, makeKdl},
-#endif
-#ifdef DYN_WITH_BULLET
-      {"Bullet", DYN_WITH_BULLET, makeBullet},
-#endif
-#ifdef DYN_WITH_SIMBODY
-      {"Simbody", DYN_WITH_SIMBODY, makeSimbody},
-#endif
-  };
-}
-
 namespace {
+
+/// libdyn, and the libraries whose modules were built. A module that does not open is named.
+std::vector<Library> libraries() {
+  const Version own = version();
+  std::vector<Library> out{
+      {"libdyn", own.number, "any " DYN_PROCESSOR ", kernels for " + own.instruction_set + " chosen at run time", true, makeLibdyn}};
+  struct Module {
+    const char *name, *version, *build;
+    bool for_this_processor;
+    const char* file;
+  };
+  for (const Module& module : std::initializer_list<Module>{
+#include "peers_found.inc"
+       }) {
+    void* const handle = dlopen(module.file, RTLD_NOW | RTLD_LOCAL);
+    if (!handle) {
+      std::fprintf(stderr, "%s is left out: %s\n", module.name, dlerror());
+      continue;
+    }
+    const auto make = reinterpret_cast<decltype(&makePeer)>(dlsym(handle, "makePeer"));
+    out.push_back({module.name, module.version, module.build, module.for_this_processor,
+                   [make](const Robot& robot) { return std::unique_ptr<Peer>(make(robot)); }});
+  }
+  return out;
+}
 
 struct Contender {
   const Library* library;
   std::unique_ptr<Peer> peer;
 };
+
+/// By task, robot by robot: the name of the fastest peer among those that are compiled for this processor, and its time relative to libdyn's.
+using BestPeers = std::vector<std::vector<std::pair<std::string, double>>>;
 
 /// Largest difference, relative to the largest entry of the reference. The state is at rest, so only gravity and inertia act, and the libraries'
 /// different conventions for the velocity of a floating base do not matter.
@@ -163,29 +167,62 @@ std::vector<std::vector<double>> measure(std::vector<Contender>& contenders, Tas
   return times;
 }
 
-void compare(const Robot& robot, const std::vector<Library>& all, std::vector<BarChart>& charts, tool::Json& rows) {
+void compare(const Robot& robot, const std::vector<Library>& all, std::vector<BarChart>& charts, BestPeers& best, tool::Json& rows) {
   std::vector<Contender> contenders = contendersFor(robot, all);
   const std::vector<State> states = randomStates(robot, 256, false);
   const auto truths = truthsOf(robot);
   for (std::size_t t = 0; t < std::size(tasks); ++t) {
     const auto times = measure(contenders, tasks[t], states);
+    std::pair<std::string, double> fastest("", INFINITY);
     for (std::size_t k = 0; k < contenders.size(); ++k) {
       if (times[k].empty()) continue;
       const Quartiles ns = quartiles(times[k]);
       const Library& library = *contenders[k].library;
-      const double error = errorOf(*contenders[k].peer, tasks[t], robot, truths);
+      const double error = errorOf(*contenders[k].peer, tasks[t], robot, truths), ratio = ns.median / quartiles(times[0]).median;
+      if (k > 0 && library.for_this_processor && ratio < fastest.second) fastest = {library.name, ratio};
       std::printf("%-14s %-16s %-10s %10.0f %9.0f .. %-9.0f %8.1f %10.1f\n", robot.name.c_str(), nameOf(tasks[t]), library.name.c_str(), ns.median,
-                  ns.low, ns.high, ns.median / quartiles(times[0]).median, error);
+                  ns.low, ns.high, ratio, error);
       rows.push_back({{"robot", robot.name},
                       {"task", nameOf(tasks[t])},
                       {"library", library.name},
                       {"version", library.version},
+                      {"build", library.build},
+                      {"for_this_processor", library.for_this_processor},
                       {"ns", ns.median},
                       {"ns_low", ns.low},
                       {"ns_high", ns.high},
                       {"error_u", error}});
       charts[t].add(robot.name, contenders[k].library->name, ns.median);
     }
+    if (!fastest.first.empty()) best[t].push_back(fastest);
+  }
+}
+
+/// Prints what each library is compiled for.
+void printBuilds(const std::vector<Library>& all) {
+  for (const Library& library : all)
+    std::printf("%-10s %-8s %s%s\n", library.name.c_str(), library.version.c_str(), library.build.c_str(),
+                library.for_this_processor ? "" : " (slower than for this processor)");
+}
+
+/// Prints how the best peer compares for each task: geometric means over the robots.
+void printBest(const BestPeers& best) {
+  std::printf("\nbest peer / libdyn, among the peers compiled for this processor\n");
+  for (std::size_t t = 0; t < best.size(); ++t) {
+    if (best[t].empty()) {
+      std::printf("%-16s no peer that does this is compiled for this processor, so the best is not known\n", nameOf(tasks[t]));
+      continue;
+    }
+    double sum = 0, least = INFINITY;
+    std::set<std::string> names;
+    for (const auto& [name, ratio] : best[t]) {
+      sum += std::log(ratio);
+      least = std::min(least, ratio);
+      names.insert(name);
+    }
+    std::printf("%-16s %.2f, least %.2f (", nameOf(tasks[t]), std::exp(sum / static_cast<double>(best[t].size())), least);
+    for (const std::string& name : names) std::printf("%s%s", name == *names.begin() ? "" : ", ", name.c_str());
+    std::printf(")\n");
   }
 }
 
@@ -228,9 +265,10 @@ int run(int argc, char** argv) {
     return 2;
   }
   const std::vector<Library> all = libraries();
-  for (const Library& library : all) std::printf("%s %s\n", library.name.c_str(), library.version.c_str());
+  printBuilds(all);
   std::printf("\n%-14s %-16s %-10s %10s %22s %8s %10s\n", "robot", "task", "library", "ns", "quartiles", "x libdyn", "error [u]");
   tool::Json rows{{"algorithms", tool::Json::array()}, {"motions", tool::Json::array()}};
+  BestPeers best(std::size(tasks));
   std::vector<BarChart> charts;
   for (const Task task : tasks) charts.emplace_back(std::string(nameOf(task)) + ": ns a call, logarithmic", Scale::logarithmic);
   std::vector<Robot> robots;
@@ -240,11 +278,12 @@ int run(int argc, char** argv) {
     if (colon != std::string::npos) file.resize(colon);
     try {
       robots.push_back(readRobot(file, colon != std::string::npos));
-      compare(robots.back(), all, charts, rows["algorithms"]);
+      compare(robots.back(), all, charts, best, rows["algorithms"]);
     } catch (const Error& e) {
       std::fprintf(stderr, "%s\n", e.what());
     }
   }
+  printBest(best);
   for (const Robot& robot : robots) {
     if (robot.floating) continue;
     try {

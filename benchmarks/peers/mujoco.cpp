@@ -143,6 +143,6 @@ class Mujoco : public Peer {
 
 }  // namespace
 
-std::unique_ptr<Peer> makeMujoco(const Robot& robot) { return std::make_unique<Mujoco>(robot); }
-
 }  // namespace dyn::benchmark::peers
+
+dyn::benchmark::peers::Peer* makePeer(const dyn::benchmark::peers::Robot& robot) { return new dyn::benchmark::peers::Mujoco(robot); }

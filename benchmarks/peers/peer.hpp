@@ -4,6 +4,7 @@
 
 #include "peers/robot.hpp"
 
+#include <functional>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -38,11 +39,10 @@ class Peer {
 
 struct Library {
   std::string name, version;
+  std::string build;        ///< compiler, and the processors that the code is compiled for
+  bool for_this_processor;  ///< false: the library would be faster if it were compiled for the processor at hand
   /// Returns null if the library cannot represent the robot. May throw std::exception.
-  std::unique_ptr<Peer> (*make)(const Robot& robot);
+  std::function<std::unique_ptr<Peer>(const Robot& robot)> make;
 };
-
-/// The libraries that were found when this program was configured; libdyn is the first.
-std::vector<Library> libraries();
 
 }  // namespace dyn::benchmark::peers

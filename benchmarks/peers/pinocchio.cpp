@@ -88,6 +88,6 @@ class Pinocchio : public Peer {
 
 }  // namespace
 
-std::unique_ptr<Peer> makePinocchio(const Robot& robot) { return std::make_unique<Pinocchio>(robot); }
-
 }  // namespace dyn::benchmark::peers
+
+dyn::benchmark::peers::Peer* makePeer(const dyn::benchmark::peers::Robot& robot) { return new dyn::benchmark::peers::Pinocchio(robot); }

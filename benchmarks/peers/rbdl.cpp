@@ -69,6 +69,6 @@ class Rbdl : public Peer {
 
 }  // namespace
 
-std::unique_ptr<Peer> makeRbdl(const Robot& robot) { return std::make_unique<Rbdl>(robot); }
-
 }  // namespace dyn::benchmark::peers
+
+dyn::benchmark::peers::Peer* makePeer(const dyn::benchmark::peers::Robot& robot) { return new dyn::benchmark::peers::Rbdl(robot); }

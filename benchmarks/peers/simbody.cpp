@@ -120,6 +120,6 @@ class Simbody : public Peer {
 
 }  // namespace
 
-std::unique_ptr<Peer> makeSimbody(const Robot& robot) { return std::make_unique<Simbody>(robot); }
-
 }  // namespace dyn::benchmark::peers
+
+dyn::benchmark::peers::Peer* makePeer(const dyn::benchmark::peers::Robot& robot) { return new dyn::benchmark::peers::Simbody(robot); }

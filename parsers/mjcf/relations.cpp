@@ -102,7 +102,8 @@ class Relations {
     for (auto a = groups.begin(); a != groups.end(); ++a)
       for (auto b = a; b != groups.end(); ++b) {
         if ((a->first.first & b->first.second) || (b->first.first & a->first.second)) continue;
-        if ((pairs += a->second.size() * b->second.size()) > most_pairs) {
+        pairs += a->second.size() * b->second.size();
+        if (pairs > most_pairs) {
           c_.notes.count("ignored: contype and conaffinity, which keep more than " + std::to_string(most_pairs) + " pairs of geoms apart",
                          c_.source.where(root()));
           return;

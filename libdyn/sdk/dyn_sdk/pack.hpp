@@ -115,16 +115,16 @@ struct Pack {
   /// Return a function of each lane, which the C library computes number by number. Angles are in rad.
   /// @{
   friend Pack tan(const Pack& a) {
-    return each([](T x) { return std::tan(x); }, a);
+    return each([](T lane) { return std::tan(lane); }, a);
   }
   friend Pack exp(const Pack& a) {
-    return each([](T x) { return std::exp(x); }, a);
+    return each([](T lane) { return std::exp(lane); }, a);
   }
   friend Pack log(const Pack& a) {
-    return each([](T x) { return std::log(x); }, a);
+    return each([](T lane) { return std::log(lane); }, a);
   }
-  friend Pack atan2(const Pack& y, const Pack& x) {
-    return each([](T b, T a) { return std::atan2(b, a); }, y, x);
+  friend Pack atan2(const Pack& sine, const Pack& cosine) {
+    return each([](T b, T a) { return std::atan2(b, a); }, sine, cosine);
   }
   /// @}
   /// Returns a where the condition holds, else b.

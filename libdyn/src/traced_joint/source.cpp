@@ -309,16 +309,16 @@ void checkJoint(const TracedJoint& j) {
 Graph ratesOf(const TracedJoint& j) {
   if (j.space->rates) return *j.space->rates;
   // Column k of dq/dt is the derivative of q (+) v along v_k, beside v = 0 so that sin(|v|) / |v| has one; compare dyn::sdk::Configuration.
-  using D = Dual<Traced>;
+  using Varied = Dual<Traced>;
   constexpr double beside_zero = 0x1p-250;
   const int n = constantCount(j);
   return traceFunction(j.nq + j.nv + n, j.nq, [&](const Traced* in, Traced* out) {
     for (int k = 0; k < j.nv; ++k) {
-      std::vector<D> x;
+      std::vector<Varied> x;
       for (int i = 0; i < j.nq; ++i) x.emplace_back(in[i], Traced(0));
       for (int i = 0; i < j.nv; ++i) x.emplace_back(Traced(i == k ? beside_zero : 0), Traced(i == k ? 1 : 0));
       for (int i = 0; i < n; ++i) x.emplace_back(in[j.nq + j.nv + i], Traced(0));
-      const std::vector<D> column = replay<D>(j.space->integrate, x);
+      const std::vector<Varied> column = replay<Varied>(j.space->integrate, x);
       for (int i = 0; i < j.nq; ++i) out[i] = (k ? out[i] : Traced(0)) + in[j.nq + k] * column[static_cast<std::size_t>(i)].d;
     }
   });

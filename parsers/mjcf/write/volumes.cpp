@@ -92,7 +92,7 @@ std::string Volumes::assetOf(const GeometryDescription& g) {
     for (const Vec3<double>& p : points) out.insert(out.end(), {p.x, p.y, p.z});
     return out;
   };
-  const std::string name = "mesh_" + std::to_string(meshes_);
+  std::string name = "mesh_" + std::to_string(meshes_);
   const auto* file = std::get_if<geometry::MeshFile>(&g.shape);
   if (file == nullptr) {
     begin(name);
