@@ -78,7 +78,7 @@ class Value {
     return out;
   }
   std::vector<double> numbers(std::size_t count) const {
-    const std::vector<double> out = numbers();
+    std::vector<double> out = numbers();
     if (out.size() != count) fail("must have " + std::to_string(count) + " numbers, not " + std::to_string(out.size()));
     return out;
   }

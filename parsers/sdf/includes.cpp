@@ -135,7 +135,7 @@ class Sources::Scan {
     if (path.find("://") != std::string::npos)
       document.fail(uri, "names '" + name + "', which is not on this machine; download it and name the file", ErrorCode::file);
     for (const fs::path& folder : {fs::path(document.file()).parent_path(), own_, own_.parent_path()}) {
-      const fs::path full = folder / path;
+      fs::path full = folder / path;
       std::error_code error;
       if (!fs::exists(full, error)) continue;
       if (files_ == Files::beside && !isInside(full, own_))

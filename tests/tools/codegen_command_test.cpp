@@ -68,3 +68,20 @@ TEST_CASE("codegen of a robot that does not move compiles, too", "[command]") {
     CHECK(std::system(("cd '" + out + "' && cc -std=c99 -pedantic -Wall -Werror still.c still_test.c -lm -o t && ./t >/dev/null").c_str()) == 0);
   }
 }
+
+TEST_CASE("codegen --compile compares each function with the library's own, where it has one", "[command]") {
+  const Folder folder;
+  const std::string arm = DYN_SOURCE_DIR "/models/arm.urdf";
+  setenv("LIBDYN_CACHE", folder.path.c_str(), 1);
+  for (const std::string how : {"", " --lanes 4", " --float"}) {
+    INFO(how);
+    const Answer a = run("codegen '" + arm + "' --functions rnea,frames --compile" + how);
+    INFO(a.err);
+    REQUIRE(a.code == 0);
+    const std::size_t rnea = a.out.rfind("\nrnea "), frames = a.out.rfind("\nframes ");
+    REQUIRE(rnea < frames);
+    CHECK(a.out.substr(rnea, frames - rnea).find(" ns a state, the library takes ") != std::string::npos);
+    CHECK(a.out.find("library", frames) == std::string::npos);
+  }
+  unsetenv("LIBDYN_CACHE");
+}

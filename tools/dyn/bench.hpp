@@ -5,6 +5,7 @@
 #include "states.hpp"
 #include "truth.hpp"
 
+#include <dyn/codegen/native.hpp>
 #include <dyn/dyn.hpp>
 
 #include <report/quartiles.hpp>
@@ -67,5 +68,13 @@ benchmark::Quartiles measure(const std::function<void()>& round, std::size_t cou
 
 /// Adds functions of this model as generated code, with one state and with several states per call. Compiles them, or finds them in the cache.
 void addGenerated(Subjects& x, const std::vector<std::string>& functions, std::vector<Entry>& entries);
+
+/// [ns] Times of one state.
+struct Pace {
+  double generated, library;
+};
+/// Compares generated code with the library's own function, in batches if `lanes` is more than one or for floats. Returns none if the library has no
+/// function that gives the same.
+std::optional<Pace> paceOf(const CompactModel& model, const CompiledFunction& function, int lanes, bool single_precision);
 
 }  // namespace dyn::tool

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // dyn codegen: algorithms of one model as C source, with a CMakeLists.txt and a test that compares them with the library.
+#include "bench.hpp"
 #include "commands.hpp"
 #include "folder.hpp"
 #include "interrupt.hpp"
@@ -25,6 +26,9 @@ namespace dyn::tool {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// Generated code pays if it takes at most this share of the library's time.
+constexpr double most_of_library = 0.9;
 
 struct CodegenOptions : ModelOptions {
   std::vector<std::string> functions;
@@ -172,6 +176,7 @@ void run(const CodegenOptions& o) {
   native.lanes = o.lanes;
   Progress progress(static_cast<double>(functions.size()), "functions");
   double done = 0;
+  std::string slower;
   native.progress = [&](const std::string& what) {
     detail(what);
     progress.at(done, what);
@@ -181,10 +186,17 @@ void run(const CodegenOptions& o) {
     const CompiledModel compiled = compileNative({f}, native);
     ++done;
     clearLiveLine();
-    std::printf("%-24s compiled in %.2f s%s\n", f.name.c_str(), std::chrono::duration<double>(Clock::now() - before).count(),
+    std::printf("%-24s compiled in %.2f s%s", f.name.c_str(), std::chrono::duration<double>(Clock::now() - before).count(),
                 compiled.functions()[0].cached() ? " (from the cache)" : "");
+    if (const std::optional<Pace> pace = paceOf(model, compiled.functions()[0], o.lanes, o.single_precision)) {
+      std::printf("; %.1f ns a state, the library takes %.1f ns", pace->generated, pace->library);
+      if (pace->generated > most_of_library * pace->library) slower += (slower.empty() ? "" : ", ") + f.name;
+    }
+    std::printf("\n");
     interruption.end();
   }
+  if (!slower.empty())
+    note("generated code does not pay for " + slower + ": call the library's own" + (o.lanes > 1 || o.single_precision ? " batches" : " functions"));
 }
 
 }  // namespace
@@ -195,7 +207,7 @@ void addCodegen(CLI::App& app) {
   o->add(*sub);
   sub->add_option("--functions", o->functions, "separated by commas")->delimiter(',')->required()->check(CLI::IsMember(traceableFunctions()));
   sub->add_option("--out", o->out, "folder for source, header, CMakeLists and test")->type_name("FOLDER");
-  sub->add_flag("--compile", o->compile_now, "compile into the cache that compileNative() uses");
+  sub->add_flag("--compile", o->compile_now, "compile into the cache that compileNative() uses, and compare with the library's time");
   sub->add_flag("--float", o->single_precision, "float for double");
   sub->add_flag("--plain", o->plain, "C99 without vectors: fewer operations, more steps; of one state a call");
   sub->add_flag("--casadi", o->casadi, "beside them a CasADi external with Jacobians, NAME_casadi.c");
