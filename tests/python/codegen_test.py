@@ -99,8 +99,8 @@ class Graphs(Generated):
         q, v, a = self.q[0], self.v[0], self.a[0]
         for arguments, message in (
             ((q, v), "takes 3 arguments, and 2 were given"),
-            ((q[1:], v, a), "rnea: q must have the shape"),
-            ((self.q[:3], self.v[:4], a), r"rnea: v must have the shape \(\d,\) or \(3, \d\)"),
+            ((q[1:], v, a), r"rnea: q has the shape \(\d,\); it must be"),
+            ((self.q[:3], self.v[:4], a), r"rnea: v has the shape \(4, \d\); it must be \(\d,\) or \(3, \d\)"),
             ((q, v, "a"), "rnea: a must be an array of numbers"),
             ((q, v, a + 1j), "rnea: a must be an array of numbers, not an array of dtype complex128"),
         ):

@@ -128,6 +128,52 @@ class ManyStates(OfABiped):
             dyn.frame_placement(self.model, batch, self.frame + "x")
 
 
+class Configurations(OfABiped):
+    def test_functions_of_many_states_are_those_of_each(self):
+        model, rows = self.model, range(5)
+        q = dyn.random_configuration(model, 7, states=5)
+        v = np.random.default_rng(0).normal(size=(5, model.nv))
+        ends = dyn.integrate(model, q, v)
+        ways, halfway = dyn.difference(model, q, ends), dyn.interpolate(model, q, ends, 0.5)
+        scaled = dyn.normalize(model, 2 * q)
+        for k in rows:
+            np.testing.assert_array_equal(q[k], dyn.random_configuration(model, 7 + k))
+            np.testing.assert_array_equal(ends[k], dyn.integrate(model, q[k], v[k]))
+            np.testing.assert_array_equal(ways[k], dyn.difference(model, q[k], ends[k]))
+            np.testing.assert_array_equal(halfway[k], dyn.interpolate(model, q[k], ends[k], 0.5))
+            np.testing.assert_array_equal(scaled[k], dyn.normalize(model, 2 * q[k]))
+        # One state counts for all rows.
+        np.testing.assert_array_equal(dyn.integrate(model, q[0], v)[3], dyn.integrate(model, q[0], v[3]))
+        path = dyn.interpolate(model, q[0], ends[0], np.linspace(0, 1, 3))
+        np.testing.assert_array_equal(path[1], halfway[0])
+        self.assertEqual(dyn.random_configuration(model, 7, states=0).shape, (0, model.nq))
+
+    def test_wrong_shapes_are_named(self):
+        model, q, v = self.model, self.q, self.v
+        with self.assertRaisesRegex(dyn.Error, r"integrate: v has the shape \(3, 22\); it must be \(22,\) or \(5, 22\)"):
+            dyn.integrate(model, q, v[:3])
+        with self.assertRaisesRegex(dyn.Error, r"difference: q0 has the shape \(5, 22\); it must be \(23,\) or \(states, 23\)"):
+            dyn.difference(model, v, q)
+        with self.assertRaisesRegex(TypeError, "integrate: q must be an array of numbers, not <class 'str'>"):
+            dyn.integrate(model, "q", v)
+        batch = dyn.BatchData(model, 4)
+        with self.assertRaisesRegex(dyn.Error, r"rnea: q has the shape \(5, 23\); it must be \(1 to 4, 23\), a state a row"):
+            dyn.rnea(model, batch, q, v, v)
+        with self.assertRaisesRegex(dyn.Error, r"rnea: a has the shape \(2, 22\); it must be \(3, 22\), a state a row"):
+            dyn.rnea(model, batch, q[:3], v[:3], v[:2])
+
+
+class Errors(OfABiped):
+    def test_errors_say_the_place_and_the_remedy(self):
+        with self.assertRaises(dyn.Error) as caught:
+            dyn.integrate(self.model, 0 * self.q[0], self.v[0])
+        self.assertEqual((caught.exception.code, caught.exception.place), ("argument", "joint 'root_joint'"))
+        self.assertEqual(caught.exception.remedy, "neutral() gives the identity")
+        with self.assertRaises(dyn.Error) as caught:
+            dyn.load("/nowhere/robot.urdf")
+        self.assertEqual((caught.exception.place, caught.exception.remedy), ("/nowhere/robot.urdf", ""))
+
+
 class Layouts(OfABiped):
     def test_states_go_to_other_layouts_and_back(self):
         for layout in ("pinocchio", "rbdl", "mujoco", "drake"):

@@ -1,16 +1,34 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Functions on configurations: q (+) v, q1 (-) q0 and their derivatives.
-#include "module.hpp"
+#include "evaluation.hpp"
+#include "typed.hpp"
 
 #include <dyn/algorithm/configuration.hpp>
 
 #include <pybind11/eigen.h>
+#include <pybind11/stl.h>
 
 namespace dyn::python {
 
 namespace {
+
 using Vector = Eigen::Ref<const Eigen::VectorXd>;
+using States = Typed<py::object, "ArrayLike">;  ///< one state, or a state a row
+using Result = Typed<py::object, "NDArray[float64]">;
+
+/// Calls a function of coordinates or velocities for one state or for each row: function(arguments, result). A vector counts for all rows.
+template <class Function>
+Result eachState(const char* name, const std::vector<ArgumentShape>& inputs, int size, const py::args& arguments, const Function& function) {
+  const std::vector<ArgumentShape> output{{"", size}};
+  Evaluation<double> evaluation(name, inputs, output, arguments);
+  evaluation.run(1, [&](const void* const* in, void* const* out) {
+    const auto argument = [&](std::size_t k) { return VectorArg(static_cast<const double*>(in[k]), inputs[k].size()); };
+    function(argument, VectorOut(static_cast<double*>(out[0]), size));
+  });
+  return evaluation.results();
 }
+
+}  // namespace
 
 void addConfiguration(py::module_& m) {
   const py::arg model("model"), q("q"), v("v"), q0("q0"), q1("q1");
@@ -20,26 +38,60 @@ void addConfiguration(py::module_& m) {
   m.def(
       "neutral", [](const CompactModel& x) { return neutral(x); }, model, "Returns the configuration at which every joint is at its zero (nq,).");
   m.def(
-      "integrate", [](const CompactModel& x, const Vector& a, const Vector& b) { return integrate(x, a, b); }, model, q, v,
-      "Returns q (+) v (nq,), the configuration that q reaches in unit time at constant joint velocity v.");
+      "integrate",
+      [](const CompactModel& x, const States& a, const States& b) {
+        return eachState("integrate", {{"q", x.nq()}, {"v", x.nv()}}, x.nq(), py::make_tuple(a, b),
+                         [&x](const auto& in, const VectorOut& out) { integrate(x, in(0), in(1), out); });
+      },
+      model, q, v,
+      "Returns q (+) v (nq,), the configuration that q reaches in unit time at constant joint velocity v. Either may have a state a row.");
   m.def(
-      "difference", [](const CompactModel& x, const Vector& a, const Vector& b) { return difference(x, a, b); }, model, q0, q1,
-      "Returns the v (nv,) for which q0 (+) v = q1.");
+      "difference",
+      [](const CompactModel& x, const States& a, const States& b) {
+        return eachState("difference", {{"q0", x.nq()}, {"q1", x.nq()}}, x.nv(), py::make_tuple(a, b),
+                         [&x](const auto& in, const VectorOut& out) { difference(x, in(0), in(1), out); });
+      },
+      model, q0, q1, "Returns the v (nv,) for which q0 (+) v = q1. Either may have a state a row.");
   m.def(
-      "interpolate", [](const CompactModel& x, const Vector& a, const Vector& b, double t) { return interpolate(x, a, b, t); }, model, q0, q1,
-      py::arg("t"), "Returns q0 (+) t (q1 (-) q0) (nq,).");
+      "interpolate",
+      [](const CompactModel& x, const States& a, const States& b, const States& t) {
+        const py::module_ numpy = py::module_::import("numpy");
+        const bool one = py::cast<int>(numpy.attr("ndim")(t)) == 0;
+        const py::object times = numpy.attr("reshape")(t, one ? py::make_tuple(1) : py::make_tuple(-1, 1));
+        return eachState("interpolate", {{"q0", x.nq()}, {"q1", x.nq()}, {"t", 1}}, x.nq(), py::make_tuple(a, b, times),
+                         [&x](const auto& in, const VectorOut& out) {
+                           Eigen::Map<Eigen::VectorXd>(out.data(), out.size()) = interpolate(x, in(0), in(1), *VectorView(in(2)).data);
+                         });
+      },
+      model, q0, q1, py::arg("t"),
+      "Returns q0 (+) t (q1 (-) q0) (nq,). Each argument may have a state a row, so that `t` (states,) gives a path from q0 to q1 (states, nq).");
   m.def(
       "distance", [](const CompactModel& x, const Vector& a, const Vector& b) { return distance(x, a, b); }, model, q0, q1,
       "Returns the norm of the difference. Metres and radians count alike.");
   m.def(
-      "normalize", [](const CompactModel& x, const Vector& a) { return normalize(x, a); }, model, q,
-      "Returns q (nq,) with its quaternions and (cos, sin) pairs scaled to norm one.");
+      "normalize",
+      [](const CompactModel& x, const States& a) {
+        return eachState("normalize", {{"q", x.nq()}}, x.nq(), py::make_tuple(a),
+                         [&x](const auto& in, const VectorOut& out) { normalize(x, in(0), out); });
+      },
+      model, q, "Returns q (nq,) with its quaternions and (cos, sin) pairs scaled to norm one. It may have a state a row.");
   m.def(
       "is_normalized", [](const CompactModel& x, const Vector& a, double tolerance) { return isNormalized(x, a, tolerance); }, model, q,
       py::arg("tolerance") = 1e-12, "Returns whether every quaternion and pair has norm one to within the tolerance.");
   m.def(
-      "random_configuration", [](const CompactModel& x, std::uint64_t seed) { return randomConfiguration(x, seed); }, model, py::arg("seed"),
-      "Returns a random configuration (nq,) within the limits. The same seed gives the same configuration.");
+      "random_configuration",
+      [](const CompactModel& x, std::uint64_t seed, std::optional<py::ssize_t> states) {
+        if (states && *states < 0)
+          throw Error(ErrorCode::argument, "random_configuration: states is " + std::to_string(*states) + "; give 0 or more");
+        py::array_t<double> out(states ? std::vector<py::ssize_t>{*states, x.nq()} : std::vector<py::ssize_t>{x.nq()});
+        for (py::ssize_t k = 0; k < states.value_or(1); ++k)
+          Eigen::Map<Eigen::VectorXd>(out.mutable_data() + k * x.nq(), x.nq()) = randomConfiguration(x, seed + static_cast<std::uint64_t>(k));
+        return out;
+      },
+      model, py::arg("seed"), py::arg("states") = py::none(),
+      "Returns a random configuration (nq,) within the limits. The same seed gives the same configuration. With `states` it returns (states, nq); "
+      "row "
+      "k has the seed seed + k.");
   m.def(
       "d_integrate", [](const CompactModel& x, const Vector& a, const Vector& b, ArgumentPosition by) { return dIntegrate(x, a, b, by); }, model, q,
       v, py::arg("by"), "Returns the derivative of integrate by q (ARG0) or v (ARG1), (nv, nv), in tangent vectors.");

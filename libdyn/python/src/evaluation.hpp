@@ -33,7 +33,8 @@ class Evaluation {
       const bool rows = x.ndim() == 2;
       const bool fits = (x.ndim() == 1 || rows) && x.shape(x.ndim() - 1) == size;
       if (!fits || (rows && states_ >= 0 && x.shape(0) != states_))
-        throw Error(ErrorCode::size, name + ": " + inputs[k].name + " must have the shape (" + std::to_string(size) + ",) or (" +
+        throw Error(ErrorCode::size, name + ": " + inputs[k].name + " has the shape " + py::str(x.attr("shape")).cast<std::string>() +
+                                         "; it must be (" + std::to_string(size) + ",) or (" +
                                          (states_ >= 0 ? std::to_string(states_) : std::string("states")) + ", " + std::to_string(size) + ")");
       if (rows) states_ = x.shape(0);
       input_.push_back({x.data(), rows ? size : 0});

@@ -148,6 +148,21 @@ PyObject* callSingle(const Function& f, const CompactModel& model, PyObject* con
   return slots[out];
 }
 
+/// Throws Error(size) unless the arguments have a state a row, as many rows as each other, and no more than the batch has room for.
+template <class T>
+void checkShapes(const Function& f, const CompactModel& model, int capacity, const StatesInput<T>* states, PyObject* const* slots) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (slots[q + k] == nullptr) continue;
+    const auto view = states[k].view(), first = states[0].view();
+    const std::ptrdiff_t size = k == 0 ? model.nq() : model.nv();
+    if (view.rows == size && view.cols == first.cols && view.cols >= 1 && view.cols <= capacity) continue;
+    const bool as_many = k > 0 && first.cols >= 1 && first.cols <= capacity;
+    throw Error(ErrorCode::size, f.name + ": " + f.names[q + k] + " has the shape (" + std::to_string(view.cols) + ", " + std::to_string(view.rows) +
+                                     "); it must be (" + (as_many ? std::to_string(first.cols) : "1 to " + std::to_string(capacity)) + ", " +
+                                     std::to_string(size) + "), a state a row");
+  }
+}
+
 template <class T>
 PyObject* callBatch(const Function& f, const CompactModel& model, PyObject* const* slots) {
   const char* const name = f.name.c_str();
@@ -160,6 +175,7 @@ PyObject* callBatch(const Function& f, const CompactModel& model, PyObject* cons
   StatesInput<T> states[3];
   for (std::size_t k = 0; k < 3; ++k)
     if (slots[q + k] != nullptr && !states[k].read(slots[q + k], name, f.names[q + k])) return nullptr;
+  checkShapes(f, model, batch->data.capacity(), states, slots);
   const InUse use(batch->busy, name);
   detail::BatchViews<T> views;
   {

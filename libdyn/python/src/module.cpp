@@ -48,6 +48,15 @@ py::object errorOf(const Error& e) {
   error.attr("file") = e.where().file;
   error.attr("line") = e.where().line;
   error.attr("joint") = e.where().joint;
+  // "file:line: joint 'j': what was wrong; what to do"
+  const std::string text = e.what();
+  const Where& where = e.where();
+  std::string place = where.file;
+  if (where.line > 0) place += ':' + std::to_string(where.line);
+  if (!where.joint.empty()) place += (place.empty() ? "" : ": ") + ("joint '" + where.joint + "'");
+  const std::size_t cure = text.rfind("; ");
+  error.attr("place") = place;
+  error.attr("remedy") = cure == std::string::npos ? "" : text.substr(cure + 2);
   return error;
 }
 
@@ -75,12 +84,14 @@ PyObject* fail() {
 void addErrors(py::module_& m) {
   // An error that a Python program makes has these values, and stubs have their types.
   py::dict attributes;
-  for (const char* name : {"code", "file", "joint"}) attributes[name] = "";
+  for (const char* name : {"code", "file", "joint", "place", "remedy"}) attributes[name] = "";
   attributes["line"] = 0;
-  error_type = PyErr_NewExceptionWithDoc("libdyn.Error",
-                                         "What libdyn reports: the message says what was wrong, where, and what to do.\n\n"
-                                         "Attributes: code (such as 'size' or 'model'), file, line (0: unknown), joint.",
-                                         PyExc_ValueError, attributes.ptr());
+  error_type = PyErr_NewExceptionWithDoc(
+      "libdyn.Error",
+      "What libdyn reports: the message says what was wrong, where, and what to do.\n\n"
+      "Attributes: code (such as 'size' or 'model'), file, line (0: unknown), joint, place (file, line and joint in one text), "
+      "remedy (what to do, where the message says so after a semicolon).",
+      PyExc_ValueError, attributes.ptr());
   if (error_type == nullptr) throw py::error_already_set();
   model_warning = PyErr_NewExceptionWithDoc("libdyn.ModelWarning", "What is legal in a model and likely to be a mistake. compile() gives it.",
                                             PyExc_UserWarning, nullptr);

@@ -43,7 +43,7 @@ void addRollout(py::module_& m);
 void addGraphs(py::module_& m);
 void addCodegen(py::module_& m);
 
-/// Returns a libdyn.Error with the attributes code, file, line and joint.
+/// Returns a libdyn.Error with the attributes code, file, line, joint, place and remedy.
 py::object errorOf(const Error& e);
 /// Gives a libdyn.ModelWarning to Python's warnings. Throws if these make it an error.
 void warn(const std::string& text);

@@ -5,6 +5,7 @@
 #include "module.hpp"
 
 #include <cstddef>
+#include <type_traits>
 #include <utility>
 
 namespace dyn::python {
@@ -24,6 +25,13 @@ class Typed : public Base {
  public:
   using Base::Base;
   Typed(Base x) : Base(std::move(x)) {}  // NOLINT: meant to convert
+  /// Returns whether an argument is a Base, as pybind11 asks its own types.
+  static bool check_(py::handle x) {
+    if constexpr (std::is_same_v<Base, py::object>)
+      return x.ptr() != nullptr;
+    else
+      return Base::check_(x);
+  }
 };
 
 }  // namespace dyn::python
