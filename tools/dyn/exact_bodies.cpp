@@ -19,6 +19,11 @@ Series poseOf(const ExactBody& body, const std::vector<TimeSeries>& q) {
 
 }  // namespace
 
+Vec momentOf(const ExactBody& body, const Series& x) {
+  const Mat &R0 = x.R[0], &R1 = x.R[1], &I = body.inertia;
+  return (R1 * I * R0.transpose() + R0 * I * R1.transpose()) * x.omega() + R0 * I * R0.transpose() * x.alpha();
+}
+
 ExactBodies::ExactBodies(const Model& description, const CompactModel& model)
     : bodies(description.bodies.size()), carried(at(model.njoints())), gravity(vec(description.gravity)), nv(model.nv()) {
   for (int j = 1; j < model.njoints(); ++j) carried[at(j)] = at(description.findJoint(model.joints()[at(j)].name));
@@ -142,19 +147,19 @@ Series ExactBodies::own(std::size_t i, const Place& place, const VectorR& v, con
 }
 
 std::vector<Series> ExactBodies::motions(const Place& place, const VectorR& v, const VectorR& a) const {
-  std::vector<Series> out(bodies.size(), Series::constant(Mat::Identity(), Vec::Zero()));
+  std::vector<Series> out(bodies.size(), Series::identity());
   for (std::size_t i = 1; i < bodies.size(); ++i) out[i] = out[at(bodies[i].parent)] * bodies[i].placement * own(i, place, v, a);
   return out;
 }
 
 BodyJacobians ExactBodies::jacobians(const Place& place, bool of_origins) const {
-  BodyJacobians out{std::vector<Columns>(bodies.size(), Columns::Zero(3, nv)), {}};
+  BodyJacobians out{std::vector<MatrixR>(bodies.size(), MatrixR::Zero(3, nv)), {}};
   out.angular = out.linear;
   const VectorR still = VectorR::Zero(nv);
   for (int k = 0; k < nv; ++k) {
     const std::vector<Series> moved = motions(place, VectorR::Unit(nv, k), still);
     for (std::size_t i = 1; i < bodies.size(); ++i) {
-      out.linear[i].col(k) = of_origins ? moved[i].p[1] : Vec(moved[i].p[1] + moved[i].R[1] * bodies[i].com);
+      out.linear[i].col(k) = of_origins ? moved[i].p[1] : moved[i].p[1] + moved[i].R[1] * bodies[i].com;
       out.angular[i].col(k) = moved[i].omega();
     }
   }
@@ -166,7 +171,7 @@ VectorR ExactBodies::rnea(const Place& place, const VectorR& v, const VectorR& a
   VectorR tau = VectorR::Zero(nv);
   for (std::size_t i = 1; i < bodies.size(); ++i) {
     const ExactBody& body = bodies[i];
-    if (body.mass == 0 && body.inertia.isZero(Real(0))) continue;
+    if (body.mass == 0 && body.inertia.isZero()) continue;
     const Vec force = body.mass * (x[i].p[2] + x[i].R[2] * body.com - gravity);
     tau += J.linear[i].transpose() * force + J.angular[i].transpose() * momentOf(body, x[i]);
   }
@@ -181,6 +186,25 @@ MatrixR ExactBodies::massMatrix(const Place& place, const BodyJacobians& J) cons
     M += bodies[i].mass * (J.linear[i].transpose() * J.linear[i]) + J.angular[i].transpose() * I * J.angular[i];
   }
   return M;
+}
+
+std::vector<MatrixR> ExactBodies::byConfiguration(const Place& at, const OfPlace& f, const Real& h) const {
+  std::vector<MatrixR> out;
+  for (int k = 0; k < nv; ++k) out.push_back(alongMotion(at, VectorR::Unit(nv, k), f, h));
+  return out;
+}
+
+MatrixR ExactBodies::alongMotion(const Place& at, const VectorR& v, const OfPlace& f, const Real& h) const {
+  return (f(moved(at, v, h)) - f(moved(at, v, -h))) / (Real(2) * h);
+}
+
+std::vector<MatrixR> byVector(const VectorR& x, const std::function<MatrixR(const VectorR&)>& f, const Real& h) {
+  std::vector<MatrixR> out;
+  for (Eigen::Index k = 0; k < x.size(); ++k) {
+    const VectorR d = h * VectorR::Unit(x.size(), k);
+    out.push_back((f(x + d) - f(x - d)) / (Real(2) * h));
+  }
+  return out;
 }
 
 std::vector<double> ExactBodies::scale(const Place& place, const VectorR& v, const VectorR& a) const {

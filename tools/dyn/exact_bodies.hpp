@@ -9,8 +9,6 @@
 
 namespace dyn::tool {
 
-using Columns = Eigen::Matrix<Real, 3, Eigen::Dynamic>;
-
 /// A body and the joint that carries it.
 struct ExactBody {
   std::string name;
@@ -19,8 +17,8 @@ struct ExactBody {
   int parent = 0, q = 0, v = 0;      ///< for a dependent joint, the coordinate and velocity of its master
   std::vector<double> coefficients;  ///< of a dependent joint's polynomial
   bool moves = false;                ///< a joint on its root path has freedom
-  Mat inertia = Mat::Zero();         ///< about the centre of mass
-  Vec com = Vec::Zero();
+  Mat inertia = Mat::Zero(3, 3);     ///< about the centre of mass
+  Vec com = Vec::Zero(3);
   Real mass = 0;
 
   /// The number of velocities that move the joint.
@@ -28,10 +26,7 @@ struct ExactBody {
 };
 
 /// The moment about a body's centre of mass that its motion needs: d/dt (R I R^T w), by the product rule on the series.
-inline Vec momentOf(const ExactBody& body, const Series& x) {
-  const Mat &R0 = x.R[0], &R1 = x.R[1], &I = body.inertia;
-  return (R1 * I * R0.transpose() + R0 * I * R1.transpose()) * x.omega() + R0 * I * R0.transpose() * x.alpha();
-}
+Vec momentOf(const ExactBody& body, const Series& x);
 
 /// A configuration, and the joints' own poses there with their derivatives along the joints' velocities.
 struct Place {
@@ -49,7 +44,7 @@ struct Place {
 
 /// Columns: velocities of points and angular velocities of the bodies, for unit joint velocities.
 struct BodyJacobians {
-  std::vector<Columns> linear, angular;
+  std::vector<MatrixR> linear, angular;  ///< 3 x nv
 };
 
 class ExactBodies {
@@ -83,36 +78,15 @@ class ExactBodies {
   std::vector<double> scale(const Place& at, const VectorR& v, const VectorR& a) const;
 
   /// Derivatives of f by central differences of step h along each velocity of the configuration, and along the time of the motion with v.
-  template <class F>
-  auto byConfiguration(const Place& at, const F& f, const Real& h = Real(step)) const {
-    std::vector<decltype(f(at))> out;
-    for (int k = 0; k < nv; ++k) out.push_back(alongMotion(at, VectorR::Unit(nv, k), f, h));
-    return out;
-  }
-  template <class F>
-  auto alongMotion(const Place& at, const VectorR& v, const F& f, const Real& h = Real(step)) const -> decltype(f(at)) {
-    return (f(moved(at, v, h)) - f(moved(at, v, -h))) / (Real(2) * h);
-  }
-  /// Derivatives of f by each entry of x.
-  template <class F>
-  auto byVector(const VectorR& x, const F& f, const Real& h = Real(step)) const {
-    std::vector<decltype(f(x))> out;
-    for (Eigen::Index k = 0; k < x.size(); ++k) {
-      const VectorR d = h * VectorR::Unit(x.size(), k);
-      out.push_back((f(x + d) - f(x - d)) / (Real(2) * h));
-    }
-    return out;
-  }
+  using OfPlace = std::function<MatrixR(const Place&)>;
+  std::vector<MatrixR> byConfiguration(const Place& at, const OfPlace& f, const Real& h = Real(step)) const;
+  MatrixR alongMotion(const Place& at, const VectorR& v, const OfPlace& f, const Real& h = Real(step)) const;
 
   /// The error of a difference is the square of its step, and the rounding error divided by the step: thirty digits are right.
   static constexpr double step = 1e-17;
 };
 
-/// A matrix with these columns.
-inline MatrixR matrixOf(const std::vector<VectorR>& columns) {
-  MatrixR out(columns.empty() ? 0 : columns.front().size(), static_cast<Eigen::Index>(columns.size()));
-  for (std::size_t k = 0; k < columns.size(); ++k) out.col(static_cast<Eigen::Index>(k)) = columns[k];
-  return out;
-}
+/// Derivatives of f by each entry of x, by central differences of step h.
+std::vector<MatrixR> byVector(const VectorR& x, const std::function<MatrixR(const VectorR&)>& f, const Real& h = Real(ExactBodies::step));
 
 }  // namespace dyn::tool

@@ -3,8 +3,6 @@
 
 #include <dyn/error.hpp>
 
-#include <Eigen/LU>
-
 #include <algorithm>
 #include <map>
 
@@ -35,7 +33,7 @@ Vec direction(const JointDescription& joint, const std::string& key, const Vec& 
 /// The rotation about an axis with this cosine and sine: I + s K + (1 - c) K^2.
 Series turned(const Vec& axis, const T& c, const T& s) {
   const Mat K = cross(axis), K2 = K * K;
-  Series out = Series::constant(Mat::Identity(), Vec::Zero());
+  Series out = Series::identity();
   for (std::size_t k = 0; k < 3; ++k) out.R[k] += s.c[k] * K - c.c[k] * K2;
   out.R[0] += K2;
   return out;
@@ -45,7 +43,7 @@ Series turned(const Vec& axis, const T& angle) {
   return turned(axis, T::of(angle, c, -s, -c), T::of(angle, s, c, -s));
 }
 Series slid(const Vec& axis, const T& way) {
-  Series out = Series::constant(Mat::Identity(), Vec::Zero());
+  Series out = Series::identity();
   for (std::size_t k = 0; k < 3; ++k) out.p[k] = way.c[k] * axis;
   return out;
 }
@@ -64,7 +62,7 @@ Series turned(const T* q) {
     R[j][k] = R[j][k] - two * w * q[i];
   }
   const T by = inverse(n2);
-  Series out = Series::constant(Mat::Identity(), Vec::Zero());
+  Series out = Series::identity();
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) {
       const T entry = R[i][j] * by;
@@ -100,7 +98,7 @@ std::pair<T, T> onCircle(const T* q) {
 Series pointed(const T* q) {
   const T by = inverse(sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2])), n[3] = {q[0] * by, q[1] * by, q[2] * by};
   const T k[3] = {T() - n[1], n[0], T()}, share = inverse(T(Real(1)) + n[2]);
-  Series out = Series::constant(Mat::Identity(), Vec::Zero());
+  Series out = Series::identity();
   const T square = k[0] * k[0] + k[1] * k[1];
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) {
@@ -145,7 +143,7 @@ T spline(const std::vector<double>& xy, const T& x) {
   const auto h = [&](Eigen::Index k) { return at(k + 1, 0) - at(k, 0); };
   const auto slope = [&](Eigen::Index k) { return (at(k + 1, 1) - at(k, 1)) / h(k); };
   // The first derivative is continuous at the inner knots.
-  MatrixR A = MatrixR::Identity(n, n);
+  MatrixR A = MatrixR::Identity(n);
   VectorR b = VectorR::Zero(n);
   for (Eigen::Index k = 1; k + 1 < n; ++k) {
     A(k, k - 1) = h(k - 1);
@@ -153,7 +151,7 @@ T spline(const std::vector<double>& xy, const T& x) {
     A(k, k + 1) = h(k);
     b[k] = Real(6) * (slope(k) - slope(k - 1));
   }
-  const VectorR m = Eigen::PartialPivLU<MatrixR>(A).solve(b);
+  const VectorR m = A.inverse() * b;
   Eigen::Index k = 0;
   while (k + 2 < n && x.c[0] > at(k + 1, 0)) ++k;
   // y = y_k + d (slope - h (2 m_k + m_k+1) / 6) + d^2 m_k / 2 + d^3 (m_k+1 - m_k) / (6 h), d = x - x_k.
@@ -203,7 +201,7 @@ ExactJoint composite(const JointDescription& joint) {
     out.nv += parts.back().joint.nv;
   }
   out.pose = [parts](const T* q) {
-    Series pose = Series::constant(Mat::Identity(), Vec::Zero());
+    Series pose = Series::identity();
     for (const Part& part : parts) {
       pose = pose * part.placement * part.joint.pose(q);
       q += part.joint.nq;
@@ -246,7 +244,7 @@ const std::map<std::string, Maker>& makers() {
   using J = const JointDescription&;
   static const std::map<std::string, Maker> all = [] {
     std::map<std::string, Maker> out{
-        {"fixed", [](J) { return plain(0, [](const T*) { return Series::constant(Mat::Identity(), Vec::Zero()); }); }},
+        {"fixed", [](J) { return plain(0, [](const T*) { return Series::identity(); }); }},
         {"revolute", [](J j) { return plain(1, [a = direction(j, "axis")](const T* q) { return turned(a, q[0]); }); }},
         {"prismatic", [](J j) { return plain(1, [a = direction(j, "axis")](const T* q) { return slid(a, q[0]); }); }},
         {"continuous",
@@ -352,11 +350,11 @@ ExactJoint exactJoint(const JointDescription& joint) {
 }
 
 Series exactPlacement(const SE3<double>& placement) {
-  Mat R;
+  Mat R(3, 3);
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c < 3; ++c) R(r, c) = Real(placement.R(r, c));
   // Each iteration squares what is missing to a rotation (the polar factor by Newton and Schulz).
-  for (int k = 0; k < 3; ++k) R = R * (Real(3) * Mat::Identity() - R.transpose() * R) / Real(2);
+  for (int k = 0; k < 3; ++k) R = R * (Real(3) * Mat::Identity(3) - R.transpose() * R) / Real(2);
   return Series::constant(R, vec(placement.p));
 }
 

@@ -2,6 +2,8 @@
 // Closed loops: two frames that coincide in the directions that are not free, without feedback. Forces follow from the dense equations of motion.
 #include "exact_quantities.hpp"
 
+#include <algorithm>
+
 namespace dyn::tool {
 
 namespace {
@@ -33,14 +35,15 @@ MatrixR jacobianOf(const ExactBodies& x, const std::vector<Loop>& loops, const P
     for (const Loop& loop : loops) {
       const Series F = moved[loop.frame.body] * loop.frame.placement, O = moved[loop.other.body] * loop.other.placement;
       const Vec velocity = F.p[1] - O.p[1] - cross(O.omega()) * (F.p[0] - O.p[0]), turn = F.omega() - O.omega();
-      const Mat axes = loop.axes == ConstraintAxes::LOCAL ? F.R[0] : loop.axes == ConstraintAxes::OTHER ? O.R[0] : Mat(Mat::Identity());
+      const Mat axes = loop.axes == ConstraintAxes::LOCAL ? F.R[0] : loop.axes == ConstraintAxes::OTHER ? O.R[0] : Mat::Identity(3);
       const Vec own = axes.transpose() * velocity, own_turn = axes.transpose() * turn;
       for (int d = 0; d < 6; ++d)
         if (!loop.free[static_cast<std::size_t>(d)]) rows.push_back(d < 3 ? own[d] : own_turn[d - 3]);
     }
-    columns.push_back(Eigen::Map<const VectorR>(rows.data(), static_cast<Eigen::Index>(rows.size())));
+    VectorR& column = columns.emplace_back(static_cast<Eigen::Index>(rows.size()));
+    std::copy(rows.begin(), rows.end(), column.data());
   }
-  return matrixOf(columns);
+  return MatrixR::ofColumns(columns);
 }
 
 /// The x of least norm for which G x = b, where G is positive semi-definite and b in its range. With independent rows C of G, G = C^T G_s^-1 C.
@@ -58,7 +61,7 @@ VectorR leastNorm(const MatrixR& G, const VectorR& b) {
     chosen.push_back(k);
     const VectorR column = left.col(k);
     const Real by = Real(1) / column[k];
-    for (Eigen::Index c = 0; c < G.cols(); ++c) left.col(c) -= column * Real(column[c] * by);
+    for (Eigen::Index c = 0; c < G.cols(); ++c) left.col(c) -= column * (column[c] * by);
   }
   const auto rank = static_cast<Eigen::Index>(chosen.size());
   MatrixR C(rank, G.cols()), G_s(rank, rank);
@@ -66,7 +69,7 @@ VectorR leastNorm(const MatrixR& G, const VectorR& b) {
     C.row(k) = G.row(chosen[static_cast<std::size_t>(k)]);
     for (Eigen::Index l = 0; l < rank; ++l) G_s(k, l) = C(k, chosen[static_cast<std::size_t>(l)]);
   }
-  const MatrixR square = inverseOf(C * C.transpose());
+  const MatrixR square = (C * C.transpose()).inverse();
   return C.transpose() * (square * (G_s * (square * (C * b))));
 }
 
@@ -85,28 +88,26 @@ Quantities loopsOf(const ExactBodies& x, const Model& description, const State& 
   const auto jacobian = [&](const Place& p) { return jacobianOf(x, loops, p); };
   // The bias is a difference, too: of two steps, each 1e-13, 24 digits are left.
   const Real h(1e-13);
-  const auto biasOf = [&](const Place& p, const VectorR& w) -> VectorR { return x.alongMotion(p, w, jacobian, h) * w; };
+  const auto biasOf = [&](const Place& p, const VectorR& w) { return x.alongMotion(p, w, jacobian, h) * w; };
   // M ddq + nle = torque + J^T lambda with J ddq + bias = 0; redundant rows take the forces of least norm.
   const auto motion = [&](const Place& p, const VectorR& w, const VectorR& torque) {
     const BodyJacobians bodies = x.jacobians(p);
-    const MatrixR J = jacobian(p), inverse = inverseOf(x.massMatrix(p, bodies));
+    const MatrixR J = jacobian(p), inverse = x.massMatrix(p, bodies).inverse();
     const VectorR free = inverse * (torque - x.rnea(p, w, VectorR::Zero(x.nv), bodies));
     const VectorR lambda = leastNorm(J * inverse * J.transpose(), -(J * free + biasOf(p, w)));
-    VectorR out(x.nv + lambda.size());
-    out << VectorR(free + inverse * J.transpose() * lambda), lambda;
-    return out;
+    return VectorR::stacked({free + inverse * J.transpose() * lambda, lambda});
   };
   const Place at = x.place(exact(state.q));
   const VectorR found = motion(at, v, tau);
-  const MatrixR by_q = matrixOf(x.byConfiguration(
+  const MatrixR by_q = MatrixR::ofColumns(x.byConfiguration(
       at, [&](const Place& p) { return motion(p, v, tau); }, h));
-  const MatrixR by_v = matrixOf(x.byVector(
+  const MatrixR by_v = MatrixR::ofColumns(byVector(
       v, [&](const VectorR& w) { return motion(at, w, tau); }, h));
   const Eigen::Index n = x.nv, rows = found.size() - n;
   return {{"loop_J", jacobian(at)},
           {"loop_bias", biasOf(at, v)},
-          {"loop_ddq", found.head(n)},
-          {"loop_lambda", found.tail(rows)},
+          {"loop_ddq", found.topRows(n)},
+          {"loop_lambda", found.bottomRows(rows)},
           {"loop_ddq_dq", by_q.topRows(n)},
           {"loop_ddq_dv", by_v.topRows(n)},
           {"loop_lambda_dq", by_q.bottomRows(rows)},

@@ -3,8 +3,8 @@
 
 #include <boost/multiprecision/cpp_bin_float.hpp>
 
-#include <memory>
 #include <new>
+#include <type_traits>
 
 namespace dyn::tool {
 
@@ -33,24 +33,12 @@ ExactNumber<digits> number(const Value<digits>& value) {
 template <int digits>
 ExactNumber<digits>::ExactNumber() {
   static_assert(sizeof(Value<digits>) <= size && alignof(Value<digits>) <= 16);
+  static_assert(std::is_trivially_destructible_v<Value<digits>>);  // that is, without memory of its own elsewhere
   new (room_) Value<digits>();
 }
 template <int digits>
 ExactNumber<digits>::ExactNumber(double x) {
   new (room_) Value<digits>(x);
-}
-template <int digits>
-ExactNumber<digits>::ExactNumber(const ExactNumber& x) {
-  new (room_) Value<digits>(in(x));
-}
-template <int digits>
-ExactNumber<digits>& ExactNumber<digits>::operator=(const ExactNumber& x) {
-  in(*this) = in(x);
-  return *this;
-}
-template <int digits>
-ExactNumber<digits>::~ExactNumber() {
-  std::destroy_at(&in(*this));
 }
 template <int digits>
 ExactNumber<digits>::operator double() const {
@@ -89,8 +77,28 @@ ExactNumber<digits>& ExactNumber<digits>::operator/=(const ExactNumber& x) {
   return *this;
 }
 template <int digits>
+ExactNumber<digits> ExactNumber<digits>::sum(const ExactNumber& a, const ExactNumber& b) {
+  return number<digits>(in(a) + in(b));
+}
+template <int digits>
+ExactNumber<digits> ExactNumber<digits>::difference(const ExactNumber& a, const ExactNumber& b) {
+  return number<digits>(in(a)-in(b));
+}
+template <int digits>
+ExactNumber<digits> ExactNumber<digits>::product(const ExactNumber& a, const ExactNumber& b) {
+  return number<digits>(in(a)*in(b));
+}
+template <int digits>
+ExactNumber<digits> ExactNumber<digits>::quotient(const ExactNumber& a, const ExactNumber& b) {
+  return number<digits>(in(a) / in(b));
+}
+template <int digits>
 int ExactNumber<digits>::compare(const ExactNumber& a, const ExactNumber& b) {
   return in(a).compare(in(b));
+}
+template <int digits>
+ExactNumber<digits> ExactNumber<digits>::absolute(const ExactNumber& x) {
+  return number<digits>(abs(in(x)));
 }
 template <int digits>
 ExactNumber<digits> ExactNumber<digits>::squareRoot(const ExactNumber& x) {

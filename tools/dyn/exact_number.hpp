@@ -3,22 +3,17 @@
 // would cost the compiler a gigabyte and twenty seconds in every source that uses them.
 #pragma once
 
-#include <Eigen/Core>
-
 #include <cstddef>
 #include <string>
 
 namespace dyn::tool {
 
-/// A number with 50 or 100 decimal digits.
+/// A number with 50 or 100 decimal digits. Its memory refers to nothing, so its bytes are copied.
 template <int digits>
 class ExactNumber {
  public:
   ExactNumber();
   ExactNumber(double x);  // NOLINT(google-explicit-constructor): constants of formulas are doubles
-  ExactNumber(const ExactNumber& x);
-  ExactNumber& operator=(const ExactNumber& x);
-  ~ExactNumber();
 
   /// Rounded to nearest.
   explicit operator double() const;
@@ -31,24 +26,29 @@ class ExactNumber {
   ExactNumber& operator-=(const ExactNumber& x);
   ExactNumber& operator*=(const ExactNumber& x);
   ExactNumber& operator/=(const ExactNumber& x);
+  static ExactNumber sum(const ExactNumber& a, const ExactNumber& b);
+  static ExactNumber difference(const ExactNumber& a, const ExactNumber& b);
+  static ExactNumber product(const ExactNumber& a, const ExactNumber& b);
+  static ExactNumber quotient(const ExactNumber& a, const ExactNumber& b);
   /// Negative, zero or positive where a is less than, equal to or greater than b.
   static int compare(const ExactNumber& a, const ExactNumber& b);
+  static ExactNumber absolute(const ExactNumber& x);
   static ExactNumber squareRoot(const ExactNumber& x);
   static ExactNumber sine(const ExactNumber& x);
   static ExactNumber cosine(const ExactNumber& x);
   static ExactNumber arcTangent(const ExactNumber& y, const ExactNumber& x);
 
-  friend ExactNumber operator+(ExactNumber a, const ExactNumber& b) { return a += b; }
-  friend ExactNumber operator-(ExactNumber a, const ExactNumber& b) { return a -= b; }
-  friend ExactNumber operator*(ExactNumber a, const ExactNumber& b) { return a *= b; }
-  friend ExactNumber operator/(ExactNumber a, const ExactNumber& b) { return a /= b; }
+  friend ExactNumber operator+(const ExactNumber& a, const ExactNumber& b) { return sum(a, b); }
+  friend ExactNumber operator-(const ExactNumber& a, const ExactNumber& b) { return difference(a, b); }
+  friend ExactNumber operator*(const ExactNumber& a, const ExactNumber& b) { return product(a, b); }
+  friend ExactNumber operator/(const ExactNumber& a, const ExactNumber& b) { return quotient(a, b); }
   friend bool operator==(const ExactNumber& a, const ExactNumber& b) { return compare(a, b) == 0; }
   friend bool operator!=(const ExactNumber& a, const ExactNumber& b) { return compare(a, b) != 0; }
   friend bool operator<(const ExactNumber& a, const ExactNumber& b) { return compare(a, b) < 0; }
   friend bool operator>(const ExactNumber& a, const ExactNumber& b) { return compare(a, b) > 0; }
   friend bool operator<=(const ExactNumber& a, const ExactNumber& b) { return compare(a, b) <= 0; }
   friend bool operator>=(const ExactNumber& a, const ExactNumber& b) { return compare(a, b) >= 0; }
-  friend ExactNumber abs(const ExactNumber& x) { return x < ExactNumber() ? -x : x; }
+  friend ExactNumber abs(const ExactNumber& x) { return absolute(x); }
   friend ExactNumber sqrt(const ExactNumber& x) { return squareRoot(x); }
   friend ExactNumber sin(const ExactNumber& x) { return sine(x); }
   friend ExactNumber cos(const ExactNumber& x) { return cosine(x); }
@@ -59,13 +59,7 @@ class ExactNumber {
   alignas(16) std::byte room_[size];  ///< memory of Boost's number
 };
 
-}  // namespace dyn::tool
+extern template class ExactNumber<50>;
+extern template class ExactNumber<100>;
 
-template <int digits>
-struct Eigen::NumTraits<dyn::tool::ExactNumber<digits>> : Eigen::GenericNumTraits<dyn::tool::ExactNumber<digits>> {
-  using Number = dyn::tool::ExactNumber<digits>;
-  enum { IsComplex = 0, IsInteger = 0, IsSigned = 1, RequireInitialization = 1, ReadCost = 10, AddCost = 50, MulCost = 200 };
-  static Number epsilon() { return digits == 50 ? Number(1e-50) : Number(1e-100); }
-  static Number dummy_precision() { return Number(1000) * epsilon(); }
-  static int digits10() { return digits; }
-};
+}  // namespace dyn::tool

@@ -1,32 +1,17 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "exact_quantities.hpp"
 
-#include <algorithm>
-
 namespace dyn::tool {
 
 namespace {
 
-using Vec6 = Eigen::Matrix<Real, 6, 1>;
-
-VectorR stacked(const std::vector<VectorR>& parts) {
-  Eigen::Index size = 0;
-  for (const VectorR& part : parts) size += part.size();
-  VectorR out(size);
-  size = 0;
-  for (const VectorR& part : parts) {
-    out.segment(size, part.size()) = part;
-    size += part.size();
-  }
-  return out;
-}
-Vec6 six(const Vec& linear, const Vec& angular) { return (Vec6() << linear, angular).finished(); }
+VectorR six(const Vec& linear, const Vec& angular) { return VectorR::stacked({linear, angular}); }
 
 /// Sums over the moving bodies, in world axes.
 struct Sums {
   Real mass = 0, kinetic = 0, potential = 0;
-  Vec com = Vec::Zero(), velocity = Vec::Zero(), acceleration = Vec::Zero();  ///< of the centre of mass
-  Vec6 momentum = Vec6::Zero(), rate = Vec6::Zero();                          ///< about the centre of mass; of the momentum, without gravity
+  Vec com = Vec::Zero(3), velocity = Vec::Zero(3), acceleration = Vec::Zero(3);  ///< of the centre of mass
+  VectorR momentum = VectorR::Zero(6), rate = VectorR::Zero(6);                  ///< about the centre of mass; of the momentum, without gravity
 };
 Sums sumsOf(const ExactBodies& x, const Place& at, const VectorR& v, const VectorR& a) {
   const std::vector<Series> moved = x.motions(at, v, a);
@@ -63,7 +48,7 @@ Sums sumsOf(const ExactBodies& x, const Place& at, const VectorR& v, const Vecto
 MatrixR momentumMap(const ExactBodies& x, const Place& at) {
   std::vector<VectorR> columns;
   for (int k = 0; k < x.nv; ++k) columns.push_back(sumsOf(x, at, VectorR::Unit(x.nv, k), VectorR::Zero(x.nv)).momentum);
-  return matrixOf(columns);
+  return MatrixR::ofColumns(columns);
 }
 
 /// The time derivatives of the coordinates, for unit velocities.
@@ -81,7 +66,7 @@ MatrixR ratesAt(const ExactBodies& x, const Place& at) {
 /// dq/dt, the brackets are zero and the rest are Christoffel symbols.
 MatrixR coriolisOf(const ExactBodies& x, const Place& at, const VectorR& v) {
   const auto massMatrix = [&](const Place& p) { return x.massMatrix(p, x.jacobians(p)); };
-  const MatrixR B = ratesAt(x, at), lower = massMatrix(at) * inverseOf(B.transpose() * B) * B.transpose();
+  const MatrixR B = ratesAt(x, at), lower = massMatrix(at) * (B.transpose() * B).inverse() * B.transpose();
   const std::vector<MatrixR> dM = x.byConfiguration(at, massMatrix), dB = x.byConfiguration(at, [&](const Place& p) { return ratesAt(x, p); });
   const auto index = [](int k) { return static_cast<std::size_t>(k); };
   // Column j of brackets[i]: scalar products of [E_i, E_j] with all fields.
@@ -99,34 +84,12 @@ MatrixR coriolisOf(const ExactBodies& x, const Place& at, const VectorR& v) {
 }
 
 /// The local velocity (R^T p', R^T w) of a pose and its time derivative.
-std::pair<Vec6, Vec6> localMotion(const Series& X) {
+std::pair<VectorR, VectorR> localMotion(const Series& X) {
   const Mat Rt = X.R[0].transpose();
   return {six(Rt * X.p[1], Rt * X.omega()), six(Rt * (X.p[2] - cross(X.omega()) * X.p[1]), Rt * X.alpha())};
 }
 
 }  // namespace
-
-MatrixR inverseOf(const MatrixR& A) {
-  const Eigen::Index n = A.rows();
-  std::vector<VectorR> rows;  // of [A, 1], which becomes [1, A^-1]
-  for (Eigen::Index k = 0; k < n; ++k) {
-    rows.emplace_back(VectorR::Zero(2 * n));
-    for (Eigen::Index c = 0; c < n; ++c) rows.back()[c] = A(k, c);
-    rows.back()[n + k] = Real(1);
-  }
-  for (std::size_t k = 0; k < rows.size(); ++k) {
-    const auto column = static_cast<Eigen::Index>(k);
-    const auto larger = [column](const VectorR& a, const VectorR& b) { return abs(a[column]) < abs(b[column]); };
-    std::iter_swap(rows.begin() + column, std::max_element(rows.begin() + column, rows.end(), larger));
-    rows[k] = rows[k] * (Real(1) / rows[k][column]);
-    for (std::size_t other = 0; other < rows.size(); ++other)
-      if (other != k) rows[other] -= rows[k] * Real(rows[other][column]);
-  }
-  MatrixR out(n, n);
-  for (Eigen::Index r = 0; r < n; ++r)
-    for (Eigen::Index c = 0; c < n; ++c) out(r, c) = rows[static_cast<std::size_t>(r)][n + c];
-  return out;
-}
 
 Quantities dynamicsOf(const ExactBodies& x, const State& state, bool derivatives) {
   const int n = x.nv;
@@ -135,7 +98,7 @@ Quantities dynamicsOf(const ExactBodies& x, const State& state, bool derivatives
   const BodyJacobians J = x.jacobians(at);
   const MatrixR M = x.massMatrix(at, J);
   const VectorR nle = x.rnea(at, v, still, J);
-  const MatrixR Minv = inverseOf(M);
+  const MatrixR Minv = M.inverse();
   const VectorR ddq = Minv * (tau - nle);
 
   Quantities out;
@@ -147,14 +110,14 @@ Quantities dynamicsOf(const ExactBodies& x, const State& state, bool derivatives
   const std::vector<double> scale = x.scale(at, v, a), moved = x.scale(at, v, ddq);
   out["rnea_scale"] = exact(Eigen::Map<const Eigen::VectorXd>(scale.data(), n));
   const VectorR torques = exact(Eigen::Map<const Eigen::VectorXd>(moved.data(), n) + state.tau.cwiseAbs());
-  out["aba_scale"] = Minv.unaryExpr([](const Real& entry) { return abs(entry); }) * torques;
+  out["aba_scale"] = Minv.absolute() * torques;
   out["Minv"] = Minv;
   if (!derivatives) return out;
   const std::vector<VectorR> by_q = x.byConfiguration(at, [&](const Place& p) {
     const BodyJacobians there = x.jacobians(p);
-    return stacked({x.rnea(p, v, a, there), x.rnea(p, v, ddq, there)});
+    return VectorR::stacked({x.rnea(p, v, a, there), x.rnea(p, v, ddq, there)});
   });
-  const MatrixR both = matrixOf(by_q), by_v = matrixOf(x.byVector(v, [&](const VectorR& w) { return x.rnea(at, w, a, J); }));
+  const MatrixR both = MatrixR::ofColumns(by_q), by_v = MatrixR::ofColumns(byVector(v, [&](const VectorR& w) { return x.rnea(at, w, a, J); }));
   out["dtau_dq"] = both.topRows(n);
   out["dtau_dv"] = by_v;
   // These follow by differentiating M ddq + nle = tau.
@@ -183,12 +146,13 @@ Quantities jointsOf(const ExactBodies& x, const State& state) {
     const Series& X = poses[i];
     for (int r = 0; r < 3; ++r)
       for (int c = 0; c < 3; ++c) oMi(j - 1, 3 * r + c) = X.R[0](r, c);
-    oMi.row(j - 1).tail(3) = X.p[0].transpose();
+    oMi.block(j - 1, 9, 1, 3) = X.p[0].transpose();
     for (int d = 0; d < x.bodies[i].freedom(); ++d) {
       const int k = x.bodies[i].v + d;
       columns.col(k) = six(J.linear[i].col(k) + cross(X.p[0]) * J.angular[i].col(k), J.angular[i].col(k));
     }
-    torques -= J.linear[i].transpose() * (X.R[0] * forces.segment<3>(6 * j)) + J.angular[i].transpose() * (X.R[0] * forces.segment<3>(6 * j + 3));
+    torques -=
+        J.linear[i].transpose() * (X.R[0] * forces.middleRows(6 * j, 3)) + J.angular[i].transpose() * (X.R[0] * forces.middleRows(6 * j + 3, 3));
   }
   if (!x.follows()) out["J"] = columns;  // computeJointJacobians refuses models with dependent joints
   out["fext"] = forces;
@@ -213,9 +177,9 @@ Quantities centroidalOf(const ExactBodies& x, const State& state) {
   const MatrixR Ag = out["Ag"] = momentumMap(x, at);
   out["dAg"] = x.alongMotion(at, v, [&](const Place& p) { return momentumMap(x, p); });
   out["Jcom"] = Ag.topRows(3) / sums.mass;
-  const auto motion = [&](const Sums& s) { return stacked({s.momentum, s.rate}); };
-  const MatrixR by_q = matrixOf(x.byConfiguration(at, [&](const Place& p) { return motion(sumsOf(x, p, v, a)); }));
-  const MatrixR by_v = matrixOf(x.byVector(v, [&](const VectorR& w) { return motion(sumsOf(x, at, w, a)); }));
+  const auto motion = [&](const Sums& s) { return VectorR::stacked({s.momentum, s.rate}); };
+  const MatrixR by_q = MatrixR::ofColumns(x.byConfiguration(at, [&](const Place& p) { return motion(sumsOf(x, p, v, a)); }));
+  const MatrixR by_v = MatrixR::ofColumns(byVector(v, [&](const VectorR& w) { return motion(sumsOf(x, at, w, a)); }));
   out["dhg_dq"] = by_q.topRows(6);
   out["dhgdot_dq"] = by_q.bottomRows(6);
   out["dhgdot_dv"] = by_v.bottomRows(6);
@@ -233,26 +197,26 @@ Quantities frameOf(const ExactBodies& x, const State& state, std::size_t body) {
     MatrixR out(18, x.nv);
     for (int k = 0; k < x.nv; ++k) {
       const Series X = x.motions(p, VectorR::Unit(x.nv, k), VectorR::Zero(x.nv))[body];
-      out.col(k) << localMotion(X).first, X.p[1], X.omega(), X.p[1] + cross(X.p[0]) * X.omega(), X.omega();
+      out.col(k) = VectorR::stacked({localMotion(X).first, X.p[1], X.omega(), X.p[1] + cross(X.p[0]) * X.omega(), X.omega()});
     }
     return out;
   };
   const auto motion = [&](const Place& p, const VectorR& w) {
     const auto [velocity, acceleration] = localMotion(x.motions(p, w, a)[body]);
-    return stacked({velocity, acceleration});
+    return VectorR::stacked({velocity, acceleration});
   };
   const Series X = x.motions(at, v, a)[body];
   const MatrixR J = jacobians(at), dJ = x.alongMotion(at, v, jacobians);
-  const MatrixR by_q = matrixOf(x.byConfiguration(at, [&](const Place& p) { return motion(p, v); }));
-  const MatrixR by_v = matrixOf(x.byVector(v, [&](const VectorR& w) { return motion(at, w); }));
+  const MatrixR by_q = MatrixR::ofColumns(x.byConfiguration(at, [&](const Place& p) { return motion(p, v); }));
+  const MatrixR by_v = MatrixR::ofColumns(byVector(v, [&](const VectorR& w) { return motion(at, w); }));
   return {{"J_local", J.topRows(6)},
           {"J_lwa", J.middleRows(6, 6)},
           {"J_world", J.bottomRows(6)},
           {"dJ_local", dJ.topRows(6)},
           {"dJ_lwa", dJ.middleRows(6, 6)},
           {"dJ_world", dJ.bottomRows(6)},
-          {"vel_local", motion(at, v).head(6)},
-          {"acc_local_spatial", motion(at, v).tail(6)},
+          {"vel_local", motion(at, v).topRows(6)},
+          {"acc_local_spatial", motion(at, v).bottomRows(6)},
           {"acc_lwa_classical", six(X.p[2], X.alpha())},
           {"v_dq", by_q.topRows(6)},
           {"a_dq", by_q.bottomRows(6)},
@@ -266,7 +230,7 @@ Quantities secondDerivativesOf(const ExactBodies& x, const State& state) {
   const Place at = x.place(exact(state.q));
   const VectorR v = exact(state.v), a = exact(state.a);
   const auto by_q = [&](const Place& p, const VectorR& w) {
-    return matrixOf(x.byConfiguration(
+    return MatrixR::ofColumns(x.byConfiguration(
         p, [&](const Place& q) { return x.rnea(q, w, a); }, h));
   };
   // Torques are quadratic in velocities, so differences of any step are exact.
@@ -274,7 +238,7 @@ Quantities secondDerivativesOf(const ExactBodies& x, const State& state) {
     const BodyJacobians J = x.jacobians(p);
     std::vector<VectorR> columns;
     for (int k = 0; k < n; ++k) columns.push_back((x.rnea(p, w + VectorR::Unit(n, k), a, J) - x.rnea(p, w - VectorR::Unit(n, k), a, J)) / Real(2));
-    return matrixOf(columns);
+    return MatrixR::ofColumns(columns);
   };
   const auto below = [&](const std::vector<MatrixR>& matrices) {
     MatrixR out(n * n, n);

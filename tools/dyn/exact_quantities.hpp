@@ -12,9 +12,6 @@ namespace dyn::tool {
 
 using Quantities = std::map<std::string, MatrixR>;
 
-/// A^-1, by elimination with pivots. Eigen's decompositions of exact numbers take the compiler ten seconds a source.
-MatrixR inverseOf(const MatrixR& A);
-
 /// rnea, nle, gravity, M, Minv, aba and the scales; with `derivatives` those of rnea and aba.
 Quantities dynamicsOf(const ExactBodies& x, const State& state, bool derivatives);
 /// Poses and Jacobians of joints, torques that balance external forces, the Coriolis matrix.

@@ -10,8 +10,8 @@ namespace {
 /// Moments of the dynamic parameter c of (m, m cx, m cy, m cz, Ixx, Ixy, Iyy, Ixz, Iyz, Izz) = 1, all others 0.
 struct Moments {
   Real mass = 0;
-  Vec first = Vec::Zero();
-  Mat second = Mat::Zero();
+  Vec first = Vec::Zero(3);
+  Mat second = Mat::Zero(3, 3);
 };
 Moments momentsOf(int c) {
   constexpr int rows[] = {0, 0, 1, 0, 1, 2}, columns[] = {0, 1, 1, 2, 2, 2};
@@ -20,7 +20,7 @@ Moments momentsOf(int c) {
   if (c >= 1 && c < 4) out.first[c - 1] = Real(1);
   if (c < 4) return out;
   const int i = rows[c - 4], j = columns[c - 4];
-  if (i == j) out.second = Mat::Identity() / Real(2);
+  if (i == j) out.second = Mat::Identity(3) / Real(2);
   out.second(i, j) -= Real(1);
   if (i != j) out.second(j, i) -= Real(1);
   return out;

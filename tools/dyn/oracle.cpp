@@ -4,21 +4,19 @@
 #include "exact_quantities.hpp"
 #include "gragg.hpp"
 
-#include <Eigen/LU>
-
 namespace dyn::tool {
 
 namespace {
 
 /// The time derivative of y = (q, v) in free motion: dq/dt in the joints' coordinates, and M^-1 (- nle).
 VectorR rate(const ExactBodies& x, const VectorR& y, Eigen::Index nq) {
-  const VectorR q = y.head(nq), v = y.tail(x.nv), still = VectorR::Zero(x.nv);
+  const VectorR q = y.topRows(nq), v = y.bottomRows(x.nv), still = VectorR::Zero(x.nv);
   const Place at = x.place(q);
   const BodyJacobians J = x.jacobians(at);
   VectorR out(y.size());
   const std::vector<TimeSeries> moving = x.coordinates(q, v, still);
   for (Eigen::Index k = 0; k < nq; ++k) out[k] = moving[static_cast<std::size_t>(k)].c[1];
-  out.tail(x.nv) = Eigen::PartialPivLU<MatrixR>(x.massMatrix(at, J)).solve(-x.rnea(at, v, still, J));
+  out.bottomRows(x.nv) = x.massMatrix(at, J).inverse() * -x.rnea(at, v, still, J);
   return out;
 }
 
@@ -29,14 +27,13 @@ Oracle::~Oracle() = default;
 
 TruthSample Oracle::evaluate(const State& state, bool derivatives) const {
   TruthSample out{state, {}};
-  for (const auto& [key, value] : dynamicsOf(*bodies_, state, derivatives)) out.truth[key] = rounded(value);
+  for (const auto& [key, value] : dynamicsOf(*bodies_, state, derivatives)) out.truth[key] = value.rounded();
   return out;
 }
 
 State Oracle::move(const State& start, double time, int steps) const {
   const Eigen::Index nq = start.q.size();
-  VectorR y(nq + bodies_->nv);
-  y << exact(start.q), exact(start.v);
+  VectorR y = VectorR::stacked({exact(start.q), exact(start.v)});
   const Real h = Real(time) / Real(steps);
   for (int k = 0; k < steps; ++k) y = extrapolate<8>(y, h, [&](const VectorR& x) { return rate(*bodies_, x, nq); });
   State end = start;

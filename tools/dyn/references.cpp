@@ -24,7 +24,7 @@ Format formatOf(const std::string& key) {
 /// The numbers of a matrix, row after row, or one array for each row.
 Json textsOf(const MatrixR& x, const Format& format, bool nested) {
   Real largest(0);
-  for (Eigen::Index k = 0; k < x.size(); ++k) largest = std::max(largest, abs(x(k)));
+  for (Eigen::Index k = 0; k < x.size(); ++k) largest = std::max(largest, abs(x[k]));
   const Real noise = std::max(largest * Real(format.noise), Real(1e-30));
   Json out = Json::array();
   for (Eigen::Index i = 0; i < x.rows(); ++i) {

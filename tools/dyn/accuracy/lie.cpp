@@ -2,14 +2,12 @@
 // Functions of rotations and rigid motions against hundred-digit references: power series of matrices, their inverses, and the arc tangent.
 #include "bench.hpp"
 #include "errors.hpp"
-#include "exact_number.hpp"
+#include "exact_matrix.hpp"
 #include "interrupt.hpp"
 #include "progress.hpp"
 #include "sections.hpp"
 
 #include <dyn/lie/se3.hpp>
-
-#include <Eigen/LU>
 
 #include <algorithm>
 #include <functional>
@@ -20,43 +18,32 @@ namespace dyn::tool {
 namespace {
 
 using Real = ExactNumber<100>;
-template <int n>
-using Matrix = Eigen::Matrix<Real, n, n>;
+using Matrix = ExactMatrix<100>;
 
 /// Angles are at most half a turn, so the last term of a series of this length is below 1e-90.
 constexpr int terms = 110;
 
 /// sum x^k / (k + m)!
-template <int n>
-Matrix<n> series(const Matrix<n>& x, int m) {
-  Matrix<n> sum = Matrix<n>::Zero(), term = Matrix<n>::Identity();
+Matrix series(const Matrix& x, int m) {
+  Matrix sum = Matrix::Zero(x.rows(), x.rows()), term = Matrix::Identity(x.rows());
   for (int k = 1; k <= m; ++k) term /= Real(k);
   for (int k = 0; k < terms; ++k) {
     sum += term;
-    term = (term * x / Real(k + m + 1)).eval();
+    term = term * x / Real(k + m + 1);
   }
   return sum;
 }
 
-Matrix<3> cross(const Vec3<double>& w) {
-  Matrix<3> out;
-  out << Real(0), Real(-w.z), Real(w.y), Real(w.z), Real(0), Real(-w.x), Real(-w.y), Real(w.x), Real(0);
+Matrix cross(const Vec3<double>& w) { return Matrix::cross({w.x, w.y, w.z}); }
+Matrix bracket(const Motion<double>& m) {
+  Matrix out(6, 6);
+  out.block(0, 0, 3, 3) = out.block(3, 3, 3, 3) = cross(m.angular);
+  out.block(0, 3, 3, 3) = cross(m.linear);
   return out;
 }
-Matrix<6> bracket(const Motion<double>& m) {
-  Matrix<6> out = Matrix<6>::Zero();
-  out.topLeftCorner<3, 3>() = out.bottomRightCorner<3, 3>() = cross(m.angular);
-  out.topRightCorner<3, 3>() = cross(m.linear);
-  return out;
-}
+/// The upper right block of a 6 x 6 matrix.
+std::vector<long double> upper(const Matrix& x) { return x.block(0, 3, 3, 3).rounded(); }
 
-template <class M>
-std::vector<long double> digits(const M& x) {
-  std::vector<long double> out;
-  for (Eigen::Index i = 0; i < x.rows(); ++i)
-    for (Eigen::Index j = 0; j < x.cols(); ++j) out.push_back(static_cast<long double>(x(i, j)));
-  return out;
-}
 std::vector<double> numbers(const Mat3<double>& x) { return {x.m, x.m + 9}; }
 std::vector<double> numbers(const Vec3<double>& x) { return {x.x, x.y, x.z}; }
 
@@ -69,37 +56,36 @@ struct Function {
 
 std::vector<Function> functions() {
   using M = Motion<double>;
-  const auto jexp6 = [](const M& m) { return series<6>(-bracket(m), 1); };
+  const auto jexp6 = [](const M& m) { return series(-bracket(m), 1); };
   return {
-      {"exp3", [](const M& m) { return numbers(exp3(m.angular)); }, [](const M& m) { return digits(series<3>(cross(m.angular), 0)); },
+      {"exp3", [](const M& m) { return numbers(exp3(m.angular)); }, [](const M& m) { return series(cross(m.angular), 0).rounded(); },
        [](const M& m) { return exp3(m.angular).m[1]; }},
       {"exp6, translation", [](const M& m) { return numbers(exp6(m).p); },
        [](const M& m) {
-         Matrix<4> x = Matrix<4>::Zero();
-         x.topLeftCorner<3, 3>() = cross(m.angular);
+         Matrix x(4, 4);
+         x.block(0, 0, 3, 3) = cross(m.angular);
          for (int i = 0; i < 3; ++i) x(i, 3) = Real(m.linear[i]);
-         return digits(series<4>(x, 0).topRightCorner<3, 1>());
+         return series(x, 0).block(0, 3, 3, 1).rounded();
        },
        [](const M& m) { return exp6(m).p.x; }},
       {"log3", [](const M& m) { return numbers(log3(expQuaternion(m.angular))); },
        [](const M& m) {
          // The reference starts from the rounded quaternion.
          const Quaternion<double> q = expQuaternion(m.angular);
-         const Eigen::Matrix<Real, 3, 1> im(Real(q.x), Real(q.y), Real(q.z));
+         const Matrix im(q.x, q.y, q.z);
          const Real size = im.norm(), angle = 2 * atan2(q.w < 0 ? Real(-size) : size, Real(std::abs(q.w)));
-         return digits(Eigen::Matrix<Real, 3, 1>(angle / size * im));
+         return (angle / size * im).rounded();
        },
        [](const M& m) {
          return log3(Quaternion<double>{m.angular.x, m.angular.y, m.angular.z, 0.5}).x;
        }},
-      {"Jexp3", [](const M& m) { return numbers(Jexp3(m.angular)); }, [](const M& m) { return digits(series<3>(-cross(m.angular), 1)); },
+      {"Jexp3", [](const M& m) { return numbers(Jexp3(m.angular)); }, [](const M& m) { return series(-cross(m.angular), 1).rounded(); },
        [](const M& m) { return Jexp3(m.angular).m[1]; }},
-      {"Jlog3", [](const M& m) { return numbers(Jlog3(m.angular)); },
-       [](const M& m) { return digits(Matrix<3>(series<3>(-cross(m.angular), 1).inverse())); }, [](const M& m) { return Jlog3(m.angular).m[1]; }},
-      {"Jexp6, off the diagonal", [](const M& m) { return numbers(Jexp6(m).upper); },
-       [jexp6](const M& m) { return digits(jexp6(m).topRightCorner<3, 3>()); }, [](const M& m) { return Jexp6(m).upper.m[1]; }},
-      {"Jlog6, off the diagonal", [](const M& m) { return numbers(Jlog6(m).upper); },
-       [jexp6](const M& m) { return digits(Matrix<6>(jexp6(m).partialPivLu().inverse()).topRightCorner<3, 3>()); },
+      {"Jlog3", [](const M& m) { return numbers(Jlog3(m.angular)); }, [](const M& m) { return series(-cross(m.angular), 1).inverse().rounded(); },
+       [](const M& m) { return Jlog3(m.angular).m[1]; }},
+      {"Jexp6, off the diagonal", [](const M& m) { return numbers(Jexp6(m).upper); }, [jexp6](const M& m) { return upper(jexp6(m)); },
+       [](const M& m) { return Jexp6(m).upper.m[1]; }},
+      {"Jlog6, off the diagonal", [](const M& m) { return numbers(Jlog6(m).upper); }, [jexp6](const M& m) { return upper(jexp6(m).inverse()); },
        [](const M& m) { return Jlog6(m).upper.m[1]; }},
   };
 }
