@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "json/value.hpp"
 
+#include <algorithm>
+
 namespace dyn::json {
 
 namespace {
@@ -54,6 +56,20 @@ ConfigurationDescription configurationOf(const Value& x) {
   return out;
 }
 
+DeviceDescription deviceOf(const Value& x) {
+  x.only({"kind", "type", "name", "text", "where"});
+  DeviceDescription out;
+  const std::string kind = x["kind"].text();
+  const auto found = std::find(kindNames.begin(), kindNames.end(), kind);
+  if (found == kindNames.end()) x["kind"].fail("is '" + kind + "', and must be actuator, tendon or sensor");
+  out.kind = static_cast<DeviceDescription::Kind>(found - kindNames.begin());
+  out.type = x["type"].text();
+  if (x.has("name")) out.name = x["name"].text();
+  out.text = x["text"].text();
+  out.where = whereOf(x);
+  return out;
+}
+
 }  // namespace
 
 void readGroups(const Value& document, Model& model) {
@@ -65,6 +81,7 @@ void readGroups(const Value& document, Model& model) {
   each("virtual_joints", [&](const Value& x) { model.virtual_joints.push_back(virtualJointOf(x)); });
   read(document, "passive_joints", model.passive_joints);
   each("configurations", [&](const Value& x) { model.configurations.push_back(configurationOf(x)); });
+  each("devices", [&](const Value& x) { model.devices.push_back(deviceOf(x)); });
 }
 
 }  // namespace dyn::json

@@ -231,7 +231,7 @@ Model parse(const std::string& text, const std::string& name) {
   if (const int version = x["version"].integer(); version < 1 || version > format_version)
     x["version"].fail("is " + std::to_string(version) + ", and this libdyn reads 1 to " + std::to_string(format_version) + "; use a newer libdyn");
   x.only({"format", "version", "name", "gravity", "bodies", "frames", "constraints", "geometries", "disabled_collisions", "groups", "end_effectors",
-          "virtual_joints", "passive_joints", "configurations", "notes"});
+          "virtual_joints", "passive_joints", "configurations", "devices", "notes"});
   Model model;
   model.name = x["name"].text();
   if (x.has("gravity")) model.gravity = x["gravity"].vector();

@@ -8,12 +8,17 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace dyn::json {
+
+/// The words for DeviceDescription::Kind.
+inline constexpr std::array<std::string_view, 3> kindNames{"actuator", "tendon", "sensor"};
 
 /// A value of the file, and its place there for messages.
 class Value {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
+#include "json/value.hpp"
+
 #include <dyn/file.hpp>
 #include <dyn/parsers/json.hpp>
 
@@ -193,6 +195,14 @@ Json written(const ConfigurationDescription& state) {
   return out;
 }
 
+Json written(const DeviceDescription& device) {
+  Json out{{"kind", std::string(kindNames[static_cast<std::size_t>(device.kind)])}, {"type", device.type}};
+  put(out, "name", device.name);
+  out["text"] = device.text;
+  put(out, device.where);
+  return out;
+}
+
 template <class Records>
 void putAll(Json& out, const char* key, const Records& records) {
   for (const auto& record : records) out[key].push_back(written(record));
@@ -281,6 +291,7 @@ std::string write(const Model& model) {
   putAll(out, "virtual_joints", model.virtual_joints);
   put(out, "passive_joints", model.passive_joints);
   putAll(out, "configurations", model.configurations);
+  putAll(out, "devices", model.devices);
   if (!model.notes.empty()) out["notes"] = model.notes;
   std::string text;
   print(out, "", text);

@@ -38,6 +38,7 @@ Model read(const std::string& text, const std::string& name, const LoadOptions& 
   });
   Scene scene = readScene(context, options, guard);
   if (errors.empty()) readRelations(context, scene, guard);
+  if (errors.empty()) readDevices(context, scene, guard);
   if (errors.empty()) readKeyframes(context, scene, guard);
   noteUnread(source, notes);
   Model model = std::move(scene.model);

@@ -61,6 +61,9 @@ Scene readScene(const Context& context, const LoadOptions& options, const Guard&
 /// Reads <contact> and <equality> elements into the model.
 void readRelations(const Context& context, Scene& scene, const Guard& guard);
 
+/// Keeps actuators, tendons and sensors as Model::devices.
+void readDevices(const Context& context, Scene& scene, const Guard& guard);
+
 /// Reads <keyframe> elements as named configurations. The one in which the file puts the bodies is called qpos0; it is left out if it is neutral.
 void readKeyframes(const Context& context, Scene& scene, const Guard& guard);
 

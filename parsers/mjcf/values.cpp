@@ -117,7 +117,7 @@ void Defaults::read(const XMLElement& e, const DefaultClass* parent, int depth) 
   std::set<std::string> seen;
   s_.forEach(e, [&](const XMLElement& values) {
     const std::string kind = values.Name();
-    if (kind != "joint" && kind != "geom" && kind != "site" && kind != "mesh" && kind != "equality") return;
+    if (kind != "joint" && kind != "geom" && kind != "site" && kind != "mesh" && kind != "equality" && !isDevice(kind)) return;
     if (!seen.insert(kind).second) s_.fail(values, "<default> has two elements <" + kind + ">", ErrorCode::syntax);
     add(values, kind, own);
   });
@@ -130,8 +130,9 @@ void Defaults::add(const XMLElement& values, const std::string& kind, DefaultCla
   std::shared_ptr<const ClassValues>& before = to.kinds[kind];
   auto after = before ? std::make_shared<ClassValues>(*before) : std::make_shared<ClassValues>();
   for (const tinyxml2::XMLAttribute* a = values.FirstAttribute(); a; a = a->Next()) {
-    if (!reads(kind == "equality" ? "default/equality" : kind, a->Name())) continue;
+    if (!isDevice(kind) && !reads(kind == "equality" ? "default/equality" : kind, a->Name())) continue;
     after->attributes[a->Name()] = &values;
+    if (isDevice(kind)) continue;  // kept as text
     // Numbers are checked here, because a class need not have users.
     static const std::set<std::string_view> texts{"name",         "class", "type", "limited", "actuatorfrclimited",
                                                   "shellinertia", "mesh",  "file", "active",  "inertia"};

@@ -12,6 +12,9 @@
 
 namespace dyn::mjcf {
 
+/// Returns whether this is the name of an actuator's type or <tendon>, whose default values are kept as they are written.
+bool isDevice(std::string_view kind);
+
 /// Attributes by name, and the element that has each.
 using Attributes = std::map<std::string_view, const XMLElement*>;
 

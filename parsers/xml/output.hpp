@@ -38,7 +38,7 @@ class Output {
   void lose(const std::string& what, const std::string& owner = {});
   /// Counts a relative path, which began in the folder of `file`. That may be another folder than the one of the file to write.
   void loseFolder(const std::string& path, const std::string& file);
-  /// Counts the model's groups, end effectors, virtual and passive joints, which no format but SRDF says.
+  /// Counts the model's groups, end effectors, virtual and passive joints, which no format but SRDF says, and its devices, which are not written.
   void loseGroups(const Model& model);
   /// Returns a line for each kind of what was lost.
   std::vector<std::string> lost() const;

@@ -53,6 +53,8 @@ Model everything() {
   model.virtual_joints = {{"world", "free_flyer", "odom", "a", {"robot.srdf", 9, ""}}};
   model.passive_joints = {"slave"};
   model.configurations = {{"home", "arm", {{"series", {0.1, 1.0 / 3}, {1, 2}}, {"slave", {}, {}}}, {}}, {.name = "zero"}};
+  model.devices = {{DeviceDescription::Kind::sensor, "jointpos", "", "<jointpos joint=\"b\"/>", {"robot.xml", 12, ""}},
+                   {DeviceDescription::Kind::actuator, "motor", "m", "<motor name=\"m\" joint=\"b\"/>", {}}};
   model.notes = {"odd"};
   return model;
 }

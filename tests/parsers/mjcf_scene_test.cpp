@@ -226,6 +226,25 @@ TEST_CASE("what the reader does not represent is noted, each kind once", "[mjcf]
   CHECK(std::count_if(notes.begin(), notes.end(), [](const std::string& n) { return n.find("friction") != std::string::npos; }) == 1);
 }
 
+TEST_CASE("actuators, tendons and sensors are kept, completed by their default classes", "[mjcf]") {
+  const Model model =
+      read("<body><joint name=\"j\"/>" + mass + "</body>",
+           "<default><motor gear=\"3\"/><tendon width=\"0.1\"/><default class=\"weak\"><motor ctrlrange=\"-1 1\"/></default></default>"
+           "<actuator><motor name=\"m\" joint=\"j\"/><motor class=\"weak\" joint=\"j\" gear=\"5\"/></actuator>"
+           "<sensor><jointpos name=\"s\" joint=\"j\"/></sensor><tendon><fixed name=\"t\"><joint joint=\"j\" coef=\"2\"/></fixed></tendon>");
+  using Kind = DeviceDescription::Kind;
+  std::vector<std::string> texts;
+  for (const DeviceDescription& device : model.devices) texts.push_back(device.text);
+  CHECK(texts == std::vector<std::string>{R"(<motor name="m" joint="j" gear="3"/>)", R"(<motor joint="j" gear="5" ctrlrange="-1 1"/>)",
+                                          R"(<fixed name="t" width="0.1"><joint joint="j" coef="2"/></fixed>)", R"(<jointpos name="s" joint="j"/>)"});
+  REQUIRE(model.devices.size() == 4);
+  CHECK((model.devices[0].kind == Kind::actuator && model.devices[2].kind == Kind::tendon && model.devices[3].kind == Kind::sensor));
+  CHECK((model.devices[0].name == "m" && model.devices[1].name.empty() && model.devices[3].type == "jointpos" && model.devices[0].where.line == 2));
+  CHECK_FALSE(noted(model, "<motor> in <default>"));
+  CHECK_THROWS_WITH(read("<body><joint name=\"j\"/>" + mass + "</body>", "<actuator><motor class=\"strong\" joint=\"j\"/></actuator>"),
+                    containing("'strong'"));
+}
+
 TEST_CASE("the root joint goes to the only body of the world", "[mjcf]") {
   const auto root = [](const std::string& world) { return mjcf::parse(mujoco(world), "robot.xml", {.root = "free_flyer"}); };
   CHECK(root("<body pos=\"0 0 1\">" + mass + "</body>").bodies[1].joint.type == "free_flyer");

@@ -73,6 +73,8 @@ void printGroups(const Model& description) {
     std::printf("  %s: group %s on %s%s%s\n", e.name.c_str(), e.group.c_str(), e.body.c_str(), e.parent_group.empty() ? "" : ", moved by ",
                 e.parent_group.c_str());
   if (!description.passive_joints.empty()) std::printf("\n%s\n  %s\n", heading("passive joints").c_str(), joined(description.passive_joints).c_str());
+  if (!description.devices.empty()) std::printf("\n%s\n", heading("devices, kept and not used").c_str());
+  for (const DeviceDescription& device : description.devices) std::printf("  %s %s\n", device.type.c_str(), device.name.c_str());
   if (!description.configurations.empty()) std::printf("\n%s\n", heading("named states").c_str());
   for (const ConfigurationDescription& state : description.configurations)
     std::printf("  %s%s%s: %zu joints\n", state.group.c_str(), state.group.empty() ? "" : "/", state.name.c_str(), state.joints.size());

@@ -60,6 +60,24 @@ void addParts(py::module_& m) {
       .def("__repr__", [](const VirtualJointDescription& x) { return called("virtual joint", x); });
 }
 
+void addDevices(py::module_& m) {
+  using Device = DeviceDescription;
+  py::class_<Device> c(m, "DeviceDescription", "An actuator, tendon or sensor, which is kept and not used.");
+  py::enum_<Device::Kind>(c, "Kind", "What a device is.")
+      .value("ACTUATOR", Device::Kind::actuator)
+      .value("TENDON", Device::Kind::tendon)
+      .value("SENSOR", Device::Kind::sensor);
+  c.def(py::init([](Device::Kind kind, const std::string& type, const std::string& text, const std::string& name) {
+          return Device{kind, type, name, text, {}};
+        }),
+        py::arg("kind"), py::arg("type"), py::arg("text"), py::arg("name") = "")
+      .def_readonly("kind", &Device::kind, "Actuator, tendon or sensor.")
+      .def_readonly("type", &Device::type, "The format's word for it, such as 'motor'.")
+      .def_readonly("name", &Device::name, "May be empty.")
+      .def_readonly("text", &Device::text, "The element of the file, completed by its default class.")
+      .def("__repr__", [](const Device& x) { return called(x.type.c_str(), x); });
+}
+
 void addStates(py::module_& m) {
   py::class_<JointState>(m, "JointState", "Coordinates of one joint in a named state.")
       .def(py::init([](const std::string& joint, const std::vector<double>& q, const std::vector<double>& v) {
@@ -101,6 +119,7 @@ void addMember(py::class_<Model>& c, const char* name, List, const char* doc) {
 void addGroups(py::module_& m) {
   addParts(m);
   addStates(m);
+  addDevices(m);
   auto c = py::reinterpret_borrow<py::class_<Model>>(m.attr("Model"));
   addMember<&Model::groups>(c, "groups", std::vector<GroupDescription>(), "Named parts. Assign a list to change them.");
   addMember<&Model::end_effectors>(c, "end_effectors", std::vector<EndEffectorDescription>(), "Hands and tools. Assign a list to change them.");
@@ -108,6 +127,7 @@ void addGroups(py::module_& m) {
   addMember<&Model::passive_joints>(c, "passive_joints", std::vector<std::string>(), "The names of joints that no motor moves.");
   addMember<&Model::configurations>(c, "configurations", std::vector<ConfigurationDescription>(),
                                     "Named states; named_configuration() returns their q. Assign a list to change them.");
+  addMember<&Model::devices>(c, "devices", std::vector<DeviceDescription>(), "Actuators, tendons and sensors, which are kept and not used.");
   c.def("joints_of", &Model::jointsOf, py::arg("group"), "Returns the names of the joints of a group, of its chains and of its subgroups.");
 }
 

@@ -65,6 +65,10 @@ void appendGroups(Model& out, const Model& other, const std::string& prefix) {
     for (JointState& joint : state.joints) rename(joint.joint);
     out.configurations.push_back(std::move(state));
   }
+  for (DeviceDescription device : other.devices) {
+    rename(device.name);
+    out.devices.push_back(std::move(device));
+  }
 }
 
 }  // namespace

@@ -311,6 +311,11 @@ void Comparison::compareGroups() {
     for (const DisabledCollision& d : model.disabled_collisions) out.insert(std::min(d.body, d.other) + " and " + std::max(d.body, d.other));
     return out;
   };
+  const auto devices = [](const Model& model) {
+    std::set<std::string> out;
+    for (const DeviceDescription& d : model.devices) out.insert(d.type + (d.name.empty() ? ": " + d.text : " '" + d.name + "'"));
+    return out;
+  };
   const auto sets = [&](const std::string& topic, const std::string& what, const std::set<std::string>& x, const std::set<std::string>& y) {
     for (const std::string& name : x)
       if (!y.count(name)) add(topic, name, what, "present", "-");
@@ -319,6 +324,7 @@ void Comparison::compareGroups() {
   };
   sets("collision", "disabled pair", pairs(a_), pairs(b_));
   sets("group", "passive joint", {a_.passive_joints.begin(), a_.passive_joints.end()}, {b_.passive_joints.begin(), b_.passive_joints.end()});
+  sets("structure", "device", devices(a_), devices(b_));
   byName("group", "group", a_.groups, b_.groups, [&](const GroupDescription& x, const GroupDescription& y) {
     const auto chains = [](const GroupDescription& group) {
       std::vector<std::string> out;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <dyn/model/constraint.hpp>
+#include <dyn/model/device.hpp>
 #include <dyn/model/geometry_description.hpp>
 #include <dyn/model/group.hpp>
 #include <dyn/spatial/inertia.hpp>
@@ -43,6 +44,7 @@ struct DYN_API Model {
   std::vector<VirtualJointDescription> virtual_joints;   ///< how planners see the root joints
   std::vector<std::string> passive_joints;               ///< names of joints that no motor moves
   std::vector<ConfigurationDescription> configurations;  ///< named states; namedConfiguration() returns their q
+  std::vector<DeviceDescription> devices;                ///< actuators, tendons and sensors, which are kept and not used
   std::vector<std::string> notes;                        ///< what a parser ignored or found odd, each once
 
   /// Makes a model that has only the world.
