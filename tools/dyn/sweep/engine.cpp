@@ -152,8 +152,11 @@ void computeChunks(const Work& work, const std::vector<std::int64_t>& missing) {
   });
   int others = work.ranks.count() - 1;
   const auto pause = others > 0 ? std::chrono::microseconds(200) : std::chrono::microseconds(5000);
+  std::size_t requests = 0;
+  Clock::duration answering{};
   while (running > 0 || others > 0) {
     while (const std::optional<Ranks::Message> message = work.ranks.poll()) {
+      const Clock::time_point arrived = Clock::now();
       std::istringstream words(message->text);
       std::string word;
       words >> word;
@@ -169,11 +172,14 @@ void computeChunks(const Work& work, const std::vector<std::int64_t>& missing) {
         }
         work.ranks.send(message->from, std::to_string(overseer.next(word == "done" ? &done : nullptr)));
       }
+      ++requests;
+      answering += Clock::now() - arrived;
     }
     overseer.show();
     std::this_thread::sleep_for(pause);
   }
   joiner.join();
+  if (requests > 0) detail("answered " + std::to_string(requests) + " requests of other ranks", answering);
   overseer.show(true);
   overseer.finish();
 }

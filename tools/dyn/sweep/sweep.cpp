@@ -155,7 +155,7 @@ void lead(const Options& o, const Ranks& ranks, const Setting& setting, const Ma
   const std::string problem = problemOf([&] {
     computeChunks({setting, store, opened, ranks, threads, o.json_lines}, missing);
     if (interruption) return;
-    if (!store.finished()) merge(store, opened, fields, times, setting.variation);
+    if (!store.finished()) timed("merged the chunks", [&] { merge(store, opened, fields, times, setting.variation); });
     if (!o.keep_chunks) store.removeChunks();
   });
   agree(ranks, problem);
