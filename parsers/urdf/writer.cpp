@@ -227,6 +227,7 @@ class Writer {
     if (g.x != usual.x || g.y != usual.y || g.z != usual.z) out_.lose("gravity other than 9.81 m/s^2 along -z");
     for (const DisabledCollision& d : model_.disabled_collisions) out_.lose("pairs without collision checks (an SRDF has them)", d.body);
     out_.loseGroups(model_);
+    for (const DeviceDescription& device : model_.devices) out_.lose("actuators, tendons and sensors", device.name);
     for (const ConfigurationDescription& state : model_.configurations) out_.lose("named states (an SRDF has them)", state.name);
   }
 

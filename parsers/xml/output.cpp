@@ -35,7 +35,6 @@ void Output::loseGroups(const Model& model) {
   for (const EndEffectorDescription& e : model.end_effectors) lose("end effectors (an SRDF has them)", e.name);
   for (const VirtualJointDescription& joint : model.virtual_joints) lose("virtual joints (an SRDF has them)", joint.name);
   for (const std::string& joint : model.passive_joints) lose("passive joints (an SRDF has them)", joint);
-  for (const DeviceDescription& device : model.devices) lose("actuators, tendons and sensors", device.name);
 }
 
 std::vector<std::string> Output::lost() const {

@@ -26,6 +26,8 @@ class Output {
   /// Throws Error(model) for a number that is not finite, which no XML format of models has.
   void put(const char* attribute, const std::vector<double>& values);
   void put(const char* attribute, const Vec3<double>& x) { put(attribute, std::vector<double>{x.x, x.y, x.z}); }
+  /// Writes an element of another document, with all that is in it.
+  void copy(const tinyxml2::XMLElement& element) { element.Accept(&printer_); }
   /// Writes an element that has one attribute.
   template <class Value>
   void element(const char* name, const char* attribute, const Value& value) {
@@ -38,7 +40,7 @@ class Output {
   void lose(const std::string& what, const std::string& owner = {});
   /// Counts a relative path, which began in the folder of `file`. That may be another folder than the one of the file to write.
   void loseFolder(const std::string& path, const std::string& file);
-  /// Counts the model's groups, end effectors, virtual and passive joints, which no format but SRDF says, and its devices, which are not written.
+  /// Counts the model's groups, end effectors, virtual and passive joints, which no format but SRDF says.
   void loseGroups(const Model& model);
   /// Returns a line for each kind of what was lost.
   std::vector<std::string> lost() const;

@@ -233,6 +233,23 @@ TEST_CASE("bodies without mass between joints become several joints of one body"
   CHECK(checkSameMotion(model, again(model)) == std::vector<std::string>{"fork"});
 }
 
+TEST_CASE("devices of joints and of fixed tendons come back from MJCF; others are reported", "[mjcf]") {
+  const std::string file =
+      "<mujoco><worldbody><body><joint name=\"i\"/><geom size=\"1\"/><body><joint name=\"j\"/><joint name=\"b\" type=\"ball\"/><geom size=\"1\"/>"
+      "<site name=\"s\"/></body></body></worldbody><default><motor gear=\"3\"/></default><actuator><motor name=\"m\" joint=\"i\"/>"
+      "<motor name=\"pull\" tendon=\"t\"/><motor name=\"at\" site=\"s\"/><motor name=\"turn\" joint=\"b\"/></actuator>"
+      "<sensor><jointpos joint=\"j\"/></sensor><tendon><fixed name=\"t\"><joint joint=\"i\" coef=\"2\"/><joint joint=\"j\" coef=\"-1\"/></fixed>"
+      "<spatial name=\"rope\"><site site=\"s\"/><site site=\"s\"/></spatial></tendon></mujoco>";
+  const Model model = mjcf::parse(file, "robot.xml", {});
+  REQUIRE(model.devices.size() == 7);
+  const Model back = again(model);
+  std::vector<std::string> texts;
+  for (const DeviceDescription& device : back.devices) texts.push_back(device.text);
+  CHECK(texts == std::vector<std::string>{model.devices[0].text, model.devices[1].text, model.devices[4].text, model.devices[6].text});
+  CHECK(texts[0] == R"(<motor name="m" joint="i" gear="3"/>)");
+  CHECK_THAT(lostBy(model), containing("actuators, tendons and sensors, 3 times, first of 'rope'"));
+}
+
 TEST_CASE("what MJCF cannot say is reported once each, with its first owner", "[mjcf]") {
   Model model;
   JointDescription odd = hinge("odd");

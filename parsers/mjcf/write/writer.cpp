@@ -2,6 +2,7 @@
 #include "common/attached.hpp"
 #include "common/inertia.hpp"
 #include "common/reader.hpp"
+#include "devices.hpp"
 #include "equality.hpp"
 #include "keyframes.hpp"
 #include "volumes.hpp"
@@ -55,6 +56,7 @@ class Writer {
     writeExcludes();
     equality_.write(joints_);
     writeKeyframes(model_, order_, joints_, chains_, out_);
+    writeDevices(model_, joints_, out_);
     out_.loseGroups(model_);
     out_.close();
     return {out_.text(), out_.lost()};
