@@ -114,6 +114,49 @@ class Models(unittest.TestCase):
         two.add_body("far", 0, dyn.JointDescription("far_hinge", "revolute", {"axis": [0, 1, 0]}), dyn.Inertia(1.0, [0, 0, -1.0], np.eye(3)))
         self.assertEqual([dyn.compile(two, outputs=["rod"], touching=touching).nv for touching in ([], ["rod", "far"])], [1, 2])
 
+    def test_numbers_change_without_compiling_again(self):
+        description = pendulum()
+        model = dyn.compile(description)
+        numbers = model.numbers()
+        self.assertEqual(set(numbers), {"gravity", "inertias", "placements", "damping", "friction", "armature"})
+        self.assertEqual((numbers["inertias"]["rod"].mass, numbers["damping"]["hinge"]), (2.0, [0.1]))
+        self.assertEqual(model.with_numbers(**numbers).mass, model.mass)
+        inertia = dyn.Inertia(3.0, [0, 0, -2.0], np.eye(3))
+        changed = model.with_numbers(inertias={"rod": inertia}, damping={"hinge": 0.5}, friction={"hinge": [0.2]}, gravity=[0, 0, -1.62])
+        description.bodies[1].inertia = inertia
+        description.bodies[1].joint.damping, description.bodies[1].joint.friction = 0.5, 0.2
+        description.gravity = [0, 0, -1.62]
+        again = dyn.compile(description)
+        tau = [dyn.rnea(m, dyn.Data(m), [0.3], [2.0], [1.0])[0] for m in (model, changed, again)]
+        self.assertEqual(tau[1], tau[2])
+        self.assertNotEqual(tau[0], tau[1])
+        longer = model.with_numbers(placements={"hinge": dyn.SE3.translation(0, 0, 1)})
+        data = dyn.Data(longer)
+        dyn.forward_kinematics(longer, data, [0.0])
+        np.testing.assert_array_equal(dyn.frame_placement(longer, data, "tip").p, np.zeros(3))
+        with self.assertRaisesRegex(dyn.Error, "no body 'rope'.*rod"):
+            model.with_numbers(inertias={"rope": inertia})
+        with self.assertRaises(TypeError):
+            model.with_numbers(inertias={"rod": 3.0})
+
+    def test_states_of_a_batch_are_of_different_models(self):
+        model = dyn.compile(dyn.load(BIPED, root="free_flyer"))
+        inertias = model.numbers()["inertias"]
+        models = []
+        for factor in np.linspace(0.5, 2, 7):
+            scaled = {name: dyn.Inertia(factor * x.mass, x.com, factor * np.asarray(x.rotational)) for name, x in inertias.items()}
+            models.append(model.with_numbers(inertias=scaled))
+        q = np.tile(dyn.neutral(model), (7, 1))
+        v, a = np.full((7, model.nv), 0.3), np.full((7, model.nv), -0.2)
+        batch = dyn.BatchData(model, 7)
+        batch.set_models(models)
+        tau = dyn.rnea(model, batch, q, v, a)
+        for k, m in enumerate(models):
+            np.testing.assert_allclose(tau[k], dyn.rnea(m, dyn.Data(m), q[k], v[k], a[k]), rtol=1e-10, atol=1e-10)
+        with self.assertRaisesRegex(dyn.Error, "does not come from the batch's own model"):
+            batch.set_models([dyn.compile(pendulum())])
+        batch.set_models([])
+
     def test_lists_that_are_copies_cannot_be_changed_by_mistake(self):
         description = pendulum()
         for name in ("constraints", "geometries", "disabled_collisions"):

@@ -8,11 +8,58 @@
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
+#include <map>
+#include <optional>
+
 namespace dyn::python {
 
 namespace {
 
 Eigen::VectorXd arrayOf(const std::vector<double>& x) { return Eigen::Map<const Eigen::VectorXd>(x.data(), static_cast<Eigen::Index>(x.size())); }
+
+/// Numbers of joints, by name; one number stands for a list of one.
+using OfJoints = std::map<std::string, std::variant<double, std::vector<double>>>;
+
+std::vector<JointNumbers> jointNumbers(const OfJoints& given) {
+  std::vector<JointNumbers> out;
+  for (const auto& [joint, values] : given) {
+    const double* one = std::get_if<double>(&values);
+    out.push_back({joint, one ? std::vector{*one} : std::get<std::vector<double>>(values)});
+  }
+  return out;
+}
+
+CompactModel withNumbers(const CompactModel& model, const std::optional<Eigen::Vector3d>& gravity,
+                         const std::map<std::string, Inertia<double>>& inertias, const std::map<std::string, SE3<double>>& placements,
+                         const OfJoints& damping, const OfJoints& friction, const OfJoints& armature) {
+  ModelNumbers numbers;
+  if (gravity) numbers.gravity = {gravity->x(), gravity->y(), gravity->z()};
+  for (const auto& [body, inertia] : inertias) numbers.inertias.push_back({body, inertia});
+  for (const auto& [joint, placement] : placements) numbers.placements.push_back({joint, placement});
+  numbers.damping = jointNumbers(damping);
+  numbers.friction = jointNumbers(friction);
+  numbers.armature = jointNumbers(armature);
+  return model.withNumbers(numbers);
+}
+
+Typed<py::dict, "dict[str, typing.Any]"> numbersOf(const CompactModel& model) {
+  const ModelNumbers numbers = model.numbers();
+  py::dict inertias, placements, out;
+  for (const BodyInertia& x : numbers.inertias) inertias[py::str(x.body)] = x.inertia;
+  for (const JointPlacement& x : numbers.placements) placements[py::str(x.joint)] = x.placement;
+  const auto ofJoints = [](const std::vector<JointNumbers>& list) {
+    py::dict values;
+    for (const JointNumbers& x : list) values[py::str(x.joint)] = x.values;
+    return values;
+  };
+  out["gravity"] = Eigen::Vector3d(numbers.gravity->x, numbers.gravity->y, numbers.gravity->z);
+  out["inertias"] = inertias;
+  out["placements"] = placements;
+  out["damping"] = ofJoints(numbers.damping);
+  out["friction"] = ofJoints(numbers.friction);
+  out["armature"] = ofJoints(numbers.armature);
+  return out;
+}
 
 }  // namespace
 
@@ -69,6 +116,13 @@ void addCompactModel(py::module_& m) {
           "warnings", [](const CompactModel& x) { return x.report().warnings; }, "What is legal and likely to be a mistake.")
       .def_property_readonly(
           "held", [](const CompactModel& x) { return x.report().held; }, "Bodies whose joint could move but is rigid because it is held.")
+      .def("with_numbers", &withNumbers, py::kw_only(), py::arg("gravity") = py::none(),
+           py::arg("inertias") = std::map<std::string, Inertia<double>>(), py::arg("placements") = std::map<std::string, SE3<double>>(),
+           py::arg("damping") = OfJoints(), py::arg("friction") = OfJoints(), py::arg("armature") = OfJoints(),
+           "Returns a model that differs in these numbers of its description only, as compile() would make it, at a small part of the cost.\n\n"
+           "gravity: (3,) [m/s^2]. inertias: of bodies, by name, in the body's frame. placements: of joints, in the parent body's frame.\n"
+           "damping, friction, armature: of joints that move; one number for each degree of freedom, or one number for a list of one.")
+      .def("numbers", &numbersOf, "Returns all numbers that with_numbers() can change, as a dict of its arguments.")
       .def("__copy__", [](const CompactModel& x) { return x; })
       .def(
           "__deepcopy__", [](const CompactModel& x, const py::dict&) { return x; }, py::arg("memo"))

@@ -15,6 +15,15 @@ void addBatch(py::module_& m, const char* name, const char* doc) {
   py::class_<Batch<T>>(m, name, doc)
       .def(py::init<const CompactModel&, int, Need, int>(), py::arg("model"), py::arg("capacity"), py::arg("needs") = all_of_a_state,
            py::arg("threads") = 1)
+      .def(
+          "set_models",
+          [](Batch<T>& b, const std::vector<CompactModel>& models) {
+            const InUse use(b.busy, "set_models");
+            b.data.setModels(models);
+          },
+          py::arg("models"),
+          "Makes state k that of models[k] in all calls that follow, which take at most as many states as there are models.\n\n"
+          "models: made from the batch's own by with_numbers(), with other inertias only. An empty list: all states are of the batch's own model.")
       .def_property_readonly(
           "capacity", [](const Batch<T>& b) { return b.data.capacity(); }, "The largest number of states.")
       .def_property_readonly(

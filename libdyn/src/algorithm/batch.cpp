@@ -70,7 +70,11 @@ Run<T> runAll(const char* name, const CompactModel& model, BasicBatchData<T>& da
   checkBatch(name, model, d, q, algorithm.batch_need, nameOf(algorithm.batch_need));
   if (v.given) checkStates(name, "v", v, m.nv, q.cols);
   if (a.given) checkStates(name, forward ? "tau" : "a", a, m.nv, q.cols);
-  if (isCentroidal(algorithm.algorithm) && !(m.mass > 0)) throw Error(ErrorCode::singular, std::string(name) + ": the model has no mass");
+  if (d.models > 0 && q.cols > d.models)
+    throw Error(ErrorCode::size, std::string(name) + ": there are " + std::to_string(q.cols) + " states, and setModels() was given " +
+                                     std::to_string(d.models) + " models");
+  if (isCentroidal(algorithm.algorithm) && (d.massless || (d.models == 0 && !(m.mass > 0))))
+    throw Error(ErrorCode::singular, std::string(name) + ": the model has no mass");
   const ModelSizes sizes{m.nv, static_cast<int>(m.joints.size()), static_cast<int>(m.frames.size())};
   StatesOut<T> results[4];
   const bool in_columns = algorithm.batch_need != Need::kinematics;
@@ -86,7 +90,8 @@ Run<T> runAll(const char* name, const CompactModel& model, BasicBatchData<T>& da
     readStates<T>(d, t, {q, v, a, forward}, first, count, block);
     for (int k = 0; k < 4; ++k) block.results[k] = results[k].first ? results[k].first + first * results[k].rows : nullptr;
     complete(block, first);
-    d.kernels->run(m, d.scratch[at(t)].data(), block);
+    if (d.models > 0 && d.kernels->lanes > 1) block.inertias = numbersOf<sizeof(InertiaConstants<T>) / sizeof(T)>(d, d.inertias, 0, first);
+    d.kernels->run(d.by_state.empty() ? m : *d.by_state[at(first)], d.scratch[at(t)].data(), block);
     if (in_columns) {
       noteFailures(q, block, results, first, count, f);
     } else if (block.not_finite) {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The compact model: frequently read constants by body, batches by type, and runs in depth-first order. pack() writes it once; then it is constant.
+// Models that withNumbers() makes have the same structure, and share its memory.
 #pragma once
 
+#include "compile/described.hpp"
 #include "compile/lane_groups.hpp"
 #include "joint/coordinate.hpp"
 
@@ -29,6 +31,16 @@ template <class To, class From>
 BodyConstants<To> broadcast(const BodyConstants<From>& c) {
   return {cast<To>(c.placement), To(c.mass), cast<To>(c.com), cast<To>(c.rotational), cast<To>(c.h), cast<To>(c.origin)};
 }
+
+/// The numbers of BodyConstants that say how a body's mass is distributed. A batch has some for each state if its states are of different models.
+template <class T>
+struct InertiaConstants {
+  T mass{};
+  Vec3<T> com;
+  Sym3<T> rotational;
+  Vec3<T> h;
+  Sym3<T> origin;
+};
 
 /// A rotation that only exchanges axes. The placement of a joint about or along an axis of its parent is one, because canonicalise() turns the
 /// joint's own frame that way. Column k is the unit vector (k + shift) mod 3. If it `flips`, the last two columns are negative.
@@ -102,40 +114,42 @@ struct CompactImpl {
   Vec3<double> gravity;
   int nq = 0, nv = 0;    ///< the user's
   int nqx = 0, nvx = 0;  ///< expanded; equal to the user's without couplings
-  double mass = 0;
 
-  std::vector<BodyIndex> index;  ///< [0] is the world
+  // The numbers that withNumbers() changes.
+  double mass = 0;
   std::vector<BodyConstants<double>> constants;
   std::vector<BodyConstants<float>> constants_float;
-  std::vector<double> subspaces;  ///< of dense_constant shapes: 6 nv numbers per body
-  std::vector<float> subspaces_float;
-  std::vector<int> subspace_offset;  ///< by body: index into subspaces, or -1
-  std::vector<TypeBatch> batches;
-  std::vector<Run> runs;
-  std::vector<int> tree_end;  ///< one past the last body of each body's subtree
+  std::vector<double> damping, friction, armature;  ///< nvx each, or empty when the model has none
+  bool roots_have_armature = false;                 ///< whether some floating base has armature
+  DescribedNumbers described;                       ///< those of the description, from which all others are made again
+
+  SharedVector<BodyIndex> index;   ///< [0] is the world
+  SharedVector<double> subspaces;  ///< of dense_constant shapes: 6 nv numbers per body
+  SharedVector<float> subspaces_float;
+  SharedVector<int> subspace_offset;  ///< by body: index into subspaces, or -1
+  SharedVector<TypeBatch> batches;
+  SharedVector<Run> runs;
+  SharedVector<int> tree_end;  ///< one past the last body of each body's subtree
   // By degree of freedom. Its path to the root goes through those degrees of freedom of its joint that have lower numbers.
-  std::vector<int> dof_body;     ///< the body that it moves
-  std::vector<int> dof_end;      ///< one past the last one of its joint's subtree
-  std::vector<int> dof_parent;   ///< the next one on its path; -1 at the end
-  std::vector<int> dof_segment;  ///< the lowest number that its path reaches without a gap in the numbers
-  std::vector<int> dof_depth;    ///< the number of others on its path
-  std::vector<DofChain> chains;
+  SharedVector<int> dof_body;     ///< the body that it moves
+  SharedVector<int> dof_end;      ///< one past the last one of its joint's subtree
+  SharedVector<int> dof_parent;   ///< the next one on its path; -1 at the end
+  SharedVector<int> dof_segment;  ///< the lowest number that its path reaches without a gap in the numbers
+  SharedVector<int> dof_depth;    ///< the number of others on its path
+  SharedVector<DofChain> chains;
   int path_room = 0;  ///< the number of degrees of freedom on the longest path
 
   LaneGroupPlan lane_groups;
 
-  std::vector<PackedCoupling> couplings;
-  std::vector<int> q_of_user, v_of_user;  ///< user's index -> expanded index; empty without couplings
+  SharedVector<PackedCoupling> couplings;
+  SharedVector<int> q_of_user, v_of_user;  ///< user's index -> expanded index; empty without couplings
 
-  std::vector<double> damping, friction, armature;  ///< nvx each, or empty when the model has none
-  bool roots_have_armature = false;                 ///< whether some floating base has armature
-
-  std::vector<JointRecord> joints;
-  std::vector<SE3<double>> user_frame;  ///< user's joint frame in its body's core frame
-  std::vector<int> body_of_joint;
-  std::vector<FrameRecord> frames;  ///< placements in the user's joint frame
-  std::vector<int> frame_body;
-  std::vector<SE3<double>> frame_placement;  ///< in the body's core frame
+  SharedVector<JointRecord> joints;
+  SharedVector<SE3<double>> user_frame;  ///< user's joint frame in its body's core frame
+  SharedVector<int> body_of_joint;
+  SharedVector<FrameRecord> frames;  ///< placements in the user's joint frame
+  SharedVector<int> frame_body;
+  SharedVector<SE3<double>> frame_placement;  ///< in the body's core frame
   ModelLimits limits;
   CompileReport report;
   std::shared_ptr<const PackedConstraints> constraints;  ///< those of the description itself

@@ -15,8 +15,8 @@ const std::string& CompactModel::name() const { return impl_->name; }
 int CompactModel::nq() const { return impl_->nq; }
 int CompactModel::nv() const { return impl_->nv; }
 int CompactModel::njoints() const { return static_cast<int>(impl_->joints.size()); }
-const std::vector<JointRecord>& CompactModel::joints() const { return impl_->joints; }
-const std::vector<FrameRecord>& CompactModel::frames() const { return impl_->frames; }
+const std::vector<JointRecord>& CompactModel::joints() const { return impl_->joints.vector(); }
+const std::vector<FrameRecord>& CompactModel::frames() const { return impl_->frames.vector(); }
 const Vec3<double>& CompactModel::gravity() const { return impl_->gravity; }
 double CompactModel::mass() const { return impl_->mass; }
 bool CompactModel::follows() const { return !impl_->couplings.empty(); }
@@ -64,6 +64,10 @@ template <class T>
 std::size_t bytesOf(const std::vector<T>& x) {
   return x.capacity() * sizeof(T);
 }
+template <class T>
+std::size_t bytesOf(const SharedVector<T>& x) {
+  return x.bytes();
+}
 }  // namespace
 
 std::size_t CompactModel::bytes() const {
@@ -74,7 +78,9 @@ std::size_t CompactModel::bytes() const {
                     bytesOf(m.chains) + bytesOf(m.couplings) + bytesOf(m.q_of_user) + bytesOf(m.v_of_user) + bytesOf(m.damping) +
                     bytesOf(m.friction) + bytesOf(m.armature) + bytesOf(m.joints) + bytesOf(m.user_frame) + bytesOf(m.body_of_joint) +
                     bytesOf(m.frames) + bytesOf(m.frame_body) + bytesOf(m.frame_placement) + bytesOf(m.limits.lower) + bytesOf(m.limits.upper) +
-                    bytesOf(m.limits.velocity) + bytesOf(m.limits.effort);
+                    bytesOf(m.limits.velocity) + bytesOf(m.limits.effort) + bytesOf(m.described.bodies) + bytesOf(*m.described.skeleton->frames) +
+                    bytesOf(*m.described.origins) + bytesOf(m.described.inertias) + bytesOf(m.described.placements) + bytesOf(m.described.damping) +
+                    bytesOf(m.described.friction) + bytesOf(m.described.armature);
   for (const TypeBatch& batch : m.batches) sum += bytesOf(batch.bodies) + bytesOf(batch.constants);
   const LaneGroupPlan& plan = m.lane_groups;
   sum += bytesOf(plan.lane_groups) + bytesOf(plan.lane_slots) + bytesOf(plan.batches) + bytesOf(plan.runs) + bytesOf(plan.dof_index) +

@@ -17,6 +17,20 @@ namespace dyn {
 
 namespace {
 
+/// Writes the poses of a constraint's frames in their bodies, and the directions of its rows.
+void place(PackedFrameConstraint& p, const FrameConstraint& c, const CompactImpl& m) {
+  const SE3<double>* placements[2] = {&c.placement, &c.other_placement};
+  for (int e = 0; e < 2; ++e) p.placement[e] = cast<double>(cast<long double>(m.frame_placement[at(p.frame[e])]) * cast<long double>(*placements[e]));
+  p.own_axes = Mat3<double>::identity();
+  if (p.axes == ConstraintAxes::LOCAL) p.own_axes = p.placement[0].R;
+  if (p.axes == ConstraintAxes::OTHER) p.own_axes = p.placement[1].R;
+  p.linear_rows = static_cast<int>(std::count(p.free.begin(), p.free.begin() + 3, false));
+  eachDirection(p, [&](int row, int direction) {
+    const int k = row - p.row;
+    for (int a = 0; a < 3; ++a) (direction < 3 ? p.linear[a][k] : p.angular[a][k - p.linear_rows]) = p.own_axes(a, direction % 3);
+  });
+}
+
 class ConstraintPacker {
  public:
   ConstraintPacker(const CompactModel& model, const JointRegistry* registry) : model_(model), m_(model.impl()), registry_(registry) {}
@@ -77,7 +91,7 @@ class ConstraintPacker {
     const SE3<double>* placements[2] = {&c.placement, &c.other_placement};
     for (int e = 0; e < 2; ++e) {
       p.body[e] = m_.frame_body[at(ids[e])];
-      p.placement[e] = cast<double>(cast<long double>(m_.frame_placement[at(ids[e])]) * cast<long double>(*placements[e]));
+      p.frame[e] = ids[e];
       for (int k = 0; k < 12; ++k)
         if (!std::isfinite(k < 9 ? placements[e]->R.m[k] : placements[e]->p[k - 9])) refuse("its placement has an entry that is not finite");
     }
@@ -98,22 +112,11 @@ class ConstraintPacker {
     p.row = takeRows(p.rows);
     p.free = c.free;
     p.axes = c.axes;
-    listDirections(p);
+    place(p, c, m_);
     p.has_target = c.has_target;
     p.baumgarte = current_->baumgarte;
     if (p.baumgarte.position > 0 && !p.has_target) refuse("it has a gain on an error of position, but no place to be at (has_target)");
     out_.frames.push_back(std::move(p));
-  }
-
-  static void listDirections(PackedFrameConstraint& p) {
-    p.own_axes = Mat3<double>::identity();
-    if (p.axes == ConstraintAxes::LOCAL) p.own_axes = p.placement[0].R;
-    if (p.axes == ConstraintAxes::OTHER) p.own_axes = p.placement[1].R;
-    p.linear_rows = static_cast<int>(std::count(p.free.begin(), p.free.begin() + 3, false));
-    eachDirection(p, [&](int row, int direction) {
-      const int k = row - p.row;
-      for (int a = 0; a < 3; ++a) (direction < 3 ? p.linear[a][k] : p.angular[a][k - p.linear_rows]) = p.own_axes(a, direction % 3);
-    });
   }
 
   void listSlots(PackedFrameConstraint& p) const {
@@ -258,6 +261,15 @@ class ConstraintPacker {
 PackedConstraints packConstraints(const CompactModel& model, const std::vector<ConstraintDescription>& descriptions, const JointRegistry* registry,
                                   const PackedConstraints* base) {
   return ConstraintPacker(model, registry).run(descriptions, base);
+}
+
+std::shared_ptr<const PackedConstraints> withPlacedFrames(const CompactImpl& m, const SharedVector<SE3<double>>& before) {
+  if (m.constraints->frames.empty() || m.frame_placement.data() == before.data()) return m.constraints;
+  const auto out = std::make_shared<PackedConstraints>(*m.constraints);
+  auto frame = out->frames.begin();
+  for (const ConstraintDescription& description : out->descriptions)
+    if (const auto* relation = std::get_if<FrameConstraint>(&description.relation)) place(*frame++, *relation, m);
+  return out;
 }
 
 void attachConstraints(const std::shared_ptr<CompactImpl>& compact, const std::vector<ConstraintDescription>& descriptions,

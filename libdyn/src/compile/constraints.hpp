@@ -18,6 +18,7 @@ struct PackedFrameConstraint {
   int row = 0, rows = 0;
   int linear_rows = 0;  ///< how many rows are linear; they come first
   int body[2] = {0, 0};
+  int frame[2] = {0, 0};     ///< the model's frames to which the constraint's own frames are fixed
   int common = 0;            ///< the last body that moves both bodies, or 0
   SE3<double> placement[2];  ///< of the constraint's frames, in the bodies' core frames
   std::array<bool, 6> free{};
@@ -115,6 +116,10 @@ struct PackedConstraints {
 /// Throws Error(model | argument | size | joint_type | parameter) that names the constraint or its place.
 PackedConstraints packConstraints(const CompactModel& model, const std::vector<ConstraintDescription>& descriptions, const JointRegistry* registry,
                                   const PackedConstraints* base = nullptr);
+
+/// Returns the constraints of a model whose frames may have moved: `before` has their former placements. Without a move these are the same
+/// constraints.
+std::shared_ptr<const PackedConstraints> withPlacedFrames(const CompactImpl& m, const SharedVector<SE3<double>>& before);
 
 /// 8. Looks up the description's own constraints in the compiled model, and adds their line to the report.
 void attachConstraints(const std::shared_ptr<CompactImpl>& compact, const std::vector<ConstraintDescription>& descriptions,

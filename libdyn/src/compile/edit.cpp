@@ -116,7 +116,7 @@ class Holder {
       }
       SE3<double> pose;
       for (; next < draft.bodies.size() && draft.bodies[next].user_joint == 1; ++next)
-        pose = pose * cast<double>(draft.bodies[next].placement) * poses[next];
+        pose = pose * cast<double>(draft.skeleton.links[next].placement) * poses[next];
       joint = rigidAt(joint, pose);
     }
   }

@@ -2,6 +2,8 @@
 // Lane groups: joints of one type that advance together, one in each lane of a pack.
 #pragma once
 
+#include "compile/shared_vector.hpp"
+
 #include <dyn/joint/shape.hpp>
 
 #include <cstdint>
@@ -21,6 +23,10 @@ class PackMemory {
   static constexpr std::size_t alignment = 64;
   PackMemory() : PackMemory(0) {}
   explicit PackMemory(std::size_t bytes);
+  PackMemory(const PackMemory& other);
+  PackMemory(PackMemory&&) noexcept = default;
+  PackMemory& operator=(const PackMemory&) = delete;
+  PackMemory& operator=(PackMemory&&) noexcept = default;
   char* data() const { return data_; }
   std::size_t bytes() const { return bytes_; }
 
@@ -101,18 +107,18 @@ struct LaneGroupUses {
 
 struct LaneGroupPlan {
   LaneGroupUses uses;
-  int count = 0;                       ///< number of lane groups without the world; only this is set if no algorithm uses them
-  std::vector<LaneGroup> lane_groups;  ///< [0] is the world; parents first
-  std::vector<LaneSlot> lane_slots;    ///< by body
-  std::vector<LaneGroupRun> runs;
-  std::vector<LaneGroupBatch> batches;
+  int count = 0;                        ///< number of lane groups without the world; only this is set if no algorithm uses them
+  SharedVector<LaneGroup> lane_groups;  ///< [0] is the world; parents first
+  SharedVector<LaneSlot> lane_slots;    ///< by body
+  SharedVector<LaneGroupRun> runs;
+  SharedVector<LaneGroupBatch> batches;
   int dofs = 0;
-  int shared_dofs = 0;                  ///< the first ones, which are the same in all lanes: the root's
-  std::vector<std::int64_t> dof_index;  ///< four per degree of freedom: where its lanes are in v and tau
-  std::vector<std::int64_t> dof_row;    ///< the same times nvx: where their rows and columns begin
-  std::vector<std::int64_t> dof_place;  ///< the inverse: where entries of v and tau are among the lanes of all degrees of freedom
-  PackMemory constants;                 ///< BodyConstants of packs, one per lane group
-  std::vector<double> armature;         ///< four per degree of freedom; 1 in lanes without a body, so that their pivots do not vanish
+  int shared_dofs = 0;                   ///< the first ones, which are the same in all lanes: the root's
+  SharedVector<std::int64_t> dof_index;  ///< four per degree of freedom: where its lanes are in v and tau
+  SharedVector<std::int64_t> dof_row;    ///< the same times nvx: where their rows and columns begin
+  SharedVector<std::int64_t> dof_place;  ///< the inverse: where entries of v and tau are among the lanes of all degrees of freedom
+  PackMemory constants;                  ///< BodyConstants of packs, one per lane group
+  std::vector<double> armature;          ///< four per degree of freedom; 1 in lanes without a body, so that their pivots do not vanish
 };
 
 /// Finds only which bodies share a lane group, for any model and on any machine: LaneGroup::body and lane_slots.
@@ -120,5 +126,7 @@ LaneGroupPlan assignLanes(const CompactImpl& m);
 /// Groups the bodies of a packed model for processors with this instruction set. There are no lane groups for models with couplings or with joints
 /// of constant dense subspaces, nor for instruction sets other than "avx2" and "avx512".
 LaneGroupPlan planLaneGroups(const CompactImpl& m, const std::string& instruction_set);
+/// Writes the plan's numbers, lane by lane: constants and armature. The plan has lane groups.
+void writeLaneNumbers(LaneGroupPlan& plan, const CompactImpl& m);
 
 }  // namespace dyn

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "compile/parameters.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace dyn {
 
@@ -89,6 +91,32 @@ std::pair<const CouplingType*, std::vector<double>> prepareCoupling(const Coupli
   std::vector<double> constants(static_cast<std::size_t>(count));
   type.constants(arguments.data(), constants.data());
   return {&type, std::move(constants)};
+}
+
+void checkGravity(const Vec3<double>& gravity) {
+  for (const double g : {gravity.x, gravity.y, gravity.z})
+    if (!std::isfinite(g)) throw Error(ErrorCode::model, "gravity has an entry that is not finite");
+}
+
+void checkPlacement(const SE3<double>& X, const std::string& what, const Where& where) {
+  for (const double x : {X.p.x, X.p.y, X.p.z})
+    if (!std::isfinite(x)) throw Error(ErrorCode::model, what + " has an entry that is not finite", where);
+  const Vec3<double> x = X.R.col(0), y = X.R.col(1), z = X.R.col(2);
+  const double off[] = {dot(x, x) - 1, dot(y, y) - 1, dot(z, z) - 1, dot(x, y), dot(x, z), dot(y, z)};
+  const bool orthonormal = std::all_of(std::begin(off), std::end(off), [](double e) { return std::fabs(e) < 0.02; });
+  if (!orthonormal || !(dot(cross(x, y), z) > 0)) throw Error(ErrorCode::model, what + " has a matrix that is no rotation", where);
+}
+
+void checkInertia(const Inertia<double>& Y, const std::string& body, const Where& where) {
+  const Sym3<double>& I = Y.rotational;
+  for (const double x : {Y.mass, Y.com.x, Y.com.y, Y.com.z, I.xx, I.xy, I.xz, I.yy, I.yz, I.zz})
+    if (!std::isfinite(x)) throw Error(ErrorCode::model, "body '" + body + "': its inertia has an entry that is not finite", where);
+  if (Y.mass < 0) throw Error(ErrorCode::model, "body '" + body + "': its mass is negative", where);
+}
+
+void checkDissipation(const char* name, const std::vector<double>& values, std::size_t nv, const Where& where) {
+  checkEntries(
+      name, values, nv, [](double x) { return std::isfinite(x) && x >= 0; }, "is negative or not finite", where);
 }
 
 }  // namespace dyn

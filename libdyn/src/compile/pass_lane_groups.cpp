@@ -8,18 +8,30 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <cstring>
 #include <map>
 #include <set>
 #include <utility>
 
 namespace dyn {
 
-PackMemory::PackMemory(std::size_t bytes) : bytes_(bytes + alignment), block_(new char[bytes + alignment]()) {
+PackMemory::PackMemory(std::size_t bytes) : bytes_(bytes + alignment), block_(new char[bytes + alignment]) {
+  std::memset(block_.get(), 0, bytes_);
   const auto address = reinterpret_cast<std::uintptr_t>(block_.get());
   data_ = block_.get() + (alignment - address % alignment) % alignment;
 }
 
+PackMemory::PackMemory(const PackMemory& other) : PackMemory(other.bytes_ - alignment) { std::copy_n(other.data_, bytes_ - alignment, data_); }
+
 namespace {
+
+/// Whether the tree branches at a mirrored body. It does unless its only child is mirrored in the same lanes.
+bool parts(const LaneGroupPlan& plan, const CompactImpl& m, int body) {
+  const LaneSlot& lane_slot = plan.lane_slots[at(body)];
+  if (body == 0 || lane_slot.lanes == 1U << lane_slot.lane) return false;
+  const int child = body + 1;
+  return m.tree_end[at(child)] != m.tree_end[at(body)] || plan.lane_slots[at(child)].lanes != lane_slot.lanes;
+}
 
 class Planner {
  public:
@@ -44,14 +56,15 @@ class Planner {
     findRootPaths();
     judge(instruction_set);
     if (!plan_.uses.rnea) {
-      plan_.lane_groups.clear();
-      plan_.lane_slots.clear();
+      plan_.lane_groups = {};
+      plan_.lane_slots = {};
       return std::move(plan_);
     }
     family();
     runs();
     batches();
-    numbers();
+    dofs();
+    writeLaneNumbers(plan_, m_);
     return std::move(plan_);
   }
 
@@ -203,13 +216,13 @@ class Planner {
       LaneGroup& group = plan_.lane_groups[s];
       int unions = 0;
       for (const int body : group.body)
-        if (body >= 0 && parts(body)) group.united[unions++] = plan_.lane_slots[at(body)].lanes;
+        if (body >= 0 && parts(plan_, m_, body)) group.united[unions++] = plan_.lane_slots[at(body)].lanes;
       for (int p = 0; p < group.parents_count; ++p) {
         LaneGroupParents& parents = group.parents[p];
         for (int l = 0; l < group_lanes; ++l) {
           if ((parents.lanes >> l & 1) == 0) continue;
           const int body = group.shows[l], parent = parentOf(body);
-          const bool along_trunk = !parts(parent) && plan_.lane_slots[at(parent)].lanes == plan_.lane_slots[at(body)].lanes;
+          const bool along_trunk = !parts(plan_, m_, parent) && plan_.lane_slots[at(parent)].lanes == plan_.lane_slots[at(body)].lanes;
           if (group.body[l] >= 0 || along_trunk) parents.given |= 1U << l;
         }
         group.gives_all = group.gives_all && group.same_lanes && parents.given == parents.lanes;
@@ -281,14 +294,6 @@ class Planner {
         if (lanes != 0) together += index(plan_.lane_groups[at(s)].body[std::countr_zero(lanes)]).depth;
     return static_cast<double>(alone) / static_cast<double>(together);
   }
-  /// Whether the tree branches at a mirrored body. It does unless its only child is mirrored in the same lanes.
-  bool parts(int body) const {
-    const LaneSlot& lane_slot = plan_.lane_slots[at(body)];
-    if (body == 0 || lane_slot.lanes == 1U << lane_slot.lane) return false;
-    const int child = body + 1;
-    return m_.tree_end[at(child)] != m_.tree_end[at(body)] || plan_.lane_slots[at(child)].lanes != lane_slot.lanes;
-  }
-
   void runs() {
     for (int s = 1; s <= plan_.count; ++s) {
       const LaneGroup& group = plan_.lane_groups[at(s)];
@@ -320,30 +325,18 @@ class Planner {
     }
   }
 
-  /// Writes the constants of bodies and degrees of freedom, lane by lane.
-  void numbers() {
+  /// Lists where the lanes' degrees of freedom are.
+  void dofs() {
     for (int i = 1; i < m_.bodies(); ++i)
       for (int k = 0; k < index(i).nv; ++k)
         plan_.dof_place.push_back((plan_.lane_slots[at(i)].group_dof + k) * group_lanes + plan_.lane_slots[at(i)].lane);
-    constexpr int size = sizeof(BodyConstants<double>) / sizeof(double);
-    plan_.constants = PackMemory(plan_.lane_groups.size() * sizeof(BodyConstants<double>) * group_lanes);
-    auto* out = reinterpret_cast<double*>(plan_.constants.data());
     for (std::size_t s = 1; s < plan_.lane_groups.size(); ++s) {
       const LaneGroup& group = plan_.lane_groups[s];
-      const LaneGroupBatch& batch = plan_.batches[at(group.batch)];
-      for (int l = 0; l < group_lanes; ++l) {
-        const int body = batch.bodies[at(group.slot * group_lanes + l)];
-        BodyConstants<double> c = m_.constants[at(body)];
-        if (group.shows[l] < 0 || (group.body[l] < 0 && parts(body))) c = {c.placement, 0, {}, {}, {}, {}};
-        const auto* numbers = reinterpret_cast<const double*>(&c);
-        for (int k = 0; k < size; ++k) out[(s * size + at(k)) * group_lanes + at(l)] = numbers[k];
-      }
       for (int k = 0; k < group.nv; ++k)
         for (int l = 0; l < group_lanes; ++l) {
-          const int body = batch.bodies[at(group.slot * group_lanes + l)], v = m_.index[at(body)].idx_v + k;
+          const int v = index(plan_.batches[at(group.batch)].bodies[at(group.slot * group_lanes + l)]).idx_v + k;
           plan_.dof_index.push_back(v);
           plan_.dof_row.push_back(static_cast<std::int64_t>(v) * m_.nvx);
-          plan_.armature.push_back(group.shows[l] < 0 ? 1.0 : (m_.armature.empty() ? 0.0 : m_.armature[at(v)]));
         }
     }
     const auto isShared = [&](int dof) {
@@ -362,6 +355,28 @@ class Planner {
 };
 
 }  // namespace
+
+void writeLaneNumbers(LaneGroupPlan& out, const CompactImpl& m) {
+  const LaneGroupPlan& plan = out;
+  constexpr int size = sizeof(BodyConstants<double>) / sizeof(double);
+  const std::size_t bytes = plan.lane_groups.size() * sizeof(BodyConstants<double>) * group_lanes;
+  if (out.constants.bytes() < bytes) out.constants = PackMemory(bytes);
+  out.armature.clear();
+  auto* numbers = reinterpret_cast<double*>(out.constants.data());
+  for (std::size_t s = 1; s < plan.lane_groups.size(); ++s) {
+    const LaneGroup& group = plan.lane_groups[s];
+    const int* bodies = plan.batches[at(group.batch)].bodies.data() + group.slot * group_lanes;
+    for (int l = 0; l < group_lanes; ++l) {
+      BodyConstants<double> c = m.constants[at(bodies[l])];
+      if (group.shows[l] < 0 || (group.body[l] < 0 && parts(plan, m, bodies[l]))) c = {c.placement, 0, {}, {}, {}, {}};
+      const auto* from = reinterpret_cast<const double*>(&c);
+      for (int k = 0; k < size; ++k) numbers[(s * size + at(k)) * group_lanes + at(l)] = from[k];
+    }
+    for (int k = 0; k < group.nv; ++k)
+      for (int l = 0; l < group_lanes; ++l)
+        out.armature.push_back(group.shows[l] < 0 ? 1.0 : (m.armature.empty() ? 0.0 : m.armature[at(m.index[at(bodies[l])].idx_v + k)]));
+  }
+}
 
 LaneGroupPlan assignLanes(const CompactImpl& m) { return Planner(m).assigned(); }
 

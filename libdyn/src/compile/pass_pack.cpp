@@ -15,21 +15,6 @@ namespace dyn {
 
 namespace {
 
-/// R as an AxisExchange, if it only exchanges axes, exact to the last bit.
-AxisExchange exchangeOf(const Mat3<double>& R) {
-  for (std::int8_t shift = 0; shift < 3; ++shift)
-    for (const bool flips : {false, true}) {
-      bool exact = true;
-      for (int i = 0; i < 3; ++i)
-        for (int k = 0; k < 3; ++k) exact = exact && R(i, k) == (i == (k + shift) % 3 ? (flips && k > 0 ? -1 : 1) : 0);
-      if (exact) return {shift, flips};
-    }
-  return {};
-}
-
-/// BodyIndex::offset_axes of a joint that does not move the origin.
-std::uint8_t offsetOf(const Vec3<double>& p) { return static_cast<std::uint8_t>((p.x != 0) | (p.y != 0) << 1 | (p.z != 0) << 2); }
-
 std::string namesOf(const LaneGroupUses& uses) {
   const std::pair<bool, const char*> all[] = {{uses.rnea, "rnea"},
                                               {uses.aba, "aba"},
@@ -51,15 +36,19 @@ class ModelPacker {
     out_->name = draft_.name;
     out_->gravity = draft_.gravity;
     out_->report = std::move(draft_.report);
+    out_->described = std::move(draft_.described);
     bodies();
     batches();
     runs();
     couplings();
     joints();
     frames();
+    writePlacements(*out_, draft_.skeleton.links, draft_.skeleton.frames);
+    writeInertias(*out_, draft_.inertias);
     dissipation();
-    out_->report.passes.push_back("pack: " + std::to_string(out_->batches.size()) + " type batches, " + std::to_string(out_->runs.size()) +
-                                  " runs: " + std::to_string(out_->batches.size() + out_->runs.size()) + " dispatches an evaluation");
+    notePass(out_->report, "pack",
+             std::to_string(out_->batches.size()) + " type batches, " + std::to_string(out_->runs.size()) +
+                 " runs: " + std::to_string(out_->batches.size() + out_->runs.size()) + " dispatches an evaluation");
     if (options_.lane_groups)
       out_->lane_groups = planLaneGroups(*out_, options_.instruction_set.empty() ? instructionSet() : options_.instruction_set);
     const LaneGroupPlan& lane_groups = out_->lane_groups;
@@ -74,47 +63,30 @@ class ModelPacker {
   void bodies() {
     const std::size_t n = draft_.bodies.size();
     out_->index.resize(n);
-    out_->constants.resize(n);
     out_->subspace_offset.assign(n, -1);
     out_->tree_end.resize(n);
     for (std::size_t i = 0; i < n; ++i) out_->tree_end[i] = static_cast<int>(i) + 1;
     for (std::size_t i = 1; i < n; ++i) {
       const DraftBody& b = draft_.bodies[i];
       BodyIndex& x = out_->index[i];
-      x.parent = b.parent;
-      x.depth = out_->index[at(b.parent)].depth + 1;
+      x.parent = draft_.skeleton.links[i].parent;
+      x.depth = out_->index[at(x.parent)].depth + 1;
       x.nq = b.instance.nq;
       x.nv = b.instance.nv;
       x.idx_q = out_->nqx;
       x.idx_v = out_->nvx;
       out_->nqx += x.nq;
       out_->nvx += x.nv;
-      BodyConstants<double>& c = out_->constants[i];
-      c.placement = cast<double>(b.placement);
-      const Inertia<double> Y = cast<double>(b.inertia);
-      c.mass = Y.mass;
-      c.com = Y.com;
-      c.rotational = Y.rotational;
-      // Moments about the origin are rounded once as well.
-      const Inertia<double> about =
-          cast<double>(Inertia<long double>{b.inertia.mass, b.inertia.mass * b.inertia.com, b.inertia.rotationalAtOrigin()});
-      c.h = about.com;
-      c.origin = about.rotational;
-      out_->mass += c.mass;
-      x.floating_base = b.parent == 0 && b.instance.shape == Shape::free;
+      x.floating_base = x.parent == 0 && b.instance.shape == Shape::free;
       x.turns_only = turnsOnly(b.instance.shape);
-      x.exchange = exchangeOf(c.placement.R);
-      x.offset_axes = x.turns_only ? offsetOf(c.placement.p) : std::uint8_t(7);
       const int here = static_cast<int>(i), before = x.parent == here - 1 && x.parent > 0 ? out_->index[i - 1].contiguous_from : here;
       x.contiguous_from = x.turns_only && x.nv == 1 ? before : here + 1;
       if (b.instance.shape == Shape::dense_constant) {
         out_->subspace_offset[i] = static_cast<int>(out_->subspaces.size());
-        out_->subspaces.insert(out_->subspaces.end(), b.instance.subspace, b.instance.subspace + 6 * b.instance.nv);
+        for (int k = 0; k < 6 * b.instance.nv; ++k) out_->subspaces.push_back(b.instance.subspace[k]);
       }
     }
-    out_->constants_float.reserve(n);
-    for (const BodyConstants<double>& c : out_->constants) out_->constants_float.push_back(broadcast<float>(c));
-    out_->subspaces_float.assign(out_->subspaces.begin(), out_->subspaces.end());
+    for (const double x : std::as_const(out_->subspaces)) out_->subspaces_float.push_back(static_cast<float>(x));
     for (std::size_t i = n - 1; i >= 1; --i) {
       int& end = out_->tree_end[at(out_->index[i].parent)];
       end = std::max(end, out_->tree_end[i]);
@@ -125,7 +97,7 @@ class ModelPacker {
       out_->index[i].branches = at(end) > i + 1 && out_->tree_end[i + 1] != end;
       out_->index[i].last_child = end == out_->tree_end[at(out_->index[i].parent)];
       const int end_of_tree = at(end) < n ? out_->index[at(end)].idx_v : out_->nvx;
-      out_->dof_end.insert(out_->dof_end.end(), at(out_->index[i].nv), end_of_tree);
+      for (int k = 0; k < out_->index[i].nv; ++k) out_->dof_end.push_back(end_of_tree);
       const BodyIndex &x = out_->index[i], &parent = out_->index[at(x.parent)];
       for (int k = 0; k < x.nv; ++k) {
         const int dof = x.idx_v + k, next = k > 0 ? dof - 1 : parent.idx_v + parent.nv - 1;
@@ -245,7 +217,7 @@ class ModelPacker {
         JointRecord r;
         r.name = b.user_name;
         r.type = b.user_type;
-        r.parent = out_->index[at(b.parent)].joint;
+        r.parent = out_->index[at(out_->index[i].parent)].joint;
         r.idx_q = nq;
         r.idx_v = nv;
         out_->joints.push_back(r);
@@ -255,7 +227,6 @@ class ModelPacker {
       JointRecord& r = out_->joints.back();
       out_->index[i].joint = static_cast<int>(out_->joints.size()) - 1;
       out_->body_of_joint.back() = static_cast<int>(i);
-      out_->user_frame.back() = b.instance.after;
       if (b.coupling) continue;
       const auto append = [](std::vector<double>& to, const std::vector<double>& from, int count, double otherwise) {
         for (int k = 0; k < count; ++k) to.push_back(at(k) < from.size() ? from[at(k)] : otherwise);
@@ -274,37 +245,30 @@ class ModelPacker {
   }
 
   void frames() {
-    for (const DraftFrame& frame : draft_.frames) {
-      const int joint = out_->index[at(frame.body)].joint;
-      out_->frame_body.push_back(frame.body);
-      out_->frame_placement.push_back(cast<double>(frame.placement));
-      out_->frames.push_back({frame.name, joint, cast<double>(cast<long double>(out_->user_frame[at(joint)]).inverse() * frame.placement)});
+    for (std::size_t k = 0; k < draft_.skeleton.frames.size(); ++k) {
+      const int body = draft_.skeleton.frames[k].body;
+      out_->frame_body.push_back(body);
+      out_->frame_placement.emplace_back();
+      out_->frames.push_back({draft_.frame_names[k], out_->index[at(body)].joint, {}});
     }
   }
 
   void dissipation() {
     const auto collect = [&](std::vector<double> JointDescription::*field) {
       std::vector<double> all(at(out_->nvx), 0.0);
-      bool any = false;
       for (std::size_t i = 1; i < draft_.bodies.size(); ++i) {
         const std::vector<double>& values = draft_.bodies[i].joint.*field;
-        for (std::size_t k = 0; k < values.size() && k < at(out_->index[i].nv); ++k) {
-          all[at(out_->index[i].idx_v) + k] = values[k];
-          any = any || values[k] != 0;
-        }
+        for (std::size_t k = 0; k < values.size() && k < at(out_->index[i].nv); ++k) all[at(out_->index[i].idx_v) + k] = values[k];
       }
-      return any ? all : std::vector<double>{};
+      return SharedVector<double>(std::move(all));
     };
-    if (options_.dissipation) {
-      out_->damping = collect(&JointDescription::damping);
-      out_->friction = collect(&JointDescription::friction);
-    }
-    if (options_.armature) out_->armature = collect(&JointDescription::armature);
-    for (std::size_t k = 0; k < out_->armature.size(); ++k)
-      out_->roots_have_armature |= out_->armature[k] != 0 && out_->index[at(out_->dof_body[k])].floating_base;
-    const auto used = [](const std::vector<double>& values) { return values.empty() ? "none" : "used"; };
-    out_->report.passes.push_back(std::string("dissipation: damping ") + used(out_->damping) + ", friction " + used(out_->friction) + ", armature " +
-                                  used(out_->armature));
+    DescribedNumbers& described = out_->described;
+    described.damping = collect(&JointDescription::damping);
+    described.friction = collect(&JointDescription::friction);
+    described.armature = collect(&JointDescription::armature);
+    described.dissipation_acts = options_.dissipation;
+    described.armature_acts = options_.armature;
+    writeDissipation(*out_);
   }
 
   Draft draft_;

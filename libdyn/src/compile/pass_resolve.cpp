@@ -23,25 +23,6 @@ Where whereOf(const JointDescription& joint, const std::string& name) {
   return where;
 }
 
-/// Throws Error(model) if X is not a pose. A rotation may have the error of numbers written with two digits. Reflections, scalings and matrices that
-/// were never filled in are refused.
-void checkPlacement(const SE3<double>& X, const std::string& what, const Where& where) {
-  for (const double x : {X.p.x, X.p.y, X.p.z})
-    if (!std::isfinite(x)) throw Error(ErrorCode::model, what + " has an entry that is not finite", where);
-  const Vec3<double> x = X.R.col(0), y = X.R.col(1), z = X.R.col(2);
-  const double off[] = {dot(x, x) - 1, dot(y, y) - 1, dot(z, z) - 1, dot(x, y), dot(x, z), dot(y, z)};
-  const bool orthonormal = std::all_of(std::begin(off), std::end(off), [](double e) { return std::fabs(e) < 0.02; });
-  if (!orthonormal || !(dot(cross(x, y), z) > 0)) throw Error(ErrorCode::model, what + " has a matrix that is no rotation", where);
-}
-
-void checkInertia(const BodyDescription& body) {
-  const Inertia<double>& Y = body.inertia;
-  const Sym3<double>& I = Y.rotational;
-  for (const double x : {Y.mass, Y.com.x, Y.com.y, Y.com.z, I.xx, I.xy, I.xz, I.yy, I.yz, I.zz})
-    if (!std::isfinite(x)) throw Error(ErrorCode::model, "body '" + body.name + "': its inertia has an entry that is not finite", body.where);
-  if (Y.mass < 0) throw Error(ErrorCode::model, "body '" + body.name + "': its mass is negative", body.where);
-}
-
 class Resolver {
  public:
   Resolver(const Model& model, const JointRegistry& registry) : model_(model), registry_(registry) {}
@@ -50,9 +31,10 @@ class Resolver {
     requireUniverse(model_);
     draft_.name = model_.name;
     draft_.gravity = model_.gravity;
-    for (const double g : {model_.gravity.x, model_.gravity.y, model_.gravity.z})
-      if (!std::isfinite(g)) throw Error(ErrorCode::model, "gravity has an entry that is not finite");
+    checkGravity(model_.gravity);
     draft_.bodies.resize(1);
+    draft_.skeleton.links.resize(1);
+    draft_.inertias.resize(1);
     draft_.bodies[0].name = universe;
     draft_.bodies[0].joint.name = universe;
     draft_.bodies[0].user_joint = 0;
@@ -63,7 +45,8 @@ class Resolver {
       if (frame.body < 0 || frame.body >= static_cast<int>(model_.bodies.size()))
         throw Error(ErrorCode::model, "frame '" + frame.name + "' is fixed to body " + std::to_string(frame.body) + ", which does not exist");
       checkPlacement(frame.placement, "frame '" + frame.name + "': its placement", {});
-      draft_.frames.push_back({frame.name, last_body_[at(frame.body)], cast<long double>(frame.placement)});
+      draft_.skeleton.frames.push_back({last_body_[at(frame.body)], cast<long double>(frame.placement)});
+      draft_.frame_names.push_back(frame.name);
     }
     resolveCouplings();
     draft_.report.passes.push_back("resolve: " + std::to_string(model_.bodies.size() - 1) + " joints, " + std::to_string(expanded_) +
@@ -95,16 +78,21 @@ class Resolver {
 
   void addBody(int index) {
     const BodyDescription& body = model_.bodies[at(index)];
-    checkInertia(body);
-    const std::size_t first = draft_.bodies.size();
+    checkInertia(body.inertia, body.name, body.where);
+    const std::size_t first = first_of_joint_ = draft_.bodies.size();
+    inner_.clear();
     addJoint(body.joint, body.joint.name, last_body_[at(body.parent)], body.joint.placement, index, 0);
     for (std::size_t i = first; i < draft_.bodies.size(); ++i) {
       draft_.bodies[i].user_name = body.joint.name;
       draft_.bodies[i].user_type = body.joint.type;
     }
+    draft_.bodies[first].first_part = true;
+    draft_.bodies[first].user_placement = body.joint.placement;
+    draft_.bodies[first].inner = inner_;
+    draft_.bodies[first].held = body.joint.held;
     DraftBody& last = draft_.bodies.back();
     last.name = body.name;
-    last.inertia = cast<long double>(body.inertia);
+    draft_.inertias.back() = cast<long double>(body.inertia);
     last.last_part = true;
     last_body_[at(index)] = static_cast<int>(draft_.bodies.size()) - 1;
   }
@@ -136,10 +124,8 @@ class Resolver {
     body.joint.name = name;
     body.user_joint = user;
     body.last_part = false;
-    body.parent = parent;
     body.type = &type;
     body.fast = &registry_.forProcessor(type);
-    body.placement = cast<long double>(placement);
     const std::vector<ParameterArgument> arguments = checked.arguments();
     char message[256] = "";
     if (!type.prepare(arguments.data(), body.instance, message, sizeof message))
@@ -153,6 +139,9 @@ class Resolver {
                   where);
     body.constants.resize(static_cast<std::size_t>(body.instance.constant_count));
     type.constants(arguments.data(), body.constants.data());
+    const JointInstance& made = body.instance;
+    draft_.skeleton.links.push_back({parent, made.shape, made.nv, cast<long double>(placement), made.before, made.after});
+    draft_.inertias.emplace_back();
     draft_.bodies.push_back(std::move(body));
   }
 
@@ -162,6 +151,7 @@ class Resolver {
     for (std::size_t k = 0; k < parts.size(); ++k) {
       JointDescription part = parts[k];
       part.where = joint.where;
+      if (k == 0 && draft_.bodies.size() == first_of_joint_) inner_.push_back(part.placement);
       addJoint(part, partName(name, part, k), k == 0 ? parent : static_cast<int>(draft_.bodies.size()) - 1,
                k == 0 ? placement * part.placement : part.placement, user, depth + 1);
       if (depth == 0) ++parts_;
@@ -184,21 +174,9 @@ class Resolver {
       nq += static_cast<std::size_t>(made.instance.nq);
       nv += static_cast<std::size_t>(made.instance.nv);
     }
-    const auto wants = [&](const char* name, const std::vector<double>& values, std::size_t size, const auto& fits, const char* otherwise) {
-      if (!values.empty() && values.size() != size)
-        throw Error(ErrorCode::size,
-                    std::string(name) + " has " + std::to_string(values.size()) + " entries, the joint wants " + std::to_string(size) + " or none",
-                    where);
-      if (!std::all_of(values.begin(), values.end(), fits))
-        throw Error(ErrorCode::model, std::string(name) + " has an entry that " + otherwise, where);
-    };
     const auto limit = [&](const char* name, const std::vector<double>& values, std::size_t size) {
-      wants(
-          name, values, size, [](double x) { return !std::isnan(x); }, "is no number");
-    };
-    const auto loss = [&](const char* name, const std::vector<double>& values) {
-      wants(
-          name, values, nv, [](double x) { return std::isfinite(x) && x >= 0; }, "is negative or not finite");
+      checkEntries(
+          name, values, size, [](double x) { return !std::isnan(x); }, "is no number", where);
     };
     limit("lower", joint.limits.lower, nq);
     limit("upper", joint.limits.upper, nq);
@@ -207,9 +185,9 @@ class Resolver {
     limit("acceleration", joint.limits.acceleration, nv);
     limit("deceleration", joint.limits.deceleration, nv);
     limit("jerk", joint.limits.jerk, nv);
-    loss("damping", joint.damping);
-    loss("friction", joint.friction);
-    loss("armature", joint.armature);
+    checkDissipation("damping", joint.damping, nv, where);
+    checkDissipation("friction", joint.friction, nv, where);
+    checkDissipation("armature", joint.armature, nv, where);
     for (std::size_t i = first; i < draft_.bodies.size(); ++i) {
       const JointLimits& limits = draft_.bodies[i].joint.limits;
       for (std::size_t k = 0; k < std::min(limits.lower.size(), limits.upper.size()); ++k)
@@ -277,6 +255,8 @@ class Resolver {
   const JointRegistry& registry_;
   Draft draft_;
   std::vector<int> last_body_;  // described body -> draft body
+  std::size_t first_of_joint_ = 0;
+  std::vector<SE3<double>> inner_;  // DraftBody::inner of the present joint
   int expanded_ = 0, parts_ = 0;
 };
 

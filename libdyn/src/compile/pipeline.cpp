@@ -12,6 +12,7 @@ CompactModel compile(const Model& model, const JointRegistry& registry, const Co
   Draft draft = resolve(reduced, registry);
   draft.report.passes.insert(draft.report.passes.begin(), left_out.begin(), left_out.end());
   orderDepthFirst(draft);
+  keepDescribed(draft);
   weld(draft);
   canonicalise(draft);
   inspect(draft);

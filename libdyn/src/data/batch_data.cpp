@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: BSD-2-Clause
+#include "compile/draft.hpp"
 #include "data/batch_impl.hpp"
 #include "data/room.hpp"
 
 #include <dyn/error.hpp>
 
+#include <algorithm>
+#include <cstring>
 #include <string>
+#include <utility>
 
 namespace dyn {
 
@@ -51,6 +55,77 @@ BasicBatchData<T>::BasicBatchData(const CompactModel& model, int capacity, Need 
   }
 }
 
+namespace {
+
+/// Throws Error(argument) unless `model` differs from `own` in inertias only.
+void checkSameNumbers(const CompactImpl& own, const CompactImpl& model, std::size_t place) {
+  const auto refuse = [&](const std::string& why) { throw Error(ErrorCode::argument, "setModels: model " + std::to_string(place) + " " + why); };
+  const auto equal = []<class N>(const SharedVector<N>& a, const SharedVector<N>& b) {
+    return a.data() == b.data() || std::memcmp(a.data(), b.data(), a.size() * sizeof(N)) == 0;
+  };
+  if (model.batches.data() != own.batches.data() || model.constants.size() != own.constants.size())
+    refuse("does not come from the batch's own model; make it by withNumbers() of that one");
+  if (!equal(own.described.placements, model.described.placements))
+    refuse("has other placements of joints than the batch's own; only inertias may differ");
+  if (std::memcmp(&own.gravity, &model.gravity, sizeof own.gravity) != 0)
+    refuse("has another gravity than the batch's own; only inertias may differ");
+  if (own.damping != model.damping || own.friction != model.friction || own.armature != model.armature)
+    refuse("has other damping, friction or armature than the batch's own; only inertias may differ");
+}
+
+/// The numbers of body i of `model` in the frame that the body has in `own`. The origin of a joint may be elsewhere on its axis in each model.
+InertiaConstants<double> inertiaIn(const CompactImpl& own, const CompactImpl& model, std::size_t i) {
+  const BodyConstants<double>& c = model.constants[i];
+  const auto joint = static_cast<std::size_t>(own.index[i].joint);
+  const SE3<double>&to = own.user_frame[joint], &from = model.user_frame[joint];
+  if (std::memcmp(&to, &from, sizeof to) == 0) return {c.mass, c.com, c.rotational, c.h, c.origin};
+  const SE3<long double> moved = cast<long double>(to) * cast<long double>(from).inverse();
+  return inertiaConstants(cast<long double>(Inertia<double>{c.mass, c.com, c.rotational}).transformed(moved));
+}
+
+}  // namespace
+
+template <class T>
+void BasicBatchData<T>::setModels(std::span<const CompactModel> models) {
+  BatchImpl<T>& d = *impl_;
+  const CompactImpl& own = *d.model;
+  if (models.size() > static_cast<std::size_t>(d.capacity))
+    throw Error(ErrorCode::size, "setModels: there are " + std::to_string(models.size()) + " models, and the batch has room for " +
+                                     std::to_string(d.capacity) + " states");
+  for (std::size_t k = 0; k < models.size(); ++k) checkSameNumbers(own, models[k].impl(), k);
+  constexpr std::size_t numbers = sizeof(InertiaConstants<T>) / sizeof(T);
+  const std::size_t bodies = own.constants.size(), lanes = static_cast<std::size_t>(d.kernels->lanes);
+  const std::size_t states = (models.size() + lanes - 1) / lanes * lanes;
+  PackMemory inertias;
+  std::vector<std::shared_ptr<const CompactImpl>> by_state;
+  if (lanes > 1) {
+    checkRoom("setModels for " + std::to_string(states) + " states", static_cast<double>(states * bodies * numbers * sizeof(T)));
+    inertias = PackMemory(states * bodies * numbers * sizeof(T));
+  }
+  for (std::size_t k = 0; k < (lanes > 1 ? states : models.size()); ++k) {
+    // States that only fill up the last block are of the last model.
+    const CompactImpl& model = models[std::min(k, models.size() - 1)].impl();
+    const auto in_frames = lanes > 1 ? nullptr : std::make_shared<CompactImpl>(own);
+    for (std::size_t i = 1; i < bodies; ++i) {
+      const InertiaConstants<double> x = inertiaIn(own, model, i);
+      if (in_frames) {
+        BodyConstants<double>& c = in_frames->constants[i];
+        c = {c.placement, x.mass, x.com, x.rotational, x.h, x.origin};
+        in_frames->constants_float[i] = broadcast<float>(c);
+        continue;
+      }
+      const auto* from = reinterpret_cast<const double*>(&x);
+      T* const to = reinterpret_cast<T*>(inertias.data()) + (k / lanes * bodies + i) * numbers * lanes + k % lanes;
+      for (std::size_t n = 0; n < numbers; ++n) to[n * lanes] = static_cast<T>(from[n]);
+    }
+    if (in_frames) by_state.push_back(in_frames);
+  }
+  d.inertias = std::move(inertias);
+  d.by_state = std::move(by_state);
+  d.models = static_cast<int>(models.size());
+  d.massless = std::any_of(models.begin(), models.end(), [](const CompactModel& model) { return !(model.mass() > 0); });
+}
+
 template <class T>
 BasicBatchData<T>::~BasicBatchData() = default;
 template <class T>
@@ -73,7 +148,9 @@ int BasicBatchData<T>::lanes() const {
 template <class T>
 std::size_t BasicBatchData<T>::bytes() const {
   const BatchImpl<T>& d = *impl_;
-  std::size_t sum = sizeof d + d.poses.bytes() + d.velocities.bytes() + d.accelerations.bytes();
+  std::size_t sum =
+      sizeof d + d.poses.bytes() + d.velocities.bytes() + d.accelerations.bytes() + d.inertias.bytes() +
+      d.by_state.size() * (sizeof(CompactImpl) + d.model->constants.size() * (sizeof(BodyConstants<double>) + sizeof(BodyConstants<float>)));
   for (const PackMemory& memory : d.scratch) sum += memory.bytes();
   for (const ExpandedStates<T>& states : d.expanded) sum += states.bytes();
   for (const std::vector<T>& map : d.maps) sum += sizeof(T) * map.size();

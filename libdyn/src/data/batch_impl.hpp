@@ -92,11 +92,15 @@ struct BatchImpl {
   std::vector<detail::Failure> failures;    ///< one per thread, of the current call
   std::vector<ExpandedStates<T>> expanded;  ///< one per thread, for models with couplings
 
-  std::vector<T> tau, nle, gravity, ddq;  ///< nv numbers per state
-  std::vector<T> J;                       ///< 6 * nv numbers per state
-  StateMatrices<T> M;                     ///< with Need::mass_matrix
-  StateMatrices<T> by_q, by_v, by_a;      ///< with Need::derivatives
-  std::vector<T> maps[4];                 ///< 6 * nv numbers per state, with Need::derivatives
+  std::vector<T> tau, nle, gravity, ddq;                     ///< nv numbers per state
+  std::vector<T> J;                                          ///< 6 * nv numbers per state
+  StateMatrices<T> M;                                        ///< with Need::mass_matrix
+  StateMatrices<T> by_q, by_v, by_a;                         ///< with Need::derivatives
+  std::vector<T> maps[4];                                    ///< 6 * nv numbers per state, with Need::derivatives
+  int models = 0;                                            ///< the first states have models of their own, if it is not 0
+  bool massless = false;                                     ///< one of these models has no mass
+  PackMemory inertias;                                       ///< of these models, ordered by block, body, number, state; empty for packs of one lane
+  std::vector<std::shared_ptr<const CompactImpl>> by_state;  ///< packs of one lane: these models, in the frames of the batch's own
   KinematicsStage stage = KinematicsStage::nothing;
   int states = 0;                               ///< the number of states that reached the stage
   PackMemory poses, velocities, accelerations;  ///< ordered by block of `lanes` states, body, number, state

@@ -77,7 +77,7 @@ std::string digestOf(const CompactModel& model) {
   for (const BodyConstants<double>& body : m.constants) put(reinterpret_cast<const double*>(&body), sizeof body / sizeof(double));
   for (const TypeBatch& batch : m.batches) put(batch.constants.data(), batch.constants.size());
   for (const PackedCoupling& coupling : m.couplings) put(coupling.constants.data(), coupling.constants.size());
-  for (const std::vector<double>* numbers : {&m.subspaces, &m.damping, &m.friction, &m.armature, &m.limits.lower, &m.limits.upper})
+  for (const std::vector<double>* numbers : {&m.subspaces.vector(), &m.damping, &m.friction, &m.armature, &m.limits.lower, &m.limits.upper})
     put(numbers->data(), numbers->size());
   put(&m.gravity.x, 3);
   return digest(text);

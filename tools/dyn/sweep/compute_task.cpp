@@ -89,10 +89,8 @@ class ComputeTask final : public Task {
 
   void run(const Inputs& inputs, double* row) override {
     if (setting_.variation.changesModel()) {
-      Model description = setting_.description;
       MotionOptions unused = setting_.study.options;
-      setting_.variation.apply(inputs, description, unused);
-      model_ = compile(description, setting_.registry, setting_.study.options.compileOptions());
+      model_ = setting_.model.withNumbers(setting_.variation.apply(inputs, setting_.description, unused));
       data_.emplace(model_, need_);
     }
     for (const Function& function : functions_) {

@@ -25,7 +25,7 @@ class SimulateTask final : public Task {
     if (study.keeps("counts")) fields_.insert(fields_.end(), {{"steps", {}}, {"touched", {}}, {"impacts", {}}});
     if (study.keeps("trajectory")) fields_.insert(fields_.end(), {{"q", {count, nq}}, {"v", {count, nv}}});
     observes_ = study.keeps("extremes") || study.keeps("energy") || study.keeps("trajectory");
-    build(setting.description);
+    build();
   }
 
   const std::vector<Field>& fields() const override { return fields_; }
@@ -83,13 +83,13 @@ class SimulateTask final : public Task {
     times_.push_back(time);
   }
 
-  /// Makes the simulator for the present options and the model of this description.
-  void build(const Model& description) {
+  /// Makes the simulator for the present options and model. Volumes do not depend on the numbers that vary.
+  void build() {
     const ConstraintSet constraints = options_.constraints(model_);
     constraints_.emplace(constraints);
     simulator_.emplace(constraints, options_.simulator());
     data_.emplace(model_);
-    if (const ContactFinder finder = options_.finder(model_, description)) simulator_->setContacts(finder);
+    if (const ContactFinder finder = options_.finder(model_, setting_.description)) simulator_->setContacts(finder);
     const std::vector<Quantity>& varied = setting_.variation.quantities();
     if (std::any_of(varied.begin(), varied.end(), [](const Quantity& x) { return x.kind == Quantity::Kind::tau; }))
       simulator_->setController([this](double, VectorResult, VectorResult, VectorMap tau) { tau = tau_; });
@@ -97,15 +97,10 @@ class SimulateTask final : public Task {
 
   void start(const Inputs& inputs) {
     tau_ = inputs.tau;
-    if (setting_.variation.changesModel()) {
-      Model description = setting_.description;
-      setting_.variation.apply(inputs, description, options_);
-      model_ = compile(description, setting_.registry, options_.compileOptions());
-      build(description);
-    } else if (setting_.variation.changesOptions()) {
-      Model unchanged;
-      setting_.variation.apply(inputs, unchanged, options_);
-      build(setting_.description);
+    if (setting_.variation.changesModel() || setting_.variation.changesOptions()) {
+      const ModelNumbers numbers = setting_.variation.apply(inputs, setting_.description, options_);
+      if (setting_.variation.changesModel()) model_ = setting_.model.withNumbers(numbers);
+      build();
     }
     Eigen::VectorXd q = inputs.q, v = inputs.v;
     assembleState(model_, *constraints_, q, v);

@@ -201,31 +201,41 @@ Inputs Variation::draw(std::uint64_t sample) const {
   return out;
 }
 
-void Variation::apply(const Inputs& inputs, Model& description, MotionOptions& options) const {
+ModelNumbers Variation::apply(const Inputs& inputs, const Model& description, MotionOptions& options) const {
+  ModelNumbers out;
   const double* x = inputs.values.data();
   for (const Quantity& quantity : quantities_) {
-    if (quantity.kind == Kind::gravity) description.gravity = {x[0], x[1], x[2]};
+    if (quantity.kind == Kind::gravity) out.gravity = {x[0], x[1], x[2]};
     if (quantity.kind == Kind::option) {
       const OptionRange& option = option_ranges[quantity.target];
       requireInside(option.name, *x, option.low, option.high, option.rule);
       options.*option.member = *x;
     }
     if (quantity.kind >= Kind::mass && quantity.kind < Kind::option) {
-      BodyDescription& body = description.bodies[static_cast<std::size_t>(quantity.target)];
-      const std::vector<double> numbers(x, x + quantity.size);
-      if (quantity.kind == Kind::mass) {
-        requireInside(quantity.name, *x, 1e-300, 1e300, "a positive factor");
-        body.inertia.mass *= *x;
-        body.inertia.rotational = *x * body.inertia.rotational;
-      } else if (quantity.kind == Kind::com) {
-        body.inertia.com = body.inertia.com + Vec3<double>{x[0], x[1], x[2]};
+      const BodyDescription& body = description.bodies[static_cast<std::size_t>(quantity.target)];
+      if (quantity.kind == Kind::mass || quantity.kind == Kind::com) {
+        // Quantities of one body follow one another.
+        if (out.inertias.empty() || out.inertias.back().body != body.name) out.inertias.push_back({body.name, body.inertia});
+        Inertia<double>& inertia = out.inertias.back().inertia;
+        if (quantity.kind == Kind::mass) {
+          requireInside(quantity.name, *x, 1e-300, 1e300, "a positive factor");
+          inertia.mass *= *x;
+          inertia.rotational = *x * inertia.rotational;
+        } else {
+          inertia.com = inertia.com + Vec3<double>{x[0], x[1], x[2]};
+        }
       } else {
+        const std::vector<double> numbers(x, x + quantity.size);
         for (const double number : numbers) requireInside(quantity.name, number, 0, 1e300, "0 or more");
-        (quantity.kind == Kind::damping ? body.joint.damping : quantity.kind == Kind::friction ? body.joint.friction : body.joint.armature) = numbers;
+        (quantity.kind == Kind::damping    ? out.damping
+         : quantity.kind == Kind::friction ? out.friction
+                                           : out.armature)
+            .push_back({body.joint.name, numbers});
       }
     }
     x += quantity.size;
   }
+  return out;
 }
 
 Json Variation::json(const Inputs& inputs) const {

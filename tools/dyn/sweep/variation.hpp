@@ -45,8 +45,9 @@ class Variation {
   bool changesOptions() const { return changes_options_; }
 
   Inputs draw(std::uint64_t sample) const;
-  /// Puts a sample's values into the description and the options. Throws Error(argument) for a value out of its range.
-  void apply(const Inputs& inputs, Model& description, MotionOptions& options) const;
+  /// Puts a sample's values into the options, and returns the numbers of the description that they change. Throws Error(argument) for a value out of
+  /// its range.
+  ModelNumbers apply(const Inputs& inputs, const Model& description, MotionOptions& options) const;
   /// The values by name.
   Json json(const Inputs& inputs) const;
 

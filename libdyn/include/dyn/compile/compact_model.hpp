@@ -2,6 +2,7 @@
 // The compiled model, which compile() returns.
 #pragma once
 
+#include <dyn/compile/numbers.hpp>
 #include <dyn/export.hpp>
 #include <dyn/spatial/inertia.hpp>
 
@@ -83,6 +84,16 @@ class DYN_API CompactModel {
   const CompileReport& report() const;  ///< the compiler's passes, warnings and held bodies
   /// Returns the approximate size in bytes of what algorithms read, names, frames and limits.
   std::size_t bytes() const;
+
+  /// Returns a model that differs in these numbers of its description only, as compile() would make it from the changed description, to the last
+  /// bit. It shares the memory of all else with this model. O(n), a small part of what compile() costs: no joint type is looked up or called. The
+  /// first call for a model, and calls that change placements, also compose poses. Numbers do not act that compile() was told to leave out. Throws
+  /// Error(argument) for a name that the model does not have and for the placement of a held joint, Error(size | model) for numbers that compile()
+  /// refuses.
+  CompactModel withNumbers(const ModelNumbers& numbers) const;
+  /// Returns all numbers that withNumbers() can change, depth first. They are those of the description as it was compiled, so bodies that the scene
+  /// left out have none. Placements of held joints are not among them.
+  ModelNumbers numbers() const;
 
   const CompactImpl& impl() const { return *impl_; }  ///< implementation, internal to libdyn
 

@@ -5,6 +5,8 @@
 #include <dyn/data/data.hpp>
 #include <dyn/owned.hpp>
 
+#include <span>
+
 namespace dyn {
 
 template <class T>
@@ -25,6 +27,11 @@ class DYN_API BasicBatchData {
   BasicBatchData& operator=(BasicBatchData&&) noexcept;
   BasicBatchData(const BasicBatchData&) = delete;
   BasicBatchData& operator=(const BasicBatchData&) = delete;
+
+  /// Makes state k that of models[k] in all calls that follow, which then take at most as many states as there are models. No models: all states are
+  /// of the batch's own model again. The models must come from that one by CompactModel::withNumbers() and differ in inertias only; otherwise throws
+  /// Error(argument). Throws Error(size) for more models than `capacity`. O(models * n): a copy of numbers, after which the models may be destroyed.
+  void setModels(std::span<const CompactModel> models);
 
   int capacity() const;       ///< largest number of states
   int threads() const;        ///< number of threads, the caller's included

@@ -28,7 +28,7 @@ const double* copies(const VectorView& x, const PackMemory& results, const PackM
   return place;
 }
 
-void spread(const std::vector<int>& target, const double* user, double* expanded) {
+void spread(const SharedVector<int>& target, const double* user, double* expanded) {
   for (std::size_t k = 0; k < target.size(); ++k) expanded[target[k]] = user[k];
 }
 

@@ -43,7 +43,8 @@ struct Rows {
 /// Arrays by body, the world included. The stage in brackets writes them.
 template <class S>
 struct Workspace {
-  JointMemory<S>* joints = nullptr;  ///< one per batch
+  JointMemory<S>* joints = nullptr;               ///< one per batch
+  const InertiaConstants<S>* inertias = nullptr;  ///< by body, of states of different models; otherwise null
 
   SE3<S>* rel = nullptr;                ///< pose in the parent body's frame [placements]
   SE3<S>* oM = nullptr;                 ///< pose in the world [world placements]

@@ -24,6 +24,7 @@ void runBlock(const CompactImpl& m, char* scratch, Block<T>& b) {
   BlockScratch<S>& s = *reinterpret_cast<BlockScratch<S>*>(scratch);
   Workspace<S>& w = s.w;
   const CachedBodies<S> bodies{{m, w}};
+  w.inertias = static_cast<const InertiaConstants<S>*>(b.inertias);
   loadColumns(b.q, m.nqx, s.q);
   loadColumns(b.v, m.nvx, s.v);
   loadColumns(b.a, m.nvx, s.a);

@@ -85,8 +85,9 @@ struct Block {
   void* poses = nullptr;       ///< kinematics: receives this block's poses, 12 numbers per body, lanes innermost
   void* velocities = nullptr;  ///< 6 numbers per body; null: not wanted
   void* accelerations = nullptr;
-  int failed[64] = {};      ///< by state: the body whose pivot vanished, or 0
-  bool not_finite = false;  ///< a result or pose is NaN or infinite
+  const void* inertias = nullptr;  ///< states of different models: InertiaConstants of this block's packs by body; otherwise null
+  int failed[64] = {};             ///< by state: the body whose pivot vanished, or 0
+  bool not_finite = false;         ///< a result or pose is NaN or infinite
 };
 
 /// The parts of a block's scratch that are needed in addition to those of size O(n).

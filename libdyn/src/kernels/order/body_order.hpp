@@ -54,4 +54,14 @@ concept BodyOrder = requires(const O& order, double* array, double number, int i
   order.backward(std::tuple<>(), AnyVisit());
 };
 
+/// Calls use(c) with the constants of body i, whose placement is not read. Results are those of the state in each lane, where these are of different
+/// models.
+template <BodyOrder Order, class Use>
+decltype(auto) withInertia(const Order& order, int i, Use&& use) {
+  if constexpr (requires { order.ownInertia(i); })
+    if (const auto* own = order.ownInertia(i)) [[unlikely]]
+      return use(*own);
+  return use(order.constants(i));
+}
+
 }  // namespace dyn::kernels

@@ -152,7 +152,7 @@ struct PathMatrix {
   }
   /// Writes the entries into the columns of an n x n matrix whose other entries are zero and stay so.
   template <class Wide>
-  void assemble(const std::vector<int>& dof_end, const Rows<S>& out) const {
+  void assemble(const SharedVector<int>& dof_end, const Rows<S>& out) const {
     constexpr int width = Part<Wide, S>::width;
     const int n = static_cast<int>(dof_end.size());
     if constexpr (width > 1) {
@@ -182,7 +182,7 @@ struct PathMatrix {
   }
   /// Writes the square tiles on the diagonal, those below them that have entries, and their mirror images. None begins beyond `last_begin`.
   template <class Wide>
-  void inTiles(const std::vector<int>& dof_end, int last_begin, Rows<S> out) const {
+  void inTiles(const SharedVector<int>& dof_end, int last_begin, Rows<S> out) const {
     const Rows<S> across = right;
     constexpr int width = Part<Wide, S>::width;
     const int n = static_cast<int>(dof_end.size());

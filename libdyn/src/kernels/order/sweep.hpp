@@ -191,6 +191,12 @@ struct Bodies {
       return broadcast<S>(c);
     }
   }
+  /// Constants of body i in the order of the lanes, if the states in the lanes are of different models; otherwise null.
+  const InertiaConstants<S>* ownInertia(int i) const
+    requires lanes_are_states
+  {
+    return w.inertias ? w.inertias + i : nullptr;
+  }
   S armature(int dof) const { return m.armature.empty() ? S(0) : S(static_cast<Real<S>>(m.armature[static_cast<std::size_t>(dof)])); }
   Vec3<S> gravity() const { return cast<S>(m.gravity); }
   bool isRoot(int i) const { return parentOf(i) == 0; }

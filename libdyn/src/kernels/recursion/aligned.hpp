@@ -119,10 +119,11 @@ struct AlignedInertia {
 /// that waits for neighbours. Inward sweeps, which gather inertias, therefore compute it on the way.
 template <class Joint, class S, class Order>
 AlignedInertia<S> alignedInertia(const Order& order, const Workspace<S>& w, int i) {
-  const auto& c = order.constants(i);
-  if (isFloatingBase<Joint>(order, i)) return {S(c.mass), cast<S>(c.h), cast<S>(c.origin)};
-  const Mat3<S>& R = w.R[i];
-  return {S(c.mass), R * c.h, congruence(R, c.origin)};
+  return withInertia(order, i, [&](const auto& c) -> AlignedInertia<S> {
+    if (isFloatingBase<Joint>(order, i)) return {S(c.mass), cast<S>(c.h), cast<S>(c.origin)};
+    const Mat3<S>& R = w.R[i];
+    return {S(c.mass), R * c.h, congruence(R, c.origin)};
+  });
 }
 
 /// Turns a force from the axes of body i into aligned axes.

@@ -90,11 +90,13 @@ CentroidalState<S> centroidalMap(const Order& order, const S* v, const Walk& wal
   S mass(0);
   Vec3<S> moment;
   order.backward(passing(w.mass, w.h, w.Io), [&]<class Joint>(const Joint&, int i, int iv, auto&& masses, auto&& moments, auto&& inertias) {
-    const auto& c = order.constants(i);
-    const Mat3<S>& R = w.R[i];
-    const S m = masses.with(S(c.mass));
-    const Vec3<S> h = moments.with(R * c.h);
-    const Sym3<S> I = inertias.with(congruence(R, c.origin));
+    const AlignedInertia<S> own = withInertia(order, i, [&](const auto& c) -> AlignedInertia<S> {
+      const Mat3<S>& R = w.R[i];
+      return {S(c.mass), R * c.h, congruence(R, c.origin)};
+    });
+    const S m = masses.with(own.mass);
+    const Vec3<S> h = moments.with(own.h);
+    const Sym3<S> I = inertias.with(own.Io);
     if (!isFloatingBase<Joint>(order, i))
       for (int k = iv; k < iv + nvOf<Joint>(order, i); ++k) w.dof[k].W = compositeForce<Joint>(w.dof[k].column, m, h, I);
     if (!order.isRoot(i)) return giveComposite(order, i, inertias, moments, masses, m, h, I);

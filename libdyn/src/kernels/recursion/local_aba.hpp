@@ -96,10 +96,13 @@ void localAbaInward(const Order& order, Workspace<S>& w, const S* tau) {
         return;
       }
     }
-    const auto& c = order.constants(i);
     const Vec3<S>& omega = w.w[i];
-    ArticulatedInertia<S> IA = inertia.with(ArticulatedInertia<S>::rigid(c.mass, c.h, c.origin));
-    Force<S> f = force.with({cross(omega, cross(omega, c.h)), cross(omega, c.origin * omega)});
+    Force<S> own_force;
+    ArticulatedInertia<S> IA = inertia.with(withInertia(order, i, [&](const auto& c) {
+      own_force = {cross(omega, cross(omega, c.h)), cross(omega, c.origin * omega)};
+      return ArticulatedInertia<S>::rigid(c.mass, c.h, c.origin);
+    }));
+    Force<S> f = force.with(own_force);
     if (isPlainFloatingBase<Joint>(order, i)) {
       if constexpr (Joint::is_free) eliminatePlainFloatingBase(order, IA, f, tau + iv, i, iv, w);
       return;

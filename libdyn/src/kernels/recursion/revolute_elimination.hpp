@@ -27,9 +27,9 @@ class RevoluteElimination {
 
   /// Writes the degree of freedom's factor, and w.failed as abaInward() does.
   void eliminate() {
-    const Sym3<S> own = constants().origin;
+    const Sym3<S> own = this->origin();
     bias_ = cross(omega_, own * omega_) + given_force_.angular;
-    const Vec3<S> h = constants().h;
+    const Vec3<S> h = this->h();
     const Sym3<S>& angular = given_.angular;
     Vec3<S> a = given_.coupling.col(2);
     a.x -= h.y;
@@ -44,9 +44,9 @@ class RevoluteElimination {
   /// Writes the remaining inertia to `left`, in the axes that R leads to. Returns the bias force that belongs to it.
   template <class Rotation>
   Force<S> leave(const Rotation& R, ArticulatedInertia<S>& left) const {
-    Force<S> f{cross(omega_, cross(omega_, constants().h)) + given_force_.linear, bias_};
+    Force<S> f{cross(omega_, cross(omega_, this->h())) + given_force_.linear, bias_};
     {
-      const S mass = constants().mass;
+      const S mass = this->mass();
       const DofFactor<S>& dof = readAgain(order_, dof_);
       const Vec3<S>&a = dof.W.linear, scaled = dof.inverse * a;
       const Sym3<S>& all = given_.linear;
@@ -57,7 +57,7 @@ class RevoluteElimination {
       left.linear = congruence(R, part);
     }
     {
-      const Vec3<S> h = constants().h;
+      const Vec3<S> h = this->h();
       const DofFactor<S>& dof = readAgain(order_, dof_);
       const Vec3<S>& a = dof.W.linear;
       const S x = dof.inverse * dof.W.angular.x, y = dof.inverse * dof.W.angular.y;
@@ -72,7 +72,7 @@ class RevoluteElimination {
       left.coupling = planarCongruence(R, by_x, by_y);
     }
     {
-      const Sym3<S> own = constants().origin;
+      const Sym3<S> own = this->origin();
       const DofFactor<S>& dof = readAgain(order_, dof_);
       const S &u = dof.W.angular.x, &v = dof.W.angular.y, x = dof.inverse * u, y = dof.inverse * v;
       const Sym3<S>& all = given_.angular;
@@ -85,7 +85,23 @@ class RevoluteElimination {
   }
 
  private:
-  BodyConstants<S> constants() const { return broadcast<S>(readAgain(order_, constants_)); }
+  /// part(c) of the body's constants c.
+  template <class Part>
+  auto constant(Part&& part) const {
+    if constexpr (requires { order_.ownInertia(i_); })
+      if (const auto* own = order_.ownInertia(i_)) [[unlikely]]
+        return part(readAgain(order_, *own));
+    return part(broadcast<S>(readAgain(order_, constants_)));
+  }
+  S mass() const {
+    return constant([](const auto& c) { return c.mass; });
+  }
+  Vec3<S> h() const {
+    return constant([](const auto& c) { return c.h; });
+  }
+  Sym3<S> origin() const {
+    return constant([](const auto& c) { return c.origin; });
+  }
 
   const Order& order_;
   const BodyConstants<Real<S>>& constants_;

@@ -76,9 +76,10 @@ void rneaInward(const Order& order, Workspace<S>& w, S* tau, External fext = {})
   order.backward(passing(w.f), [&]<class Joint>(const Joint& joint, int i, int iv, auto&& force) {
     const auto& [origin, domega] = w.acc[i];
     const RotationRates<S> rates(w.w[i], domega);
-    const Vec3<S> torque = rates.torque(order.constants(i).rotational);
-    const Vec3<S> com = order.constants(i).com, linear = order.constants(i).mass * rates.at(origin, com);
-    Force<S> own{linear, torque + cross(com, linear)};
+    Force<S> own = withInertia(order, i, [&](const auto& c) -> Force<S> {
+      const Vec3<S> torque = rates.torque(c.rotational), linear = c.mass * rates.at(origin, c.com);
+      return {linear, torque + cross(c.com, linear)};
+    });
     if constexpr (!std::is_null_pointer_v<External>)
       if (fext) own -= fext[i];
     const Force<S> f = force.with(own);
