@@ -251,6 +251,38 @@ TEST_CASE("the factors of M solve, multiply, and give forward dynamics", "[chole
   CHECK_THROWS_WITH(cholesky::solve(model, data, x.head(1)), containing("X is 1 x 1"));
 }
 
+TEST_CASE("products with the factors take several columns as they take one", "[cholesky]") {
+  const auto seed = static_cast<std::uint64_t>(GENERATE(range(1, 9)));
+  const CompactModel model = compile(randomTree(registry(), GENERATE(1, 3, 20), seed), registry());
+  Data data(model, Need::derivatives);
+  crba(model, data, stateOf(model, seed, false).q);
+  cholesky::decompose(model, data);
+  const Eigen::Index n = model.nv();
+  const double marker = 7, nan = std::numeric_limits<double>::quiet_NaN();
+  for (const int columns : {0, 1, 2, 3, 4, 7, 8, 9, 17}) {
+    Eigen::MatrixXd given(n, columns);
+    for (int k = 0; k < columns; ++k) given.col(k) = Random(seed + static_cast<std::uint64_t>(k)).vector(static_cast<int>(n), 1);
+    const auto compare = [&](const auto& product, double budget) {
+      Eigen::MatrixXd together = Eigen::MatrixXd::Constant(n + 3, columns, marker), spread = given;
+      together.topRows(n) = given;
+      product(together.topRows(n));
+      CHECK((together.bottomRows(3).array() == marker).all());
+      if (columns > 1) spread.col(1).setConstant(nan);
+      product(spread);
+      for (int k = 0; k < columns; ++k) {
+        Eigen::VectorXd alone = given.col(k);
+        product(alone);
+        CHECK(off(together.col(k), alone) < budget);
+        if (k != 1) CHECK(off(spread.col(k), alone) < budget);  // NaN stays in its column
+      }
+    };
+    compare([&](auto&& x) { cholesky::solve(model, data, x); }, 1e-12);
+    compare([&](auto&& x) { cholesky::Mv(model, data, x); }, 1e-14);
+    compare([&](auto&& x) { cholesky::Uv(model, data, x); }, 1e-14);
+    compare([&](auto&& x) { cholesky::Utv(model, data, x); }, 1e-14);
+  }
+}
+
 TEST_CASE("what was not a number leaves nothing behind in factors and inverses", "[cholesky]") {
   const CompactModel model = compile(randomTree(registry(), 24, 5), registry());
   Data used(model, Need::derivatives), fresh(model, Need::derivatives);

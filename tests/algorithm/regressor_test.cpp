@@ -24,6 +24,35 @@ TEST_CASE("torques and energies are regressors times parameters, for all joint t
         1e-12 * (1 + std::fabs(computePotentialEnergy(model, other, q))));
 }
 
+TEST_CASE("torque regressors have entries on root paths only, for models of every size", "[regressor]") {
+  const int bodies = GENERATE(range(1, 13));
+  const CompactModel model = compile(randomTree(registry(), bodies, static_cast<std::uint64_t>(bodies)), registry());
+  Data data(model, Need::derivatives), other(model);
+  Random random(7);
+  const Eigen::VectorXd q = integrate(model, neutral(model), random.vector(model.nv(), 0.8)), v = random.vector(model.nv(), 1),
+                        a = random.vector(model.nv(), 2);
+  const auto& joints = model.joints();
+  const auto supports = [&](int i, int j) {
+    while (j > i) j = joints[static_cast<std::size_t>(j)].parent;
+    return i == j;
+  };
+  const auto check = [&] {
+    const Eigen::MatrixXd Y = computeJointTorqueRegressor(model, data, q, v, a);
+    CHECK(off(Y * dynamicParameters(model), rnea(model, other, q, v, a)) < 1e-13);
+    for (int i = 1; i < model.njoints(); ++i)
+      for (int j = 1; j < model.njoints(); ++j) {
+        const JointRecord& joint = joints[static_cast<std::size_t>(i)];
+        if (!supports(i, j)) CHECK((Y.block(joint.idx_v, 10 * (j - 1), joint.nv, 10).array() == 0).all());
+      }
+  };
+  check();
+  // Neither NaN nor the results of other functions leave anything behind.
+  const Eigen::VectorXd bad = Eigen::VectorXd::Constant(model.nv(), std::numeric_limits<double>::quiet_NaN());
+  CHECK(!computeJointTorqueRegressor(model, data, q, bad, bad).allFinite());
+  CHECK(!computeKineticEnergyRegressor(model, data, q, bad).allFinite());
+  check();
+}
+
 TEST_CASE("a body's regressor is Newton's and Euler's equations", "[regressor]") {
   Random random(3);
   const Inertia<double> Y = random.inertia();

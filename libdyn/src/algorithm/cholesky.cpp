@@ -38,10 +38,8 @@ kernels::FactorProduct kernelsOwn(Product product) {
   }
 }
 
-void times(const CompactImpl& m, DataImpl& d, Product product, double* x) {
-  std::copy(x, x + m.nv, d.column);
-  kernels::active().single.factorTimes(m, d.derivatives, kernelsOwn(product), d.column);
-  std::copy(d.column, d.column + m.nv, x);
+void times(const CompactImpl& m, DataImpl& d, Product product, const MatrixOut& X) {
+  kernels::active().single.factorTimes(m, d.derivatives, kernelsOwn(product), X.column(0), X.cols(), X.stride());
 }
 
 }  // namespace
@@ -58,7 +56,7 @@ void choleskyDecompose(const CompactModel& model, Data& data) {
 void choleskyTimes(const CompactModel& model, Data& data, Product product, const MatrixOut& X) {
   check("cholesky", model, data);
   checkShape("cholesky", "X", X, model.nv(), static_cast<int>(X.cols()));
-  for (std::ptrdiff_t k = 0; k < X.cols(); ++k) times(model.impl(), data.impl(), product, X.column(k));
+  times(model.impl(), data.impl(), product, X);
 }
 
 double conditionOfMassMatrix(const CompactModel& model, Data& data) {
@@ -88,7 +86,7 @@ double conditionOfMassMatrix(const CompactModel& model, Data& data) {
     if (coupled) {
       kernels::solveDense(m, d.Mx, y);
     } else {
-      times(m, d, Product::inverse, y);
+      times(m, d, Product::inverse, {y, n, 1});
     }
     for (int k = 0; k < n; ++k) y[k] *= scale(k);
   };
@@ -121,7 +119,7 @@ const double* forwardDynamics(const CompactModel& model, Data& data, VectorView 
   for (int k = 0; k < model.nv(); ++k) d.ddq[k] = tau.data[k] - bias[k];
   crba(model, data, q);
   choleskyDecompose(model, data);
-  times(model.impl(), d, Product::inverse, d.ddq);
+  times(model.impl(), d, Product::inverse, {d.ddq, model.nv(), 1});
   return d.ddq;
 }
 

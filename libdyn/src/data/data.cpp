@@ -47,7 +47,12 @@ void layOutAll(DataImpl& d, const CompactImpl& m, Arena& arena) {
     arena.take(d.ddq_dv, nvx * nvx + most_lanes);
     arena.take(d.Minv, nvx * nvx + most_lanes);
     arena.take(d.C, nvx * nvx);
-    arena.take(d.regressor, std::max<std::size_t>(nv, 1) * 10 * m.joints.size());
+    const std::size_t parameters = 10 * (m.joints.size() - 1);
+    layOut(d.torque_regressor, m, arena);
+    arena.take(d.expanded_regressor, nvx * parameters + most_lanes);
+    d.regressor = d.expanded_regressor;
+    if (!m.couplings.empty()) arena.take(d.regressor, nv * parameters);
+    arena.take(d.energy_regressor, parameters);
     arena.take(d.kinematics_v, nvx);
     arena.take(d.kinematics_a, nvx);
     arena.take(d.column, nvx + most_lanes);

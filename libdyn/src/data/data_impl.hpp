@@ -3,6 +3,7 @@
 #pragma once
 
 #include "data/kinematics_stage.hpp"
+#include "kernels/body/regressor_memory.hpp"
 #include "kernels/derivative/derivatives.hpp"
 
 #include <dyn/data/data.hpp>
@@ -49,7 +50,10 @@ struct DataImpl : Workspace<double> {
   double* column = nullptr;                                                                          ///< nvx numbers, with room for a pack at the end
   double *Ag = nullptr, *dAg = nullptr, *dh_dq = nullptr, *dhdot_dq = nullptr, *dhdot_dv = nullptr;  ///< 6 x nvx; also scratch of other algorithms
   double *kinematics_v = nullptr, *kinematics_a = nullptr;  ///< v and a of the last computeForwardKinematicsDerivatives, expanded
-  double* regressor = nullptr;                              ///< nv x 10 (njoints - 1)
+  kernels::TorqueRegressorMemory torque_regressor;
+  double* regressor = nullptr;           ///< nv x 10 (njoints - 1)
+  double* expanded_regressor = nullptr;  ///< nvx rows; zero beside root paths, and `regressor` itself for models without couplings
+  double* energy_regressor = nullptr;    ///< 10 (njoints - 1), of joints without bodies always zero
   double hg[6] = {}, dhg[6] = {};
   Mat3<double> locked_inertia;
   double* expanded[3] = {};  ///< nvx x nvx: derivatives of rnea by q, v, a before couplings are folded; zeros between calls

@@ -16,6 +16,7 @@ template <class S>
 struct PathFactors {
   Rows<S> L;              ///< row i: the entries of i's path without i itself, by depth
   Rows<S> path;           ///< rows by depth [scratch]
+  S* columns = nullptr;   ///< nvx + path_room packs [scratch of products with several columns]
   S* diagonal = nullptr;  ///< D
   S* inverse = nullptr;   ///< 1 / D
 };
@@ -24,6 +25,7 @@ template <class S>
 void layOut(PathFactors<S>& c, const CompactImpl& m, Arena& arena) {
   arena.take(c.L, m.nvx, m.path_room);
   arena.take(c.path, m.path_room, m.path_room);
+  arena.take(c.columns, static_cast<std::size_t>(m.nvx + m.path_room) * pack_width<S>);
   arena.take(c.diagonal, static_cast<std::size_t>(m.nvx));
   arena.take(c.inverse, static_cast<std::size_t>(m.nvx));
 }
@@ -135,82 +137,5 @@ __attribute__((flatten)) void choleskyDecompose(const CompactImpl& m, const S* M
 }
 
 enum class FactorProduct { inverse, mass_matrix, upper, lower };
-
-/// x = L^-T x, or L^T x. A subtree's rows add to its path by way of `sums`, by depth, which are zero before and after. Chains are taken in blocks of
-/// constant size, and paths in whole packs: the numbers of a pack beyond the path meet zeros, or are set back to zero. Each row takes the number that
-/// was found last at its end, so that from row to row it takes only one product and a difference.
-template <bool inverse, class Wide, class S>
-void timesUpper(const CompactImpl& m, const PathFactors<S>& c, S* sums, S* x) {
-  constexpr int width = Part<Wide, S>::width;
-  constexpr S sign(inverse ? -1 : 1);
-  for (auto chain = m.chains.rbegin(); chain != m.chains.rend(); ++chain)
-    inBlocksBackward(chain->begin, chain->end, [&](auto count, int begin) {
-      const int depth = chain->depth + begin - chain->begin;
-      const Rows<S> rows{c.L[begin], c.L.stride};
-      S given[count], own[count];
-      for (int k = 0; k < count; ++k) {
-        given[k] = x[begin + k];
-        own[k] = given[k] - sign * sums[depth + k];
-      }
-      for (int row = count - 1; row >= 0; --row)
-        for (int k = count - 1; k > row; --k) own[row] += sign * (rows[k][depth + row] * (inverse ? own[k] : given[k]));
-      int end = 0;
-      for (; end < depth; end += width) {
-        Wide packs = loadPack<Wide>(sums + end);
-        for (int k = 0; k < count; ++k) packs -= Wide(inverse ? own[k] : given[k]) * loadPack<Wide>(rows[k] + end);
-        storePack(packs, sums + end);
-      }
-      std::fill(sums + depth, sums + std::max(end, depth + count), S(0));
-      for (int k = 0; k < count; ++k) x[begin + k] = own[k];
-    });
-}
-
-/// x = L^-1 x, or L x. `path`: scratch for the numbers of a path. Blocks, packs and the order of sums are as in timesUpper().
-template <bool inverse, class Wide, class S>
-void timesLower(const CompactImpl& m, const PathFactors<S>& c, S* path, S* x) {
-  constexpr int width = Part<Wide, S>::width;
-  constexpr S sign(inverse ? -1 : 1);
-  for (const DofChain& chain : m.chains)
-    inBlocks(chain.begin, chain.end, [&](auto count, int begin) {
-      const int depth = chain.depth + begin - chain.begin;
-      const Rows<S> rows{c.L[begin], c.L.stride};
-      for (int k = depth; k % width != 0; ++k) path[k] = S(0);
-      Wide packs[count];
-      for (int row = 0; row < count; ++row) packs[row] = Wide(0);
-      for (int first = 0; first < depth; first += width) {
-        const Wide numbers = loadPack<Wide>(path + first);
-        for (int row = 0; row < count; ++row) packs[row] += loadPack<Wide>(rows[row] + first) * numbers;
-      }
-      S given[count], own[count];
-      for (int row = 0; row < count; ++row) {
-        given[row] = x[begin + row];
-        own[row] = given[row] + sign * total<S>(packs[row]);
-      }
-      for (int row = 0; row < count; ++row)
-        for (int k = 0; k < row; ++k) own[row] += sign * (rows[row][depth + k] * (inverse ? own[k] : given[k]));
-      for (int k = 0; k < count; ++k) {
-        path[depth + k] = inverse ? own[k] : given[k];
-        x[begin + k] = own[k];
-      }
-    });
-}
-
-/// x = M^-1 x, M x, L^T x or L x, in place of nvx numbers. O(n depth).
-template <class Wide, class S>
-void factorTimes(const CompactImpl& m, const PathFactors<S>& c, FactorProduct product, S* x) {
-  S* path = c.path[0];
-  const auto upper = [&]<bool inverse>() {
-    std::fill(path, path + m.path_room, S(0));
-    timesUpper<inverse, Wide>(m, c, path, x);
-  };
-  if (product == FactorProduct::inverse) upper.template operator()<true>();
-  if (product == FactorProduct::mass_matrix || product == FactorProduct::lower) timesLower<false, Wide>(m, c, path, x);
-  if (product == FactorProduct::inverse || product == FactorProduct::mass_matrix) {
-    const S* factor = product == FactorProduct::inverse ? c.inverse : c.diagonal;
-    for (int i = 0; i < m.nvx; ++i) x[i] *= factor[i];
-  }
-  if (product == FactorProduct::mass_matrix || product == FactorProduct::upper) upper.template operator()<false>();
-  if (product == FactorProduct::inverse) timesLower<true, Wide>(m, c, path, x);
-}
 
 }  // namespace dyn::kernels

@@ -5,6 +5,7 @@
 // inline function that was compiled for a newer one.
 #pragma once
 
+#include "kernels/body/regressor_memory.hpp"
 #include "kernels/derivative/derivatives.hpp"
 #include "kernels/pack/columns.hpp"
 #include "kernels/recursion/jacobians.hpp"
@@ -53,9 +54,11 @@ struct SingleKernels {
   /// treeFactors starts from articulated inertias and returns the body whose pivot vanished, or 0.
   int (*choleskyDecompose)(const CompactImpl&, Derivatives&, const double* M);
   int (*treeFactors)(const CompactImpl&, Workspace<double>&, Derivatives&);
-  /// Replaces x, n numbers with room for a pack at the end, by M^-1 x, M x, L^T x or L x, using the factors of the Derivatives.
-  void (*factorTimes)(const CompactImpl&, Derivatives&, FactorProduct product, double* x);
+  /// Replaces x, each of `count` columns, by M^-1 x, M x, L^T x or L x, using the factors of the Derivatives.
+  void (*factorTimes)(const CompactImpl&, Derivatives&, FactorProduct product, double* first, std::ptrdiff_t count, std::ptrdiff_t stride);
   void (*inverseOfMassMatrix)(const CompactImpl&, Derivatives&, double* out);
+  /// Reads placements, velocities and accelerations. Writes entries on root paths only, see derivative/torque_regressor.hpp.
+  void (*torqueRegressor)(const CompactImpl&, Workspace<double>&, const TorqueRegressorMemory&, double* out);
 };
 
 /// Kernels of one state in which a pack holds several numbers of the state. All are null if packs are too narrow. Vectors are in expanded
@@ -119,7 +122,7 @@ constexpr std::size_t layoutStamp() {
   for (const std::size_t size :
        {sizeof(CompactImpl), sizeof(BodyIndex), sizeof(BodyConstants<double>), sizeof(TypeBatch), sizeof(Run), sizeof(LaneGroup), sizeof(LaneSlot),
         sizeof(LaneGroupRun), sizeof(LaneGroupPlan), sizeof(Workspace<double>), sizeof(JointMemory<double>), sizeof(DerivativeWorkspace<double>),
-        sizeof(Block<double>), sizeof(Block<float>), sizeof(JointBatch<double>), sizeof(Kernels)})
+        sizeof(TorqueRegressorMemory), sizeof(Block<double>), sizeof(Block<float>), sizeof(JointBatch<double>), sizeof(Kernels)})
     stamp = stamp * 1000003 + size;
   // Blocks name their algorithm by its number.
   for (const AlgorithmInfo& algorithm : algorithms())
