@@ -133,6 +133,7 @@ bool checkChanges(const Model& description, const CompileOptions& options, std::
   const CompactModel model = compile(description, registry(), options);
   checkSameModel(model, model.withNumbers({}));
   checkSameModel(model, model.withNumbers(model.numbers()));
+  checkSameModel(model, model.withInertias(model.numbers().inertias));
   Random random(seed);
   CompactModel chained = model;
   for (int round = 0; round < 3; ++round) {

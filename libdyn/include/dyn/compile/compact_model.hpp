@@ -91,6 +91,8 @@ class DYN_API CompactModel {
   /// Error(argument) for a name that the model does not have and for the placement of a held joint, Error(size | model) for numbers that compile()
   /// refuses.
   CompactModel withNumbers(const ModelNumbers& numbers) const;
+  /// The same for inertias of bodies alone.
+  CompactModel withInertias(const std::vector<BodyInertia>& inertias) const { return withNumbers({.inertias = inertias}); }
   /// Returns all numbers that withNumbers() can change, depth first. They are those of the description as it was compiled, so bodies that the scene
   /// left out have none. Placements of held joints are not among them.
   ModelNumbers numbers() const;
