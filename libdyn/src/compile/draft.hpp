@@ -53,7 +53,7 @@ struct Draft {
   Vec3<double> gravity;
   std::vector<DraftBody> bodies;  ///< [0] is the world; parents first
   Skeleton skeleton;              ///< their poses, and the frames
-  Inertias inertias;              ///< their inertias; since canonicalise with those of the bodies that are welded to them
+  ExactInertias inertias;         ///< their inertias; since canonicalise with those of the bodies that are welded to them
   std::vector<std::string> frame_names;
   DescribedNumbers described;  ///< set between order and weld
   CompileReport report;
@@ -88,7 +88,7 @@ std::shared_ptr<CompactImpl> pack(Draft&& draft, const CompileOptions& options);
 /// Writes placements of bodies and frames, and all that follows from them. `links` and `frames` are canonical.
 void writePlacements(CompactImpl& out, const std::vector<Link>& links, const std::vector<LinkFrame>& frames);
 /// Writes the constants that follow from the inertias of the moving bodies.
-void writeInertias(CompactImpl& out, const Inertias& inertias);
+void writeInertias(CompactImpl& out, const ExactInertias& inertias);
 /// A body's numbers, rounded once.
 InertiaConstants<double> inertiaConstants(const Inertia<long double>& inertia);
 /// Writes the dissipation and armature that act, and their line of the report, from `described`.

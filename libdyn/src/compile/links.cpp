@@ -88,7 +88,7 @@ bool turnAboutAxis(Link& body) {
 /// carries: pivots are read from inertias about the origins, and lose digits if these inertias grow.
 class OriginsOnAxes {
  public:
-  OriginsOnAxes(const std::vector<Link>& bodies, const Inertias& inertias)
+  OriginsOnAxes(const std::vector<Link>& bodies, const ExactInertias& inertias)
       : bodies_(bodies), origins_(bodies.size()), centre_(bodies.size()), settled_(bodies.size()) {
     findCentres(inertias);
     for (std::size_t i = 1; i < bodies.size(); ++i)
@@ -98,7 +98,7 @@ class OriginsOnAxes {
 
  private:
   /// Computes where the centres of mass of the described subtrees are along their joints' axes.
-  void findCentres(const Inertias& inertias) {
+  void findCentres(const ExactInertias& inertias) {
     std::vector<long double> mass(bodies_.size());
     std::vector<Vec3<long double>> moment(bodies_.size());
     for (std::size_t i = bodies_.size() - 1; i >= 1; --i) {
@@ -158,8 +158,8 @@ void turnLinks(Skeleton& skeleton) {
   }
 }
 
-Inertias carriedInertias(const Skeleton& skeleton, const Inertias& described) {
-  Inertias out(skeleton.links.size());
+ExactInertias carriedInertias(const Skeleton& skeleton, const ExactInertias& described) {
+  ExactInertias out(skeleton.links.size());
   for (std::size_t i = 1; i < described.size(); ++i) {
     const std::size_t carrier = at(skeleton.carrier[i]);
     // Inertias of bodies that are welded to the world have no effect.
@@ -174,9 +174,9 @@ Inertias carriedInertias(const Skeleton& skeleton, const Inertias& described) {
   return out;
 }
 
-std::vector<Origin> originsOnAxes(const Skeleton& skeleton, const Inertias& inertias) { return OriginsOnAxes(skeleton.links, inertias).take(); }
+std::vector<Origin> originsOnAxes(const Skeleton& skeleton, const ExactInertias& inertias) { return OriginsOnAxes(skeleton.links, inertias).take(); }
 
-void moveInertias(Inertias& inertias, const std::vector<Origin>& origins) {
+void moveInertias(ExactInertias& inertias, const std::vector<Origin>& origins) {
   for (std::size_t i = 1; i < inertias.size(); ++i)
     if (origins[i].along != 0) inertias[i] = inertias[i].transformed(alongAxis(origins[i]).inverse());
 }
@@ -193,7 +193,7 @@ void moveLinks(std::vector<Link>& links, std::vector<LinkFrame>& frames, const s
   for (LinkFrame& frame : frames) frame.placement = describedInCore(links[at(frame.body)]) * frame.placement;
 }
 
-std::vector<bool> carryInertia(const std::vector<Link>& links, const Inertias& inertias) {
+std::vector<bool> carryInertia(const std::vector<Link>& links, const ExactInertias& inertias) {
   std::vector<bool> carries(links.size(), false);
   for (std::size_t i = links.size() - 1; i >= 1; --i) {
     const Sym3<long double>& I = inertias[i].rotational;

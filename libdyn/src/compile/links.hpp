@@ -11,7 +11,7 @@
 
 namespace dyn {
 
-using Inertias = std::vector<Inertia<long double>>;  ///< by body
+using ExactInertias = std::vector<Inertia<long double>>;  ///< by body
 
 /// The pose of a body. Parents come first; [0] is the world.
 struct Link {
@@ -53,7 +53,7 @@ void weldLinks(Skeleton& skeleton);
 /// Moves the constant parts of each joint's motion into placements, so that every motion is that of its shape.
 void turnLinks(Skeleton& skeleton);
 /// Returns the inertias of the moving bodies with those of the bodies that are welded to them, after turnLinks().
-Inertias carriedInertias(const Skeleton& skeleton, const Inertias& described);
+ExactInertias carriedInertias(const Skeleton& skeleton, const ExactInertias& described);
 
 /// Where the origin of a joint about z goes.
 struct Origin {
@@ -62,14 +62,14 @@ struct Origin {
   bool operator==(const Origin&) const = default;
 };
 /// Finds origins where axes cross. Joint offsets become zero there.
-std::vector<Origin> originsOnAxes(const Skeleton& skeleton, const Inertias& inertias);
+std::vector<Origin> originsOnAxes(const Skeleton& skeleton, const ExactInertias& inertias);
 /// Move inertias, and links and frames, to these origins.
 /// @{
-void moveInertias(Inertias& inertias, const std::vector<Origin>& origins);
+void moveInertias(ExactInertias& inertias, const std::vector<Origin>& origins);
 void moveLinks(std::vector<Link>& links, std::vector<LinkFrame>& frames, const std::vector<Origin>& origins);
 /// @}
 
 /// Finds for each body whether it, or a body that it carries, has inertia.
-std::vector<bool> carryInertia(const std::vector<Link>& links, const Inertias& inertias);
+std::vector<bool> carryInertia(const std::vector<Link>& links, const ExactInertias& inertias);
 
 }  // namespace dyn

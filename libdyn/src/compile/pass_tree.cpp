@@ -43,7 +43,7 @@ void orderDepthFirst(Draft& draft) {
   }
   std::vector<int> number(n);
   std::vector<Link> links;
-  Inertias inertias;
+  ExactInertias inertias;
   links.reserve(n);
   for (std::size_t i = 0; i < n; ++i) {
     number[at(order[i])] = static_cast<int>(i);

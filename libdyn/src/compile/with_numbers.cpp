@@ -105,7 +105,7 @@ const Skeleton& skeletonOf(const DescribedNumbers& described) {
 }
 
 /// Writes the warnings of joints that move no mass.
-void warnOfMassless(CompactImpl& out, const Skeleton& skeleton, const Inertias& inertias) {
+void warnOfMassless(CompactImpl& out, const Skeleton& skeleton, const ExactInertias& inertias) {
   const CompactImpl& m = out;
   const std::vector<bool> carries = carryInertia(skeleton.links, inertias);
   std::vector<std::string> massless;
@@ -126,7 +126,7 @@ void warnOfMassless(CompactImpl& out, const Skeleton& skeleton, const Inertias& 
 void compose(CompactImpl& out, bool placements_changed) {
   const DescribedNumbers& described = std::as_const(out).described;
   const Skeleton& skeleton = skeletonOf(described);
-  Inertias inertias(described.bodies.size());
+  ExactInertias inertias(described.bodies.size());
   for (std::size_t i = 1; i < inertias.size(); ++i) inertias[i] = cast<long double>(described.inertias[i]);
   inertias = carriedInertias(skeleton, inertias);
   const std::vector<Origin> origins = originsOnAxes(skeleton, inertias);

@@ -70,7 +70,7 @@ void writePlacements(CompactImpl& out, const std::vector<Link>& links, const std
   }
 }
 
-void writeInertias(CompactImpl& out, const Inertias& inertias) {
+void writeInertias(CompactImpl& out, const ExactInertias& inertias) {
   out.constants_float.resize(inertias.size());
   out.constants_float[0] = broadcast<float>(out.constants[0]);
   out.mass = 0;
