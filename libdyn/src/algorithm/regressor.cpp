@@ -14,16 +14,6 @@ namespace dyn::detail {
 
 namespace {
 
-/// Writes x . I y for a unit value of each of the six numbers of the rotational inertia I, in the order of the ten parameters.
-void inertiaProducts(const Vec3<double>& x, const Vec3<double>& y, double* out) {
-  out[0] = x.x * y.x;
-  out[1] = x.x * y.y + x.y * y.x;
-  out[2] = x.y * y.y;
-  out[3] = x.x * y.z + x.z * y.x;
-  out[4] = x.y * y.z + x.z * y.y;
-  out[5] = x.z * y.z;
-}
-
 Vec3<double> classical(const Motion<double>& v, const Motion<double>& a) { return a.linear + cross(v.angular, v.linear); }
 
 }  // namespace
@@ -66,6 +56,7 @@ const double* energyRegressor(const CompactModel& model, Data& data, VectorView 
       const Vec3<double> g = transposeTimes(X.R, m.gravity);
       out[0] = -dot(m.gravity, X.p);
       for (int k = 0; k < 3; ++k) out[1 + k] = -g[k];
+      std::fill_n(out + 4, 6, 0.0);
       continue;
     }
     const Motion<double> vj = point.placement.actInv(d.v[point.body]);
@@ -73,8 +64,13 @@ const double* energyRegressor(const CompactModel& model, Data& data, VectorView 
     const Vec3<double> moment = cross(vj.linear, w);
     out[0] = 0.5 * dot(vj.linear, vj.linear);
     for (int k = 0; k < 3; ++k) out[1 + k] = moment[k];
-    inertiaProducts(w, w, out + 4);
-    for (int k = 0; k < 6; ++k) out[4 + k] *= 0.5;
+    // w . I w / 2, in the order of the ten parameters
+    out[4] = 0.5 * w.x * w.x;
+    out[5] = w.x * w.y;
+    out[6] = 0.5 * w.y * w.y;
+    out[7] = w.x * w.z;
+    out[8] = w.y * w.z;
+    out[9] = 0.5 * w.z * w.z;
   }
   return d.energy_regressor;
 }

@@ -6,7 +6,7 @@
 
 namespace dyn::kernels {
 
-/// The recursion keeps these of one state.
+/// The recursion writes these for one state.
 struct TorqueRegressorMemory {
   Rows<double> motions;           ///< component c of degree of freedom k: world axes, about the origin of the root of its tree
   Vec3<double>* place = nullptr;  ///< by body: its origin from there

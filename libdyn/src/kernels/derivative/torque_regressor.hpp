@@ -70,10 +70,17 @@ class LanesOnPath {
 template <int width, class Use>
 void packsOnPath(const CompactImpl& m, int last, Use&& use) {
   const int last_first = std::max(m.nvx - width, 0);
-  for (int begin, done = std::numeric_limits<int>::max(); last >= 0; last = m.dof_parent[static_cast<std::size_t>(begin)]) {
-    begin = m.dof_segment[static_cast<std::size_t>(last)];
-    for (int pack = std::min(last / width + 1, done); pack-- > begin / width;) use(std::min(pack * width, last_first));
-    done = std::min(done, begin / width);
+  int begin = m.dof_segment[static_cast<std::size_t>(last)];
+  // One loop, so that compilers do what does not change in it once.
+  for (int pack = last / width;;) {
+    use(std::min(pack * width, last_first));
+    --pack;
+    while (pack < begin / width) {
+      const int next = m.dof_parent[static_cast<std::size_t>(begin)];
+      if (next < 0) return;
+      begin = m.dof_segment[static_cast<std::size_t>(next)];
+      pack = std::min(pack, next / width);
+    }
   }
 }
 
