@@ -42,7 +42,7 @@ CompactModel withNumbers(const CompactModel& model, const std::optional<Eigen::V
   return model.withNumbers(numbers);
 }
 
-Typed<py::dict, "dict[str, typing.Any]"> numbersOf(const CompactModel& model) {
+Typed<py::dict, "dict[str, Any]"> numbersOf(const CompactModel& model) {
   const ModelNumbers numbers = model.numbers();
   py::dict inertias, placements, out;
   for (const BodyInertia& x : numbers.inertias) inertias[py::str(x.body)] = x.inertia;

@@ -62,11 +62,11 @@ void addParts(py::module_& m) {
 
 void addDevices(py::module_& m) {
   using Device = DeviceDescription;
-  py::class_<Device> c(m, "DeviceDescription", "An actuator, tendon or sensor, which is kept and not used.");
-  py::enum_<Device::Kind>(c, "Kind", "What a device is.")
+  py::enum_<Device::Kind>(m, "DeviceKind", "What a device is.")
       .value("ACTUATOR", Device::Kind::actuator)
       .value("TENDON", Device::Kind::tendon)
       .value("SENSOR", Device::Kind::sensor);
+  py::class_<Device> c(m, "DeviceDescription", "An actuator, tendon or sensor, which is kept and not used.");
   c.def(py::init([](Device::Kind kind, const std::string& type, const std::string& text, const std::string& name) {
           return Device{kind, type, name, text, {}};
         }),
