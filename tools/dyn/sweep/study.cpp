@@ -150,7 +150,7 @@ Study parseStudy(const std::string& text, const std::string& name, const std::st
   const json::Value all = study.value();
   if (!study.document.is_object()) all.fail("must be an object");
   study.task = taskOf(all["task"]);
-  std::vector<std::string> own{"task", "samples", "seed", "chunk", "vary", "keep", "success"};
+  std::vector<std::string> own{"task", "samples", "seed", "chunk", "vary", "keep", "success", "histograms"};
   std::vector<std::string> keeps{"inputs"};
   if (study.task == TaskKind::simulate) {
     own.insert(own.end(), {"every"});

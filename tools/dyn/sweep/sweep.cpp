@@ -62,6 +62,7 @@ Manifest manifestOf(const Setting& setting) {
   for (const Field& field : worker.fields())
     out.fields.push_back({{"name", field.name}, {"shape", field.shape}, {"type", field.flag ? "u8" : "f64"}});
   out.pairs = worker.task().pairs();
+  readHistograms(study, worker.fields());  // says what is wrong before anything is computed
   return out;
 }
 
@@ -157,7 +158,8 @@ void lead(const Options& o, const Ranks& ranks, const Setting& setting, const Ma
   const std::string problem = problemOf([&] {
     computeChunks({setting, store, opened, ranks, threads, o.json_lines}, missing);
     if (interruption) return;
-    if (!store.finished()) timed("merged the chunks", [&] { merge(store, opened, fields, times, setting.variation); });
+    if (!store.finished())
+      timed("merged the chunks", [&] { merge(store, opened, fields, times, setting.variation, readHistograms(setting.study, fields)); });
     if (!o.keep_chunks) store.removeChunks();
   });
   agree(ranks, problem);
