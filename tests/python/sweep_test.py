@@ -60,6 +60,39 @@ class Sweeps(unittest.TestCase):
             for name in results:
                 np.testing.assert_array_equal(other[name], results[name])
 
+    def test_histograms_are_those_of_numpy_for_every_number_of_threads(self):
+        # Every fourth sample fails, so that its results are NaN.
+        members = study(samples=200, keep=["final", "inputs"],
+                        histograms={"v_final": [-0.25, 0.5, 7], "failed": [0, 1, 2], "input/tau": [0, 1, 1]})
+        members["vary"] = dict(members["vary"], tau={"list": [0, 0.5, 1, 1e200]})
+        results = dyn.sweep(members, self.folder / "one", threads=1)
+        if "histogram/v_final/counts" not in results:
+            self.skipTest("h5py is missing")
+        again = dyn.sweep(dict(members, chunk=200), self.folder / "two", threads=3)
+        edges = results["histogram/v_final/edges"]
+        np.testing.assert_allclose(edges, np.linspace(-0.25, 0.5, 8), rtol=0, atol=1e-15)
+        self.assertEqual((edges[0], edges[-1]), (-0.25, 0.5))
+        for joint, v in enumerate(results["v_final"].T):
+            self.assertEqual(results["histogram/v_final/counts"][joint].tolist(), np.histogram(v[~np.isnan(v)], edges)[0].tolist())
+            self.assertEqual(results["histogram/v_final/outside"][joint].tolist(), [(v < -0.25).sum(), (v > 0.5).sum(), 50])
+        self.assertTrue((results["histogram/v_final/outside"] > 0).all())
+        self.assertEqual(results["histogram/failed/counts"].tolist(), [150, 50])
+        # The upper end is in the last bin.
+        self.assertEqual(results["histogram/input/tau/counts"].tolist(), 7 * [[150]])
+        self.assertEqual(results["histogram/input/tau/outside"].tolist(), 7 * [[0, 50, 0]])
+        for name, numbers in results.items():
+            np.testing.assert_array_equal(again[name], numbers)
+
+    def test_a_histogram_that_cannot_be_is_an_error_with_the_place(self):
+        for given, message in (({"v_fin": [0, 1, 2]}, "histograms: there is no kept result 'v_fin'"),
+                               ({"v_final": [0, 1]}, "must be .lower, upper, bins"),
+                               ({"v_final": [1, 1, 2]}, "histograms.v_final: the lower end must be below"),
+                               ({"v_final": [0, 1, 1.5]}, "has a whole number of bins"), ({"v_final": [0, 1, 2000000]}, "has a whole number of bins"),
+                               ({"v_final": [1, 1.0000000000000002, 2]}, "the lower end must be below")):
+            with self.assertRaisesRegex(dyn.Error, message):
+                dyn.sweep(study(histograms=given), self.folder / "out")
+        self.assertFalse((self.folder / "out").exists())
+
     def test_a_study_may_be_a_file_and_paths_are_relative_to_it(self):
         (self.folder / "arm.urdf").write_bytes(ARM.read_bytes())
         path = self.folder / "study.json"

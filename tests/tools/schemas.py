@@ -98,10 +98,13 @@ with tempfile.TemporaryDirectory() as folder:
     study = folder + "/study.json"
     with open(study, "w", encoding="utf-8") as file:
         json.dump({"model": biped, "root": "free_flyer", "task": "simulate", "time": 0.002, "samples": 2, "keep": ["final", "inputs"],
-                   "success": {"v_final": [-9, 9]}, "vary": {"q": {"joints": {"left_knee": {"uniform": [0, 1]}}}, "v": {"normal": [0, 1]},
-                                                             "gravity": {"list": [[0, 0, -9.81], 0]}, "dt": {"grid": [0.001, 0.002, 2]}}}, file)
+                   "success": {"v_final": [-9, 9]}, "histograms": {"v_final": [-1, 1, 4]},
+                   "vary": {"q": {"joints": {"left_knee": {"uniform": [0, 1]}}}, "v": {"normal": [0, 1]},
+                            "gravity": {"list": [[0, 0, -9.81], 0]}, "dt": {"grid": [0.001, 0.002, 2]}}}, file)
     valid("study", read(study), "an input of dyn sweep")
     refused("study", dict(read(study), vary={"q": {"unform": [0, 1]}}))
+    valid("study", {"model": "arm.urdf", "task": "python", "file": "task.py", "function": "evaluate", "samples": 2,
+                    "vary": {"values": {"gain": {"list": [[1, 2], 3]}}}}, "a study of a function of Python")
     # dyn accepts what the schema does.
     answer = subprocess.run([build + "/bin/dyn", "sweep", study, "--out", folder + "/sweep", "--quiet"], stderr=subprocess.PIPE, encoding="utf-8",
                             stdout=subprocess.DEVNULL)

@@ -454,6 +454,6 @@ TEST_CASE("a rank without the model, or with another study, ends all ranks with 
   s.study["model"] = DYN_SOURCE_DIR "/models/four_bar.urdf";
   const Answer different = together(s.write("different.json", s.study.dump()));
   CHECK(different.code != 0);
-  CHECK_THAT(different.err, containing("rank 2: it has another version of libdyn, instruction set, study or model than rank 0"));
+  CHECK_THAT(different.err, containing("rank 2: it has another version of libdyn, instruction set, study, model or Python file than rank 0"));
   CHECK_FALSE(fs::exists(s.path / "out"));
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "python_model.hpp"
 
-#include <dyn/error.hpp>
 #include <dyn/file.hpp>
 #include <dyn/parsers/json.hpp>
 
@@ -62,19 +61,12 @@ class Workplace {
   fs::path path;
 };
 
-/// The folder of the module in a build tree, beside the folder of this program. python3 knows that of an installed module.
-std::string besideProgram() {
-  std::error_code error;
-  return (fs::read_symlink("/proc/self/exe", error).parent_path().parent_path() / "python").string();
-}
-
 int runPython(const std::vector<std::string>& arguments) {
   std::vector<char*> words;
   for (const std::string& argument : arguments) words.push_back(const_cast<char*>(argument.c_str()));
   words.push_back(nullptr);
   pid_t child = 0;
-  if (posix_spawnp(&child, words[0], nullptr, nullptr, words.data(), environ) != 0)
-    throw Error(ErrorCode::file, "there is no python3 to run it; install one (apt install python3)", {arguments[3], 0, ""});
+  if (posix_spawnp(&child, words[0], nullptr, nullptr, words.data(), environ) != 0) throw pythonMissing(arguments[3]);
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
@@ -83,15 +75,26 @@ int runPython(const std::vector<std::string>& arguments) {
 
 }  // namespace
 
+std::string pythonModuleFolder() {
+  std::error_code error;
+  return (fs::read_symlink("/proc/self/exe", error).parent_path().parent_path() / "python").string();
+}
+
+Error pythonMissing(const std::string& file) {
+  return {ErrorCode::file, "there is no python3 to run it; install one (apt install python3)", {file, 0, ""}};
+}
+
+Error pythonModuleMissing(const std::string& file) {
+  return {ErrorCode::file, "python3 has no module libdyn; install it (pip install ./libdyn/python), or name its folder in PYTHONPATH", {file, 0, ""}};
+}
+
 PythonModel runModelFile(const std::string& path, const std::string& root) {
   const Workplace workplace;
   const std::string result = (workplace.path / "model").string();
   readFile(path);  // says what is wrong with the file's name before python3 starts
-  const int code = runPython({"python3", "-c", script, path, root, result, besideProgram()});
-  if (code == 127) throw Error(ErrorCode::file, "there is no python3 to run it; install one (apt install python3)", {path, 0, ""});
-  if (code == 3)
-    throw Error(ErrorCode::file, "python3 has no module libdyn; install it (pip install ./libdyn/python), or name its folder in PYTHONPATH",
-                {path, 0, ""});
+  const int code = runPython({"python3", "-c", script, path, root, result, pythonModuleFolder()});
+  if (code == 127) throw pythonMissing(path);
+  if (code == 3) throw pythonModuleMissing(path);
   if (code != 0) throw Error(ErrorCode::model, "python3 ended with exit code " + std::to_string(code) + "; its message is above", {path, 0, ""});
   std::istringstream text(readFile(result));
   PythonModel out;

@@ -7,6 +7,7 @@ import os
 import pathlib
 import shutil
 import subprocess
+import sys
 from typing import Any, Mapping, Union
 
 import numpy as np
@@ -34,7 +35,10 @@ def sweep(
     words += ["--resume"] if resume else []
     words += [] if reader else ["--keep-chunks"]
     text = json.dumps(study) if isinstance(study, Mapping) else ""
-    answer = subprocess.run(words, input=text, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, encoding="utf-8", check=False)
+    # A study whose task is a function of a Python file then runs in this Python.
+    programs = os.pathsep.join([os.path.dirname(sys.executable), os.environ.get("PATH", os.defpath)])
+    answer = subprocess.run(words, input=text, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, encoding="utf-8", check=False,
+                            env={**os.environ, "PATH": programs})
     if answer.returncode:
         raise error("argument", "\n".join(line.partition("error: ")[2] for line in answer.stderr.splitlines() if "error: " in line) or answer.stderr)
     return _read_results(reader, pathlib.Path(out)) if reader else _read_chunks(pathlib.Path(out))

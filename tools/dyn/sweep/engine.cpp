@@ -128,6 +128,7 @@ std::int64_t chooseChunk(const Setting& setting, int workers) {
   std::int64_t chunk = setting.study.chunk;
   if (chunk == 0) {
     std::vector<double> row(numbersOf(worker.fields()));
+    worker.prepare();
     const Clock::time_point start = Clock::now();
     std::int64_t tried = 0;
     while (tried < samples && secondsSince(start) < trial && !Interruption::pending()) worker.sample(tried++, row.data());

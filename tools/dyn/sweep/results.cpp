@@ -128,12 +128,19 @@ void rename(const std::string& from, const std::string& to) {
   if (failed) throw Error(ErrorCode::file, "cannot be written: " + failed.message(), {to, 0, ""});
 }
 
+/// Adds a dataset and all its numbers. It joins those that are open.
+void writeWhole(ResultsFile& file, std::vector<Handle>& open, const std::string& name, const std::vector<hsize_t>& shape,
+                const std::vector<double>& numbers) {
+  open.push_back(file.dataset(name, shape, false));
+  file.write(open.back(), shape, 0, static_cast<std::int64_t>(shape[0]), numbers.data());
+}
+
 }  // namespace
 
 void requireResults() {}
 
 void merge(const Store& store, const Manifest& manifest, const std::vector<Field>& fields, const std::vector<double>& times,
-           const Variation& variation) {
+           const Variation& variation, std::vector<Histogram> histograms) {
   const Unfinished part{store.results() + ".part"}, lines_part{store.failures() + ".part"};
   ResultsFile file(part.path);
   file.attribute("libdyn_version", manifest.version);
@@ -147,17 +154,15 @@ void merge(const Store& store, const Manifest& manifest, const std::vector<Field
     datasets.push_back(file.dataset(field.name, shape, field.flag));
     shapes.push_back(std::move(shape));
   }
-  if (!times.empty()) {
-    const std::vector<hsize_t> shape{times.size()};
-    datasets.push_back(file.dataset("times", shape, false));
-    file.write(datasets.back(), shape, 0, static_cast<std::int64_t>(times.size()), times.data());
-  }
+  if (!times.empty()) writeWhole(file, datasets, "times", {times.size()}, times);
   std::ofstream lines(lines_part.path);
   for (std::int64_t number = 0; number < manifest.chunks(); ++number) {
     const Chunk chunk = store.read(manifest, number, numbersOf(fields));
     const double* numbers = chunk.numbers.data();
     for (std::size_t k = 0; k < fields.size(); ++k) {
       file.write(datasets[k], shapes[k], chunk.first, chunk.count, numbers);
+      for (Histogram& histogram : histograms)
+        if (histogram.field == k) histogram.add(numbers, static_cast<std::size_t>(chunk.count));
       numbers += fields[k].size() * static_cast<std::size_t>(chunk.count);
     }
     for (const Failure& failure : chunk.failures) {
@@ -166,6 +171,15 @@ void merge(const Store& store, const Manifest& manifest, const std::vector<Field
                          {"input", variation.json(variation.draw(static_cast<std::uint64_t>(failure.sample)))}};
       lines << line.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace) << "\n";
     }
+  }
+  for (const Histogram& histogram : histograms) {
+    const Field& field = fields[histogram.field];
+    std::vector<hsize_t> shape(field.shape.begin(), field.shape.end());
+    shape.push_back(histogram.bins());
+    writeWhole(file, datasets, "histogram/" + field.name + "/counts", shape, histogram.counts);
+    shape.back() = 3;
+    writeWhole(file, datasets, "histogram/" + field.name + "/outside", shape, histogram.outside);
+    writeWhole(file, datasets, "histogram/" + field.name + "/edges", {histogram.edges.size()}, histogram.edges);
   }
   // HDF5 keeps numbers back until a dataset is closed.
   for (Handle& dataset : datasets)
@@ -236,7 +250,9 @@ namespace dyn::tool::sweep {
 void requireResults() {
   throw Error(ErrorCode::argument, "this dyn was built without HDF5, which keeps the results of sweeps; install libhdf5-dev and build again");
 }
-void merge(const Store&, const Manifest&, const std::vector<Field>&, const std::vector<double>&, const Variation&) { requireResults(); }
+void merge(const Store&, const Manifest&, const std::vector<Field>&, const std::vector<double>&, const Variation&, std::vector<Histogram>) {
+  requireResults();
+}
 std::string digestOf(const std::string&) {
   requireResults();
   return {};

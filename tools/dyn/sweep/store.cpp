@@ -67,6 +67,7 @@ std::string Manifest::text() const {
   out["version"] = version;
   out["instruction_set"] = instruction_set;
   out["model_sha256"] = model_sha256;
+  if (!file_sha256.empty()) out["file_sha256"] = file_sha256;
   out["host"] = host;
   out["samples"] = samples;
   out["chunk"] = chunk;
@@ -93,8 +94,9 @@ Manifest Store::manifest() const {
   try {
     const Json x = Json::parse(readFile(file, std::uintmax_t{1} << 28));
     if (x.at("libdyn_sweep") != format) throw Error(ErrorCode::syntax, "is of another version of libdyn", {file, 0, ""});
-    Manifest out{x.at("version"), x.at("instruction_set"), x.at("model_sha256"), x.at("host"), x.at("study_name"), x.at("study_folder"),
-                 x.at("study"),   x.at("samples"),         x.at("chunk"),        x.at("seed"), x.at("fields"),     x.at("pairs")};
+    Manifest out{x.at("version"),      x.at("instruction_set"), x.at("model_sha256"),      x.at("host"),  x.at("study_name"),
+                 x.at("study_folder"), x.at("study"),           x.at("samples"),           x.at("chunk"), x.at("seed"),
+                 x.at("fields"),       x.at("pairs"),           x.value("file_sha256", "")};
     if (out.samples < 1 || out.chunk < 1) throw Error(ErrorCode::syntax, "is damaged", {file, 0, ""});
     return out;
   } catch (const nlohmann::json::exception& e) {

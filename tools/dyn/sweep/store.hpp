@@ -31,6 +31,7 @@ struct Manifest {
   std::int64_t samples = 0, chunk = 0;
   std::uint64_t seed = 0;
   Json fields, pairs;
+  std::string file_sha256{};  ///< of the Python file; empty for tasks without one
 
   std::int64_t chunks() const { return (samples + chunk - 1) / chunk; }
   std::int64_t first(std::int64_t number) const { return number * chunk; }

@@ -53,7 +53,7 @@ std::vector<std::string> texts(const json::Value& value) {
 
 TaskKind taskOf(const json::Value& value) {
   const std::string name = value.text();
-  const std::vector<std::string> names{"simulate", "compute", "collide"};
+  const std::vector<std::string> names{"simulate", "compute", "collide", "python"};
   const auto found = std::find(names.begin(), names.end(), name);
   if (found == names.end()) unknownName(value, "task", name, names);
   return static_cast<TaskKind>(found - names.begin());
@@ -66,13 +66,15 @@ std::string memberOf(const CLI::Option& option) {
   return name;
 }
 
+std::string pathOf(const std::string& text, const std::string& folder) { return (std::filesystem::path(folder) / text).lexically_normal().string(); }
+
 /// A value as a word of the command line.
 std::string wordOf(const json::Value& value, const CLI::Option& option, const std::string& folder) {
   const nlohmann::json& x = value.json();
   if (x.is_number()) return x.dump();
   const std::string text = value.text(), type = option.get_type_name();
   const bool path = type.starts_with("FILE") || type.starts_with("FOLDER");
-  return path && !text.empty() ? (std::filesystem::path(folder) / text).lexically_normal().string() : text;
+  return path && !text.empty() ? pathOf(text, folder) : text;
 }
 
 /// The message with the names of members in place of those of options.
@@ -96,6 +98,7 @@ void readOptions(Study& study, const std::vector<std::string>& own) {
       study.options.volumes.add(app);
       [[fallthrough]];
     case TaskKind::compute:
+    case TaskKind::python:
       study.options.ModelOptions::add(app);
   }
   std::vector<std::string> words, known = own;
@@ -147,13 +150,15 @@ Study parseStudy(const std::string& text, const std::string& name, const std::st
   const json::Value all = study.value();
   if (!study.document.is_object()) all.fail("must be an object");
   study.task = taskOf(all["task"]);
-  std::vector<std::string> own{"task", "samples", "seed", "chunk", "vary", "keep", "success"};
+  std::vector<std::string> own{"task", "samples", "seed", "chunk", "vary", "keep", "success", "histograms"};
   std::vector<std::string> keeps{"inputs"};
   if (study.task == TaskKind::simulate) {
     own.insert(own.end(), {"every"});
     keeps.insert(keeps.end(), {"initial", "final", "extremes", "energy", "trajectory", "counts"});
   } else if (study.task == TaskKind::compute) {
     own.insert(own.end(), {"functions", "frames"});
+  } else if (study.task == TaskKind::python) {
+    own.insert(own.end(), {"file", "function"});
   }
   readOptions(study, own);
   if (all.has("samples")) study.samples = wholeNumber(all["samples"], 1, most_samples);
@@ -163,6 +168,10 @@ Study parseStudy(const std::string& text, const std::string& name, const std::st
   if (study.every < 0) all["every"].fail("must be 0 or more");
   if (all.has("functions")) study.functions = texts(all["functions"]);
   if (all.has("frames")) study.frames = texts(all["frames"]);
+  if (study.task == TaskKind::python) {
+    study.file = pathOf(all["file"].text(), folder);
+    study.function = all.has("function") ? all["function"].text() : "evaluate";
+  }
   if (all.has("keep"))
     study.keep = texts(all["keep"]);
   else if (study.task == TaskKind::simulate)

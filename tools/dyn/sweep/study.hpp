@@ -12,7 +12,7 @@
 
 namespace dyn::tool::sweep {
 
-enum class TaskKind { simulate, compute, collide };
+enum class TaskKind { simulate, compute, collide, python };
 
 struct Study {
   std::string name;    ///< the file, for messages
@@ -25,6 +25,7 @@ struct Study {
   MotionOptions options;                       ///< of which compute and collide use some
   double every = 0;                            ///< [s] between the states of a simulation; 0: a hundredth of its time, at least dt
   std::vector<std::string> functions, frames;  ///< of compute
+  std::string file, function;                  ///< of python
   std::vector<std::string> keep;
 
   json::Value value() const { return {document, "", name}; }

@@ -55,12 +55,14 @@ Manifest manifestOf(const Setting& setting) {
                0,
                study.seed,
                {},
-               {}};
+               {},
+               setting.python.file_sha256};
   Worker worker(setting);
   out.fields = Json::array();
   for (const Field& field : worker.fields())
     out.fields.push_back({{"name", field.name}, {"shape", field.shape}, {"type", field.flag ? "u8" : "f64"}});
   out.pairs = worker.task().pairs();
+  readHistograms(study, worker.fields());  // says what is wrong before anything is computed
   return out;
 }
 
@@ -72,6 +74,7 @@ void requireSame(const Manifest& then, const Manifest& now, const std::string& w
   if (then.version != now.version) differ("the sweep was begun with libdyn " + then.version + ", and this is " + now.version);
   if (then.study != now.study) differ("the sweep was begun with another study");
   if (then.model_sha256 != now.model_sha256) differ("the sweep was begun with another model");
+  if (then.file_sha256 != now.file_sha256) differ("the sweep was begun with another text of the Python file");
   if (then.instruction_set != now.instruction_set)
     differ("the sweep was begun with the instruction set " + then.instruction_set + ", and this is " + now.instruction_set + " (DYN_SIMD chooses)");
   if (then.fields != now.fields || then.samples != now.samples || then.seed != now.seed) differ("the sweep was begun with other results");
@@ -155,7 +158,8 @@ void lead(const Options& o, const Ranks& ranks, const Setting& setting, const Ma
   const std::string problem = problemOf([&] {
     computeChunks({setting, store, opened, ranks, threads, o.json_lines}, missing);
     if (interruption) return;
-    if (!store.finished()) timed("merged the chunks", [&] { merge(store, opened, fields, times, setting.variation); });
+    if (!store.finished())
+      timed("merged the chunks", [&] { merge(store, opened, fields, times, setting.variation, readHistograms(setting.study, fields)); });
     if (!o.keep_chunks) store.removeChunks();
   });
   agree(ranks, problem);
@@ -199,7 +203,7 @@ void compute(const Options& o) {
   Manifest common = manifest;
   common.host.clear();
   const std::string first = ranks.broadcast(common.text());
-  agree(ranks, first == common.text() ? "" : "it has another version of libdyn, instruction set, study or model than rank 0");
+  agree(ranks, first == common.text() ? "" : "it has another version of libdyn, instruction set, study, model or Python file than rank 0");
   const int threads = o.threads > 0 ? o.threads : several ? 1 : std::max(static_cast<int>(std::thread::hardware_concurrency()), 1);
   if (ranks.rank() == 0)
     lead(o, ranks, *setting, manifest, threads);

@@ -21,6 +21,11 @@ Setting::Setting(Study given)
       registry(study.options.registry()),
       model(study.options.compile(description, registry)),
       variation(study, description, model) {
+  countSamples();
+  if (study.task == TaskKind::python) python = findFunction(*this);
+}
+
+void Setting::countSamples() {
   if (study.samples > 0) return;
   if (variation.cells() == 1)
     throw Error(ErrorCode::syntax, "has no member 'samples', and no list or grid whose cells could be counted", {study.name, 0, ""});
@@ -37,6 +42,8 @@ std::unique_ptr<Task> makeTask(const Setting& setting) {
       return computeTask(setting);
     case TaskKind::collide:
       return collideTask(setting);
+    case TaskKind::python:
+      return pythonTask(setting);
   }
   return nullptr;
 }

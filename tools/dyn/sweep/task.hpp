@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The work of one sample: simulation, functions of a state, or collision queries. Each thread has a task of its own.
+// The work of one sample: simulation, functions of a state, collision queries, or a function of a Python file. Each thread has a task of its own.
 #pragma once
 
 #include "variation.hpp"
@@ -20,6 +20,13 @@ struct Field {
 /// Returns the number of numbers of one sample.
 std::size_t numbersOf(const std::vector<Field>& fields);
 
+/// A function of a Python file.
+struct PythonFunction {
+  std::string file, file_sha256;
+  std::string setup;  ///< the line with which a process begins
+  std::vector<Field> fields;
+};
+
 /// All that tasks share. Nothing changes after its construction.
 struct Setting {
   Study study;
@@ -27,8 +34,12 @@ struct Setting {
   JointRegistry registry;
   CompactModel model;
   Variation variation;
+  PythonFunction python;  ///< of the task python; otherwise empty
 
   explicit Setting(Study given);
+
+ private:
+  void countSamples();
 };
 
 class Task {
@@ -36,6 +47,8 @@ class Task {
   virtual ~Task() = default;
   /// The results of each sample, in the order in which run() writes them.
   virtual const std::vector<Field>& fields() const = 0;
+  /// Makes ready what samples need. Throws if no sample can be computed.
+  virtual void prepare() {}
   /// Computes a sample. The same inputs give the same bytes, whatever ran before. Throws if the sample fails.
   virtual void run(const Inputs& inputs, double* row) = 0;
   /// Times of the trajectories that are kept; empty otherwise.
@@ -47,11 +60,15 @@ class Task {
 };
 
 std::unique_ptr<Task> makeTask(const Setting& setting);
-/// The tasks of the three kinds.
+/// Computes samples until one has results, which fix their names and shapes. Throws Error for a function that cannot be called, or fails for the
+/// first hundred samples.
+PythonFunction findFunction(const Setting& setting);
+/// The tasks of the four kinds.
 /// @{
 std::unique_ptr<Task> simulateTask(const Setting& setting);
 std::unique_ptr<Task> computeTask(const Setting& setting);
 std::unique_ptr<Task> collideTask(const Setting& setting);
+std::unique_ptr<Task> pythonTask(const Setting& setting);
 /// @}
 
 }  // namespace dyn::tool::sweep

@@ -52,6 +52,16 @@ std::vector<std::string> jointNames(const CompactModel& model) {
   return names;
 }
 
+/// The numbers of one draw of a value whose size nothing else tells: as many as the longest list has that stands for one.
+int longestIn(const json::Value& value) {
+  const auto length = [](const nlohmann::json& x) { return x.is_array() ? static_cast<int>(std::min(x.size(), std::size_t{1} << 20)) : 1; };
+  if (!value.json().is_object() || value.json().empty()) return std::max(length(value.json()), 1);
+  int most = 1;
+  if (const nlohmann::json& inside = value.json().begin().value(); inside.is_array())
+    for (const nlohmann::json& x : inside) most = std::max(most, length(x));
+  return most;
+}
+
 Distribution ofState(const json::Value& value, Kind kind, const CompactModel& model, int first, int size) {
   if (!asksForLimits(value)) return readDistribution(value, size);
   const ModelLimits& limits = model.limits();
@@ -78,6 +88,8 @@ Variation::Variation(const Study& study, const Model& description, const Compact
     for (const OptionRange& option : option_ranges) known.emplace_back(option.name);
   } else if (study.task == TaskKind::collide) {
     known = {"q"};
+  } else if (study.task == TaskKind::python) {
+    known.emplace_back("values");
   }
   if (!vary.json().is_object()) vary.fail("must be an object");
   // Sorted by name, so that the order within the file does not matter.
@@ -89,6 +101,7 @@ Variation::Variation(const Study& study, const Model& description, const Compact
     if (name == "tau") return readState(value, Kind::tau, name, description);
     if (name == "bodies") return readBodies(value, description);
     if (name == "joints") return readJoints(value, description, study.options.losses);
+    if (name == "values") return readValues(value);
     const int size = name == "gravity" ? 3 : 1;
     const auto option = std::find_if(std::begin(option_ranges), std::end(option_ranges), [&](const OptionRange& o) { return name == o.name; });
     add({name,
@@ -169,6 +182,14 @@ void Variation::readJoints(const json::Value& value, const Model& description, b
   });
 }
 
+void Variation::readValues(const json::Value& value) {
+  value.eachMember([&](const std::string& name, const json::Value& entry) {
+    if (name.empty() || name.find('/') != std::string::npos) value.fail("'" + name + "' is no name of a value: a text without /");
+    const int size = longestIn(entry);
+    add({"values." + name, Kind::value, 0, size, {{0, readDistribution(entry, size)}}});
+  });
+}
+
 void Variation::placeCells() {
   for (auto quantity = quantities_.rbegin(); quantity != quantities_.rend(); ++quantity)
     for (auto part = quantity->parts.rbegin(); part != quantity->parts.rend(); ++part) {
@@ -179,7 +200,8 @@ void Variation::placeCells() {
 }
 
 Inputs Variation::draw(std::uint64_t sample) const {
-  Inputs out{neutral(model_), Eigen::VectorXd::Zero(model_.nv()), Eigen::VectorXd::Zero(model_.nv()), Eigen::VectorXd::Zero(model_.nv()), {}};
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(model_.nv());
+  Inputs out{neutral(model_), zero, zero, zero, {}, sample};
   const auto cell = static_cast<std::int64_t>(sample % static_cast<std::uint64_t>(cells_));
   for (const Quantity& quantity : quantities_) {
     const RandomNumbers random(seed_, sample, quantity.name);

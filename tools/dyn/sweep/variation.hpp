@@ -13,11 +13,12 @@ namespace dyn::tool::sweep {
 struct Inputs {
   Eigen::VectorXd q, v, a, tau;  ///< neutral and zero, unless they vary
   std::vector<double> values;    ///< of all quantities, one after another; q with its nq coordinates
+  std::uint64_t sample = 0;      ///< number of the sample
 };
 
 /// One quantity that varies.
 struct Quantity {
-  enum class Kind { q, v, a, tau, gravity, mass, com, damping, friction, armature, option };
+  enum class Kind { q, v, a, tau, gravity, mass, com, damping, friction, armature, option, value };
   /// Some of the numbers, with a distribution of their own.
   struct Part {
     int first = 0;
@@ -55,6 +56,7 @@ class Variation {
   void add(Quantity quantity);
   void readState(const json::Value& value, Quantity::Kind kind, const std::string& name, const Model& description);
   void readBodies(const json::Value& value, const Model& description);
+  void readValues(const json::Value& value);
   void readJoints(const json::Value& value, const Model& description, bool dissipation);
   void placeCells();
 

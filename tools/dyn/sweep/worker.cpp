@@ -43,10 +43,19 @@ void Worker::readSuccess() {
   });
 }
 
+void Worker::prepare() {
+  try {
+    task_->prepare();
+  } catch (const std::exception&) {
+    if (!Interruption::pending()) throw;
+  }
+}
+
 std::optional<std::string> Worker::sample(std::int64_t sample, double* row) {
   std::optional<std::string> reason;
   const std::size_t head = 2 + inputs_;
   std::fill(row, row + row_.size(), std::numeric_limits<double>::quiet_NaN());
+  prepare();
   try {
     const Inputs inputs = setting_.variation.draw(static_cast<std::uint64_t>(sample));
     std::copy_n(inputs.values.begin(), inputs_, row + 2);
@@ -84,8 +93,10 @@ std::optional<Chunk> Worker::chunk(std::int64_t first, std::int64_t count) {
   out.numbers.resize(row_.size() * static_cast<std::size_t>(count));
   for (std::int64_t k = 0; k < count; ++k) {
     if (Interruption::pending()) return {};
-    if (const std::optional<std::string> reason = sample(first + k, row_.data()))
+    if (const std::optional<std::string> reason = sample(first + k, row_.data())) {
+      if (Interruption::pending()) return {};  // which can be why it failed
       out.failures.push_back({first + k, reason->substr(0, longest_reason)});
+    }
     const double* from = row_.data();
     double* column = out.numbers.data();
     for (const Field& field : fields_) {

@@ -18,7 +18,9 @@ class Worker {
   const std::vector<Field>& fields() const { return fields_; }
   Task& task() { return *task_; }
 
-  /// Computes a sample. Returns why it failed; its results are then NaN.
+  /// Makes ready what samples need, which sample() does as well. Throws if no sample can be computed, unless a signal has arrived.
+  void prepare();
+  /// Computes a sample. Returns why it failed; its results are then NaN. Throws if no sample can be computed.
   std::optional<std::string> sample(std::int64_t sample, double* row);
   /// Computes a chunk. Returns nothing if a signal arrives meanwhile.
   std::optional<Chunk> chunk(std::int64_t first, std::int64_t count);
