@@ -144,7 +144,7 @@ class PythonTasks(unittest.TestCase):
         self.dyn(self.study("large.json", chunk=30), "--out", self.folder / "large")
         self.assertEqual(self.digest("large"), self.digest("1"))
         replay = json.loads(self.dyn("--replay", self.folder / "1", 17).stdout)["results"]
-        results = dyn.sweep(study, self.folder / "1", resume=True)
+        results = dyn.sweep(study, self.folder / "again")
         self.assertEqual(replay["noise"], results["noise"][17].tolist())
         self.assertEqual(len(set(results["noise"].ravel().tolist())), 60)
         if shutil.which("mpirun"):
@@ -183,7 +183,7 @@ class PythonTasks(unittest.TestCase):
                             8: "SystemExit: 4", 9: "y is not finite"}.items():
                 self.assertIn(text, reasons[k])
         self.assertEqual(self.digest("out1"), self.digest("out3"))
-        results = dyn.sweep(self.samples("fragile", 12), self.folder / "out1", resume=True)
+        results = dyn.sweep(self.samples("fragile", 12), self.folder / "again")
         self.assertEqual(results["y"][[0, 10, 11]].tolist(), [0, 10 / 3, 11 / 3])
         self.assertTrue(np.isnan(results["y"][1:10]).all())
 
