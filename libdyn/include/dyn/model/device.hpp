@@ -10,7 +10,7 @@ namespace dyn {
 
 /// An actuator, tendon or sensor. libdyn keeps it for programs that use it; no algorithm does.
 struct DeviceDescription {
-  /// What a device is.
+  /// The kinds of devices.
   enum class Kind {
     actuator,  ///< drives joints
     tendon,    ///< ties joints or bodies
