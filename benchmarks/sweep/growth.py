@@ -3,8 +3,9 @@
 """growth.py DYN MODEL: how the cost of a sweep grows with the number of ranks.
 
 Measures rank 0 and the file system on this machine, with 2 to 16 ranks and chunks that cost next to nothing, so that only the overhead is
-left. Then simulates sweeps of up to 10^4 ranks: each rank asks rank 0 for a chunk, computes it, writes its file, and asks again. Rank 0 answers one rank after the
-other; the file system makes one file after the other. The efficiency is the time that all ranks compute over the time that they are there."""
+left. Then simulates sweeps of up to 10^4 ranks: each rank asks rank 0 for a chunk, computes it, writes its file, and asks again. Rank 0 answers
+one rank after the other; the file system makes one file after the other. The efficiency is the time that all ranks compute over the time that
+they are there."""
 
 import heapq
 import json
