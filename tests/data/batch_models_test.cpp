@@ -4,6 +4,7 @@
 #include "support/random_model.hpp"
 #include "support/registry.hpp"
 #include "support/shared.hpp"
+#include "support/states.hpp"
 
 #include <dyn/parsers/load.hpp>
 
@@ -15,18 +16,6 @@ using namespace dyn::test;
 namespace {
 
 using Matrix = Eigen::MatrixXd;
-
-struct States {
-  States(const CompactModel& model, int n, std::uint64_t seed) : q(model.nq(), n), v(model.nv(), n), a(model.nv(), n) {
-    Random random(seed);
-    for (int k = 0; k < n; ++k) {
-      q.col(k) = integrate(model, neutral(model), Eigen::VectorXd(random.vector(model.nv(), 0.4).array() + 0.8));
-      v.col(k) = random.vector(model.nv(), 1);
-      a.col(k) = random.vector(model.nv(), 1);
-    }
-  }
-  Matrix q, v, a;
-};
 
 /// Models with other inertias. Some centres of mass are so far away that origins of joints move along their axes.
 std::vector<CompactModel> samples(const CompactModel& model, int n, std::uint64_t seed) {

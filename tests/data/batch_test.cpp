@@ -5,6 +5,7 @@
 #include "support/random_model.hpp"
 #include "support/registry.hpp"
 #include "support/skip.hpp"
+#include "support/states.hpp"
 
 #include <dyn/algorithm/batch_derivatives.hpp>
 #include <dyn/spatial/eigen.hpp>
@@ -15,18 +16,6 @@ using namespace dyn;
 using namespace dyn::test;
 
 namespace {
-
-struct States {
-  States(const CompactModel& model, int n, std::uint64_t seed) : q(model.nq(), n), v(model.nv(), n), a(model.nv(), n) {
-    Random random(seed);
-    for (int k = 0; k < n; ++k) {
-      q.col(k) = integrate(model, neutral(model), Eigen::VectorXd(random.vector(model.nv(), 0.4).array() + 0.8));
-      v.col(k) = random.vector(model.nv(), 1);
-      a.col(k) = random.vector(model.nv(), 1);
-    }
-  }
-  Eigen::MatrixXd q, v, a;
-};
 
 /// Results of f for each state alone, as columns with `rows` entries.
 template <class F>

@@ -15,8 +15,8 @@ import numpy as np
 
 import libdyn as dyn
 from libdyn import sweeps
+from sweeping import ARM, SweepTest
 
-ARM = pathlib.Path(__file__).parents[2] / "models" / "arm.urdf"
 SEEN = {"PATH": os.path.dirname(sys.executable) + os.pathsep + os.environ["PATH"]}
 RANKS = {name: "1" for name in ("OMPI_ALLOW_RUN_AS_ROOT", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "OMPI_MCA_rmaps_base_oversubscribe")}
 
@@ -83,23 +83,9 @@ def gone(pid):
     return False
 
 
-class PythonTasks(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        try:
-            with tempfile.TemporaryDirectory() as folder:
-                dyn.sweep({"model": str(ARM), "task": "compute", "functions": ["com"], "samples": 1}, folder + "/out")
-        except dyn.Error as problem:
-            if "without HDF5" in str(problem) or "is not there" in str(problem):
-                if os.environ.get("DYN_REQUIRE_ALL") == "1":
-                    raise
-                raise unittest.SkipTest(str(problem))
-            raise
-
+class PythonTasks(SweepTest):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name)
+        super().setUp()
         (self.folder / "task.py").write_text(TASK, encoding="utf-8")
 
     def study(self, name="study.json", **members):

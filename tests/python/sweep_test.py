@@ -1,9 +1,6 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Sweeps from Python: the arrays of dyn sweep, with and without h5py."""
 import json
-import os
-import pathlib
-import tempfile
 import unittest
 from unittest import mock
 
@@ -11,8 +8,7 @@ import numpy as np
 
 import libdyn as dyn
 from libdyn import sweeps
-
-ARM = pathlib.Path(__file__).parents[2] / "models" / "arm.urdf"
+from sweeping import ARM, SweepTest
 
 
 def study(**members):
@@ -20,24 +16,7 @@ def study(**members):
                  "vary": {"q": {"uniform": "limits"}, "v": {"uniform": [-1, 1]}}, "keep": ["initial", "final"]}, **members)
 
 
-class Sweeps(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        try:
-            with tempfile.TemporaryDirectory() as folder:
-                dyn.sweep(study(samples=1), folder + "/out")
-        except dyn.Error as problem:
-            if "without HDF5" in str(problem) or "is not there" in str(problem):
-                if os.environ.get("DYN_REQUIRE_ALL") == "1":
-                    raise
-                raise unittest.SkipTest(str(problem))
-            raise
-
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = pathlib.Path(folder.name)
-
+class Sweeps(SweepTest):
     def test_each_sample_is_what_a_simulator_gives(self):
         results = dyn.sweep(study(), self.folder / "out", threads=2)
         self.assertEqual(results["q_final"].shape, (12, 7))
