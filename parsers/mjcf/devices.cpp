@@ -13,8 +13,7 @@ std::string textOf(const Context& context, const XMLElement& e, const DefaultCla
   tinyxml2::XMLDocument document;
   XMLElement& copy = *e.DeepClone(&document)->ToElement();
   document.InsertEndChild(&copy);
-  const char* name = e.Attribute("class");
-  const DefaultClass& own = name ? context.defaults.find(name, e) : main;
+  const DefaultClass& own = context.defaults.classOf(e, main);
   // Tendons of all kinds share the values of <tendon>.
   const auto values = own.kinds.find(std::strcmp(e.Parent()->Value(), "tendon") == 0 ? "tendon" : e.Name());
   copy.DeleteAttribute("class");
@@ -29,13 +28,6 @@ std::string textOf(const Context& context, const XMLElement& e, const DefaultCla
 }
 
 }  // namespace
-
-bool isDevice(std::string_view kind) {
-  for (const std::string_view known :
-       {"tendon", "motor", "position", "velocity", "intvelocity", "damper", "cylinder", "muscle", "adhesion", "general"})
-    if (kind == known) return true;
-  return false;
-}
 
 void readDevices(const Context& context, Scene& scene, const Guard& guard) {
   using Kind = DeviceDescription::Kind;

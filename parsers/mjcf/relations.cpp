@@ -55,8 +55,7 @@ class Relations {
 
   /// The values of a relation, completed by those that a class has for <equality>.
   Values valuesOf(const XMLElement& e) const {
-    const char* name = e.Attribute("class");
-    const DefaultClass& own = name ? c_.defaults.find(name, e) : main_;
+    const DefaultClass& own = c_.defaults.classOf(e, main_);
     const auto values = own.kinds.find("equality");
     return {c_.source, e, values == own.kinds.end() ? nullptr : values->second.get()};
   }

@@ -150,9 +150,13 @@ const DefaultClass& Defaults::find(const std::string& name, const XMLElement& us
   s_.fail(user, "there is no default class '" + name + "'" + nearNames(name, names));
 }
 
-Values Defaults::of(const XMLElement& element, const DefaultClass& child_class) const {
+const DefaultClass& Defaults::classOf(const XMLElement& element, const DefaultClass& otherwise) const {
   const char* name = element.Attribute("class");
-  const DefaultClass& own = name ? find(name, element) : child_class;
+  return name ? find(name, element) : otherwise;
+}
+
+Values Defaults::of(const XMLElement& element, const DefaultClass& child_class) const {
+  const DefaultClass& own = classOf(element, child_class);
   const char* kind = std::strcmp(element.Name(), "connect") == 0 || std::strcmp(element.Name(), "weld") == 0 ? "equality" : element.Name();
   const auto values = own.kinds.find(kind);
   return {s_, element, values == own.kinds.end() ? nullptr : values->second.get()};

@@ -12,9 +12,6 @@
 
 namespace dyn::mjcf {
 
-/// Returns whether this is the name of an actuator's type or <tendon>, whose default values are kept as they are written.
-bool isDevice(std::string_view kind);
-
 /// Attributes by name, and the element that has each.
 using Attributes = std::map<std::string_view, const XMLElement*>;
 
@@ -76,6 +73,8 @@ class Defaults {
   explicit Defaults(const Source& source);
   /// Returns the class with that name, or the main class for an empty name. Throws Error(model) if there is none; the message is about `user`.
   const DefaultClass& find(const std::string& name, const XMLElement& user) const;
+  /// Returns the class that an element names, or `otherwise` if it names none.
+  const DefaultClass& classOf(const XMLElement& element, const DefaultClass& otherwise) const;
   /// Returns the attributes of an element: its own, and those of the class that it names or, if it names none, of `child_class`.
   Values of(const XMLElement& element, const DefaultClass& child_class) const;
 

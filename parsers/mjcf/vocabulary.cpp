@@ -32,6 +32,9 @@ struct Element {
   Names passed;  ///< children that need no note
 };
 
+/// Elements whose default values are kept as they are written.
+const std::string devices = "tendon motor position velocity intvelocity damper cylinder muscle adhesion general";
+
 /// The elements by name. Where a name means several things, "parent/name" comes first.
 const std::map<std::string, Element, std::less<>>& vocabulary() {
   static const std::string turn = "quat axisangle xyaxes zaxis euler ";
@@ -45,9 +48,7 @@ const std::map<std::string, Element, std::less<>>& vocabulary() {
         "texturedir usethread convexhull fitaabb saveinertial conflict", "", "lengthrange"}},
       {"option", {"gravity", "", "flag"}},
       {"flag", {"gravity", ""}},
-      {"default",
-       {"class", "", "default joint geom site mesh equality",
-        "material camera light tendon motor position velocity intvelocity damper cylinder muscle adhesion general"}},
+      {"default", {"class", "", "default joint geom site mesh equality", ("material camera light " + devices).c_str()}},
       {"default/equality", {"solref active", ""}},
       {"asset", {"", "", "mesh", "texture material skin"}},
       {"mesh", {"name class file vertex face refpos refquat scale inertia", "normal texcoord smoothnormal material content_type"}},
@@ -131,6 +132,11 @@ class Scan {
 bool reads(const std::string& kind, const char* attribute) {
   const auto found = vocabulary().find(kind);
   return found != vocabulary().end() && found->second.read.count(attribute);
+}
+
+bool isDevice(const std::string& kind) {
+  static const Names all = words(devices);
+  return all.count(kind) > 0;
 }
 
 void noteUnread(const Source& source, xml::Notes& notes) { Scan(source, notes).run(); }
