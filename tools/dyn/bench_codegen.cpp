@@ -9,6 +9,7 @@
 
 #include <map>
 #include <memory>
+#include <set>
 
 namespace dyn::tool {
 
@@ -95,10 +96,11 @@ void add(Subjects& x, const std::string& name, int lanes, std::vector<Entry>& en
 void addGenerated(Subjects& x, const std::vector<std::string>& functions, std::vector<Entry>& entries) {
   std::vector<std::string> names = functions;
   if (names.size() == 1 && names[0] == "all") names = traceableFunctions();
-  Progress progress(static_cast<double>(2 * names.size()), "functions");
+  const std::set<int> all_lanes{1, BatchData(x.model, 1).lanes()};  // one entry, if a register holds one number
+  Progress progress(static_cast<double>(all_lanes.size() * names.size()), "functions");
   double done = 0;
   for (const std::string& name : names)
-    for (const int lanes : {1, BatchData(x.model, 1).lanes()}) {
+    for (const int lanes : all_lanes) {
       if (Interruption::pending()) return;
       add(x, name, lanes, entries, [&](const std::string& what) {
         detail(what);
