@@ -62,7 +62,7 @@ TEST_CASE("a broken file is refused with what is wrong and where, and nothing is
       containing("thread_pitch"));
   CHECK_THROWS_WITH(read(linkText("a", "<pose relative_to='nothing'/>")), containing("nothing"));
   CHECK_THROWS_WITH(read(linkText("a", "<pose relative_to='b'/>") + linkText("b", "<pose relative_to='a'/>")), containing("robot.sdf"));
-  CHECK(silence.said() == "");
+  CHECK_THAT(silence.said(), Catch::Matchers::Equals(""));
 }
 
 TEST_CASE("numbers that libdsdformat would take for others are refused with their line", "[fault]") {

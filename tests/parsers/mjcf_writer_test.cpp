@@ -77,7 +77,7 @@ TEST_CASE("real robots move in the same way after a round trip through MJCF", "[
     for (const std::string& name : missing) CHECK(model.bodies[static_cast<std::size_t>(model.findBody(name))].inertia.mass == 0);
     // The first time, bodies without mass stay where volumes are on them; if these are lost, the second time takes them for joints.
     const Model second = again(read);
-    CHECK(textOf(differences(second, again(second), 1e-14)) == "");
+    CHECK_THAT(textOf(differences(second, again(second), 1e-14)), Catch::Matchers::Equals(""));
     ++count;
   }
   CHECK(count >= 20);
@@ -91,7 +91,7 @@ TEST_CASE("random trees move in the same way after a round trip through MJCF", "
     model.addFrame("tool", 7, Random(seed).pose());
     const Model read = again(model);
     CHECK(checkSameMotion(model, read).empty());
-    CHECK(textOf(differences(read, again(read), 1e-14)) == "");
+    CHECK_THAT(textOf(differences(read, again(read), 1e-14)), Catch::Matchers::Equals(""));
   }
 }
 
@@ -100,7 +100,7 @@ TEST_CASE("our own models in MJCF are the same after they are written and read",
     INFO(name);
     const Model model = mjcf::load(std::string(DYN_SOURCE_DIR "/models/") + name + ".xml");
     CHECK(mjcf::write(model).lost.empty());
-    CHECK(textOf(differences(model, again(model), 1e-15)) == "");
+    CHECK_THAT(textOf(differences(model, again(model), 1e-15)), Catch::Matchers::Equals(""));
   }
 }
 
@@ -191,9 +191,9 @@ TEST_CASE("bodies, volumes, limits, losses, constraints and pairs come back from
   model.geometries.push_back(
       {"seen", 3, X, TriangleMesh{corners, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}}, GeometryDescription::Role::visual, {}});
   model.addGeometry("ground", 0, X, HalfSpace{});
-  CHECK(lostBy(model) == "");
+  CHECK_THAT(lostBy(model), Catch::Matchers::Equals(""));
   const Model read = again(model);
-  CHECK(textOf(differences(model, read, 1e-14)) == "");
+  CHECK_THAT(textOf(differences(model, read, 1e-14)), Catch::Matchers::Equals(""));
   CHECK(checkSameMotion(model, read).empty());
 }
 

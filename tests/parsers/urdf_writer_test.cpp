@@ -37,7 +37,7 @@ TEST_CASE("real robots are the same after a round trip through URDF, and lose no
     const Model model = urdf::load(entry.path().string(), {.inertias = urdf::Inertias::any});
     for (const std::string& lost : urdf::write(model).lost) CHECK_THAT(lost, containing("the folder in which relative paths of files begin"));
     const Model read = again(model);
-    CHECK(textOf(differences(model, read, 1e-14)) == "");
+    CHECK_THAT(textOf(differences(model, read, 1e-14)), Catch::Matchers::Equals(""));
     CHECK(checkSameMotion(model, read).empty());
     ++count;
   }
@@ -121,7 +121,7 @@ TEST_CASE("rotations keep their digits where roll and yaw are about one axis", "
     JointDescription joint{.name = "j", .type = "fixed"};
     joint.placement.R = exp3(Vec3<double>{0, 0, 0.7}) * exp3(Vec3<double>{0, pitch, 0}) * exp3(Vec3<double>{-2.1, 0, 0});
     model.addBody("a", 1, joint);
-    CHECK(textOf(differences(model, again(model), 2e-15)) == "");
+    CHECK_THAT(textOf(differences(model, again(model), 2e-15)), Catch::Matchers::Equals(""));
   }
 }
 

@@ -17,7 +17,7 @@ namespace dyn::test {
 /// "joint/1" and so on.
 class Renumbering {
  public:
-  Renumbering(const CompactModel& from, const CompactModel& to) : q_(to.nq()), v_(to.nv()) {
+  Renumbering(const CompactModel& from, const CompactModel& to) : q_(static_cast<std::size_t>(to.nq())), v_(static_cast<std::size_t>(to.nv())) {
     REQUIRE(from.nq() == to.nq());
     REQUIRE(from.nv() == to.nv());
     for (std::size_t j = 1; j < from.joints().size(); ++j) {

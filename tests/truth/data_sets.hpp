@@ -45,8 +45,8 @@ inline Set load(const std::string& name) {
   }
   CompileOptions options;
   options.dissipation = options.armature = false;
-  CompactModel compiled = compile(model, JointRegistry::standard(), options);
-  return {std::move(model), std::move(compiled), std::move(document)};
+  const CompactModel compiled = compile(model, JointRegistry::standard(), options);
+  return {std::move(model), compiled, std::move(document)};
 }
 
 /// The states of a set's samples in columns, rounded to T.

@@ -82,9 +82,10 @@ void timesLower(const CompactImpl& m, const PathFactors<F>& c, const F* factor, 
       for (int at = whole; at < depth; ++at)
 #pragma GCC unroll 8
         for (int row = 0; row < count; ++row) own[row] += sign * (S(rows[row][at]) * path[at]);
-      if (whole > 0)
+      if (whole > 0) {
 #pragma GCC unroll 8
         for (int row = 0; row < count; ++row) own[row] += sign * total<S>(packs[row]);
+      }
 #pragma GCC unroll 8
       for (int row = 0; row < count; ++row)
 #pragma GCC unroll 8
