@@ -33,7 +33,8 @@ std::uint8_t offsetOf(const Vec3<double>& p) { return static_cast<std::uint8_t>(
 template <class T, class Member, class Value>
 void put(SharedVector<T>& vector, std::size_t i, const Member& member, const Value& value) {
   static_assert(std::is_trivially_copyable_v<Value>);
-  if (std::memcmp(&member(std::as_const(vector)[i]), &value, sizeof value) != 0) const_cast<Value&>(member(vector[i])) = value;
+  const Value& old = member(std::as_const(vector)[i]);
+  if (std::memcmp(&old, &value, sizeof value) != 0) const_cast<Value&>(member(vector[i])) = value;  // NOLINT: the same bits are meant
 }
 template <class Value>
 void put(SharedVector<Value>& vector, std::size_t i, const Value& value) {
