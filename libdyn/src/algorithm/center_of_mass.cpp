@@ -61,12 +61,15 @@ const double* jacobianCenterOfMass(const CompactModel& model, Data& data, Vector
     d.h[i] = d.oM[i].R * m.constants[at(i)].h;
   }
   double* J = m.couplings.empty() ? d.Jcom : d.columns;
+  const double per_mass = 1 / m.mass;
   kernels::Bodies<double>{m, d}.backward(kernels::passing(), [&]<class Joint>(const Joint& joint, int i, int iv) {
     // m and h are the subtree's mass and first moment about the joint's origin, world axes. Unit rate along S gives it momentum m S_lin + S_ang x h.
     for (int k = 0; k < kernels::nvOf(joint); ++k) {
-      const Motion<double> S = joint.column(k);
-      const Vec3<double> c = (1 / m.mass) * (d.mass[i] * (d.oM[i].R * S.linear) + cross(d.oM[i].R * S.angular, d.h[i]));
-      for (int r = 0; r < 3; ++r) J[3 * (iv + k) + r] = c[r];
+      const Motion<double> S = joint.columnIn(d.oM[i].R, k);
+      Vec3<double> moved;
+      if constexpr (Joint::has_linear) moved += d.mass[i] * S.linear;
+      if constexpr (Joint::has_angular) moved += cross(S.angular, d.h[i]);
+      for (int r = 0; r < 3; ++r) J[3 * (iv + k) + r] = per_mass * moved[r];
     }
     const int p = m.index[at(i)].parent;
     if (p == 0) return;
