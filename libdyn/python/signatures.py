@@ -1,106 +1,17 @@
 # SPDX-License-Identifier: BSD-2-Clause
-"""Signatures of compiled functions, as their docstrings give them, and the Python types in these.
-
-pybind11 begins a docstring with `name(self: libdyn._core.SE3, x: float = 1.0) -> float`, once for each overload. Types there are those of results;
-an argument may be more: a sequence for a list, anything like an array for an array.
-"""
+"""The Python types in the signatures of compiled functions (libdyn/_signatures.py), as stubs write them."""
 import ast
-import dataclasses
 import inspect
+import pathlib
 import re
-from typing import Optional
+import sys
 
-BRACKETS = {"(": ")", "[": "]", "{": "}"}
+sys.path.append(str(pathlib.Path(__file__).parent / "libdyn"))
+from _signatures import Parameter, Signature, end_of, parts_of, read  # noqa: E402, F401
 
 
 class NoPythonType(ValueError):
     """A signature names a C++ type: the function was added before the type's class, or a bare py::object should be typed (typed.hpp)."""
-
-
-@dataclasses.dataclass
-class Parameter:
-    name: str
-    type: Optional[str] = None
-    default: Optional[str] = None
-    kind: inspect._ParameterKind = inspect.Parameter.POSITIONAL_OR_KEYWORD
-
-
-@dataclasses.dataclass
-class Signature:
-    parameters: list
-    result: str
-    doc: str
-
-
-def end_of(text, start, stops):
-    """Returns the index of the first of the characters `stops` that is in no bracket and no string, or len(text)."""
-    open_brackets, k = [], start
-    while k < len(text):
-        c = text[k]
-        if not open_brackets and c in stops:
-            return k
-        if c in BRACKETS:
-            open_brackets.append(BRACKETS[c])
-        elif open_brackets and c == open_brackets[-1]:
-            open_brackets.pop()
-        elif c in "'\"":
-            k += 1
-            while k < len(text) and text[k] != c:
-                k += 2 if text[k] == "\\" else 1
-        k += 1
-    return len(text)
-
-
-def parts_of(text, separator=","):
-    """Splits a text at the separators that are in no bracket and no string."""
-    parts, start = [], 0
-    while start < len(text):
-        end = end_of(text, start, separator)
-        parts.append(text[start:end].strip())
-        start = end + 1
-    return parts
-
-
-def parameters_of(text):
-    """Reads `self: libdyn._core.SE3, x: float = 1.0, *, y: int`."""
-    out, kind = [], inspect.Parameter.POSITIONAL_OR_KEYWORD
-    for part in parts_of(text):
-        if part == "*":
-            kind = inspect.Parameter.KEYWORD_ONLY
-        elif part == "/":
-            for parameter in out:
-                parameter.kind = inspect.Parameter.POSITIONAL_ONLY
-        elif part.startswith("*"):
-            kind_of_rest = inspect.Parameter.VAR_KEYWORD if part.startswith("**") else inspect.Parameter.VAR_POSITIONAL
-            out.append(Parameter(part.lstrip("*").split(":")[0], "object", None, kind_of_rest))
-        else:
-            name, _, rest = part.partition(":")
-            type_end = end_of(rest, 0, "=")
-            default = rest[type_end + 1 :].strip() or None
-            out.append(Parameter(name.strip(), rest[:type_end].strip(), default, kind))
-    return out
-
-
-def read_one(text):
-    """Reads one signature and the text after it; returns None if it does not begin with one. Getters may have no name."""
-    head = re.match(r"\w*\(", text)
-    if head is None:
-        return None
-    end = end_of(text, head.end(), ")")
-    if not text.startswith(") -> ", end):
-        return None
-    result, _, doc = text[end + 5 :].partition("\n")
-    return Signature(parameters_of(text[head.end() : end]), result.strip(), doc.strip())
-
-
-def read(docstring):
-    """Returns the signatures at the head of a function's docstring, one for each overload; none if it has no types."""
-    overloaded = re.match(r"(\w+)\(\*args, \*\*kwargs\)\nOverloaded function\.\n", docstring)
-    if overloaded is None:
-        one = read_one(docstring)
-        return [one] if one else []
-    texts = re.split(rf"^\d+\. (?={overloaded[1]}\()", docstring[overloaded.end() :], flags=re.MULTILINE)
-    return [read_one(text) for text in texts[1:]]
 
 
 def read_untyped(function):

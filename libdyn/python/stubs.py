@@ -71,7 +71,7 @@ class Writer:
     """The stub of one module."""
 
     def __init__(self, module, classes):
-        self.module, self.types, self.lines = module, Types(NAME, classes), []
+        self.module, self.types, self.lines = module, Types("libdyn", classes), []
 
     def parameters(self, name, signature, method):
         out, kinds = [], inspect.Parameter

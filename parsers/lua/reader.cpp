@@ -272,7 +272,8 @@ class Reader {
     if (!sets.exists()) return;
     const std::size_t count = sets.names().size();
     if (count > 1 && !wants_sets) {
-      notes_.add("the model has " + std::to_string(count) + " constraint sets, none of which is part of it; lua::constraintSets reads them");
+      notes_.add("the model has " + std::to_string(count) +
+                 " constraint sets, none of which is part of it; C++ programs read them by lua::constraintSets");
       return;
     }
     sets_ = readConstraintSets(sets, model_, names_);
@@ -286,7 +287,7 @@ class Reader {
       }
     if (contacts > 0)
       notes_.add("the constraint set '" + sets_[0].name + "' has " + std::to_string(contacts) +
-                 " contacts, which are not part of the model; lua::constraintSets reads them");
+                 " contacts, which are not part of the model; C++ programs read them by lua::constraintSets");
   }
 
   const Sandbox& sandbox_;

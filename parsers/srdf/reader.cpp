@@ -155,7 +155,7 @@ class Reader {
       note(e, "virtual joint '" + out.name + "' carries link '" + out.body + "', which is not a root of the model");
     } else if (body.joint.type != out.type) {
       note(e, "virtual joint '" + out.name + "' is of type " + out.type + ", and the model's root joint '" + body.joint.name + "' of type " +
-                  body.joint.type + "; --root " + out.type + " (LoadOptions::root) makes them equal");
+                  body.joint.type + "; --root " + out.type + " (the option root of load) makes them equal");
     } else {
       roots_.emplace(out.name, body.joint.name);
     }

@@ -38,7 +38,7 @@ void checkVersion(const Document& document, Versions versions) {
   } else if (*version > newest) {
     const std::string what = std::string("the file is of version ") + text + " of URDF, and this libdyn knows 1.0 to 1.2";
     if (versions == Versions::known)
-      document.fail(robot, what + "; use a newer libdyn (urdf::Versions::any, --versions any, reads what is understood)");
+      document.fail(robot, what + "; use a newer libdyn (Versions::any, --versions any, reads what is understood)");
     document.notes().push_back(line + what + ": parts of it may be missing");
   }
 }

@@ -480,7 +480,7 @@ TEST_CASE("a motion that cannot go on names time and joint, and leaves the state
   for (const IntegratorInfo& info : integrators()) {
     const SimulatorOptions options{.integrator = info.integrator, .dt = 1e-3};
     fails(options, throws, "the controller threw at t = 0.50");
-    fails(options, odd, "no std::exception");
+    fails(options, odd, "no exception of the standard library");
     fails(options, nan, "the controller's tau[0], of joint 'j1', is nan");
   }
   fails({.integrator = Integrator::dormand_prince}, blows, "collapsed");

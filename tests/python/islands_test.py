@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Scenes that are simulated island by island."""
+import os
+import signal
+import threading
 import unittest
 
 import numpy as np
@@ -72,6 +75,25 @@ class Islands(unittest.TestCase):
         self.assertEqual(islands.time, 0.0)
         del islands
         self.assertEqual(island.model.nv, 1)
+
+    def test_the_user_interrupts_islands_without_callbacks(self):
+        islands = dyn.IslandSimulator(scene(), dt=1e-4)
+        island = islands.island(0)
+
+        def interrupt():
+            while True:
+                try:
+                    island.time  # noqa: B018, refused while the simulation runs
+                except RuntimeError:
+                    return os.kill(os.getpid(), signal.SIGINT)
+
+        thread = threading.Thread(target=interrupt)
+        with self.assertRaises(KeyboardInterrupt):
+            thread.start()
+            islands.advance(1e6)
+        thread.join()
+        self.assertLess(islands.time, 1e6)
+        islands.advance(islands.time + 1e-3)
 
 
 if __name__ == "__main__":

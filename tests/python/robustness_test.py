@@ -4,6 +4,7 @@ import gc
 import multiprocessing
 import os
 import pathlib
+import pickle
 import sys
 import threading
 import unittest
@@ -118,6 +119,37 @@ class Memory(unittest.TestCase):
         self.assertEqual(names["hinge"], slice(0, 1, 1))
 
 
+    def test_parts_of_a_description_outlive_it(self):
+        body = dyn.load(BIPED).bodies[1]
+        bodies = iter(dyn.load(BIPED).bodies)
+        p = dyn.load(BIPED).bodies[2].joint.placement.p
+        growing = pendulum()
+        before = iter(growing.bodies)
+        for k in range(200):
+            growing.add_body(f"body{k}", k, dyn.JointDescription(f"joint{k}", "fixed"))
+        gc.collect()
+        dyn.load(BIPED)
+        self.assertEqual((body.name, next(bodies).name, p.shape), ("torso", "universe", (3,)))
+        self.assertEqual([x.name for x in before], ["universe", "rod"])
+
+    def test_views_of_results_keep_their_data(self):
+        model = dyn.compile(dyn.load(BIPED, root="free_flyer"))
+        q, zero = dyn.neutral(model), np.zeros(model.nv)
+        tau = dyn.rnea(model, dyn.Data(model), q, zero, zero, out="view")
+        expected = dyn.rnea(model, dyn.Data(model), q, zero, zero)
+        others = [dyn.Data(model) for _ in range(20)]
+        for data in others:
+            dyn.rnea(model, data, q, zero, zero + 1)
+        np.testing.assert_array_equal(tau, expected)
+
+    def test_data_of_constraints_keep_their_set(self):
+        model = dyn.compile(pendulum())
+        held = dyn.ConstraintData(dyn.ConstraintSet(model, [dyn.lock_joint("hinge")]))
+        gc.collect()
+        dyn.constraint_dynamics(model, dyn.Data(model), [0.1], [0.0], [0.0], held)
+        self.assertEqual(len(held.set), 1)
+
+
 class Threads(unittest.TestCase):
     def test_threads_that_share_a_data_get_right_results(self):
         # Calls of a single state hold the interpreter's lock, so each sees its own results only.
@@ -222,7 +254,36 @@ class Forks(unittest.TestCase):
         np.testing.assert_array_equal(dyn.rnea(model, batch, q, v, v), expected)
 
 
+    def test_a_simulation_goes_on_in_a_forked_process(self):
+        def advanced(simulators):
+            for simulator in simulators:
+                simulator.advance(0.02)
+            return [simulator.time for simulator in simulators] + [float(simulators[0].q[0])]
+
+        description = pendulum()
+        simulator = dyn.Simulator(dyn.compile(description), dt=1e-3)
+        simulator.set_controller(lambda t, q, v: -v)
+        simulator.reset([0.5], [0.0])
+        simulators = [simulator, dyn.IslandSimulator(description, dt=1e-3)]
+        simulator.advance(0.01)
+        read, write = os.pipe()
+        child = os.fork()
+        if child == 0:
+            os.write(write, repr(advanced(simulators)).encode())
+            os._exit(0)
+        self.assertEqual(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), 0)
+        self.assertEqual(os.read(read, 1000).decode(), repr(advanced(simulators)))
+        os.close(read)
+        os.close(write)
+
+
 class Misuse(unittest.TestCase):
+    def test_what_cannot_be_pickled_says_what_can(self):
+        model = dyn.compile(pendulum())
+        for thing in (model, dyn.Data(model), dyn.BatchData(model, 1)):
+            with self.assertRaisesRegex(TypeError, "cannot be pickled; pickle the Model, and"):
+                pickle.dumps(thing)
+
     def test_objects_that_were_never_made_are_refused(self):
         model = dyn.compile(pendulum())
         for empty in (dyn.Data.__new__(dyn.Data), dyn.BatchData.__new__(dyn.BatchData)):

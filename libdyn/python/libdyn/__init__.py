@@ -31,10 +31,6 @@ from .sweeps import sweep as sweep
 from .tracing import Scalar as Scalar, TracedSE3 as TracedSE3, select as select
 from .tracing import atan2 as atan2, cos as cos, exp as exp, log as log, sin as sin, sqrt as sqrt, tan as tan
 
-for _thing in vars(_core).values():
-    if getattr(_thing, "__module__", None) == _core.__name__ and isinstance(_thing, type):
-        _thing.__module__ = __name__
-
 
 def load(
     path: "str | _os.PathLike[str]",

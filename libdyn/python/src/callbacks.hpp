@@ -52,10 +52,21 @@ void callPython(const py::function& function, double t, const VectorResult& q, c
   runPython([&] { use(function(t, Eigen::VectorXd(q), Eigen::VectorXd(v))); });
 }
 
+/// Returns what a Python function returned as a T. Throws TypeError, which says what the function must return, for anything else.
+template <class T>
+T returned(const py::object& result, const char* function, const char* wanted) {
+  try {
+    return py::cast<T>(result);
+  } catch (const py::cast_error&) {
+    const std::string kind = py::str(py::type::of(result).attr("__name__"));
+    throw py::type_error(std::string(function) + " must return " + wanted + ", not " + (result.is_none() ? "None" : "an object of type " + kind));
+  }
+}
+
 /// Writes an array that a Python function returned to `out`, a vector or a matrix.
 template <class Out>
 void writeReturned(const py::object& array, const char* function, Out&& out) {
-  const auto values = py::cast<Eigen::MatrixXd>(array);
+  const auto values = returned<Eigen::MatrixXd>(array, function, "an array of numbers");
   if (values.size() != out.size() || (out.cols() > 1 && values.rows() != out.rows()))
     throw Error(ErrorCode::size, std::string(function) + " returned " + std::to_string(values.size()) + " numbers, not " +
                                      (out.cols() > 1 ? std::to_string(out.rows()) + " x " + std::to_string(out.cols()) : std::to_string(out.size())));

@@ -173,7 +173,7 @@ void addCodegen(py::module_& m) {
       .def("__repr__", [](const Native& x) { return "<libdyn.CompiledFunction " + x.function.name() + ">"; });
   static PyMethodDef call = {
       "__call__", reinterpret_cast<PyCFunction>(reinterpret_cast<void (*)()>(&callNative)), METH_FASTCALL,
-      "__call__(self: libdyn._core.CompiledFunction, *inputs: numpy.ndarray[numpy.float64]) -> object\n\n"
+      "__call__(self: libdyn.CompiledFunction, *inputs: numpy.ndarray[numpy.float64]) -> object\n\n"
       "Returns the output, or a tuple of all outputs; they have one more dimension, the state, for rows of states. Values are not checked: the\n"
       "function gives nan or infinity for zero quaternions and zero pivots."};
   PyObject* const method = PyDescr_NewMethod(typeOf<Native>(), &call);

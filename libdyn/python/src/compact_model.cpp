@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // The compiled model.
 #include "description.hpp"
+#include "printing.hpp"
 #include "typed.hpp"
 
 #include <dyn/compile/compile.hpp>
@@ -124,6 +125,7 @@ void addCompactModel(py::module_& m) {
            "damping, friction, armature: of joints that move; one number for each degree of freedom, or one number for a list of one.")
       .def("numbers", &numbersOf, "Returns all numbers that with_numbers() can change, as a dict of its arguments.")
       .def("__copy__", [](const CompactModel& x) { return x; })
+      .def("__reduce__", &refusePickle<CompactModel>)
       .def(
           "__deepcopy__", [](const CompactModel& x, const py::dict&) { return x; }, py::arg("memo"))
       .def("__repr__", [](const CompactModel& x) {

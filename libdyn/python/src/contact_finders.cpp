@@ -21,7 +21,9 @@ using Frictions = std::vector<std::tuple<std::string, std::string, double>>;
 ContactFinder finderOf(const py::function& function) {
   return {[function](const VectorResult& q, double reach, std::vector<ContactPoint>& found) {
             runPython([&] {
-              for (const ContactPoint& point : py::cast<std::vector<ContactPoint>>(function(Eigen::VectorXd(q), reach))) found.push_back(point);
+              const py::object list = function(Eigen::VectorXd(q), reach);
+              const auto points = returned<std::vector<ContactPoint>>(list, "the finder of contacts", "a list of ContactPoint");
+              found.insert(found.end(), points.begin(), points.end());
             });
           },
           nullptr};

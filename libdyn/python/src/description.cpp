@@ -63,7 +63,8 @@ void addList(py::module_& m, const char* name, const char* doc) {
           },
           py::arg("range"), "Returns a list of elements.")
       .def(
-          "__iter__", [](List& list) { return py::make_iterator(list.begin(), list.end()); }, py::keep_alive<0, 1>(), "Iterates over the elements.");
+          "__iter__", [](List& list) { return py::make_iterator(list.begin(), list.end()); }, py::keep_alive<0, 1>(), "Iterates over the elements.")
+      .def("__repr__", [](const py::object& self) { return py::repr(py::list(self)); });
 }
 
 /// Makes room for one more element. If the elements move, those that the program holds stay where they are, as long as the model lives.
@@ -138,7 +139,8 @@ void addDescription(py::module_& m) {
       .def_property(
           "parameters", [](const JointDescription& j) { return j.parameters; },
           [](JointDescription& j, const GivenParameters& given) { j.parameters = parametersOf(given); }, "By name, as the type defines them.")
-      .def_readwrite("placement", &JointDescription::placement, "The pose of the joint at its zero in the parent body's frame.");
+      .def_readwrite("placement", &JointDescription::placement, "The pose of the joint at its zero in the parent body's frame.")
+      .def("__repr__", [](const JointDescription& j) { return "<joint '" + j.name + "' of type " + j.type + ">"; });
   numbersProperty(
       joint, "damping", [](JointDescription& j) -> auto& { return j.damping; },
       "Viscous damping [N m s/rad or N s/m], one number for each degree of freedom; one number stands for a list of one.");
@@ -183,11 +185,13 @@ void addDescription(py::module_& m) {
       .def_readwrite("name", &BodyDescription::name, "Unique among the model's bodies.")
       .def_readwrite("parent", &BodyDescription::parent, "The index of the parent body; 0 is the world.")
       .def_readwrite("joint", &BodyDescription::joint, "The joint between the parent body and this one.")
-      .def_readwrite("inertia", &BodyDescription::inertia, "The inertia in the body's frame.");
+      .def_readwrite("inertia", &BodyDescription::inertia, "The inertia in the body's frame.")
+      .def("__repr__", [](const BodyDescription& b) { return "<body '" + b.name + "'>"; });
   py::class_<FrameDescription>(m, "FrameDescription", "A named frame that is fixed to a body.")
       .def_readwrite("name", &FrameDescription::name, "Unique among the model's frames.")
       .def_readwrite("body", &FrameDescription::body, "The index of the body to which the frame is fixed; 0 is the world.")
-      .def_readwrite("placement", &FrameDescription::placement, "The pose in the body's frame.");
+      .def_readwrite("placement", &FrameDescription::placement, "The pose in the body's frame.")
+      .def("__repr__", [](const FrameDescription& f) { return "<frame '" + f.name + "'>"; });
   addList<BodyDescription>(m, "BodyList", "The bodies of a model. An element is a part of the model, not a copy. Take it again after add_body().");
   addList<FrameDescription>(m, "FrameList", "The frames of a model. An element is a part of the model, not a copy. Take it again after add_frame().");
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Contacts with friction, limits and joint friction: steps at the level of velocities, and forces within their cones. Results are new arrays.
-#include "module.hpp"
+#include "printing.hpp"
 
 #include <dyn/constraint/friction.hpp>
 #include <dyn/spatial/eigen.hpp>
@@ -46,7 +46,7 @@ void addCones(py::module_& m) {
       .def_readwrite("both_ways", &FrictionCone::both_ways, "The friction of a joint itself.")
       .def_readwrite("coordinate", &FrictionCone::coordinate, "For joint friction: which of the joint's degrees of freedom.")
       .def("__repr__", [](const FrictionCone& c) {
-        return "<cone of constraint " + std::to_string(c.constraint) + ", friction " + py::repr(py::float_(c.friction)).cast<std::string>() + ">";
+        return "<cone of constraint " + std::to_string(c.constraint) + ", friction " + written(py::float_(c.friction)) + ">";
       });
   m.def(
       "friction_contact",

@@ -294,6 +294,7 @@ PyTypeObject* tupleOf(const Function& f) {
 }  // namespace
 
 void addFunctions(py::module_& m) {
+  m.def("_python_name", &pythonName, py::arg("name"));
   static std::deque<Function> functions;
   for (const AlgorithmInfo& algorithm : algorithms()) {
     if (algorithm.outputs[0].symbol == nullptr || algorithm.algorithm == Algorithm::placements || algorithm.algorithm == Algorithm::frame_jacobian)

@@ -41,19 +41,30 @@ void checkLibrary() {
 
 }  // namespace
 
+std::string inPython(const std::string& text) {
+  try {
+    return py::module_::import("libdyn._names").attr("in_python")(text).cast<std::string>();
+  } catch (py::error_already_set& problem) {
+    if (!problem.matches(PyExc_Exception)) throw;  // Ctrl-C
+    return text;                                   // the text is no UTF-8, or the interpreter is ending
+  }
+}
+
 py::object errorOf(const Error& e) {
-  py::object error = py::reinterpret_steal<py::object>(PyObject_CallFunction(error_type, "s", e.what()));
+  // "file:line: joint 'j': what was wrong; what to do"
+  const Where& where = e.where();
+  std::string place = where.file;
+  if (where.line > 0) place += ':' + std::to_string(where.line);
+  if (!where.joint.empty()) place += (place.empty() ? "" : ": ") + ("joint '" + where.joint + "'");
+  std::string text = e.what();
+  const std::size_t start = text.starts_with(place) ? place.size() : 0;
+  text = text.substr(0, start) + inPython(text.substr(start));
+  py::object error = py::reinterpret_steal<py::object>(PyObject_CallFunction(error_type, "s", text.c_str()));
   if (!error) throw py::error_already_set();
   error.attr("code") = nameOf(e.code());
   error.attr("file") = e.where().file;
   error.attr("line") = e.where().line;
   error.attr("joint") = e.where().joint;
-  // "file:line: joint 'j': what was wrong; what to do"
-  const std::string text = e.what();
-  const Where& where = e.where();
-  std::string place = where.file;
-  if (where.line > 0) place += ':' + std::to_string(where.line);
-  if (!where.joint.empty()) place += (place.empty() ? "" : ": ") + ("joint '" + where.joint + "'");
   const std::size_t cure = text.rfind("; ");
   error.attr("place") = place;
   error.attr("remedy") = cure == std::string::npos ? "" : text.substr(cure + 2);
@@ -61,7 +72,7 @@ py::object errorOf(const Error& e) {
 }
 
 void warn(const std::string& text) {
-  if (PyErr_WarnEx(model_warning, text.c_str(), 1) != 0) throw py::error_already_set();
+  if (PyErr_WarnEx(model_warning, inPython(text).c_str(), 1) != 0) throw py::error_already_set();
 }
 
 PyObject* fail() {
@@ -127,6 +138,7 @@ void addVersion(py::module_& m) {
 #define PyInit__core dyn_python_initialize
 PYBIND11_MODULE(_core, m) {
   m.doc() = "The compiled part of libdyn. Programs import libdyn.";
+  m.attr("__module__") = "libdyn";  // where its classes and functions say that they are
   using namespace dyn::python;
   checkLibrary();
   if (_import_array() < 0) throw pybind11::error_already_set();
@@ -163,6 +175,8 @@ PYBIND11_MODULE(_core, m) {
   addRollout(m);
   addCodegen(m);
   addVersion(m);
+  addArgumentErrors(m);
+  py::delattr(m, "__module__");
 }
 #undef PyInit__core
 

@@ -6,6 +6,8 @@
 
 #include <pybind11/pybind11.h>
 
+#include <string>
+
 namespace dyn::python {
 
 namespace py = pybind11;
@@ -42,9 +44,13 @@ void addIslands(py::module_& m);
 void addRollout(py::module_& m);
 void addGraphs(py::module_& m);
 void addCodegen(py::module_& m);
+/// Lets the functions that the module has by now name the argument that does not fit.
+void addArgumentErrors(py::module_& m);
 
 /// Returns a libdyn.Error with the attributes code, file, line, joint, place and remedy.
 py::object errorOf(const Error& e);
+/// Returns a text of the library with the names that Python has for what it names: Need.MASS_MATRIX for Need::mass_matrix.
+std::string inPython(const std::string& text);
 /// Gives a libdyn.ModelWarning to Python's warnings. Throws if these make it an error.
 void warn(const std::string& text);
 /// Sets Python's error from the C++ exception that is being handled; returns null.

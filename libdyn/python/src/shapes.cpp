@@ -2,6 +2,7 @@
 // Volumes on bodies, as descriptions have them, and the pairs that are not checked for collision.
 #include "choices.hpp"
 #include "description.hpp"
+#include "printing.hpp"
 
 #include <dyn/parsers/srdf.hpp>
 #include <dyn/spatial/eigen.hpp>
@@ -44,31 +45,34 @@ geometry::Voxels voxelsOf(const Points& centers, const std::variant<double, Eige
 void addSolids(py::module_& m) {
   using namespace geometry;
   const py::arg radius("radius"), length("length");
-  py::class_<Sphere>(m, "Sphere", "A ball [m].")
-      .def(py::init([](double r) { return Sphere{r}; }), radius)
-      .def_readwrite("radius", &Sphere::radius, "[m]; 0 makes a point.");
-  py::class_<Box>(m, "Box", "A cuboid, by its whole side lengths along x, y, z [m].")
-      .def(py::init([](double x, double y, double z) {
-             return Box{{x, y, z}};
-           }),
-           py::arg("x"), py::arg("y"), py::arg("z"))
+  py::class_<Sphere> sphere(m, "Sphere", "A ball [m].");
+  sphere.def(py::init([](double r) { return Sphere{r}; }), radius).def_readwrite("radius", &Sphere::radius, "[m]; 0 makes a point.");
+  printed(sphere, [](const Sphere& x) { return py::make_tuple(x.radius); });
+  py::class_<Box> box(m, "Box", "A cuboid, by its whole side lengths along x, y, z [m].");
+  box.def(py::init([](double x, double y, double z) {
+            return Box{{x, y, z}};
+          }),
+          py::arg("x"), py::arg("y"), py::arg("z"))
       .def_property(
           "size", [](const Box& b) { return toEigen(b.size); }, [](Box& b, const Vector3& size) { b.size = fromEigen3(size); },
           "Whole side lengths along x, y, z (3,) [m].");
+  printed(box, [](const Box& x) { return py::make_tuple(x.size.x, x.size.y, x.size.z); });
   // Shapes with a radius and a length.
   const auto turned = [&]<class Shape>(const Shape*, const char* name, const char* doc) {
-    py::class_<Shape>(m, name, doc)
-        .def(py::init([](double r, double l) {
-               return Shape{r, l};
-             }),
-             radius, length)
+    py::class_<Shape> shape(m, name, doc);
+    shape.def(py::init([](double r, double l) {
+                return Shape{r, l};
+              }),
+              radius, length)
         .def_readwrite("radius", &Shape::radius, "The radius [m].")
         .def_readwrite("length", &Shape::length, "The length along z [m].");
+    printed(shape, [](const Shape& x) { return py::make_tuple(x.radius, x.length); });
   };
   turned(static_cast<const Capsule*>(nullptr), "Capsule", "A cylinder with round ends along z; `length` is between the centres of the ends [m].");
   turned(static_cast<const Cylinder*>(nullptr), "Cylinder", "A circular cylinder along z [m].");
   turned(static_cast<const Cone*>(nullptr), "Cone", "A circular cone along z, with the tip at +length / 2 [m].");
-  py::class_<HalfSpace>(m, "HalfSpace", "All points x with normal . x <= offset [m].")
+  py::class_<HalfSpace> half_space(m, "HalfSpace", "All points x with normal . x <= offset [m].");
+  half_space
       .def(py::init([](const Vector3& normal, double offset) {
              return HalfSpace{fromEigen3(normal), offset};
            }),
@@ -77,6 +81,7 @@ void addSolids(py::module_& m) {
           "normal", [](const HalfSpace& h) { return toEigen(h.normal); }, [](HalfSpace& h, const Vector3& n) { h.normal = fromEigen3(n); },
           "Points outwards (3,); any length but zero.")
       .def_readwrite("offset", &HalfSpace::offset, "Distance of the plane from the origin along the normal, times its length [m].");
+  printed(half_space, [](const HalfSpace& x) { return py::make_tuple(toEigen(x.normal), x.offset); });
 }
 
 void addMeshes(py::module_& m) {
@@ -84,7 +89,8 @@ void addMeshes(py::module_& m) {
   py::class_<ConvexHull>(m, "ConvexHull", "The convex hull of points, one a row [m].")
       .def(py::init([](const Points& points) { return ConvexHull{pointsOf(points)}; }), py::arg("points"))
       .def_property_readonly(
-          "points", [](const ConvexHull& h) { return rowsOf(h.points); }, "The points, one a row (n, 3) [m].");
+          "points", [](const ConvexHull& h) { return rowsOf(h.points); }, "The points, one a row (n, 3) [m].")
+      .def("__repr__", [](const ConvexHull& h) { return "<libdyn.ConvexHull of " + std::to_string(h.points.size()) + " points>"; });
   py::class_<TriangleMesh>(m, "TriangleMesh", "A surface of triangles: vertices, one a row [m], and three indices of them a triangle.")
       .def(py::init([](const Points& vertices, const std::vector<std::array<int, 3>>& triangles) {
              return TriangleMesh{pointsOf(vertices), triangles};
@@ -92,7 +98,10 @@ void addMeshes(py::module_& m) {
            py::arg("vertices"), py::arg("triangles"))
       .def_property_readonly(
           "vertices", [](const TriangleMesh& t) { return rowsOf(t.vertices); }, "Corners, one a row (n, 3) [m].")
-      .def_readonly("triangles", &TriangleMesh::triangles, "Three indices of vertices for each triangle.");
+      .def_readonly("triangles", &TriangleMesh::triangles, "Three indices of vertices for each triangle.")
+      .def("__repr__", [](const TriangleMesh& t) {
+        return "<libdyn.TriangleMesh: " + std::to_string(t.vertices.size()) + " vertices, " + std::to_string(t.triangles.size()) + " triangles>";
+      });
   py::class_<MeshFile>(m, "MeshFile", "A mesh in a file: a path, or file://, package:// or model:// and a path.")
       .def(py::init([](const std::string& uri, const Vector3& scale, bool convex) {
              return MeshFile{uri, fromEigen3(scale), convex};
@@ -102,7 +111,8 @@ void addMeshes(py::module_& m) {
       .def_property(
           "scale", [](const MeshFile& f) { return toEigen(f.scale); }, [](MeshFile& f, const Vector3& s) { f.scale = fromEigen3(s); },
           "Factors along x, y, z (3,).")
-      .def_readwrite("convex", &MeshFile::convex, "Whether the convex hull of the mesh is meant.");
+      .def_readwrite("convex", &MeshFile::convex, "Whether the convex hull of the mesh is meant.")
+      .def("__repr__", [](const MeshFile& f) { return "<libdyn.MeshFile '" + f.uri + "'>"; });
   py::class_<Voxels>(m, "Voxels", "Cubes along the axes of the frame, such as the occupied leaves of an octree.")
       .def(py::init(&voxelsOf), py::arg("centers"), py::arg("sizes"), "centers: one a row [m]. sizes: one side length [m] for all, or one for each.")
       .def_property_readonly(
@@ -120,10 +130,12 @@ void addMeshes(py::module_& m) {
             for (std::size_t k = 0; k < v.cubes.size(); ++k) sizes[static_cast<Eigen::Index>(k)] = v.cubes[k].size;
             return sizes;
           },
-          "The sides [m].");
+          "The sides [m].")
+      .def("__repr__", [](const Voxels& v) { return "<libdyn.Voxels: " + std::to_string(v.cubes.size()) + " cubes>"; });
   py::class_<OctreeFile>(m, "OctreeFile", "The occupied leaves of an octomap file (.bt or .ot).")
       .def(py::init([](const std::string& uri) { return OctreeFile{uri}; }), py::arg("uri"))
-      .def_readwrite("uri", &OctreeFile::uri, "A path, file://, package:// or model://.");
+      .def_readwrite("uri", &OctreeFile::uri, "A path, file://, package:// or model://.")
+      .def("__repr__", [](const OctreeFile& f) { return "<libdyn.OctreeFile '" + f.uri + "'>"; });
   m.def(
       "height_field",
       [](const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>& heights, double x0, double y0, double dx, double dy) {
@@ -152,7 +164,8 @@ void addToModel(py::module_& m) {
            py::arg("body"), py::arg("other"), py::arg("reason") = "")
       .def_readonly("body", &DisabledCollision::body, "The name of a body or volume.")
       .def_readonly("other", &DisabledCollision::other, "The name of another one.")
-      .def_readonly("reason", &DisabledCollision::reason, "Why, for people.");
+      .def_readonly("reason", &DisabledCollision::reason, "Why, for people.")
+      .def("__repr__", [](const DisabledCollision& x) { return "<no collision of '" + x.body + "' with '" + x.other + "'>"; });
   py::reinterpret_borrow<py::class_<Model>>(m.attr("Model"))
       .def_property_readonly(
           "geometries", [](const Model& x) { return py::tuple(py::cast(x.geometries)); }, "Volumes on bodies and in the world.")

@@ -42,7 +42,7 @@ void setController(Simulation& s, const std::optional<ControllerFunction>& contr
   if (derivatives)
     differentiate = [f = *derivatives](double t, const VectorResult& q, const VectorResult& v, MatrixMap dtau_dq, MatrixMap dtau_dv) {
       callPython(f, t, q, v, [&](const py::object& out) {
-        const auto [by_q, by_v] = py::cast<std::pair<py::object, py::object>>(out);
+        const auto [by_q, by_v] = returned<std::pair<py::object, py::object>>(out, "the derivatives of the controller", "two arrays of numbers");
         writeReturned(by_q, "the derivatives of the controller", dtau_dq);
         writeReturned(by_v, "the derivatives of the controller", dtau_dv);
       });
@@ -76,7 +76,7 @@ void setEvents(Simulation& s, const std::vector<std::tuple<std::string, EventFun
     all.push_back({name,
                    [f = function](double t, const VectorResult& q, const VectorResult& v) {
                      double value = 0;
-                     callPython(f, t, q, v, [&](const py::object& out) { value = py::cast<double>(out); });
+                     callPython(f, t, q, v, [&](const py::object& out) { value = returned<double>(out, "the function of an event", "a number"); });
                      return value;
                    },
                    kind});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Poses, motions, forces and inertias. Their parts are views: a change of `X.p[0]` changes X.
-#include "module.hpp"
+#include "printing.hpp"
 
 #include <dyn/error.hpp>
 #include <dyn/lie/se3.hpp>
@@ -50,21 +50,6 @@ void copies(Class& c, const Arguments& arguments) {
   c.def(
       "__deepcopy__", [](const T& x, const py::dict&) { return x; }, py::arg("memo"));
   c.def("__reduce__", [arguments](const py::object& self) { return py::make_tuple(py::type::of(self), arguments(py::cast<const T&>(self))); });
-}
-
-std::string written(const py::handle& name, const py::tuple& parts) {
-  std::string out = py::str(name.attr("__name__")).cast<std::string>() + "(";
-  for (std::size_t k = 0; k < parts.size(); ++k) {
-    py::object part = parts[k];
-    if (py::hasattr(part, "tolist")) part = part.attr("tolist")();
-    out += (k ? ", " : "") + py::repr(part).cast<std::string>();
-  }
-  return out + ")";
-}
-template <class Class, class Arguments>
-void printed(Class& c, const Arguments& arguments) {
-  using T = typename Class::type;
-  c.def("__repr__", [arguments](const py::object& self) { return written(py::type::of(self), arguments(py::cast<const T&>(self))); });
 }
 
 /// Motions and forces: two vectors, linear part first.

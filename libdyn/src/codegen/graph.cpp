@@ -312,7 +312,7 @@ void GraphBuilder::markPackable(const std::array<Traced, most_packable>& numbers
 void GraphBuilder::run(int k) {
   if (k < 0 || k >= most_packable)
     throw Error(ErrorCode::argument,
-                "GraphBuilder::run: there is no run " + std::to_string(k) + "; runs have numbers from 0 to " + std::to_string(most_packable - 1));
+                "GraphBuilder: there is no run " + std::to_string(k) + "; runs have numbers from 0 to " + std::to_string(most_packable - 1));
   impl_->run = k;
   impl_->step = nullptr;
 }

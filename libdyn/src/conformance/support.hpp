@@ -47,7 +47,7 @@ void guarded(const char* name, Findings& findings, const Group& group) {
   } catch (const std::exception& e) {
     findings.push_back(failure(name, e.what()));
   } catch (...) {
-    findings.push_back(failure(name, "threw something that is no std::exception"));
+    findings.push_back(failure(name, "threw something that is no exception of the standard library"));
   }
 }
 

@@ -22,7 +22,7 @@ void guardCallback(const char* callback, double t, F&& call) {
   } catch (const std::exception& e) {
     refuseCallback(callback, t, e.what());
   } catch (...) {
-    refuseCallback(callback, t, "something that is no std::exception");
+    refuseCallback(callback, t, "something that is no exception of the standard library");
   }
 }
 

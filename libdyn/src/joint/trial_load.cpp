@@ -70,7 +70,7 @@ std::string trialLoad(const OpenFile& file, const std::function<void(void* libra
     } catch (const std::exception& e) {
       return report(std::string("a static constructor of it threw: ") + e.what());
     } catch (...) {
-      return report("a static constructor of it threw something that is no std::exception");
+      return report("a static constructor of it threw something that is no exception of the standard library");
     }
     if (library != nullptr) try {
         read(library);
