@@ -2,12 +2,11 @@
 #include "at.hpp"
 #include "compile/compact_impl.hpp"
 #include "compile/draft.hpp"
+#include "same_bits.hpp"
 
 #include <algorithm>
-#include <cstring>
 #include <memory>
 #include <string>
-#include <type_traits>
 #include <utility>
 
 namespace dyn {
@@ -32,9 +31,7 @@ std::uint8_t offsetOf(const Vec3<double>& p) { return static_cast<std::uint8_t>(
 /// Writes `value` to a member of an element, unless it is there already: writing would end the sharing.
 template <class T, class Member, class Value>
 void put(SharedVector<T>& vector, std::size_t i, const Member& member, const Value& value) {
-  static_assert(std::is_trivially_copyable_v<Value>);
-  const Value& old = member(std::as_const(vector)[i]);
-  if (std::memcmp(&old, &value, sizeof value) != 0) const_cast<Value&>(member(vector[i])) = value;  // NOLINT: the same bits are meant
+  if (!sameBits(member(std::as_const(vector)[i]), value)) const_cast<Value&>(member(vector[i])) = value;
 }
 template <class Value>
 void put(SharedVector<Value>& vector, std::size_t i, const Value& value) {

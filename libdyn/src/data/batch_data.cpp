@@ -2,11 +2,11 @@
 #include "compile/draft.hpp"
 #include "data/batch_impl.hpp"
 #include "data/room.hpp"
+#include "same_bits.hpp"
 
 #include <dyn/error.hpp>
 
 #include <algorithm>
-#include <cstring>
 #include <string>
 #include <utility>
 
@@ -61,14 +61,13 @@ namespace {
 void checkSameNumbers(const CompactImpl& own, const CompactImpl& model, std::size_t place) {
   const auto refuse = [&](const std::string& why) { throw Error(ErrorCode::argument, "setModels: model " + std::to_string(place) + " " + why); };
   const auto equal = []<class N>(const SharedVector<N>& a, const SharedVector<N>& b) {
-    return a.data() == b.data() || std::memcmp(a.data(), b.data(), a.size() * sizeof(N)) == 0;
+    return a.data() == b.data() || std::equal(a.data(), a.data() + a.size(), b.data(), sameBits<N>);
   };
   if (model.batches.data() != own.batches.data() || model.constants.size() != own.constants.size())
     refuse("does not come from the batch's own model; make it by withNumbers() of that one");
   if (!equal(own.described.placements, model.described.placements))
     refuse("has other placements of joints than the batch's own; only inertias may differ");
-  if (std::memcmp(&own.gravity, &model.gravity, sizeof own.gravity) != 0)
-    refuse("has another gravity than the batch's own; only inertias may differ");
+  if (!sameBits(own.gravity, model.gravity)) refuse("has another gravity than the batch's own; only inertias may differ");
   if (own.damping != model.damping || own.friction != model.friction || own.armature != model.armature)
     refuse("has other damping, friction or armature than the batch's own; only inertias may differ");
 }
@@ -78,7 +77,7 @@ InertiaConstants<double> inertiaIn(const CompactImpl& own, const CompactImpl& mo
   const BodyConstants<double>& c = model.constants[i];
   const auto joint = static_cast<std::size_t>(own.index[i].joint);
   const SE3<double>&to = own.user_frame[joint], &from = model.user_frame[joint];
-  if (std::memcmp(&to, &from, sizeof to) == 0) return {c.mass, c.com, c.rotational, c.h, c.origin};
+  if (sameBits(to, from)) return {c.mass, c.com, c.rotational, c.h, c.origin};
   const SE3<long double> moved = cast<long double>(to) * cast<long double>(from).inverse();
   return inertiaConstants(cast<long double>(Inertia<double>{c.mass, c.com, c.rotational}).transformed(moved));
 }
