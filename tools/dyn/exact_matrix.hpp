@@ -117,7 +117,7 @@ class ExactView {
   using Matrix = ExactMatrix<digits>;
 
   ExactView(const ExactView&) = default;
-  ExactView& operator=(const ExactView& x) { return *this = Matrix(x); }
+  ExactView& operator=(const ExactView& x) { return *this = Matrix(x); }  // NOLINT: a copy of the entries is made first
   ExactView& operator=(const Matrix& x);
   ExactView& operator+=(const Matrix& x);
   ExactView& operator-=(const Matrix& x);

@@ -193,14 +193,17 @@ class Child {
         text_.erase(0, end + 1);
         if (line[0] != '=') {
           report.group = line;
-        } else if ((report.number = std::atoi(line.c_str() + 1)) == last) {
-          return report;
+          continue;
         }
+        report.number = std::atoi(line.c_str() + 1);
+        if (report.number == last) return report;
       }
-      if ((report.interrupted = Interruption::pending())) return report;
+      report.interrupted = Interruption::pending();
+      if (report.interrupted) return report;
       pollfd ready{ends_[0], POLLIN, 0};
       const int n = held.poll(ready, time_limit);
-      if ((report.late = n == 0)) return report;
+      report.late = n == 0;
+      if (report.late) return report;
       if (n < 0 && errno == EINTR) continue;
       char buffer[512];
       const ssize_t size = n > 0 ? ::read(ends_[0], buffer, sizeof buffer) : 0;
