@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Volumes that are placed one by one, compiled by libdyn. Each volume lies on a floating body of its own, whose pose is the volume's."""
 
+from __future__ import annotations
+
+from typing import Any
+
 import numpy as np
 
 import libdyn
@@ -12,7 +16,7 @@ class Scene:
     shapes: libdyn's shapes. pairs: pairs of their indices.
     """
 
-    def __init__(self, shapes, pairs):
+    def __init__(self, shapes: Any, pairs: Any) -> None:
         robot = libdyn.Model()
         unit = libdyn.Inertia(1.0, np.zeros(3), np.eye(3))
         for k, shape in enumerate(shapes):
@@ -32,13 +36,13 @@ class Scene:
 class SceneState:
     """Placements of a Scene's volumes, and results."""
 
-    def __init__(self, scene):
+    def __init__(self, scene: Scene) -> None:
         self.scene = scene
         self._data = libdyn.Data(scene.model)
         self._geometry_data = libdyn.GeometryData(scene.geometry)
         self._q = libdyn.neutral(scene.model)
 
-    def place(self, poses):
+    def place(self, poses: Any) -> None:
         """Places volumes. `poses` yields pairs of a volume's index and its pose in the world."""
         for k, pose in poses:
             q = self._q[self.scene.slices[k]]
@@ -46,17 +50,17 @@ class SceneState:
             q[3:] = libdyn.quaternion_of(pose.R, check=False)
         libdyn.update_geometry_placements(self.scene.model, self._data, self.scene.geometry, self._geometry_data, self._q)
 
-    def collides(self, pair):
+    def collides(self, pair: int) -> bool:
         """Returns whether the two volumes of a pair share a point."""
         return libdyn.compute_collision(self.scene.geometry, self._geometry_data, self.scene.pairs[pair][0])
 
-    def distance(self, pair):
+    def distance(self, pair: int) -> Any:
         """Returns (distance, point on the first, point on the second, normal from the first to the second), in the world."""
         index, swapped = self.scene.pairs[pair]
         d = libdyn.compute_distance(self.scene.geometry, self._geometry_data, index)
         return (d.distance, d.nearest_b, d.nearest_a, -d.normal) if swapped else (d.distance, d.nearest_a, d.nearest_b, d.normal)
 
-    def contacts(self, pair):
+    def contacts(self, pair: int) -> Any:
         """Returns the contacts of a pair, each (position, normal from the first to the second, depth)."""
         index, swapped = self.scene.pairs[pair]
         found = libdyn.compute_contacts(self.scene.geometry, self._geometry_data)

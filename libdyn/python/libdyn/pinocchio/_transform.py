@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Poses with the names of hpp-fcl."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Optional
+
 import numpy as np
 
 import libdyn
@@ -9,13 +13,19 @@ from ._arrays import PRECISION
 from .rotations import Quaternion
 from .spatial import SE3
 
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+    from typing_extensions import Self
+
+    from ._types import Array
+
 
 class Transform3f:
     """A pose, as hpp-fcl has it. Transform3f(), Transform3f(SE3), Transform3f(R or quaternion, T), Transform3f(R or quaternion or T)."""
 
     __hash__ = None
 
-    def __init__(self, rotation=None, translation=None):
+    def __init__(self, rotation: Any = None, translation: Optional[ArrayLike] = None) -> None:
         self._pose = SE3()
         if isinstance(rotation, Transform3f):
             self._pose = rotation._pose.copy()
@@ -28,69 +38,69 @@ class Transform3f:
             if translation is not None:
                 self._pose.translation = translation
 
-    def getRotation(self):
+    def getRotation(self) -> Array:
         return self._pose.rotation
 
-    def getTranslation(self):
+    def getTranslation(self) -> Array:
         return self._pose.translation
 
-    def getQuatRotation(self):
+    def getQuatRotation(self) -> Quaternion:
         return Quaternion(self._pose.rotation)
 
-    def setRotation(self, R):
+    def setRotation(self, R: ArrayLike) -> None:
         self._pose.rotation = R
 
-    def setTranslation(self, T):
+    def setTranslation(self, T: ArrayLike) -> None:
         self._pose.translation = T
 
-    def setQuatRotation(self, q):
+    def setQuatRotation(self, q: Quaternion) -> None:
         self._pose.rotation = q.matrix()
 
-    def setTransform(self, rotation, translation):
+    def setTransform(self, rotation: Any, translation: ArrayLike) -> None:
         self._pose = Transform3f(rotation, translation)._pose
 
-    def setIdentity(self):
+    def setIdentity(self) -> None:
         self._pose.setIdentity()
 
-    def setRandom(self):
+    def setRandom(self) -> None:
         self._pose.setRandom()
 
-    def isIdentity(self, prec=PRECISION):
+    def isIdentity(self, prec: float = PRECISION) -> bool:
         return self._pose.isIdentity(prec)
 
-    def transform(self, v):
+    def transform(self, v: ArrayLike) -> Array:
         """Returns the point (3,) in the outer frame."""
         return self._pose.act(v)
 
-    def inverse(self):
+    def inverse(self) -> Transform3f:
         return Transform3f(self._pose.inverse())
 
-    def inverseInPlace(self):
+    def inverseInPlace(self) -> Self:
         self._pose = self._pose.inverse()
         return self
 
-    def inverseTimes(self, other):
+    def inverseTimes(self, other: Transform3f) -> Transform3f:
         return Transform3f(self._pose.actInv(other._pose))
 
-    def __mul__(self, other):
+    def __mul__(self, other: Transform3f) -> Transform3f:
         return Transform3f(self._pose * other._pose)
 
-    def __imul__(self, other):
+    def __imul__(self, other: Transform3f) -> Self:
         self._pose = self._pose * other._pose
         return self
 
-    def __eq__(self, other):
+    def __eq__(self, other: Transform3f) -> bool:
         return self._pose == other._pose if isinstance(other, Transform3f) else NotImplemented
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[Any, ...]:
         return Transform3f, (self._pose,)
 
     @staticmethod
-    def Identity():
+    def Identity() -> Transform3f:
         return Transform3f()
 
     @staticmethod
-    def Random():
+    def Random() -> Transform3f:
         return Transform3f(SE3.Random())
 
 

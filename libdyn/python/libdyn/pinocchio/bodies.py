@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Quantities of all bodies at one state: forces that joints transmit, and the centres of mass and inertias of subtrees."""
+
+from __future__ import annotations
+
 import functools
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -8,11 +12,15 @@ import libdyn as dyn
 
 from .spatial import own
 
+if TYPE_CHECKING:
+    from ._types import Array
+    from .state import State
+
 
 class Bodies:
     """The motion of each joint: poses (in the world), velocities and accelerations (in joint axes), as libdyn's own objects. Joint 0 rests."""
 
-    def __init__(self, state):
+    def __init__(self, state: State) -> None:
         self.c, self.fext = state.c, state.fext
         model, data, last = self.c.model, state.kinematics(), self.c.last[1:]
         self.poses = [dyn.SE3(), *(dyn.joint_placement(model, data, k) for k in last)]
@@ -20,18 +28,18 @@ class Bodies:
         self.accelerations = [dyn.Motion(), *(dyn.joint_acceleration(model, data, k, dyn.LOCAL) for k in last)]
 
     @functools.cached_property
-    def falling(self):
+    def falling(self) -> list[Any]:
         """The accelerations minus gravity."""
         up = dyn.Motion(-self.c.gravity, np.zeros(3))
         return [a + M.act_inverse(up) for a, M in zip(self.accelerations, self.poses)]
 
     @functools.cached_property
-    def momenta(self):
+    def momenta(self) -> list[Any]:
         """The momentum of each body, in joint axes."""
         return [dyn.Force(), *(dyn.Inertia.__matmul__(Y, v) for Y, v in zip(self.c.inertias[1:], self.velocities[1:]))]
 
     @functools.cached_property
-    def forces(self):
+    def forces(self) -> list[Any]:
         """The forces that joints transmit to their bodies, in joint axes."""
         c, fall, h = self.c, self.falling, self.momenta
         out = [dyn.Force(), *(dyn.Inertia.__matmul__(c.inertias[k], fall[k]) + self.velocities[k].cross(h[k]) for k in range(1, c.njoints))]
@@ -57,7 +65,7 @@ class Bodies:
         return np.einsum("kij,kj->ki", self._turns, vectors)
 
     @functools.cached_property
-    def centres(self):
+    def centres(self) -> Array:
         """The centre of mass of each joint's subtree, in the world (n, 3)."""
         return self._means(np.array([M.p for M in self.poses]) + self._in_world(self.c.centres))
 
@@ -78,15 +86,15 @@ class Bodies:
         spatial = rates[:, :3] + np.cross(rates[:, 3:], self.c.centres)
         return self._means(self._in_world(spatial + np.cross(self._twists[:, 3:], self._point_velocities())))
 
-    def centre(self, k):
+    def centre(self, k: int) -> Array:
         """Returns the centre of mass of the subtree of joint k, in the joint's frame."""
         return self.poses[k].R.T @ (self.centres[k] - self.poses[k].p)
 
-    def centre_velocity(self, k):
+    def centre_velocity(self, k: int) -> Any:
         """Returns the velocity of the same point, in the joint's axes."""
         return self.poses[k].R.T @ self._centre_velocities[k]
 
-    def centre_acceleration(self, k):
+    def centre_acceleration(self, k: int) -> Any:
         """Returns the acceleration of the same point, in the joint's axes."""
         return self.poses[k].R.T @ self._centre_accelerations[k]
 
@@ -97,6 +105,6 @@ class Bodies:
             out[self.c.parents[k]] = out[self.c.parents[k]] + out[k]
         return out
 
-    def composite(self, k):
+    def composite(self, k: int) -> Any:
         """Returns the inertia of the subtree of joint k, in the world."""
         return own(self._composites[k])

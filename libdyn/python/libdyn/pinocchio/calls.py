@@ -1,8 +1,17 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """The first step of every algorithm: its model, compiled, and libdyn's data."""
 
+from __future__ import annotations
 
-def compiled(model, function):
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .compiled import Compiled
+    from .data import Data
+    from .model import Model
+
+
+def compiled(model: Model, function: str) -> Compiled:
     """Returns the Compiled of a model. Raises TypeError for another object."""
     try:
         return model.compiled()
@@ -14,7 +23,7 @@ def compiled(model, function):
         raise TypeError(f"{function}: model must be a Model, not {type(model).__name__}") from None
 
 
-def prepare(model, data, function):
+def prepare(model: Model, data: Data, function: str) -> tuple[Compiled, Any]:
     """Returns the Compiled of a model and libdyn's data in `data`. Raises TypeError for other objects, ValueError for data of other sizes."""
     c = compiled(model, function)
     try:

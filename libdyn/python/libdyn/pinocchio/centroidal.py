@@ -1,5 +1,10 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """The momentum about the centre of mass, in world axes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Optional
+
 import numpy as np
 
 import libdyn as dyn
@@ -8,10 +13,17 @@ from .calls import prepare
 from .kinematics import PLACEMENTS
 from .spatial import Force
 
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from ._types import Array
+    from .data import Data
+    from .model import Model
+
 _COMMON = (*PLACEMENTS, "J", "com", "mass", "Ig", "oYcrb")
 
 
-def ccrba(model, data, q, v):
+def ccrba(model: Model, data: Data, q: ArrayLike, v: ArrayLike) -> Array:
     """Returns Ag (6, nv), for which Ag v is the momentum; also data.Ag, hg, Ig, com, vcom, J."""
     c, d = prepare(model, data, "ccrba")
     q, v = c.q_in(q, "ccrba"), c.v_in(v, "ccrba", "v")
@@ -21,7 +33,7 @@ def ccrba(model, data, q, v):
     return data.Ag
 
 
-def computeCentroidalMap(model, data, q):
+def computeCentroidalMap(model: Model, data: Data, q: ArrayLike) -> Array:
     """Returns Ag (6, nv), for which Ag v is the momentum; also data.Ag, Ig, com, J."""
     c, d = prepare(model, data, "computeCentroidalMap")
     q = c.q_in(q, "computeCentroidalMap")
@@ -30,7 +42,7 @@ def computeCentroidalMap(model, data, q):
     return data.Ag
 
 
-def dccrba(model, data, q, v):
+def dccrba(model: Model, data: Data, q: ArrayLike, v: ArrayLike) -> Array:
     """Returns dAg (6, nv), the rate of Ag; also data.dAg, Ag, hg, Ig, com, vcom, J, dJ."""
     c, d = prepare(model, data, "dccrba")
     q, v = c.q_in(q, "dccrba"), c.v_in(v, "dccrba", "v")
@@ -43,7 +55,7 @@ def dccrba(model, data, q, v):
 computeCentroidalMapTimeVariation = dccrba
 
 
-def computeCentroidalMomentum(model, data, q=None, v=None):
+def computeCentroidalMomentum(model: Model, data: Data, q: Optional[ArrayLike] = None, v: Optional[ArrayLike] = None) -> Force:
     """Returns the momentum, a Force; also data.hg, com, vcom. Without q and v, at the state of the last forwardKinematics(q, v)."""
     c, d, state = _state(model, data, (q, v), "computeCentroidalMomentum", "v")
     data.hg = Force(dyn.ccrba(c.model, d, state.q, state.v_or_zero)[0])
@@ -51,7 +63,13 @@ def computeCentroidalMomentum(model, data, q=None, v=None):
     return data.hg
 
 
-def computeCentroidalMomentumTimeVariation(model, data, q=None, v=None, a=None):
+def computeCentroidalMomentumTimeVariation(
+    model: Model,
+    data: Data,
+    q: Optional[ArrayLike] = None,
+    v: Optional[ArrayLike] = None,
+    a: Optional[ArrayLike] = None,
+) -> Force:
     """Returns the rate of the momentum, a Force; also data.dhg, hg, com, vcom, acom. Without q, v and a, at the last forwardKinematics(q, v, a)."""
     c, d, state = _state(model, data, (q, v, a), "computeCentroidalMomentumTimeVariation", "a")
     hg, dhg, *_ = dyn.compute_centroidal_momentum_time_variation(c.model, d, state.q, state.v_or_zero, state.a_or_zero)
@@ -71,7 +89,7 @@ def _state(model, data, arguments, function, field):
     return c, d, state
 
 
-def computeCentroidalDynamicsDerivatives(model, data, q, v, a):
+def computeCentroidalDynamicsDerivatives(model: Model, data: Data, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> tuple[Array, Array, Array, Array]:
     """Returns the derivatives (6, nv) of the momentum by q, and of its rate by q, v and a; also data.hg, dhg, Ag."""
     c, d = prepare(model, data, "computeCentroidalDynamicsDerivatives")
     names = ("q", "v", "a")
@@ -81,7 +99,7 @@ def computeCentroidalDynamicsDerivatives(model, data, q, v, a):
     return _centroidal_derivatives(c, d, data, state)
 
 
-def getCentroidalDynamicsDerivatives(model, data):
+def getCentroidalDynamicsDerivatives(model: Model, data: Data) -> tuple[Array, Array, Array, Array]:
     """Returns the same at the state of the last computeRNEADerivatives."""
     c, d = prepare(model, data, "getCentroidalDynamicsDerivatives")
     state = data.source("oa", "getCentroidalDynamicsDerivatives", "computeRNEADerivatives(model, data, q, v, a)")

@@ -1,13 +1,25 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Factors M = U D U^T of the mass matrix of the last crba."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 import libdyn as dyn
 
 from .calls import prepare
 
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
 
-def decompose(model, data):
+    from ._types import Array
+    from .data import Data
+    from .model import Model
+
+
+def decompose(model: Model, data: Data) -> Array:
     """Computes the factors; returns U (nv, nv), which data.U gives, too, beside data.D (nv,)."""
     c, d = prepare(model, data, "decompose")
     dyn.cholesky.decompose(c.model, d)
@@ -16,7 +28,7 @@ def decompose(model, data):
     return data.U
 
 
-def solve(model, data, v):
+def solve(model: Model, data: Data, v: ArrayLike) -> Array:
     """Returns M^-1 v, for a vector or the columns of a matrix. Call decompose first."""
     c, d = prepare(model, data, "solve")
     given = np.asarray(v, dtype=float)
@@ -25,7 +37,7 @@ def solve(model, data, v):
     return c.rows_out(dyn.cholesky.solve(c.model, d, c.rows_in(given)))
 
 
-def computeMinv(model, data):
+def computeMinv(model: Model, data: Data) -> Array:
     """Returns M^-1 (nv, nv); also data.Minv. Call decompose first."""
     data.Minv = solve(model, data, np.eye(model.nv))
     return data.Minv

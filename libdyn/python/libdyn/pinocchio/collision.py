@@ -1,11 +1,25 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Placements of volumes, collision checks and distances, with the names of Pinocchio."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NoReturn, Optional, Union
+
 import numpy as np
 
 from ._arrays import instance
 from ._queries import check, collide, distance, measure
 from .geometry import GeometryData, GeometryModel
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from ._queries import CollisionRequest, CollisionResult, DistanceRequest, DistanceResult
+    from ._transform import Transform3f
+    from .data import Data
+    from .geometry_object import GeometryObject
+    from .model import Model
+    from .spatial import SE3
 
 __all__ = [
     "ComputeCollision",
@@ -19,7 +33,13 @@ __all__ = [
 ]
 
 
-def updateGeometryPlacements(model, data, geometry_model, geometry_data, q=None):
+def updateGeometryPlacements(
+    model: Model,
+    data: Data,
+    geometry_model: GeometryModel,
+    geometry_data: GeometryData,
+    q: Optional[ArrayLike] = None,
+) -> None:
     """Places all volumes in the world by the poses in data.oMi. With q (nq,), computes these first."""
     if q is not None:
         from .kinematics import forwardKinematics
@@ -43,7 +63,12 @@ def _checked(geometry_model, geometry_data):
     return [k for k in active if not any(x.disableCollision for x in _shapes(geometry_model, k))]
 
 
-def computeCollision(geometry_model, geometry_data, pair_index, collision_request=None):
+def computeCollision(
+    geometry_model: GeometryModel,
+    geometry_data: GeometryData,
+    pair_index: int,
+    collision_request: Optional[CollisionRequest] = None,
+) -> bool:
     """Returns whether a pair collides where geometry_data.oMg has its volumes; fills geometry_data.collisionResults[pair_index]."""
     instance(geometry_data, GeometryData, "geometry_data")._check(pair_index)
     result = geometry_data.collisionResults[pair_index]
@@ -55,7 +80,7 @@ def computeCollision(geometry_model, geometry_data, pair_index, collision_reques
     return check(state, pair_index, collision_request or geometry_data.collisionRequests[pair_index], result, a.geometry, b.geometry)
 
 
-def computeCollisions(*args, **named):
+def computeCollisions(*args: Any, **named: Any) -> bool:
     """computeCollisions(geometry_model, geometry_data, stop_at_first_collision=False) returns whether any active pair collides.
 
     computeCollisions(model, data, geometry_model, geometry_data, q, stop_at_first_collision=False) places the volumes at q first.
@@ -75,7 +100,7 @@ def computeCollisions(*args, **named):
     return found
 
 
-def computeDistance(geometry_model, geometry_data, pair_index):
+def computeDistance(geometry_model: GeometryModel, geometry_data: GeometryData, pair_index: int) -> DistanceResult:
     """Returns the DistanceResult of a pair, which is also geometry_data.distanceResults[pair_index]."""
     instance(geometry_data, GeometryData, "geometry_data")._check(pair_index)
     result = geometry_data.distanceResults[pair_index]
@@ -84,7 +109,7 @@ def computeDistance(geometry_model, geometry_data, pair_index):
     return result
 
 
-def computeDistances(*args, **named):
+def computeDistances(*args: Any, **named: Any) -> int:
     """computeDistances(geometry_model, geometry_data) fills geometry_data.distanceResults of active pairs; returns the index of the nearest pair.
 
     computeDistances(model, data, geometry_model, geometry_data, q) places the volumes at q first. Without pairs the number of pairs is returned.
@@ -113,7 +138,7 @@ def _placed_by(args, named):
     return geometry_model, geometry_data, args[5:]
 
 
-def computeBodyRadius(model, geometry_model, geometry_data):
+def computeBodyRadius(model: Model, geometry_model: GeometryModel, geometry_data: GeometryData) -> NoReturn:
     """Not computed. Raises NotImplementedError."""
     raise NotImplementedError("libdyn keeps no radius of a joint's volumes; computeDistances gives distances of pairs")
 
@@ -121,13 +146,13 @@ def computeBodyRadius(model, geometry_model, geometry_data):
 class _Functor:
     """A check of two volumes, at poses that are given with each call."""
 
-    def __init__(self, geometry_object1, geometry_object2):
+    def __init__(self, geometry_object1: GeometryObject, geometry_object2: GeometryObject) -> None:
         self._objects = geometry_object1, geometry_object2
 
-    def getGeometryObject1(self):
+    def getGeometryObject1(self) -> Any:
         return self._objects[0]
 
-    def getGeometryObject2(self):
+    def getGeometryObject2(self) -> Any:
         return self._objects[1]
 
     def _run(self, function, tf1, tf2, request, result):
@@ -138,12 +163,12 @@ class _Functor:
 class ComputeCollision(_Functor):
     """ComputeCollision(geometry_object1, geometry_object2).run(pose1, pose2, request, result) returns the number of contacts."""
 
-    def run(self, tf1, tf2, request, result):
+    def run(self, tf1: Union[SE3, Transform3f], tf2: Union[SE3, Transform3f], request: CollisionRequest, result: CollisionResult) -> Any:
         return self._run(collide, tf1, tf2, request, result)
 
 
 class ComputeDistance(_Functor):
     """ComputeDistance(geometry_object1, geometry_object2).run(pose1, pose2, request, result) returns the distance [m]."""
 
-    def run(self, tf1, tf2, request, result):
+    def run(self, tf1: Union[SE3, Transform3f], tf2: Union[SE3, Transform3f], request: DistanceRequest, result: DistanceResult) -> Any:
         return self._run(distance, tf1, tf2, request, result)

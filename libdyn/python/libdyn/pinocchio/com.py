@@ -1,5 +1,10 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Masses and centres of mass, of the robot and of the subtrees of joints."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Optional
+
 import numpy as np
 
 import libdyn as dyn
@@ -9,11 +14,16 @@ from .convert import index
 from .enums import KinematicLevel
 from .kinematics import PLACEMENTS
 
+if TYPE_CHECKING:
+    from ._types import Array
+    from .data import Data
+    from .model import Model
+
 _FIELDS = ("com", "vcom", "acom")
 _MOTIONS = ("oMi", "v", "a")
 
 
-def computeTotalMass(model, data=None):
+def computeTotalMass(model: Model, data: Optional[Data] = None) -> float:
     """Returns the mass of all moving bodies [kg]; with data, also data.mass[0]."""
     mass = float(compiled(model, "computeTotalMass").subtree_masses[0])
     if data is not None:
@@ -21,13 +31,13 @@ def computeTotalMass(model, data=None):
     return mass
 
 
-def computeSubtreeMasses(model, data):
+def computeSubtreeMasses(model: Model, data: Data) -> None:
     """Computes data.mass, the mass of each joint's subtree [kg]."""
     for i, mass in enumerate(compiled(model, "computeSubtreeMasses").subtree_masses.tolist()):
         data.mass[i] = mass
 
 
-def centerOfMass(model, data, *arguments, **named):
+def centerOfMass(model: Model, data: Data, *arguments: Any, **named: Any) -> Array:
     """Returns the centre of mass (3,) in the world [m]; also data.com, mass, and with v and a data.vcom and acom.
 
     Arguments: q[, v[, a]], then compute_subtree_coms; or a kinematic level (POSITION, VELOCITY, ACCELERATION), or nothing, for the state of the last
@@ -50,7 +60,7 @@ def centerOfMass(model, data, *arguments, **named):
     return data.com[0]
 
 
-def jacobianCenterOfMass(model, data, *arguments, **named):
+def jacobianCenterOfMass(model: Model, data: Data, *arguments: Any, **named: Any) -> Array:
     """Returns the Jacobian (3, nv) of the centre of mass; also data.Jcom, com (here all in the world), mass, J.
 
     Arguments: q, or nothing for the state of the last forwardKinematics; then compute_subtree_coms.
@@ -72,7 +82,7 @@ def _state_of(c, data, given, function):
     return data.source("oMi", function, "forwardKinematics(model, data, q)")
 
 
-def jacobianSubtreeCenterOfMass(model, data, *arguments):
+def jacobianSubtreeCenterOfMass(model: Model, data: Data, *arguments: Any) -> Array:
     """Returns the Jacobian (3, nv) of the centre of mass of the subtree of a joint. Arguments: [q,] subtree_root_joint_id."""
     c, _ = prepare(model, data, "jacobianSubtreeCenterOfMass")
     state = _state_of(c, data, arguments[:-1], "jacobianSubtreeCenterOfMass")
@@ -81,7 +91,7 @@ def jacobianSubtreeCenterOfMass(model, data, *arguments):
     return _subtree_jacobian(model, c, state, arguments[-1], "jacobianSubtreeCenterOfMass")
 
 
-def getJacobianSubtreeCenterOfMass(model, data, subtree_root_joint_id):
+def getJacobianSubtreeCenterOfMass(model: Model, data: Data, subtree_root_joint_id: int) -> Array:
     """Returns the same at the state of the last jacobianCenterOfMass."""
     c, _ = prepare(model, data, "getJacobianSubtreeCenterOfMass")
     state = data.source("J", "getJacobianSubtreeCenterOfMass", "jacobianCenterOfMass(model, data, q)")

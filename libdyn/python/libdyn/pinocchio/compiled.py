@@ -1,10 +1,23 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """libdyn's compiled model of a Model, and the way from one numbering to the other."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 import libdyn as dyn
 
 from . import convert
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from numpy.typing import ArrayLike
+
+    from ._types import Array
+    from .model import Model
+    from .spatial import Force
 
 
 class Compiled:
@@ -14,7 +27,7 @@ class Compiled:
     inertias, masses, centres (of mass, in the joint's frame), subtree_masses.
     """
 
-    def __init__(self, model):
+    def __init__(self, model: Model) -> None:
         self.description, names = describe(model)
         self.model = dyn.compile(self.description, dissipation=False)
         self.bodies = [parts[-1] for parts in names]
@@ -43,7 +56,7 @@ class Compiled:
         self._v, self._v_back = _orders(v_order)
         self._joints_in_order = self.last == list(range(self.njoints))
 
-    def q_in(self, q, function, name="q"):
+    def q_in(self, q: ArrayLike, function: str, name: str = "q") -> Array:
         """Returns a configuration in libdyn's order. A zero quaternion is no rotation, as in Pinocchio. Raises ValueError for a wrong size."""
         q = convert.vector(q, self.nq, function, name)
         for at in self._quaternions:
@@ -52,36 +65,36 @@ class Compiled:
                 q[at + 3] = 1.0
         return q if self._q is None else q[self._q]
 
-    def v_in(self, v, function, name="v"):
+    def v_in(self, v: ArrayLike, function: str, name: str = "v") -> Array:
         """Returns a velocity, acceleration or force in libdyn's order. Raises ValueError for a wrong size."""
         v = convert.vector(v, self.nv, function, name)
         return v if self._v is None else v[self._v]
 
-    def q_out(self, q):
+    def q_out(self, q: ArrayLike) -> Array:
         """Returns a configuration in Pinocchio's order."""
         return q if self._q is None else q[self._q_back]
 
-    def v_out(self, v):
+    def v_out(self, v: ArrayLike) -> Array:
         """Returns vectors, or matrices with one column for each degree of freedom, in Pinocchio's order."""
         return v if self._v is None else v[..., self._v_back]
 
-    def square_out(self, M):
+    def square_out(self, M: Any) -> Array:
         """Returns a matrix (nv, nv) in Pinocchio's order."""
         return M if self._v is None else M[np.ix_(self._v_back, self._v_back)]
 
-    def rows_of_q(self, x):
+    def rows_of_q(self, x: Any) -> Array:
         """Returns a matrix with one row for each coordinate in libdyn's order."""
         return x if self._q is None else x[self._q]
 
-    def rows_in(self, x):
+    def rows_in(self, x: Any) -> Array:
         """Returns a matrix with one row for each degree of freedom in libdyn's order."""
         return x if self._v is None else x[self._v]
 
-    def rows_out(self, x):
+    def rows_out(self, x: Any) -> Array:
         """Returns a matrix with one row for each degree of freedom in Pinocchio's order."""
         return x if self._v is None else x[self._v_back]
 
-    def forces_in(self, fext, function):
+    def forces_in(self, fext: Sequence[Force], function: str) -> Array:
         """Returns forces on joints as libdyn's rows; None stays None. Raises ValueError for a wrong number."""
         if fext is None:
             return None
@@ -94,7 +107,7 @@ class Compiled:
         out[self.last] = rows
         return out
 
-    def blocks_out(self, x, size):
+    def blocks_out(self, x: Any, size: int) -> Array:
         """Returns a matrix with `size` columns for each joint but the universe, in Pinocchio's order."""
         if self._joints_in_order:
             return x
@@ -108,7 +121,7 @@ def _orders(order):
     return order, np.argsort(order)
 
 
-def describe(model):
+def describe(model: Model) -> Any:
     """Returns libdyn's description of a Model, and for each joint the names of its parts there."""
     robot = dyn.Model()
     robot.name = model.name

@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Rigid contacts and closed loops, and the dynamics under them. libdyn's solver needs no proximal iterations, so their settings have no influence."""
+
+from __future__ import annotations
+
 import copy
+from typing import TYPE_CHECKING, Any, Optional
 
 import numpy as np
 
@@ -15,21 +19,30 @@ from .enums import LOCAL, LOCAL_WORLD_ALIGNED, WORLD, ContactType
 from .kinematics import PLACEMENTS
 from .spatial import SE3, Force, Motion
 
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from numpy.typing import ArrayLike
+
+    from ._types import Array
+    from .compiled import Compiled
+    from .data import Data
+    from .model import Model
+
 
 class BaumgarteCorrectorParameters:
     """Gains of the feedback on violations: Kp on the position error [1/s^2], Kd on the velocity [1/s]; one number for each row."""
 
-    def __init__(self, size):
+    def __init__(self, size: int) -> None:
         self.Kp, self.Kd = np.zeros(size), np.zeros(size)
 
-    def gains(self):
+    def gains(self) -> tuple[float, float]:
         """Returns both gains as numbers. Raises NotImplementedError if rows differ."""
         for name in ("Kp", "Kd"):
             if np.ptp(np.atleast_1d(getattr(self, name))) != 0:
                 raise NotImplementedError(f"RigidConstraintModel: corrector.{name} differs between rows; libdyn has one gain for a constraint")
         return float(np.atleast_1d(self.Kp)[0]), float(np.atleast_1d(self.Kd)[0])
 
-    def __eq__(self, other):
+    def __eq__(self, other: object) -> bool:
         return np.array_equal(self.Kp, other.Kp) and np.array_equal(self.Kd, other.Kd)
 
     __hash__ = None
@@ -42,7 +55,7 @@ class RigidConstraintModel:
     axes of its constraint frame (LOCAL), or in world axes (LOCAL_WORLD_ALIGNED).
     """
 
-    def __init__(self, contact_type, model, joint1_id, *rest, **named):
+    def __init__(self, contact_type: ContactType, model: Model, joint1_id: int, *rest: Any, **named: Any) -> None:
         keys = iter(("joint1_placement", "joint2_id", "joint2_placement", "reference_frame"))
         given = dict(named)
         for x in rest:
@@ -68,19 +81,19 @@ class RigidConstraintModel:
         self.desired_contact_acceleration = Motion.Zero()
         self.corrector = BaumgarteCorrectorParameters(self.size())
 
-    def size(self):
+    def size(self) -> int:
         """Returns the number of rows, 3 or 6."""
         return 3 if self.type == ContactType.CONTACT_3D else 6
 
-    def createData(self):
+    def createData(self) -> RigidConstraintData:
         """Returns memory for results."""
         return RigidConstraintData(self)
 
-    def copy(self):
+    def copy(self) -> RigidConstraintModel:
         """Returns a copy."""
         return copy.deepcopy(self)
 
-    def description(self, c, k):
+    def description(self, c: Compiled, k: int) -> Any:
         """Returns the constraint number k as libdyn describes it."""
         wanted = (self.desired_contact_placement, self.desired_contact_velocity, self.desired_contact_acceleration)
         if wanted != (SE3.Identity(), Motion.Zero(), Motion.Zero()):
@@ -95,13 +108,13 @@ class RigidConstraintModel:
         out.baumgarte = gains
         return out
 
-    def key(self):
+    def key(self) -> Any:
         """Returns what libdyn's description depends on."""
         parts = (self.joint1_placement, self.joint2_placement, self.desired_contact_placement)
         poses = tuple(x.tobytes() for M in parts for x in (M.R, M.p))
         return (self.type, self.joint1_id, self.joint2_id, self.reference_frame, poses, str(self.corrector.Kp), str(self.corrector.Kd))
 
-    def __eq__(self, other):
+    def __eq__(self, other: object) -> bool:
         return isinstance(other, RigidConstraintModel) and self.key() == other.key() and self.name == other.name
 
     __hash__ = None
@@ -110,20 +123,20 @@ class RigidConstraintModel:
 class RigidConstraintData:
     """Results of one constraint: contact_force on joint 1, oMc1, oMc2, c1Mc2."""
 
-    def __init__(self, contact_model):
+    def __init__(self, contact_model: RigidConstraintModel) -> None:
         self.contact_force = Force.Zero()
         self.oMc1, self.oMc2, self.c1Mc2 = SE3.Identity(), SE3.Identity(), SE3.Identity()
 
-    def copy(self):
+    def copy(self) -> RigidConstraintData:
         """Returns a copy."""
         return copy.deepcopy(self)
 
-    def place(self, model, oMi):
+    def place(self, model: Model, oMi: Any) -> None:
         """Computes the poses of the constraint frames."""
         self.oMc1, self.oMc2 = oMi[model.joint1_id] * model.joint1_placement, oMi[model.joint2_id] * model.joint2_placement
         self.c1Mc2 = self.oMc1.actInv(self.oMc2)
 
-    def __eq__(self, other):
+    def __eq__(self, other: object) -> bool:
         return isinstance(other, RigidConstraintData) and self.__dict__ == other.__dict__
 
     __hash__ = None
@@ -132,7 +145,7 @@ class RigidConstraintData:
 class ProximalSettings:
     """Settings of Pinocchio's solver: absolute_accuracy, relative_accuracy, mu, max_iter. They have no influence on libdyn's."""
 
-    def __init__(self, *numbers):
+    def __init__(self, *numbers: Any) -> None:
         if len(numbers) not in (0, 3, 4):
             raise TypeError("ProximalSettings: give accuracy, mu, max_iter, or absolute_accuracy, relative_accuracy, mu, max_iter")
         absolute, *rest = numbers or (1e-12, 0.0, 1)
@@ -204,13 +217,22 @@ def _force_derivatives(data, contact_models, contact_datas, forces, by_q, *other
     return out
 
 
-def initConstraintDynamics(model, data, contact_models):
+def initConstraintDynamics(model: Model, data: Data, contact_models: Sequence[RigidConstraintModel]) -> None:
     """Resolves the constraints once, so that the first constraintDynamics need not."""
     _problem(model, data, contact_models, "initConstraintDynamics")
     data.contact_chol = ContactCholeskyDecomposition(model, contact_models)
 
 
-def constraintDynamics(model, data, q, v, tau, contact_models, contact_datas, prox_settings=None):
+def constraintDynamics(
+    model: Model,
+    data: Data,
+    q: ArrayLike,
+    v: ArrayLike,
+    tau: ArrayLike,
+    contact_models: Sequence[RigidConstraintModel],
+    contact_datas: Sequence[RigidConstraintData],
+    prox_settings: Optional[ProximalSettings] = None,
+) -> Array:
     """Returns the accelerations (nv,) under tau and the constraints; also data.ddq, lambda_c, and contact_force of each contact data."""
     name = "constraintDynamics"
     c, d, constraints = _problem(model, data, contact_models, name)
@@ -224,7 +246,13 @@ def constraintDynamics(model, data, q, v, tau, contact_models, contact_datas, pr
     return data.ddq
 
 
-def computeConstraintDynamicsDerivatives(model, data, contact_models, contact_datas, settings=None):
+def computeConstraintDynamicsDerivatives(
+    model: Model,
+    data: Data,
+    contact_models: Sequence[RigidConstraintModel],
+    contact_datas: Sequence[RigidConstraintData],
+    settings: Optional[ProximalSettings] = None,
+) -> tuple[Array, ...]:
     """Returns the derivatives of the last constraintDynamics: of ddq by q, v, tau (nv, nv), then of lambda_c (rows, nv); also in data."""
     name = "computeConstraintDynamicsDerivatives"
     c, d, constraints = _problem(model, data, contact_models, name)
@@ -238,7 +266,7 @@ def computeConstraintDynamicsDerivatives(model, data, contact_models, contact_da
     return data.ddq_dq, data.ddq_dv, data.ddq_dtau, data.dlambda_dq, data.dlambda_dv, data.dlambda_dtau
 
 
-def impulseDynamics(model, data, *arguments, **named):
+def impulseDynamics(model: Model, data: Data, *arguments: Any, **named: Any) -> Array:
     """Returns the velocities (nv,) after an impact; also data.dq_after, impulse_c.
 
     Arguments: q, v, contact_models, contact_datas, r_coeff=0, prox_settings; or as impulseDynamicsWithJacobian takes them.
@@ -259,7 +287,14 @@ def _impact(model, data, q, v, contact_models, contact_datas, r_coeff=0.0, prox_
     return data.dq_after
 
 
-def computeImpulseDynamicsDerivatives(model, data, contact_models, contact_datas, r_coeff=0.0, prox_settings=None):
+def computeImpulseDynamicsDerivatives(
+    model: Model,
+    data: Data,
+    contact_models: Sequence[RigidConstraintModel],
+    contact_datas: Sequence[RigidConstraintData],
+    r_coeff: float = 0.0,
+    prox_settings: Optional[ProximalSettings] = None,
+) -> None:
     """Computes the derivatives of the last impulseDynamics: data.ddq_dq and ddq_dv of the velocities (nv, nv), dlambda_dq and dlambda_dv."""
     name = "computeImpulseDynamicsDerivatives"
     c, d, constraints = _problem(model, data, contact_models, name)
@@ -271,7 +306,12 @@ def computeImpulseDynamicsDerivatives(model, data, contact_models, contact_datas
     data.dlambda_dq, data.dlambda_dv = _force_derivatives(data, contact_models, contact_datas, data.impulse_c, *of_impulses)
 
 
-def getConstraintsJacobian(model, data, contact_models, contact_datas):
+def getConstraintsJacobian(
+    model: Model,
+    data: Data,
+    contact_models: Sequence[RigidConstraintModel],
+    contact_datas: Sequence[RigidConstraintData],
+) -> Array:
     """Returns the Jacobian (rows, nv) of constraints at the state of the last forwardKinematics or computeJointJacobians."""
     c, d = prepare(model, data, "getConstraintsJacobian")
     state = data.source("oMi", "getConstraintsJacobian", "computeJointJacobians(model, data, q)")
@@ -281,6 +321,6 @@ def getConstraintsJacobian(model, data, contact_models, contact_datas):
     return _turned(contact_models, contact_datas, J)
 
 
-def getConstraintJacobian(model, data, contact_model, contact_data):
+def getConstraintJacobian(model: Model, data: Data, contact_model: RigidConstraintModel, contact_data: RigidConstraintData) -> Array:
     """Returns the Jacobian (rows, nv) of one constraint, as getConstraintsJacobian does for several."""
     return getConstraintsJacobian(model, data, [contact_model], [contact_data])

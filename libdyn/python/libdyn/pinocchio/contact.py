@@ -1,9 +1,21 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Forward dynamics and impacts under constraints that a program gives by their Jacobian."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from .convert import matrix, vector
 from .dynamics import crba, nonLinearEffects
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from ._types import Array
+    from .data import Data
+    from .model import Model
 
 
 def _arguments(names, arguments, named):
@@ -19,7 +31,7 @@ def _factors(M, J, damping):
     return MinvJt, J @ MinvJt + float(damping) * np.eye(len(J))
 
 
-def forwardDynamics(model, data, *arguments, **named):
+def forwardDynamics(model: Model, data: Data, *arguments: Any, **named: Any) -> Array:
     """Solves M ddq + nle = tau + J^T lambda, J ddq + drift = 0 for ddq (nv,), which it returns, and lambda; also data.ddq, lambda_c.
 
     Arguments: q, v, tau, constraint_jacobian, constraint_drift, damping=0. Without q and v, data.M and data.nle are used.
@@ -40,7 +52,7 @@ def forwardDynamics(model, data, *arguments, **named):
     return data.ddq
 
 
-def impulseDynamicsWithJacobian(model, data, *arguments, **named):
+def impulseDynamicsWithJacobian(model: Model, data: Data, *arguments: Any, **named: Any) -> Array:
     """Solves M (v_after - v) = J^T impulse, J v_after = -r J v for v_after (nv,), which it returns; also data.dq_after, impulse_c.
 
     Arguments: q, v_before, constraint_jacobian, restitution_coefficient=0, damping=0. Without q, data.M is used.
@@ -59,13 +71,13 @@ def impulseDynamicsWithJacobian(model, data, *arguments, **named):
     return data.dq_after
 
 
-def computeKKTContactDynamicMatrixInverse(model, data, q, constraint_jacobian, damping=0.0):
+def computeKKTContactDynamicMatrixInverse(model: Model, data: Data, q: ArrayLike, constraint_jacobian: ArrayLike, damping: ArrayLike = 0.0) -> Array:
     """Returns the inverse of [[M, J^T], [J, -damping]] (nv + rows, nv + rows)."""
     crba(model, data, q)
     return _inverse(model, data, constraint_jacobian, damping, "computeKKTContactDynamicMatrixInverse")
 
 
-def getKKTContactDynamicMatrixInverse(model, data, constraint_jacobian):
+def getKKTContactDynamicMatrixInverse(model: Model, data: Data, constraint_jacobian: ArrayLike) -> Array:
     """Returns the inverse of [[M, J^T], [J, 0]] (nv + rows, nv + rows) with the data.M of the last forwardDynamics or crba."""
     return _inverse(model, data, constraint_jacobian, 0.0, "getKKTContactDynamicMatrixInverse")
 

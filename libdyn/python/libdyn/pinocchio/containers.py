@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Lists whose elements all have one type, with the names of Pinocchio's vectors."""
 
+from __future__ import annotations
+
 import copy
 import operator
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -11,6 +14,13 @@ import libdyn
 from .inertia import Inertia
 from .spatial import SE3, Force, Motion
 from .symmetric3 import Symmetric3
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+    from numpy.typing import ArrayLike
+    from typing_extensions import Self
+
+    from ._types import Array
 
 __all__ = [
     "StdMap_String_VectorXd",
@@ -45,7 +55,7 @@ class TypedList(list):
     def _convert(x):
         return x
 
-    def __init__(self, *args):
+    def __init__(self, *args: Any) -> None:
         if len(args) == 2:
             size, value = operator.index(args[0]), args[1]
             if size < 0:
@@ -54,58 +64,58 @@ class TypedList(list):
             args = ([copy.deepcopy(value) for _ in room],)
         super().__init__(map(self._convert, *args) if args else ())
 
-    def append(self, x):
+    def append(self, x: Any) -> None:
         super().append(self._convert(x))
 
-    def extend(self, items):
+    def extend(self, items: Iterable[Any]) -> None:
         super().extend([self._convert(x) for x in items])
 
-    def insert(self, index, x):
+    def insert(self, index: Any, x: Any) -> None:
         super().insert(index, self._convert(x))
 
-    def __iadd__(self, items):
+    def __iadd__(self, items: Iterable[Any]) -> Self:
         self.extend(items)
         return self
 
-    def __setitem__(self, index, x):
+    def __setitem__(self, index: Any, x: Any) -> None:
         super().__setitem__(index, [self._convert(item) for item in x] if isinstance(index, slice) else self._convert(x))
 
-    def __getitem__(self, index):
+    def __getitem__(self, index: Any) -> Any:
         out = super().__getitem__(index)
         return type(self)(out) if isinstance(index, slice) else out
 
-    def __eq__(self, other):
+    def __eq__(self, other: object) -> bool:
         if not isinstance(other, (list, tuple)):
             return NotImplemented
         return len(self) == len(other) and all(map(_equal, self, other))
 
-    def __ne__(self, other):
+    def __ne__(self, other: object) -> bool:
         equal = self.__eq__(other)
         return equal if equal is NotImplemented else not equal
 
-    def tolist(self, deep_copy=False):
+    def tolist(self, deep_copy: bool = False) -> list[Any]:
         """Returns a plain list of the elements, or of copies of them."""
         return copy.deepcopy(list(self)) if deep_copy else list(self)
 
-    def copy(self):
+    def copy(self) -> Self:
         """Returns a list of copies of the elements."""
         return copy.deepcopy(self)
 
     __copy__ = copy
 
-    def __deepcopy__(self, memo):
+    def __deepcopy__(self, memo: Any) -> Self:
         return type(self)([copy.deepcopy(x, memo) for x in self])
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (list(self),)
 
 
-def typed_list(name, convert, module):
+def typed_list(name: str, convert: Any, module: Any) -> Any:
     """Makes a TypedList class, which belongs to a module by name. `convert` returns its argument as an element, or raises TypeError."""
     return type(name, (TypedList,), {"_convert": staticmethod(convert), "__module__": module, "__doc__": f"A list of {name[7:]}."})
 
 
-def instances(cls, base=None):
+def instances(cls: Any, base: Any = None) -> Callable[[Any], Any]:
     """Returns a conversion that keeps instances of cls, makes one of instances of `base`, and refuses others."""
 
     def convert(x):
@@ -156,23 +166,23 @@ StdVec_MatrixXs = typed_list("StdVec_MatrixXs", _numbers(2), __name__)
 class StdMap_String_VectorXd(dict):
     """Vectors by name, such as reference configurations. Values become arrays of float64."""
 
-    def __init__(self, *args, **named):
+    def __init__(self, *args: Any, **named: Any) -> None:
         super().__init__()
         for name, value in dict(*args, **named).items():
             self[name] = value
 
-    def __setitem__(self, name, value):
+    def __setitem__(self, name: str, value: ArrayLike) -> None:
         super().__setitem__(_text(name), _numbers(1)(value))
 
-    def todict(self, deep_copy=False):
+    def todict(self, deep_copy: bool = False) -> Array:
         """Returns a plain dict of the arrays, or of copies of them."""
         return copy.deepcopy(dict(self)) if deep_copy else dict(self)
 
-    def copy(self):
+    def copy(self) -> Self:
         return copy.deepcopy(self)
 
-    def __deepcopy__(self, memo):
+    def __deepcopy__(self, memo: Any) -> Self:
         return StdMap_String_VectorXd(self)
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[Any, ...]:
         return StdMap_String_VectorXd, (dict(self),)

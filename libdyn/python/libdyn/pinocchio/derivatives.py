@@ -1,5 +1,10 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Analytical derivatives of dynamics and kinematics. Derivatives by q are in its tangent space."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Optional
+
 import numpy as np
 
 import libdyn as dyn
@@ -9,10 +14,27 @@ from .convert import index
 from .enums import LOCAL, LOCAL_WORLD_ALIGNED, WORLD
 from .kinematics import PLACEMENTS, _joint_and_placement, _split
 
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from numpy.typing import ArrayLike
+
+    from .. import ReferenceFrame
+    from ._types import Array
+    from .data import Data
+    from .model import Model
+    from .spatial import Force, SE3
+
 _STATE = (*PLACEMENTS, "v", "ov", "a", "oa", "oa_gf", "of", "oh", "J", "dJ", "oYcrb")
 
 
-def computeRNEADerivatives(model, data, q, v, a, fext=None):
+def computeRNEADerivatives(
+    model: Model,
+    data: Data,
+    q: ArrayLike,
+    v: ArrayLike,
+    a: ArrayLike,
+    fext: Optional[Sequence[Force]] = None,
+) -> tuple[Array, Array, Array]:
     """Returns the derivatives (nv, nv) of rnea by q, v and a; also data.dtau_dq, dtau_dv, M, tau."""
     c, d = prepare(model, data, "computeRNEADerivatives")
     q, v, a = c.q_in(q, "computeRNEADerivatives"), c.v_in(v, "computeRNEADerivatives", "v"), c.v_in(a, "computeRNEADerivatives", "a")
@@ -24,21 +46,21 @@ def computeRNEADerivatives(model, data, q, v, a, fext=None):
     return dtau_dq, dtau_dv, M
 
 
-def computeGeneralizedGravityDerivatives(model, data, q):
+def computeGeneralizedGravityDerivatives(model: Model, data: Data, q: ArrayLike) -> Array:
     """Returns the derivative (nv, nv) of g(q)."""
     c, d = prepare(model, data, "computeGeneralizedGravityDerivatives")
     zero = np.zeros(c.nv)
     return c.square_out(dyn.compute_rnea_derivatives(c.model, d, c.q_in(q, "computeGeneralizedGravityDerivatives"), zero, zero)[0])
 
 
-def computeStaticTorqueDerivatives(model, data, q, fext):
+def computeStaticTorqueDerivatives(model: Model, data: Data, q: ArrayLike, fext: Sequence[Force]) -> Array:
     """Returns the derivative (nv, nv) of computeStaticTorque by q."""
     c, d = prepare(model, data, "computeStaticTorqueDerivatives")
     zero, forces = np.zeros(c.nv), c.forces_in(fext, "computeStaticTorqueDerivatives")
     return c.square_out(dyn.compute_rnea_derivatives(c.model, d, c.q_in(q, "computeStaticTorqueDerivatives"), zero, zero, fext=forces)[0])
 
 
-def computeABADerivatives(model, data, *arguments):
+def computeABADerivatives(model: Model, data: Data, *arguments: Any) -> tuple[Array, Array, Array]:
     """Returns the derivatives (nv, nv) of aba by q, v and tau; also data.ddq_dq, ddq_dv, Minv, ddq.
 
     Arguments: q, v, tau, or nothing for the state of the last aba; then fext, as for rnea.
@@ -60,7 +82,7 @@ def computeABADerivatives(model, data, *arguments):
     return data.ddq_dq, data.ddq_dv, data.Minv
 
 
-def computeForwardKinematicsDerivatives(model, data, q, v, a):
+def computeForwardKinematicsDerivatives(model: Model, data: Data, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> None:
     """Prepares the derivatives that the functions below return; also the fields of forwardKinematics, data.J and dJ."""
     c, _ = prepare(model, data, "computeForwardKinematicsDerivatives")
     names = ("q", "v", "a")
@@ -97,12 +119,14 @@ def _at(model, data, joint, placement, reference, function, name):
     return tuple(parts)
 
 
-def getJointVelocityDerivatives(model, data, joint_id, reference_frame):
+def getJointVelocityDerivatives(model: Model, data: Data, joint_id: int, reference_frame: ReferenceFrame) -> tuple[Array, Array]:
     """Returns the derivatives (6, nv) of the velocity of a joint by q and v."""
     return _at(model, data, joint_id, None, reference_frame, dyn.get_joint_velocity_derivatives, "getJointVelocityDerivatives")
 
 
-def getJointAccelerationDerivatives(model, data, joint_id, reference_frame):
+def getJointAccelerationDerivatives(
+    model: Model, data: Data, joint_id: int, reference_frame: ReferenceFrame
+) -> tuple[Array, Array, Array, Array]:
     """Returns the derivative (6, nv) of the velocity of a joint by q, and those of its acceleration by q, v and a."""
     return _at(model, data, joint_id, None, reference_frame, dyn.get_joint_acceleration_derivatives, "getJointAccelerationDerivatives")
 
@@ -113,12 +137,24 @@ def _of_frame(model, data, which, arguments, reference_frame, function, name):
     return _at(model, data, joint, placement, reference, function, name)
 
 
-def getFrameVelocityDerivatives(model, data, frame_id, *arguments, reference_frame=LOCAL):
+def getFrameVelocityDerivatives(
+    model: Model,
+    data: Data,
+    frame_id: int,
+    *arguments: Any,
+    reference_frame: ReferenceFrame = LOCAL,
+) -> tuple[Array, Array]:
     """Returns the derivatives (6, nv) of the velocity of a frame by q and v. Arguments: frame_id, or joint_id and placement; then the reference."""
     return _of_frame(model, data, frame_id, arguments, reference_frame, dyn.get_joint_velocity_derivatives, "getFrameVelocityDerivatives")
 
 
-def getFrameAccelerationDerivatives(model, data, frame_id, *arguments, reference_frame=LOCAL):
+def getFrameAccelerationDerivatives(
+    model: Model,
+    data: Data,
+    frame_id: int,
+    *arguments: Any,
+    reference_frame: ReferenceFrame = LOCAL,
+) -> tuple[Array, Array, Array, Array]:
     """Returns the derivative (6, nv) of the velocity of a frame by q, and those of its acceleration by q, v and a. Arguments as above."""
     name = "getFrameAccelerationDerivatives"
     return _of_frame(model, data, frame_id, arguments, reference_frame, dyn.get_joint_acceleration_derivatives, name)
@@ -136,7 +172,7 @@ def _linear_part(state, joint, placement, reference, motion, parts):
     return [R @ x for x in (first, *parts[1:])]
 
 
-def getPointVelocityDerivatives(model, data, joint_id, placement, reference_frame):
+def getPointVelocityDerivatives(model: Model, data: Data, joint_id: int, placement: SE3, reference_frame: ReferenceFrame) -> tuple[Array, Array]:
     """Returns the derivatives (3, nv) of the velocity of a point, the origin of `placement` in the frame of a joint, by q and v."""
     name = "getPointVelocityDerivatives"
     dq, dv = (x[:3] for x in _at(model, data, joint_id, placement, LOCAL, dyn.get_joint_velocity_derivatives, name))
@@ -145,7 +181,13 @@ def getPointVelocityDerivatives(model, data, joint_id, placement, reference_fram
     return tuple(_linear_part(state, joint_id, placement, reference_frame, velocity, [dq, dv]))
 
 
-def getPointClassicAccelerationDerivatives(model, data, joint_id, placement, reference_frame):
+def getPointClassicAccelerationDerivatives(
+    model: Model,
+    data: Data,
+    joint_id: int,
+    placement: SE3,
+    reference_frame: ReferenceFrame,
+) -> tuple[Array, Array, Array, Array]:
     """Returns the derivative (3, nv) of the velocity of a point by q, and those of its classical acceleration by q, v and a."""
     name = "getPointClassicAccelerationDerivatives"
     v_dq, a_dq, a_dv, a_da = _at(model, data, joint_id, placement, LOCAL, dyn.get_joint_acceleration_derivatives, name)
@@ -161,7 +203,7 @@ def getPointClassicAccelerationDerivatives(model, data, joint_id, placement, ref
     return (v_out, *_linear_part(state, joint_id, placement, reference_frame, acceleration, [c_dq, c_dv, c_da]))
 
 
-def getCenterOfMassVelocityDerivatives(model, data):
+def getCenterOfMassVelocityDerivatives(model: Model, data: Data) -> Array:
     """Returns the derivative (3, nv) of the velocity of the centre of mass by q, at the state of the last centerOfMass(q, v) or computeAllTerms."""
     c, d = prepare(model, data, "getCenterOfMassVelocityDerivatives")
     state = data.source("vcom", "getCenterOfMassVelocityDerivatives", "centerOfMass(model, data, q, v)")

@@ -1,5 +1,10 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Models made from other models: joints locked, or one model carried by another."""
+
+from __future__ import annotations
+
+from typing import Any
+
 from .configuration import neutral
 from .convert import index, vector
 from .enums import FrameType
@@ -12,7 +17,7 @@ _JOINTS = FrameType.JOINT | FrameType.FIXED_JOINT
 _PER_V = ("rotorInertia", "rotorGearRatio", "armature")
 
 
-def findCommonAncestor(model, joint1_id, joint2_id):
+def findCommonAncestor(model: Model, joint1_id: int, joint2_id: int) -> tuple[int, int, int]:
     """Returns the last joint that carries both joints, and its places in supports of the first and of the second."""
     first = model.supports[index(joint1_id, model.njoints, "findCommonAncestor", "joint1_id")]
     second = model.supports[index(joint2_id, model.njoints, "findCommonAncestor", "joint2_id")]
@@ -49,7 +54,7 @@ def _copy_configurations(source, target):
         target.referenceConfigurations[name] = moved
 
 
-def buildReducedModel(model, *arguments, **named):
+def buildReducedModel(model: Model, *arguments: Any, **named: Any) -> Any:
     """Returns the model with joints locked; with geometry, the tuple (model, geometry models).
 
     Arguments: [geom_model or list_of_geom_models,] list_of_joints_to_lock (indices), reference_configuration (nq,), at which they are locked.
@@ -121,7 +126,7 @@ def _move_geometry(model, geometry, reduced, places):
     return out
 
 
-def appendModel(modelA, modelB, *arguments):
+def appendModel(modelA: Model, modelB: Model, *arguments: Any) -> Any:
     """Returns modelA with modelB carried by one of its frames; with geometry, the tuple (model, geometry).
 
     Arguments: [geomModelA, geomModelB,] frame_in_modelA (an index), aMb (the pose of modelB's universe in the frame). Names must differ.
@@ -196,7 +201,7 @@ def _copy_pairs(of_A, of_B, geometry):
                 geometry.addCollisionPair(kind(first, second))
 
 
-def transformJointIntoMimic(input_model, index_mimicked, index_mimicking, scaling, offset):
+def transformJointIntoMimic(input_model: Model, index_mimicked: int, index_mimicking: int, scaling: float, offset: float) -> Model:
     """Returns the model in which one joint follows another: its coordinate becomes scaling * q + offset."""
     model = Model()
     model.name, model.gravity = input_model.name, input_model.gravity.copy()

@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Frames of a model."""
+
+from __future__ import annotations
+
 import copy
+from typing import Any
 
 from .enums import FrameType
 from .inertia import Inertia
@@ -14,7 +18,7 @@ class Frame:
     frame. `parentFrame` is the index of the frame before it, which has no influence on results.
     """
 
-    def __init__(self, name="", *rest, **named):
+    def __init__(self, name: Any = "", *rest: Any, **named: Any) -> None:
         if isinstance(name, Frame) or "other" in named:
             self.__dict__.update(copy.deepcopy((named.get("other") or name).__dict__))
             return
@@ -31,28 +35,28 @@ class Frame:
         self.inertia = Inertia.Zero() if inertia is None else inertia.copy()
 
     @property
-    def parent(self):
+    def parent(self) -> int:
         """The same as parentJoint."""
         return self.parentJoint
 
     @parent.setter
-    def parent(self, value):
+    def parent(self, value: int) -> None:
         self.parentJoint = value
 
     @property
-    def previousFrame(self):
+    def previousFrame(self) -> int:
         """The same as parentFrame."""
         return self.parentFrame
 
     @previousFrame.setter
-    def previousFrame(self, value):
+    def previousFrame(self, value: int) -> None:
         self.parentFrame = value
 
-    def copy(self):
+    def copy(self) -> Frame:
         """Returns a copy."""
         return copy.deepcopy(self)
 
-    def __eq__(self, other):
+    def __eq__(self, other: object) -> bool:
         if not isinstance(other, Frame):
             return NotImplemented
         return (
@@ -61,7 +65,7 @@ class Frame:
             and self.inertia == other.inertia
         )
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"Frame name: {self.name} parent joint: {self.parentJoint} parent frame: {self.parentFrame} type: {self.type.name}\n{self.placement}"
 
     __hash__ = None

@@ -1,5 +1,10 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Coulomb's friction cones, and joint forces for a wanted motion while points touch with friction."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Optional, Union
+
 import numpy as np
 
 from .constraints import getConstraintsJacobian
@@ -10,11 +15,22 @@ from .enums import LOCAL
 from .kinematics import forwardKinematics
 from .spatial import Force
 
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from numpy.typing import ArrayLike
+    from typing_extensions import Self
+
+    from ._types import Array
+    from .constraints import ProximalSettings, RigidConstraintData, RigidConstraintModel
+    from .data import Data
+    from .model import Model
+    from .rotations import Quaternion
+
 
 class _Cone:
     """A cone of vectors (tangential, tangential, normal) with the coefficient mu."""
 
-    def __init__(self, mu):
+    def __init__(self, mu: Any) -> None:
         self.mu = float(getattr(mu, "mu", mu))
         if not self.mu >= 0:
             raise ValueError(f"{type(self).__name__}: mu is {self.mu}; it must not be negative")
@@ -23,13 +39,13 @@ class _Cone:
         """Returns the sine and cosine of half the opening angle."""
         raise NotImplementedError
 
-    def isInside(self, f, prec=0.0):
+    def isInside(self, f: ArrayLike, prec: float = 0.0) -> bool:
         """Returns whether a vector is in the cone, to within prec."""
         sine, cosine = self._slope()
         f = vector(f, 3, "isInside", "f")
         return bool(cosine * np.hypot(f[0], f[1]) <= sine * f[2] + prec * cosine)
 
-    def project(self, f):
+    def project(self, f: ArrayLike) -> Array:
         """Returns the nearest vector of the cone (3,)."""
         f = vector(f, 3, "project", "f")
         sine, cosine = self._slope()
@@ -42,15 +58,15 @@ class _Cone:
         return along * np.array([sine * f[0] / radius, sine * f[1] / radius, cosine])
 
     @staticmethod
-    def dim():
+    def dim() -> int:
         """Returns 3, the dimension."""
         return 3
 
-    def copy(self):
+    def copy(self) -> Self:
         """Returns a copy."""
         return type(self)(self.mu)
 
-    def __eq__(self, other):
+    def __eq__(self, other: object) -> bool:
         return type(self) is type(other) and self.mu == other.mu
 
     __hash__ = None
@@ -63,21 +79,21 @@ class CoulombFrictionCone(_Cone):
         length = np.hypot(1.0, self.mu)
         return self.mu / length, 1 / length
 
-    def dual(self):
+    def dual(self) -> DualCoulombFrictionCone:
         """Returns the dual cone."""
         return DualCoulombFrictionCone(self.mu)
 
-    def weightedProject(self, f, R):
+    def weightedProject(self, f: ArrayLike, R: Union[Quaternion, ArrayLike]) -> Array:
         """Returns the vector x of the cone that minimises (x - f) . R (x - f), with R (3,) equal in both tangential directions."""
         roots = np.sqrt(vector(R, 3, "weightedProject", "R"))
         return CoulombFrictionCone(self.mu * roots[0] / roots[2]).project(roots * vector(f, 3, "weightedProject", "f")) / roots
 
-    def computeNormalCorrection(self, v):
+    def computeNormalCorrection(self, v: ArrayLike) -> Array:
         """Returns (0, 0, mu |tangential part of v|): with it, sliding velocities and forces are complementary."""
         v = vector(v, 3, "computeNormalCorrection", "v")
         return np.array([0.0, 0.0, self.mu * np.hypot(v[0], v[1])])
 
-    def computeRadialProjection(self, f):
+    def computeRadialProjection(self, f: ArrayLike) -> Array:
         """Returns the vector of the cone with the same normal part, or zero if that pulls, and the nearest tangential part."""
         f = vector(f, 3, "computeRadialProjection", "f")
         normal, radius = max(0.0, f[2]), np.hypot(f[0], f[1])
@@ -92,7 +108,7 @@ class DualCoulombFrictionCone(_Cone):
         length = np.hypot(1.0, self.mu)
         return 1 / length, self.mu / length
 
-    def dual(self):
+    def dual(self) -> CoulombFrictionCone:
         """Returns the cone of forces."""
         return CoulombFrictionCone(self.mu)
 
@@ -101,7 +117,18 @@ StdVec_CoulombFrictionCone = typed_list("StdVec_CoulombFrictionCone", instances(
 StdVec_DualCoulombFrictionCone = typed_list("StdVec_DualCoulombFrictionCone", instances(DualCoulombFrictionCone), __name__)
 
 
-def computeContactImpulses(model, data, c_ref, contact_models, contact_datas, cones, R, constraint_correction, settings, impulse_guess=None):
+def computeContactImpulses(
+    model: Model,
+    data: Data,
+    c_ref: ArrayLike,
+    contact_models: Sequence[RigidConstraintModel],
+    contact_datas: Sequence[RigidConstraintData],
+    cones: Sequence[CoulombFrictionCone],
+    R: Union[Quaternion, ArrayLike],
+    constraint_correction: ArrayLike,
+    settings: ProximalSettings,
+    impulse_guess: Optional[ArrayLike] = None,
+) -> Array:
     """Returns the impulses (rows,) of contacts of points that move at c_ref + R impulse; also data.impulse_c.
 
     c_ref has the velocities of the points without compliance, R the compliances of the rows. Each impulse is in its cone, and where a point slides,
@@ -132,8 +159,20 @@ def computeContactImpulses(model, data, c_ref, contact_models, contact_datas, co
 
 
 def contactInverseDynamics(
-    model, data, q, v, a, dt, contact_models, contact_datas, cones, R, constraint_correction, settings, lambda_guess=None
-):
+    model: Model,
+    data: Data,
+    q: ArrayLike,
+    v: ArrayLike,
+    a: ArrayLike,
+    dt: float,
+    contact_models: Sequence[RigidConstraintModel],
+    contact_datas: Sequence[RigidConstraintData],
+    cones: Sequence[CoulombFrictionCone],
+    R: Union[Quaternion, ArrayLike],
+    constraint_correction: ArrayLike,
+    settings: ProximalSettings,
+    lambda_guess: Optional[ArrayLike] = None,
+) -> Array:
     """Returns the joint forces (nv,) for the acceleration a, with the contact forces that computeContactImpulses finds for the velocities v + dt a.
 
     Also data.tau and lambda_c, forces on the points in the axes of their contacts.

@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Volumes on a robot and the pairs of them that are checked, with the names of Pinocchio."""
 
+from __future__ import annotations
+
 import copy
 import operator
+from typing import TYPE_CHECKING, Any, Optional, Union
 
 import numpy as np
 
@@ -31,6 +34,12 @@ from .geometry_object import (
 from .serialization import Serializable
 from .spatial import SE3
 
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+    from typing_extensions import Self
+
+    from .model import Model
+
 __all__ = [
     "COLLISION",
     "VISUAL",
@@ -51,18 +60,18 @@ class CollisionPair:
 
     __hash__ = None
 
-    def __init__(self, index1=NO_INDEX, index2=NO_INDEX):
+    def __init__(self, index1: int = NO_INDEX, index2: int = NO_INDEX) -> None:
         self.first, self.second = operator.index(index1), operator.index(index2)
         if self.first == self.second != NO_INDEX:
             raise ValueError(f"CollisionPair: a volume is not checked against itself ({index1})")
 
-    def copy(self):
+    def copy(self) -> CollisionPair:
         return copy.copy(self)
 
-    def __eq__(self, other):
+    def __eq__(self, other: object) -> bool:
         return (self.first, self.second) == (other.first, other.second) if isinstance(other, CollisionPair) else NotImplemented
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"collision pair ({self.first},{self.second})"
 
 
@@ -75,7 +84,7 @@ class GeometryModel(Serializable):
 
     __hash__ = None
 
-    def __init__(self, other=None):
+    def __init__(self, other: Optional[GeometryModel] = None) -> None:
         self.geometryObjects = StdVec_GeometryObject()
         self.collisionPairs = StdVec_CollisionPair()
         self._compiled = None
@@ -83,17 +92,17 @@ class GeometryModel(Serializable):
             instance(other, GeometryModel, "other")
             self.geometryObjects, self.collisionPairs = other.geometryObjects.copy(), other.collisionPairs.copy()
 
-    ngeoms = property(lambda self: len(self.geometryObjects), doc="The number of volumes.")
+    ngeoms: int = property(lambda self: len(self.geometryObjects), doc="The number of volumes.")
 
     @property
-    def collisionPairMapping(self):
+    def collisionPairMapping(self) -> Any:
         """The matrix (ngeoms, ngeoms) of the indices of pairs; -1 where there is none."""
         out = np.full((self.ngeoms, self.ngeoms), -1)
         for k, pair in enumerate(self.collisionPairs):
             out[pair.first, pair.second] = out[pair.second, pair.first] = k
         return out
 
-    def addGeometryObject(self, geometry_object, model=None):
+    def addGeometryObject(self, geometry_object: GeometryObject, model: Optional[Model] = None) -> int:
         """Adds a copy of a volume; returns its index. With a model, its joint becomes the one that carries its frame."""
         added = instance(geometry_object, GeometryObject, "geometry_object").copy()
         if model is not None and added.parentFrame < len(model.frames):
@@ -101,7 +110,7 @@ class GeometryModel(Serializable):
         self.geometryObjects.append(added)
         return self.ngeoms - 1
 
-    def removeGeometryObject(self, name):
+    def removeGeometryObject(self, name: str) -> None:
         """Removes a volume and its pairs. Raises ValueError if there is none of this name."""
         removed = self.getGeometryId(name)
         if removed == self.ngeoms:
@@ -110,14 +119,14 @@ class GeometryModel(Serializable):
         kept = [p for p in self.collisionPairs if removed not in (p.first, p.second)]
         self.collisionPairs = StdVec_CollisionPair([CollisionPair(p.first - (p.first > removed), p.second - (p.second > removed)) for p in kept])
 
-    def getGeometryId(self, name):
+    def getGeometryId(self, name: str) -> int:
         """Returns the index of a volume; ngeoms if there is none of this name."""
         return next((k for k, x in enumerate(self.geometryObjects) if x.name == name), self.ngeoms)
 
-    def existGeometryName(self, name):
+    def existGeometryName(self, name: str) -> bool:
         return self.getGeometryId(name) < self.ngeoms
 
-    def addCollisionPair(self, collision_pair):
+    def addCollisionPair(self, collision_pair: CollisionPair) -> None:
         """Adds a pair, unless it is there. Raises ValueError for an index out of range."""
         instance(collision_pair, CollisionPair, "collision_pair")
         if not max(collision_pair.first, collision_pair.second) < self.ngeoms:
@@ -125,61 +134,61 @@ class GeometryModel(Serializable):
         if not self.existCollisionPair(collision_pair):
             self.collisionPairs.append(collision_pair.copy())
 
-    def addAllCollisionPairs(self):
+    def addAllCollisionPairs(self) -> None:
         """Replaces the pairs by all pairs of volumes on different joints."""
         joints = [x.parentJoint for x in self.geometryObjects]
         pairs = [CollisionPair(i, j) for i in range(self.ngeoms) for j in range(i + 1, self.ngeoms) if joints[i] != joints[j]]
         self.collisionPairs = StdVec_CollisionPair(pairs)
 
-    def setCollisionPairs(self, collision_map, upper=True):
+    def setCollisionPairs(self, collision_map: ArrayLike, upper: ArrayLike = True) -> None:
         """Replaces the pairs by those (i < j) whose entry of a matrix (ngeoms, ngeoms) is true: (i, j) if upper, else (j, i)."""
         chosen = array(collision_map, (self.ngeoms, self.ngeoms), "collision_map")
         chosen = chosen if upper else chosen.T
         self.collisionPairs = StdVec_CollisionPair([CollisionPair(i, j) for i, j in zip(*np.nonzero(np.triu(chosen, 1)))])
 
-    def removeCollisionPair(self, collision_pair):
+    def removeCollisionPair(self, collision_pair: CollisionPair) -> None:
         """Removes a pair, if it is there."""
         index = self.findCollisionPair(collision_pair)
         if index < len(self.collisionPairs):
             del self.collisionPairs[index]
 
-    def removeAllCollisionPairs(self):
+    def removeAllCollisionPairs(self) -> None:
         self.collisionPairs.clear()
 
-    def existCollisionPair(self, collision_pair):
+    def existCollisionPair(self, collision_pair: CollisionPair) -> bool:
         return collision_pair in self.collisionPairs
 
-    def findCollisionPair(self, collision_pair):
+    def findCollisionPair(self, collision_pair: CollisionPair) -> int:
         """Returns the index of a pair; the number of pairs if it is not there."""
         return next((k for k, pair in enumerate(self.collisionPairs) if pair == collision_pair), len(self.collisionPairs))
 
-    def createData(self):
+    def createData(self) -> GeometryData:
         return GeometryData(self)
 
-    def clone(self):
+    def clone(self) -> GeometryModel:
         """Returns a copy with volumes and shapes of its own."""
         return GeometryModel(self)
 
     copy = clone
 
-    def __copy__(self):
+    def __copy__(self) -> Self:
         return GeometryModel(self)
 
-    def __deepcopy__(self, memo):
+    def __deepcopy__(self, memo: Any) -> Self:
         return GeometryModel(self)
 
-    def __getstate__(self):
+    def __getstate__(self) -> Any:
         return {"geometryObjects": self.geometryObjects, "collisionPairs": self.collisionPairs}
 
-    def __setstate__(self, state):
+    def __setstate__(self, state: Any) -> None:
         self.__dict__.update(state, _compiled=None)
 
-    def __eq__(self, other):
+    def __eq__(self, other: object) -> bool:
         if not isinstance(other, GeometryModel):
             return NotImplemented
         return self.geometryObjects == other.geometryObjects and self.collisionPairs == other.collisionPairs
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"Nb geometry objects = {self.ngeoms}\n" + "".join(f"{x!r}\n" for x in self.geometryObjects)
 
     def _scene(self):
@@ -199,7 +208,7 @@ class GeometryData:
 
     __hash__ = None
 
-    def __init__(self, geometry_model):
+    def __init__(self, geometry_model: Union[GeometryModel, GeometryData]) -> None:
         if isinstance(geometry_model, GeometryData):
             self.__dict__.update(copy.deepcopy({k: v for k, v in vars(geometry_model).items() if k != "_state"}), _state=None)
             return
@@ -215,7 +224,7 @@ class GeometryData:
         self._state = None
         self.fillInnerOuterObjectMaps(geometry_model)
 
-    def fillInnerOuterObjectMaps(self, geometry_model):
+    def fillInnerOuterObjectMaps(self, geometry_model: GeometryModel) -> None:
         """Lists for each joint its volumes (innerObjects) and those that these are checked against (outerObjects)."""
         self.innerObjects, self.outerObjects = {}, {}
         for k, volume in enumerate(geometry_model.geometryObjects):
@@ -224,33 +233,39 @@ class GeometryData:
             joint = geometry_model.geometryObjects[pair.first].parentJoint
             self.outerObjects.setdefault(joint, []).append(pair.second)
 
-    def activateCollisionPair(self, pair_id):
+    def activateCollisionPair(self, pair_id: int) -> None:
         """Makes computeCollisions and computeDistances check a pair."""
         self._check(pair_id)
         self.activeCollisionPairs[pair_id] = True
 
-    def deactivateCollisionPair(self, pair_id):
+    def deactivateCollisionPair(self, pair_id: int) -> None:
         self._check(pair_id)
         self.activeCollisionPairs[pair_id] = False
 
-    def activateAllCollisionPairs(self):
+    def activateAllCollisionPairs(self) -> None:
         self.activeCollisionPairs[:] = [True] * len(self.activeCollisionPairs)
 
-    def deactivateAllCollisionPairs(self):
+    def deactivateAllCollisionPairs(self) -> None:
         self.activeCollisionPairs[:] = [False] * len(self.activeCollisionPairs)
 
-    def setGeometryCollisionStatus(self, geom_model, geom_id, enable_collision):
+    def setGeometryCollisionStatus(self, geom_model: GeometryModel, geom_id: int, enable_collision: bool) -> None:
         """Activates or deactivates all pairs of a volume."""
         for k, pair in enumerate(geom_model.collisionPairs):
             if geom_id in (pair.first, pair.second):
                 self.activeCollisionPairs[k] = bool(enable_collision)
 
-    def setActiveCollisionPairs(self, geometry_model, collision_map, upper=True):
+    def setActiveCollisionPairs(self, geometry_model: GeometryModel, collision_map: ArrayLike, upper: ArrayLike = True) -> None:
         """Activates the pairs whose entry of a matrix (ngeoms, ngeoms) is true, and deactivates the others."""
         for k, entry in self._entries(geometry_model, collision_map, upper):
             self.activeCollisionPairs[k] = bool(entry)
 
-    def setSecurityMargins(self, geometry_model, security_margin_map, upper=True, sync_distance_upper_bound=True):
+    def setSecurityMargins(
+        self,
+        geometry_model: GeometryModel,
+        security_margin_map: ArrayLike,
+        upper: ArrayLike = True,
+        sync_distance_upper_bound: bool = True,
+    ) -> None:
         """Sets the security margin [m] of each pair to its entry of a matrix (ngeoms, ngeoms)."""
         for k, margin in self._entries(geometry_model, security_margin_map, upper):
             self.collisionRequests[k].security_margin = float(margin)
@@ -268,15 +283,15 @@ class GeometryData:
         if not 0 <= pair_id < len(self.activeCollisionPairs):
             raise ValueError(f"pair_id is {pair_id}; there are {len(self.activeCollisionPairs)} pairs")
 
-    def copy(self):
+    def copy(self) -> GeometryData:
         return GeometryData(self)
 
     __copy__ = copy
 
-    def __deepcopy__(self, memo):
+    def __deepcopy__(self, memo: Any) -> Self:
         return GeometryData(self)
 
-    def __eq__(self, other):
+    def __eq__(self, other: object) -> bool:
         if not isinstance(other, GeometryData):
             return NotImplemented
         return self.oMg == other.oMg and self.activeCollisionPairs == other.activeCollisionPairs

@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """A volume on a joint, and its look, with the names of Pinocchio."""
 
+from __future__ import annotations
+
 import copy
 import enum
 import operator
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -11,6 +14,9 @@ from . import hppfcl
 from ._arrays import array
 from .serialization import Serializable
 from .spatial import SE3
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
 
 NO_INDEX = 2**64 - 1  # stands for no frame or no volume
 
@@ -28,7 +34,7 @@ VISUAL, COLLISION = GeometryType.VISUAL, GeometryType.COLLISION
 class GeometryNoMaterial:
     """The material of a volume whose look is in its mesh."""
 
-    def __eq__(self, other):
+    def __eq__(self, other: object) -> bool:
         return isinstance(other, GeometryNoMaterial)
 
     __hash__ = None
@@ -39,12 +45,17 @@ class GeometryPhongMaterial:
 
     __hash__ = None
 
-    def __init__(self, meshEmissionColor=(0.0, 0.0, 0.0, 1.0), meshSpecularColor=(0.0, 0.0, 0.0, 1.0), meshShininess=0.5):
+    def __init__(
+        self,
+        meshEmissionColor: ArrayLike = (0.0, 0.0, 0.0, 1.0),
+        meshSpecularColor: ArrayLike = (0.0, 0.0, 0.0, 1.0),
+        meshShininess: float = 0.5,
+    ) -> None:
         self.meshEmissionColor = np.array(meshEmissionColor, dtype=float)
         self.meshSpecularColor = np.array(meshSpecularColor, dtype=float)
         self.meshShininess = float(meshShininess)
 
-    def __eq__(self, other):
+    def __eq__(self, other: object) -> bool:
         if not isinstance(other, GeometryPhongMaterial):
             return NotImplemented
         mine, theirs = vars(self), vars(other)
@@ -67,7 +78,7 @@ class GeometryObject(Serializable):
         ("mesh_material", None),
     )
 
-    def __init__(self, name, *args, **named):
+    def __init__(self, name: Any, *args: Any, **named: Any) -> None:
         if isinstance(name, GeometryObject):
             self.__dict__.update(copy.deepcopy(vars(name)))
             return
@@ -99,33 +110,33 @@ class GeometryObject(Serializable):
         self.disableCollision = False
 
     @property
-    def placement(self):
+    def placement(self) -> SE3:
         """The pose in the joint's frame."""
         return self._placement
 
     @placement.setter
-    def placement(self, value):
+    def placement(self, value: SE3) -> None:
         if not isinstance(value, SE3):
             raise TypeError(f"placement must be an SE3, not {type(value).__name__}")
         self._placement = value.copy()
 
-    def clone(self):
+    def clone(self) -> GeometryObject:
         """Returns a copy with a shape of its own."""
         return copy.deepcopy(self)
 
     copy = clone
 
-    def __eq__(self, other):
+    def __eq__(self, other: object) -> bool:
         if not isinstance(other, GeometryObject):
             return NotImplemented
         mine, theirs = vars(self), vars(other)
         return all(np.array_equal(x, theirs[key]) if isinstance(x, np.ndarray) else x == theirs[key] for key, x in mine.items())
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<GeometryObject '{self.name}': {self.geometry!r}>"
 
     @staticmethod
-    def CreateCapsule(radius, length):
+    def CreateCapsule(radius: float, length: float) -> GeometryObject:
         return GeometryObject("", 0, 0, SE3.Identity(), hppfcl.Capsule(radius, length))
 
 

@@ -1,5 +1,10 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Jacobians of joints and frames, and their rates."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Optional
+
 import numpy as np
 
 from .calls import prepare
@@ -8,8 +13,18 @@ from .enums import LOCAL, WORLD
 from .kinematics import PLACEMENTS, _joint_and_placement, _split
 from .spatial import skew
 
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
 
-def computeJointJacobians(model, data, q=None):
+    from .. import ReferenceFrame
+    from ._types import Array
+    from .data import Data
+    from .model import Model
+    from .spatial import SE3
+    from .state import State
+
+
+def computeJointJacobians(model: Model, data: Data, q: Optional[ArrayLike] = None) -> Array:
     """Returns the columns (6, nv) of all joints' Jacobians in WORLD; also data.J, oMi. Without q, at the state of the last forwardKinematics."""
     c, _ = prepare(model, data, "computeJointJacobians")
     if q is None:
@@ -21,7 +36,7 @@ def computeJointJacobians(model, data, q=None):
     return data.J
 
 
-def computeJointJacobiansTimeVariation(model, data, q, v):
+def computeJointJacobiansTimeVariation(model: Model, data: Data, q: ArrayLike, v: ArrayLike) -> Array:
     """Returns the rates (6, nv) of the columns that computeJointJacobians returns; also data.dJ, J, oMi, v."""
     c, _ = prepare(model, data, "computeJointJacobiansTimeVariation")
     q, v = c.q_in(q, "computeJointJacobiansTimeVariation"), c.v_in(v, "computeJointJacobiansTimeVariation", "v")
@@ -37,20 +52,20 @@ def _rates(data, function):
     return data.source("dJ", function, "computeJointJacobiansTimeVariation(model, data, q, v)")
 
 
-def computeJointJacobian(model, data, q, joint_id):
+def computeJointJacobian(model: Model, data: Data, q: ArrayLike, joint_id: int) -> Array:
     """Returns the Jacobian (6, nv) of a joint, in LOCAL."""
     c, _ = prepare(model, data, "computeJointJacobian")
     joint_id = index(joint_id, model.njoints, "computeJointJacobian", "joint_id")
     return data.state(c.q_in(q, "computeJointJacobian")).joint_jacobian(joint_id, LOCAL)
 
 
-def getJointJacobian(model, data, joint_id, reference_frame=LOCAL):
+def getJointJacobian(model: Model, data: Data, joint_id: int, reference_frame: ReferenceFrame = LOCAL) -> Array:
     """Returns the Jacobian (6, nv) of a joint at the state of the last computeJointJacobians."""
     joint_id = index(joint_id, model.njoints, "getJointJacobian", "joint_id")
     return _jacobians(data, "getJointJacobian").joint_jacobian(joint_id, reference_frame)
 
 
-def getJointJacobianTimeVariation(model, data, joint_id, reference_frame=LOCAL):
+def getJointJacobianTimeVariation(model: Model, data: Data, joint_id: int, reference_frame: ReferenceFrame = LOCAL) -> Array:
     """Returns the rate (6, nv) of the Jacobian of a joint at the state of the last computeJointJacobiansTimeVariation."""
     joint_id = index(joint_id, model.njoints, "getJointJacobianTimeVariation", "joint_id")
     return _rates(data, "getJointJacobianTimeVariation").joint_jacobian_rate(joint_id, reference_frame)
@@ -61,7 +76,7 @@ def _turn(R, J):
     return np.vstack([R @ J[:3], R @ J[3:]])
 
 
-def frame_jacobian_rate(state, joint, placement, reference_frame):
+def frame_jacobian_rate(state: State, joint: int, placement: SE3, reference_frame: ReferenceFrame) -> Array:
     """Returns the rate of the Jacobian of a frame."""
     if reference_frame == WORLD:
         return state.joint_jacobian_rate(joint, WORLD)
@@ -75,7 +90,7 @@ def frame_jacobian_rate(state, joint, placement, reference_frame):
     return _turn(state.joint_pose(joint).rotation @ placement.rotation, rate)
 
 
-def computeFrameJacobian(model, data, q, frame_id, reference_frame=LOCAL):
+def computeFrameJacobian(model: Model, data: Data, q: ArrayLike, frame_id: int, reference_frame: ReferenceFrame = LOCAL) -> Array:
     """Returns the Jacobian (6, nv) of a frame."""
     c, _ = prepare(model, data, "computeFrameJacobian")
     joint, placement = _joint_and_placement(model, frame_id, None, "computeFrameJacobian")
@@ -84,7 +99,7 @@ def computeFrameJacobian(model, data, q, frame_id, reference_frame=LOCAL):
     return state.jacobian_at(joint, placement, reference_frame)
 
 
-def getFrameJacobian(model, data, frame_id, *arguments, reference_frame=LOCAL):
+def getFrameJacobian(model: Model, data: Data, frame_id: int, *arguments: Any, reference_frame: ReferenceFrame = LOCAL) -> Array:
     """Returns the Jacobian (6, nv) of a frame at the state of the last computeJointJacobians.
 
     Arguments: frame_id, or joint_id and placement; then the reference frame.
@@ -94,13 +109,13 @@ def getFrameJacobian(model, data, frame_id, *arguments, reference_frame=LOCAL):
     return _jacobians(data, "getFrameJacobian").jacobian_at(joint, placement, reference)
 
 
-def getFrameJacobianTimeVariation(model, data, frame_id, reference_frame=LOCAL):
+def getFrameJacobianTimeVariation(model: Model, data: Data, frame_id: int, reference_frame: ReferenceFrame = LOCAL) -> Array:
     """Returns the rate (6, nv) of the Jacobian of a frame at the state of the last computeJointJacobiansTimeVariation."""
     joint, placement = _joint_and_placement(model, frame_id, None, "getFrameJacobianTimeVariation")
     return frame_jacobian_rate(_rates(data, "getFrameJacobianTimeVariation"), joint, placement, reference_frame)
 
 
-def frameJacobianTimeVariation(model, data, q, v, frame_id, reference_frame=LOCAL):
+def frameJacobianTimeVariation(model: Model, data: Data, q: ArrayLike, v: ArrayLike, frame_id: int, reference_frame: ReferenceFrame = LOCAL) -> Array:
     """Returns the rate (6, nv) of the Jacobian of a frame at q and v."""
     computeJointJacobiansTimeVariation(model, data, q, v)
     return getFrameJacobianTimeVariation(model, data, frame_id, reference_frame)

@@ -1,10 +1,21 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Joint models: the sizes and axes that Pinocchio's classes have, and the libdyn joint types that they stand for."""
+
+from __future__ import annotations
+
 import copy
+from typing import TYPE_CHECKING, Any, Optional
 
 import numpy as np
 
 from .spatial import SE3
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+    from typing_extensions import Self
+
+    from ._types import Array
+    from .joint_data import JointData
 
 AXES = {"X": np.array([1.0, 0.0, 0.0]), "Y": np.array([0.0, 1.0, 0.0]), "Z": np.array([0.0, 0.0, 1.0])}
 
@@ -12,7 +23,7 @@ AXES = {"X": np.array([1.0, 0.0, 0.0]), "Y": np.array([0.0, 1.0, 0.0]), "Z": np.
 class _Copies(type):
     """Makes JointModel(other) a copy of a joint of any type."""
 
-    def __call__(cls, *arguments, **named):
+    def __call__(cls, *arguments: Any, **named: Any) -> Any:
         if cls is JointModel and len(arguments) == 1 and isinstance(arguments[0], JointModel):
             return copy.deepcopy(arguments[0])
         return super().__call__(*arguments, **named)
@@ -26,71 +37,71 @@ class JointModel(metaclass=_Copies):
 
     nq = nv = 0
 
-    def __init__(self):
+    def __init__(self) -> None:
         if type(self) is JointModel:
             raise TypeError("JointModel: give a joint of one type, such as JointModelRX()")
         self.id = self.idx_q = self.idx_v = self.idx_vExtended = -1
 
     @property
-    def nvExtended(self):
+    def nvExtended(self) -> int:
         return self.nv
 
-    def shortname(self):
+    def shortname(self) -> str:
         """Returns the name of the type, such as "JointModelRX"."""
         return type(self).__name__
 
     @classmethod
-    def classname(cls):
+    def classname(cls) -> Any:
         """Returns the name of the type, such as "JointModelRX"."""
         return cls.__name__
 
-    def setIndexes(self, id, idx_q, idx_v, idx_vExtended=None):  # noqa: A002
+    def setIndexes(self, id: int, idx_q: int, idx_v: int, idx_vExtended: Optional[int] = None) -> None:  # noqa: A002
         """Sets the place of the joint in a model."""
         self.id, self.idx_q, self.idx_v = id, idx_q, idx_v
         self.idx_vExtended = idx_v if idx_vExtended is None else idx_vExtended
 
-    def hasSameIndexes(self, other):
+    def hasSameIndexes(self, other: JointModel) -> bool:
         """Returns whether another joint has the same place."""
         return (self.id, self.idx_q, self.idx_v) == (other.id, other.idx_q, other.idx_v)
 
-    def parts(self):
+    def parts(self) -> Any:
         """Returns the libdyn joints in series that make this one: tuples (type, parameters, placement or None). The universe has none."""
         return []
 
-    def quaternions(self):
+    def quaternions(self) -> list[Any]:
         """Returns the places of quaternions among the joint's coordinates."""
         return []
 
-    def hasConfigurationLimit(self):
+    def hasConfigurationLimit(self) -> list[bool]:
         """Returns a list of nq booleans: whether a coordinate has limits."""
         return [True] * self.nq
 
-    def hasConfigurationLimitInTangent(self):
+    def hasConfigurationLimitInTangent(self) -> list[bool]:
         """Returns a list of nv booleans: whether a degree of freedom has limits."""
         return [True] * self.nv
 
-    def extract(self):
+    def extract(self) -> Any:
         """Returns the joint of its own type."""
         return self
 
-    def copy(self):
+    def copy(self) -> Self:
         """Returns a copy."""
         return copy.deepcopy(self)
 
-    def createData(self):
+    def createData(self) -> JointData:
         """Returns memory for calc()."""
         from .joint_data import JointData
 
         return JointData(self)
 
-    def calc(self, jdata, q, v=None):
+    def calc(self, jdata: JointData, q: ArrayLike, v: Optional[ArrayLike] = None) -> None:
         """Computes the joint's own motion at its part of q and v, and stores it in jdata: M, S, v, c."""
         jdata.calc(np.asarray(q, dtype=float), None if v is None else np.asarray(v, dtype=float))
 
-    def __eq__(self, other):
+    def __eq__(self, other: JointModel) -> bool:
         return type(self) is type(other) and self.hasSameIndexes(other) and _same(self.parts(), other.parts())
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"{self.shortname()}\n  index: {self.id}\n  index q: {self.idx_q}\n  index v: {self.idx_v}\n  nq: {self.nq}\n  nv: {self.nv}\n"
 
     __hash__ = None
@@ -113,7 +124,7 @@ class _Simple(JointModel):
 
     kind = ""
 
-    def parts(self):
+    def parts(self) -> list[tuple[Any, ...]]:
         return [(self.kind, {}, None)]
 
 
@@ -124,18 +135,18 @@ class _Axis(JointModel):
     nq = nv = 1
     axis = None
 
-    def getMotionAxis(self):
+    def getMotionAxis(self) -> Array:
         """Returns the axis (3,)."""
         return self.axis.copy()
 
-    def parts(self):
+    def parts(self) -> list[tuple[Any, ...]]:
         return [(self.kind, {"axis": list(map(float, self.axis))}, None)]
 
 
 class _Unaligned(_Axis):
     """A joint along any axis, given by one vector or three numbers; the axis is scaled to norm one."""
 
-    def __init__(self, *axis):
+    def __init__(self, *axis: Any) -> None:
         super().__init__()
         given = np.array(axis[0] if len(axis) == 1 else axis or AXES["X"], dtype=float).ravel()
         if given.shape != (3,) or not np.linalg.norm(given) > 0:
@@ -154,10 +165,10 @@ class JointModelRevoluteUnboundedUnaligned(_Unaligned):
 
     kind, nq = "continuous", 2
 
-    def hasConfigurationLimit(self):
+    def hasConfigurationLimit(self) -> list[bool]:
         return [False, False]
 
-    def hasConfigurationLimitInTangent(self):
+    def hasConfigurationLimitInTangent(self) -> list[bool]:
         return [False]
 
 
@@ -172,11 +183,11 @@ class JointModelHelicalUnaligned(_Unaligned):
 
     kind = "helical"
 
-    def __init__(self, *arguments):
+    def __init__(self, *arguments: Any) -> None:
         super().__init__(*arguments[:-1])
         self.pitch = float(arguments[-1]) if arguments else 0.0
 
-    def parts(self):
+    def parts(self) -> Any:
         return [(self.kind, {"axis": list(self.axis), "pitch": self.pitch}, None)]
 
 
@@ -185,14 +196,14 @@ class JointModelUniversal(JointModel):
 
     nq = nv = 2
 
-    def __init__(self, *axes):
+    def __init__(self, *axes: Any) -> None:
         super().__init__()
         numbers = np.concatenate([np.ravel(x) for x in axes]).astype(float) if axes else np.r_[AXES["X"], AXES["Y"]]
         if numbers.shape != (6,):
             raise ValueError("JointModelUniversal: give two axes of three numbers")
         self.axis1, self.axis2 = numbers[:3].copy(), numbers[3:].copy()
 
-    def parts(self):
+    def parts(self) -> Any:
         return [("universal", {"axis": list(self.axis1), "axis2": list(self.axis2)}, None)]
 
 
@@ -201,13 +212,13 @@ class JointModelSpherical(_Simple):
 
     kind, nq, nv = "spherical", 4, 3
 
-    def quaternions(self):
+    def quaternions(self) -> list[int]:
         return [0]
 
-    def hasConfigurationLimit(self):
+    def hasConfigurationLimit(self) -> list[bool]:
         return [False] * 4
 
-    def hasConfigurationLimitInTangent(self):
+    def hasConfigurationLimitInTangent(self) -> list[bool]:
         return [False] * 3
 
 
@@ -228,10 +239,10 @@ class JointModelPlanar(_Simple):
 
     kind, nq, nv = "planar", 4, 3
 
-    def hasConfigurationLimit(self):
+    def hasConfigurationLimit(self) -> list[bool]:
         return [True, True, False, False]
 
-    def hasConfigurationLimitInTangent(self):
+    def hasConfigurationLimitInTangent(self) -> list[bool]:
         return [True, True, False]
 
 
@@ -240,13 +251,13 @@ class JointModelFreeFlyer(_Simple):
 
     kind, nq, nv = "free_flyer", 7, 6
 
-    def quaternions(self):
+    def quaternions(self) -> list[int]:
         return [3]
 
-    def hasConfigurationLimit(self):
+    def hasConfigurationLimit(self) -> list[bool]:
         return [True] * 3 + [False] * 4
 
-    def hasConfigurationLimitInTangent(self):
+    def hasConfigurationLimitInTangent(self) -> list[bool]:
         return [True] * 3 + [False] * 3
 
 
@@ -283,17 +294,17 @@ for _axis in "XYZ":
 class JointModelComposite(JointModel):
     """Joints in series. Arguments: nothing, a number of joints to expect, or the first joint and its placement."""
 
-    def __init__(self, joint_model=None, joint_placement=None):
+    def __init__(self, joint_model: Optional[JointModel] = None, joint_placement: Optional[SE3] = None) -> None:
         super().__init__()
         self.joints, self.jointPlacements = [], []
         if isinstance(joint_model, JointModel):
             self.addJoint(joint_model, joint_placement)
 
-    nq = property(lambda self: sum(x.nq for x in self.joints))
-    nv = property(lambda self: sum(x.nv for x in self.joints))
+    nq: int = property(lambda self: sum(x.nq for x in self.joints))
+    nv: int = property(lambda self: sum(x.nv for x in self.joints))
     njoints = property(lambda self: len(self.joints))
 
-    def addJoint(self, joint_model, joint_placement=None):
+    def addJoint(self, joint_model: JointModel, joint_placement: Optional[SE3] = None) -> JointModelComposite:
         """Adds a joint at a placement in the frame of the one before; returns self."""
         if not isinstance(joint_model, JointModel):
             raise TypeError(f"addJoint: joint_model must be a JointModel, not {type(joint_model).__name__}")
@@ -301,7 +312,7 @@ class JointModelComposite(JointModel):
         self.jointPlacements.append(SE3.Identity() if joint_placement is None else joint_placement.copy())
         return self
 
-    def parts(self):
+    def parts(self) -> list[tuple[str, Any, SE3]]:
         out = []
         for joint, placement in zip(self.joints, self.jointPlacements):
             first, *rest = joint.parts()
@@ -309,14 +320,14 @@ class JointModelComposite(JointModel):
             out.extend(rest)
         return out
 
-    def quaternions(self):
+    def quaternions(self) -> list[Any]:
         starts = np.cumsum([0, *(joint.nq for joint in self.joints)])
         return [int(start) + at for start, joint in zip(starts, self.joints) for at in joint.quaternions()]
 
-    def hasConfigurationLimit(self):
+    def hasConfigurationLimit(self) -> list[bool]:
         return [x for joint in self.joints for x in joint.hasConfigurationLimit()]
 
-    def hasConfigurationLimitInTangent(self):
+    def hasConfigurationLimitInTangent(self) -> list[bool]:
         return [x for joint in self.joints for x in joint.hasConfigurationLimitInTangent()]
 
 
@@ -326,7 +337,7 @@ class JointModelMimic(JointModel):
     Arguments: the joint that it follows, scaling, offset; or its own joint, the joint that it follows, scaling, offset.
     """
 
-    def __init__(self, joint_model, *rest):
+    def __init__(self, joint_model: JointModel, *rest: Any) -> None:
         super().__init__()
         if len(rest) not in (2, 3):
             raise TypeError("JointModelMimic: give the joint that it follows, scaling and offset")
@@ -337,23 +348,23 @@ class JointModelMimic(JointModel):
         self.scaling, self.offset = map(float, rest[-2:])
 
     @property
-    def nvExtended(self):
+    def nvExtended(self) -> int:
         return self._joint.nvExtended
 
     @property
-    def followed(self):
+    def followed(self) -> int:
         """The index of the joint that it follows."""
         return self._followed
 
     @property
-    def own(self):
+    def own(self) -> Any:
         """The joint itself, without what it follows."""
         return self._joint
 
-    def parts(self):
+    def parts(self) -> list[tuple[Any, ...]]:
         return self._joint.parts()
 
-    def __eq__(self, other):
+    def __eq__(self, other: JointModel) -> bool:
         return super().__eq__(other) and (self._followed, self.scaling, self.offset) == (other._followed, other.scaling, other.offset)
 
     __hash__ = None

@@ -1,5 +1,10 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Placements, velocities and accelerations of joints and frames."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Optional
+
 import numpy as np
 
 from .calls import prepare
@@ -8,11 +13,18 @@ from .elements import Elements
 from .enums import LOCAL, LOCAL_WORLD_ALIGNED, WORLD
 from .spatial import SE3, Motion
 
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from .. import ReferenceFrame
+    from .data import Data
+    from .model import Model
+
 PLACEMENTS = ("oMi", "liMi", "joints")
 _BY_LEVEL = (PLACEMENTS, (*PLACEMENTS, "v"), (*PLACEMENTS, "v", "a"))
 
 
-def forwardKinematics(model, data, q, v=None, a=None):
+def forwardKinematics(model: Model, data: Data, q: ArrayLike, v: Optional[ArrayLike] = None, a: Optional[ArrayLike] = None) -> None:
     """Computes the poses of all joints: data.oMi, liMi; with v their velocities, data.v; with a also their accelerations, data.a, without gravity."""
     c, _ = prepare(model, data, "forwardKinematics")
     if a is not None and v is None:
@@ -23,7 +35,7 @@ def forwardKinematics(model, data, q, v=None, a=None):
     data.note(_BY_LEVEL[(v is not None) + (a is not None)], data.state(q, v, a))
 
 
-def updateGlobalPlacements(model, data):
+def updateGlobalPlacements(model: Model, data: Data) -> None:
     """Computes data.oMi. forwardKinematics has done it already."""
     _kinematics(data, "updateGlobalPlacements")
 
@@ -44,13 +56,13 @@ def _turned(x, pose, reference_frame):
     raise ValueError(f"reference_frame must be LOCAL, WORLD or LOCAL_WORLD_ALIGNED, not {reference_frame}")
 
 
-def getVelocity(model, data, joint_id, reference_frame=LOCAL):
+def getVelocity(model: Model, data: Data, joint_id: int, reference_frame: ReferenceFrame = LOCAL) -> Motion:
     """Returns the spatial velocity of a joint [m/s, rad/s]."""
     joint_id = index(joint_id, model.njoints, "getVelocity", "joint_id")
     return _turned(data.v[joint_id], data.oMi[joint_id], reference_frame)
 
 
-def getAcceleration(model, data, joint_id, reference_frame=LOCAL):
+def getAcceleration(model: Model, data: Data, joint_id: int, reference_frame: ReferenceFrame = LOCAL) -> Motion:
     """Returns the spatial acceleration of a joint [m/s^2, rad/s^2], without gravity."""
     joint_id = index(joint_id, model.njoints, "getAcceleration", "joint_id")
     return _turned(data.a[joint_id], data.oMi[joint_id], reference_frame)
@@ -61,13 +73,13 @@ def _classical(acceleration, velocity):
     return Motion(acceleration.linear + np.cross(velocity.angular, velocity.linear), acceleration.angular)
 
 
-def getClassicalAcceleration(model, data, joint_id, reference_frame=LOCAL):
+def getClassicalAcceleration(model: Model, data: Data, joint_id: int, reference_frame: ReferenceFrame = LOCAL) -> Motion:
     """Returns the acceleration of a joint's origin, and that of its rotation [m/s^2, rad/s^2], without gravity."""
     velocity = getVelocity(model, data, joint_id, reference_frame)
     return _classical(getAcceleration(model, data, joint_id, reference_frame), velocity)
 
 
-def updateFramePlacement(model, data, frame_id):
+def updateFramePlacement(model: Model, data: Data, frame_id: int) -> SE3:
     """Computes data.oMf[frame_id] from the poses of the last forwardKinematics; returns it."""
     frame = model.frames[index(frame_id, model.nframes, "updateFramePlacement", "frame_id")]
     if len(data.oMf) != model.nframes:
@@ -76,13 +88,13 @@ def updateFramePlacement(model, data, frame_id):
     return placement
 
 
-def updateFramePlacements(model, data):
+def updateFramePlacements(model: Model, data: Data) -> None:
     """Computes data.oMf, the poses of all frames, from the poses of the last forwardKinematics."""
     oMi, frames = data.oMi, list(model.frames)
     data.oMf = Elements(len(frames), lambda k: oMi[frames[k].parentJoint] * frames[k].placement)
 
 
-def framesForwardKinematics(model, data, q):
+def framesForwardKinematics(model: Model, data: Data, q: ArrayLike) -> None:
     """Computes the poses of all joints and frames: data.oMi, liMi, oMf."""
     forwardKinematics(model, data, q)
     updateFramePlacements(model, data)
@@ -112,17 +124,17 @@ def _frame_motion(x, model, data, which, arguments, reference_frame, function):
     return _turned(placement.actInv(x[joint]), data.oMi[joint] * placement, reference)
 
 
-def getFrameVelocity(model, data, frame_id, *arguments, reference_frame=LOCAL):
+def getFrameVelocity(model: Model, data: Data, frame_id: int, *arguments: Any, reference_frame: ReferenceFrame = LOCAL) -> Motion:
     """Returns the spatial velocity of a frame [m/s, rad/s]. Arguments: frame_id or joint_id, placement; then the reference frame."""
     return _frame_motion(data.v, model, data, frame_id, arguments, reference_frame, "getFrameVelocity")
 
 
-def getFrameAcceleration(model, data, frame_id, *arguments, reference_frame=LOCAL):
+def getFrameAcceleration(model: Model, data: Data, frame_id: int, *arguments: Any, reference_frame: ReferenceFrame = LOCAL) -> Motion:
     """Returns the spatial acceleration of a frame [m/s^2, rad/s^2], without gravity. Arguments as for getFrameVelocity."""
     return _frame_motion(data.a, model, data, frame_id, arguments, reference_frame, "getFrameAcceleration")
 
 
-def getFrameClassicalAcceleration(model, data, frame_id, *arguments, reference_frame=LOCAL):
+def getFrameClassicalAcceleration(model: Model, data: Data, frame_id: int, *arguments: Any, reference_frame: ReferenceFrame = LOCAL) -> Motion:
     """Returns the acceleration of a frame's origin, and that of its rotation [m/s^2, rad/s^2]. Arguments as for getFrameVelocity."""
     velocity = _frame_motion(data.v, model, data, frame_id, arguments, reference_frame, "getFrameClassicalAcceleration")
     return _classical(_frame_motion(data.a, model, data, frame_id, arguments, reference_frame, "getFrameClassicalAcceleration"), velocity)

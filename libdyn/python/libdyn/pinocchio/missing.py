@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Names of Pinocchio's module that are not here, and libdyn's own way to do the same."""
 
+from __future__ import annotations
+
+from typing import NoReturn
+
 _WAYS = {
     "buildModelFromMJCF": "libdyn reads URDF files only; convert the file, or build the model with addJoint",
     "buildModelFromSdf": "libdyn reads URDF files only; convert the file, or build the model with addJoint",
@@ -34,7 +38,7 @@ class Missing(NotImplementedError, AttributeError):
     """A name of Pinocchio's module that is not here. hasattr() is false for it."""
 
 
-def find(name):
+def find(name: str) -> NoReturn:
     """Raises Missing with libdyn's way for a name of Pinocchio; AttributeError for any other name."""
     if name in _WAYS:
         raise Missing(f"libdyn.pinocchio has no {name}: {_WAYS[name]}")

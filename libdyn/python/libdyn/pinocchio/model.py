@@ -1,8 +1,12 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """The model: joints, inertias and frames that may be changed at any time. Algorithms compile it when they first need it, and after changes."""
+
+from __future__ import annotations
+
 import copy
 import sys
 import weakref
+from typing import TYPE_CHECKING, Any, Optional
 
 import numpy as np
 
@@ -16,6 +20,13 @@ from .inertia import Inertia
 from .joints import JointModel, JointModelMimic
 from .serialization import Serializable
 from .spatial import SE3, Motion
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+    from typing_extensions import Self
+
+    from ._types import Array
+    from .data import Data
 
 _PER_JOINT = ("names", "parents", "children", "joints", "inertias", "jointPlacements", "idx_qs", "nqs", "idx_vs", "nvs")
 _PER_Q = ("lowerPositionLimit", "upperPositionLimit")
@@ -35,7 +46,39 @@ class Model(Serializable):
 
     gravity981 = np.array([0.0, 0.0, -9.81])
 
-    def __init__(self, other=None):
+    if TYPE_CHECKING:
+        name: str
+        names: list[str]
+        parents: list[int]
+        children: list[list[int]]
+        joints: list[JointModel]
+        inertias: list[Inertia]
+        jointPlacements: list[SE3]
+        frames: list[Frame]
+        supports: list[list[int]]
+        subtrees: list[list[int]]
+        idx_qs: list[int]
+        nqs: list[int]
+        idx_vs: list[int]
+        nvs: list[int]
+        nq: int
+        nv: int
+        nbodies: int
+        njoints: int
+        nframes: int
+        gravity: Motion
+        lowerPositionLimit: Array
+        upperPositionLimit: Array
+        velocityLimit: Array
+        effortLimit: Array
+        armature: Array
+        rotorInertia: Array
+        rotorGearRatio: Array
+        friction: Array
+        damping: Array
+        referenceConfigurations: StdMap_String_VectorXd
+
+    def __init__(self, other: Optional[Model] = None) -> None:
         self._compiled, self._lent = None, {}
         if other is not None:
             self.__setstate__(copy.deepcopy(other.__getstate__()))
@@ -89,17 +132,17 @@ class Model(Serializable):
     parents, joints, inertias, jointPlacements = map(_watched, ("parents", "joints", "inertias", "jointPlacements"))
     armature, gravity = map(_lendable, ("armature", "gravity"))
 
-    def changed(self):
+    def changed(self) -> None:
         """Notes that the compiled model is out of date."""
         self._compiled = None
         self._lent.clear()
 
-    def lend(self, key, item):
+    def lend(self, key: Any, item: Any) -> None:
         """Notes that a program may hold a part of the model, and so change it later."""
         if key not in self._lent:
             self._lent[key] = (item, _fingerprint(item))
 
-    def compiled(self):
+    def compiled(self) -> Compiled:
         """Returns the Compiled of the model as it is now."""
         for key, (item, before) in list(self._lent.items()) if self._lent else ():
             if _fingerprint(item) != before:
@@ -111,7 +154,7 @@ class Model(Serializable):
             self._compiled = Compiled(self)
         return self._compiled
 
-    def physics(self):
+    def physics(self) -> tuple[Motion, Array]:
         """Returns gravity and armature, for a reader that changes neither."""
         return self.__dict__["_gravity"], self.__dict__["_armature"]
 
@@ -120,17 +163,17 @@ class Model(Serializable):
 
     def addJoint(
         self,
-        parent_id,
-        joint_model,
-        joint_placement,
-        joint_name,
-        max_effort=None,
-        max_velocity=None,
-        min_config=None,
-        max_config=None,
-        friction=None,
-        damping=None,
-    ):
+        parent_id: int,
+        joint_model: JointModel,
+        joint_placement: SE3,
+        joint_name: str,
+        max_effort: Optional[ArrayLike] = None,
+        max_velocity: Optional[ArrayLike] = None,
+        min_config: Optional[ArrayLike] = None,
+        max_config: Optional[ArrayLike] = None,
+        friction: Optional[ArrayLike] = None,
+        damping: Optional[ArrayLike] = None,
+    ) -> int:
         """Adds a joint at joint_placement in the frame of the joint parent_id; returns its index. By default limits are the largest numbers."""
         parent_id = index(parent_id, self.njoints, "addJoint", "parent_id")
         if not isinstance(joint_model, JointModel):
@@ -171,7 +214,7 @@ class Model(Serializable):
             self.subtrees[ancestor].append(i)
         return i
 
-    def addJointFrame(self, joint_id, frame_id=0):
+    def addJointFrame(self, joint_id: int, frame_id: int = 0) -> int:
         """Adds the frame of a joint; returns its index. frame_id is the frame before it; 0: that of the parent joint."""
         joint_id = index(joint_id, self.njoints, "addJointFrame", "joint_id")
         if frame_id <= 0:
@@ -179,14 +222,14 @@ class Model(Serializable):
             frame_id = self.getFrameId(self.names[parent], FrameType.JOINT | FrameType.FIXED_JOINT) if parent else 0
         return self.addFrame(Frame(self.names[joint_id], joint_id, int(frame_id), SE3.Identity(), FrameType.JOINT))
 
-    def appendBodyToJoint(self, joint_id, body_inertia, body_placement=None):
+    def appendBodyToJoint(self, joint_id: int, body_inertia: Inertia, body_placement: Optional[SE3] = None) -> None:
         """Adds the inertia of a body at body_placement in the joint's frame."""
         joint_id = index(joint_id, self.njoints, "appendBodyToJoint", "joint_id")
         moved = body_inertia if body_placement is None else body_placement.act(body_inertia)
         self.inertias[joint_id] = self.inertias[joint_id] + moved
         self.nbodies += 1
 
-    def addBodyFrame(self, body_name, parentJoint, body_placement=None, previous_frame=-1):
+    def addBodyFrame(self, body_name: str, parentJoint: int, body_placement: Optional[SE3] = None, previous_frame: int = -1) -> int:
         """Adds the frame of a body; returns its index."""
         parentJoint = index(parentJoint, self.njoints, "addBodyFrame", "parentJoint")
         if previous_frame < 0:
@@ -194,7 +237,7 @@ class Model(Serializable):
         placement = SE3.Identity() if body_placement is None else body_placement
         return self.addFrame(Frame(body_name, parentJoint, int(previous_frame), placement, FrameType.BODY))
 
-    def addFrame(self, frame, append_inertia=True):
+    def addFrame(self, frame: Frame, append_inertia: bool = True) -> int:
         """Adds a frame; returns its index. Its inertia is added to that of its joint. Raises ValueError if a frame of that name and type exists."""
         if not isinstance(frame, Frame):
             raise TypeError(f"addFrame: frame must be a Frame, not {type(frame).__name__}")
@@ -206,76 +249,76 @@ class Model(Serializable):
             self.inertias[frame.parentJoint] = self.inertias[frame.parentJoint] + frame.placement.act(frame.inertia)
         return self.nframes - 1
 
-    def getJointId(self, name):
+    def getJointId(self, name: str) -> int:
         """Returns the index of a joint by name; njoints if there is none."""
         return self.names.index(name) if name in self.names else self.njoints
 
-    def existJointName(self, name):
+    def existJointName(self, name: str) -> bool:
         """Returns whether a joint has this name."""
         return name in self.names
 
-    def getFrameId(self, name, type=ALL_FRAMES):  # noqa: A002
+    def getFrameId(self, name: str, type: FrameType = ALL_FRAMES) -> int:  # noqa: A002
         """Returns the index of the first frame with this name and one of the types; nframes if there is none."""
         for k, frame in enumerate(self.frames):
             if frame.name == name and frame.type & type:
                 return k
         return self.nframes
 
-    def existFrame(self, name, type=ALL_FRAMES):  # noqa: A002
+    def existFrame(self, name: str, type: FrameType = ALL_FRAMES) -> bool:  # noqa: A002
         """Returns whether a frame has this name and one of the types."""
         return self.getFrameId(name, type) < self.nframes
 
-    def getBodyId(self, name):
+    def getBodyId(self, name: str) -> int:
         """Returns the index of the frame of a body by name; nframes if there is none."""
         return self.getFrameId(name, FrameType.BODY)
 
-    def existBodyName(self, name):
+    def existBodyName(self, name: str) -> bool:
         """Returns whether a body has this name."""
         return self.existFrame(name, FrameType.BODY)
 
-    def hasConfigurationLimit(self):
+    def hasConfigurationLimit(self) -> list[bool]:
         """Returns a list of nq booleans: whether a coordinate has limits."""
         return [x for joint in self.joints[1:] for x in joint.hasConfigurationLimit()]
 
-    def hasConfigurationLimitInTangent(self):
+    def hasConfigurationLimitInTangent(self) -> list[bool]:
         """Returns a list of nv booleans: whether a degree of freedom has limits."""
         return [x for joint in self.joints[1:] for x in joint.hasConfigurationLimitInTangent()]
 
-    def createData(self):
+    def createData(self) -> Data:
         """Returns memory for the results of algorithms."""
         from .data import Data
 
         return Data(self)
 
-    def check(self, data):
+    def check(self, data: Data) -> bool:
         """Returns whether `data` has the sizes of this model."""
         return data.sizes == (self.nq, self.nv, self.njoints)
 
-    def copy(self):
+    def copy(self) -> Model:
         """Returns a copy."""
         return Model(self)
 
-    def __getstate__(self):
+    def __getstate__(self) -> Any:
         return {key: x for key, x in self.__dict__.items() if key not in ("_compiled", "_lent")}
 
-    def __setstate__(self, state):
+    def __setstate__(self, state: Any) -> None:
         self._compiled, self._lent = None, {}
         for key, x in state.items():
             setattr(self, key[1:] if key.startswith("_") else key, x)
 
-    def __copy__(self):
+    def __copy__(self) -> Self:
         return self.copy()
 
-    def __deepcopy__(self, memo):
+    def __deepcopy__(self, memo: Any) -> Self:
         return self.copy()
 
-    def __eq__(self, other):
+    def __eq__(self, other: object) -> bool:
         if not isinstance(other, Model):
             return NotImplemented
         mine, theirs = self.__getstate__(), other.__getstate__()
         return mine.keys() == theirs.keys() and all(_equal(mine[key], theirs[key]) for key in mine)
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         lines = [f"Nb joints = {self.njoints} (nq={self.nq},nv={self.nv})"]
         lines += [f"  Joint {i} {name}: parent={self.parents[i]}" for i, name in enumerate(self.names)]
         return "\n".join(lines) + "\n"

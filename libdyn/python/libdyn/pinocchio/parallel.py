@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Dynamics of many states in threads, a state a column."""
+
+from __future__ import annotations
+
 import os
+from typing import TYPE_CHECKING, Any, Optional
 
 import numpy as np
 
@@ -8,39 +12,46 @@ import libdyn as dyn
 
 from .convert import matrix
 
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from ._types import Array
+    from .data import Data
+    from .model import Model
+
 
 class ModelPool:
     """A model, with data for several threads. Arguments: a Model and the number of threads (by default that of the processor)."""
 
-    def __init__(self, model, size=None):
+    def __init__(self, model: Model, size: Optional[int] = None) -> None:
         self._model, self._batch = model, None
         self.resize(omp_get_max_threads() if size is None else int(size))
 
-    def size(self):
+    def size(self) -> int:
         """Returns the number of threads that have data."""
         return len(self._datas)
 
-    def resize(self, new_size):
+    def resize(self, new_size: int) -> None:
         """Makes data for another number of threads."""
         self._datas = [self._model.createData() for _ in range(new_size)]
 
-    def getModel(self, index=0):
+    def getModel(self, index: int = 0) -> Model:
         """Returns the model, which all threads share."""
         return self._model
 
-    def getModels(self):
+    def getModels(self) -> list[Model]:
         """Returns a list of the model, once for each thread."""
         return [self._model] * self.size()
 
-    def getData(self, index):
+    def getData(self, index: int) -> Data:
         """Returns the data of one thread."""
         return self._datas[index]
 
-    def getDatas(self):
+    def getDatas(self) -> list[Data]:
         """Returns the data of all threads."""
         return self._datas
 
-    def batch(self, states, threads):
+    def batch(self, states: int, threads: int) -> Any:
         """Returns the compiled model and libdyn's data for a batch of states."""
         c = self._model.compiled()
         key = (c, states, threads)
@@ -49,7 +60,7 @@ class ModelPool:
         return c, self._batch[1]
 
 
-def omp_get_max_threads():
+def omp_get_max_threads() -> int:
     """Returns the number of threads that the processor runs at once."""
     return os.cpu_count() or 1
 
@@ -73,11 +84,11 @@ def _run(function, name, num_threads, pool, q, v, last, last_name, result):
     return result
 
 
-def rneaInParallel(num_threads, pool, q, v, a, tau=None):
+def rneaInParallel(num_threads: int, pool: ModelPool, q: ArrayLike, v: ArrayLike, a: ArrayLike, tau: Optional[ArrayLike] = None) -> Array:
     """Returns rnea of many states (nv, states); q, v and a have a state a column. With tau, results are written there."""
     return _run(dyn.rnea, "rneaInParallel", num_threads, pool, q, v, a, "a", tau)
 
 
-def abaInParallel(num_threads, pool, q, v, tau, a=None):
+def abaInParallel(num_threads: int, pool: ModelPool, q: ArrayLike, v: ArrayLike, tau: ArrayLike, a: Optional[ArrayLike] = None) -> Array:
     """Returns aba of many states (nv, states); q, v and tau have a state a column. With a, results are written there."""
     return _run(dyn.aba, "abaInParallel", num_threads, pool, q, v, tau, "tau", a)

@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Models from URDF files. libdyn's reader reads them; joints and frames get Pinocchio's numbers."""
+
+from __future__ import annotations
+
 import os
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,6 +16,9 @@ from .inertia import Inertia
 from .joints import JointModel, JointModelMimic
 from .model import Model
 from .spatial import SE3
+
+if TYPE_CHECKING:
+    from ._types import Path
 
 _NO_LIMIT = {"lower": -np.inf, "upper": np.inf, "velocity_limit": np.inf, "effort_limit": np.inf}
 _OF_AXIS = {"revolute": ("R", "Revolute"), "continuous": ("RUB", "RevoluteUnbounded"), "prismatic": ("P", "Prismatic")}
@@ -35,7 +42,7 @@ def _arguments(arguments, named):
     return out
 
 
-def buildModelFromUrdf(urdf_filename, *arguments, **named):
+def buildModelFromUrdf(urdf_filename: Path, *arguments: Any, **named: Any) -> Any:
     """Returns the Model of a URDF file. Arguments: [root_joint[, root_joint_name],] [model,] mimic=False.
 
     With a root joint, it connects the world and the root link; without one, the root link is fixed. `model` is extended and returned. With
@@ -47,7 +54,7 @@ def buildModelFromUrdf(urdf_filename, *arguments, **named):
     return _convert(robot, given)
 
 
-def buildModelFromXML(urdf_xml_stream, *arguments, **named):
+def buildModelFromXML(urdf_xml_stream: str, *arguments: Any, **named: Any) -> Any:
     """Returns the Model of the text of a URDF file. Arguments are those of buildModelFromUrdf."""
     given = _arguments(arguments, named)
     mimic = "coupled" if given["mimic"] else "independent"

@@ -1,5 +1,10 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Regressors: results as linear functions of the bodies' parameters, ten each (m, m c, Ixx, Ixy, Iyy, Ixz, Iyz, Izz about the joint's origin)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Optional
+
 import numpy as np
 
 import libdyn as dyn
@@ -10,8 +15,16 @@ from .enums import LOCAL, LOCAL_WORLD_ALIGNED, WORLD
 from .kinematics import PLACEMENTS, _joint_and_placement
 from .spatial import SE3, Motion
 
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
 
-def bodyRegressor(velocity, acceleration):
+    from .. import ReferenceFrame
+    from ._types import Array
+    from .data import Data
+    from .model import Model
+
+
+def bodyRegressor(velocity: Motion, acceleration: Motion) -> Array:
     """Returns Y (6, 10): Y pi is the force on a body with the parameters pi that moves at this velocity and acceleration."""
     return dyn.body_regressor(Motion(velocity), Motion(acceleration))
 
@@ -21,18 +34,18 @@ def _moving(data, joint, function):
     return data.v[joint], data.a_gf[joint]
 
 
-def jointBodyRegressor(model, data, joint_id):
+def jointBodyRegressor(model: Model, data: Data, joint_id: int) -> Array:
     """Returns the bodyRegressor of a joint's body at the state of the last rnea."""
     return bodyRegressor(*_moving(data, index(joint_id, model.njoints, "jointBodyRegressor", "joint_id"), "jointBodyRegressor"))
 
 
-def frameBodyRegressor(model, data, frame_id):
+def frameBodyRegressor(model: Model, data: Data, frame_id: int) -> Array:
     """Returns the bodyRegressor of a body in its frame at the state of the last rnea."""
     joint, placement = _joint_and_placement(model, frame_id, None, "frameBodyRegressor")
     return bodyRegressor(*(placement.actInv(x) for x in _moving(data, joint, "frameBodyRegressor")))
 
 
-def computeStaticRegressor(model, data, q):
+def computeStaticRegressor(model: Model, data: Data, q: ArrayLike) -> Array:
     """Returns Y (3, 4 (njoints - 1)): Y pi is the centre of mass, with parameters (m, m c) of each body; also data.staticRegressor."""
     c, _ = prepare(model, data, "computeStaticRegressor")
     state = data.state(c.q_in(q, "computeStaticRegressor"))
@@ -42,7 +55,7 @@ def computeStaticRegressor(model, data, q):
     return data.staticRegressor
 
 
-def computeJointTorqueRegressor(model, data, q, v, a):
+def computeJointTorqueRegressor(model: Model, data: Data, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> Array:
     """Returns Y (nv, 10 (njoints - 1)): Y pi is rnea without armature; also data.jointTorqueRegressor."""
     c, d = prepare(model, data, "computeJointTorqueRegressor")
     name = "computeJointTorqueRegressor"
@@ -51,7 +64,7 @@ def computeJointTorqueRegressor(model, data, q, v, a):
     return data.jointTorqueRegressor
 
 
-def computeKineticEnergyRegressor(model, data, q, v):
+def computeKineticEnergyRegressor(model: Model, data: Data, q: ArrayLike, v: ArrayLike) -> Array:
     """Returns y (10 (njoints - 1),): y . pi is the kinetic energy [J]; also data.kineticEnergyRegressor."""
     c, d = prepare(model, data, "computeKineticEnergyRegressor")
     y = dyn.compute_kinetic_energy_regressor(
@@ -61,7 +74,7 @@ def computeKineticEnergyRegressor(model, data, q, v):
     return data.kineticEnergyRegressor
 
 
-def computePotentialEnergyRegressor(model, data, q):
+def computePotentialEnergyRegressor(model: Model, data: Data, q: ArrayLike) -> Array:
     """Returns y (10 (njoints - 1),): y . pi is the potential energy [J]; also data.potentialEnergyRegressor."""
     c, d = prepare(model, data, "computePotentialEnergyRegressor")
     y = dyn.compute_potential_energy_regressor(c.model, d, c.q_in(q, "computePotentialEnergyRegressor"))
@@ -69,7 +82,13 @@ def computePotentialEnergyRegressor(model, data, q):
     return data.potentialEnergyRegressor
 
 
-def computeJointKinematicRegressor(model, data, joint_id, reference_frame, placement=None):
+def computeJointKinematicRegressor(
+    model: Model,
+    data: Data,
+    joint_id: int,
+    reference_frame: ReferenceFrame,
+    placement: Optional[SE3] = None,
+) -> Array:
     """Returns Y (6, 6 (njoints - 1)): Y x is the displacement of a joint, or of `placement` in its frame, when the joint placements change by x.
 
     x has a motion for each joint, in the frame of the joint at its zero. The state is that of the last forwardKinematics.
@@ -79,7 +98,7 @@ def computeJointKinematicRegressor(model, data, joint_id, reference_frame, place
     return _kinematic(model, state, joint_id, SE3.Identity() if placement is None else placement, reference_frame)
 
 
-def computeFrameKinematicRegressor(model, data, frame_id, reference_frame):
+def computeFrameKinematicRegressor(model: Model, data: Data, frame_id: int, reference_frame: ReferenceFrame) -> Array:
     """Returns Y (6, 6 (njoints - 1)): Y x is the displacement of a frame when the joint placements change by x."""
     joint, placement = _joint_and_placement(model, frame_id, None, "computeFrameKinematicRegressor")
     state = data.source("oMi", "computeFrameKinematicRegressor", "forwardKinematics(model, data, q)")

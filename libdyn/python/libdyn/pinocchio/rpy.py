@@ -1,13 +1,23 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Roll, pitch and yaw: R = Rz(yaw) Ry(pitch) Rx(roll)."""
 
+from __future__ import annotations
+
 import math
+from typing import TYPE_CHECKING, Any, Optional, Union
 
 import numpy as np
 
 import libdyn
 
 from ._arrays import array
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from .. import ReferenceFrame
+    from ._types import Array
+    from .rotations import Quaternion
 
 __all__ = [
     "computeRpyJacobian",
@@ -19,7 +29,7 @@ __all__ = [
 ]
 
 
-def rotate(axis, angle):
+def rotate(axis: str, angle: float) -> Array:
     """Returns the rotation matrix by an angle [rad] about "x", "y" or "z". Raises ValueError for another axis."""
     if axis not in ("x", "y", "z"):
         raise ValueError(f"axis is {axis!r}; it must be 'x', 'y' or 'z'")
@@ -28,7 +38,7 @@ def rotate(axis, angle):
     return libdyn.exp3(w)
 
 
-def rpyToMatrix(roll, pitch=None, yaw=None):
+def rpyToMatrix(roll: Any, pitch: Optional[float] = None, yaw: Optional[float] = None) -> Array:
     """Returns the rotation matrix of three angles [rad], or of an array of the three."""
     r, p, y = (array(roll, (3,), "rpy") if pitch is None else (roll, pitch, yaw))
     (sr, cr), (sp, cp), (sy, cy) = ((math.sin(t), math.cos(t)) for t in (r, p, y))
@@ -41,7 +51,7 @@ def rpyToMatrix(roll, pitch=None, yaw=None):
     )
 
 
-def matrixToRpy(R):
+def matrixToRpy(R: Union[Quaternion, ArrayLike]) -> Array:
     """Returns (roll, pitch, yaw) [rad] of a rotation matrix: roll and yaw from -pi to pi, pitch from -pi/2 to pi/2.
 
     Where the pitch is a right angle, roll and yaw are not unique; any pair that gives R is returned.
@@ -64,7 +74,7 @@ def _is_local(reference_frame):
     return reference_frame == libdyn.LOCAL
 
 
-def computeRpyJacobian(rpy, reference_frame=libdyn.LOCAL):
+def computeRpyJacobian(rpy: ArrayLike, reference_frame: ReferenceFrame = libdyn.LOCAL) -> Array:
     """Returns the matrix (3, 3) that maps the rates of (roll, pitch, yaw) to the angular velocity.
 
     reference_frame: LOCAL for the angular velocity in the moving frame; WORLD and LOCAL_WORLD_ALIGNED for that in the fixed one.
@@ -75,7 +85,7 @@ def computeRpyJacobian(rpy, reference_frame=libdyn.LOCAL):
     return np.array([[cp * cy, -sy, 0.0], [cp * sy, cy, 0.0], [-sp, 0.0, 1.0]])
 
 
-def computeRpyJacobianInverse(rpy, reference_frame=libdyn.LOCAL):
+def computeRpyJacobianInverse(rpy: ArrayLike, reference_frame: ReferenceFrame = libdyn.LOCAL) -> Array:
     """Returns the inverse of computeRpyJacobian (3, 3). It is unbounded where the pitch is a right angle."""
     sr, cr, sp, cp, sy, cy = _trigonometry(rpy)
     tp = sp / cp
@@ -84,7 +94,7 @@ def computeRpyJacobianInverse(rpy, reference_frame=libdyn.LOCAL):
     return np.array([[cy / cp, sy / cp, 0.0], [-sy, cy, 0.0], [cy * tp, sy * tp, 1.0]])
 
 
-def computeRpyJacobianTimeDerivative(rpy, rpydot, reference_frame=libdyn.LOCAL):
+def computeRpyJacobianTimeDerivative(rpy: ArrayLike, rpydot: ArrayLike, reference_frame: ReferenceFrame = libdyn.LOCAL) -> Array:
     """Returns the time derivative (3, 3) of computeRpyJacobian for the rates rpydot (3,) [rad/s]."""
     sr, cr, sp, cp, sy, cy = _trigonometry(rpy)
     dr, dp, dy = array(rpydot, (3,), "rpydot").tolist()

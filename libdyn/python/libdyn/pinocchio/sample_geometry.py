@@ -1,9 +1,16 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Volumes of Pinocchio's sample models: spheres at joints, capsules along limbs. Sizes [m] are those of Pinocchio."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 from . import hppfcl
 from .geometry import GeometryModel, GeometryObject
 from .spatial import SE3
+
+if TYPE_CHECKING:
+    from .model import Model
 
 __all__ = ["buildSampleGeometryModelHumanoid", "buildSampleGeometryModelManipulator"]
 
@@ -33,14 +40,14 @@ def _add(model, geometry_model, volumes, prefix=""):
         geometry_model.addGeometryObject(volume)
 
 
-def buildSampleGeometryModelManipulator(model):
+def buildSampleGeometryModelManipulator(model: Model) -> GeometryModel:
     """Returns the volumes of buildSampleModelManipulator()."""
     out = GeometryModel()
     _add(model, out, _LIMB)
     return out
 
 
-def buildSampleGeometryModelHumanoid(model):
+def buildSampleGeometryModelHumanoid(model: Model) -> GeometryModel:
     """Returns the volumes of buildSampleModelHumanoid()."""
     out = GeometryModel()
     for prefix in ("rleg_", "lleg_", "rarm_", "larm_"):

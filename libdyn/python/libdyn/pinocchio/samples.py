@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Sample models: a manipulator and humanoids, with the structure and the names of Pinocchio's."""
+
+from __future__ import annotations
+
 import numpy as np
 
 from . import _random, joints
@@ -62,7 +65,7 @@ def _add_manipulator(model, root, placement, prefix="", mimic=False):
             model.addBodyFrame(f"{prefix}{body}_body", i, SE3.Identity(), -1)
 
 
-def buildSampleModelManipulator(mimic=False):
+def buildSampleModelManipulator(mimic: bool = False) -> Model:
     """Returns the Model of an arm of six joints. With mimic, the last joint follows the one before."""
     model = Model()
     model.name = "manipulator"
@@ -76,7 +79,7 @@ def _root_joint(using_free_flyer):
     return joints.JointModelComposite(joints.JointModelTranslation()).addJoint(joints.JointModelSphericalZYX())
 
 
-def buildSampleModelHumanoid(using_free_flyer=True):
+def buildSampleModelHumanoid(using_free_flyer: bool = True) -> Model:
     """Returns the Model of a humanoid: legs, chest, head and arms. Its root is a free flyer, or a translation and three angles."""
     model = Model()
     model.name = "humanoid"
@@ -113,7 +116,7 @@ def _add_random(model, joint, parent, name, placement=None):
     return _add(model, joint, parent, name, SE3.Random() if placement is None else placement, Inertia.Random(), limits)
 
 
-def buildSampleModelHumanoidRandom(using_free_flyer=True, mimic=False):
+def buildSampleModelHumanoidRandom(using_free_flyer: bool = True, mimic: bool = False) -> Model:
     """Returns the Model of a humanoid with random placements, inertias and limits. With mimic, the joint larm6 follows larm5."""
     model = Model()
     model.name = "humanoid"

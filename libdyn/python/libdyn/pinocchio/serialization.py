@@ -4,14 +4,20 @@
 Text is JSON. XML has the same tree. Bytes are the compressed text. Floating-point numbers keep all digits.
 """
 
+from __future__ import annotations
+
 import enum
 import json
 import os
 import sys
 import xml.etree.ElementTree as ElementTree
 import zlib
+from typing import TYPE_CHECKING, Union
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from ._types import Path
 
 __all__ = [
     "Serializable",
@@ -32,21 +38,21 @@ __all__ = [
 class StreamBuffer(bytearray):
     """Bytes in memory, which grow as needed."""
 
-    def view(self):
+    def view(self) -> memoryview:
         return memoryview(self)
 
-    def size(self):
+    def size(self) -> int:
         return len(self)
 
 
 class StaticBuffer(StreamBuffer):
     """Bytes in memory that were sized in advance; the size follows what is written."""
 
-    def reserve(self, new_size):
+    def reserve(self, new_size: int) -> None:
         """Does nothing: the buffer grows as needed."""
 
 
-def buffer_copy(dest, source):
+def buffer_copy(dest: StreamBuffer, source: StreamBuffer) -> None:
     """Copies the bytes of one buffer into another."""
     dest[:] = source
 
@@ -171,34 +177,34 @@ def _take(x, other):
         x.__dict__.update(other.__dict__)
 
 
-def saveToString(object):
+def saveToString(object: Serializable) -> str:
     """Returns an object as text."""
     return _dumped(object)
 
 
-def loadFromString(object, string):
+def loadFromString(object: Serializable, string: str) -> None:
     """Gives an object the value that saveToString wrote."""
     _take(object, _decoded(lambda: json.loads(string), "the string"))
 
 
-def saveToText(object, filename):
+def saveToText(object: Serializable, filename: Path) -> None:
     """Writes an object into a text file."""
     with open(filename, "w", encoding="utf-8") as file:
         file.write(_dumped(object))
 
 
-def loadFromText(object, filename):
+def loadFromText(object: Serializable, filename: Path) -> None:
     """Gives an object the value of a text file. Raises ValueError for another content, OSError if the file cannot be read."""
     with open(filename, encoding="utf-8") as file:
         _take(object, _decoded(lambda: json.load(file), filename))
 
 
-def saveToXML(object, filename, tag_name):
+def saveToXML(object: Serializable, filename: Path, tag_name: str) -> None:
     """Writes an object into an XML file, as the element `tag_name`."""
     ElementTree.ElementTree(_element(tag_name, _tree(object))).write(filename, encoding="utf-8", xml_declaration=True)
 
 
-def loadFromXML(object, filename, tag_name):
+def loadFromXML(object: Serializable, filename: Path, tag_name: str) -> None:
     """Gives an object the value of the element `tag_name` in an XML file."""
 
     def read():
@@ -210,7 +216,7 @@ def loadFromXML(object, filename, tag_name):
     _take(object, _decoded(read, filename))
 
 
-def saveToBinary(object, target):
+def saveToBinary(object: Serializable, target: Union[Path, StreamBuffer]) -> None:
     """Writes an object as bytes into a file or a StreamBuffer."""
     data = zlib.compress(_dumped(object).encode())
     if isinstance(target, bytearray):
@@ -220,7 +226,7 @@ def saveToBinary(object, target):
             file.write(data)
 
 
-def loadFromBinary(object, source):
+def loadFromBinary(object: Serializable, source: Union[Path, StreamBuffer, bytes]) -> None:
     """Gives an object the value of a file or a StreamBuffer that saveToBinary wrote."""
     if isinstance(source, (bytes, bytearray)):
         data, name = bytes(source), "the buffer"

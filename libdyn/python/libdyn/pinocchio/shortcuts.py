@@ -1,15 +1,22 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Functions that read a model together with its volumes."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NoReturn
+
 from .geometry import GeometryType
 from .urdf_geometry import buildGeomFromUrdf
+
+if TYPE_CHECKING:
+    from ._types import Path
 
 __all__ = ["buildModelsFromMJCF", "buildModelsFromSdf", "buildModelsFromUrdf", "createDatas"]
 
 _BOTH = (GeometryType.COLLISION, GeometryType.VISUAL)
 
 
-def buildModelsFromUrdf(filename, *args, **named):
+def buildModelsFromUrdf(filename: Path, *args: Any, **named: Any) -> tuple[Any, ...]:
     """Reads a URDF file; returns a tuple of the model and one GeometryModel for each of `geometry_types`.
 
     Arguments, by name or in this order: package_dirs, root_joint, root_joint_name (by position only if it is a string), verbose, meshLoader,
@@ -41,16 +48,16 @@ def _models_from_urdf(
     return (model, *(buildGeomFromUrdf(model, filename, t, package_dirs=package_dirs, mesh_loader=meshLoader) for t in types))
 
 
-def buildModelsFromSdf(filename, *args, **named):
+def buildModelsFromSdf(filename: Path, *args: Any, **named: Any) -> NoReturn:
     """Not there. Raises NotImplementedError."""
     raise NotImplementedError("libdyn.pinocchio reads no SDF files; use a URDF file")
 
 
-def buildModelsFromMJCF(filename, *args, **named):
+def buildModelsFromMJCF(filename: Path, *args: Any, **named: Any) -> NoReturn:
     """Not there. Raises NotImplementedError."""
     raise NotImplementedError("libdyn.pinocchio reads no MJCF files; use a URDF file")
 
 
-def createDatas(*models):
+def createDatas(*models: Any) -> tuple[Any, ...]:
     """Returns a tuple with createData() of each model; None stays None."""
     return tuple(None if model is None else model.createData() for model in models)

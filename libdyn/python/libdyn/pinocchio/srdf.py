@@ -1,11 +1,19 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """SRDF files: pairs that are not checked, reference configurations, rotor parameters."""
 
+from __future__ import annotations
+
 import math
 import os
 import xml.etree.ElementTree as ElementTree
+from typing import TYPE_CHECKING
 
 from .geometry import StdVec_CollisionPair
+
+if TYPE_CHECKING:
+    from ._types import Path
+    from .geometry import GeometryModel
+    from .model import Model
 
 __all__ = [
     "loadReferenceConfigurations",
@@ -40,12 +48,12 @@ def _file(filename):
         raise ValueError(f"{path} cannot be read: {error.strerror}") from None
 
 
-def removeCollisionPairs(model, geom_model, srdf_filename, verbose=False):
+def removeCollisionPairs(model: Model, geom_model: GeometryModel, srdf_filename: Path, verbose: bool = False) -> None:
     """Removes the pairs of volumes whose links an SRDF file disables by <disable_collisions>."""
     _remove(model, geom_model, _root(_file(srdf_filename), os.fspath(srdf_filename)), verbose)
 
 
-def removeCollisionPairsFromXML(model, geom_model, srdf_xml_stream, verbose=False):
+def removeCollisionPairsFromXML(model: Model, geom_model: GeometryModel, srdf_xml_stream: str, verbose: bool = False) -> None:
     """Removes the pairs of volumes whose links the text of an SRDF file disables."""
     _remove(model, geom_model, _root(srdf_xml_stream, "the text"), verbose)
 
@@ -67,12 +75,12 @@ def _remove(model, geom_model, root, verbose):
     geom_model.collisionPairs = StdVec_CollisionPair(kept)
 
 
-def loadReferenceConfigurations(model, srdf_filename, verbose=False):
+def loadReferenceConfigurations(model: Model, srdf_filename: Path, verbose: bool = False) -> None:
     """Adds each <group_state> of an SRDF file to model.referenceConfigurations by its name; other joints are at neutral."""
     _references(model, _root(_file(srdf_filename), os.fspath(srdf_filename)), verbose)
 
 
-def loadReferenceConfigurationsFromXML(model, srdf_xml_stream, verbose=False):
+def loadReferenceConfigurationsFromXML(model: Model, srdf_xml_stream: str, verbose: bool = False) -> None:
     """Adds each <group_state> of the text of an SRDF file to model.referenceConfigurations."""
     _references(model, _root(srdf_xml_stream, "the text"), verbose)
 
@@ -105,7 +113,7 @@ def _references(model, root, verbose):
         model.referenceConfigurations[state.get("name")] = q
 
 
-def loadRotorParameters(model, srdf_filename, verbose=False):
+def loadRotorParameters(model: Model, srdf_filename: Path, verbose: bool = False) -> bool:
     """Reads <rotor_params> into model.rotorInertia, model.rotorGearRatio and model.armature; returns whether there was such an element."""
     root = _root(_file(srdf_filename), os.fspath(srdf_filename))
     found = False

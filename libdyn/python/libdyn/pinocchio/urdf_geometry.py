@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Volumes of URDF files."""
 
+from __future__ import annotations
+
 import os
 import warnings
 import xml.etree.ElementTree as ElementTree
+from typing import TYPE_CHECKING, Any, Optional
 
 import numpy as np
 
@@ -12,12 +15,26 @@ from .geometry import GeometryModel, GeometryObject, GeometryType
 from .rpy import rpyToMatrix
 from .spatial import SE3
 
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from ._types import Path
+    from .hppfcl import MeshLoader
+    from .model import Model
+
 __all__ = ["buildGeomFromUrdf", "buildGeomFromUrdfString"]
 
 _GREY = (0.9, 0.9, 0.9, 1.0)
 
 
-def buildGeomFromUrdf(model, urdf_filename, geom_type, geometry_model=None, package_dirs=None, mesh_loader=None):
+def buildGeomFromUrdf(
+    model: Model,
+    urdf_filename: Path,
+    geom_type: GeometryType,
+    geometry_model: Any = None,
+    package_dirs: Any = None,
+    mesh_loader: Optional[MeshLoader] = None,
+) -> GeometryModel:
     """Reads the volumes of a URDF file, those for collision or those for viewers, and returns a GeometryModel.
 
     geometry_model: the model to which they are added; None: a new one. package_dirs: folders for package://, a path or a list of them.
@@ -32,7 +49,14 @@ def buildGeomFromUrdf(model, urdf_filename, geom_type, geometry_model=None, pack
     return _build(model, text, path, geom_type, geometry_model, package_dirs, mesh_loader)
 
 
-def buildGeomFromUrdfString(model, urdf_string, geom_type, geometry_model=None, package_dirs=None, mesh_loader=None):
+def buildGeomFromUrdfString(
+    model: Model,
+    urdf_string: str,
+    geom_type: GeometryType,
+    geometry_model: Any = None,
+    package_dirs: Any = None,
+    mesh_loader: Optional[MeshLoader] = None,
+) -> GeometryModel:
     """Reads the volumes in the text of a URDF file, as buildGeomFromUrdf does."""
     return _build(model, urdf_string, "the text", geom_type, geometry_model, package_dirs, mesh_loader)
 
@@ -75,7 +99,7 @@ def _numbers(element, attribute, count, default=None):
 class _Robot:
     """The links and joints of a URDF file."""
 
-    def __init__(self, text, source, folders, mesh_loader):
+    def __init__(self, text: str, source: str, folders: Any, mesh_loader: MeshLoader) -> None:
         if "<!DOCTYPE" in text:
             raise ValueError(f"{source}: a document type is not allowed")
         try:
@@ -86,7 +110,7 @@ class _Robot:
         self._links = {link.get("name"): link for link in self._root.findall("link")}
         self._materials = {m.get("name"): m for m in self._root.findall("material")}
 
-    def links_in_order(self):
+    def links_in_order(self) -> Iterator[Any]:
         """Yields links depth first, children in the order of their joints' names."""
         joints = sorted(self._root.findall("joint"), key=lambda joint: joint.get("name", ""))
         children, carried = {}, set()
@@ -102,7 +126,7 @@ class _Robot:
                 yield self._links[name]
             waiting.extend(reversed(children.pop(name, [])))
 
-    def volumes(self, model, link, tag):
+    def volumes(self, model: Model, link: Any, tag: str) -> Iterator[Any]:
         """Yields the volumes of a link."""
         elements = [e for e in link.findall(tag) if e.find("geometry") is not None]
         if not elements:

@@ -1,10 +1,23 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Visualizers. libdyn has no viewer: derive from BaseVisualizer, and draw what its data hold."""
 
+from __future__ import annotations
+
 import contextlib
 import time
+from typing import TYPE_CHECKING, Any, NoReturn, Optional
 
 from .shortcuts import createDatas
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from numpy.typing import ArrayLike
+
+    from ._types import Path
+    from .data import Data
+    from .geometry import GeometryData, GeometryModel
+    from .geometry_object import GeometryObject, GeometryType
+    from .model import Model
 
 __all__ = [
     "BaseVisualizer",
@@ -21,8 +34,15 @@ class BaseVisualizer:
     """Models and their data for a viewer of your own. Define display(q), and what else you use of the methods that raise NotImplementedError."""
 
     def __init__(
-        self, model=None, collision_model=None, visual_model=None, copy_models=False, data=None, collision_data=None, visual_data=None
-    ):
+        self,
+        model: Optional[Model] = None,
+        collision_model: Optional[GeometryModel] = None,
+        visual_model: Optional[GeometryModel] = None,
+        copy_models: bool = False,
+        data: Optional[Data] = None,
+        collision_data: Optional[GeometryData] = None,
+        visual_data: Optional[GeometryData] = None,
+    ) -> None:
         models = (model, collision_model, visual_model)
         if copy_models:
             models = tuple(None if x is None else x.copy() for x in models)
@@ -31,71 +51,78 @@ class BaseVisualizer:
         given = (data, collision_data, visual_data)
         self.data, self.collision_data, self.visual_data = (new if old is None else old for new, old in zip(made, given))
 
-    def rebuildData(self):
+    def rebuildData(self) -> None:
         """Makes the data anew, as needed after a change of the models."""
         self.data, self.collision_data, self.visual_data = createDatas(self.model, self.collision_model, self.visual_model)
 
-    def getViewerNodeName(self, geometry_object, geometry_type):
+    def getViewerNodeName(self, geometry_object: GeometryObject, geometry_type: GeometryType) -> None:
         """Returns the name of a volume in the viewer."""
 
-    def initViewer(self, *args, **named):
+    def initViewer(self, *args: Any, **named: Any) -> None:
         """Opens the viewer."""
 
-    def loadViewerModel(self, *args, **named):
+    def loadViewerModel(self, *args: Any, **named: Any) -> None:
         """Gives the volumes to the viewer."""
 
-    def reload(self, new_geometry_object, geometry_type=None):
+    def reload(self, new_geometry_object: GeometryObject, geometry_type: Optional[GeometryType] = None) -> None:
         """Gives a changed volume to the viewer."""
 
-    def clean(self):
+    def clean(self) -> None:
         """Removes everything from the viewer."""
 
     def _missing(self, name):
         raise NotImplementedError(f"{type(self).__name__} has no {name}; libdyn has no viewer, so define it in a class of your own")
 
-    def display(self, q=None):
+    def display(self, q: Optional[ArrayLike] = None) -> None:
         self._missing("display")
 
-    def displayCollisions(self, visibility):
+    def displayCollisions(self, visibility: bool) -> None:
         self._missing("displayCollisions")
 
-    def displayVisuals(self, visibility):
+    def displayVisuals(self, visibility: bool) -> None:
         self._missing("displayVisuals")
 
-    def setBackgroundColor(self):
+    def setBackgroundColor(self) -> None:
         self._missing("setBackgroundColor")
 
-    def setCameraTarget(self, target):
+    def setCameraTarget(self, target: ArrayLike) -> None:
         self._missing("setCameraTarget")
 
-    def setCameraPosition(self, position):
+    def setCameraPosition(self, position: ArrayLike) -> None:
         self._missing("setCameraPosition")
 
-    def setCameraZoom(self, zoom):
+    def setCameraZoom(self, zoom: float) -> None:
         self._missing("setCameraZoom")
 
-    def setCameraPose(self, pose):
+    def setCameraPose(self, pose: ArrayLike) -> None:
         self._missing("setCameraPose")
 
-    def captureImage(self, w=None, h=None):
+    def captureImage(self, w: Optional[int] = None, h: Optional[int] = None) -> Any:
         self._missing("captureImage")
 
-    def disableCameraControl(self):
+    def disableCameraControl(self) -> None:
         self._missing("disableCameraControl")
 
-    def enableCameraControl(self):
+    def enableCameraControl(self) -> None:
         self._missing("enableCameraControl")
 
-    def drawFrameVelocities(self, *args, **named):
+    def drawFrameVelocities(self, *args: Any, **named: Any) -> None:
         self._missing("drawFrameVelocities")
 
-    def sleep(self, dt):
+    def sleep(self, dt: float) -> None:
         time.sleep(dt)
 
-    def has_video_writer(self):
+    def has_video_writer(self) -> bool:
         return False
 
-    def play(self, q_trajectory, dt=None, callback=None, capture=False, **named):
+    def play(
+        self,
+        q_trajectory: ArrayLike,
+        dt: Optional[float] = None,
+        callback: Optional[Callable[..., Any]] = None,
+        capture: bool = False,
+        **named: Any,
+    ) -> Any:
         """Displays configurations one after the other, every dt [s]. With capture, returns the images."""
         images = []
         for i, q in enumerate(q_trajectory):
@@ -110,7 +137,7 @@ class BaseVisualizer:
                 self.sleep(rest)
         return images if capture else None
 
-    def create_video_ctx(self, filename=None, fps=30, directory=None, **named):
+    def create_video_ctx(self, filename: Optional[Path] = None, fps: int = 30, directory: Optional[Path] = None, **named: Any) -> Any:
         """Returns a context that does nothing: videos are not written."""
         return contextlib.nullcontext()
 
@@ -120,7 +147,7 @@ class NoViewer(NotImplementedError, ImportError):
 
 
 class _Absent(BaseVisualizer):
-    def initViewer(self, *args, **named):
+    def initViewer(self, *args: Any, **named: Any) -> NoReturn:
         """Raises NoViewer."""
         raise NoViewer(
             f"libdyn has no {type(self).__name__}: derive from libdyn.pinocchio.visualize.BaseVisualizer, place the volumes by "
