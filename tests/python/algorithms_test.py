@@ -192,6 +192,31 @@ class Batches(unittest.TestCase):
             np.testing.assert_allclose(derivatives.dtau_dq[k], single.dtau_dq, atol=1e-9)
             np.testing.assert_allclose(derivatives.dtau_dv[k], single.dtau_dv, atol=1e-9)
 
+    def test_bodies_and_factors_of_all_rows(self):
+        model, data = self.model, dyn.Data(self.model, dyn.Need.DERIVATIVES)
+        batch = dyn.BatchData(model, 16, dyn.Need.DERIVATIVES, threads=2)
+        jacobians = dyn.jacobian_center_of_mass(model, batch, self.q)
+        kinetic = dyn.compute_kinetic_energy(model, batch, self.q, self.v)
+        potential = dyn.compute_potential_energy(model, batch, self.q)
+        still, moving = dyn.center_of_mass(model, batch, self.q), dyn.center_of_mass(model, batch, self.q, self.v, self.a)
+        self.assertIsNone(still.velocity)
+        self.assertEqual((jacobians.shape, kinetic.shape, moving.position.shape), ((13, 3, model.nv), (13,), (13, 3)))
+        np.testing.assert_array_equal(still.position, moving.position)
+        dyn.cholesky.decompose(model, batch, self.q)
+        solved = dyn.cholesky.solve(model, batch, self.a)
+        for k in range(13):
+            q, v, a = self.q[k], self.v[k], self.a[k]
+            one = dyn.center_of_mass(model, data, q, v, a)
+            np.testing.assert_allclose(moving.position[k], one.position, atol=1e-13)
+            np.testing.assert_allclose(moving.velocity[k], one.velocity, atol=1e-13)
+            np.testing.assert_allclose(moving.acceleration[k], one.acceleration, atol=1e-12)
+            np.testing.assert_allclose(jacobians[k], dyn.jacobian_center_of_mass(model, data, q), atol=1e-13)
+            np.testing.assert_allclose(kinetic[k], dyn.compute_kinetic_energy(model, data, q, v), rtol=1e-12)
+            np.testing.assert_allclose(potential[k], dyn.compute_potential_energy(model, data, q), rtol=1e-12)
+            np.testing.assert_allclose(solved[k], dyn.compute_minverse(model, data, q) @ a, atol=1e-8)
+        with self.assertRaises(dyn.Error):
+            dyn.cholesky.solve(model, batch, self.a[:4])
+
     def test_any_layout_and_type_of_rows(self):
         model, batch = self.model, dyn.BatchData(self.model, 16)
         expected = dyn.rnea(model, batch, self.q, self.v, self.a)

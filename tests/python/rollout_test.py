@@ -63,6 +63,21 @@ class Rollouts(unittest.TestCase):
             self.assertEqual(q.shape, (shape[0], shape[1] + 1, model.nq))
         np.testing.assert_array_equal(q, np.broadcast_to(dyn.neutral(model), q.shape))
 
+    def test_a_batch_stepper_takes_the_same_steps(self):
+        model, n, steps = arm(), 5, 4
+        controls = np.random.default_rng(3).normal(size=(steps, n, model.nv))
+        q0, v0 = dyn.random_configuration(model, 1, n), np.random.default_rng(4).normal(size=(n, model.nv))
+        for integrator in ("explicit_euler", "semi_implicit_euler", "rk4"):
+            stepper = dyn.BatchStepper(model, n, integrator, threads=2)
+            q, v = stepper.rollout(1e-3, q0, v0, controls)
+            expected_q, expected_v = dyn.rollout(model, q0, v0, controls.transpose(1, 0, 2), 1e-3, integrator)
+            np.testing.assert_allclose(q.transpose(1, 0, 2), expected_q[:, 1:], atol=1e-10)
+            np.testing.assert_allclose(v.transpose(1, 0, 2), expected_v[:, 1:], atol=1e-9)
+        with self.assertRaises(dyn.Error):
+            stepper.rollout(1e-3, q0[:2], v0, controls)
+        with self.assertRaises(dyn.Error):
+            dyn.BatchStepper(model, n, "gauss6")
+
     def test_constraints_hold_in_rollouts(self):
         model = arm()
         held = dyn.ConstraintSet(model, [dyn.lock_joint(model.joints[1].name)])

@@ -33,10 +33,6 @@ std::vector<std::string> keysOf(const AlgorithmInfo& algorithm) {
     case Algorithm::accelerations:
     case Algorithm::frame_jacobian:
       return {"frames"};
-    case Algorithm::center_of_mass:
-      return {"com", "vcom", "acom"};
-    case Algorithm::energies:
-      return {"kinetic_energy", "potential_energy"};
     case Algorithm::static_torque:
       return {"static_torque"};
     default:

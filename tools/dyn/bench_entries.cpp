@@ -5,6 +5,7 @@
 #include <chrono>
 #include <memory>
 #include <optional>
+#include <utility>
 
 namespace dyn::tool {
 
@@ -172,7 +173,6 @@ void addSingle(Subjects& x, std::vector<Entry>& entries) {
   add("forward_dynamics_cholesky", derivatives, [](auto& m, auto& d, auto& s) { return forwardDynamics(m, d, s.q, s.v, s.tau); });
   add("kinematics_derivatives", derivatives, [](auto& m, auto& d, auto& s) { computeForwardKinematicsDerivatives(m, d, s.q, s.v, s.a); });
   add("torque_regressor", derivatives, [](auto& m, auto& d, auto& s) { computeJointTorqueRegressor(m, d, s.q, s.v, s.a); });
-  add("center_of_mass_jacobian", Need::state, [](auto& m, auto& d, auto& s) { jacobianCenterOfMass(m, d, s.q); });
   add("constraint_dynamics", derivatives, [&x](auto& m, auto& d, auto& s) { constraintDynamics(m, d, s.q, s.v, s.tau, x.constraints()); });
   add("constraint_dynamics_kkt", derivatives,
       [&x](auto& m, auto& d, auto& s) { constraintDynamics(m, d, s.q, s.v, s.tau, x.constraints(), ConstraintMethod::kkt); });
@@ -235,6 +235,13 @@ void addBatch(Subjects& x, const char* scalar, int threads, std::vector<Entry>& 
       add(algorithm.name, algorithm.batch_need, [&algorithm, forward = algorithm.reads('t')](auto& m, auto& s, auto& d) {
         return NumberedStates{runAlgorithm(m, d, algorithm.algorithm, s.q, s.v, forward ? s.tau : s.a), algorithm};
       });
+  if (x.model.follows()) return;
+  add("cholesky_decompose", derivatives, [](auto& m, auto& s, auto& d) { cholesky::decompose(m, d, s.q); });
+  const auto factored = std::make_shared<bool>(false);
+  add("cholesky_solve", derivatives, [factored](auto& m, auto& s, auto& d) {
+    if (!std::exchange(*factored, true)) cholesky::decompose(m, d, s.q);
+    cholesky::solve(m, d, s.tau);
+  });
 }
 
 template void addBatch<double>(Subjects&, const char*, int, std::vector<Entry>&);

@@ -21,6 +21,7 @@
 #include <dyn/algorithm/regressor.hpp>
 #include <dyn/algorithm/rnea.hpp>
 #include <dyn/algorithm/second_derivatives.hpp>
+#include <dyn/algorithm/states.hpp>
 #include <dyn/compile/compile.hpp>
 #include <dyn/constraint/assembly.hpp>
 #include <dyn/constraint/delassus.hpp>
@@ -28,6 +29,7 @@
 #include <dyn/constraint/dynamics.hpp>
 #include <dyn/constraint/friction.hpp>
 #include <dyn/data/data_pool.hpp>
+#include <dyn/integrate/batch_stepper.hpp>
 #include <dyn/integrate/islands.hpp>
 #include <dyn/integrate/simulator.hpp>
 #include <dyn/spatial/eigen.hpp>

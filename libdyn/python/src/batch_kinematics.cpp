@@ -67,6 +67,46 @@ py::object jacobians(const char* function, const CompactModel& model, Batch<T>& 
   return py::reinterpret_steal<py::object>(out);
 }
 
+/// Centres of mass and their motion in many states.
+struct Centers {
+  py::object position, velocity, acceleration;
+};
+
+template <class T>
+py::object arrayOf(const detail::StatesResult<T>& x) {
+  if (x.rows() == 0) return py::none();
+  PyObject* const out = newArrayOfStates(x.data(), x.cols(), x.rows(), 1);
+  if (out == nullptr) throw py::error_already_set();
+  return py::reinterpret_steal<py::object>(out);
+}
+
+template <class T>
+Centers centers(const CompactModel& model, Batch<T>& batch, const py::object& q, const py::object& v, const py::object& a) {
+  constexpr const char* name = "center_of_mass";
+  if (v.is_none() && !a.is_none()) throw Error(ErrorCode::argument, "center_of_mass: a without v; give v, too");
+  StatesInput<T> states[3];
+  const auto Q = viewOf(states[0], q, name, "q"), V = viewOf(states[1], v, name, "v"), A = viewOf(states[2], a, name, "a");
+  const InUse use(batch.busy, name);
+  const auto found = [&] {
+    const py::gil_scoped_release unlocked;
+    return detail::batchCentersOfMass<T>(model, batch.data, Q, V, A);
+  }();
+  return {arrayOf<T>(found.position), arrayOf<T>(found.velocity), arrayOf<T>(found.acceleration)};
+}
+
+/// Kinetic energies (result 0), or potential energies (result 1), where v is none.
+template <class T>
+py::object energies(const char* name, const CompactModel& model, Batch<T>& batch, const py::object& q, const py::object& v, std::size_t result) {
+  StatesInput<T> states[2];
+  const auto Q = viewOf(states[0], q, name, "q"), V = viewOf(states[1], v, name, "v");
+  const InUse use(batch.busy, name);
+  const auto found = [&] {
+    const py::gil_scoped_release unlocked;
+    return detail::runBatch<T>(model, batch.data, Algorithm::energies, Q, V, {});
+  }();
+  return arrayOf<T>(found(result)).attr("ravel")();
+}
+
 template <class T>
 void addFor(py::module_& m) {
   const py::arg model("model"), batch("data"), q("q"), joint("joint"), frame("frame");
@@ -106,11 +146,27 @@ void addFor(py::module_& m) {
         return jacobians("compute_frame_jacobian", x, b, at, detail::Kind::frame, frameOf(x, i), r);
       },
       model, batch, q, frame, reference, "Returns the Jacobians of a frame in every state (states, 6, nv); the batch needs Need.JACOBIANS.");
+  m.def("center_of_mass", &centers<T>, model, batch, q, py::arg("v") = py::none(), py::arg("a") = py::none(),
+        "Returns the centres of mass in all states; with v their velocities, too; with a also their accelerations.");
+  m.def(
+      "compute_kinetic_energy",
+      [](const CompactModel& x, Batch<T>& b, const py::object& at, const py::object& along) {
+        return energies<T>("compute_kinetic_energy", x, b, at, along, 0);
+      },
+      model, batch, q, py::arg("v"), "Returns the kinetic energies in all states (states,) [J].");
+  m.def(
+      "compute_potential_energy",
+      [](const CompactModel& x, Batch<T>& b, const py::object& at) { return energies<T>("compute_potential_energy", x, b, at, py::none(), 1); },
+      model, batch, q, "Returns the potential energies in all states (states,) [J].");
 }
 
 }  // namespace
 
 void addBatchKinematics(py::module_& m) {
+  py::class_<Centers>(m, "CentersOfMass", "Centres of mass in many states and their motion, in world axes; a state a row.")
+      .def_readonly("position", &Centers::position, "The positions (states, 3) [m].")
+      .def_readonly("velocity", &Centers::velocity, "The velocities (states, 3) [m/s]; None unless v was given.")
+      .def_readonly("acceleration", &Centers::acceleration, "The accelerations (states, 3) [m/s^2]; None unless a was given.");
   addFor<double>(m);
   addFor<float>(m);
 }

@@ -4,6 +4,7 @@
 #include "typed.hpp"
 
 #include <dyn/algorithm/configuration.hpp>
+#include <dyn/algorithm/states.hpp>
 
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
@@ -16,15 +17,15 @@ using Vector = Eigen::Ref<const Eigen::VectorXd>;
 using States = Typed<py::object, "ArrayLike">;  ///< one state, or a state a row
 using Result = Typed<py::object, "NDArray[float64]">;
 
-/// Calls a function of coordinates or velocities for one state or for each row: function(arguments, result). A vector counts for all rows.
+/// Calls a function for one state or for each row: function(argument, result), a state a column. A vector counts for all rows.
 template <class Function>
-Result eachState(const char* name, const std::vector<ArgumentShape>& inputs, int size, const py::args& arguments, const Function& function) {
+Result inStates(const char* name, const std::vector<ArgumentShape>& inputs, int size, const py::args& arguments, const Function& function) {
   const std::vector<ArgumentShape> output{{"", size}};
   Evaluation<double> evaluation(name, inputs, output, arguments);
-  evaluation.run(1, [&](const void* const* in, void* const* out) {
-    const auto argument = [&](std::size_t k) { return VectorArg(static_cast<const double*>(in[k]), inputs[k].size()); };
-    function(argument, VectorOut(static_cast<double*>(out[0]), size));
-  });
+  {
+    const py::gil_scoped_release unlocked;
+    function([&](std::size_t k) { return evaluation.view(k); }, MatrixOut(evaluation.output(0, 0), size, evaluation.states()));
+  }
   return evaluation.results();
 }
 
@@ -40,16 +41,16 @@ void addConfiguration(py::module_& m) {
   m.def(
       "integrate",
       [](const CompactModel& x, const States& a, const States& b) {
-        return eachState("integrate", {{"q", x.nq()}, {"v", x.nv()}}, x.nq(), py::make_tuple(a, b),
-                         [&x](const auto& in, const VectorOut& out) { integrate(x, in(0), in(1), out); });
+        return inStates("integrate", {{"q", x.nq()}, {"v", x.nv()}}, x.nq(), py::make_tuple(a, b),
+                        [&x](const auto& in, const MatrixOut& out) { detail::integrateStates(x, in(0), in(1), out); });
       },
       model, q, v,
       "Returns q (+) v (nq,), the configuration that q reaches in unit time at constant joint velocity v. Either may have a state a row.");
   m.def(
       "difference",
       [](const CompactModel& x, const States& a, const States& b) {
-        return eachState("difference", {{"q0", x.nq()}, {"q1", x.nq()}}, x.nv(), py::make_tuple(a, b),
-                         [&x](const auto& in, const VectorOut& out) { difference(x, in(0), in(1), out); });
+        return inStates("difference", {{"q0", x.nq()}, {"q1", x.nq()}}, x.nv(), py::make_tuple(a, b),
+                        [&x](const auto& in, const MatrixOut& out) { detail::differenceStates(x, in(0), in(1), out); });
       },
       model, q0, q1, "Returns the v (nv,) for which q0 (+) v = q1. Either may have a state a row.");
   m.def(
@@ -58,10 +59,8 @@ void addConfiguration(py::module_& m) {
         const py::module_ numpy = py::module_::import("numpy");
         const bool one = py::cast<int>(numpy.attr("ndim")(t)) == 0;
         const py::object times = numpy.attr("reshape")(t, one ? py::make_tuple(1) : py::make_tuple(-1, 1));
-        return eachState("interpolate", {{"q0", x.nq()}, {"q1", x.nq()}, {"t", 1}}, x.nq(), py::make_tuple(a, b, times),
-                         [&x](const auto& in, const VectorOut& out) {
-                           Eigen::Map<Eigen::VectorXd>(out.data(), out.size()) = interpolate(x, in(0), in(1), *VectorView(in(2)).data);
-                         });
+        return inStates("interpolate", {{"q0", x.nq()}, {"q1", x.nq()}, {"t", 1}}, x.nq(), py::make_tuple(a, b, times),
+                        [&x](const auto& in, const MatrixOut& out) { detail::interpolateStates(x, in(0), in(1), in(2), out); });
       },
       model, q0, q1, py::arg("t"),
       "Returns q0 (+) t (q1 (-) q0) (nq,). Each argument may have a state a row, so that `t` (states,) gives a path from q0 to q1 (states, nq).");
@@ -71,8 +70,8 @@ void addConfiguration(py::module_& m) {
   m.def(
       "normalize",
       [](const CompactModel& x, const States& a) {
-        return eachState("normalize", {{"q", x.nq()}}, x.nq(), py::make_tuple(a),
-                         [&x](const auto& in, const VectorOut& out) { normalize(x, in(0), out); });
+        return inStates("normalize", {{"q", x.nq()}}, x.nq(), py::make_tuple(a),
+                        [&x](const auto& in, const MatrixOut& out) { detail::normalizeStates(x, in(0), out); });
       },
       model, q, "Returns q (nq,) with its quaternions and (cos, sin) pairs scaled to norm one. It may have a state a row.");
   m.def(
@@ -84,8 +83,7 @@ void addConfiguration(py::module_& m) {
         if (states && *states < 0)
           throw Error(ErrorCode::argument, "random_configuration: states is " + std::to_string(*states) + "; give 0 or more");
         py::array_t<double> out(states ? std::vector<py::ssize_t>{*states, x.nq()} : std::vector<py::ssize_t>{x.nq()});
-        for (py::ssize_t k = 0; k < states.value_or(1); ++k)
-          Eigen::Map<Eigen::VectorXd>(out.mutable_data() + k * x.nq(), x.nq()) = randomConfiguration(x, seed + static_cast<std::uint64_t>(k));
+        states::randomConfiguration(x, seed, MatrixOut(out.mutable_data(), x.nq(), states.value_or(1)));
         return out;
       },
       model, py::arg("seed"), py::arg("states") = py::none(),

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Derivatives of kinematics and of constrained dynamics, second derivatives, regressors, and factors of the mass matrix. Results are new arrays.
+#include "arrays.hpp"
 #include "names.hpp"
+#include "objects.hpp"
 
 #include <dyn/algorithm/centroidal.hpp>
 #include <dyn/algorithm/cholesky.hpp>
@@ -85,11 +87,45 @@ void addRegressors(py::module_& m) {
       "Returns pi (10 (njoints - 1),): the ten parameters (m, m c, Ixx, Ixy, Iyy, Ixz, Iyz, Izz) of each joint's body, in the joint's frame.");
 }
 
+template <class T>
+void addBatchFactors(py::module_& c) {
+  const py::arg model("model"), data("data");
+  c.def(
+      "decompose",
+      [](const CompactModel& k, Batch<T>& b, const py::object& q) {
+        constexpr const char* name = "decompose";
+        StatesInput<T> states;
+        if (!states.read(q.ptr(), name, "q")) throw py::error_already_set();
+        const InUse use(b.busy, name);
+        const py::gil_scoped_release unlocked;
+        detail::batchFactors<T>(k, b.data, states.view());
+      },
+      model, data, py::arg("q"), "Computes factors of M^-1 in all states (a row of q); the batch needs Need.DERIVATIVES.");
+  c.def(
+      "solve",
+      [](const CompactModel& k, Batch<T>& b, const py::object& x) {
+        constexpr const char* name = "solve";
+        StatesInput<T> states;
+        if (!states.read(x.ptr(), name, "x")) throw py::error_already_set();
+        const InUse use(b.busy, name);
+        const auto found = [&] {
+          const py::gil_scoped_release unlocked;
+          return detail::batchSolve<T>(k, b.data, states.view());
+        }();
+        PyObject* const out = newArrayOfStates(found.results[0], found.states, found.rows[0], 1);
+        if (out == nullptr) throw py::error_already_set();
+        return py::reinterpret_steal<py::object>(out);
+      },
+      model, data, py::arg("x"), "Returns M^-1 x for a row of x for each state of the last decompose().");
+}
+
 void addFactors(py::module_& m) {
   auto c = m.def_submodule("cholesky", "Tree-sparse factors of M = U D U^T, of the M of the last crba().");
   const py::arg model("model"), data("data"), x("x");
   c.def(
       "decompose", [](const CompactModel& k, Data& d) { cholesky::decompose(k, d); }, model, data, "Computes the factors.");
+  addBatchFactors<double>(c);
+  addBatchFactors<float>(c);
   const auto product = [&](const char* name, auto apply, const char* doc) {
     c.def(
         name,

@@ -48,6 +48,8 @@ class Evaluation {
   const T* input(std::size_t k, py::ssize_t state) const { return input_[k].first + state * input_[k].step; }
   T* output(std::size_t k, py::ssize_t state) { return results_[k].data() + state * outputs_[k].size(); }
 
+  /// Argument k, a state a column.
+  detail::StatesView<T> view(std::size_t k) const { return {input_[k].first, sizes_[k], input_[k].step == 0 ? 1 : states(), sizes_[k], true}; }
   /// Calls function(in, out), with a pointer to each argument and result, for packs of `lanes` states. For one lane the arguments are passed where
   /// they lie. For more, number i of an argument is at [i * lanes + lane], and the last pack may repeat its last state.
   template <class Function>

@@ -220,6 +220,8 @@ std::string pythonName(const std::string& name) {
 /// Returns the sentence of help() that says what a function computes.
 const char* explain(Algorithm algorithm) {
   switch (algorithm) {
+    case Algorithm::center_of_mass_jacobian:
+      return "Computes the Jacobian of the centre of mass, in world axes.";
     case Algorithm::joint_jacobians:
       return "Computes the columns of all joints' Jacobians in WORLD.";
     case Algorithm::rnea:
@@ -259,7 +261,7 @@ const char* explain(Algorithm algorithm) {
 }
 
 const char* sizeOf(Extent extent) {
-  static constexpr const char* names[] = {"1", "6", "12", "nv", "njoints", "nframes"};
+  static constexpr const char* names[] = {"1", "6", "12", "nv", "njoints", "nframes", "3"};
   return names[static_cast<int>(extent)];
 }
 
@@ -291,14 +293,26 @@ PyTypeObject* tupleOf(const Function& f) {
   return PyStructSequence_NewType(&description);
 }
 
+/// Whether Python has a function for it that takes or returns other things (kinematics.cpp, batch_kinematics.cpp).
+bool hasOwnFunction(const AlgorithmInfo& algorithm) {
+  switch (algorithm.algorithm) {
+    case Algorithm::placements:
+    case Algorithm::frame_jacobian:
+    case Algorithm::center_of_mass:
+    case Algorithm::energies:
+      return true;
+    default:
+      return algorithm.outputs[0].symbol == nullptr;
+  }
+}
+
 }  // namespace
 
 void addFunctions(py::module_& m) {
   m.def("_python_name", &pythonName, py::arg("name"));
   static std::deque<Function> functions;
   for (const AlgorithmInfo& algorithm : algorithms()) {
-    if (algorithm.outputs[0].symbol == nullptr || algorithm.algorithm == Algorithm::placements || algorithm.algorithm == Algorithm::frame_jacobian)
-      continue;
+    if (hasOwnFunction(algorithm)) continue;
     Function& f = functions.emplace_back();
     f.algorithm = &algorithm;
     f.name = pythonName(algorithm.function);

@@ -146,9 +146,6 @@ void addKinematics(py::module_& m) {
   m.def("center_of_mass", &centre, model, data, q, py::arg("v") = py::none(), py::arg("a") = py::none(),
         "Returns the centre of mass; with v its velocity, too; with a also its acceleration.");
   m.def(
-      "jacobian_center_of_mass", [](const CompactModel& x, Data& d, const Vector& at) { return Eigen::MatrixXd(jacobianCenterOfMass(x, d, at)); },
-      model, data, q, "Returns the Jacobian of the centre of mass (3, nv), in world axes.");
-  m.def(
       "compute_kinetic_energy", [](const CompactModel& x, Data& d, const Vector& at, const Vector& w) { return computeKineticEnergy(x, d, at, w); },
       model, data, q, v, "Returns v^T M v / 2 [J].");
   m.def(

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // Simulation of many trajectories of one model in threads.
 #include "choices.hpp"
+#include "objects.hpp"
 #include "simulation.hpp"
 
 #include <dyn/data/data_pool.hpp>
+#include <dyn/integrate/batch_stepper.hpp>
 
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
@@ -148,9 +150,48 @@ py::tuple rollout(const Source& source, const CompactModel& model, const py::obj
   return py::make_tuple(q, v);
 }
 
+/// A BatchStepper of Python, and whether a call is using it.
+struct Stepper {
+  Stepper(const CompactModel& of, int capacity, const std::string& method, int threads)
+      : model(of), stepper(of, capacity, integratorByName(method), threads) {}
+
+  py::tuple rollout(double dt, const py::object& q0, const py::object& v0, const py::object& controls) {
+    const Array forces = numbersOf(controls, "controls"), first_q = numbersOf(q0, "q0"), first_v = numbersOf(v0, "v0");
+    const py::ssize_t nq = model.nq(), nv = model.nv();
+    if (forces.ndim() != 3 || forces.shape(2) != nv) refuse("controls", forces, "(steps, states, " + std::to_string(nv) + ")");
+    const py::ssize_t steps = forces.shape(0), states = forces.shape(1);
+    const auto view = [&](const Array& x, const char* name, py::ssize_t size) -> detail::StatesView<double> {
+      if (x.ndim() != 2 || x.shape(0) != states || x.shape(1) != size) refuse(name, x, shapeOf({states, size}));
+      return {x.data(), size, states, size, true};
+    };
+    const auto q = view(first_q, "q0", nq), v = view(first_v, "v0", nv);
+    py::array_t<double> all_q({steps, states, nq}), all_v({steps, states, nv});
+    const MatrixOut to_q(all_q.mutable_data(), nq, steps * states), to_v(all_v.mutable_data(), nv, steps * states);
+    const InUse use(busy, "rollout");
+    {
+      const py::gil_scoped_release unlocked;
+      stepper.rollout(dt, q, v, detail::StatesView<double>{forces.data(), nv, steps * states, nv, true}, to_q, to_v);
+    }
+    return py::make_tuple(all_q, all_v);
+  }
+
+  CompactModel model;
+  BatchStepper stepper;
+  std::atomic<bool> busy = false;
+};
+
 }  // namespace
 
 void addRollout(py::module_& m) {
+  py::class_<Stepper>(
+      m, "BatchStepper",
+      "Integrates up to `capacity` states of a model in the lanes of a batch, by explicit_euler, semi_implicit_euler or rk4, without\n"
+      "contacts, constraints, limits and events; `rollout` has these.")
+      .def(py::init<const CompactModel&, int, const std::string&, int>(), py::arg("model"), py::arg("capacity"), py::arg("integrator") = "rk4",
+           py::arg("threads") = 1)
+      .def("rollout", &Stepper::rollout, py::arg("dt"), py::arg("q0"), py::arg("v0"), py::arg("controls"),
+           "Takes steps of dt [s] from one state a row under the joint forces `controls` (steps, states, nv), each held for a step; returns the\n"
+           "configurations (steps, states, nq) and velocities (steps, states, nv) at the ends of the steps.");
   const SimulatorOptions standard;
   const py::arg q0("q0"), v0("v0"), controls("controls"), dt("dt");
   const py::arg_v integrator("integrator", infoOf(standard.integrator).name), threads("threads", 1), tolerance("tolerance", standard.tolerance),

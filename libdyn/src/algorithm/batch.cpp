@@ -2,6 +2,9 @@
 #include "algorithm/support/batch_support.hpp"
 #include "algorithm/support/placement.hpp"
 #include "at.hpp"
+#include "kernels/derivative/kept_factors.hpp"
+
+#include <cmath>
 
 namespace dyn {
 
@@ -24,16 +27,18 @@ const char* nameOf(Need need) {
   return need == Need::mass_matrix ? "mass_matrix" : need == Need::derivatives ? "derivatives" : need == Need::jacobians ? "jacobians" : "kinematics";
 }
 
-/// A batch has memory for vectors of nv numbers, for matrices of nv x nv (three of an algorithm) and for six rows.
+/// A batch has memory for vectors of nv numbers, for matrices of nv x nv (three of an algorithm), for six or three rows, and for single numbers.
 consteval bool batchesHaveMemory() {
   for (const AlgorithmInfo& algorithm : algorithms())
     for (std::size_t k = 0; k < algorithm.outputs.size() && algorithm.batched && algorithm.batch_need != Need::kinematics; ++k) {
       const AlgorithmOutput& output = algorithm.outputs[k];
       if (output.symbol == nullptr) continue;
       const bool columns = output.columns == Extent::one || output.columns == Extent::nv;
-      if (!columns || (output.rows != Extent::six && output.rows != Extent::nv)) return false;
+      const bool of_bodies = algorithm.algorithm == Algorithm::center_of_mass || algorithm.algorithm == Algorithm::energies;
+      if (of_bodies && output.columns == Extent::one) continue;
+      if (!columns || (output.rows != Extent::six && output.rows != Extent::three && output.rows != Extent::nv)) return false;
       if (output.rows == Extent::nv && output.columns == Extent::nv && k == 3) return false;
-      if (output.rows == Extent::six && algorithm.batch_need != Need::jacobians && algorithm.batch_need != Need::derivatives) return false;
+      if (output.rows != Extent::nv && algorithm.batch_need != Need::jacobians && algorithm.batch_need != Need::derivatives) return false;
     }
   return true;
 }
@@ -45,13 +50,22 @@ T* memoryOf(BatchImpl<T>& d, const AlgorithmInfo& algorithm, std::size_t k, std:
   using A = Algorithm;
   const A name = algorithm.algorithm;
   const AlgorithmOutput& output = algorithm.outputs[k];
-  if (output.rows == Extent::six) return algorithm.batch_need == Need::jacobians ? d.J.data() : d.maps[k].data();
+  if (name == A::center_of_mass) return d.com[k].data();
+  if (name == A::energies) return d.energies[k].data();
+  if (output.rows == Extent::six || output.rows == Extent::three) return algorithm.batch_need == Need::jacobians ? d.J.data() : d.maps[k].data();
   if (output.columns == Extent::nv) {
     if (name == A::mass_matrix) return d.M.onPaths(states);
     StateMatrices<T>* const matrices[] = {&d.by_q, &d.by_v, &d.by_a};
     return name == A::rnea_derivatives || name == A::coriolis ? matrices[k]->onPaths(states) : matrices[k]->whole();
   }
   return (name == A::nle ? d.nle : name == A::gravity ? d.gravity : name == A::aba || name == A::aba_derivatives ? d.ddq : d.tau).data();
+}
+
+/// Whether a call with these arguments computes result k of an algorithm. Only sums over bodies leave results out.
+template <class T>
+bool computes(Algorithm algorithm, std::size_t k, const StatesView<T>& v, const StatesView<T>& a) {
+  if (algorithm == Algorithm::center_of_mass) return k == 0 || (k == 1 ? v.given : a.given);
+  return algorithm != Algorithm::energies || k == 1 || v.given;
 }
 
 template <class T>
@@ -61,9 +75,10 @@ struct Run {
 };
 
 /// Runs an algorithm of the catalogue on all states. complete(block, first state) sets what a block needs in addition to states and results.
-template <class T, class Complete>
+/// note(block, first, count, failure) notes the states that failed.
+template <class T, class Complete, class Note>
 Run<T> runAll(const char* name, const CompactModel& model, BasicBatchData<T>& data, const AlgorithmInfo& algorithm, const StatesView<T>& q,
-              const StatesView<T>& v, const StatesView<T>& a, Complete&& complete) {
+              const StatesView<T>& v, const StatesView<T>& a, Complete&& complete, Note&& note) {
   BatchImpl<T>& d = data.impl();
   const CompactImpl& m = model.impl();
   const bool forward = algorithm.reads('t');
@@ -81,6 +96,7 @@ Run<T> runAll(const char* name, const CompactModel& model, BasicBatchData<T>& da
   for (std::size_t k = 0; k < 4 && in_columns; ++k) {
     const AlgorithmOutput& output = algorithm.outputs[k];
     if (output.symbol == nullptr) break;
+    if (!computes(algorithm.algorithm, k, v, a)) continue;
     results[k] = {memoryOf(d, algorithm, k, static_cast<std::size_t>(q.cols)),
                   static_cast<std::ptrdiff_t>(sizes.of(output.rows)) * sizes.of(output.columns)};
   }
@@ -92,10 +108,10 @@ Run<T> runAll(const char* name, const CompactModel& model, BasicBatchData<T>& da
     complete(block, first);
     if (d.models > 0 && d.kernels->lanes > 1) block.inertias = numbersOf<sizeof(InertiaConstants<T>) / sizeof(T)>(d, d.inertias, 0, first);
     d.kernels->run(d.by_state.empty() ? m : *d.by_state[at(first)], d.scratch[at(t)].data(), block);
-    if (in_columns) {
+    if (results[0].first || results[1].first) {
       noteFailures(q, block, results, first, count, f);
-    } else if (block.not_finite) {
-      f.note(first, 0, count);
+    } else {
+      note(block, first, count, f);
     }
   });
   BatchViews<T> views{{}, {}, q.cols};
@@ -104,6 +120,14 @@ Run<T> runAll(const char* name, const CompactModel& model, BasicBatchData<T>& da
     views.rows[k] = results[k].rows;
   }
   return {views, failure};
+}
+
+template <class T, class Complete>
+Run<T> runAll(const char* name, const CompactModel& model, BasicBatchData<T>& data, const AlgorithmInfo& algorithm, const StatesView<T>& q,
+              const StatesView<T>& v, const StatesView<T>& a, Complete&& complete) {
+  return runAll(name, model, data, algorithm, q, v, a, complete, [](const kernels::Block<T>& block, int first, int count, Failure& failure) {
+    if (block.not_finite) failure.note(first, 0, count);
+  });
 }
 
 }  // namespace
@@ -154,15 +178,72 @@ BatchViews<T> runBatch(const CompactModel& model, BasicBatchData<T>& data, Algor
     throw Error(ErrorCode::argument,
                 std::string(entry.function) + " does not run in batches by its entry in the catalogue; call the function itself");
   const StatesView<T> third = entry.reads('a') || entry.reads('t') ? a : StatesView<T>();
-  const Run<T> run = runAll(entry.function, model, data, entry, q, entry.reads('v') ? v : StatesView<T>(), third, [](kernels::Block<T>&, int) {});
-  fail(entry.function, model.impl(), run.failure, q);
+  const char* const name = algorithm == Algorithm::energies && !v.given ? "computePotentialEnergy" : entry.function;
+  const Run<T> run = runAll(name, model, data, entry, q, entry.reads('v') ? v : StatesView<T>(), third, [](kernels::Block<T>&, int) {});
+  fail(name, model.impl(), run.failure, q);
   return run.views;
+}
+
+namespace {
+
+/// The factors of the block of states that begins with `first`.
+template <class T>
+T* factorsOf(const BatchImpl<T>& d, int first) {
+  return reinterpret_cast<T*>(d.factors.data()) + static_cast<std::ptrdiff_t>(kernels::keptNumbers(*d.model)) * first;
+}
+
+}  // namespace
+
+template <class T>
+void batchFactors(const CompactModel& model, BasicBatchData<T>& data, StatesView<T> q) {
+  constexpr const char* name = "cholesky::decompose";
+  refuseDependentJoints(name, model.impl());
+  BatchImpl<T>& d = data.impl();
+  AlgorithmInfo entry = info(Algorithm::minverse);
+  entry.outputs = {};  // the factors stay in the batch
+  const auto numbers = static_cast<int>(kernels::keptNumbers(model.impl()));
+  const int lanes = d.kernels->lanes;
+  const Run<T> run = runAll(
+      name, model, data, entry, q, {}, {}, [&](kernels::Block<T>& block, int first) { block.factors = factorsOf(d, first); },
+      [&](const kernels::Block<T>& block, int first, int count, Failure& failure) {
+        for (int l = 0; block.not_finite && l < count; ++l) {
+          T* const factors = factorsOf(d, first) + l;
+          bool finite = block.failed[l] == 0;
+          for (int k = 0; k < numbers; ++k) {
+            finite = finite && std::isfinite(factors[k * lanes]);
+            if (block.failed[l] != 0) factors[k * lanes] = std::numeric_limits<T>::quiet_NaN();
+          }
+          if (!finite && kernels::allFinite(q.data + (first + l) * q.stride, q.rows)) failure.note(first + l, block.failed[l]);
+        }
+      });
+  d.factored = static_cast<int>(q.cols);
+  fail(name, model.impl(), run.failure, q);
+}
+
+template <class T>
+BatchViews<T> batchSolve(const CompactModel& model, BasicBatchData<T>& data, StatesView<T> x) {
+  constexpr const char* name = "cholesky::solve";
+  BatchImpl<T>& d = data.impl();
+  checkBatchData(name, model, d, Need::derivatives, "derivatives");
+  if (d.factored == 0) throw Error(ErrorCode::argument, "cholesky::solve: the batch has no factors; call cholesky::decompose first");
+  checkStates(name, "b", x, model.nv(), d.factored);
+  forBlocks(d, d.factored, d.kernels->lanes, [&](int t, int first, int count, Failure&) {
+    kernels::Block<T> block;
+    block.a = columns(x, first, count);
+    block.results[0] = d.ddq.data() + first * x.rows;
+    d.kernels->solve(model.impl(), d.scratch[at(t)].data(), factorsOf(d, first), block);
+  });
+  return {{d.ddq.data()}, {x.rows}, x.cols};
 }
 
 template BatchViews<double> runBatch(const CompactModel&, BatchData&, Algorithm, StatesView<double>, StatesView<double>, StatesView<double>);
 template BatchViews<float> runBatch(const CompactModel&, BatchDataFloat&, Algorithm, StatesView<float>, StatesView<float>, StatesView<float>);
 template BatchViews<double> batchJacobians(const CompactModel&, BatchData&, StatesView<double>, Kind, int, ReferenceFrame);
 template BatchViews<float> batchJacobians(const CompactModel&, BatchDataFloat&, StatesView<float>, Kind, int, ReferenceFrame);
+template void batchFactors(const CompactModel&, BatchData&, StatesView<double>);
+template void batchFactors(const CompactModel&, BatchDataFloat&, StatesView<float>);
+template BatchViews<double> batchSolve(const CompactModel&, BatchData&, StatesView<double>);
+template BatchViews<float> batchSolve(const CompactModel&, BatchDataFloat&, StatesView<float>);
 template void batchKinematics(const CompactModel&, BatchData&, StatesView<double>, StatesView<double>, StatesView<double>);
 template void batchKinematics(const CompactModel&, BatchDataFloat&, StatesView<float>, StatesView<float>, StatesView<float>);
 

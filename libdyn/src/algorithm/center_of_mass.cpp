@@ -3,48 +3,16 @@
 #include "algorithm/support/sums.hpp"
 #include "at.hpp"
 #include "kernels/order/sweep.hpp"
-#include "kernels/recursion/kinematics.hpp"
+#include "kernels/recursion/body_sums.hpp"
 
 #include <dyn/algorithm/center_of_mass.hpp>
 #include <dyn/algorithm/kinematics.hpp>
 
-#include <cmath>
-
 namespace dyn::detail {
 
-namespace {
-
-/// A sum that also adds up its rounding errors (Neumaier 1974), because the energies of bodies above and below the origin may cancel.
-class CompensatedSum {
- public:
-  void add(double x) {
-    const double next = sum_ + x;
-    lost_ += std::fabs(sum_) >= std::fabs(x) ? (sum_ - next) + x : (x - next) + sum_;
-    sum_ = next;
-  }
-  double total() const { return sum_ + lost_; }
-
- private:
-  double sum_ = 0, lost_ = 0;
-};
-}  // namespace
-
-CenterOfMass sumCenterOfMass(const CompactImpl& m, const DataImpl& d, bool v, bool a) {
-  CenterOfMass sum;
-  for (int i = 1; i < m.bodies(); ++i) {
-    const BodyConstants<double>& c = m.constants[at(i)];
-    const double share = c.mass / m.mass;
-    sum.position += share * d.oM[i].act(c.com);
-    if (!v) continue;
-    const Vec3<double> local = d.v[i].linear + cross(d.v[i].angular, c.com);
-    sum.velocity += share * (d.oM[i].R * local);
-    if (!a) continue;
-    const int p = m.index[at(i)].parent;
-    const Vec3<double> parent = p == 0 ? Vec3<double>{} : d.origin[p];
-    d.origin[i] = transposeTimes(d.rel[i].R, parent + kernels::beyondOrigin(d.a[p].angular, d.v[p].angular, d.rel[i].p)) + d.sliding[i];
-    sum.acceleration += share * (d.oM[i].R * (d.origin[i] + kernels::beyondOrigin(d.a[i].angular, d.v[i].angular, c.com)));
-  }
-  return sum;
+CenterOfMass sumCenterOfMass(const CompactImpl& m, DataImpl& d, bool v, bool a) {
+  const kernels::MassMotion<double> sum = kernels::centerOfMass<double>(kernels::Bodies<double>{m, d}, d, v, a);
+  return {sum.position, sum.velocity, sum.acceleration};
 }
 
 CenterOfMass centerOfMass(const CompactModel& model, Data& data, VectorView q, const VectorView* v, const VectorView* a) {
@@ -84,15 +52,8 @@ const double* jacobianCenterOfMass(const CompactModel& model, Data& data, Vector
   return d.Jcom;
 }
 
-double sumKineticEnergy(const CompactImpl& m, const DataImpl& d, const double* v) {
-  double twice = 0;
-  for (int i = 1; i < m.bodies(); ++i) {
-    const BodyConstants<double>& c = m.constants[at(i)];
-    const Vec3<double> vc = d.v[i].linear + cross(d.v[i].angular, c.com);
-    twice += c.mass * dot(vc, vc) + dot(d.v[i].angular, c.rotational * d.v[i].angular);
-  }
-  for (std::size_t k = 0; k < m.armature.size(); ++k) twice += m.armature[k] * v[k] * v[k];
-  return 0.5 * twice;
+double sumKineticEnergy(const CompactImpl& m, DataImpl& d, const double* v) {
+  return kernels::kineticEnergy<double>(kernels::Bodies<double>{m, d}, d, v);
 }
 
 double kineticEnergy(const CompactModel& model, Data& data, VectorView q, VectorView v) {
@@ -100,11 +61,7 @@ double kineticEnergy(const CompactModel& model, Data& data, VectorView q, Vector
   return sumKineticEnergy(model.impl(), data.impl(), model.impl().couplings.empty() ? v.data : data.impl().vx);
 }
 
-double sumPotentialEnergy(const CompactImpl& m, const DataImpl& d) {
-  CompensatedSum energy;
-  for (int i = 1; i < m.bodies(); ++i) energy.add(-m.constants[at(i)].mass * dot(m.gravity, d.oM[i].act(m.constants[at(i)].com)));
-  return energy.total();
-}
+double sumPotentialEnergy(const CompactImpl& m, DataImpl& d) { return kernels::potentialEnergy<double>(kernels::Bodies<double>{m, d}, d); }
 
 double potentialEnergy(const CompactModel& model, Data& data, VectorView q) {
   forwardKinematics(model, data, q, nullptr, nullptr);

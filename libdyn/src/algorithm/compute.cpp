@@ -42,7 +42,7 @@ constexpr bool comesWithOthers(A algorithm, Algorithms what) {
   return (algorithm == A::mass_matrix && has(what, A::rnea_derivatives)) || (algorithm == A::centroidal_map && has(what, A::centroidal_rate));
 }
 
-void sums(const CompactImpl& m, const DataImpl& d, Algorithms what, int order, const double* v, ComputedViews& out) {
+void sums(const CompactImpl& m, DataImpl& d, Algorithms what, int order, const double* v, ComputedViews& out) {
   if (has(what, A::center_of_mass)) out.center_of_mass = sumCenterOfMass(m, d, order > 0, order > 1);
   if (!has(what, A::energies)) return;
   out.kinetic_energy = sumKineticEnergy(m, d, v);
@@ -123,7 +123,8 @@ AlgorithmViews runEvaluated(A algorithm, const CompactImpl& m, DataImpl& d, cons
 
 /// Whether the algorithm can run in compute(), which reads q, v and a only.
 constexpr bool shares(const AlgorithmInfo& algorithm) {
-  return !algorithm.reads('t') && !algorithm.reads('f') && algorithm.algorithm != A::centroidal_derivatives;
+  return !algorithm.reads('t') && !algorithm.reads('f') && algorithm.algorithm != A::centroidal_derivatives &&
+         algorithm.algorithm != A::center_of_mass_jacobian;
 }
 
 void checkAll(const CompactModel& model, Data& data, Algorithms what) {
@@ -155,6 +156,20 @@ AlgorithmViews runAlgorithm(const CompactModel& model, Data& data, Algorithm alg
       return {};
     case A::joint_jacobians:
       return {jointJacobians(model, data, q)};
+    case A::center_of_mass: {
+      const CenterOfMass x = centerOfMass(model, data, q, &v, &a);
+      DataImpl& d = data.impl();
+      d.com = x.position, d.vcom = x.velocity, d.acom = x.acceleration;
+      return {&d.com.x, &d.vcom.x, &d.acom.x};
+    }
+    case A::center_of_mass_jacobian:
+      return {jacobianCenterOfMass(model, data, q)};
+    case A::energies: {
+      DataImpl& d = data.impl();
+      d.kinetic = kineticEnergy(model, data, q, v);
+      d.potential = sumPotentialEnergy(model.impl(), d);
+      return {&d.kinetic, &d.potential};
+    }
     case A::rnea:
       return {rnea(model, data, q, v, a, nullptr, 0)};
     case A::nle:

@@ -2,6 +2,7 @@
 #include "compile/draft.hpp"
 #include "data/batch_impl.hpp"
 #include "data/room.hpp"
+#include "kernels/derivative/kept_factors.hpp"
 #include "same_bits.hpp"
 
 #include <dyn/error.hpp>
@@ -31,9 +32,10 @@ BasicBatchData<T>::BasicBatchData(const CompactModel& model, int capacity, Need 
   const kernels::Room room{has(needs, Need::mass_matrix) || coupled, has(needs, Need::jacobians), has(needs, Need::derivatives)};
   const double wide = m.nv, states = capacity;
   const double matrices = has(needs, Need::derivatives) ? 4 * wide + 24 : has(needs, Need::mass_matrix) ? wide : 0;
-  checkRoom(
-      "BatchData of " + std::to_string(capacity) + " states of a model with " + std::to_string(m.nv) + " degrees of freedom",
-      sizeof(T) * states * wide * (4 + matrices + (has(needs, Need::jacobians) ? 6 : 0)) + threads * static_cast<double>(d.kernels->bytes(m, room)));
+  const std::size_t kept = has(needs, Need::derivatives) && !coupled ? kernels::keptNumbers(m) : 0;
+  checkRoom("BatchData of " + std::to_string(capacity) + " states of a model with " + std::to_string(m.nv) + " degrees of freedom",
+            sizeof(T) * states * (wide * (4 + matrices + (has(needs, Need::jacobians) ? 6 : 0)) + static_cast<double>(kept) + 11) +
+                threads * static_cast<double>(d.kernels->bytes(m, room)));
   for (int i = 0; i < threads; ++i) {
     d.scratch.emplace_back(d.kernels->bytes(m, room));
     d.kernels->prepare(m, room, d.scratch.back().data());
@@ -41,6 +43,9 @@ BasicBatchData<T>::BasicBatchData(const CompactModel& model, int capacity, Need 
   }
   const auto n = static_cast<std::size_t>(capacity), nv = static_cast<std::size_t>(m.nv);
   for (std::vector<T>* result : {&d.tau, &d.nle, &d.gravity, &d.ddq}) result->assign(nv * n, T(0));
+  for (std::vector<T>& vector : d.com) vector.assign(3 * n, T(0));
+  for (std::vector<T>& energy : d.energies) energy.assign(n, T(0));
+  d.factors = PackMemory(kept * sizeof(T) * static_cast<std::size_t>(d.blocks() * d.kernels->lanes));
   if (has(needs, Need::mass_matrix)) d.M.resize(nv, n);
   if (has(needs, Need::jacobians)) d.J.assign(6 * nv * n, T(0));
   if (has(needs, Need::derivatives)) {
@@ -148,11 +153,13 @@ template <class T>
 std::size_t BasicBatchData<T>::bytes() const {
   const BatchImpl<T>& d = *impl_;
   std::size_t sum =
-      sizeof d + d.poses.bytes() + d.velocities.bytes() + d.accelerations.bytes() + d.inertias.bytes() +
+      sizeof d + d.poses.bytes() + d.velocities.bytes() + d.accelerations.bytes() + d.inertias.bytes() + d.factors.bytes() +
       d.by_state.size() * (sizeof(CompactImpl) + d.model->constants.size() * (sizeof(BodyConstants<double>) + sizeof(BodyConstants<float>)));
   for (const PackMemory& memory : d.scratch) sum += memory.bytes();
   for (const ExpandedStates<T>& states : d.expanded) sum += states.bytes();
   for (const std::vector<T>& map : d.maps) sum += sizeof(T) * map.size();
+  for (const std::vector<T>& vector : d.com) sum += sizeof(T) * vector.size();
+  for (const std::vector<T>& energy : d.energies) sum += sizeof(T) * energy.size();
   for (const StateMatrices<T>* matrices : {&d.M, &d.by_q, &d.by_v, &d.by_a}) sum += matrices->bytes();
   return sum + sizeof(T) * (d.tau.size() + d.nle.size() + d.gravity.size() + d.ddq.size() + d.J.size());
 }

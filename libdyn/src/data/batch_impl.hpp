@@ -97,6 +97,10 @@ struct BatchImpl {
   StateMatrices<T> M;                                        ///< with Need::mass_matrix
   StateMatrices<T> by_q, by_v, by_a;                         ///< with Need::derivatives
   std::vector<T> maps[4];                                    ///< 6 * nv numbers per state, with Need::derivatives
+  std::vector<T> com[3];                                     ///< 3 numbers per state: position, velocity and acceleration
+  std::vector<T> energies[2];                                ///< one number per state: kinetic, potential
+  PackMemory factors;                                        ///< of M^-1, by block (kernels/derivative/kept_factors.hpp), with Need::derivatives
+  int factored = 0;                                          ///< the number of states that have factors
   int models = 0;                                            ///< the first states have models of their own, if it is not 0
   bool massless = false;                                     ///< one of these models has no mass
   PackMemory inertias;                                       ///< of these models, ordered by block, body, number, state; empty for packs of one lane

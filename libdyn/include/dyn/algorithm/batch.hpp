@@ -5,6 +5,7 @@
 #include <dyn/algorithm/jacobians.hpp>
 #include <dyn/catalogue/algorithm.hpp>
 #include <dyn/data/batch_data.hpp>
+#include <dyn/data/states.hpp>
 
 #include <type_traits>
 
@@ -13,37 +14,13 @@ namespace dyn {
 namespace detail {
 
 template <class T>
-struct StatesView {
-  const T* data = nullptr;
-  std::ptrdiff_t rows = 0, cols = 0, stride = 0;
-  bool given = false;  ///< true for an argument, even for one without numbers
-};
-
-/// An argument: a column-major matrix, a block of columns, or a Map. Its numbers are not copied.
-template <class T>
-class StatesArg {
- public:
-  template <class Derived>
-  StatesArg(const Eigen::DenseBase<Derived>& x)  // NOLINT: meant to convert
-      : view_{x.derived().data(), x.rows(), x.cols(), x.derived().outerStride(), true} {
-    static_assert(std::is_same_v<typename Derived::Scalar, T>, "the batch computes in another number type");
-    static_assert(!Derived::IsRowMajor || int(Derived::ColsAtCompileTime) == 1, "columns are states: a column-major matrix");
-    static_assert(int(Derived::InnerStrideAtCompileTime) == 1, "the numbers of a state must follow one another");
-  }
-  operator StatesView<T>() const { return view_; }  // NOLINT
-
- private:
-  StatesView<T> view_;
-};
-
-template <class T>
 using StatesResult = Eigen::Map<const Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>>;
 
-/// Pointers to the first number of each result of an algorithm, in the order of the catalogue.
+/// Pointers to the first number of each result of an algorithm, in the order of the catalogue. Results that a call leaves out have no rows.
 template <class T>
 struct BatchViews {
-  const T* results[4];
-  std::ptrdiff_t rows[4], states;
+  const T* results[4] = {};
+  std::ptrdiff_t rows[4] = {}, states = 0;
   StatesResult<T> operator()(std::size_t k) const { return {results[k], rows[k], states}; }
 };
 /// For forward dynamics, `a` is tau. If v or a is not given, it counts as zero.
@@ -51,6 +28,10 @@ template <class T>
 DYN_API BatchViews<T> runBatch(const CompactModel&, BasicBatchData<T>&, Algorithm, StatesView<T> q, StatesView<T> v, StatesView<T> a);
 template <class T>
 DYN_API BatchViews<T> batchJacobians(const CompactModel&, BasicBatchData<T>&, StatesView<T> q, Kind kind, int id, ReferenceFrame);
+template <class T>
+DYN_API void batchFactors(const CompactModel&, BasicBatchData<T>&, StatesView<T> q);
+template <class T>
+DYN_API BatchViews<T> batchSolve(const CompactModel&, BasicBatchData<T>&, StatesView<T> x);
 template <class T>
 DYN_API void batchKinematics(const CompactModel&, BasicBatchData<T>&, StatesView<T> q, StatesView<T> v, StatesView<T> a);
 
@@ -99,6 +80,73 @@ template <class T>
 auto aba(const CompactModel& model, BasicBatchData<T>& data, const detail::States<T>& Q, const detail::States<T>& V, const detail::States<T>& Tau) {
   return detail::runBatch<T>(model, data, Algorithm::aba, Q, V, Tau)(0);
 }
+
+/// The centre of mass in each state and its motion, in world axes. `velocity` and `acceleration` have no rows if the call had no V or A.
+template <class T>
+struct CentersOfMass {
+  detail::StatesResult<T> position,  ///< [m], 3 x N
+      velocity,                      ///< [m/s], 3 x N
+      acceleration;                  ///< [m/s^2], 3 x N; gravity not included
+};
+namespace detail {
+template <class T>
+CentersOfMass<T> batchCentersOfMass(const CompactModel& model, BasicBatchData<T>& data, StatesView<T> q, StatesView<T> v, StatesView<T> a) {
+  const BatchViews<T> x = runBatch<T>(model, data, Algorithm::center_of_mass, q, v, a);
+  return {x(0), x(1), x(2)};
+}
+}  // namespace detail
+
+/// Computes the centre of mass; with V its velocity, too; with A also its acceleration. The centre of a model without mass is NaN.
+/// @{
+template <class T>
+CentersOfMass<T> centerOfMass(const CompactModel& model, BasicBatchData<T>& data, const detail::States<T>& Q) {
+  return detail::batchCentersOfMass<T>(model, data, Q, {}, {});
+}
+template <class T>
+CentersOfMass<T> centerOfMass(const CompactModel& model, BasicBatchData<T>& data, const detail::States<T>& Q, const detail::States<T>& V) {
+  return detail::batchCentersOfMass<T>(model, data, Q, V, {});
+}
+template <class T>
+CentersOfMass<T> centerOfMass(const CompactModel& model, BasicBatchData<T>& data, const detail::States<T>& Q, const detail::States<T>& V,
+                              const detail::States<T>& A) {
+  return detail::batchCentersOfMass<T>(model, data, Q, V, A);
+}
+/// @}
+/// Computes Jacobians of the centre of mass. Each column of the result is one of 3 x nv numbers. The batch must have been made with
+/// Need::derivatives.
+template <class T>
+auto jacobianCenterOfMass(const CompactModel& model, BasicBatchData<T>& data, const detail::States<T>& Q) {
+  return detail::runBatch<T>(model, data, Algorithm::center_of_mass_jacobian, Q, {}, {})(0);
+}
+/// Computes kinetic energies [J], 1 x N, armature included.
+template <class T>
+auto computeKineticEnergy(const CompactModel& model, BasicBatchData<T>& data, const detail::States<T>& Q, const detail::States<T>& V) {
+  return detail::runBatch<T>(model, data, Algorithm::energies, Q, V, {})(0);
+}
+/// Computes potential energies [J], 1 x N.
+template <class T>
+auto computePotentialEnergy(const CompactModel& model, BasicBatchData<T>& data, const detail::States<T>& Q) {
+  return detail::runBatch<T>(model, data, Algorithm::energies, Q, {}, {})(1);
+}
+
+namespace cholesky {
+
+/// Computes factors of M^-1 = U^T D^-1 U, as the recursion of aba finds them, and keeps them for solve(). Unlike decompose() of a Data it takes Q,
+/// and needs no M; so M's condition costs no digits. The batch must have been made with Need::derivatives. Throws Error(singular), which names the
+/// joint and the state, where M is singular; the factors of such a state are NaN, the others are right. Throws Error(argument) for a model with
+/// dependent joints. O(n depth) a state.
+template <class T>
+void decompose(const CompactModel& model, BasicBatchData<T>& data, const detail::States<T>& Q) {
+  detail::batchFactors<T>(model, data, Q);
+}
+/// Computes M^-1 b, nv x N, for a column b of each state of the last decompose(). The result shares memory with that of aba. Throws Error(size), and
+/// Error(argument) before decompose(). O(n depth) a state.
+template <class T>
+auto solve(const CompactModel& model, BasicBatchData<T>& data, const detail::States<T>& B) {
+  return detail::batchSolve<T>(model, data, B)(0);
+}
+
+}  // namespace cholesky
 
 /// Computes Jacobians. Each column of the result is one of 6 x nv numbers, as the function of the same name writes it for one state. The batch must
 /// have been made with Need::jacobians. Throws Error(argument) for a joint or frame number out of range; computeJointJacobians throws it for a model

@@ -86,8 +86,8 @@ class AlgorithmResults {
   detail::AlgorithmViews views_;
 };
 /// Runs one algorithm of the catalogue, for programs that loop over the catalogue. For aba and its derivatives, `a` is tau. Vectors that the
-/// algorithm does not read are ignored. Throws what the algorithm's own function throws. Throws Error(argument) for center_of_mass and energies, and
-/// for algorithms that read more than q, v and a or tau.
+/// algorithm does not read are ignored. Throws what the algorithm's own function throws. Throws Error(argument) for
+/// algorithms that read more than q, v and a or tau.
 inline AlgorithmResults runAlgorithm(const CompactModel& model, Data& data, Algorithm algorithm, const VectorArg& q, const VectorArg& v,
                                      const VectorArg& a) {
   return {model, algorithm, detail::runAlgorithm(model, data, algorithm, q, v, a)};

@@ -14,28 +14,29 @@ namespace dyn {
 
 /// The algorithms of the catalogue. Each is the function that info() names.
 enum class Algorithm : std::uint8_t {
-  placements,              ///< forwardKinematics() of q
-  velocities,              ///< forwardKinematics() of q and v, with placements
-  accelerations,           ///< forwardKinematics() of q, v and a, with velocities
-  joint_jacobians,         ///< computeJointJacobians()
-  frame_jacobian,          ///< computeFrameJacobian()
-  center_of_mass,          ///< centerOfMass(); in compute(), with its velocity and acceleration where those of bodies are asked for
-  energies,                ///< computeKineticEnergy(), and in compute() the potential energy
-  rnea,                    ///< rnea()
-  nle,                     ///< nonLinearEffects()
-  gravity,                 ///< generalizedGravity()
-  static_torque,           ///< computeStaticTorque()
-  mass_matrix,             ///< crba()
-  aba,                     ///< aba()
-  minverse,                ///< computeMinverse()
-  rnea_derivatives,        ///< computeRNEADerivatives()
-  aba_derivatives,         ///< computeABADerivatives()
-  coriolis,                ///< computeCoriolisMatrix()
-  centroidal_map,          ///< ccrba()
-  centroidal_rate,         ///< computeCentroidalMomentumTimeVariation()
-  centroidal_derivatives,  ///< computeCentroidalDynamicsDerivatives()
+  placements,               ///< forwardKinematics() of q
+  velocities,               ///< forwardKinematics() of q and v, with placements
+  accelerations,            ///< forwardKinematics() of q, v and a, with velocities
+  joint_jacobians,          ///< computeJointJacobians()
+  frame_jacobian,           ///< computeFrameJacobian()
+  center_of_mass,           ///< centerOfMass(); in compute(), with its velocity and acceleration where those of bodies are asked for
+  energies,                 ///< computeKineticEnergy() and computePotentialEnergy()
+  rnea,                     ///< rnea()
+  nle,                      ///< nonLinearEffects()
+  gravity,                  ///< generalizedGravity()
+  static_torque,            ///< computeStaticTorque()
+  mass_matrix,              ///< crba()
+  aba,                      ///< aba()
+  minverse,                 ///< computeMinverse()
+  rnea_derivatives,         ///< computeRNEADerivatives()
+  aba_derivatives,          ///< computeABADerivatives()
+  coriolis,                 ///< computeCoriolisMatrix()
+  centroidal_map,           ///< ccrba()
+  centroidal_rate,          ///< computeCentroidalMomentumTimeVariation()
+  centroidal_derivatives,   ///< computeCentroidalDynamicsDerivatives()
+  center_of_mass_jacobian,  ///< jacobianCenterOfMass()
 };
-inline constexpr int algorithm_count = 20;  ///< number of algorithms
+inline constexpr int algorithm_count = 21;  ///< number of algorithms
 
 /// A set of algorithms, for example Algorithm::rnea | Algorithm::mass_matrix.
 class Algorithms {
@@ -68,7 +69,7 @@ class Algorithms {
 constexpr Algorithms operator|(Algorithm a, Algorithm b) { return Algorithms(a) | Algorithms(b); }
 
 /// A number of rows or columns: a constant, or one of the model's sizes.
-enum class Extent : std::uint8_t { one, six, twelve, nv, joints, frames };
+enum class Extent : std::uint8_t { one, six, twelve, nv, joints, frames, three };
 
 /// Sizes of a model.
 struct ModelSizes {
@@ -91,6 +92,8 @@ struct ModelSizes {
         return joints;
       case Extent::frames:
         return frames;
+      case Extent::three:
+        return 3;
     }
     return 0;
   }
@@ -170,8 +173,28 @@ inline constexpr std::array<AlgorithmInfo, algorithm_count> algorithm_table = []
        true,
        false,
        {{{"J", nullptr, E::six, E::nv}}}},
-      {A::center_of_mass, "centerOfMass", nullptr, nullptr, {"q", "v", "a"}, Pass::kinematics, state, state, false},
-      {A::energies, "computeKineticEnergy", nullptr, nullptr, {"q", "v"}, Pass::kinematics, state, state, false},
+      {A::center_of_mass,
+       "centerOfMass",
+       "center_of_mass",
+       nullptr,
+       {"q", "v", "a"},
+       Pass::kinematics,
+       state,
+       state,
+       true,
+       false,
+       {{{"com", nullptr, E::three}, {"vcom", nullptr, E::three}, {"acom", nullptr, E::three}}}},
+      {A::energies,
+       "computeKineticEnergy",
+       "energies",
+       nullptr,
+       {"q", "v"},
+       Pass::kinematics,
+       state,
+       state,
+       true,
+       false,
+       {{{"kinetic_energy", nullptr}, {"potential_energy", nullptr}}}},
       {A::rnea, "rnea", "rnea", "rnea", {"q", "v", "a"}, Pass::dynamics, state, state, true, false, {{{"tau", "rnea", E::nv}}}},
       {A::nle, "nonLinearEffects", "nle", "nonLinearEffects", {"q", "v"}, Pass::dynamics, state, state, true, false, {{{"nle", "nle", E::nv}}}},
       {A::gravity, "generalizedGravity", "gravity", "gravity", {"q"}, Pass::dynamics, state, state, true, false, {{{"g", "gravity_torque", E::nv}}}},
@@ -268,6 +291,17 @@ inline constexpr std::array<AlgorithmInfo, algorithm_count> algorithm_table = []
          {"dhgdot_dq", "dhgdot_dq", E::six, E::nv},
          {"dhgdot_dv", "dhgdot_dv", E::six, E::nv},
          {"dhgdot_da", "dhgdot_da", E::six, E::nv}}}},
+      {A::center_of_mass_jacobian,
+       "jacobianCenterOfMass",
+       "center_of_mass_jacobian",
+       nullptr,
+       {"q"},
+       Pass::kinematics,
+       state,
+       matrices,
+       true,
+       false,
+       {{{"Jcom", nullptr, E::three, E::nv}}}},
   }};
 }();
 consteval bool algorithmsAreInOrder() {

@@ -144,7 +144,7 @@ void noteFailures(const StatesView<T>& q, const kernels::Block<T>& block, const 
   for (int l = 0; l < count; ++l) {
     bool finite = true;
     for (const StatesOut<T>& result : results) {
-      if (result.first == nullptr) break;
+      if (result.first == nullptr) continue;
       T* column = result.first + (first + l) * result.rows;
       finite = finite && kernels::allFinite(column, result.rows);
       if (block.failed[l] != 0) std::fill(column, column + result.rows, std::numeric_limits<T>::quiet_NaN());

@@ -8,9 +8,9 @@
 
 namespace dyn::detail {
 
-CenterOfMass sumCenterOfMass(const CompactImpl& m, const DataImpl& d, bool v, bool a);
+CenterOfMass sumCenterOfMass(const CompactImpl& m, DataImpl& d, bool v, bool a);
 /// v is in expanded coordinates.
-double sumKineticEnergy(const CompactImpl& m, const DataImpl& d, const double* v);
-double sumPotentialEnergy(const CompactImpl& m, const DataImpl& d);
+double sumKineticEnergy(const CompactImpl& m, DataImpl& d, const double* v);
+double sumPotentialEnergy(const CompactImpl& m, DataImpl& d);
 
 }  // namespace dyn::detail

@@ -4,6 +4,7 @@
 
 #include "kernels/body/dependent_joints.hpp"
 #include "kernels/derivative/derivatives.hpp"
+#include "kernels/derivative/kept_factors.hpp"
 #include "kernels/derivative/squares.hpp"
 #include "kernels/derivative/state_products.hpp"
 #include "kernels/isa/table.hpp"
@@ -87,6 +88,13 @@ class Results {
   /// Writes the numbers of a matrix of `size` numbers that are in `squares`, which must not be empty.
   void putSquares(int result, const Squares<S>& squares, const S* numbers, std::ptrdiff_t size) const {
     if (!squares.store(numbers, b_.q.states, b_.results[result], size)) b_.not_finite = true;
+  }
+  /// Writes the factors to the block's own memory.
+  void keep(const CompactImpl& m, const TreeFactors<S>& factors, const int* failed) const {
+    auto* const out = static_cast<S*>(b_.factors);
+    keepFactors(m, factors, out);
+    if (!allFinite(out, static_cast<std::ptrdiff_t>(keptNumbers(m)))) b_.not_finite = true;
+    putFailures(failed);
   }
   void putFailures(const int* failed) const { std::copy_n(failed, b_.q.states, b_.failed); }
 

@@ -8,6 +8,7 @@
 #include "kernels/derivative/aba_derivatives.hpp"
 #include "kernels/derivative/centroidal.hpp"
 #include "kernels/derivative/coriolis.hpp"
+#include "kernels/derivative/kept_factors.hpp"
 #include "kernels/derivative/rnea_derivatives.hpp"
 #include "kernels/isa/block.hpp"
 #include "kernels/isa/coupled_derivatives.hpp"
@@ -32,6 +33,13 @@ void runCentroidal(const CompactImpl& m, BlockScratch<S>& s, const Block<Real<S>
   if (maps.rates()) evaluateSubspaceDerivatives(m, s.d, s.q, s.v);
   const CentroidalState<S> state = kernels::centroidal<S>(m, s.w, s.d, s.v, s.a, maps);
   if (!m.couplings.empty()) s.coupled.dependents(m, s.v, s.a).foldMaps(maps);
+  if (b.algorithm == Algorithm::center_of_mass_jacobian) {
+    // The linear momentum is the mass times the centre's velocity.
+    const S share = S(1) / state.mass;
+    for (int k = 0; k < m.nv; ++k)
+      for (int c = 0; c < 3; ++c) maps.Ag[3 * k + c] = share * maps.Ag[6 * k + c];
+    return results.put(0, maps.Ag, n / 2);
+  }
   if (b.algorithm == Algorithm::centroidal_derivatives) {
     for (int k = 0; k < 3; ++k) results.put(k, s.maps[2 + k], n);
     return results.put(3, s.maps[0], n);
@@ -49,7 +57,8 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b)
   DerivativeWorkspace<S>& d = s.d;
   const std::ptrdiff_t n = m.nvx;
   const Results<S> results(b);
-  if (!m.couplings.empty() && !isCentroidal(b.algorithm)) return runCoupledDerivatives(m, s, b, results);
+  if (!m.couplings.empty() && !isCentroidal(b.algorithm) && b.algorithm != Algorithm::center_of_mass_jacobian)
+    return runCoupledDerivatives(m, s, b, results);
   using Pairs = PathPairs<S>;
   // Squares, if there are any, go directly into the states' matrices.
   const auto putOnPaths = [&](int result, [[maybe_unused]] const PathMatrix<S>& from, [[maybe_unused]] typename Pairs::Number below) {
@@ -102,7 +111,7 @@ void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b)
       return putAccelerations();
     case Algorithm::minverse:
       treeFactors<S>(m, w, d);
-      return putInverse(0);
+      return b.factors ? results.keep(m, d.factors, w.failed) : putInverse(0);
     case Algorithm::coriolis:
       evaluateSubspaceDerivatives(m, d, s.q, s.v);
       std::fill(s.a, s.a + n, S(0));

@@ -5,11 +5,13 @@
 #include "kernels/body/dissipation.hpp"
 #include "kernels/body/evaluate.hpp"
 #include "kernels/body/scratch.hpp"
+#include "kernels/derivative/kept_factors.hpp"
 #include "kernels/isa/block.hpp"
 #include "kernels/isa/coupled_blocks.hpp"
 #include "kernels/isa/table.hpp"
 #include "kernels/order/register_cached.hpp"
 #include "kernels/pack/columns.hpp"
+#include "kernels/recursion/body_sums.hpp"
 #include "kernels/recursion/crba.hpp"
 #include "kernels/recursion/kinematics.hpp"
 #include "kernels/recursion/local_aba.hpp"
@@ -18,6 +20,32 @@
 #include <algorithm>
 
 namespace dyn::kernels {
+
+/// Computes poses in the world, and where they are wanted velocities and accelerations; for the centre of mass and energies their sums, too.
+template <class S>
+void runKinematics(const CompactImpl& m, const CachedBodies<S>& bodies, const BlockScratch<S>& s, Block<Real<S>>& b) {
+  Workspace<S> out = s.w;
+  const bool keeps = b.poses != nullptr;
+  if (keeps) out.oM = static_cast<SE3<S>*>(b.poses);
+  out.oM[0] = {};
+  if (b.velocities) out.v = static_cast<Motion<S>*>(b.velocities);
+  if (b.accelerations) out.a = static_cast<Motion<S>*>(b.accelerations);
+  if (keeps) out.sliding = nullptr;
+  const bool moves = keeps ? b.velocities != nullptr : b.v.first != nullptr;
+  const bool accelerates = keeps ? b.accelerations != nullptr : b.results[2] != nullptr;
+  kernels::forwardKinematics<Poses::in_world>(bodies, out, moves ? s.v : nullptr, accelerates ? s.a : nullptr);
+  b.not_finite = !allFinite(reinterpret_cast<const S*>(out.oM), 12 * static_cast<std::ptrdiff_t>(m.bodies()));
+  if (keeps) return;
+  const Results<S> results(b);
+  if (b.algorithm == Algorithm::energies) {
+    const S energies[] = {moves ? kineticEnergy(bodies, out, s.v) : S(0), potentialEnergy(bodies, out)};
+    for (int k = 0; k < 2; ++k) results.put(k, energies + k, 1);
+    return;
+  }
+  const MassMotion<S> sum = centerOfMass(bodies, out, moves, accelerates);
+  const Vec3<S>* const vectors[] = {&sum.position, &sum.velocity, &sum.acceleration};
+  for (int k = 0; k < 3; ++k) results.put(k, &vectors[k]->x, 3);
+}
 
 template <class S, class T = Real<S>>
 void runBlock(const CompactImpl& m, char* scratch, Block<T>& b) {
@@ -31,21 +59,15 @@ void runBlock(const CompactImpl& m, char* scratch, Block<T>& b) {
   const bool poses_only = b.algorithm == Algorithm::mass_matrix || b.algorithm == Algorithm::joint_jacobians ||
                           b.algorithm == Algorithm::frame_jacobian || b.algorithm == Algorithm::minverse;
   evaluateJoints(m, w, s.q, poses_only ? nullptr : s.v);
-  if (!m.couplings.empty() && b.poses == nullptr) return runCoupledBlock(m, s, b);
+  const bool kinematic = b.poses != nullptr || b.algorithm == Algorithm::center_of_mass || b.algorithm == Algorithm::energies;
+  if (!m.couplings.empty() && !kinematic) return runCoupledBlock(m, s, b);
   switch (b.algorithm) {
     case Algorithm::placements:
     case Algorithm::velocities:
-    case Algorithm::accelerations: {
-      Workspace<S> out = w;
-      out.oM = static_cast<SE3<S>*>(b.poses);
-      out.oM[0] = {};
-      if (b.velocities) out.v = static_cast<Motion<S>*>(b.velocities);
-      if (b.accelerations) out.a = static_cast<Motion<S>*>(b.accelerations);
-      out.sliding = nullptr;
-      kernels::forwardKinematics<Poses::in_world>(bodies, out, b.velocities ? s.v : nullptr, b.accelerations ? s.a : nullptr);
-      b.not_finite = !allFinite(reinterpret_cast<const S*>(out.oM), 12 * static_cast<std::ptrdiff_t>(m.bodies()));
-      return;
-    }
+    case Algorithm::accelerations:
+    case Algorithm::center_of_mass:
+    case Algorithm::energies:
+      return runKinematics(m, bodies, s, b);
     case Algorithm::joint_jacobians:
     case Algorithm::frame_jacobian: {
       const std::ptrdiff_t n = 6 * static_cast<std::ptrdiff_t>(m.nvx);
@@ -81,13 +103,12 @@ void runBlock(const CompactImpl& m, char* scratch, Block<T>& b) {
     case Algorithm::rnea_derivatives:
     case Algorithm::aba_derivatives:
     case Algorithm::minverse:
+    case Algorithm::center_of_mass_jacobian:
     case Algorithm::coriolis:
     case Algorithm::centroidal_map:
     case Algorithm::centroidal_rate:
     case Algorithm::centroidal_derivatives:
       return runDerivatives(m, s, b);
-    case Algorithm::center_of_mass:
-    case Algorithm::energies:
     case Algorithm::static_torque:
       return;  // not batched
   }
@@ -108,6 +129,12 @@ BlockKernels<Real<S>> blockKernels() {
     if (room.derivatives) s.product.prepare(m, s.d.factors);
   };
   k.run = [](const CompactImpl& m, char* scratch, Block<T>& block) { runBlock<S>(m, scratch, block); };
+  k.solve = [](const CompactImpl& m, char* scratch, const void* factors, Block<T>& block) {
+    const auto& s = *reinterpret_cast<BlockScratch<S>*>(scratch);
+    loadColumns(block.a, m.nvx, s.a);
+    solveWithKept(m, static_cast<const S*>(factors), s.a);
+    block.not_finite = !storeColumns(s.a, m.nvx, block.a.states, block.results[0], m.nvx);
+  };
   return k;
 }
 
