@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <map>
+#include <set>
 
 namespace dyn::json {
 
@@ -210,8 +211,16 @@ class Bodies {
 };
 
 Json documentOf(const std::string& text, const std::string& name) {
+  std::vector<std::set<std::string>> open;  // the names of the members so far, of each object that has begun
+  const auto refuseTwins = [&](int, Json::parse_event_t event, const Json& value) {
+    if (event == Json::parse_event_t::object_start) open.emplace_back();
+    if (event == Json::parse_event_t::object_end) open.pop_back();
+    if (event == Json::parse_event_t::key && !open.back().insert(value.get<std::string>()).second)
+      throw Error(ErrorCode::syntax, "two members of one object are called '" + printable(value.get<std::string>()) + "'", {name, 0, ""});
+    return true;
+  };
   try {
-    return Json::parse(text);
+    return Json::parse(text, refuseTwins);
   } catch (const Json::parse_error& e) {
     const auto end = text.begin() + static_cast<std::ptrdiff_t>(std::min(text.size(), e.byte > 0 ? e.byte - 1 : 0));
     const int line = 1 + static_cast<int>(std::count(text.begin(), end, '\n'));

@@ -2,6 +2,8 @@
 // Values of a file of libdyn's own format. They know their place, for messages.
 #pragma once
 
+#include "common/characters.hpp"
+
 #include <dyn/model/model.hpp>
 #include <dyn/near_names.hpp>
 
@@ -34,7 +36,7 @@ class Value {
     if (!json_->is_object()) fail("must be an object");
     for (const auto& [key, value] : json_->items())
       if (std::none_of(known.begin(), known.end(), [&key = key](const char* name) { return key == name; }))
-        fail("has an unknown member '" + key + "'" + nearNames(key, std::vector<std::string>(known.begin(), known.end())));
+        fail("has an unknown member '" + printable(key) + "'" + nearNames(key, std::vector<std::string>(known.begin(), known.end())));
     return *this;
   }
   bool has(const char* key) const { return json_->contains(key); }
@@ -50,7 +52,10 @@ class Value {
   template <class Each>
   void eachMember(const Each& one) const {
     if (!json_->is_object()) fail("must be an object");
-    for (const auto& [key, value] : json_->items()) one(key, Value(value, place_ + "." + key, *file_));
+    for (const auto& [key, value] : json_->items()) {
+      if (!isPlainText(key)) fail("has a member '" + printable(key) + "' whose name has control characters");
+      one(key, Value(value, place_ + "." + key, *file_));
+    }
   }
 
   double number() const {
@@ -75,7 +80,9 @@ class Value {
   }
   std::string text() const {
     if (!json_->is_string()) fail("must be a text");
-    return json_->get<std::string>();
+    const auto& text = json_->get_ref<const std::string&>();
+    if (!isPlainText(text)) fail("has control characters, which a terminal would obey: '" + printable(text) + "'");
+    return text;
   }
   std::vector<double> numbers() const {
     std::vector<double> out;

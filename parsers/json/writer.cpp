@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
+#include "common/characters.hpp"
 #include "json/value.hpp"
 
 #include <dyn/file.hpp>
@@ -235,6 +236,20 @@ struct ShapeWriter {
   Json operator()(const geometry::OctreeFile& s) const { return {{"octree_file", {{"uri", s.uri}}}}; }
 };
 
+/// Throws for texts that load() would refuse.
+void checkTexts(const Json& x) {
+  const auto check = [](const std::string& text) {
+    if (!isPlainText(text))
+      throw Error(ErrorCode::model, "cannot be written: the text '" + printable(text) + "' is no UTF-8, or has control characters");
+  };
+  if (x.is_string()) check(x.get_ref<const std::string&>());
+  if (!x.is_structured()) return;
+  for (const auto& [key, value] : x.items()) {
+    if (x.is_object()) check(key);
+    checkTexts(value);
+  }
+}
+
 /// Small values on one line, others by lines, so that people can read the text and compare two by line.
 void print(const Json& x, const std::string& indent, std::string& out) {
   if (std::string one = x.dump(); !x.is_structured() || one.size() + indent.size() <= 120) {
@@ -293,6 +308,7 @@ std::string write(const Model& model) {
   putAll(out, "configurations", model.configurations);
   putAll(out, "devices", model.devices);
   if (!model.notes.empty()) out["notes"] = model.notes;
+  checkTexts(out);
   std::string text;
   print(out, "", text);
   return text + "\n";

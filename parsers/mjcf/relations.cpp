@@ -27,6 +27,7 @@ class Relations {
       if (is(e, "pair")) pair(Values(c_.source, e, nullptr));
     });
     guard_([&] { masks(); });
+    guard_([&] { parents(); });
     forAll("tendon", [&](const XMLElement& e) {
       const char* name = e.Attribute("name");
       if (name && !tendons_.emplace(name, &e).second) c_.source.fail(e, std::string("two tendons are called '") + name + "'");
@@ -114,8 +115,52 @@ class Relations {
         for (const std::size_t i : a->second)
           for (const std::size_t j : b->second)
             if ((a != b || i < j) && s_.geoms[i].body != s_.geoms[j].body && !paired_.count(std::minmax(i, j)))
-              s_.model.disabled_collisions.push_back({s_.model.geometries[i].name, s_.model.geometries[j].name, "contype and conaffinity"});
+              s_.model.disabled_collisions.push_back({s_.model.geometries[i].name, s_.model.geometries[j].name, mask_reason});
       }
+  }
+
+  /// Disables the pairs of bodies with several joints and the bodies that carry them, as MuJoCo does unless these are fixed to the world. The joints
+  /// make bodies between the two, so that they are no neighbours for compileGeometry(), which leaves out those of single joints by itself.
+  void parents() {
+    std::unordered_map<int, std::size_t> of_last;
+    for (std::size_t i = 0; i < s_.bodies.size(); ++i) of_last.emplace(static_cast<int>(s_.bodies[i].last), i);
+    std::vector<int> joints(s_.bodies.size());
+    for (const JointRecord& joint : s_.joints) ++joints[joint.record];
+    std::vector<bool> solid(s_.bodies.size());
+    for (std::size_t g = 0; g < s_.geoms.size(); ++g)
+      if (s_.model.geometries[g].role == GeometryDescription::Role::collision) solid[s_.geoms[g].body] = true;
+    std::set<std::pair<std::string, std::string>> known;
+    for (const DisabledCollision& d : s_.model.disabled_collisions) known.insert(std::minmax(d.body, d.other));
+    // Bodies without joints are fixed to their parents, which come first.
+    std::vector<std::size_t> parent(s_.bodies.size()), fixed_to(s_.bodies.size());
+    std::vector<std::vector<std::size_t>> rigid(s_.bodies.size());
+    for (std::size_t i = 1; i < s_.bodies.size(); ++i) {
+      parent[i] = of_last.at(s_.model.bodies[s_.bodies[i].first].parent);
+      fixed_to[i] = joints[i] > 0 ? i : fixed_to[parent[i]];
+      if (solid[i]) rigid[fixed_to[i]].push_back(i);
+    }
+    for (const auto& [g, h] : paired_) {
+      const std::size_t a = s_.geoms[g].body, b = s_.geoms[h].body;
+      const auto carries = [&](std::size_t x, std::size_t y) {
+        const std::size_t above = parent[fixed_to[y]];
+        return fixed_to[y] != 0 && (fixed_to[x] == 0 ? x == above && x != 0 : fixed_to[x] == fixed_to[above]);
+      };
+      if (fixed_to[a] == fixed_to[b] || carries(a, b) || carries(b, a) || known.count(std::minmax(nameOf(a), nameOf(b))))
+        c_.notes.count("ignored: a <pair> of geoms whose bodies are excluded, or neighbours", s_.model.geometries[g].where);
+    }
+    std::size_t pairs = 0;
+    for (std::size_t i = 1; i < s_.bodies.size(); ++i) {
+      const std::size_t carrier = fixed_to[parent[i]];
+      if (joints[i] < 2 || carrier == 0) continue;
+      pairs += rigid[i].size() * rigid[carrier].size();
+      if (pairs > most_pairs) {
+        c_.notes.count("ignored: pairs of bodies and those that carry them, more than " + std::to_string(most_pairs), c_.source.where(root()));
+        return;
+      }
+      for (const std::size_t a : rigid[carrier])
+        for (const std::size_t b : rigid[i])
+          if (known.insert(std::minmax(nameOf(a), nameOf(b))).second) s_.model.disabled_collisions.push_back({nameOf(a), nameOf(b), parent_reason});
+    }
   }
 
   /// The feedback of a soft constraint: MuJoCo's reference acceleration, as if its impedance were 1.

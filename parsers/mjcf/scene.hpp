@@ -39,6 +39,9 @@ struct SiteRecord {
   SE3<long double> pose;  ///< in the body's frame
 };
 
+/// Reasons of disabled pairs: the bits of two geoms, and MuJoCo's rule that a body does not collide with the one that carries it.
+inline constexpr const char *mask_reason = "contype and conaffinity", *parent_reason = "parent and child";
+
 /// The index of a geom that has no volume in the model.
 constexpr std::size_t left_out = std::size_t(-1);
 

@@ -86,7 +86,11 @@ class Sources::Scan {
       }
       for (const XMLElement* child = e.LastChildElement(); child; child = child->PreviousSiblingElement()) left.push_back(child);
       if (elements > most_elements)
-        document.fail(e, "has more than " + std::to_string(most_elements) + " elements, with all that it includes", ErrorCode::syntax);
+        document.fail(e,
+                      "has more than " + std::to_string(most_elements) +
+                          " elements, with all that it includes, for which libsdformat would take more than 2 GB; give the model as MJCF, URDF or "
+                          ".dyn.json, or in several files, and join their models by append()",
+                      ErrorCode::syntax);
       if (bytes > largest_model_file) document.fail(e, "includes more than 64 MB altogether", ErrorCode::file);
     }
     return withUris(text, uris);

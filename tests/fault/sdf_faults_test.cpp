@@ -131,6 +131,13 @@ TEST_CASE("includes that grow without bound are counted before they are read", "
   CHECK_THROWS_WITH(sdf::load((folder.path / "30.sdf").string()), containing("more than") || containing("altogether"));
 }
 
+TEST_CASE("a model that takes libsdformat more than memory allows is refused at once, with the way out", "[fault]") {
+  std::string links;
+  for (int k = 0; k < 100000; ++k) links += "<link name='l" + std::to_string(k) + "'/>\n";
+  CHECK_THROWS_WITH(read(links),
+                    containing("robot.sdf:20000") && containing("more than 20000 elements") && containing(".dyn.json") && containing("append()"));
+}
+
 TEST_CASE("elements nested 10^5 deep and text that a terminal would obey are refused", "[fault]") {
   std::string deep = "<sdf version='1.9'>";
   for (int i = 0; i < 100000; ++i) deep += "<model name='m'>";

@@ -50,7 +50,15 @@ constexpr const char* values[] = {"",
                                   "false",
                                   "package://a/b.stl",
                                   "cam_follower",
-                                  "composite"};
+                                  "composite",
+                                  "hinge",
+                                  "slide",
+                                  "ball",
+                                  "free",
+                                  "mesh",
+                                  "screw",
+                                  "universal",
+                                  "__model__"};
 
 std::vector<XMLElement*> elementsOf(tinyxml2::XMLDocument& document) {
   std::vector<XMLElement*> all;

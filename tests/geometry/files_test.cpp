@@ -3,6 +3,8 @@
 #include "geometry/scene.hpp"
 #include "support/folder.hpp"
 
+#include <dyn/geometry/embed.hpp>
+#include <dyn/parsers/json.hpp>
 #include <dyn/parsers/urdf.hpp>
 
 #include <sys/resource.h>
@@ -149,6 +151,68 @@ TEST_CASE("files are read once each, and only those that a pair needs", "[geomet
   CHECK(geometry.report().kept == 6);
   CHECK(geometry.report().described == 8);
   CHECK(geometry.report().removed == 6);
+}
+
+TEST_CASE("an embedded file gives the same distances to the bit, after saving and without the file", "[geometry]") {
+  const Folder folder;
+  const auto& [description, closed] = GENERATE(table<g::MeshFile, bool>({{{"m.stl", {1, 1, 1}, false}, false},
+                                                                         {{"m.stl", {0.1, -0.3, 1.0 / 3}, false}, false},
+                                                                         {{"m.stl", {1, 2, 3}, true}, false},
+                                                                         {{"m.stl", {-0.7, 1, 1}, false}, true}}));
+  g::TriangleMesh box = openBox(closed);
+  box.vertices[3].x = 1.1f;
+  const std::string file = folder.write("m.stl", binaryStl(box));
+  Model m = TwoSolids::describe(description, {}, g::Sphere{0.1});
+  m.geometries[0].where.file = (folder.path / "robot.urdf").string();
+  const auto distances = [](const Model& described) {
+    const CompactModel model = compile(described, registry());
+    const GeometryModel geometry = compileGeometry(model, described);
+    Data data(model);
+    GeometryData volumes(geometry);
+    std::vector<double> out;
+    for (unsigned seed = 0; seed < 20; ++seed) {
+      updateGeometryPlacements(model, data, geometry, volumes, randomConfiguration(model, seed));
+      for (const Distance& d : computeDistances(geometry, volumes)) out.insert(out.end(), {d.distance, d.nearest_a.x, d.nearest_b.y, d.normal.z});
+    }
+    return out;
+  };
+  const std::vector<double> expected = distances(m);
+  REQUIRE(!expected.empty());
+  const EmbedReport report = embedFiles(m);
+  CHECK(report.volumes == 1);
+  CHECK(report.files == 1);
+  CHECK(report.left.empty());
+  std::filesystem::remove(file);
+  CHECK(distances(json::parse(json::write(m), "text")) == expected);
+}
+
+TEST_CASE("only small files that exist are embedded, each is read once, and pictures stay surfaces", "[geometry]") {
+  const Folder folder;
+  const std::string small = folder.write("small.stl", binaryStl(openBox(true)));
+  const std::uintmax_t size = std::filesystem::file_size(small);
+  const std::string large = folder.write("large.stl", binaryStl(openBox(true)) + " ");
+  Model m;
+  for (const std::string& uri : {small, large, std::string("package://none/a.stl"), small}) {
+    m.addGeometry("g" + std::to_string(m.geometries.size()), 0, {}, g::MeshFile{uri, {1, 1, 1}, true});
+  }
+  m.geometries[3].role = GeometryDescription::Role::visual;
+  m.addGeometry("ball", 0, {}, g::Sphere{1});
+  const EmbedReport report = embedFiles(m, {.largest_file = size});
+  CHECK(report.volumes == 2);
+  CHECK(report.files == 1);
+  REQUIRE(report.left.size() == 2);
+  CHECK_THAT(report.left[0], containing("'g1'") && containing("large.stl") && containing("the limit is"));
+  CHECK_THAT(report.left[1], containing("'g2' (package://none/a.stl): the file is not there"));
+  CHECK(std::get<g::ConvexHull>(m.geometries[0].shape).points.size() == 8);
+  CHECK(std::get<g::TriangleMesh>(m.geometries[3].shape).triangles.size() == 12);
+  CHECK(std::holds_alternative<g::MeshFile>(m.geometries[1].shape));
+
+  // A broken file is an error, and nothing is half done.
+  Model broken;
+  broken.addGeometry("a", 0, {}, g::MeshFile{small});
+  broken.addGeometry("b", 0, {}, g::MeshFile{folder.write("broken.stl", "solid")});
+  CHECK_THROWS_WITH(embedFiles(broken), containing("broken.stl"));
+  CHECK(std::holds_alternative<g::MeshFile>(broken.geometries[0].shape));
 }
 
 TEST_CASE("missing meshes are named all at once, and skipped where the caller allows", "[geometry]") {

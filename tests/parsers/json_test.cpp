@@ -4,10 +4,12 @@
 #include "support/random_model.hpp"
 #include "support/registry.hpp"
 #include "support/shared.hpp"
+#include "support/skip.hpp"
 
 #include <dyn/dyn.hpp>
 #include <dyn/parsers/load.hpp>
 
+#include <clocale>
 #include <filesystem>
 #include <limits>
 
@@ -138,6 +140,31 @@ TEST_CASE("what is wrong in a file of libdyn's own format is said with its place
   std::string nested = R"({"name": "j", "type": "fixed"})";
   for (int k = 0; k < 100; ++k) nested = R"({"name": "j", "type": "composite", "parameters": {"parts": {"joints": [)" + nested + "]}}}";
   checkRefused(withJoint(nested), "nested too deep");
+}
+
+TEST_CASE("members that are there twice, characters that a terminal would obey and text without end of nesting are refused", "[json]") {
+  checkRefused(withJoint(R"({"name": "j", "type": "fixed", "type": "revolute"})"), "two members of one object are called 'type'");
+  CHECK_NOTHROW(json::parse(withJoint(R"({"name": "j", "type": "fixed", "parameters": {"type": [1], "name": "n"}})"), "text"));
+  checkRefused(withJoint(R"({"name": "j\u001b[31m", "type": "fixed"})"), "bodies[0].joint.name: has control characters");
+  checkRefused(withJoint(R"({"name": "j", "type": "fixed", "parameters": {"a\u0007": [1]}})"), "'a?'");
+  checkRefused(withJoint(R"({"name": "j", "\u001b": "fixed"})"), "unknown member '?'");
+  checkRefused(withJoint("{\"name\": \"j\xff\", \"type\": \"fixed\"}"), "malformed JSON");
+  checkRefused(std::string(100000, '['), "malformed JSON");
+  checkRefused(std::string(100000, '[') + std::string(100000, ']'), "no model of libdyn");
+  for (const char* name : {"a\x1b[31m", "a\xff"}) {
+    Model model;
+    model.addBody(name, 0, {.name = "j", .type = "fixed"});
+    CHECK_THROWS_WITH(json::write(model), containing("the text 'a?"));
+  }
+}
+
+TEST_CASE("numbers of libdyn's own format are the same under a locale with decimal commas", "[json]") {
+  const std::string before = std::setlocale(LC_ALL, nullptr), text = json::write(everything());
+  if (std::setlocale(LC_ALL, "de_DE.UTF-8") == nullptr) DYN_SKIP("the locale de_DE is not installed");
+  const std::string written = json::write(everything()), again = json::write(json::parse(text, "text"));
+  std::setlocale(LC_ALL, before.c_str());
+  CHECK(written == text);
+  CHECK(again == text);
 }
 
 TEST_CASE("one hundred thousand bodies are read in linear time and memory", "[json]") {

@@ -46,6 +46,31 @@ TEST_CASE("contype, conaffinity, pairs and excludes decide which volumes collide
   CHECK_THROWS_WITH(read(bodies, "<contact><exclude body1=\"a\" body2=\"d\"/></contact>"), containing("'d'") && containing("does not exist"));
 }
 
+TEST_CASE("a body with several joints does not collide with the body that carries it, unless that is fixed to the world", "[mjcf]") {
+  const std::string geom = "<geom size=\"1\"/>", joints = "<joint name=\"i\"/><joint name=\"j\" axis=\"0 1 0\"/>";
+  const std::string arm = "<body name=\"a\">" + joints + geom + "</body>", fixed = "<body name=\"f\">" + geom + "</body>";
+  CHECK(read("<body name=\"base\">" + geom + arm + "</body>").disabled_collisions.empty());
+  const Model model = read("<body name=\"base\"><freejoint/>" + geom + arm + fixed + "</body>");
+  REQUIRE(model.disabled_collisions.size() == 2);
+  CHECK(model.disabled_collisions[0].body == "base");
+  CHECK(model.disabled_collisions[0].other == "a");
+  CHECK(model.disabled_collisions[1].body == "f");
+  const std::string exclude = "<contact><exclude body1=\"a\" body2=\"base\"/></contact>";
+  CHECK(read("<body name=\"base\"><freejoint/>" + geom + arm + "</body>", exclude).disabled_collisions.size() == 1);
+}
+
+TEST_CASE("a pair of geoms that libdyn cannot check is noted", "[mjcf]") {
+  const auto with = [](const std::string& contact) {
+    return noted(read("<body name=\"a\"><freejoint/><geom name=\"1\" size=\"1\"/><body name=\"b\"><joint/><geom name=\"2\" size=\"1\"/>"
+                      "<body name=\"c\"><joint/><geom name=\"3\" size=\"1\"/></body></body></body>",
+                      "<contact>" + contact + "</contact>"),
+                 "a <pair> of geoms whose bodies are excluded, or neighbours");
+  };
+  CHECK(with("<pair geom1=\"1\" geom2=\"2\"/>"));
+  CHECK(!with("<pair geom1=\"1\" geom2=\"3\"/>"));
+  CHECK(with("<pair geom1=\"1\" geom2=\"3\"/><exclude body1=\"a\" body2=\"c\"/>"));
+}
+
 TEST_CASE("equalities become constraints of the mechanism", "[mjcf]") {
   const std::string bodies = "<body name=\"a\" pos=\"1 0 0\"><joint name=\"i\" ref=\"90\"/>" + mass +
                              "</body><body name=\"b\" pos=\"0 2 0\"><joint name=\"j\" type=\"slide\" ref=\"3\"/>" + mass + "</body>";

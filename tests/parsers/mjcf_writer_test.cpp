@@ -197,6 +197,32 @@ TEST_CASE("bodies, volumes, limits, losses, constraints and pairs come back from
   CHECK(checkSameMotion(model, read).empty());
 }
 
+TEST_CASE("pairs of volumes become bits of contype and conaffinity, as many as there are", "[mjcf]") {
+  const auto apart = [](int pairs) {
+    Model model;
+    for (int k = 0; k < 2 * pairs; ++k) {
+      const std::string name = std::to_string(k);
+      model.addBody("b" + name, 0, hinge("j" + name), ball);
+      model.addGeometry("g" + name, k + 1, {}, geometry::Sphere{1});
+      if (k % 2) model.disabled_collisions.push_back({"g" + std::to_string(k - 1), "g" + name, "contype and conaffinity"});
+    }
+    return model;
+  };
+  for (const int pairs : {0, 1, 30}) {
+    INFO(pairs);
+    const Model model = apart(pairs);
+    CHECK(lostBy(model) == "");
+    CHECK(textOf(differences(model, again(model), 1e-14)) == "");
+  }
+  CHECK_THAT(lostBy(apart(31)), containing("pairs of volumes without collision checks, for which contype has too few bits, 31 times, first of 'g0'"));
+  // The name of a body means all of its volumes.
+  Model model = apart(1);
+  model.addGeometry("more", 1, {}, geometry::Sphere{1});
+  model.disabled_collisions = {{"b0", "g1", ""}};
+  CHECK(lostBy(model) == "");
+  CHECK(again(model).disabled_collisions.size() == 2);
+}
+
 TEST_CASE("a loop that turns about one axis becomes two connected points", "[mjcf]") {
   Model model = load(DYN_SOURCE_DIR "/models/four_bar.urdf", {.continuous = Continuous::angle});
   const Model read = again(model);
@@ -270,7 +296,7 @@ TEST_CASE("what MJCF cannot say is reported once each, with its first owner", "[
                                      GeometryShape(MeshFile{"b.stl"}), GeometryShape(ConvexHull{{{1, 2, 3}}})})
     model.addGeometry("shape_" + std::to_string(model.geometries.size()), 2, {}, shape);
   model.constraints = {pointContact("tip"), lockJoint("odd"), closeLoop("slot", "tip", "universe", {true, false, false, false, false, false})};
-  model.disabled_collisions = {{"world", "b", "adjacent"}, {"shape_0", "shape_1", ""}};
+  model.disabled_collisions = {{"world", "b", "adjacent"}};
   model.groups = {{.name = "arm"}};
   model.configurations = {{.name = "home", .group = "arm"}, {.name = "home"}};
   const std::string lost = lostBy(model);
@@ -297,7 +323,6 @@ TEST_CASE("what MJCF cannot say is reported once each, with its first owner", "[
                            "locks of joints",
                            "loops that slide",
                            "reasons of pairs without collision checks of 'adjacent'",
-                           "pairs of volumes without collision checks",
                            "groups (an SRDF has them)",
                            "groups of named states",
                            "names of states that several have"}) {

@@ -29,6 +29,25 @@ def distance_to(shape, height, **options):
     return dyn.compute_minimum_distance(volumes, placed).distance
 
 
+class Files(unittest.TestCase):
+    def test_a_saved_model_with_an_embedded_mesh_needs_no_file(self):
+        with tempfile.TemporaryDirectory() as folder:
+            mesh = pathlib.Path(folder) / "plate.obj"
+            mesh.write_text("v -1 -1 0.3\nv 1 -1 0.3\nv 1 1 0.3\nf 1 2 3\n")
+            description = ball()
+            description.add_geometry("plate", 0, dyn.MeshFile(str(mesh)))
+            description.add_geometry("lost", 0, dyn.MeshFile("package://none/a.stl"))
+            left = dyn.embed_files(description, largest_file=1000)
+            mesh.unlink()
+            path = pathlib.Path(folder) / "robot.dyn.json"
+            dyn.save(description, path)
+            loaded = dyn.load(path)
+        self.assertEqual(len(left), 1)
+        self.assertIn("'lost' (package://none/a.stl): the file is not there", left[0])
+        volumes = dyn.compile_geometry(dyn.compile(loaded), loaded, skip_missing=True)
+        self.assertEqual([volume.name for volume in volumes.geometries], ["ball_volume", "plate"])
+
+
 class Shapes(unittest.TestCase):
     def test_every_shape_has_its_distance(self):
         square = dyn.TriangleMesh([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], [[0, 1, 2], [0, 2, 3]])

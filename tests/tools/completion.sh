@@ -36,6 +36,7 @@ complete_line "independent coupled" dyn info --mimic ""
 complete_line "rnea,crba" dyn codegen --functions rnea,crb
 complete_line "bash zsh fish" dyn completion ""
 complete_line "--rounds" dyn plugin check x.so --ro
+complete_line "--embed-meshes" dyn convert --em
 complete_line "info" dyn --quiet in
 complete_line "" dyn info --lock ""
 cd "$work"
@@ -50,7 +51,7 @@ _dyn
 
 # Every option that --help lists is offered.
 offered=0
-for command in info simulate sweep bench "plugin check"; do
+for command in info convert simulate sweep bench "plugin check"; do
   for option in $("$build/bin/dyn" $command --help | grep -oE '^ +(-[a-z],)?--[a-z-]+' | grep -oE -- '--[a-z-]+'); do
     complete_line_words=(dyn $command "$option")
     COMP_WORDS=("${complete_line_words[@]}") COMP_CWORD=$((${#complete_line_words[@]} - 1))

@@ -110,3 +110,27 @@ TEST_CASE("convert writes MJCF by the ending of the file, and says what MJCF can
   CHECK_THAT(refused.err, containing("is not made of free, ball, hinge and slide"));
   CHECK_FALSE(std::filesystem::exists(none));
 }
+
+TEST_CASE("convert --embed-meshes writes a file that needs no meshes", "[command]") {
+  const Folder folder;
+  folder.write("tip.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+  const std::string mesh = "<collision><geometry><mesh filename=\"", end = "\"/></geometry></collision>";
+  const std::string robot =
+      folder.write("robot.urdf", "<robot name='r'><link name='a'>" + mesh + "tip.obj" + end + mesh + "none.obj" + end + "</link></robot>");
+  const std::string out = (folder.path / "out.dyn.json").string(), convert = "convert '" + robot + "' '" + out + "' ";
+  REQUIRE(run(convert).code == 0);
+  CHECK_THAT(textOf(out), containing("mesh_file"));
+  const Answer embedded = run(convert + "--embed-meshes");
+  INFO(embedded.err);
+  REQUIRE(embedded.code == 0);
+  CHECK_THAT(embedded.out, containing("embedded 1 files in 1 volumes"));
+  CHECK_THAT(embedded.err, containing("not embedded: volume 'a_1' (none.obj): the file is not there"));
+  const auto shapes = nlohmann::json::parse(textOf(out))["geometries"];
+  CHECK(shapes[0]["shape"]["mesh"]["triangles"].size() == 4);
+  CHECK(shapes[1]["shape"]["mesh_file"]["uri"] == "none.obj");
+  CHECK_THAT(run(convert + "--embed-meshes --largest-mesh 0.00001").err, containing("tip.obj): the file has"));
+  CHECK(run(convert + "--largest-mesh 1").code == 2);
+  const Answer urdf = run("convert '" + robot + "' '" + (folder.path / "out.urdf").string() + "' --embed-meshes");
+  CHECK(urdf.code == 2);
+  CHECK_THAT(urdf.err, containing("URDF names meshes by files"));
+}

@@ -4,8 +4,10 @@
 #include "messages.hpp"
 #include "model_options.hpp"
 #include "options.hpp"
+#include "volume_options.hpp"
 
 #include <dyn/file.hpp>
+#include <dyn/geometry/embed.hpp>
 #include <dyn/parsers/json.hpp>
 #include <dyn/parsers/mjcf.hpp>
 #include <dyn/parsers/urdf.hpp>
@@ -28,10 +30,18 @@ std::vector<std::string> saveJson(const Model& model, const std::string& path) {
 /// A format that can be written.
 struct Target {
   const char *ending, *format;
-  Save* save;  ///< returns what the format cannot say
+  Save* save;      ///< returns what the format cannot say
+  bool triangles;  ///< whether it has a place for the triangles of meshes
 };
 constexpr Target targets[] = {
-    {".json", "JSON", saveJson}, {".urdf", "URDF", urdf::save}, {".xml", "MJCF", mjcf::save}, {".mjcf", "MJCF", mjcf::save}};
+    {".json", "JSON", saveJson, true}, {".urdf", "URDF", urdf::save, false}, {".xml", "MJCF", mjcf::save, true}, {".mjcf", "MJCF", mjcf::save, true}};
+
+/// Puts the contents of the volumes' files into the description, and warns of those that stay files.
+void embed(Model& description, const EmbedOptions& options) {
+  const EmbedReport report = embedFiles(description, options);
+  for (const std::string& volume : report.left) warning("not embedded: volume " + volume);
+  std::printf("embedded %d files in %d volumes\n", report.files, report.volumes);
+}
 
 }  // namespace
 
@@ -40,6 +50,9 @@ void addConvert(CLI::App& app) {
   struct Options {
     ModelOptions model;
     std::string out;
+    bool embed = false;
+    double largest_mesh = 1;
+    std::vector<std::string> packages;
   };
   auto o = std::make_shared<Options>();
   o->model.mimic = "coupled";  // other subcommands read a model as plain readers do; here nothing may be lost
@@ -50,10 +63,19 @@ void addConvert(CLI::App& app) {
       ->type_name("FILE")
       ->required()
       ->check(fileName(endings, "models"));
+  CLI::Option* embed_meshes =
+      sub->add_flag("--embed-meshes", o->embed, "write the contents of mesh and octree files into OUT, so that it needs no files (not for URDF)");
+  sub->add_option("--largest-mesh", o->largest_mesh, "larger files are not embedded [MB]")
+      ->check(CLI::Range(0.0, 512.0))
+      ->capture_default_str()
+      ->needs(embed_meshes);
+  addPackages(*sub, o->packages)->needs(embed_meshes);
   sub->callback([o] {
     checkReplaceable(o->out);
-    const Model description = o->model.description();
     const Target& target = *std::find_if(std::begin(targets), std::end(targets), [&](const Target& t) { return o->out.ends_with(t.ending); });
+    if (o->embed && !target.triangles) throw CLI::ValidationError("--embed-meshes", "URDF names meshes by files; write NAME.dyn.json or NAME.xml");
+    Model description = o->model.description();
+    if (o->embed) embed(description, {o->packages, static_cast<std::uintmax_t>(o->largest_mesh * 0x1p20)});
     for (const std::string& lost : target.save(description, o->out)) warning(std::string(target.format) + " cannot say " + lost);
     std::printf("wrote %zu bodies to %s\n", description.bodies.size() - 1, o->out.c_str());
   });

@@ -5,10 +5,15 @@
 
 namespace dyn::tool {
 
+CLI::Option* addPackages(CLI::App& app, std::vector<std::string>& packages) {
+  return app
+      .add_option("--package", packages, "folder of packages, or a package, for package:// (repeatable); then ROS_PACKAGE_PATH, AMENT_PREFIX_PATH")
+      ->type_name("FOLDER");
+}
+
 void VolumeOptions::add(CLI::App& app) {
   app.add_option("--scene", scene, "a URDF whose volumes stand in the world")->type_name("FILE");
-  app.add_option("--package", packages, "folder of packages, or a package, for package:// (repeatable); then ROS_PACKAGE_PATH, AMENT_PREFIX_PATH")
-      ->type_name("FOLDER");
+  addPackages(app, packages);
   app.add_flag("--skip-missing", skip_missing, "leave out volumes whose files are not there");
   app.add_option("--narrow", narrow, "the functions that compare two volumes: libdyn's own, or FCL's")
       ->check(CLI::IsMember({"own", "fcl"}))

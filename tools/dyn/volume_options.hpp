@@ -12,6 +12,9 @@
 
 namespace dyn::tool {
 
+/// Adds the option --package.
+CLI::Option* addPackages(CLI::App& app, std::vector<std::string>& packages);
+
 struct VolumeOptions {
   std::string scene;
   std::vector<std::string> packages;

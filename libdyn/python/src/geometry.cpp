@@ -6,6 +6,7 @@
 
 #include <dyn/geometry/collision.hpp>
 #include <dyn/geometry/distance.hpp>
+#include <dyn/geometry/embed.hpp>
 #include <dyn/near_names.hpp>
 #include <dyn/spatial/eigen.hpp>
 
@@ -136,6 +137,14 @@ void addGeometry(py::module_& m) {
       .def_property_readonly(
           "normal", [](const Contact& x) { return toEigen(x.normal); }, "The unit vector from a towards b (3,).")
       .def_readonly("depth", &Contact::depth, "The depth [m] by which they overlap.");
+  m.def(
+      "embed_files",
+      [](Model& described, const std::vector<std::string>& packages, std::uintmax_t largest_file) {
+        return embedFiles(described, {packages, largest_file}).left;
+      },
+      py::arg("model"), py::arg("packages") = std::vector<std::string>{}, py::arg("largest_file") = EmbedOptions{}.largest_file,
+      "Replaces meshes and octrees in files of up to `largest_file` bytes by their contents, so that save() writes a model that needs no files. "
+      "Collisions and distances stay the same to the bit. Returns the volumes that still need their file, each with the reason.");
   m.def("compute_distance", &computeDistance, geometry, geometry_data, pair, "Returns the distance of one pair.");
   m.def("compute_distances", &computeDistances, geometry, geometry_data, "Returns the distances of all pairs.");
   m.def("compute_minimum_distance", &computeMinimumDistance, geometry, geometry_data, "Returns the smallest distance of all pairs.");

@@ -129,27 +129,35 @@ std::shared_ptr<const Volume> VolumeLoader::load(const GeometryDescription& g) {
       g.shape);
 }
 
+geometry::Voxels VolumeLoader::octree(const GeometryDescription& g) {
+  geometry::Voxels cubes = readOctree(pathOf(g));
+  ++octrees_;
+  return cubes;
+}
+
 std::shared_ptr<const Volume> VolumeLoader::fromOctree(const GeometryDescription& g) {
-  const std::string path = pathOf(g);
-  std::shared_ptr<const Volume>& known = octrees_[path];
-  if (!known) known = std::make_shared<const Volume>(Volume::cubes(readOctree(path).cubes));
+  std::shared_ptr<const Volume>& known = volumes_[pathOf(g)];
+  if (!known) known = std::make_shared<const Volume>(Volume::cubes(octree(g).cubes));
   return known;
 }
 
-std::shared_ptr<const Volume> VolumeLoader::fromMesh(const geometry::MeshFile& file, const GeometryDescription& g) {
+geometry::TriangleMesh VolumeLoader::triangles(const geometry::MeshFile& file, const GeometryDescription& g) {
   if (!finite(file.scale) || file.scale.x == 0 || file.scale.y == 0 || file.scale.z == 0) refuse(g, "its scale is zero or not finite");
   const std::string path = pathOf(g);
-  char scale[160];
-  std::snprintf(scale, sizeof scale, "|%a %a %a %d", file.scale.x, file.scale.y, file.scale.z, file.convex ? 1 : 0);
-  std::shared_ptr<const Volume>& known = scaled_[path + scale];
-  if (known) return known;
   if (!meshes_.count(path)) meshes_.emplace(path, readMesh(path));
   geometry::TriangleMesh mesh = meshes_.at(path);
   for (Vec3<double>& x : mesh.vertices) x = {file.scale.x * x.x, file.scale.y * x.y, file.scale.z * x.z};
   // Mirroring reverses the orientation of the triangles, which is restored here.
   if (file.scale.x * file.scale.y * file.scale.z < 0)
     for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
-  known = std::make_shared<const Volume>(fromTriangles(g, mesh, file.convex));
+  return mesh;
+}
+
+std::shared_ptr<const Volume> VolumeLoader::fromMesh(const geometry::MeshFile& file, const GeometryDescription& g) {
+  char scale[160];
+  std::snprintf(scale, sizeof scale, "|%a %a %a %d", file.scale.x, file.scale.y, file.scale.z, file.convex ? 1 : 0);
+  std::shared_ptr<const Volume>& known = volumes_[pathOf(g) + scale];
+  if (!known) known = std::make_shared<const Volume>(fromTriangles(g, triangles(file, g), file.convex));
   return known;
 }
 

@@ -23,17 +23,22 @@ class VolumeLoader {
   /// Throws Error(model) for a volume without size, a number that is not finite, or a length outside 1e-75 m to 1e75 m, and Error(file | syntax) for
   /// a broken file.
   std::shared_ptr<const Volume> load(const GeometryDescription& g);
-  int filesRead() const { return static_cast<int>(meshes_.size() + octrees_.size()); }
+  /// The path of the geometry's file; an empty string if it does not exist.
+  std::string pathOf(const GeometryDescription& g) const;
+  /// The triangles of a geometry's mesh file, scaled. Throws as load().
+  geometry::TriangleMesh triangles(const geometry::MeshFile& file, const GeometryDescription& g);
+  /// The cubes of a geometry's octree file. Throws as load().
+  geometry::Voxels octree(const GeometryDescription& g);
+  int filesRead() const { return static_cast<int>(meshes_.size()) + octrees_; }
 
  private:
-  std::string pathOf(const GeometryDescription& g) const;
   std::shared_ptr<const Volume> fromMesh(const geometry::MeshFile& file, const GeometryDescription& g);
   std::shared_ptr<const Volume> fromOctree(const GeometryDescription& g);
 
   const std::vector<std::string>& packages_;
-  std::map<std::string, geometry::TriangleMesh> meshes_;  ///< by path
-  std::map<std::string, std::shared_ptr<const Volume>> octrees_;
-  std::map<std::string, std::shared_ptr<const Volume>> scaled_;  ///< by path, scale and MeshFile::convex
+  std::map<std::string, geometry::TriangleMesh> meshes_;          ///< by path
+  int octrees_ = 0;                                               ///< files of octrees that were read
+  std::map<std::string, std::shared_ptr<const Volume>> volumes_;  ///< by path and, for meshes, scale and MeshFile::convex
 };
 
 }  // namespace dyn

@@ -138,10 +138,9 @@ void Volumes::write(const GeometryDescription& g, bool fixed) {
   if (!shape.size.empty()) out_.put("size", shape.size);
   if (shape.type == "mesh") out_.put("mesh", asset_.at(&g));
   putPose(out_, g.placement * shape.pose);
-  if (visual) {
-    out_.put("contype", 0.0);
-    out_.put("conaffinity", 0.0);
-  }
+  const auto [type, affinity] = visual ? std::pair(0, 0) : masks_.of(g);
+  if (type != 1) out_.put("contype", std::to_string(type));
+  if (affinity != 1) out_.put("conaffinity", std::to_string(affinity));
   out_.close();
 }
 

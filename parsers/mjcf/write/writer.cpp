@@ -5,6 +5,7 @@
 #include "devices.hpp"
 #include "equality.hpp"
 #include "keyframes.hpp"
+#include "mjcf/scene.hpp"
 #include "volumes.hpp"
 
 #include <dyn/file.hpp>
@@ -219,14 +220,14 @@ class Writer {
     std::set<std::pair<std::size_t, std::size_t>> written;
     for (const DisabledCollision& d : model_.disabled_collisions) {
       const auto one = bodies.find(d.body), other = bodies.find(d.other);
-      if (one == bodies.end() || other == bodies.end()) {
-        out_.lose("pairs of volumes without collision checks", d.body);
-        continue;
-      }
+      const bool of_volumes = one == bodies.end() || other == bodies.end();
+      if (of_volumes && !volumes_.saysPairs()) out_.lose("pairs of volumes without collision checks, for which contype has too few bits", d.body);
+      if (!d.reason.empty() && d.reason != (of_volumes ? mask_reason : "exclude") && d.reason != parent_reason)
+        out_.lose("reasons of pairs without collision checks", d.reason);
+      if (of_volumes) continue;
       // Bodies that became joints have no volumes.
       if (merged_[one->second] || merged_[other->second] || one == other) continue;
       if (!written.insert(std::minmax(one->second, other->second)).second) continue;
-      if (!d.reason.empty() && d.reason != "exclude") out_.lose("reasons of pairs without collision checks", d.reason);
       if (written.size() == 1) out_.open("contact");
       out_.open("exclude");
       out_.put("body1", body_names_[one->second]);
