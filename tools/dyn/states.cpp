@@ -64,8 +64,8 @@ std::string readAll(const std::string& path) {
   char chunk[1 << 16];
   for (std::uintmax_t size = 0; std::cin.read(chunk, sizeof chunk) || std::cin.gcount() > 0;) {
     text.write(chunk, std::cin.gcount());
-    if ((size += static_cast<std::uintmax_t>(std::cin.gcount())) > most)
-      throw Error(ErrorCode::file, "is larger than 1024 MB, the most that is read of states", {"standard input", 0, ""});
+    size += static_cast<std::uintmax_t>(std::cin.gcount());
+    if (size > most) throw Error(ErrorCode::file, "is larger than 1024 MB, the most that is read of states", {"standard input", 0, ""});
   }
   return text.str();
 }
