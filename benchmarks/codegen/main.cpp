@@ -22,7 +22,7 @@ namespace {
 using namespace dyn;
 using benchmark::Quartiles;
 
-constexpr int states = 256, rounds = 15, lanes = 8;
+constexpr int count = 256, rounds = 15, lanes = 8;
 
 struct Robot {
   std::string name;
@@ -44,7 +44,7 @@ Robot load(const std::string& argument, const JointRegistry& registry) {
 double nanoseconds(const std::function<void()>& run) {
   const auto start = std::chrono::steady_clock::now();
   run();
-  return std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - start).count() / states;
+  return std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - start).count() / count;
 }
 
 struct Task {
@@ -68,14 +68,14 @@ const std::vector<Task>& tasks() {
 void measure(const Robot& robot, benchmark::BarChart& chart) {
   const CompactModel& m = robot.model;
   Data data(m, Need::mass_matrix);
-  BatchData batch(m, states, Need::mass_matrix);
-  Eigen::MatrixXd x[3] = {Eigen::MatrixXd(m.nq(), states), Eigen::MatrixXd::Random(m.nv(), states), Eigen::MatrixXd::Random(m.nv(), states)};
-  for (int k = 0; k < states; ++k) x[0].col(k) = randomConfiguration(m, static_cast<std::uint64_t>(k));
+  BatchData batch(m, count, Need::mass_matrix);
+  Eigen::MatrixXd x[3] = {Eigen::MatrixXd(m.nq(), count), Eigen::MatrixXd::Random(m.nv(), count), Eigen::MatrixXd::Random(m.nv(), count)};
+  for (int k = 0; k < count; ++k) x[0].col(k) = randomConfiguration(m, static_cast<std::uint64_t>(k));
   // The states in groups of `lanes`; within a group, the values of one coordinate lie side by side.
   std::vector<std::vector<double>> grouped;
   for (const Eigen::MatrixXd& a : x) {
     std::vector<double> out(static_cast<std::size_t>(a.size()));
-    for (Eigen::Index k = 0; k < states; ++k)
+    for (Eigen::Index k = 0; k < count; ++k)
       for (Eigen::Index i = 0; i < a.rows(); ++i) out[static_cast<std::size_t>((k / lanes * a.rows() + i) * lanes + k % lanes)] = a(i, k);
     grouped.push_back(std::move(out));
   }
@@ -93,15 +93,15 @@ void measure(const Robot& robot, benchmark::BarChart& chart) {
     const std::pair<const char*, std::function<void()>> ways[] = {
         {"dynamic",
          [&] {
-           for (int k = 0; k < states; ++k) task.single(m, data, x, k);
+           for (int k = 0; k < count; ++k) task.single(m, data, x, k);
          }},
         {"generated",
          [&] {
-           for (int k = 0; k < states; ++k) call(one, [&](int i) { return x[i].data() + k * x[i].rows(); });
+           for (int k = 0; k < count; ++k) call(one, [&](int i) { return x[i].data() + k * x[i].rows(); });
          }},
         {"dynamic, batch", [&] { task.batch(m, batch, x); }},
         {"generated, batch", [&] {
-           for (int k = 0; k < states; k += lanes) call(many, [&](int i) { return grouped[static_cast<std::size_t>(i)].data() + k * x[i].rows(); });
+           for (int k = 0; k < count; k += lanes) call(many, [&](int i) { return grouped[static_cast<std::size_t>(i)].data() + k * x[i].rows(); });
          }}};
     std::vector<double> times[4];
     for (int r = -2; r < rounds; ++r)
@@ -134,7 +134,7 @@ int main(int argc, char** argv) {
   try {
     const JointRegistry registry = JointRegistry::standard();
     benchmark::BarChart chart("Interpreted and generated, ns a state", benchmark::Scale::logarithmic);
-    std::printf("ns a state, median [quartiles] of %d rounds over %d random states, all ways in turn\n\n", rounds, states);
+    std::printf("ns a state, median [quartiles] of %d rounds over %d random states, all ways in turn\n\n", rounds, count);
     std::printf(
         "| robot | algorithm | dynamic | generated | dynamic, batch | generated, batch | ratio | ratio, batch "
         "|\n|---|---|---|---|---|---|---|---|\n");
