@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 // dyn sweep: the same results for every number of threads and ranks, after kills and full disks; faults of studies and folders.
-#include "command.hpp"
-#include "support/skip.hpp"
-
-#include <nlohmann/json.hpp>
+#include "sweep_study.hpp"
 
 #include <unistd.h>
 
@@ -14,75 +11,7 @@
 
 using namespace dyn::test;
 
-namespace fs = std::filesystem;
-using Json = nlohmann::json;
-
 namespace {
-
-/// A folder with a study of an arm. Its sweeps take a moment, in many chunks.
-struct Sweep : Folder {
-  Json study = {{"model", DYN_SOURCE_DIR "/models/arm.urdf"},
-                {"task", "simulate"},
-                {"time", 0.05},
-                {"samples", 120},
-                {"seed", 7},
-                {"chunk", 4},
-                {"vary", {{"q", {{"uniform", "limits"}}}, {"v", {{"uniform", {-1, 1}}}}}},
-                {"keep", {"final"}}};
-
-  std::string file() const { return write("study.json", study.dump()); }
-  std::string out(const std::string& name) const { return (path / name).string(); }
-  Answer sweep(const std::string& name, const std::string& options = "") const {
-    return run("sweep '" + file() + "' --out '" + out(name) + "' " + options);
-  }
-  /// Runs a sweep to its end. Returns the digest of its results.
-  std::string digest(const std::string& name, const std::string& options = "") const {
-    const Answer answer = sweep(name, options);
-    INFO(answer.err);
-    REQUIRE(answer.code == 0);
-    return digestOf(name);
-  }
-  std::string digestOf(const std::string& name) const {
-    const Answer answer = run("sweep --digest '" + out(name) + "'");
-    INFO(answer.err);
-    REQUIRE(answer.code == 0);
-    REQUIRE(answer.out.size() == 65);
-    return answer.out;
-  }
-  Json replay(const std::string& name, int sample) const {
-    return Json::parse(run("sweep --replay '" + out(name) + "' " + std::to_string(sample)).out);
-  }
-  std::size_t chunks(const std::string& name) const {
-    std::size_t count = 0;
-    std::error_code none;
-    for (const fs::directory_entry& entry : fs::directory_iterator(path / name / "chunks", none))
-      count += entry.path().filename().string().find(".part") == std::string::npos;
-    return count;
-  }
-};
-
-const std::string mpi_environment = "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1 ";
-
-/// Runs a line of the shell, as run() does a line of dyn.
-Answer shell(const std::string& line) {
-  const Folder folder;
-  const std::string out = (folder.path / "out").string(), err = (folder.path / "err").string();
-  const int status = std::system(("( " + line + " ) >'" + out + "' 2>'" + err + "' </dev/null").c_str());
-  REQUIRE(WIFEXITED(status));
-  return {WEXITSTATUS(status), textOf(out), textOf(err)};
-}
-
-bool hasResults() { return run("sweep none.json --out /nowhere/at/all").err.find("without HDF5") == std::string::npos; }
-bool hasRanks() {
-  return shell(mpi_environment + "mpirun -n 2 '" DYN_BINARY_DIR "/bin/dyn' sweep none.json --out /nowhere/at/all").err.find("none.json") !=
-         std::string::npos;
-}
-
-#define NEEDS_RESULTS() \
-  if (!hasResults()) DYN_SKIP("dyn was built without HDF5 (Debian's libhdf5-dev)")
-#define NEEDS_RANKS() \
-  NEEDS_RESULTS();    \
-  if (!hasRanks()) DYN_SKIP("mpirun is missing, or dyn was built without MPI (Debian's libopenmpi-dev and openmpi-bin)")
 
 /// Starts a program with these words and returns once `ready` holds or it has ended.
 pid_t started(const std::vector<std::string>& words, const std::function<bool()>& ready) {
@@ -136,107 +65,6 @@ TEST_CASE("a sweep has the same results for every number of threads and every ch
   s.study["seed"] = 8;
   CHECK(s.digest("other") != one);
   CHECK(Json::parse(run("sweep --status '" + s.out("one") + "'").out)["done"] == 120);
-}
-
-TEST_CASE("a sample of a sweep is what dyn simulate computes from its inputs", "[command][sweep]") {
-  NEEDS_RESULTS();
-  Sweep s;
-  s.study["integrator"] = "dormand_prince";
-  s.study["keep"] = {"final", "trajectory", "energy"};
-  s.study["every"] = 0.01;
-  s.digest("out");
-  const Json sample = s.replay("out", 17);
-  const std::string state = s.write("state.json", Json{{"samples", {sample["input"]}}}.dump()), path = s.out("path.json");
-  const Answer answer = run("simulate " DYN_SOURCE_DIR "/models/arm.urdf --integrator dormand_prince --time 0.05 --every 0.01 --state '" + state +
-                            "' --out '" + path + "'");
-  REQUIRE(answer.code == 0);
-  const Json states = Json::parse(textOf(path))["states"];
-  CHECK(states.back()["q"] == sample["results"]["q_final"]);
-  CHECK(states.back()["v"] == sample["results"]["v_final"]);
-  Json all = Json::array();
-  for (const Json& one : states)
-    for (const Json& x : one["q"]) all.push_back(x);
-  CHECK(all == sample["results"]["q"]);
-  CHECK(states.back()["energy"] == sample["results"]["energy_final"]);
-}
-
-TEST_CASE("a sweep of functions has the numbers of dyn compute", "[command][sweep]") {
-  NEEDS_RESULTS();
-  Sweep s;
-  s.study = {{"model", DYN_SOURCE_DIR "/models/biped.urdf"},
-             {"root", "free_flyer"},
-             {"task", "compute"},
-             {"samples", 5},
-             {"functions", {"rnea", "M", "com", "Ag", "kinetic_energy"}},
-             {"frames", {"left_foot"}},
-             {"vary", {{"q", {{"normal", {0, 0.3}}}}, {"v", {{"uniform", {-1, 1}}}}, {"a", 0.5}}}};
-  s.digest("out");
-  const Json sample = s.replay("out", 3);
-  const std::string state = s.write("state.json", Json{{"samples", {sample["input"]}}}.dump());
-  const Json expected = Json::parse(run("compute '" + biped + "' --root free_flyer --states '" + state + "'").out)["samples"][0];
-  for (const char* key : {"rnea", "M", "com", "Ag", "kinetic_energy"}) CHECK(sample["results"][key] == expected[key]);
-  for (const Json& frame : expected["oMf"])
-    if (frame["name"] == "left_foot") CHECK(sample["results"]["frames/left_foot/p"] == frame["p"]);
-}
-
-TEST_CASE("a sweep of collisions has the distances of dyn collide", "[command][sweep]") {
-  NEEDS_RESULTS();
-  Sweep s;
-  const auto link = [](const std::string& name, const std::string& volume) {
-    return "<link name='" + name + "'>" + (volume.empty() ? "" : "<collision><geometry>" + volume + "</geometry></collision>") + "</link>";
-  };
-  const auto slide = [](const std::string& name, const std::string& parent, const std::string& child, const std::string& axis) {
-    return "<joint name='" + name + "' type='prismatic'><parent link='" + parent + "'/><child link='" + child + "'/><axis xyz='" + axis +
-           "'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint>";
-  };
-  const std::string model = s.write("slides.urdf", "<robot name='slides'>" + link("base", "<sphere radius='0.3'/>") + link("middle", "") +
-                                                       link("end", "<sphere radius='0.2'/>") + slide("x", "base", "middle", "1 0 0") +
-                                                       slide("y", "middle", "end", "0 1 0") + "</robot>");
-  s.study = {{"model", "slides.urdf"}, {"task", "collide"}, {"samples", 20}, {"vary", {{"q", {{"uniform", "limits"}}}}}};
-  s.digest("out");
-  int collisions = 0;
-  for (const int k : {0, 1, 2, 3, 4, 5, 6, 7}) {
-    const Json sample = s.replay("out", k), &results = sample["results"];
-    const double x = sample["input"]["q"][0], y = sample["input"]["q"][1], distance = results["distance"];
-    CHECK(std::abs(distance - (std::hypot(x, y) - 0.5)) < 1e-12);
-    CHECK(results["collides"] == static_cast<int>(distance < 0));
-    CHECK(results["collisions"] == static_cast<int>(distance < 0));
-    collisions += distance < 0;
-  }
-  CHECK((collisions > 0 && collisions < 8));
-  const Json sample = s.replay("out", 2);
-  const std::string state = s.write("state.json", Json{{"samples", {sample["input"]}}}.dump());
-  const Json expected = Json::parse(run("collide '" + model + "' --states '" + state + "'").out)["states"][0];
-  CHECK(sample["results"]["distance"] == expected["minimum"]["distance"]);
-}
-
-TEST_CASE("bodies, joints, gravity and lists vary as the study says", "[command][sweep]") {
-  NEEDS_RESULTS();
-  Sweep s;
-  s.study = {{"model", DYN_SOURCE_DIR "/models/four_bar.urdf"},
-             {"task", "compute"},
-             {"functions", {"gravity_torque"}},
-             {"vary", {{"gravity", {{"list", {{0, 0, -9.81}, {0, 0, -1.62}}}}}, {"q", {{"grid", {0.1, 0.5, Json::array({3, 1, 1})}}}}}}};
-  s.digest("out");
-  const Json manifest = Json::parse(textOf(s.path / "out/manifest.json"));
-  CHECK(manifest["samples"] == 6);
-  const Json first = s.replay("out", 0), last = s.replay("out", 5);
-  CHECK(first["input"]["gravity"] == Json{0, 0, -9.81});
-  CHECK(last["input"]["gravity"] == Json{0, 0, -1.62});
-  // The crank's joint is continuous: its coordinates are cosine and sine.
-  const auto angle = [](const Json& sample) { return std::atan2(sample["input"]["q"][1].get<double>(), sample["input"]["q"][0].get<double>()); };
-  CHECK(std::abs(angle(first) - 0.1) < 1e-15);
-  CHECK(std::abs(angle(last) - 0.5) < 1e-15);
-  CHECK(last["input"]["q"][2] == 0.1);
-  s.study = {{"model", DYN_SOURCE_DIR "/models/arm.urdf"},
-             {"task", "compute"},
-             {"functions", {"M"}},
-             {"samples", 2},
-             {"vary", {{"bodies", {{"hand", {{"mass", {{"list", {1, 3}}}}}}}}, {"joints", {{"wrist3", {{"armature", 0.25}}}}}}}};
-  s.digest("masses");
-  const Json light = s.replay("masses", 0)["results"]["M"], heavy = s.replay("masses", 1)["results"]["M"];
-  CHECK(heavy[0].get<double>() > light[0].get<double>());
-  CHECK(light.back().get<double>() > 0.25);
 }
 
 TEST_CASE("samples that fail are kept with reason and inputs, and the others go on", "[command][sweep]") {

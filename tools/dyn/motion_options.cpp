@@ -34,10 +34,13 @@ SimulatorOptions MotionOptions::simulator() const {
 ConstraintSet MotionOptions::constraints(const CompactModel& model) const { return {ConstraintSet(model), readContacts(contacts)}; }
 
 ContactFinder MotionOptions::finder(const CompactModel& model, const Model& description) const {
+  return finder(model, touching ? std::optional(compileGeometry(model, description, volumes.geometry())) : std::nullopt);
+}
+
+ContactFinder MotionOptions::finder(const CompactModel& model, const std::optional<GeometryModel>& geometry) const {
   ContactFinder plane;
   if (!ground.empty()) plane = pointsOnPlane(model, ground, {0, 0, 1}, height, friction);
-  if (!touching) return plane;
-  return together(plane, geometryContacts(model, compileGeometry(model, description, volumes.geometry()), {.friction = friction}));
+  return geometry ? together(plane, geometryContacts(model, *geometry, {.friction = friction})) : plane;
 }
 
 void assembleState(const CompactModel& model, const ConstraintSet& constraints, Eigen::VectorXd& q, Eigen::VectorXd& v) {

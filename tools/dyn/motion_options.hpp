@@ -23,6 +23,8 @@ struct MotionOptions : ModelOptions {
   ConstraintSet constraints(const CompactModel& model) const;
   /// Finds contacts with the ground, between volumes, or both; empty if the options ask for neither. Each thread needs a finder of its own.
   ContactFinder finder(const CompactModel& model, const Model& description) const;
+  /// The same with volumes that were compiled before; empty unless `touching`.
+  ContactFinder finder(const CompactModel& model, const std::optional<GeometryModel>& geometry) const;
 };
 
 /// Moves a state to the nearest one that the constraints allow. Throws Error(closure).

@@ -13,6 +13,7 @@ from typing import Any, Mapping, Union
 import numpy as np
 
 from ._errors import error
+from ._sweep_ranks import own_environment, run_in_ranks
 
 
 def sweep(
@@ -21,27 +22,46 @@ def sweep(
     *,
     threads: int = 0,
     resume: bool = False,
+    comm: Any = None,
 ) -> "dict[str, np.ndarray[Any, Any]]":
     """Runs a sweep by the command `dyn sweep`; returns its results as arrays by name, samples along the first axis.
 
     study: a file, whose paths are relative to it, or a mapping, whose paths are relative to the working directory. out: the folder of the results.
     threads: 0 takes one for each processor. resume: goes on with the sweep that is in the folder, or begins it. Raises Error with the message of
     the command. The results are read by h5py; without it, from parts of them that the command then keeps.
+
+    comm: a communicator of mpi4py, whose ranks then compute the sweep together. All of them call sweep with the same study and folder; rank 0
+    returns the results and the others an empty dictionary. An Error is raised on all ranks. threads: of each rank, 1 without it.
     """
-    reader = _h5py()
-    name = "-" if isinstance(study, Mapping) else os.fspath(study)
-    words = [_command(), "sweep", name, "--out", os.fspath(out), "--json", "--color", "never"]
-    words += ["--threads", str(threads)] if threads else []
-    words += ["--resume"] if resume else []
-    words += [] if reader else ["--keep-chunks"]
-    text = json.dumps(study) if isinstance(study, Mapping) else ""
+    reader, shared = _h5py(), comm is not None and comm.size > 1
+    words: "list[str]" = []
+    try:
+        text = json.dumps(study) if isinstance(study, Mapping) else ""
+        words = _words("-" if isinstance(study, Mapping) else os.fspath(study), out, threads, resume, reader is None)
+    finally:  # the others must not wait for a rank that cannot begin
+        ready = not shared or all(comm.allgather(bool(words)))
+    if not ready:
+        raise error("argument", "another rank cannot begin the sweep; its own error says why")
     # A study whose task is a function of a Python file then runs in this Python.
-    programs = os.pathsep.join([os.path.dirname(sys.executable), os.environ.get("PATH", os.defpath)])
-    answer = subprocess.run(words, input=text, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, encoding="utf-8", check=False,
-                            env={**os.environ, "PATH": programs})
-    if answer.returncode:
-        raise error("argument", "\n".join(line.partition("error: ")[2] for line in answer.stderr.splitlines() if "error: " in line) or answer.stderr)
+    environment = {**own_environment(), "PATH": os.pathsep.join([os.path.dirname(sys.executable), os.environ.get("PATH", os.defpath)])}
+    if shared:
+        code, told = run_in_ranks(words, text, environment, comm)
+    else:
+        answer = subprocess.run(words, input=text, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, encoding="utf-8", check=False,
+                                env=environment)
+        code, told = answer.returncode, answer.stderr
+    if code:
+        raise error("argument", "\n".join(line.partition("error: ")[2] for line in told.splitlines() if "error: " in line) or told)
+    if shared and comm.rank != 0:
+        return {}
     return _read_results(reader, pathlib.Path(out)) if reader else _read_chunks(pathlib.Path(out))
+
+
+def _words(study: str, out: "str | os.PathLike[str]", threads: int, resume: bool, keep_chunks: bool) -> "list[str]":
+    """Returns the command line of the sweep."""
+    words = [_command(), "sweep", study, "--out", os.fspath(out), "--json", "--color", "never"]
+    words += ["--threads", str(threads)] if threads else []
+    return words + (["--resume"] if resume else []) + (["--keep-chunks"] if keep_chunks else [])
 
 
 def _h5py() -> Any:

@@ -119,7 +119,7 @@ class Overseer {
 }  // namespace
 
 std::int64_t chooseChunk(const Setting& setting, int workers) {
-  constexpr double wanted = 0.5, trial = 0.05;
+  constexpr double wanted = 0.5, least = 0.1, trial = 0.05;  // [s]
   constexpr std::int64_t most_chunks = 1'000'000, most_bytes = 1 << 26;
   Worker worker(setting);
   const std::int64_t samples = setting.study.samples;
@@ -127,15 +127,18 @@ std::int64_t chooseChunk(const Setting& setting, int workers) {
   const std::int64_t largest = std::max<std::int64_t>(most_bytes / bytes, 1);
   std::int64_t chunk = setting.study.chunk;
   if (chunk == 0) {
-    std::vector<double> row(numbersOf(worker.fields()));
+    const std::int64_t together = std::min(worker.together(), samples);
+    std::vector<double> rows(numbersOf(worker.fields()) * static_cast<std::size_t>(together));
     worker.prepare();
     const Clock::time_point start = Clock::now();
     std::int64_t tried = 0;
-    while (tried < samples && secondsSince(start) < trial && !Interruption::pending()) worker.sample(tried++, row.data());
+    for (; tried + together <= samples && secondsSince(start) < trial && !Interruption::pending(); tried += together)
+      worker.samples(tried, together, rows.data());
     const double seconds = std::max(secondsSince(start), 1e-9) / static_cast<double>(std::max<std::int64_t>(tried, 1));
-    // Every worker gets several chunks, so that none waits long for the others at the end.
-    const std::int64_t share = samples / (8 * workers);
-    chunk = std::max<std::int64_t>(std::min(static_cast<std::int64_t>(std::min(wanted / seconds, 1e9)), share), 1);
+    // Workers get many chunks each, so that none waits long for the others at the end, but none so short that its file costs more than a percent.
+    const auto take = [&](double time) { return static_cast<std::int64_t>(std::min(time / seconds, 1e9)); };
+    const std::int64_t share = std::max(std::min(samples / (32 * workers), take(wanted)), take(least));
+    chunk = std::max<std::int64_t>(std::min(share, samples / (8 * workers)), 1);
   }
   return std::min(std::max(chunk, (samples + most_chunks - 1) / most_chunks), largest);
 }
@@ -156,7 +159,7 @@ void computeChunks(const Work& work, const std::vector<std::int64_t>& missing) {
   std::size_t requests = 0;
   Clock::duration answering{};
   while (running > 0 || others > 0) {
-    while (const std::optional<Ranks::Message> message = work.ranks.poll()) {
+    while (const std::optional<Message> message = work.ranks.poll()) {
       const Clock::time_point arrived = Clock::now();
       std::istringstream words(message->text);
       std::string word;
@@ -180,6 +183,7 @@ void computeChunks(const Work& work, const std::vector<std::int64_t>& missing) {
     std::this_thread::sleep_for(pause);
   }
   joiner.join();
+  for (int rank = 1; rank < work.ranks.count(); ++rank) work.ranks.send(rank, "over");
   if (requests > 0) detail("answered " + std::to_string(requests) + " requests of other ranks", answering);
   overseer.show(true);
   overseer.finish();
@@ -202,6 +206,7 @@ void serveRank(const Work& work) {
   computeInThreads(work, next, failed, threads);
   for (std::thread& thread : threads) thread.join();
   work.ranks.send(0, "end");
+  work.ranks.wait();  // until all ranks have ended, so that rank 0 takes nothing that comes afterwards for a request
 }
 
 }  // namespace dyn::tool::sweep

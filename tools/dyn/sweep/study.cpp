@@ -153,7 +153,7 @@ Study parseStudy(const std::string& text, const std::string& name, const std::st
   std::vector<std::string> own{"task", "samples", "seed", "chunk", "vary", "keep", "success", "histograms"};
   std::vector<std::string> keeps{"inputs"};
   if (study.task == TaskKind::simulate) {
-    own.insert(own.end(), {"every"});
+    own.insert(own.end(), {"every", "effort_limits"});
     keeps.insert(keeps.end(), {"initial", "final", "extremes", "energy", "trajectory", "counts"});
   } else if (study.task == TaskKind::compute) {
     own.insert(own.end(), {"functions", "frames"});
@@ -164,6 +164,7 @@ Study parseStudy(const std::string& text, const std::string& name, const std::st
   if (all.has("samples")) study.samples = wholeNumber(all["samples"], 1, most_samples);
   if (all.has("seed")) study.seed = static_cast<std::uint64_t>(wholeNumber(all["seed"], 0, std::numeric_limits<std::int64_t>::max()));
   if (all.has("chunk")) study.chunk = wholeNumber(all["chunk"], 1, most_samples);
+  if (all.has("effort_limits")) study.effort_limits = all["effort_limits"].boolean();
   if (all.has("every")) study.every = finiteNumber(all["every"]);
   if (study.every < 0) all["every"].fail("must be 0 or more");
   if (all.has("functions")) study.functions = texts(all["functions"]);

@@ -23,6 +23,7 @@ struct Study {
   std::uint64_t seed = 0;
   std::int64_t chunk = 0;                      ///< samples of a chunk; 0: chosen by how long samples take
   MotionOptions options;                       ///< of which compute and collide use some
+  bool effort_limits = false;                  ///< of simulate: torques are clipped at the limits of effort
   double every = 0;                            ///< [s] between the states of a simulation; 0: a hundredth of its time, at least dt
   std::vector<std::string> functions, frames;  ///< of compute
   std::string file, function;                  ///< of python

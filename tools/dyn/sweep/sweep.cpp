@@ -188,7 +188,8 @@ void compute(const Options& o) {
   std::optional<Setting> setting;
   Manifest manifest;
   const auto prepare = [&] {
-    if (several && o.study == "-") throw Error(ErrorCode::argument, "ranks do not share standard input; give the study as a file");
+    if (several && o.study == "-" && !Ranks::haveOwnInput())
+      throw Error(ErrorCode::argument, "ranks do not share standard input; give the study as a file");
     setting.emplace(timed("read " + o.study, [&] { return readStudy(o.study); }));
     manifest = manifestOf(*setting);
   };

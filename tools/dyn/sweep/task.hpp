@@ -5,6 +5,8 @@
 #include "variation.hpp"
 
 #include <memory>
+#include <optional>
+#include <span>
 
 namespace dyn::tool::sweep {
 
@@ -34,9 +36,12 @@ struct Setting {
   JointRegistry registry;
   CompactModel model;
   Variation variation;
-  PythonFunction python;  ///< of the task python; otherwise empty
+  PythonFunction python;                  ///< of the task python; otherwise empty
+  std::optional<GeometryModel> geometry;  ///< the volumes, if the task looks at them; they do not depend on the numbers that vary
 
   explicit Setting(Study given);
+  /// Returns the model of a sample, and puts its values into the options. A model whose limits vary is compiled again; others take other numbers.
+  CompactModel modelOf(const Inputs& inputs, MotionOptions& options) const;
 
  private:
   void countSamples();
@@ -51,6 +56,10 @@ class Task {
   virtual void prepare() {}
   /// Computes a sample. The same inputs give the same bytes, whatever ran before. Throws if the sample fails.
   virtual void run(const Inputs& inputs, double* row) = 0;
+  /// The most samples that are faster together than one by one.
+  virtual std::size_t together() const { return 1; }
+  /// Computes several samples and returns why some of them failed. Each has the bytes of run().
+  virtual std::vector<std::optional<std::string>> runAll(std::span<const Inputs> inputs, std::span<double* const> rows);
   /// Times of the trajectories that are kept; empty otherwise.
   virtual std::vector<double> times() const { return {}; }
   /// Names of pairs of volumes, to whose indices the results refer; empty otherwise.

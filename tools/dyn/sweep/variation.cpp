@@ -66,7 +66,8 @@ Distribution ofState(const json::Value& value, Kind kind, const CompactModel& mo
   if (!asksForLimits(value)) return readDistribution(value, size);
   const ModelLimits& limits = model.limits();
   if (kind == Kind::a) value.fail("a model has no limits of accelerations");
-  if (kind == Kind::q) {
+  if (kind == Kind::kp || kind == Kind::kd) value.fail("a model has no limits of gains");
+  if (kind == Kind::q || kind == Kind::target) {
     const auto joint = std::find_if(model.joints().begin(), model.joints().end(), [&](const JointRecord& j) { return j.idx_v == first && j.nv > 0; });
     if (joint->nq != joint->nv) value.fail("give [low, high] for this joint: its coordinates are not its displacements");
     return within(value, limits.lower.data() + joint->idx_q, limits.upper.data() + joint->idx_q, size);
@@ -85,6 +86,7 @@ Variation::Variation(const Study& study, const Model& description, const Compact
   std::vector<std::string> known{"q", "v", "a", "tau", "gravity", "bodies", "joints"};
   if (study.task == TaskKind::simulate) {
     known.erase(known.begin() + 2);
+    known.emplace_back("pd");
     for (const OptionRange& option : option_ranges) known.emplace_back(option.name);
   } else if (study.task == TaskKind::collide) {
     known = {"q"};
@@ -100,7 +102,8 @@ Variation::Variation(const Study& study, const Model& description, const Compact
     if (name == "a") return readState(value, Kind::a, name, description);
     if (name == "tau") return readState(value, Kind::tau, name, description);
     if (name == "bodies") return readBodies(value, description);
-    if (name == "joints") return readJoints(value, description, study.options.losses);
+    if (name == "joints") return readJoints(value, description, study);
+    if (name == "pd") return readController(value, description);
     if (name == "values") return readValues(value);
     const int size = name == "gravity" ? 3 : 1;
     const auto option = std::find_if(std::begin(option_ranges), std::end(option_ranges), [&](const OptionRange& o) { return name == o.name; });
@@ -110,18 +113,23 @@ Variation::Variation(const Study& study, const Model& description, const Compact
          size,
          {{0, readDistribution(value, size)}}});
   });
+  if (study.effort_limits && !controls_) study.value()["effort_limits"].fail("there are no torques to limit; give 'tau' or 'pd' in 'vary'");
   placeCells();
 }
 
 void Variation::add(Quantity quantity) {
   changes_model_ |= quantity.kind >= Kind::gravity && quantity.kind < Kind::option;
+  changes_others_ |= quantity.kind == Kind::gravity || (quantity.kind >= Kind::damping && quantity.kind < Kind::option);
+  changes_limits_ |= quantity.isLimit();
   changes_options_ |= quantity.kind == Kind::option;
+  controls_ |= quantity.kind == Kind::tau || quantity.kind == Kind::kp || quantity.kind == Kind::kd;
   quantities_.push_back(std::move(quantity));
 }
 
 void Variation::readState(const json::Value& value, Kind kind, const std::string& name, const Model& description) {
-  Quantity quantity{name, kind, 0, kind == Kind::q ? model_.nq() : model_.nv(), {}};
-  if (kind == Kind::q && asksForLimits(value)) {
+  Quantity quantity{name, kind, 0, 0, {}};
+  quantity.size = quantity.isConfiguration() ? model_.nq() : model_.nv();
+  if (quantity.isConfiguration() && asksForLimits(value)) {
     quantity.limits = true;
     return add(std::move(quantity));
   }
@@ -137,7 +145,7 @@ void Variation::readState(const json::Value& value, Kind kind, const std::string
     return add(std::move(quantity));
   }
   const nlohmann::json& given = value.json();
-  if (kind == Kind::q && (!given.is_object() || given.contains("list"))) {
+  if (quantity.isConfiguration() && (!given.is_object() || given.contains("list"))) {
     quantity.coordinates = true;
     quantity.parts.push_back({0, readDistribution(value, model_.nq(), [&](const json::Value& point) {
                                 const std::vector<double> x = [&] {
@@ -166,20 +174,36 @@ void Variation::readBodies(const json::Value& value, const Model& description) {
   });
 }
 
-void Variation::readJoints(const json::Value& value, const Model& description, bool dissipation) {
+void Variation::readJoints(const json::Value& value, const Model& description, const Study& study) {
   value.eachMember([&](const std::string& joint, const json::Value& entry) {
     const int body = description.findJoint(joint), index = model_.findJoint(joint);
     if (body < 1 || index < 1) unknownName(value, "moving joint", joint, jointNames(model_));
-    const int nv = model_.joints()[static_cast<std::size_t>(index)].nv;
-    if (nv == 0) entry.fail("the joint depends on another one");
-    entry.only({"damping", "friction", "armature"});
-    const std::pair<const char*, Kind> kinds[] = {{"damping", Kind::damping}, {"friction", Kind::friction}, {"armature", Kind::armature}};
+    const JointRecord& record = model_.joints()[static_cast<std::size_t>(index)];
+    if (record.nv == 0) entry.fail("the joint depends on another one");
+    entry.only({"armature", "damping", "effort", "friction", "lower", "upper", "velocity"});
+    const std::pair<const char*, Kind> kinds[] = {{"armature", Kind::armature}, {"damping", Kind::damping}, {"effort", Kind::effort},
+                                                  {"friction", Kind::friction}, {"lower", Kind::lower},     {"upper", Kind::upper},
+                                                  {"velocity", Kind::velocity}};
     for (const auto& [name, kind] : kinds) {
       if (!entry.has(name)) continue;
-      if (kind != Kind::armature && !dissipation) entry[name].fail("acts only with \"losses\": true");
-      add({"joints." + joint + "." + name, kind, body, nv, {{0, readDistribution(entry[name], nv)}}});
+      if ((kind == Kind::damping || kind == Kind::friction) && !study.options.losses) entry[name].fail("acts only with \"losses\": true");
+      if (study.task != TaskKind::python) {
+        if ((kind == Kind::lower || kind == Kind::upper) && !study.options.limits) entry[name].fail("acts only with \"limits\": true");
+        if (kind == Kind::effort && !study.effort_limits) entry[name].fail("acts only with \"effort_limits\": true");
+        if (kind == Kind::velocity) entry[name].fail("acts only in the task python");
+      }
+      const int size = kind == Kind::lower || kind == Kind::upper ? record.nq : record.nv;
+      add({"joints." + joint + "." + name, kind, body, size, {{0, readDistribution(entry[name], size)}}});
     }
   });
+}
+
+void Variation::readController(const json::Value& value, const Model& description) {
+  value.only({"kd", "kp", "target"});
+  if (value.has("kd")) readState(value["kd"], Kind::kd, "pd.kd", description);
+  if (value.has("kp")) readState(value["kp"], Kind::kp, "pd.kp", description);
+  if (value.has("target")) readState(value["target"], Kind::target, "pd.target", description);
+  if (!value.has("kd") && !value.has("kp")) value.fail("has neither 'kp' nor 'kd', so that it does nothing");
 }
 
 void Variation::readValues(const json::Value& value) {
@@ -201,24 +225,28 @@ void Variation::placeCells() {
 
 Inputs Variation::draw(std::uint64_t sample) const {
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(model_.nv());
-  Inputs out{neutral(model_), zero, zero, zero, {}, sample};
+  const Eigen::VectorXd rest = neutral(model_);
+  Inputs out{rest, zero, zero, zero, rest, zero, zero, {}, sample};
   const auto cell = static_cast<std::int64_t>(sample % static_cast<std::uint64_t>(cells_));
   for (const Quantity& quantity : quantities_) {
     const RandomNumbers random(seed_, sample, quantity.name);
-    const bool displaced = quantity.kind == Kind::q && !quantity.coordinates;
+    const bool displaced = quantity.isConfiguration() && !quantity.coordinates;
     Eigen::VectorXd x = Eigen::VectorXd::Zero(displaced ? model_.nv() : quantity.size);
     for (const Quantity::Part& part : quantity.parts)
       part.distribution.draw(random, static_cast<std::uint32_t>(part.first), cell / part.stride % part.distribution.cells(), x.data() + part.first);
     if (quantity.limits) {
       x = randomConfiguration(model_, random.bits(0));
     } else if (displaced) {
-      x = integrate(model_, out.q, x);
+      x = integrate(model_, rest, x);
     }
     out.values.insert(out.values.end(), x.begin(), x.end());
     if (quantity.kind == Kind::q) out.q = x;
     if (quantity.kind == Kind::v) out.v = x;
     if (quantity.kind == Kind::a) out.a = x;
     if (quantity.kind == Kind::tau) out.tau = x;
+    if (quantity.kind == Kind::target) out.target = x;
+    if (quantity.kind == Kind::kp) out.kp = x;
+    if (quantity.kind == Kind::kd) out.kd = x;
   }
   return out;
 }
@@ -233,7 +261,7 @@ ModelNumbers Variation::apply(const Inputs& inputs, const Model& description, Mo
       requireInside(option.name, *x, option.low, option.high, option.rule);
       options.*option.member = *x;
     }
-    if (quantity.kind >= Kind::mass && quantity.kind < Kind::option) {
+    if (quantity.kind >= Kind::mass && quantity.kind <= Kind::armature) {
       const BodyDescription& body = description.bodies[static_cast<std::size_t>(quantity.target)];
       if (quantity.kind == Kind::mass || quantity.kind == Kind::com) {
         // Quantities of one body follow one another.
@@ -258,6 +286,23 @@ ModelNumbers Variation::apply(const Inputs& inputs, const Model& description, Mo
     x += quantity.size;
   }
   return out;
+}
+
+void Variation::applyLimits(const Inputs& inputs, Model& description) const {
+  const double* x = inputs.values.data();
+  for (const Quantity& quantity : quantities_) {
+    if (quantity.isLimit()) {
+      JointLimits& limits = description.bodies[static_cast<std::size_t>(quantity.target)].joint.limits;
+      const bool position = quantity.kind == Kind::lower || quantity.kind == Kind::upper;
+      for (int k = 0; k < quantity.size; ++k) requireInside(quantity.name, x[k], position ? -1e300 : 0, 1e300, position ? "finite" : "0 or more");
+      (quantity.kind == Kind::lower      ? limits.lower
+       : quantity.kind == Kind::upper    ? limits.upper
+       : quantity.kind == Kind::velocity ? limits.velocity
+                                         : limits.effort)
+          .assign(x, x + quantity.size);
+    }
+    x += quantity.size;
+  }
 }
 
 Json Variation::json(const Inputs& inputs) const {

@@ -20,7 +20,9 @@ Worker::Worker(const Setting& setting) : setting_(setting), task_(makeTask(setti
   if (numbersOf(fields_) > most_numbers)
     throw Error(ErrorCode::argument, "the results of one sample take more than 512 MB; keep less, or give a larger 'every'",
                 {setting.study.name, 0, ""});
-  row_.resize(numbersOf(fields_));
+  constexpr std::size_t block_numbers = std::size_t{1} << 17;
+  const std::size_t fitting = std::max<std::size_t>(block_numbers / numbersOf(fields_), 1);
+  together_ = static_cast<std::int64_t>(std::min(task_->together(), fitting));
   readSuccess();
 }
 
@@ -51,18 +53,32 @@ void Worker::prepare() {
   }
 }
 
-std::optional<std::string> Worker::sample(std::int64_t sample, double* row) {
-  std::optional<std::string> reason;
-  const std::size_t head = 2 + inputs_;
-  std::fill(row, row + row_.size(), std::numeric_limits<double>::quiet_NaN());
+std::vector<std::optional<std::string>> Worker::samples(std::int64_t first, std::int64_t count, double* rows) {
+  const std::size_t size = numbersOf(fields_), head = 2 + inputs_;
+  std::vector<std::optional<std::string>> reasons(static_cast<std::size_t>(count));
+  std::fill(rows, rows + size * reasons.size(), std::numeric_limits<double>::quiet_NaN());
   prepare();
-  try {
-    const Inputs inputs = setting_.variation.draw(static_cast<std::uint64_t>(sample));
-    std::copy_n(inputs.values.begin(), inputs_, row + 2);
-    task_->run(inputs, row + head);
-  } catch (const std::exception& e) {
-    reason = e.what();
+  std::vector<Inputs> drawn;
+  std::vector<double*> results;
+  std::vector<std::size_t> places;
+  for (std::size_t k = 0; k < reasons.size(); ++k) {
+    try {
+      drawn.push_back(setting_.variation.draw(static_cast<std::uint64_t>(first) + k));
+      std::copy_n(drawn.back().values.begin(), inputs_, rows + size * k + 2);
+      results.push_back(rows + size * k + head);
+      places.push_back(k);
+    } catch (const std::exception& e) {
+      reasons[k] = e.what();
+    }
   }
+  std::vector<std::optional<std::string>> found = task_->runAll(drawn, results);
+  for (std::size_t k = 0; k < places.size(); ++k) reasons[places[k]] = std::move(found[k]);
+  for (std::size_t k = 0; k < reasons.size(); ++k) reasons[k] = finish(std::move(reasons[k]), rows + size * k);
+  return reasons;
+}
+
+std::optional<std::string> Worker::finish(std::optional<std::string> reason, double* row) const {
+  double* const results = row + 2 + inputs_;
   const double* number = row;
   for (const Field& field : fields_) {
     const double* const end = number + field.size();
@@ -76,11 +92,10 @@ std::optional<std::string> Worker::sample(std::int64_t sample, double* row) {
     return true;
   });
   if (reason) {
-    number = row + head;
-    std::fill(row + head, row + row_.size(), std::numeric_limits<double>::quiet_NaN());
-    double* result = row + head;
+    double* result = results;
     for (const Field& field : task_->fields()) {
-      if (field.flag) std::fill_n(result, field.size(), 0.0);  // a byte has no NaN
+      // A byte has no NaN.
+      std::fill_n(result, field.size(), field.flag ? 0.0 : std::numeric_limits<double>::quiet_NaN());
       result += field.size();
     }
   }
@@ -89,21 +104,26 @@ std::optional<std::string> Worker::sample(std::int64_t sample, double* row) {
 
 std::optional<Chunk> Worker::chunk(std::int64_t first, std::int64_t count) {
   constexpr std::size_t longest_reason = 1000;
+  const std::size_t row_size = numbersOf(fields_);
   Chunk out{first, count, {}, {}};
-  out.numbers.resize(row_.size() * static_cast<std::size_t>(count));
-  for (std::int64_t k = 0; k < count; ++k) {
+  out.numbers.resize(row_size * static_cast<std::size_t>(count));
+  std::vector<double> rows(row_size * static_cast<std::size_t>(together_));
+  for (std::int64_t begin = 0; begin < count; begin += together_) {
     if (Interruption::pending()) return {};
-    if (const std::optional<std::string> reason = sample(first + k, row_.data())) {
-      if (Interruption::pending()) return {};  // which can be why it failed
-      out.failures.push_back({first + k, reason->substr(0, longest_reason)});
-    }
-    const double* from = row_.data();
-    double* column = out.numbers.data();
-    for (const Field& field : fields_) {
-      const std::size_t size = field.size();
-      std::copy_n(from, size, column + size * static_cast<std::size_t>(k));
-      from += size;
-      column += size * static_cast<std::size_t>(count);
+    const std::int64_t n = std::min(together_, count - begin);
+    const std::vector<std::optional<std::string>> reasons = samples(first + begin, n, rows.data());
+    if (Interruption::pending()) return {};  // which can be why some failed
+    for (std::int64_t k = 0; k < n; ++k) {
+      if (const std::optional<std::string>& reason = reasons[static_cast<std::size_t>(k)])
+        out.failures.push_back({first + begin + k, reason->substr(0, longest_reason)});
+      const double* from = rows.data() + row_size * static_cast<std::size_t>(k);
+      double* column = out.numbers.data();
+      for (const Field& field : fields_) {
+        const std::size_t size = field.size();
+        std::copy_n(from, size, column + size * static_cast<std::size_t>(begin + k));
+        from += size;
+        column += size * static_cast<std::size_t>(count);
+      }
     }
   }
   return out;

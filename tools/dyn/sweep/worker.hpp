@@ -20,8 +20,13 @@ class Worker {
 
   /// Makes ready what samples need, which sample() does as well. Throws if no sample can be computed, unless a signal has arrived.
   void prepare();
-  /// Computes a sample. Returns why it failed; its results are then NaN. Throws if no sample can be computed.
-  std::optional<std::string> sample(std::int64_t sample, double* row);
+  /// Computes consecutive samples, each with the same bytes as alone. Returns why some failed; the results of these are NaN. Throws if no sample can
+  /// be computed.
+  std::vector<std::optional<std::string>> samples(std::int64_t first, std::int64_t count, double* rows);
+  /// Computes one sample. Returns why it failed.
+  std::optional<std::string> sample(std::int64_t sample, double* row) { return samples(sample, 1, row)[0]; }
+  /// The number of samples that should be computed together, so that they take little memory.
+  std::int64_t together() const { return together_; }
   /// Computes a chunk. Returns nothing if a signal arrives meanwhile.
   std::optional<Chunk> chunk(std::int64_t first, std::int64_t count);
 
@@ -32,13 +37,15 @@ class Worker {
     std::vector<double> low, high;
   };
   void readSuccess();
+  /// Judges the results of a sample. Returns why it failed.
+  std::optional<std::string> finish(std::optional<std::string> reason, double* row) const;
 
   const Setting& setting_;
   std::unique_ptr<Task> task_;
   std::vector<Field> fields_;
   std::vector<Bound> bounds_;
   std::size_t inputs_ = 0;  ///< numbers of inputs that are kept
-  std::vector<double> row_;
+  std::int64_t together_ = 1;
 };
 
 }  // namespace dyn::tool::sweep

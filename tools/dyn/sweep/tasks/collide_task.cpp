@@ -10,11 +10,7 @@ namespace {
 
 class CollideTask final : public Task {
  public:
-  explicit CollideTask(const Setting& setting)
-      : model_(setting.model),
-        geometry_(compileGeometry(model_, setting.description, setting.study.options.volumes.geometry())),
-        data_(model_),
-        placed_(geometry_) {
+  explicit CollideTask(const Setting& setting) : model_(setting.model), geometry_(*setting.geometry), data_(model_), placed_(geometry_) {
     if (geometry_.pairs().empty()) setting.study.value().fail("the model has no pairs of volumes to compare", ErrorCode::model);
   }
 

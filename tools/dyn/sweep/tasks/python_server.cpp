@@ -60,6 +60,15 @@ def load():
     refuse("error", f"has no function '{setup['function']}'" + ("; there are " + ", ".join(names) if names else ""))
 
 
+def compiled_with(limits):
+    """Compiles the model with other limits of some joints."""
+    description = libdyn.Model.from_json(setup["model"])
+    for body in description.bodies if limits else []:
+        for name, numbers in limits.get(body.joint.name, {}).items():
+            setattr(body.joint, name, numpy.array(numbers))
+    return libdyn.compile(description, lock={joint: None for joint in setup["lock"]}, dissipation=setup["dissipation"], registry=registry)
+
+
 try:
     evaluate = load()
     registry = libdyn.JointRegistry()
@@ -67,8 +76,7 @@ try:
         registry.load(plugin, trust=setup["trust"])
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # dyn has said them
-        compiled = libdyn.compile(libdyn.Model.from_json(setup["model"]), lock={joint: None for joint in setup["lock"]},
-                                  dissipation=setup["dissipation"], registry=registry)
+        compiled = compiled_with({})
 except Exception as problem:
     refuse("error", reason(problem))
 
@@ -120,7 +128,9 @@ def serve(request, numbers):
     for name, size in setup["inputs"]:
         inputs[name] = numbers[first:first + size].copy()
         first += size
-    model = compiled.with_numbers(**numbers_of(request["numbers"])) if request["numbers"] else compiled
+    model = compiled_with(request["limits"]) if request["limits"] else compiled
+    if request["numbers"]:
+        model = model.with_numbers(**numbers_of(request["numbers"]))
     # A function that uses the common generators has the same numbers for the same sample.
     seed, sample = setup["seed"], request["sample"]
     random.seed(f"{seed} {sample}")

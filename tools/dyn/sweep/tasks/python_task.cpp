@@ -27,6 +27,23 @@ nlohmann::json argumentsOf(const ModelNumbers& numbers) {
   return out;
 }
 
+/// The limits that a sample changes, of joint after joint, by the names that JointDescription has for them in Python.
+nlohmann::json limitsOf(const Setting& setting, const Inputs& inputs) {
+  nlohmann::json out = nlohmann::json::object();
+  if (!setting.variation.changesLimits()) return out;
+  Model limited = setting.description;
+  setting.variation.applyLimits(inputs, limited);
+  for (const Quantity& quantity : setting.variation.quantities()) {
+    if (!quantity.isLimit()) continue;
+    const JointDescription& joint = limited.bodies[static_cast<std::size_t>(quantity.target)].joint;
+    out[joint.name] = {{"lower", joint.limits.lower},
+                       {"upper", joint.limits.upper},
+                       {"velocity_limit", joint.limits.velocity},
+                       {"effort_limit", joint.limits.effort}};
+  }
+  return out;
+}
+
 bool isState(const Quantity& quantity) { return quantity.kind <= Quantity::Kind::tau; }
 
 /// The line with which a process begins. Without fields it takes any results.
@@ -66,7 +83,7 @@ nlohmann::json answerOf(PythonProcess& process, const Setting& setting, const In
     if (!isState(quantity)) values.insert(values.end(), next, next + quantity.size);
     next += quantity.size;
   }
-  return process.ask({{"sample", inputs.sample}, {"numbers", numbers}}, values);
+  return process.ask({{"sample", inputs.sample}, {"numbers", numbers}, {"limits", limitsOf(setting, inputs)}}, values);
 }
 
 class PythonTask final : public Task {

@@ -24,6 +24,7 @@ class SimulateTask final : public Task {
     if (study.keeps("energy")) fields_.insert(fields_.end(), {{"energy_initial", {}}, {"energy_final", {}}, {"energy_drift", {}}});
     if (study.keeps("counts")) fields_.insert(fields_.end(), {{"steps", {}}, {"touched", {}}, {"impacts", {}}});
     if (study.keeps("trajectory")) fields_.insert(fields_.end(), {{"q", {count, nq}}, {"v", {count, nv}}});
+    error_.resize(nv);
     observes_ = study.keeps("extremes") || study.keeps("energy") || study.keeps("trajectory");
     build();
   }
@@ -83,23 +84,31 @@ class SimulateTask final : public Task {
     times_.push_back(time);
   }
 
-  /// Makes the simulator for the present options and model. Volumes do not depend on the numbers that vary.
+  /// Makes the simulator for the present options and model.
   void build() {
     const ConstraintSet constraints = options_.constraints(model_);
     constraints_.emplace(constraints);
     simulator_.emplace(constraints, options_.simulator());
     data_.emplace(model_);
-    if (const ContactFinder finder = options_.finder(model_, setting_.description)) simulator_->setContacts(finder);
-    const std::vector<Quantity>& varied = setting_.variation.quantities();
-    if (std::any_of(varied.begin(), varied.end(), [](const Quantity& x) { return x.kind == Quantity::Kind::tau; }))
-      simulator_->setController([this](double, VectorResult, VectorResult, VectorMap tau) { tau = tau_; });
+    if (const ContactFinder finder = options_.finder(model_, setting_.geometry)) simulator_->setContacts(finder);
+    if (setting_.variation.controls())
+      simulator_->setController([this](double, VectorResult q, VectorResult v, VectorMap tau) { control(q, v, tau); });
+  }
+
+  /// The sample's constant torques, and those of its springs and dampers between the joints and their target.
+  void control(VectorResult q, VectorResult v, VectorMap tau) {
+    const Inputs& x = inputs_;
+    difference(model_, q, x.target, error_);
+    tau = x.tau.array() + x.kp.array() * error_.array() - x.kd.array() * v.array();
+    if (!setting_.study.effort_limits) return;
+    const Eigen::Map<const Eigen::VectorXd> most(model_.limits().effort.data(), tau.size());
+    tau = tau.cwiseMin(most).cwiseMax(-most);
   }
 
   void start(const Inputs& inputs) {
-    tau_ = inputs.tau;
+    inputs_ = inputs;
     if (setting_.variation.changesModel() || setting_.variation.changesOptions()) {
-      const ModelNumbers numbers = setting_.variation.apply(inputs, setting_.description, options_);
-      if (setting_.variation.changesModel()) model_ = setting_.model.withNumbers(numbers);
+      model_ = setting_.modelOf(inputs, options_);
       build();
     }
     Eigen::VectorXd q = inputs.q, v = inputs.v;
@@ -126,7 +135,8 @@ class SimulateTask final : public Task {
   std::optional<Data> data_;
   std::vector<Field> fields_;
   std::vector<double> times_, path_q_, path_v_;
-  Eigen::VectorXd tau_, q_min_, q_max_, v_min_, v_max_;
+  Inputs inputs_;  ///< of the present sample
+  Eigen::VectorXd error_, q_min_, q_max_, v_min_, v_max_;
   bool observes_ = false;
 };
 
