@@ -83,7 +83,7 @@ void requireSame(const Manifest& then, const Manifest& now, const std::string& w
 /// Opens the folder for this sweep. Returns its manifest.
 Manifest openFolder(const Options& o, const Store& store, const Setting& setting, Manifest manifest, int workers) {
   if (store.begun()) {
-    const Manifest then = store.manifest();
+    Manifest then = store.manifest();
     if (!o.resume) throw Error(ErrorCode::file, "there is a sweep in this folder; --resume goes on with it", {o.out, 0, ""});
     requireSame(then, manifest, o.out);
     return then;

@@ -148,7 +148,7 @@ void Variation::readState(const json::Value& value, Kind kind, const std::string
   if (quantity.isConfiguration() && (!given.is_object() || given.contains("list"))) {
     quantity.coordinates = true;
     quantity.parts.push_back({0, readDistribution(value, model_.nq(), [&](const json::Value& point) {
-                                const std::vector<double> x = [&] {
+                                std::vector<double> x = [&] {
                                   if (!point.json().is_string()) return readNumbers(point, model_.nq());
                                   const Eigen::VectorXd q = namedConfiguration(model_, description, point.text());
                                   return std::vector<double>(q.begin(), q.end());

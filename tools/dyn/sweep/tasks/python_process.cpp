@@ -148,7 +148,7 @@ nlohmann::json PythonProcess::line() {
     if (n <= 0) ended();
     buffer_.append(part, static_cast<std::size_t>(n));
   }
-  const nlohmann::json answer = nlohmann::json::parse(buffer_.substr(0, end_of_line), nullptr, false);
+  nlohmann::json answer = nlohmann::json::parse(buffer_.substr(0, end_of_line), nullptr, false);
   if (!answer.is_object()) {
     end(0);
     throw Error(ErrorCode::model, "python3 gave no answer; does the file write to the socket of `dyn`?", {file_, 0, ""});

@@ -69,7 +69,7 @@ class SimulateTask final : public Task {
   void plot(const Inputs& inputs, const std::string& path) override {
     start(inputs);
     Trajectory trajectory(model_);
-    simulator_->advance(options_.time, times_, [&](double t, VectorResult q, VectorResult v) { trajectory.add(t, q, v, 0); });
+    simulator_->advance(options_.time, times_, [&](double t, const VectorResult& q, const VectorResult& v) { trajectory.add(t, q, v, 0); });
     trajectory.plot(path);
   }
 
@@ -92,11 +92,11 @@ class SimulateTask final : public Task {
     data_.emplace(model_);
     if (const ContactFinder finder = options_.finder(model_, setting_.geometry)) simulator_->setContacts(finder);
     if (setting_.variation.controls())
-      simulator_->setController([this](double, VectorResult q, VectorResult v, VectorMap tau) { control(q, v, tau); });
+      simulator_->setController([this](double, const VectorResult& q, const VectorResult& v, VectorMap tau) { control(q, v, tau); });
   }
 
   /// The sample's constant torques, and those of its springs and dampers between the joints and their target.
-  void control(VectorResult q, VectorResult v, VectorMap tau) {
+  void control(const VectorResult& q, const VectorResult& v, VectorMap tau) {
     const Inputs& x = inputs_;
     difference(model_, q, x.target, error_);
     tau = x.tau.array() + x.kp.array() * error_.array() - x.kd.array() * v.array();
