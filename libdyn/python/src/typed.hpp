@@ -36,7 +36,7 @@ class Typed : public Base {
 
 }  // namespace dyn::python
 
-template <class Base, dyn::python::TypeText type>
-struct pybind11::detail::handle_type_name<dyn::python::Typed<Base, type>> {
-  static constexpr auto name = const_name(type.text);
+template <class Base, dyn::python::TypeText written>
+struct pybind11::detail::handle_type_name<dyn::python::Typed<Base, written>> {
+  static constexpr auto name = const_name(written.text);
 };
