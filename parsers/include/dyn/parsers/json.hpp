@@ -14,8 +14,8 @@ inline constexpr int format_version = 1;
 /// The most that is read of a file [bytes].
 inline constexpr std::uintmax_t largest_file = std::uintmax_t{1} << 30;
 
-/// Reads a model from a file. Throws Error(file); Error(syntax) with the line of malformed JSON. Members that are unknown, missing, there twice or of the
-/// wrong kind, and texts with control characters, are Error(syntax) with their place, such as bodies[2].joint.type. Names that are not there are
+/// Reads a model from a file. Throws Error(file); Error(syntax) with the line of malformed JSON. Members that are unknown, missing, there twice or of
+/// the wrong kind, and texts with control characters, are Error(syntax) with their place, such as bodies[2].joint.type. Names that are not there are
 /// Error(model).
 DYN_API Model load(const std::string& path);
 /// Does the same for a text, which messages call `name`.
