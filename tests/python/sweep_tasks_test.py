@@ -154,6 +154,21 @@ class PythonTasks(SweepTest):
         np.testing.assert_allclose(results["tau"][1], expected, rtol=1e-13, atol=1e-13)
         self.assertEqual(results["third"].shape, (2, 3))
 
+    def test_the_model_has_the_limits_of_the_sample(self):
+        with open(self.folder / "task.py", "a", encoding="utf-8") as file:
+            file.write("\ndef limits(model, inputs):\n    return {'lower': model.lower, 'upper': model.upper, 'velocity': model.velocity_limit, "
+                       "'effort': model.effort_limit, 'armature': libdyn.crba(model, libdyn.Data(model), inputs['q'])[6, 6]}\n")
+        vary = {"joints": {"wrist3": {"lower": {"list": [-0.5, -0.25]}, "effort": 3, "velocity": {"uniform": [1, 2]}, "armature": 0.25}}}
+        results = dyn.sweep(self.study(function="limits", vary=vary, samples=4, keep=["inputs"]), self.folder / "out", threads=2)
+        self.assertEqual(results["failed"].sum(), 0)
+        model = dyn.compile(dyn.load(ARM))
+        self.assertEqual(results["lower"][:, 6].tolist(), [-0.5, -0.25, -0.5, -0.25])
+        self.assertEqual(results["effort"][:, 6].tolist(), 4 * [3])
+        self.assertEqual(results["velocity"][:, 6].tolist(), results["input/joints.wrist3.velocity"][:, 0].tolist())
+        self.assertEqual(results["upper"].tolist(), 4 * [model.upper.tolist()])
+        self.assertEqual(results["effort"][:, :6].tolist(), 4 * [model.effort_limit[:6].tolist()])
+        self.assertTrue((results["armature"] > 0.25).all())
+
     def test_samples_that_raise_or_give_other_results_or_end_the_process_fail_alone(self):
         for threads in (1, 3):
             out = self.folder / f"out{threads}"

@@ -103,6 +103,10 @@ with tempfile.TemporaryDirectory() as folder:
                             "gravity": {"list": [[0, 0, -9.81], 0]}, "dt": {"grid": [0.001, 0.002, 2]}}}, file)
     valid("study", read(study), "an input of dyn sweep")
     refused("study", dict(read(study), vary={"q": {"unform": [0, 1]}}))
+    valid("study", {"model": "arm.urdf", "task": "simulate", "effort_limits": True, "samples": 2,
+                    "vary": {"pd": {"kp": 5, "target": {"joints": {"elbow": {"uniform": "limits"}}}}, "joints": {"elbow": {"upper": {"list": [1, 2]}}}}},
+          "a study with a controller")
+    refused("study", dict(read(study), vary={"pd": {"ki": 1}}))
     valid("study", {"model": "arm.urdf", "task": "python", "file": "task.py", "function": "evaluate", "samples": 2,
                     "vary": {"values": {"gain": {"list": [[1, 2], 3]}}}}, "a study of a function of Python")
     # dyn accepts what the schema does.
