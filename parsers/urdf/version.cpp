@@ -37,8 +37,7 @@ void checkVersion(const Document& document, Versions versions) {
     document.notes().push_back(line + "version \"" + text + "\" is no version of URDF; the file is read as version 1.0");
   } else if (*version > newest) {
     const std::string what = std::string("the file is of version ") + text + " of URDF, and this libdyn knows 1.0 to 1.2";
-    if (versions == Versions::known)
-      document.fail(robot, what + "; use a newer libdyn (Versions::any, --versions any, reads what is understood)");
+    if (versions == Versions::known) document.fail(robot, what + "; use a newer libdyn (Versions::any, --versions any, reads what is understood)");
     document.notes().push_back(line + what + ": parts of it may be missing");
   }
 }
