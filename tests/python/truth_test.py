@@ -20,6 +20,7 @@ FUNCTIONS = {
     "aba": ("qvt", [("aba", "aba_scale", 4)]),
     "crba": ("q", [("M", None, 15)]),
     "compute_joint_jacobians": ("q", [("J", None, 15)]),
+    "jacobian_center_of_mass": ("q", [("Jcom", None, 15)]),
     "ccrba": ("qv", [("hg", None, 15), ("Ag", None, 15)]),
     "compute_centroidal_momentum_time_variation": ("qva", [("hg", None, 15), ("dhg", None, 30), ("Ag", None, 15), ("dAg", None, 30)]),
     "compute_minverse": ("q", [("Minv", None, 100)]),

@@ -2,7 +2,7 @@
 #include "algorithm/support/batch_support.hpp"
 #include "algorithm/support/placement.hpp"
 #include "at.hpp"
-#include "kernels/derivative/kept_factors.hpp"
+#include "kernels/derivative/tree_factors.hpp"
 
 #include <cmath>
 

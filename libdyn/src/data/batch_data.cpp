@@ -2,7 +2,7 @@
 #include "compile/draft.hpp"
 #include "data/batch_impl.hpp"
 #include "data/room.hpp"
-#include "kernels/derivative/kept_factors.hpp"
+#include "kernels/derivative/tree_factors.hpp"
 #include "same_bits.hpp"
 
 #include <dyn/error.hpp>

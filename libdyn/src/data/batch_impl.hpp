@@ -99,7 +99,7 @@ struct BatchImpl {
   std::vector<T> maps[4];                                    ///< 6 * nv numbers per state, with Need::derivatives
   std::vector<T> com[3];                                     ///< 3 numbers per state: position, velocity and acceleration
   std::vector<T> energies[2];                                ///< one number per state: kinetic, potential
-  PackMemory factors;                                        ///< of M^-1, by block (kernels/derivative/kept_factors.hpp), with Need::derivatives
+  PackMemory factors;                                        ///< of M^-1, by block (kernels/derivative/tree_factors.hpp), with Need::derivatives
   int factored = 0;                                          ///< the number of states that have factors
   int models = 0;                                            ///< the first states have models of their own, if it is not 0
   bool massless = false;                                     ///< one of these models has no mass

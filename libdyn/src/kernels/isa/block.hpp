@@ -4,9 +4,9 @@
 
 #include "kernels/body/dependent_joints.hpp"
 #include "kernels/derivative/derivatives.hpp"
-#include "kernels/derivative/kept_factors.hpp"
 #include "kernels/derivative/squares.hpp"
 #include "kernels/derivative/state_products.hpp"
+#include "kernels/derivative/tree_factors.hpp"
 #include "kernels/isa/table.hpp"
 
 namespace dyn::kernels {

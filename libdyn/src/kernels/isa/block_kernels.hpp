@@ -5,7 +5,7 @@
 #include "kernels/body/dissipation.hpp"
 #include "kernels/body/evaluate.hpp"
 #include "kernels/body/scratch.hpp"
-#include "kernels/derivative/kept_factors.hpp"
+#include "kernels/derivative/tree_factors.hpp"
 #include "kernels/isa/block.hpp"
 #include "kernels/isa/coupled_blocks.hpp"
 #include "kernels/isa/table.hpp"

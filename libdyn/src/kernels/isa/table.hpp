@@ -88,7 +88,7 @@ struct Block {
   void* poses = nullptr;       ///< kinematics: receives this block's poses, 12 numbers per body, lanes innermost
   void* velocities = nullptr;  ///< 6 numbers per body; null: not wanted
   void* accelerations = nullptr;
-  void* factors = nullptr;         ///< minverse: receives this block's factors of M^-1 in place of its results (derivative/kept_factors.hpp)
+  void* factors = nullptr;         ///< minverse: receives this block's factors of M^-1 in place of its results (derivative/tree_factors.hpp)
   const void* inertias = nullptr;  ///< states of different models: InertiaConstants of this block's packs by body; otherwise null
   int failed[64] = {};             ///< by state: the body whose pivot vanished, or 0
   bool not_finite = false;         ///< a result or pose is NaN or infinite

@@ -37,8 +37,18 @@ void eachBody(const Order& order, Use&& use) {
   for (int i = 1; i < order.m.bodies(); ++i) withInertia(order, i, [&](const auto& c) { use(i, S(c.mass), cast<S>(c.com), cast<S>(c.rotational)); });
 }
 
-/// Velocity and acceleration are zero unless they are asked for. w.origin gets the classical acceleration of each origin, in world axes. w must have
-/// placements, and the velocities and accelerations that are asked for.
+/// The origin of body i's joint in the parent's axes. For many states at once, w.rel has only those that a joint moves.
+template <class S, class Order>
+Vec3<S> jointOrigin(const Order& order, const Workspace<S>& w, int i) {
+  if constexpr (Order::lanes_are_states) {
+    const auto batch = static_cast<std::size_t>(order.m.index[static_cast<std::size_t>(i)].batch);
+    if (order.m.batches[batch].shape == Shape::revolute) return cast<S>(order.constants(i).placement.p);
+  }
+  return w.rel[i].p;
+}
+
+/// Velocity and acceleration are zero unless they are asked for. w must have placements, and the
+/// velocities and accelerations that are asked for. w.origin gets the classical acceleration of each joint's place on the parent, in world axes.
 template <class S, class Order>
 MassMotion<S> centerOfMass(const Order& order, Workspace<S>& w, bool velocity, bool acceleration) {
   S total(0);
@@ -50,17 +60,14 @@ MassMotion<S> centerOfMass(const Order& order, Workspace<S>& w, bool velocity, b
     if (!velocity) return;
     sum.velocity += mass * (R * (w.v[i].linear + cross(w.v[i].angular, com)));
     if (!acceleration) return;
-    // Joints about z do not move their origin.
     const BodyIndex& x = order.m.index[static_cast<std::size_t>(i)];
-    const bool fixed = order.m.batches[static_cast<std::size_t>(x.batch)].shape == Shape::revolute;
-    const Vec3<S> offset = fixed ? cast<S>(order.constants(i).placement.p) : w.rel[i].p;
     Vec3<S>& origin = w.origin[i];
-    origin = R * w.sliding[i];
+    origin = {};
     if (x.parent != 0) {
-      const Motion<S>&vp = w.v[x.parent], &ap = w.a[x.parent];
-      origin += w.origin[x.parent] + w.oM[x.parent].R * beyondOrigin(ap.angular, vp.angular, offset);
+      const int p = x.parent;
+      origin = w.origin[p] + w.oM[p].R * (w.sliding[p] + beyondOrigin(w.a[p].angular, w.v[p].angular, jointOrigin(order, w, i)));
     }
-    sum.acceleration += mass * (origin + R * beyondOrigin(w.a[i].angular, w.v[i].angular, com));
+    sum.acceleration += mass * (origin + R * (w.sliding[i] + beyondOrigin(w.a[i].angular, w.v[i].angular, com)));
   });
   const S share = S(1) / total;
   return {share * sum.position, share * sum.velocity, share * sum.acceleration};
