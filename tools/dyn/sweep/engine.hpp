@@ -2,7 +2,7 @@
 // Computes the chunks that are missing, in the threads of all ranks. Rank 0 hands them out as workers ask for them, and computes as well.
 #pragma once
 
-#include "ranks.hpp"
+#include "ranks/ranks.hpp"
 #include "worker.hpp"
 
 namespace dyn::tool::sweep {

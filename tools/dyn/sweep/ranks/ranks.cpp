@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "ranks.hpp"
+#include "ranks/ranks.hpp"
 
-#include "channel.hpp"
+#include "ranks/channel.hpp"
 
 #include <dyn/error.hpp>
 
