@@ -103,7 +103,7 @@ class SweepsInRanks(SweepTest):
                          ["another rank cannot begin the sweep; its own error says why", "type"])
 
     def test_a_command_that_is_killed_ends_the_sweep_on_all_ranks_and_resume_goes_on(self):
-        study = self.study(samples=20000)
+        study = self.study(samples=20000, chunk=100)
         kill = """
 class Killed(subprocess.Popen):
     def poll(self):
