@@ -58,7 +58,8 @@ def main():
             print(f"{turn:8d} {passed[1][-1]:9.2f}{used[1][-1]:9.2f} {passed[2][-1]:9.2f}{used[2][-1]:9.2f}", flush=True)
         middle = {ranks: (statistics.median(passed[ranks]), statistics.median(used[ranks])) for ranks in (1, 2)}
         print(f"{'median':>8} {middle[1][0]:9.2f}{middle[1][1]:9.2f} {middle[2][0]:9.2f}{middle[2][1]:9.2f}")
-        print(f"two ranks are {middle[1][0] / middle[2][0]:.2f} times as fast as one and use {middle[2][1] / middle[1][1]:.3f} times its processor time")
+        faster, dearer = middle[1][0] / middle[2][0], middle[2][1] / middle[1][1]
+        print(f"two ranks are {faster:.2f} times as fast as one and use {dearer:.3f} times its processor time")
 
 
 if __name__ == "__main__":

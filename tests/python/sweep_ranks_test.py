@@ -85,7 +85,8 @@ class SweepsInRanks(SweepTest):
 
     def test_a_function_of_a_python_file_runs_in_ranks(self):
         (self.folder / "task.py").write_text("def evaluate(model, inputs):\n    return {'y': inputs['q'] / 3}\n", encoding="utf-8")
-        study = {"model": str(ARM), "task": "python", "file": str(self.folder / "task.py"), "samples": 9, "chunk": 2, "vary": {"q": {"uniform": "limits"}}}
+        study = {"model": str(ARM), "task": "python", "file": str(self.folder / "task.py"), "samples": 9, "chunk": 2,
+                 "vary": {"q": {"uniform": "limits"}}}
         dyn.sweep(study, self.folder / "one")
         self.told(2, study, "two")
         self.assertEqual(self.results("two"), self.results("one"))
@@ -102,7 +103,7 @@ class SweepsInRanks(SweepTest):
                          ["another rank cannot begin the sweep; its own error says why", "type"])
 
     def test_a_command_that_is_killed_ends_the_sweep_on_all_ranks_and_resume_goes_on(self):
-        study = self.study(samples=20000)
+        study = self.study(samples=20000, chunk=100)
         kill = """
 class Killed(subprocess.Popen):
     def poll(self):

@@ -155,10 +155,13 @@ void computeChunks(const Work& work, const std::vector<std::int64_t>& missing) {
     running = 0;
   });
   int others = work.ranks.count() - 1;
-  const auto pause = others > 0 ? std::chrono::microseconds(200) : std::chrono::microseconds(5000);
+  // Each look takes a processor from the threads for a moment, so that they become rarer while nothing arrives.
+  constexpr std::chrono::microseconds shortest(200), longest(2000), alone(5000);
+  std::chrono::microseconds pause = shortest;
   std::size_t requests = 0;
   Clock::duration answering{};
   while (running > 0 || others > 0) {
+    pause = others > 0 ? std::min(2 * pause, longest) : alone;
     while (const std::optional<Message> message = work.ranks.poll()) {
       const Clock::time_point arrived = Clock::now();
       std::istringstream words(message->text);
@@ -177,13 +180,13 @@ void computeChunks(const Work& work, const std::vector<std::int64_t>& missing) {
         work.ranks.send(message->from, std::to_string(overseer.next(word == "done" ? &done : nullptr)));
       }
       ++requests;
+      pause = shortest;
       answering += Clock::now() - arrived;
     }
     overseer.show();
     std::this_thread::sleep_for(pause);
   }
   joiner.join();
-  for (int rank = 1; rank < work.ranks.count(); ++rank) work.ranks.send(rank, "over");
   if (requests > 0) detail("answered " + std::to_string(requests) + " requests of other ranks", answering);
   overseer.show(true);
   overseer.finish();
@@ -206,7 +209,7 @@ void serveRank(const Work& work) {
   computeInThreads(work, next, failed, threads);
   for (std::thread& thread : threads) thread.join();
   work.ranks.send(0, "end");
-  work.ranks.wait();  // until all ranks have ended, so that rank 0 takes nothing that comes afterwards for a request
+  work.ranks.wait();  // until the sweep is over, so that rank 0 takes nothing that comes afterwards for a request
 }
 
 }  // namespace dyn::tool::sweep

@@ -162,6 +162,7 @@ void lead(const Options& o, const Ranks& ranks, const Setting& setting, const Ma
       timed("merged the chunks", [&] { merge(store, opened, fields, times, setting.variation, readHistograms(setting.study, fields)); });
     if (!o.keep_chunks) store.removeChunks();
   });
+  for (int rank = 1; rank < ranks.count(); ++rank) ranks.send(rank, "over");
   agree(ranks, problem);
   interruption.end();
   if (!o.json_lines) report(store, opened, computed, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "channel.hpp"
+#include "ranks/channel.hpp"
 
 #include "messages.hpp"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-2-Clause
-#include "ranks.hpp"
+#include "ranks/ranks.hpp"
 
-#include "channel.hpp"
+#include "ranks/channel.hpp"
 
 #include <dyn/error.hpp>
 
@@ -10,6 +10,7 @@
 #ifdef DYN_HAS_MPI
 #include <mpi.h>
 
+#include <algorithm>
 #include <chrono>
 #include <thread>
 #endif
@@ -75,9 +76,10 @@ class MpiConnection final : public Connection {
   }
 
   std::string wait() override {
-    for (;;) {
+    // MPI's own wait would keep a processor busy.
+    for (std::chrono::microseconds pause(100);; pause = std::min(2 * pause, std::chrono::microseconds(1000))) {
       if (const std::optional<Message> message = poll()) return message->text;
-      std::this_thread::sleep_for(std::chrono::microseconds(200));  // MPI's own wait would keep a processor busy
+      std::this_thread::sleep_for(pause);
     }
   }
 

@@ -2,7 +2,7 @@
 // Ranks whose messages another program carries. The Python function sweep() does so by mpi4py, so that dyn itself needs no MPI.
 #pragma once
 
-#include "ranks.hpp"
+#include "ranks/ranks.hpp"
 
 namespace dyn::tool::sweep {
 
