@@ -178,7 +178,7 @@ TEST_CASE("a pair that FCL cannot compare is refused by name, with a cure", "[ge
   };
   const Model plane = TwoSolids::describe(g::HalfSpace{}, {}, g::Sphere{1});
   CHECK_THAT(refusal([&] { Both{plane}; }),
-             containing("'a' with 'b'") && containing("no distance to a half-space") && containing("large box") && containing("Narrow::own"));
+             containing("'a' with 'b'") && containing("no distance to a half-space") && containing("large box") && containing("--narrow own"));
   const Model spheres = TwoSolids::describe(g::Sphere{1}, {}, g::Sphere{0.7});
   for (const double tolerance : {0.0, -1.0, std::nan(""), HUGE_VAL})
     CHECK_THAT(refusal([&] { Both(spheres, tolerance); }), containing("fcl_tolerance is ") && containing("positive"));

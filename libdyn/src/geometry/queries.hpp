@@ -17,7 +17,7 @@ namespace dyn {
   const auto [a, b] = m.pairs[static_cast<std::size_t>(pair)];
   throw Error(ErrorCode::argument, "FCL cannot compare '" + m.records[static_cast<std::size_t>(a)].name + "' with '" +
                                        m.records[static_cast<std::size_t>(b)].name + "': " + reason + "; " + cure +
-                                       ", or take libdyn's own functions, as without the option for FCL (--narrow own)");
+                                       ", or take libdyn's own functions (--narrow own)");
 }
 
 /// The two placed volumes of a pair, compared by the functions that the geometry was compiled for. Where FCL fails, this throws Error(argument).
