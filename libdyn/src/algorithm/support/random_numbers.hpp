@@ -14,16 +14,16 @@ namespace dyn {
 class RandomNumbers {
  public:
   /// Seeds `count` generators: generator k with seed + k.
-  template <int count>
+  template <std::size_t count>
   static void seed(std::uint64_t seed, std::array<RandomNumbers, count>& generators) {
     std::array<std::uint64_t, count> last;
-    for (int k = 0; k < count; ++k) {
+    for (std::size_t k = 0; k < count; ++k) {
       generators[k].made_ = ahead + 1;
       generators[k].next_ = 0;
-      generators[k].words_[0] = last[k] = seed + static_cast<std::uint64_t>(k);
+      generators[k].words_[0] = last[k] = seed + k;
     }
     for (std::size_t i = 1; i <= ahead; ++i)
-      for (int k = 0; k < count; ++k) generators[k].words_[i] = last[k] = following(last[k], i);
+      for (std::size_t k = 0; k < count; ++k) generators[k].words_[i] = last[k] = following(last[k], i);
   }
 
   std::uint64_t operator()() {
