@@ -92,7 +92,7 @@ class SimulateTask final : public Task {
     data_.emplace(model_);
     if (const ContactFinder finder = options_.finder(model_, setting_.geometry)) simulator_->setContacts(finder);
     if (setting_.variation.controls())
-      simulator_->setController([this](double, const VectorResult& q, const VectorResult& v, VectorMap tau) { control(q, v, tau); });
+      simulator_->setController([this](double, const VectorResult& q, const VectorResult& v, const VectorMap& tau) { control(q, v, tau); });
   }
 
   /// The sample's constant torques, and those of its springs and dampers between the joints and their target.
