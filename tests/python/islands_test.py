@@ -1,13 +1,11 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """Scenes that are simulated island by island."""
-import os
-import signal
-import threading
 import unittest
 
 import numpy as np
 
 import libdyn as dyn
+from interrupting import interrupted_advance
 
 
 def scene():
@@ -78,20 +76,7 @@ class Islands(unittest.TestCase):
 
     def test_the_user_interrupts_islands_without_callbacks(self):
         islands = dyn.IslandSimulator(scene(), dt=1e-4)
-        island = islands.island(0)
-
-        def interrupt():
-            while True:
-                try:
-                    island.time  # noqa: B018, refused while the simulation runs
-                except RuntimeError:
-                    return os.kill(os.getpid(), signal.SIGINT)
-
-        thread = threading.Thread(target=interrupt)
-        with self.assertRaises(KeyboardInterrupt):
-            thread.start()
-            islands.advance(1e6)
-        thread.join()
+        interrupted_advance(self, islands, 1e6, watched=islands.island(0))
         self.assertLess(islands.time, 1e6)
         islands.advance(islands.time + 1e-3)
 

@@ -8,6 +8,7 @@ import unittest
 import numpy as np
 
 import libdyn as dyn
+from interrupting import interrupted_advance
 from robots import ball
 
 
@@ -137,19 +138,7 @@ class Simulation(unittest.TestCase):
 
     def test_the_user_interrupts_a_simulation_without_callbacks(self):
         simulator = dyn.Simulator(dyn.compile(pendulum()), dt=1e-4)
-
-        def interrupt():
-            while True:
-                try:
-                    simulator.time  # noqa: B018, refused while the simulation runs
-                except RuntimeError:
-                    return os.kill(os.getpid(), signal.SIGINT)
-
-        thread = threading.Thread(target=interrupt)
-        with self.assertRaises(KeyboardInterrupt):
-            thread.start()
-            simulator.advance(1e6)
-        thread.join()
+        interrupted_advance(self, simulator, 1e6)
         reached = simulator.time
         self.assertLess(reached, 1e6)
         simulator.advance(reached + 1.0)

@@ -13,5 +13,5 @@ from .spatial import SE3, Force, Motion
 
 Array = NDArray[np.float64]
 Path = Union[str, "os.PathLike[str]"]
-# What a pose maps stays what it is: a motion gives a motion.
+# A pose maps each of these to the same type: a motion gives a motion.
 Acted = TypeVar("Acted", SE3, Motion, Force, Inertia, Array)
