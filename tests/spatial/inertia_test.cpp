@@ -7,15 +7,17 @@ using namespace dyn::test;
 
 namespace {
 
+using dyn::test::dense;
+
 template <class S>
 ArticulatedInertia<S> articulated(const Inertia<S>& Y) {
   return ArticulatedInertia<S>::rigid(Y.mass, Y.mass * Y.com, Y.rotationalAtOrigin());
 }
 
 template <class S>
-Matrix6<S> dense(const ArticulatedInertia<S>& Y) {
-  Matrix6<S> M;
-  M << toEigen(Y.linear), toEigen(Y.coupling), toEigen(Y.coupling).transpose(), toEigen(Y.angular);
+Dense dense(const ArticulatedInertia<S>& Y) {
+  Dense M(6, 6);
+  M << dense(Y.linear), dense(Y.coupling), dense(Y.coupling).transpose(), dense(Y.angular);
   return M;
 }
 
@@ -28,11 +30,11 @@ TEMPLATE_TEST_CASE("inertias are symmetric 6x6 matrices that transform by congru
     const Inertia<S> Y = s.inertia(), Z = s.inertia();
     const SE3<S> aMb = s.pose();
     const Motion<S> v = s.motion();
-    const Matrix6<S> M = toEigen(Y), X = actionMatrix6(aMb);
-    CHECK_NEAR(M, M.transpose());
-    CHECK_NEAR(toEigen(Y * v), M * toEigen(v));
-    CHECK_NEAR(toEigen(Y + Z), M + toEigen(Z));
-    CHECK_NEAR(toEigen(Y.transformed(aMb)), X.inverse().transpose() * M * X.inverse());
+    const Dense M = dense(Y), X = dense(actionMatrix6(aMb));
+    CHECK_NEAR(M, Dense(M.transpose()));
+    CHECK_NEAR(dense(Y * v), M * dense(v));
+    CHECK_NEAR(dense(Y + Z), M + dense(Z));
+    CHECK_NEAR(dense(Y.transformed(aMb)), X.inverse().transpose() * M * X.inverse());
   }
   // The sum of massless bodies must not divide by zero.
   const Inertia<S> nothing = Inertia<S>{} + Inertia<S>{};
@@ -47,16 +49,16 @@ TEMPLATE_TEST_CASE("articulated inertias act, add, shift and project as 6x6 matr
     const Inertia<S> Y = s.inertia();
     const ArticulatedInertia<S> A = articulated(Y);
     const Motion<S> v = s.motion();
-    CHECK_NEAR(dense(A), toEigen(Y));
-    CHECK_NEAR(toEigen(A * v), toEigen(Y) * toEigen(v));
-    CHECK_NEAR(dense(A + A), S(2) * toEigen(Y));
+    CHECK_NEAR(dense(A), dense(Y));
+    CHECK_NEAR(dense(A * v), dense(Y) * dense(v));
+    CHECK_NEAR(dense(A + A), 2 * dense(Y));
     const Vec3<S> r = s.vector();
-    CHECK_NEAR(dense(A.shifted(r)), toEigen(Y.transformed({Mat3<S>::identity(), r})));
+    CHECK_NEAR(dense(A.shifted(r)), dense(Y.transformed({Mat3<S>::identity(), r})));
     const Force<S> W = A * v;
     ArticulatedInertia<S> projected = A;
     projected.subtractSquare(W, S(1) / dot(v, W));
-    const Vector6<S> w = toEigen(W);
-    CHECK_NEAR(dense(projected), dense(A) - w * w.transpose() / toEigen(v).dot(w));
-    CHECK_NEAR(toEigen(projected * v), Vector6<S>::Zero());
+    const Dense w = dense(W);
+    CHECK_NEAR(dense(projected), dense(A) - w * w.transpose() / (dense(v).transpose() * w)(0, 0));
+    CHECK_NEAR(dense(projected * v), Dense::Zero(6, 1));
   }
 }

@@ -30,12 +30,32 @@ struct Sample {
 template <class S>
 constexpr S tolerance = S(40) * std::numeric_limits<S>::epsilon();
 
+/// What results are compared with is computed in long doubles and matrices of any size. So Eigen's products and inverses are compiled once, and not
+/// for each scalar type and each pair of shapes.
+using Dense = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
+
 template <class S, int rows, int columns>
-S largestDifference(const Eigen::Matrix<S, rows, columns>& a, const Eigen::Matrix<S, rows, columns>& b) {
-  return (a - b).cwiseAbs().maxCoeff();
+Dense dense(const Eigen::Matrix<S, rows, columns>& x) {
+  Dense result(rows, columns);
+  for (int j = 0; j < columns; ++j)
+    for (int i = 0; i < rows; ++i) result(i, j) = static_cast<long double>(x(i, j));
+  return result;
 }
+
+/// Any spatial quantity that has an Eigen form.
+template <class X>
+Dense dense(const X& x) {
+  return dense(toEigen(x));
+}
+
+inline Dense homogeneous(const Dense& x) {
+  Dense result = Dense::Ones(4, 1);
+  result.topRows(3) = x;
+  return result;
+}
+
+inline long double largestDifference(const Dense& a, const Dense& b) { return (a - b).cwiseAbs().maxCoeff(); }
 
 }  // namespace dyn::test
 
-// Both sides are evaluated first. Otherwise compilers would instantiate the difference for each kind of expression and three scalar types.
-#define CHECK_NEAR(a, b) CHECK(largestDifference((a).eval(), (b).eval()) < tolerance<S>)
+#define CHECK_NEAR(a, b) CHECK(largestDifference(a, b) < static_cast<long double>(tolerance<S>))

@@ -13,10 +13,10 @@ namespace {
 
 /// v x as a 6x6 matrix that acts on motions. Its negative transpose acts on forces.
 template <class S>
-Matrix6<S> crossMatrix(const Motion<S>& v) {
-  Matrix6<S> X = Matrix6<S>::Zero();
-  X.template topLeftCorner<3, 3>() = X.template bottomRightCorner<3, 3>() = toEigen(skew(v.angular));
-  X.template topRightCorner<3, 3>() = toEigen(skew(v.linear));
+Dense crossMatrix(const Motion<S>& v) {
+  Dense X = Dense::Zero(6, 6);
+  X.topLeftCorner(3, 3) = X.bottomRightCorner(3, 3) = dense(skew(v.angular));
+  X.topRightCorner(3, 3) = dense(skew(v.linear));
   return X;
 }
 
@@ -28,10 +28,10 @@ TEMPLATE_TEST_CASE("poses compose, invert and act as homogeneous matrices do", "
   for (int i = 0; i < 20; ++i) {
     const SE3<S> a = s.pose(), b = s.pose();
     const Vec3<S> x = s.vector();
-    CHECK_NEAR(toEigen(a * b), toEigen(a) * toEigen(b));
-    CHECK_NEAR(toEigen(a.inverse()), toEigen(a).inverse());
-    CHECK_NEAR(toEigen(a.act(x)), (toEigen(a) * toEigen(x).homogeneous()).template head<3>());
-    CHECK_NEAR(toEigen(a.actInv(a.act(x))), toEigen(x));
+    CHECK_NEAR(dense(a * b), dense(a) * dense(b));
+    CHECK_NEAR(dense(a.inverse()), dense(a).inverse());
+    CHECK_NEAR(dense(a.act(x)), (dense(a) * homogeneous(dense(x))).topRows(3));
+    CHECK_NEAR(dense(a.actInv(a.act(x))), dense(x));
   }
 }
 
@@ -40,13 +40,13 @@ TEMPLATE_TEST_CASE("motions and forces transform by dual 6x6 matrices, and power
   Sample<S> s(2);
   for (int i = 0; i < 20; ++i) {
     const SE3<S> aMb = s.pose();
-    const Matrix6<S> X = actionMatrix6(aMb);
+    const Dense X = dense(actionMatrix6(aMb));
     const Motion<S> v = s.motion();
     const Force<S> f = s.force();
-    CHECK_NEAR(toEigen(aMb.act(v)), X * toEigen(v));
-    CHECK_NEAR(toEigen(aMb.actInv(v)), X.inverse() * toEigen(v));
-    CHECK_NEAR(toEigen(aMb.act(f)), X.inverse().transpose() * toEigen(f));
-    CHECK_NEAR(toEigen(aMb.actInv(f)), X.transpose() * toEigen(f));
+    CHECK_NEAR(dense(aMb.act(v)), X * dense(v));
+    CHECK_NEAR(dense(aMb.actInv(v)), X.inverse() * dense(v));
+    CHECK_NEAR(dense(aMb.act(f)), X.inverse().transpose() * dense(f));
+    CHECK_NEAR(dense(aMb.actInv(f)), X.transpose() * dense(f));
     CHECK(std::fabs(dot(aMb.act(v), aMb.act(f)) - dot(v, f)) < tolerance<S>);
   }
 }
@@ -57,12 +57,12 @@ TEMPLATE_TEST_CASE("cross products are the 6x6 ones, dual to each other, and obe
   for (int i = 0; i < 20; ++i) {
     const Motion<S> u = s.motion(), v = s.motion(), w = s.motion();
     const Force<S> f = s.force();
-    CHECK_NEAR(toEigen(u.cross(v)), crossMatrix(u) * toEigen(v));
-    CHECK_NEAR(toEigen(crossStar(u, f)), -crossMatrix(u).transpose() * toEigen(f));
+    CHECK_NEAR(dense(u.cross(v)), crossMatrix(u) * dense(v));
+    CHECK_NEAR(dense(crossStar(u, f)), -crossMatrix(u).transpose() * dense(f));
     CHECK(std::fabs(dot(u.cross(v), f) + dot(v, crossStar(u, f))) < tolerance<S>);
-    CHECK_NEAR(toEigen(u.cross(v.cross(w))) + toEigen(v.cross(w.cross(u))), -toEigen(w.cross(u.cross(v))));
+    CHECK_NEAR(dense(u.cross(v.cross(w))) + dense(v.cross(w.cross(u))), -dense(w.cross(u.cross(v))));
     const SE3<S> X = s.pose();
-    CHECK_NEAR(toEigen(X.act(u.cross(v))), toEigen(X.act(u).cross(X.act(v))));
+    CHECK_NEAR(dense(X.act(u.cross(v))), dense(X.act(u).cross(X.act(v))));
   }
 }
 
@@ -86,7 +86,7 @@ TEST_CASE("poses carry derivatives: a dual pose moves with its velocity", "[spat
       CHECK(y[k].v == approx(X.act(x)[k]).margin(1e-15));
       CHECK(y[k].d == approx(rate[k]).margin(1e-14));
     }
-    CHECK_NEAR(toEigen(fromEigen3(toEigen(x))), toEigen(x));
-    CHECK_NEAR(toEigen(rotationFromEigen(toEigen(X.R))), toEigen(X.R));
+    CHECK_NEAR(dense(fromEigen3(toEigen(x))), dense(x));
+    CHECK_NEAR(dense(rotationFromEigen(toEigen(X.R))), dense(X.R));
   }
 }
