@@ -30,8 +30,8 @@ struct Sample {
 template <class S>
 constexpr S tolerance = S(40) * std::numeric_limits<S>::epsilon();
 
-/// What results are compared with is computed in long doubles and matrices of any size. So Eigen's products and inverses are compiled once, and not
-/// for each scalar type and each pair of shapes.
+/// References are computed in long doubles and matrices of any size. So Eigen's products and inverses are compiled once, and not for each scalar type
+/// and each pair of shapes.
 using Dense = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
 
 template <class S, int rows, int columns>
