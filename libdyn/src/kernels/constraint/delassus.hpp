@@ -16,21 +16,21 @@
 namespace dyn::kernels {
 
 /// (1): the whole Delassus matrix from the projections of an eliminated sweep. O(dofs x rows^2).
-template <class Wide, class Half>
-void delassusMatrix(const PackedConstraints& c, ConstraintWorkspace& x) {
+template <class Wide, class Half, class T>
+void delassusMatrix(const PackedConstraints& c, BasicConstraintWorkspace<T>& x) {
   constexpr int tile = 4;
-  const Rows<double> D{x.delassus, x.stride};
+  const Rows<T> D{x.delassus, x.stride};
   // A few rows and a pack of columns above the diagonal stay in registers through all degrees of freedom. A chain's projections are zero beyond its
   // rows.
   for (int row = 0; row < c.rows; row += tile)
-    inPacks<Wide, Half>(row, c.rows, [&]<class P>(int column, std::type_identity<P>) {
+    inPacks<Wide, Half, T>(row, c.rows, [&]<class P>(int column, std::type_identity<P>) {
       P sums[tile];
       for (P& sum : sums) sum = P(0);
       for (const ConstrainedChain& chain : c.chains) {
         if (chain.row_begin >= row + tile || chain.row_end <= column) continue;
         for (int k = chain.dof_begin; k < chain.dof_end; ++k) {
           const P projection = loadPack<P>(x.projectionOf(k) + column);
-          const double* scaled = x.scaledOf(k) + row;
+          const T* scaled = x.scaledOf(k) + row;
           for (int r = 0; r < tile; ++r) sums[r] += P(scaled[r]) * projection;
         }
       }
@@ -40,38 +40,39 @@ void delassusMatrix(const PackedConstraints& c, ConstraintWorkspace& x) {
 }
 
 /// (2): adds the response to forces lambda of the rows to x.response. After an eliminated sweep. O(dofs x rows).
-template <class Wide, class Half>
-void respondToRows(const PackedConstraints& c, const double* lambda, ConstraintWorkspace& x) {
+template <class Wide, class Half, class T>
+void respondToRows(const PackedConstraints& c, const T* lambda, BasicConstraintWorkspace<T>& x) {
   for (const ConstrainedChain& chain : c.chains)
-    inGroups<Wide, Half>(chain.row_begin, chain.row_end,
-                         [&]<class P, int packs>(int first, std::type_identity<P>, std::integral_constant<int, packs>) {
-                           P forces[packs];
-                           for (int p = 0; p < packs; ++p) forces[p] = loadPack<P>(lambda + first + p * lanes_of<P>);
-                           for (int k = chain.dof_begin; k < chain.dof_end; ++k) {
-                             const double* scaled = x.scaledOf(k) + first;
-                             P sum = loadPack<P>(scaled) * forces[0];
-                             for (int p = 1; p < packs; ++p) sum += loadPack<P>(scaled + p * lanes_of<P>) * forces[p];
-                             x.response[k] += total<double>(sum);
-                           }
-                         });
+    inGroups<Wide, Half, T>(chain.row_begin, chain.row_end,
+                            [&]<class P, int packs>(int first, std::type_identity<P>, std::integral_constant<int, packs>) {
+                              constexpr int rows = rows_of<P, T>;
+                              P forces[packs];
+                              for (int p = 0; p < packs; ++p) forces[p] = loadPack<P>(lambda + first + p * rows);
+                              for (int k = chain.dof_begin; k < chain.dof_end; ++k) {
+                                const T* scaled = x.scaledOf(k) + first;
+                                P sum = loadPack<P>(scaled) * forces[0];
+                                for (int p = 1; p < packs; ++p) sum += loadPack<P>(scaled + p * rows) * forces[p];
+                                x.response[k] += total<T>(sum);
+                              }
+                            });
 }
 
 /// (3): the accelerations of the rows due to x.response. This is more accurate than the Delassus matrix times lambda: its entries have been rounded,
 /// and forces that cancel do so here before they reach the rows. `out` has room for a pack. O(dofs x rows).
-template <class Wide, class Half>
-void rowsOfResponse(const PackedConstraints& c, const ConstraintWorkspace& x, double* out) {
-  inGroups<Wide, Half>(0, c.rows, [&]<class P, int packs>(int first, std::type_identity<P>, std::integral_constant<int, packs>) {
-    constexpr int lanes = lanes_of<P>;
+template <class Wide, class Half, class T>
+void rowsOfResponse(const PackedConstraints& c, const BasicConstraintWorkspace<T>& x, T* out) {
+  inGroups<Wide, Half, T>(0, c.rows, [&]<class P, int packs>(int first, std::type_identity<P>, std::integral_constant<int, packs>) {
+    constexpr int rows = rows_of<P, T>;
     P sum[packs];
     for (P& pack : sum) pack = P(0);
     for (const ConstrainedChain& chain : c.chains) {
-      if (chain.row_begin >= first + packs * lanes || chain.row_end <= first) continue;
+      if (chain.row_begin >= first + packs * rows || chain.row_end <= first) continue;
       for (int k = chain.dof_begin; k < chain.dof_end; ++k) {
         const P response(x.response[k]);
-        for (int p = 0; p < packs; ++p) sum[p] += response * loadPack<P>(x.projectionOf(k) + first + p * lanes);
+        for (int p = 0; p < packs; ++p) sum[p] += response * loadPack<P>(x.projectionOf(k) + first + p * rows);
       }
     }
-    for (int p = 0; p < packs; ++p) storePack(sum[p], out + first + p * lanes);
+    for (int p = 0; p < packs; ++p) storePack(sum[p], out + first + p * rows);
   });
 }
 
