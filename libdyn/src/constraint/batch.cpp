@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-2-Clause
-// The passes over bodies and rows take a state in each lane. The dense equations of the rows follow state by state, since states differ in rank.
+// Everything takes a state in each lane but the equations of rows that depend on each other.
 #include "algorithm/support/batch_support.hpp"
 #include "constraint/delassus_solver.hpp"
 #include "constraint/rows.hpp"
@@ -145,46 +145,64 @@ void factorState(const PackedConstraints& c, const kernels::RowsOfStates& rows, 
   e.solver.factor(e.workspace, settings);
 }
 
-/// Solves for the forces that give the rows of a state what they lack, and hands them to the kernels. Returns the number of iterations.
-int solveState(const PackedConstraints& c, const ConstraintThread& t, int l, int lanes, RowEquations& e, double& largest) {
-  largest = 0;
-  for (std::ptrdiff_t r = 0; r < c.rows; ++r) {
-    const double lacking = t.targets[static_cast<std::size_t>(lanes * r + l)] - t.rows.gamma[lanes * r + l];
-    e.wanted[r] = lacking;
-    if (!(std::abs(lacking) <= largest)) largest = std::abs(lacking);
-  }
+/// Solves for the forces of the state in lane l. Returns the number of iterations.
+int solveState(const PackedConstraints& c, const kernels::RowsOfStates& rows, int l, int lanes, RowEquations& e) {
+  for (std::ptrdiff_t r = 0; r < c.rows; ++r) e.wanted[r] = rows.wanted[lanes * r + l];
   const int iterations = e.solver.solve(e.wanted, e.solution);
-  for (std::ptrdiff_t r = 0; r < c.rows; ++r) t.rows.forces[lanes * r + l] = e.solution[r];
+  for (std::ptrdiff_t r = 0; r < c.rows; ++r) rows.forces[lanes * r + l] = e.solution[r];
   return iterations;
 }
 
-/// Solves for the forces of the rows and corrects them once, as constraintDynamics does for one state. The sweep is done.
+/// Solves for the forces of the rows and corrects them once, as constraintDynamics does for one state. The sweep is done. States whose rows depend on
+/// each other are solved one by one, and all states if mu > 0, because they differ in iterations.
 void solveBlock(ConstrainedBlock& b, ConstraintThread& t, const ConstraintSettings& settings, BatchConstraintImpl& x) {
   const PackedConstraints& c = x.set.impl();
   const kernels::ConstraintStateKernels& k = kernels::constraintKernels().states;
-  double* const forces = x.forces.data() + static_cast<std::ptrdiff_t>(c.rows) * b.first;
   const kernels::RowsOfStates& rows = t.rows;
+  char* const memory = t.states.data();
+  const bool alone = settings.mu > 0;
+  const auto want = [&] {
+    for (std::size_t i = 0; i < t.targets.size(); ++i) rows.wanted[i] = t.targets[i] - rows.gamma[i];
+  };
+  // Calls use(state, lane, equations) for the states that are solved one by one.
+  const auto eachAlone = [&](auto&& use) {
+    for (int l = 0; l < b.count; ++l)
+      if (alone || rows.irregular[l] != 0) use(static_cast<std::size_t>(b.first + l), l, t.equations[static_cast<std::size_t>(l)]);
+  };
+  const auto takeForces = [&](bool add) {
+    double* to = x.forces.data() + static_cast<std::ptrdiff_t>(c.rows) * b.first;
+    for (int l = 0; l < b.count; ++l)
+      for (std::ptrdiff_t r = 0; r < c.rows; ++r, ++to) *to = rows.forces[b.lanes * r + l] + (add ? *to : 0.0);
+  };
   for (std::size_t i = 0; i < t.targets.size(); ++i)
     t.targets[i] =
         -(b.call.impact ? (1 + b.call.restitution) * rows.motion.velocity[i] : rows.carried[i] + rows.motion.fall[i] + rows.motion.drift[i]);
-  const auto eachState = [&](auto&& use) {
-    for (int l = 0; l < b.count; ++l) use(l, static_cast<std::size_t>(b.first + l), t.equations[static_cast<std::size_t>(l)]);
-  };
-  eachState([&](int l, std::size_t state, RowEquations& e) {
+  want();
+  if (!alone) {
+    k.invert(c, settings.rank_tolerance, memory);
+    k.solve(c, memory);
+    std::fill_n(x.rank.begin() + b.first, b.count, c.rows);
+    std::fill_n(x.iterations.begin() + b.first, b.count, c.rows > 0 ? 1 : 0);
+  }
+  eachAlone([&](std::size_t state, int l, RowEquations& e) {
     factorState(c, rows, l, b.lanes, settings, e);
-    double largest;
-    x.iterations[state] = solveState(c, t, l, b.lanes, e, largest);
+    x.iterations[state] = solveState(c, rows, l, b.lanes, e);
     x.rank[state] = e.solver.rank();
-    std::copy_n(e.solution, c.rows, forces + static_cast<std::ptrdiff_t>(c.rows) * l);
   });
-  k.respondToRows(c, t.states.data());
-  k.rowsOfResponse(c, t.states.data());
-  eachState([&](int l, std::size_t state, RowEquations& e) {
-    solveState(c, t, l, b.lanes, e, x.residual[state]);
-    for (std::ptrdiff_t r = 0; r < c.rows; ++r) forces[c.rows * l + r] += e.solution[r];
-  });
-  k.respondToRows(c, t.states.data());
-  k.accelerate(b.m, b.scratch, c, b.call.impact ? Vec3<double>{} : b.m.gravity, b.block, t.states.data());
+  takeForces(false);
+  k.respondToRows(c, memory);
+  k.rowsOfResponse(c, memory);
+  want();
+  for (int l = 0; l < b.count; ++l) {
+    double& largest = x.residual[static_cast<std::size_t>(b.first + l)] = 0;
+    for (std::ptrdiff_t r = 0; r < c.rows; ++r)
+      if (const double lacking = std::abs(rows.wanted[b.lanes * r + l]); !(lacking <= largest)) largest = lacking;
+  }
+  if (!alone) k.solve(c, memory);
+  eachAlone([&](std::size_t, int l, RowEquations& e) { solveState(c, rows, l, b.lanes, e); });
+  takeForces(true);
+  k.respondToRows(c, memory);
+  k.accelerate(b.m, b.scratch, c, b.call.impact ? Vec3<double>{} : b.m.gravity, b.block, memory);
 }
 
 BatchConstrainedViews runConstrained(const ConstrainedCall& call, const CompactModel& model, BatchData& data, BatchConstraintData& constraints) {

@@ -71,7 +71,7 @@ struct BasicConstraintWorkspace {
   T* delassus = nullptr;    ///< rows of the matrix
   T* scaled = nullptr;      ///< y / D, D the pivot of the degree of freedom
   T* response = nullptr;    ///< y of ABA of each of these degrees of freedom, plus the responses to the rows' forces
-  T* inverse = nullptr;     ///< rows of the inverse; single states only, like the next one
+  T* inverse = nullptr;     ///< rows of the inverse
   T* column = nullptr;      ///< scratch of two rows
 
   static constexpr int widest = 8;
@@ -103,7 +103,6 @@ void layOutDelassus(BasicConstraintWorkspace<T>& x, int count, Arena& arena) {
   const auto rows = static_cast<std::size_t>(std::max(count, widest));
   arena.take(x.bound, static_cast<std::size_t>(x.room));
   arena.take(x.delassus, stride * rows + widest);
-  if constexpr (lanes_of<T> > 1) return;
   arena.take(x.inverse, stride * rows);
   arena.take(x.column, 2 * stride);
 }

@@ -19,7 +19,8 @@ struct ConstraintStates {
   BasicConstraintWorkspace<S> x;
   BasicFrameRows<S>* frames = nullptr;
   BasicRowMotion<S> motion{};
-  S *forces = nullptr, *gamma = nullptr;
+  S *forces = nullptr, *gamma = nullptr, *wanted = nullptr;
+  S* irregular = nullptr;  ///< one pack
 
   static std::size_t layOut(ConstraintStates& s, const CompactImpl& m, const PackedConstraints* c, char* base) {
     Arena arena(base);
@@ -29,8 +30,9 @@ struct ConstraintStates {
     arena.take(s.aligned.dof, static_cast<std::size_t>(m.nvx));
     kernels::layOut(s.x, *c, arena);
     arena.take(s.frames, c->frames.size());
-    for (S** vector : {&s.motion.bias, &s.motion.drift, &s.motion.fall, &s.motion.velocity, &s.motion.error, &s.forces, &s.gamma})
+    for (S** vector : {&s.motion.bias, &s.motion.drift, &s.motion.fall, &s.motion.velocity, &s.motion.error, &s.forces, &s.gamma, &s.wanted})
       arena.take(*vector, static_cast<std::size_t>(s.x.room));
+    arena.take(s.irregular, 1);
     return arena.used();
   }
   RowsOfStates rows() const {
@@ -42,6 +44,8 @@ struct ConstraintStates {
             numbers(x.delassus),
             numbers(forces),
             numbers(gamma),
+            numbers(wanted),
+            numbers(irregular),
             x.stride,
             x.room};
   }
@@ -101,6 +105,15 @@ constexpr ConstraintStateKernels constraintStates() {
     constraintSweep<S, S>(ConstrainedBodies<S, S>{m, own.aligned}, c, true, own.x);
     delassusMatrix<S, S>(c, own.x);
     rowsOfResponse<S, S>(c, own.x, own.gamma);
+  };
+  k.invert = [](const PackedConstraints& c, double tolerance, char* memory) {
+    Scratch& own = statesIn<S>(memory);
+    *own.irregular = S(0);
+    exchangeAllRows<S, S>(c.rows, own.x, 0.0, LeastPivots<S>{own.x.bound, tolerance, *own.irregular});
+  };
+  k.solve = [](const PackedConstraints& c, char* memory) {
+    Scratch& own = statesIn<S>(memory);
+    timesRows<S, S>(c.rows, own.x.stride, own.x.inverse, own.wanted, own.forces);
   };
   k.respondToRows = [](const PackedConstraints& c, char* memory) {
     Scratch& own = statesIn<S>(memory);

@@ -16,7 +16,8 @@ struct RowsOfStates {
   double* projection;  ///< `room` rows for each degree of freedom of the constraints' bodies
   double *carried, *bound;
   double* delassus;  ///< `stride` entries for each row of the matrix
-  double *forces, *gamma;
+  double *forces, *gamma, *wanted;
+  double* irregular;  ///< one number for each state: not 0 where invert() found that the rows depend on each other
   std::ptrdiff_t stride, room;
 };
 
@@ -49,6 +50,11 @@ struct ConstraintStateKernels {
   void (*articulate)(const CompactImpl&, char* scratch, const PackedConstraints&, const ColumnsIn<double>& v, RowRates, Block<double>&, char* memory);
   /// Computes carried, bound, delassus, and gamma as rowsOfResponse().
   void (*sweep)(const CompactImpl&, const PackedConstraints&, char* memory);
+  /// Invert the Delassus matrices, for lambda = D^-1 wanted into `forces`.
+  /// @{
+  void (*invert)(const PackedConstraints&, double tolerance, char* memory);
+  void (*solve)(const PackedConstraints&, char* memory);
+  /// @}
   void (*respondToRows)(const PackedConstraints&, char* memory);   ///< takes `forces`
   void (*rowsOfResponse)(const PackedConstraints&, char* memory);  ///< writes `gamma`
   /// Writes the accelerations under this gravity to the block's first result.
