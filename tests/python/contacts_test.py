@@ -35,6 +35,34 @@ def two_rods():
     return model
 
 
+class Batches(unittest.TestCase):
+    def test_many_states_give_what_single_states_give(self):
+        model = box()
+        contacts = dyn.ConstraintSet(model, [dyn.point_contact("box")])
+        batch, data, one = dyn.BatchData(model, 6, threads=2), dyn.Data(model), dyn.ConstraintData(contacts)
+        many = dyn.BatchConstraintData(contacts, batch)
+        self.assertEqual(many.set.rows, 3)
+        self.assertGreater(many.nbytes, 0)
+        random = np.random.default_rng(1)
+        q, v, tau = dyn.random_configuration(model, seed=1, states=5), random.standard_normal((5, 6)), random.standard_normal((5, 6))
+        moved = dyn.constraint_dynamics(model, batch, q, v, tau, many)
+        after = dyn.impulse_dynamics(model, batch, q, v, 0.25, many)
+        self.assertEqual((moved.ddq.shape, moved.forces.shape, after.impulses.shape), ((5, 6), (5, 3), (5, 3)))
+        for k in range(5):
+            wanted = dyn.constraint_dynamics(model, data, q[k], v[k], tau[k], one)
+            np.testing.assert_allclose(moved.ddq[k], wanted.ddq, atol=1e-11)
+            np.testing.assert_allclose(moved.forces[k], wanted.forces, atol=1e-11)
+            self.assertEqual((moved.rank[k], moved.iterations[k]), (wanted.rank, wanted.iterations))
+            self.assertLess(moved.residual[k], 1e-10)
+            np.testing.assert_allclose(after.v_after[k], dyn.impulse_dynamics(model, data, q[k], v[k], 0.25, one).v_after, atol=1e-12)
+        many.settings.mu = 1e-2
+        self.assertGreater(dyn.constraint_dynamics(model, batch, q, v, tau, many).iterations.max(), 1)
+        with self.assertRaisesRegex(dyn.Error, "tau is 6 x 4"):
+            dyn.constraint_dynamics(model, batch, q, v, tau[:4], many)
+        with self.assertRaisesRegex(dyn.Error, "another model"):
+            dyn.BatchConstraintData(contacts, dyn.BatchData(box(), 6))
+
+
 class Friction(unittest.TestCase):
     def test_a_box_on_a_slope_slides_with_what_friction_leaves(self):
         angle, dt = 0.4, 1e-2

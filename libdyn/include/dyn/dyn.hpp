@@ -24,6 +24,7 @@
 #include <dyn/algorithm/states.hpp>
 #include <dyn/compile/compile.hpp>
 #include <dyn/constraint/assembly.hpp>
+#include <dyn/constraint/batch.hpp>
 #include <dyn/constraint/delassus.hpp>
 #include <dyn/constraint/derivatives.hpp>
 #include <dyn/constraint/dynamics.hpp>

@@ -3,10 +3,13 @@
 #include "arrays.hpp"
 #include "choices.hpp"
 #include "description.hpp"
+#include "objects.hpp"
 
+#include <dyn/constraint/batch.hpp>
 #include <dyn/constraint/dynamics.hpp>
 
 #include <pybind11/eigen.h>
+#include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
 namespace dyn::python {
@@ -130,6 +133,77 @@ void addSets(py::module_& m) {
       .def_property_readonly("nbytes", &ConstraintData::bytes, "The size in bytes.");
 }
 
+/// The forces of a batch, and whether a call is using them.
+struct BatchForces {
+  BatchForces(const ConstraintSet& set, const Batch<double>& batch) : data(set, batch.data) {}
+  BatchConstraintData data;
+  std::atomic<bool> busy = false;
+};
+
+/// Results of many states, one a row.
+struct BatchMotions {
+  py::object motion, force, residual, rank, iterations;
+};
+
+/// Reads `count` arguments, calls solve(views), which returns BatchConstrainedViews, and copies the results.
+template <class Solve>
+BatchMotions solveStates(const char* function, const CompactModel& model, Batch<double>& batch, BatchForces& forces,
+                         const std::vector<std::pair<const char*, py::object>>& arguments, const Solve& solve) {
+  StatesInput<double> states[3];
+  for (std::size_t k = 0; k < arguments.size(); ++k)
+    if (!states[k].read(arguments[k].second.ptr(), function, arguments[k].first)) throw py::error_already_set();
+  const InUse use(batch.busy, function), use_of_forces(forces.busy, function);
+  const auto found = [&] {
+    const py::gil_scoped_release unlocked;
+    return solve(states[0].view(), states[1].view(), states[2].view());
+  }();
+  const py::ssize_t count = states[0].view().cols;
+  const auto rows = [&](const double* numbers, py::ssize_t size) {
+    PyObject* const out = newArrayOfStates(numbers, count, size, 1);
+    if (out == nullptr) throw py::error_already_set();
+    return py::reinterpret_steal<py::object>(out);
+  };
+  return {rows(found.motion, model.nv()), rows(found.forces, forces.data.set().rows()), py::array_t<double>(count, found.residual),
+          py::array_t<int>(count, found.rank), py::array_t<int>(count, found.iterations)};
+}
+
+void addBatches(py::module_& m) {
+  py::class_<BatchForces>(m, "BatchConstraintData", "Memory for the forces of a set of constraints in the states of a batch.")
+      .def(py::init<const ConstraintSet&, const Batch<double>&>(), py::arg("constraints"), py::arg("batch"),
+           "Takes memory for calls with this batch, or with others of its model that have no more states and threads.")
+      .def_property_readonly(
+          "set", [](const BatchForces& x) { return x.data.set(); }, "The constraints whose forces it holds.")
+      .def_property_readonly(
+          "settings", [](BatchForces& x) -> ConstraintSettings& { return x.data.settings; }, py::return_value_policy::reference_internal,
+          "How forces are computed; its members may be changed between calls.")
+      .def_property_readonly(
+          "nbytes", [](const BatchForces& x) { return x.data.bytes(); }, "The size in bytes.");
+  py::class_<BatchMotions>(m, "BatchConstrainedMotion", "ConstrainedMotion in many states, one a row.")
+      .def_readonly("ddq", &BatchMotions::motion, "The accelerations (states, nv) [rad/s^2, m/s^2], of constraint_dynamics.")
+      .def_readonly("v_after", &BatchMotions::motion, "The velocities after the impact (states, nv) [rad/s, m/s], of impulse_dynamics.")
+      .def_readonly("forces", &BatchMotions::force, "Forces (states, rows) [N, N m] on the constraints' frames.")
+      .def_readonly("impulses", &BatchMotions::force, "Impulses (states, rows) [N s, N m s], of impulse_dynamics.")
+      .def_readonly("residual", &BatchMotions::residual, "The largest violation of a row (states,) [m/s^2, rad/s^2; m/s, rad/s of impulse_dynamics].")
+      .def_readonly("rank", &BatchMotions::rank, "The rank of the rows (states,).")
+      .def_readonly("iterations", &BatchMotions::iterations, "The number of iterations of the solver (states,).");
+  const py::arg model("model"), batch("data"), q("q"), v("v"), constraints("constraints");
+  m.def(
+      "constraint_dynamics",
+      [](const CompactModel& x, Batch<double>& b, const py::object& at, const py::object& along, const py::object& tau, BatchForces& c) {
+        return solveStates("constraint_dynamics", x, b, c, {{"q", at}, {"v", along}, {"tau", tau}},
+                           [&](auto Q, auto V, auto Tau) { return detail::batchConstraintDynamics(x, b.data, Q, V, Tau, c.data); });
+      },
+      model, batch, q, v, py::arg("tau"), constraints,
+      "Computes accelerations and constraint forces in every state; returns a BatchConstrainedMotion.");
+  m.def(
+      "impulse_dynamics",
+      [](const CompactModel& x, Batch<double>& b, const py::object& at, const py::object& along, double restitution, BatchForces& c) {
+        return solveStates("impulse_dynamics", x, b, c, {{"q", at}, {"v", along}},
+                           [&](auto Q, auto V, auto) { return detail::batchImpulseDynamics(x, b.data, Q, V, restitution, c.data); });
+      },
+      model, batch, q, v, py::arg("restitution"), constraints, "Computes velocities after impacts in every state, and their impulses.");
+}
+
 }  // namespace
 
 void addConstraints(py::module_& m) {
@@ -167,6 +241,7 @@ void addConstraints(py::module_& m) {
       "compute_constraint_jacobian",
       [](const CompactModel& x, Data& d, const Vector& at, ConstraintData& c) { return Eigen::MatrixXd(computeConstraintJacobian(x, d, at, c)); },
       model, data, q, constraints, "Returns the Jacobian of the rows (rows, nv).");
+  addBatches(m);
 }
 
 }  // namespace dyn::python

@@ -8,17 +8,6 @@
 
 namespace dyn {
 
-namespace {
-
-/// The first of N numbers of a body at a state, which are `lanes` apart. The memory is ordered by block, body, number, state.
-template <int N, class T>
-T* numbersOf(const BatchImpl<T>& d, const PackMemory& memory, int body, int state) {
-  const int lanes = d.kernels->lanes;
-  return reinterpret_cast<T*>(memory.data()) + (static_cast<std::ptrdiff_t>(state / lanes) * d.model->bodies() + body) * N * lanes + state % lanes;
-}
-
-}  // namespace
-
 namespace detail {
 
 namespace {
@@ -85,9 +74,6 @@ Run<T> runAll(const char* name, const CompactModel& model, BasicBatchData<T>& da
   checkBatch(name, model, d, q, algorithm.batch_need, nameOf(algorithm.batch_need));
   if (v.given) checkStates(name, "v", v, m.nv, q.cols);
   if (a.given) checkStates(name, forward ? "tau" : "a", a, m.nv, q.cols);
-  if (d.models > 0 && q.cols > d.models)
-    throw Error(ErrorCode::size, std::string(name) + ": there are " + std::to_string(q.cols) + " states, and setModels() was given " +
-                                     std::to_string(d.models) + " models");
   if (isCentroidal(algorithm.algorithm) && (d.massless || (d.models == 0 && !(m.mass > 0))))
     throw Error(ErrorCode::singular, std::string(name) + ": the model has no mass");
   const ModelSizes sizes{m.nv, static_cast<int>(m.joints.size()), static_cast<int>(m.frames.size())};
@@ -106,8 +92,7 @@ Run<T> runAll(const char* name, const CompactModel& model, BasicBatchData<T>& da
     readStates<T>(d, t, {q, v, a, forward}, first, count, block);
     for (int k = 0; k < 4; ++k) block.results[k] = results[k].first ? results[k].first + first * results[k].rows : nullptr;
     complete(block, first);
-    if (d.models > 0 && d.kernels->lanes > 1) block.inertias = numbersOf<sizeof(InertiaConstants<T>) / sizeof(T)>(d, d.inertias, 0, first);
-    d.kernels->run(d.by_state.empty() ? m : *d.by_state[at(first)], d.scratch[at(t)].data(), block);
+    d.kernels->run(chooseModels(d, first, block), d.scratch[at(t)].data(), block);
     if (results[0].first || results[1].first) {
       noteFailures(q, block, results, first, count, f);
     } else {
@@ -256,7 +241,7 @@ void pick(const BatchImpl<T>& d, const PackMemory& memory, int body, int state, 
   if (state < 0 || state >= d.states)
     throw Error(ErrorCode::argument,
                 "state " + std::to_string(state) + " does not exist; the last forwardKinematics had " + std::to_string(d.states));
-  const T* from = numbersOf<N>(d, memory, body, state);
+  const T* from = detail::numbersOf<N>(d, memory, body, state);
   for (int k = 0; k < N; ++k) out[k] = from[k * d.kernels->lanes];
 }
 

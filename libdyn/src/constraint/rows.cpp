@@ -46,12 +46,19 @@ void locateRows(const CompactImpl& m, const PackedConstraints& c, const double* 
                 kernels::FrameRows* frames, const kernels::RowMotion& rows, kernels::ConstraintWorkspace& x) {
   kernels::constraintKernels().placeFrames(m, c, rates, frames, rows, x);
   if (!c.actsOnJoints()) return;
+  std::fill_n(x.projection, x.room * static_cast<std::ptrdiff_t>(c.dofs.size()), 0.0);
+  locateJointRows(m, c, q, v, rows, x.projection, x.room, 1);
+}
+
+void locateJointRows(const CompactImpl& m, const PackedConstraints& c, const double* q, const double* v, const kernels::RowMotion& rows,
+                     double* projection, std::ptrdiff_t room, int step) {
   const auto put = [&](int row, double velocity, double bias, double error, const Baumgarte& b) {
-    rows.velocity[row] = velocity;
-    rows.bias[row] = bias;
-    rows.error[row] = error;
-    rows.drift[row] = bias + b.velocity * velocity + b.position * error;
-    rows.fall[row] = 0;
+    const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(row) * step;
+    rows.velocity[at] = velocity;
+    rows.bias[at] = bias;
+    rows.error[at] = error;
+    rows.drift[at] = bias + b.velocity * velocity + b.position * error;
+    rows.fall[at] = 0;
   };
   Coordinates coordinates;
   for (const PackedJointCoupling& k : c.couplings) {
@@ -69,8 +76,7 @@ void locateRows(const CompactImpl& m, const PackedConstraints& c, const double* 
     if (!k.configuration.empty()) differenceOf(m, k.body, k.configuration.data(), q + body.idx_q, error);
     for (int r = 0; r < k.rows; ++r) put(k.row + r, v ? v[body.idx_v + r] : 0.0, 0, error[r], k.baumgarte);
   }
-  std::fill_n(x.projection, x.room * static_cast<std::ptrdiff_t>(c.dofs.size()), 0.0);
-  eachProjection(m, c, q, [&](int row, int dof, double share) { x.projectionOf(dof)[row] += share; });
+  eachProjection(m, c, q, [&](int row, int dof, double share) { projection[(room * dof + row) * step] += share; });
 }
 
 void sumRowForces(const CompactImpl& m, const PackedConstraints& c, const kernels::FrameRows* frames, const double* q, const double* lambda,

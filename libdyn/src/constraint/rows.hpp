@@ -14,6 +14,11 @@ namespace dyn {
 void locateRows(const CompactImpl& m, const PackedConstraints& c, const double* q, const double* v, kernels::RowRates rates,
                 kernels::FrameRows* frames, const kernels::RowMotion& rows, kernels::ConstraintWorkspace& x);
 
+/// The part of locateRows for rows on joints: writes their motion, and adds their unit forces to `projection`, `room` rows for each degree of freedom
+/// of the constraints' bodies. Numbers of neighbouring rows are `step` apart.
+void locateJointRows(const CompactImpl& m, const PackedConstraints& c, const double* q, const double* v, const kernels::RowMotion& rows,
+                     double* projection, std::ptrdiff_t room, int step);
+
 /// Sums the forces lambda of the rows: one force for each of the constraints' bodies, and one projection for each of their degrees of freedom.
 void sumRowForces(const CompactImpl& m, const PackedConstraints& c, const kernels::FrameRows* frames, const double* q, const double* lambda,
                   Force<double>* bodies, double* projections);

@@ -41,6 +41,22 @@ void checkBatch(const char* algorithm, const CompactModel& model, const BatchImp
     throw Error(ErrorCode::size, std::string(algorithm) + ": q is " + std::to_string(q.rows) + " x " + std::to_string(q.cols) + ", it must be " +
                                      std::to_string(model.nq()) + " x 1 to " + std::to_string(d.capacity));
   if (q.data == nullptr && q.rows > 0) throw Error(ErrorCode::argument, std::string(algorithm) + ": q is a null pointer");
+  if (d.models > 0 && q.cols > d.models)
+    throw Error(ErrorCode::size, std::string(algorithm) + ": there are " + std::to_string(q.cols) + " states, and setModels() was given " +
+                                     std::to_string(d.models) + " models");
+}
+
+/// The first of N numbers of a body at a state, which are `lanes` apart. The memory is ordered by block, body, number, state.
+template <int N, class T>
+T* numbersOf(const BatchImpl<T>& d, const PackMemory& memory, int body, int state) {
+  const int lanes = d.kernels->lanes;
+  return reinterpret_cast<T*>(memory.data()) + (static_cast<std::ptrdiff_t>(state / lanes) * d.model->bodies() + body) * N * lanes + state % lanes;
+}
+/// Returns the model of the block that begins with state `first`. If the states have models of their own, the block gets their inertias.
+template <class T>
+const CompactImpl& chooseModels(const BatchImpl<T>& d, int first, kernels::Block<T>& block) {
+  if (d.models > 0 && d.kernels->lanes > 1) block.inertias = numbersOf<sizeof(InertiaConstants<T>) / sizeof(T)>(d, d.inertias, 0, first);
+  return d.by_state.empty() ? *d.model : *d.by_state[static_cast<std::size_t>(first)];
 }
 
 /// Calls block(thread, first state, count, failure) for all states. Each thread gets a contiguous run of states. Returns the first failure.

@@ -15,29 +15,29 @@
 namespace dyn::kernels {
 
 /// Writes the positions and velocities in x.chains. After abaOutward. Reads v only if rates is `velocities`. O(bodies).
-template <class S>
-void locateChains(const ConstrainedBodies<S>& bodies, const PackedConstraints& c, const double* v, RowRates rates, ConstraintWorkspace& x) {
+template <class Bodies, class N = typename Bodies::Number>
+void locateChains(const Bodies& bodies, const PackedConstraints& c, const N* v, RowRates rates, BasicConstraintWorkspace<N>& x) {
   for (std::size_t number = c.chains.size(); number-- > 0;) {
     const ConstrainedChain& chain = c.chains[number];
-    ChainState& state = x.chains[number];
-    Vec3<double> arm;
-    Motion<double> velocity;
+    BasicChainState<N>& state = x.chains[number];
+    Vec3<N> arm;
+    Motion<N> velocity;
     for (int place = chain.end; place-- > chain.begin;) {
       const auto here = bodies[c.bodies[static_cast<std::size_t>(place)]];
-      const Vec3<double> r = here.r();
+      const Vec3<N> r = here.r();
       arm += r;
       if (rates != RowRates::velocities) continue;
       velocity.linear += cross(velocity.angular, r);
       for (int k = 0; k < here.nv(); ++k) {
-        const double rate = v[here.index.idx_v + k];
-        const Motion<double> s = here.dof(k).column();
+        const N rate = v[here.index.idx_v + k];
+        const Motion<N> s = here.dof(k).column();
         velocity.angular += rate * s.angular;
         if (!here.index.turns_only) velocity.linear += rate * s.linear;
       }
     }
     const auto first = bodies[c.bodies[static_cast<std::size_t>(chain.begin)]];
     state.R = first.R();
-    state.w = rates != RowRates::none ? first.w() : Vec3<double>{};
+    state.w = rates != RowRates::none ? first.w() : Vec3<N>{};
     state.arm = arm;
     state.velocity = velocity;
     state.tree = chain.parent < 0 ? bodies[c.bodies[static_cast<std::size_t>(chain.end - 1)]].tree() : x.chains[chain.parent].tree;
@@ -53,10 +53,10 @@ struct ClimbingRows {
 
 /// Projects out a plain floating base, whose columns are its axes: one axis after the other, until nothing is left of the forces. No row may act on a
 /// joint.
-template <class P, int packs, class S>
-[[gnu::always_inline]] inline void projectOutPlainFloatingBase(const typename ConstrainedBodies<S>::Body& root, double* projections, double* scaled,
-                                                               std::ptrdiff_t room, double* response, ClimbingRows<P> (&rows)[packs]) {
-  constexpr int lanes = lanes_of<P>;
+template <class P, int packs, class Body, class N>
+[[gnu::always_inline]] inline void projectOutPlainFloatingBase(const Body& root, N* projections, N* scaled, std::ptrdiff_t room, N* response,
+                                                               ClimbingRows<P> (&rows)[packs]) {
+  constexpr int lanes = rows_of<P, N>;
   const auto of = [](Force<P>& F, int axis) -> P& { return axis < 3 ? F.linear[axis] : F.angular[axis - 3]; };
 #pragma GCC unroll 6
   for (int k = 0; k < 6; ++k, projections += room, scaled += room) {
@@ -80,27 +80,23 @@ template <class P, int packs, class S>
 
 /// Takes `packs` packs of rows, from `first` on, along a chain. At each degree of freedom a pack waits only for its own numbers, so several packs
 /// overlap. `contacts`: joints have been eliminated and all rows act on bodies, which is nearly always so.
-template <class P, int packs, bool contacts, class S>
-void climbChain(const ConstrainedBodies<S>& bodies, const PackedConstraints& c, int number, int first, bool has_eliminated, ConstraintWorkspace& x) {
+template <class P, int packs, bool contacts, class Bodies, class N = typename Bodies::Number>
+void climbChain(const Bodies& bodies, const PackedConstraints& c, int number, int first, bool has_eliminated, BasicConstraintWorkspace<N>& x) {
   const bool eliminated = contacts || has_eliminated, on_joints = !contacts && c.actsOnJoints();
-  constexpr int lanes = lanes_of<P>;
+  constexpr int lanes = rows_of<P, N>;
   const ConstrainedChain& chain = c.chains[static_cast<std::size_t>(number)];
   const std::ptrdiff_t step = x.forceStep(chain);
   ClimbingRows<P> rows[packs];
   for (int p = 0; p < packs; ++p) {
     const int row = first + p * lanes;
     const auto force = [&](int component) { return loadPack<P>(x.forceOf(number) + component * step + (row - chain.row_begin)); };
-    rows[p] = {{{force(0), force(1), force(2)}, {force(3), force(4), force(5)}},
-               force(ConstraintWorkspace::reach),
-               force(ConstraintWorkspace::carried_below),
-               force(ConstraintWorkspace::bound_below)};
+    rows[p] = {{{force(0), force(1), force(2)}, {force(3), force(4), force(5)}}, force(x.reach), force(x.carried_below), force(x.bound_below)};
   }
   for (int place = chain.begin; place < chain.end; ++place) {
     const ConstrainedBody& body = c.bodies[static_cast<std::size_t>(place)];
     const auto here = bodies[body];
     if (eliminated && !on_joints && here.isPlainFloatingBase()) {
-      projectOutPlainFloatingBase<P, packs, S>(here, x.projectionOf(body.dof) + first, x.scaledOf(body.dof) + first, x.room, x.response + body.dof,
-                                               rows);
+      projectOutPlainFloatingBase(here, x.projectionOf(body.dof) + first, x.scaledOf(body.dof) + first, x.room, x.response + body.dof, rows);
       break;
     }
     const Vec3<P> r = here.template r<P>();
@@ -113,7 +109,7 @@ void climbChain(const ConstrainedBodies<S>& bodies, const PackedConstraints& c, 
       const P inverse = dof.template inverse<P>(), reach_of_angular = dot(s.angular, s.angular);
       const bool last = k == nv - 1;
       x.response[body.dof + k] = dof.y();
-      double *const projections = x.projectionOf(body.dof + k) + first, *const scaled_projections = x.scaledOf(body.dof + k) + first;
+      N *const projections = x.projectionOf(body.dof + k) + first, *const scaled_projections = x.scaledOf(body.dof + k) + first;
       for (int p = 0; p < packs; ++p) {
         ClimbingRows<P>& row = rows[p];
         Force<P>& F = row.F;
@@ -145,13 +141,13 @@ void climbChain(const ConstrainedBodies<S>& bodies, const PackedConstraints& c, 
     if (!eliminated)
       for (ClimbingRows<P>& row : rows) row.F.angular += cross(r, row.F.linear);
   }
-  Vec3<double> fall;
-  if (chain.parent < 0 && eliminated) fall = transposeTimes(x.chains[number].tree.R, -bodies.m.gravity);
+  Vec3<N> fall;
+  if (chain.parent < 0 && eliminated) fall = transposeTimes(x.chains[number].tree.R, -cast<N>(bodies.m.gravity));
   for (int p = 0; p < packs; ++p) {
     const ClimbingRows<P>& row = rows[p];
     const int at = first + p * lanes, count = chain.row_end - at;
     // A chain that is alone stores without adding: sums would wait for the numbers that neighbours have just written.
-    const auto hand = [&](const P& value, double* to) {
+    const auto hand = [&](const P& value, N* to) {
       if (chain.alone) {
         storeFirst(value, count, to);
       } else {
@@ -166,14 +162,14 @@ void climbChain(const ConstrainedBodies<S>& bodies, const PackedConstraints& c, 
     }
     const ConstrainedChain& parent = c.chains[static_cast<std::size_t>(chain.parent)];
     const std::ptrdiff_t parent_step = x.forceStep(parent);
-    double* to = x.forceOf(chain.parent) + (at - parent.row_begin);
+    N* to = x.forceOf(chain.parent) + (at - parent.row_begin);
     for (int a = 0; a < 3; ++a) {
       hand(row.F.linear[a], to + a * parent_step);
       hand(row.F.angular[a], to + (3 + a) * parent_step);
     }
-    hand(row.reach, to + ConstraintWorkspace::reach * parent_step);
-    hand(carried, to + ConstraintWorkspace::carried_below * parent_step);
-    hand(row.bound, to + ConstraintWorkspace::bound_below * parent_step);
+    hand(row.reach, to + x.reach * parent_step);
+    hand(carried, to + x.carried_below * parent_step);
+    hand(row.bound, to + x.bound_below * parent_step);
   }
 }
 
@@ -182,20 +178,22 @@ void climbChain(const ConstrainedBodies<S>& bodies, const PackedConstraints& c, 
 /// Eliminated: after abaInward. x.response gets y, from which abaSolve starts, and x.carried the rows' accelerations without that response, with an
 /// acceleration of -gravity of the world. Not eliminated: after abaOutward. The projections are J, and x.carried is the effect of velocities.
 /// x.bound needs the inverse pivots of the degrees of freedom: abaInward has written them, or else the caller must.
-template <class Wide, class Half, class S>
-void constraintSweep(const ConstrainedBodies<S>& bodies, const PackedConstraints& c, bool eliminated, ConstraintWorkspace& x) {
+template <class Wide, class Half, class Bodies, class N = typename Bodies::Number>
+void constraintSweep(const Bodies& bodies, const PackedConstraints& c, bool eliminated, BasicConstraintWorkspace<N>& x) {
   if (c.gathers) {
-    std::fill_n(x.carried, x.room, 0.0);
-    std::fill_n(x.bound, x.room, 0.0);
+    std::fill_n(x.carried, x.room, N(0));
+    std::fill_n(x.bound, x.room, N(0));
   }
   const bool contacts = eliminated && !c.actsOnJoints();
   int number = 0;
   for (const ConstrainedChain& chain : c.chains) {
-    inGroups<Wide, Half>(chain.row_begin, chain.row_end,
-                         [&]<class P, int packs>(int first, std::type_identity<P>, std::integral_constant<int, packs>) {
-                           if (contacts) return climbChain<P, packs, true>(bodies, c, number, first, eliminated, x);
-                           climbChain<P, packs, false>(bodies, c, number, first, eliminated, x);
-                         });
+    inGroups<Wide, Half, N>(chain.row_begin, chain.row_end,
+                            [&]<class P, int packs>(int first, std::type_identity<P>, std::integral_constant<int, packs>) {
+                              // Packs of states take so long that it does not pay to compile the decision into them.
+                              constexpr bool decide = lanes_of<N> == 1;
+                              if (decide && contacts) return climbChain<P, packs, decide>(bodies, c, number, first, eliminated, x);
+                              climbChain<P, packs, false>(bodies, c, number, first, eliminated, x);
+                            });
     ++number;
   }
 }

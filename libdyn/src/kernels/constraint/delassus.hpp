@@ -16,21 +16,21 @@
 namespace dyn::kernels {
 
 /// (1): the whole Delassus matrix from the projections of an eliminated sweep. O(dofs x rows^2).
-template <class Wide, class Half>
-void delassusMatrix(const PackedConstraints& c, ConstraintWorkspace& x) {
+template <class Wide, class Half, class T>
+void delassusMatrix(const PackedConstraints& c, BasicConstraintWorkspace<T>& x) {
   constexpr int tile = 4;
-  const Rows<double> D{x.delassus, x.stride};
+  const Rows<T> D{x.delassus, x.stride};
   // A few rows and a pack of columns above the diagonal stay in registers through all degrees of freedom. A chain's projections are zero beyond its
   // rows.
   for (int row = 0; row < c.rows; row += tile)
-    inPacks<Wide, Half>(row, c.rows, [&]<class P>(int column, std::type_identity<P>) {
+    inPacks<Wide, Half, T>(row, c.rows, [&]<class P>(int column, std::type_identity<P>) {
       P sums[tile];
       for (P& sum : sums) sum = P(0);
       for (const ConstrainedChain& chain : c.chains) {
         if (chain.row_begin >= row + tile || chain.row_end <= column) continue;
         for (int k = chain.dof_begin; k < chain.dof_end; ++k) {
           const P projection = loadPack<P>(x.projectionOf(k) + column);
-          const double* scaled = x.scaledOf(k) + row;
+          const T* scaled = x.scaledOf(k) + row;
           for (int r = 0; r < tile; ++r) sums[r] += P(scaled[r]) * projection;
         }
       }
@@ -40,46 +40,48 @@ void delassusMatrix(const PackedConstraints& c, ConstraintWorkspace& x) {
 }
 
 /// (2): adds the response to forces lambda of the rows to x.response. After an eliminated sweep. O(dofs x rows).
-template <class Wide, class Half>
-void respondToRows(const PackedConstraints& c, const double* lambda, ConstraintWorkspace& x) {
+template <class Wide, class Half, class T>
+void respondToRows(const PackedConstraints& c, const T* lambda, BasicConstraintWorkspace<T>& x) {
   for (const ConstrainedChain& chain : c.chains)
-    inGroups<Wide, Half>(chain.row_begin, chain.row_end,
-                         [&]<class P, int packs>(int first, std::type_identity<P>, std::integral_constant<int, packs>) {
-                           P forces[packs];
-                           for (int p = 0; p < packs; ++p) forces[p] = loadPack<P>(lambda + first + p * lanes_of<P>);
-                           for (int k = chain.dof_begin; k < chain.dof_end; ++k) {
-                             const double* scaled = x.scaledOf(k) + first;
-                             P sum = loadPack<P>(scaled) * forces[0];
-                             for (int p = 1; p < packs; ++p) sum += loadPack<P>(scaled + p * lanes_of<P>) * forces[p];
-                             x.response[k] += total<double>(sum);
-                           }
-                         });
+    inGroups<Wide, Half, T>(chain.row_begin, chain.row_end,
+                            [&]<class P, int packs>(int first, std::type_identity<P>, std::integral_constant<int, packs>) {
+                              constexpr int rows = rows_of<P, T>;
+                              P forces[packs];
+                              for (int p = 0; p < packs; ++p) forces[p] = loadPack<P>(lambda + first + p * rows);
+                              for (int k = chain.dof_begin; k < chain.dof_end; ++k) {
+                                const T* scaled = x.scaledOf(k) + first;
+                                P sum = loadPack<P>(scaled) * forces[0];
+                                for (int p = 1; p < packs; ++p) sum += loadPack<P>(scaled + p * rows) * forces[p];
+                                x.response[k] += total<T>(sum);
+                              }
+                            });
 }
 
 /// (3): the accelerations of the rows due to x.response. This is more accurate than the Delassus matrix times lambda: its entries have been rounded,
 /// and forces that cancel do so here before they reach the rows. `out` has room for a pack. O(dofs x rows).
-template <class Wide, class Half>
-void rowsOfResponse(const PackedConstraints& c, const ConstraintWorkspace& x, double* out) {
-  inGroups<Wide, Half>(0, c.rows, [&]<class P, int packs>(int first, std::type_identity<P>, std::integral_constant<int, packs>) {
-    constexpr int lanes = lanes_of<P>;
+template <class Wide, class Half, class T>
+void rowsOfResponse(const PackedConstraints& c, const BasicConstraintWorkspace<T>& x, T* out) {
+  inGroups<Wide, Half, T>(0, c.rows, [&]<class P, int packs>(int first, std::type_identity<P>, std::integral_constant<int, packs>) {
+    constexpr int rows = rows_of<P, T>;
     P sum[packs];
     for (P& pack : sum) pack = P(0);
     for (const ConstrainedChain& chain : c.chains) {
-      if (chain.row_begin >= first + packs * lanes || chain.row_end <= first) continue;
+      if (chain.row_begin >= first + packs * rows || chain.row_end <= first) continue;
       for (int k = chain.dof_begin; k < chain.dof_end; ++k) {
         const P response(x.response[k]);
-        for (int p = 0; p < packs; ++p) sum[p] += response * loadPack<P>(x.projectionOf(k) + first + p * lanes);
+        for (int p = 0; p < packs; ++p) sum[p] += response * loadPack<P>(x.projectionOf(k) + first + p * rows);
       }
     }
-    for (int p = 0; p < packs; ++p) storePack(sum[p], out + first + p * lanes);
+    for (int p = 0; p < packs; ++p) storePack(sum[p], out + first + p * rows);
   });
 }
 
 /// The pack from entry `first` on of a vector whose entry k is 1 and whose other entries are 0. It is read from a constant array with a one between
 /// zeros: reading a pack soon after its numbers were written one by one stalls the core.
-template <class Wide>
+template <class Wide, class T = double>
 Wide unitPack(int k, int first) {
   constexpr int width = lanes_of<Wide>;
+  if constexpr (rows_of<Wide, T> == 1) return k == first ? Wide(1) : Wide(0);
   alignas(64) static constexpr auto unit = [] {
     std::array<double, 2 * width> e{};
     e[width] = 1;
@@ -90,21 +92,21 @@ Wide unitPack(int k, int first) {
 }
 
 /// (4) for rows and columns [k, k + size) of x.inverse, with the given P. The matrix stays symmetric except for rounding.
-template <class Wide, class Half, int size>
-void exchangeRows(int rows, ConstraintWorkspace& x, int k, const double (&P)[size][size]) {
-  const Rows<double> B{x.inverse, x.stride};
+template <class Wide, class Half, int size, class T>
+void exchangeRows(int rows, BasicConstraintWorkspace<T>& x, int k, const T (&P)[size][size]) {
+  const Rows<T> B{x.inverse, x.stride};
   // Factors come from each row itself. By symmetry they could come from rows k on, but the rounding differences would grow with the condition number.
-  double* factors = x.column;
+  T* factors = x.column;
   for (int i = 0; i < rows; ++i)
     for (int j = 0; j < size; ++j) factors[size * i + j] = B[i][k + j];
-  inGroups<Wide, Half>(0, rows, [&]<class Pk, int packs>(int first, std::type_identity<Pk>, std::integral_constant<int, packs>) {
-    constexpr int lanes = lanes_of<Pk>;
+  inGroups<Wide, Half, T>(0, rows, [&]<class Pk, int packs>(int first, std::type_identity<Pk>, std::integral_constant<int, packs>) {
+    constexpr int lanes = rows_of<Pk, T>;
     Pk exchanged[size][packs], taken[size][packs];
     for (int p = 0; p < packs; ++p) {
       const int column = first + p * lanes;
       Pk e[size], from[size], outside(1);
       for (int j = 0; j < size; ++j) {
-        e[j] = unitPack<Pk>(k + j, column);
+        e[j] = unitPack<Pk, T>(k + j, column);
         outside -= e[j];
       }
       for (int j = 0; j < size; ++j) from[j] = e[j] - outside * loadPack<Pk>(B[k + j] + column);
@@ -134,11 +136,23 @@ struct LeastPivot {
   double mu, tolerance;
   bool holds(double pivot, int row) const { return !(pivot <= tolerance * bound[row]) || mu > 0; }
 };
+/// The same for states in packs: marks the states where a pivot does not hold by a number that is not 0, and goes on.
+template <class T>
+struct LeastPivots {
+  const T* bound;
+  double tolerance;
+  T& marks;
+  bool holds(const T& pivot, int row) const {
+    marks = select(pivot <= T(tolerance) * bound[row], T(1), marks);
+    return true;
+  }
+};
 
 /// Inverts a block {{a, b}, {b, c}} at rows k and k + 1 with one division, because the next block waits for the result. Returns false if a pivot
 /// vanishes.
-inline bool invertBlock(double a, double b, double c, int k, const LeastPivot& least, double (&P)[2][2]) {
-  const double determinant = a * c - b * b, factor = 1 / determinant;
+template <class T, class Least>
+bool invertBlock(const T& a, const T& b, const T& c, int k, const Least& least, T (&P)[2][2]) {
+  const T determinant = a * c - b * b, factor = T(1) / determinant;
   P[0][0] = factor * c;
   P[0][1] = P[1][0] = -(factor * b);
   P[1][1] = factor * a;
@@ -227,7 +241,30 @@ bool invertSmall(int rows, ConstraintWorkspace& x, double mu, const LeastPivot& 
 }
 
 /// Writes (D + mu)^-1 to x.inverse, two rows at a time. Products with the inverse have independent rows, while solutions with triangular factors wait
-/// for each row. Returns false if a pivot is not above tolerance times its bound. NaN does not stop it and comes out as NaN.
+/// for each row. Returns false if a pivot does not hold. NaN does not stop it and comes out as NaN.
+template <class Wide, class Half, class T, class Least>
+bool exchangeAllRows(int rows, BasicConstraintWorkspace<T>& x, double mu, const Least& least) {
+  // Exchanging all rows turns -A into A^-1.
+  for (int i = 0; i < rows; ++i)
+    inPacks<Wide, Half, T>(0, rows, [&]<class P>(int first, std::type_identity<P>) {
+      storePack(-(loadPack<P>(x.delassus + i * x.stride + first) + P(mu) * unitPack<P, T>(i, first)), x.inverse + i * x.stride + first);
+    });
+  int k = 0;
+  for (; k + 1 < rows; k += 2) {
+    const T *upper = x.inverse + k * x.stride + k, *lower = upper + x.stride;
+    T P[2][2];
+    if (!invertBlock(-upper[0], -upper[1], -lower[1], k, least, P)) return false;
+    exchangeRows<Wide, Half, 2>(rows, x, k, P);
+  }
+  if (k == rows) return true;
+  const T pivot = -x.inverse[k * x.stride + k];
+  if (!least.holds(pivot, k)) return false;
+  const T P[1][1] = {{T(1) / pivot}};
+  exchangeRows<Wide, Half, 1>(rows, x, k, P);
+  return true;
+}
+
+/// (D + mu)^-1 of one state. A pivot holds if it is above tolerance times its bound.
 template <class Wide, class Half>
 bool invertDelassus(int rows, ConstraintWorkspace& x, double mu, double tolerance) {
   const LeastPivot least{x.bound, mu, tolerance};
@@ -236,29 +273,13 @@ bool invertDelassus(int rows, ConstraintWorkspace& x, double mu, double toleranc
     if (rows <= 8) return invertSmall<SmallInverse<Wide, 8, 1>>(rows, x, mu, least);
     if (rows <= 12) return invertSmall<SmallInverse<Wide, 12, 2>>(rows, x, mu, least);
   }
-  // Exchanging all rows turns -A into A^-1.
-  for (int i = 0; i < rows; ++i)
-    inPacks<Wide, Half>(0, rows, [&]<class P>(int first, std::type_identity<P>) {
-      storePack(-(loadPack<P>(x.delassus + i * x.stride + first) + P(mu) * unitPack<P>(i, first)), x.inverse + i * x.stride + first);
-    });
-  int k = 0;
-  for (; k + 1 < rows; k += 2) {
-    const double *upper = x.inverse + k * x.stride + k, *lower = upper + x.stride;
-    double P[2][2];
-    if (!invertBlock(-upper[0], -upper[1], -lower[1], k, least, P)) return false;
-    exchangeRows<Wide, Half, 2>(rows, x, k, P);
-  }
-  if (k == rows) return true;
-  const double pivot = -x.inverse[k * x.stride + k];
-  if (!least.holds(pivot, k)) return false;
-  exchangeRows<Wide, Half, 1>(rows, x, k, {{1 / pivot}});
-  return true;
+  return exchangeAllRows<Wide, Half>(rows, x, mu, least);
 }
 
 /// out = A x for a symmetric matrix. Nothing is written behind the last row, so the zeros there stay even if the product is not finite.
-template <class Wide, class Half>
-void timesRows(int rows, std::ptrdiff_t stride, const double* A, const double* x, double* out) {
-  inPacks<Wide, Half>(0, rows, [&]<class P>(int first, std::type_identity<P>) {
+template <class Wide, class Half, class T>
+void timesRows(int rows, std::ptrdiff_t stride, const T* A, const T* x, T* out) {
+  inPacks<Wide, Half, T>(0, rows, [&]<class P>(int first, std::type_identity<P>) {
     P even(0), odd(0);
     int k = 0;
     for (; k + 1 < rows; k += 2) {

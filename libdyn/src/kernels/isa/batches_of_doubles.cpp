@@ -4,6 +4,10 @@
 
 namespace dyn::kernels {
 
+// constraints.cpp uses these.
+template void articulateStates(const CompactImpl&, BlockScratch<Doubles>&, Block<double>&);
+template void accelerateStates(const CompactImpl&, BlockScratch<Doubles>&, const Vec3<double>&, Block<double>&);
+
 BlockKernels<double> batchesOfDoubles() { return blockKernels<Doubles>(); }
 
 }  // namespace dyn::kernels

@@ -102,6 +102,14 @@ class Results {
   Block<Real<S>>& b_;
 };
 
+/// The articulated-body recursion for the block's q, v and tau, without its last pass. Leaves the factors of the degrees of freedom in the bodies'
+/// own axes, and the bodies' axes and columns in aligned axes. For models without dependent joints.
+template <class S>
+void articulateStates(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b);
+/// The last pass: writes the accelerations under this gravity to the block's first result.
+template <class S>
+void accelerateStates(const CompactImpl& m, BlockScratch<S>& s, const Vec3<double>& gravity, Block<Real<S>>& b);
+
 /// Runs algorithms that are derivatives, factors or centroidal quantities. The joints must have been evaluated before.
 template <class S>
 void runDerivatives(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b);

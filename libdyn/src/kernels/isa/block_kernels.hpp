@@ -47,15 +47,44 @@ void runKinematics(const CompactImpl& m, const CachedBodies<S>& bodies, const Bl
   for (int k = 0; k < 3; ++k) results.put(k, &vectors[k]->x, 3);
 }
 
+template <class S>
+void loadStates(const CompactImpl& m, BlockScratch<S>& s, const Block<Real<S>>& b) {
+  s.w.inertias = static_cast<const InertiaConstants<S>*>(b.inertias);
+  loadColumns(b.q, m.nqx, s.q);
+  loadColumns(b.v, m.nvx, s.v);
+  loadColumns(b.a, m.nvx, s.a);
+}
+
+/// The articulated-body recursion without its last pass. The joints must have been evaluated before.
+template <class S>
+void articulate(const CompactImpl& m, const CachedBodies<S>& bodies, BlockScratch<S>& s, Block<Real<S>>& b) {
+  addDissipation(m, -1.0, s.v, s.a);
+  localAbaOutward(bodies, s.w, s.v);
+  localAbaInward(bodies, s.w, s.a);
+  for (int l = 0; l < b.q.states; ++l) b.failed[l] = s.w.failed[l];
+}
+
+template <class S>
+void articulateStates(const CompactImpl& m, BlockScratch<S>& s, Block<Real<S>>& b) {
+  loadStates(m, s, b);
+  evaluateJoints(m, s.w, s.q, s.v);
+  const CachedBodies<S> bodies{{m, s.w}};
+  articulate(m, bodies, s, b);
+  columnsOutward<Orthonormalisation::from_columns>(bodies, s.w);
+}
+
+template <class S>
+void accelerateStates(const CompactImpl& m, BlockScratch<S>& s, const Vec3<double>& gravity, Block<Real<S>>& b) {
+  localAbaSolve(CachedBodies<S>{{m, s.w}}, s.w, cast<S>(gravity), s.result);
+  b.not_finite = !storeColumns(s.result, m.nvx, b.q.states, b.results[0], m.nvx);
+}
+
 template <class S, class T = Real<S>>
 void runBlock(const CompactImpl& m, char* scratch, Block<T>& b) {
   BlockScratch<S>& s = *reinterpret_cast<BlockScratch<S>*>(scratch);
   Workspace<S>& w = s.w;
   const CachedBodies<S> bodies{{m, w}};
-  w.inertias = static_cast<const InertiaConstants<S>*>(b.inertias);
-  loadColumns(b.q, m.nqx, s.q);
-  loadColumns(b.v, m.nvx, s.v);
-  loadColumns(b.a, m.nvx, s.a);
+  loadStates(m, s, b);
   const bool poses_only = b.algorithm == Algorithm::mass_matrix || b.algorithm == Algorithm::joint_jacobians ||
                           b.algorithm == Algorithm::frame_jacobian || b.algorithm == Algorithm::minverse;
   evaluateJoints(m, w, s.q, poses_only ? nullptr : s.v);
@@ -94,12 +123,8 @@ void runBlock(const CompactImpl& m, char* scratch, Block<T>& b) {
       return s.squares.mass.empty() ? results.put(0, s.M, numbers) : results.putSquares(0, s.squares.mass, s.M, numbers);
     }
     case Algorithm::aba:
-      addDissipation(m, -1.0, s.v, s.a);
-      localAbaOutward(bodies, w, s.v);
-      localAbaInward(bodies, w, s.a);
-      localAbaSolve(bodies, w, bodies.gravity(), s.result);
-      for (int l = 0; l < b.q.states; ++l) b.failed[l] = w.failed[l];
-      break;
+      articulate(m, bodies, s, b);
+      return accelerateStates(m, s, m.gravity, b);
     case Algorithm::rnea_derivatives:
     case Algorithm::aba_derivatives:
     case Algorithm::minverse:

@@ -4,6 +4,7 @@
 #include "kernels/constraint/constraint_recursions.hpp"
 #include "kernels/constraint/delassus.hpp"
 #include "kernels/constraint/frame_rows.hpp"
+#include "kernels/isa/constraint_states.hpp"
 #include "kernels/isa/constraint_table.hpp"
 #include "kernels/isa/table_parts.hpp"
 #include "kernels/order/lane_group_scratch.hpp"
@@ -48,6 +49,7 @@ ConstraintKernels makeConstraintKernels() {
   ConstraintKernels k{};
   k.layout = constraintLayoutStamp();
   k.single = constraintRecursions<double>();
+  k.states = constraintStates<Doubles>();
   k.placeFrames = kernels::placeFrames<Wide>;
   k.frameAccelerations = kernels::frameAccelerations<Wide>;
   k.delassusMatrix = kernels::delassusMatrix<WidestPack, Wide>;
