@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-2-Clause
-# DYN_INSTRUCTION_SETS chooses the instruction sets that kernels and plugins are compiled for.
-#   all     the baseline, which every processor of this architecture has, avx2, avx512, and kernels without packs (scalar) for tests; packages are
-#           built with this value
+# DYN_INSTRUCTION_SETS chooses the instruction sets that kernels and plugins are compiled for. Plugins are always built for the baseline too, which
+# every processor of this architecture has.
+#   all     baseline, avx2, avx512, and kernels without packs (scalar) for tests; packages are built with this value
 #   native  the best set of this machine's processor
-# The value native empties libdyn_plugin_instruction_sets. DYN_KERNEL_SETS lists the modules of kernels; DYN_KERNEL_SET_NAMES is this list as text.
+# The value native reduces libdyn_plugin_instruction_sets. DYN_KERNEL_SETS lists the modules of kernels; DYN_KERNEL_SET_NAMES is this list as text.
 set(DYN_INSTRUCTION_SETS all CACHE STRING "Instruction sets: all, or native")
 set_property(CACHE DYN_INSTRUCTION_SETS PROPERTY STRINGS all native)
 

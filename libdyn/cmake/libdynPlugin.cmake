@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: BSD-2-Clause
 # libdyn_add_joint_plugin(NAME SOURCES... [OUTPUT_DIRECTORY DIR] [LINK_LIBRARIES LIBRARIES...]) builds a plugin of joint types in the layout that
 # libdyn expects: NAME.so for every processor, and beside it avx2/NAME.so and avx512/NAME.so, which libdyn prefers where the processor supports
-# them. Their targets are NAME_avx2 and NAME_avx512; libdyn_plugin_instruction_sets lists the suffixes. In a build of libdyn for this machine's
-# processor only (DYN_INSTRUCTION_SETS=native), NAME.so is compiled for that processor, and nothing lies beside it.
+# them. Their targets are NAME_avx2 and NAME_avx512; libdyn_plugin_instruction_sets lists the suffixes.
 
 # The function calls this macro again, because a project may call the function in directories that do not see the variables of this file.
 macro(libdyn_plugin_settings)
@@ -11,14 +10,15 @@ macro(libdyn_plugin_settings)
     set(libdyn_plugin_instruction_sets avx2 avx512)
   endif()
   get_property(libdyn_native_set GLOBAL PROPERTY libdyn_native_set)
+  if(libdyn_native_set)
+    set(libdyn_plugin_instruction_sets ${libdyn_native_set})
+    list(REMOVE_ITEM libdyn_plugin_instruction_sets baseline)
+  endif()
   set(libdyn_options_avx2 -march=x86-64-v3)
   set(libdyn_options_avx512 -march=x86-64-v4)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
     # gcc 12 warns about its own intrinsics (gcc bug 105593).
     list(APPEND libdyn_options_avx512 -Wno-uninitialized -Wno-maybe-uninitialized)
-  endif()
-  if(libdyn_native_set)
-    set(libdyn_plugin_instruction_sets)
   endif()
 endmacro()
 libdyn_plugin_settings()
@@ -36,19 +36,17 @@ function(libdyn_add_joint_plugin name)
   foreach(isa "" ${libdyn_plugin_instruction_sets})
     if(isa)
       set(target ${name}_${isa})
-      set(options ${libdyn_options_${isa}} -ffp-contract=fast)
-    elseif(libdyn_native_set)
-      set(target ${name})
-      set(options ${libdyn_options_${libdyn_native_set}} -ffp-contract=fast)
     else()
       set(target ${name})
-      set(options)
     endif()
     add_library(${target} MODULE ${arg_UNPARSED_ARGUMENTS})
     target_link_libraries(${target} PRIVATE libdyn::sdk ${arg_LINK_LIBRARIES})
     set_target_properties(${target} PROPERTIES
       PREFIX "" OUTPUT_NAME ${name} LIBRARY_OUTPUT_DIRECTORY ${arg_OUTPUT_DIRECTORY}/${isa}
       CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON POSITION_INDEPENDENT_CODE ON)
-    target_compile_options(${target} PRIVATE -fno-math-errno -fno-trapping-math ${options})
+    target_compile_options(${target} PRIVATE -fno-math-errno -fno-trapping-math ${libdyn_options_${isa}})
+    if(isa)
+      target_compile_options(${target} PRIVATE -ffp-contract=fast)
+    endif()
   endforeach()
 endfunction()
