@@ -24,12 +24,6 @@ CompactModel robot(const std::string& path, const std::string& root = "free_flye
   options.root = root;
   return compile(urdf::load(path, options), registry());
 }
-CompactModel biped() { return robot(DYN_SOURCE_DIR "/models/biped.urdf"); }
-
-ConstraintDescription renamed(ConstraintDescription c, const std::string& name) {
-  c.name = name;
-  return c;
-}
 
 /// The largest |x - y|, relative to 1 and the largest number of y.
 double off(const Matrix& x, const Matrix& y) {

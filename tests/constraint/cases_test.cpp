@@ -13,12 +13,6 @@ using namespace dyn::test;
 
 namespace {
 
-CompactModel biped() {
-  urdf::Options o;
-  o.root = "free_flyer";
-  return compile(urdf::load(DYN_SOURCE_DIR "/models/biped.urdf", o), registry());
-}
-
 struct State {
   Eigen::VectorXd q, v, tau;
 };
@@ -29,11 +23,6 @@ State stateOf(const CompactModel& model, std::uint64_t seed) {
 
 ConstrainedMotion solve(const CompactModel& model, Data& data, const State& s, ConstraintData& c) {
   return constraintDynamics(model, data, s.q, s.v, s.tau, c);
-}
-
-ConstraintDescription renamed(ConstraintDescription c, const std::string& name) {
-  c.name = name;
-  return c;
 }
 
 /// Names of the frames of leaf bodies, used as feet.

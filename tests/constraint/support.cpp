@@ -1,12 +1,25 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "constraint/support.hpp"
 
+#include <dyn/parsers/urdf.hpp>
+
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <Eigen/QR>
 
 namespace dyn::test {
+
+CompactModel biped() {
+  urdf::Options o;
+  o.root = "free_flyer";
+  return compile(urdf::load(DYN_SOURCE_DIR "/models/biped.urdf", o), registry());
+}
+
+ConstraintDescription renamed(ConstraintDescription c, const std::string& name) {
+  c.name = name;
+  return c;
+}
 
 DenseRows denseRows(const CompactModel& model, Data& data, const std::vector<ConstraintDescription>& set, const Eigen::VectorXd& q,
                     const Eigen::VectorXd& v) {

@@ -35,6 +35,11 @@ struct Subject {
   Eigen::VectorXd q, v, tau;
 };
 
+/// models/biped.urdf on a floating base.
+CompactModel biped();
+/// The constraint under another name, of which a set has only one each.
+ConstraintDescription renamed(ConstraintDescription c, const std::string& name);
+
 /// A random tree with random constraints between its bodies and the world, and a random state.
 Subject randomScene(std::uint64_t seed, int bodies, int constraints);
 

@@ -31,7 +31,7 @@ TEMPLATE_TEST_CASE("inertias are symmetric 6x6 matrices that transform by congru
     const SE3<S> aMb = s.pose();
     const Motion<S> v = s.motion();
     const Dense M = dense(Y), X = dense(actionMatrix6(aMb));
-    CHECK_NEAR(M, Dense(M.transpose()));
+    CHECK_NEAR(M, M.transpose());
     CHECK_NEAR(dense(Y * v), M * dense(v));
     CHECK_NEAR(dense(Y + Z), M + dense(Z));
     CHECK_NEAR(dense(Y.transformed(aMb)), X.inverse().transpose() * M * X.inverse());

@@ -145,7 +145,7 @@ struct BatchMotions {
   py::object motion, force, residual, rank, iterations;
 };
 
-/// Reads `count` arguments, calls solve(views), which returns BatchConstrainedViews, and copies the results.
+/// Reads the arguments, calls solve(views), which returns BatchConstrainedViews, and copies the results.
 template <class Solve>
 BatchMotions solveStates(const char* function, const CompactModel& model, Batch<double>& batch, BatchForces& forces,
                          const std::vector<std::pair<const char*, py::object>>& arguments, const Solve& solve) {

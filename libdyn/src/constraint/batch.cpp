@@ -3,9 +3,9 @@
 #include "algorithm/support/batch_support.hpp"
 #include "constraint/delassus_solver.hpp"
 #include "constraint/rows.hpp"
+#include "constraint/solution.hpp"
 #include "data/room.hpp"
 #include "kernels/isa/constraint_table.hpp"
-#include "number_text.hpp"
 
 #include <dyn/constraint/batch.hpp>
 
@@ -48,8 +48,7 @@ BatchConstraintData::BatchConstraintData(const ConstraintSet& set, const BatchDa
   const BatchImpl<double>& d = batch.impl();
   const CompactImpl& m = *d.model;
   const PackedConstraints& c = set.impl();
-  if (&set.model().impl() != &m)
-    throw Error(ErrorCode::argument, "BatchConstraintData: the constraints were looked up in another model than the batch's");
+  checkSet("BatchConstraintData", m, set);
   refuseDependentJoints("BatchConstraintData", m);
   const kernels::ConstraintStateKernels& k = kernels::constraintKernels().states;
   BatchConstraintImpl& x = *impl_;
@@ -215,8 +214,7 @@ BatchConstrainedViews runConstrained(const ConstrainedCall& call, const CompactM
   checkBatch(name, model, d, q, Need::state, "state");
   checkStates(name, "v", v, m.nv, q.cols);
   if (!call.impact) checkStates(name, "tau", tau, m.nv, q.cols);
-  if (&x.set.model().impl() != &m)
-    throw Error(ErrorCode::argument, std::string(name) + ": the constraints were looked up in another model; make a ConstraintSet of this one");
+  checkSet(name, m, x.set);
   if (q.cols > x.capacity || d.workers->count() > static_cast<int>(x.threads.size()))
     throw Error(ErrorCode::argument, std::string(name) + ": the constraints' data was made for a batch of fewer states or threads");
   const kernels::ConstraintStateKernels& k = kernels::constraintKernels().states;
@@ -254,8 +252,7 @@ BatchConstrainedViews batchConstraintDynamics(const CompactModel& model, BatchDa
 
 BatchConstrainedViews batchImpulseDynamics(const CompactModel& model, BatchData& data, StatesView<double> q, StatesView<double> v, double restitution,
                                            BatchConstraintData& constraints) {
-  if (!(restitution >= 0 && restitution <= 1))
-    throw Error(ErrorCode::argument, "impulseDynamics: restitution is " + number(restitution) + ", it must be between 0 and 1");
+  checkRestitution(restitution);
   return runConstrained({"impulseDynamics", q, v, {}, true, restitution}, model, data, constraints);
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-2-Clause
 #include "constraint/kkt.hpp"
 #include "constraint/solution.hpp"
-#include "number_text.hpp"
 
 #include <dyn/algorithm/aba.hpp>
 #include <dyn/constraint/dynamics.hpp>
@@ -79,8 +78,7 @@ ConstrainedViews constraintDynamics(const CompactModel& model, Data& data, Vecto
 ConstrainedViews impulseDynamics(const CompactModel& model, Data& data, VectorView q, VectorView v, double restitution, ConstraintData& constraints) {
   const char* algorithm = "impulseDynamics";
   checkConstraints(algorithm, model, data, constraints);
-  if (!(restitution >= 0 && restitution <= 1))
-    throw Error(ErrorCode::argument, "impulseDynamics: restitution is " + number(restitution) + ", it must be between 0 and 1");
+  checkRestitution(restitution);
   const CompactImpl& m = model.impl();
   DataImpl& d = data.impl();
   ConstraintDataImpl& c = constraints.impl();

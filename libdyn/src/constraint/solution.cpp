@@ -5,6 +5,7 @@
 #include "algorithm/support/external.hpp"
 #include "at.hpp"
 #include "constraint/kkt.hpp"
+#include "number_text.hpp"
 
 #include <dyn/algorithm/rnea.hpp>
 #include <dyn/error.hpp>
@@ -16,8 +17,17 @@ namespace dyn {
 
 void checkConstraints(const char* algorithm, const CompactModel& model, const Data& data, const ConstraintData& constraints) {
   checkData(algorithm, model, data);
-  if (&constraints.set().model().impl() != &model.impl())
+  checkSet(algorithm, model.impl(), constraints.set());
+}
+
+void checkSet(const char* algorithm, const CompactImpl& m, const ConstraintSet& set) {
+  if (&set.model().impl() != &m)
     throw Error(ErrorCode::argument, std::string(algorithm) + ": the constraints were looked up in another model; make a ConstraintSet of this one");
+}
+
+void checkRestitution(double restitution) {
+  if (!(restitution >= 0 && restitution <= 1))
+    throw Error(ErrorCode::argument, "impulseDynamics: restitution is " + number(restitution) + ", it must be between 0 and 1");
 }
 
 PlacedBodies placedBodies(DataImpl& d, const ConstraintDataImpl& c) {

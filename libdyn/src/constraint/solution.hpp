@@ -11,6 +11,11 @@ namespace dyn {
 /// Throws Error(argument) unless data and constraints were made for the model.
 void checkConstraints(const char* algorithm, const CompactModel& model, const Data& data, const ConstraintData& constraints);
 
+/// Throws Error(argument) unless the constraints were looked up in this model.
+void checkSet(const char* algorithm, const CompactImpl& m, const ConstraintSet& set);
+/// Throws Error(argument) unless an impact may have this restitution.
+void checkRestitution(double restitution);
+
 /// The memory in which the last recursion left the bodies, and the recursions of constraints that read it.
 struct PlacedBodies {
   const kernels::ConstraintRecursions& run;

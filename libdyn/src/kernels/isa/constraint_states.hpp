@@ -9,6 +9,7 @@
 #include "kernels/isa/block.hpp"
 #include "kernels/isa/constraint_table.hpp"
 #include "kernels/pack/columns.hpp"
+#include "kernels/recursion/aba.hpp"
 
 namespace dyn::kernels {
 
@@ -62,18 +63,12 @@ void alignBodies(const CompactImpl& m, const PackedConstraints& c, const Workspa
     const BodyIndex& index = m.index[static_cast<std::size_t>(i)];
     const Mat3<S>& R = w.R[i];
     aligned.w[i] = R * w.w[i];
-    const Motion<S> beta{R * w.beta[i].linear, R * w.beta[i].angular};
-    aligned.beta[i] = beta;
+    aligned.beta[i] = {R * w.beta[i].linear, R * w.beta[i].angular};
     const int last = index.idx_v + index.nv - 1;
     for (int k = index.idx_v; k <= last; ++k) {
       const DofFactor<S>& own = w.dof[k];
-      Force<S> W{R * own.W.linear, R * own.W.angular};
-      S y = own.y;
-      if (k == last) {  // as at the end of abaInward
-        y -= own.inverse * dot(beta, W);
-        W = own.inverse * Force<S>{W.linear, W.angular + cross(w.r[i], W.linear)};
-      }
-      aligned.dof[k] = {own.column, W, own.inverse, y};
+      aligned.dof[k] = {own.column, {R * own.W.linear, R * own.W.angular}, own.inverse, own.y};
+      if (k == last) solveFromParent(aligned, i, aligned.dof[k]);
     }
   }
 }

@@ -89,6 +89,13 @@ void eliminatePlainFloatingBase(const Order& order, const ArticulatedInertia<S>&
   });
 }
 
+/// Makes body i's last degree of freedom one that is solved for first, from the parent's acceleration.
+template <class S>
+void solveFromParent(const Workspace<S>& w, int i, DofFactor<S>& dof) {
+  dof.y -= dof.inverse * dot(w.beta[i], dof.W);
+  dof.W = dof.inverse * Force<S>{dof.W.linear, dof.W.angular + cross(w.r[i], dof.W.linear)};
+}
+
 /// Eliminates each degree of freedom (pivot S^T IA S + armature), projects inertia and bias force, and hands them to the parent, equations (3) to
 /// (7). w.failed tells the first body whose pivot vanished, or 0.
 template <class S, BodyOrder Order>
@@ -117,15 +124,10 @@ void abaInward(const Order& order, Workspace<S>& w, const S* tau, const Force<S>
         }
       });
     }
-    // The last direction is solved for first, from the parent's acceleration.
-    DofFactor<S>& dof = w.dof[iv + last];
-    const Motion<S>& beta = w.beta[i];
-    const Vec3<S>& r = w.r[i];
-    dof.y -= dof.inverse * dot(beta, dof.W);
-    dof.W = dof.inverse * Force<S>{dof.W.linear, dof.W.angular + cross(r, dof.W.linear)};
+    solveFromParent(w, i, w.dof[iv + last]);
     if (order.isRoot(i)) return;
-    pA += IA * beta;
-    if (order.hasOffset(i)) shift(IA, pA, r);
+    pA += IA * w.beta[i];
+    if (order.hasOffset(i)) shift(IA, pA, w.r[i]);
     inertia.give(IA);
     force.give(pA);
   });
